@@ -1,0 +1,7 @@
+"""Tagalong: follow a person through a building, map it on the way, and keep the people out of the map.
+
+Importing the package is light: it only registers the environment ids with Gymnasium (as strings). The rooms are
+`tagalong.slam`, `tagalong.perception`, `tagalong.envs`, `tagalong.agents` and `tagalong.scripts`.
+"""
+
+__version__ = "0.1.0"

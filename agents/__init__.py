@@ -1,0 +1,1 @@
+"""Followers: what drives the robot."""

@@ -1,0 +1,1 @@
+"""Walking people: their gait, their routes and how they make room for each other."""

@@ -1,0 +1,1 @@
+"""From leg detections to people with an identity."""

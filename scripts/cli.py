@@ -1,0 +1,52 @@
+"""The command `tagalong`: finds the sub-command, prints user errors in one line."""
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+
+from .. import __version__
+from ..slam.errors import InputError, MissingExtraError
+
+# name -> what it does; the code is in commands/NAME.py, imported only when it is used
+COMMANDS: dict[str, str] = {}
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run `tagalong ARGUMENTS` and return the exit status: 0 fine, 1 a stated bound was missed, 2 bad input."""
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    try:
+        return _run(words)
+    except (InputError, MissingExtraError) as error:
+        print(f"tagalong: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("tagalong: interrupted", file=sys.stderr)
+        return 130
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 141
+
+
+def _run(words: list[str]) -> int:
+    parser = argparse.ArgumentParser(
+        prog="tagalong",
+        description="Follow a person through a building, map it on the way, keep the people out of the map.",
+        epilog="Each command has its own --help with an example.",
+    )
+    parser.add_argument("--version", action="version", version=f"tagalong {__version__}")
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND")
+    for name, summary in COMMANDS.items():
+        sub = commands.add_parser(
+            name, help=summary, description=summary, formatter_class=argparse.RawDescriptionHelpFormatter
+        )
+        if words and words[0] == name:
+            command = import_module(f".commands.{name.replace('-', '_')}", __package__)
+            command.add_arguments(sub)
+            sub.set_defaults(run=command.run)
+    options = parser.parse_args(words)
+    if options.command is None:
+        parser.print_help()
+        return 0
+    return int(options.run(options))

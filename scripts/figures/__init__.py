@@ -1,0 +1,1 @@
+"""Pictures for people: maps, overlays, scans and videos."""

@@ -1,0 +1,1 @@
+"""Commands that train the shipped models from simulated scans and frames."""

@@ -1,0 +1,1 @@
+"""Ground floor: geometry, scans, grids, matching, SLAM engines, map quality and logs."""

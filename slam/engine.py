@@ -1,0 +1,75 @@
+"""The one protocol of every SLAM engine, and the table of engines."""
+
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .errors import InputError, unknown_name
+from .occupancy_map import OccupancyMap
+from .scan import LaserScan
+
+
+@dataclass(frozen=True, eq=False)
+class SlamUpdate:
+    """What an engine made of one scan.
+
+    Attributes:
+        pose: (3,) T_map_robot, the best estimate now [m, m, rad].
+        integrated: Whether the scan was matched and written into the map; False where the motion since the last
+            integrated scan was too small and the pose was predicted by odometry only.
+        diagnostics: Numbers of the engine's own (documented there), e.g. the effective number of particles.
+    """
+
+    pose: NDArray[np.float64]
+    integrated: bool
+    diagnostics: dict[str, float]
+
+
+class SlamEngine(Protocol):
+    """Turns odometry and scans into a pose, a trajectory and a map.
+
+    The map frame is the frame of the first odometry pose, so the first estimate equals the first odometry.
+    """
+
+    def update(self, odometry: ArrayLike, scan: LaserScan) -> SlamUpdate:
+        """Take one scan and the robot's odometry pose T_odom_robot (3,) at that time."""
+        ...
+
+    @property
+    def pose(self) -> NDArray[np.float64]:
+        """(3,) T_map_robot, the best estimate now."""
+        ...
+
+    def trajectory(self) -> NDArray[np.float64]:
+        """Return (n, 3) T_map_robot for every scan so far, by the best knowledge now."""
+        ...
+
+    def map(self) -> OccupancyMap:
+        """Return the map as it is now; it never shares memory with the engine."""
+        ...
+
+
+_ENGINES = {"gmapping": ("gmapping.engine", "GMapping")}
+
+
+def make_slam(name: str, **config: Any) -> SlamEngine:
+    """Return a new SLAM engine.
+
+    Args:
+        name: "gmapping".
+        config: Fields of the engine's configuration, e.g. `particles=30, seed=0`.
+
+    Raises:
+        InputError: If the name or a field is unknown, or a value is out of its range.
+    """
+    if name not in _ENGINES:
+        raise unknown_name("SLAM engine", name, tuple(_ENGINES))
+    module, kind = _ENGINES[name]
+    engine = getattr(import_module(f".{module}", __package__), kind)
+    try:
+        return engine.from_options(**config)
+    except TypeError as error:
+        raise InputError(f"SLAM engine {name!r}: {error}") from error

@@ -1,0 +1,57 @@
+"""Rigid motions of the plane.
+
+A pose is `(x, y, theta)` in metres and radians, theta in [-pi, pi). `T_a_b` is the pose of frame b in frame a; it maps
+coordinates in b to coordinates in a. All functions broadcast over leading axes and return new float64 arrays.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+def wrap_angle(angle: ArrayLike) -> Array:
+    """Return `angle` [rad] wrapped to [-pi, pi)."""
+    wrapped: Array = (np.asarray(angle, dtype=np.float64) + np.pi) % (2.0 * np.pi) - np.pi
+    return np.where(wrapped >= np.pi, -np.pi, wrapped).astype(np.float64)
+
+
+def compose(T_a_b: ArrayLike, T_b_c: ArrayLike) -> Array:
+    """Return T_a_c, the pose of c in a. Shapes (..., 3) and (..., 3), broadcast."""
+    outer, inner = np.asarray(T_a_b, dtype=np.float64), np.asarray(T_b_c, dtype=np.float64)
+    cos, sin = np.cos(outer[..., 2]), np.sin(outer[..., 2])
+    return np.stack(
+        np.broadcast_arrays(
+            outer[..., 0] + cos * inner[..., 0] - sin * inner[..., 1],
+            outer[..., 1] + sin * inner[..., 0] + cos * inner[..., 1],
+            wrap_angle(outer[..., 2] + inner[..., 2]),
+        ),
+        axis=-1,
+    )
+
+
+def inverse(T_a_b: ArrayLike) -> Array:
+    """Return T_b_a. Shape (..., 3)."""
+    pose = np.asarray(T_a_b, dtype=np.float64)
+    cos, sin = np.cos(pose[..., 2]), np.sin(pose[..., 2])
+    return np.stack(
+        (
+            -cos * pose[..., 0] - sin * pose[..., 1],
+            sin * pose[..., 0] - cos * pose[..., 1],
+            wrap_angle(-pose[..., 2]),
+        ),
+        axis=-1,
+    )
+
+
+def between(T_w_a: ArrayLike, T_w_b: ArrayLike) -> Array:
+    """Return T_a_b, the pose of b seen from a, from both poses in a common frame. Shapes (..., 3), broadcast."""
+    return compose(inverse(T_w_a), T_w_b)
+
+
+def transform_points(T_a_b: ArrayLike, points_b: ArrayLike) -> Array:
+    """Return `points_b` (..., N, 2) in frame a. `T_a_b` is (3,), or (..., 3) as the points."""
+    pose, points = np.asarray(T_a_b, dtype=np.float64), np.asarray(points_b, dtype=np.float64)
+    cos, sin = np.cos(pose[..., 2, None]), np.sin(pose[..., 2, None])
+    x, y = points[..., 0], points[..., 1]
+    return np.stack((pose[..., 0, None] + cos * x - sin * y, pose[..., 1, None] + sin * x + cos * y), axis=-1)

@@ -1,0 +1,1 @@
+"""GMapping: the Rao-Blackwellized particle filter of Grisetti, Stachniss and Burgard (2007)."""

@@ -1,0 +1,1 @@
+"""Reading and writing of recorded drives, trajectories and maps."""

@@ -1,0 +1,58 @@
+"""A finished occupancy map, as every engine returns it and every file format stores it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class OccupancyMap:
+    """Cells of a plane with the probability that they are occupied.
+
+    Attributes:
+        probability: (rows, cols) float32, in [0, 1]; NaN where nothing is known. Row 0: lowest y.
+        resolution: Side of a cell [m].
+        origin: (x, y) of the outer corner of cell [0, 0] in the map frame [m].
+        occupied_threshold: A cell is occupied above this probability.
+        free_threshold: A cell is free below this probability.
+    """
+
+    probability: NDArray[np.float32]
+    resolution: float
+    origin: tuple[float, float]
+    occupied_threshold: float = 0.5
+    free_threshold: float = 0.5
+
+    def __post_init__(self) -> None:
+        if self.probability.ndim != 2:
+            raise InputError(f"`probability` must have shape (rows, cols), got {self.probability.shape}")
+        if not self.resolution > 0.0:
+            raise InputError(f"`resolution` must be positive [m], got {self.resolution}")
+
+    @property
+    def occupied(self) -> NDArray[np.bool_]:
+        """(rows, cols) whether a cell is occupied; unknown cells are not."""
+        return self.probability > self.occupied_threshold
+
+    @property
+    def free(self) -> NDArray[np.bool_]:
+        """(rows, cols) whether a cell is free; unknown cells are not."""
+        return self.probability < self.free_threshold
+
+    @property
+    def known(self) -> NDArray[np.bool_]:
+        """(rows, cols) whether anything is known about a cell."""
+        return ~np.isnan(self.probability)
+
+    def cell_centres(self, mask: NDArray[np.bool_]) -> NDArray[np.float64]:
+        """Return (M, 2) centres in the map frame [m] of the cells where `mask` (rows, cols) is true, row by row."""
+        rows, cols = np.nonzero(mask)
+        return np.stack((cols, rows), axis=-1) * self.resolution + self.resolution / 2.0 + np.asarray(self.origin)
+
+    @property
+    def occupied_points(self) -> NDArray[np.float64]:
+        """(M, 2) centres of the occupied cells in the map frame [m]."""
+        return self.cell_centres(self.occupied)

@@ -1,0 +1,1 @@
+"""How good a map or a trajectory is: registration, ADNN, cell scores, trajectory errors, relations."""

@@ -1,0 +1,83 @@
+"""One sweep of a planar laser scanner."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import InputError
+from .geometry import transform_points
+
+
+@dataclass(frozen=True, eq=False)
+class LaserScan:
+    """Ranges along known bearings, at one time.
+
+    What a range says: finite and within [`range_min`, `range_max`] is a *return*; larger than `range_max`, or `inf`, is
+    *no return* (nothing was hit up to `range_max`); NaN or below `range_min` is *no measurement* (dropped, filtered or
+    invalid: nothing is known about that beam).
+
+    Attributes:
+        ranges: (N,) distances along the beams [m].
+        bearings: (N,) directions of the beams in the laser frame [rad], x forward, counter-clockwise, ascending.
+        range_min: Shortest valid range [m].
+        range_max: Longest valid range [m].
+        time_s: Time of the sweep [s].
+        T_robot_lidar: Pose (x, y, theta) of the laser in the robot frame [m, m, rad].
+
+    Raises:
+        InputError: If shapes, limits or bearings make no sense.
+    """
+
+    ranges: NDArray[np.float64]
+    bearings: NDArray[np.float64]
+    range_min: float
+    range_max: float
+    time_s: float = 0.0
+    T_robot_lidar: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        ranges = np.asarray(self.ranges, dtype=np.float64)
+        bearings = np.asarray(self.bearings, dtype=np.float64)
+        if ranges.ndim != 1 or ranges.shape != bearings.shape:
+            raise InputError(
+                f"`ranges` and `bearings` must both have shape (N,), got {ranges.shape} and {bearings.shape}"
+            )
+        if not 0.0 <= self.range_min < self.range_max:
+            raise InputError(f"need 0 <= `range_min` < `range_max` [m], got {self.range_min} and {self.range_max}")
+        object.__setattr__(self, "ranges", ranges)
+        object.__setattr__(self, "bearings", bearings)
+
+    def __len__(self) -> int:
+        return len(self.ranges)
+
+    @cached_property
+    def is_return(self) -> NDArray[np.bool_]:
+        """(N,) whether the beam hit something within [`range_min`, `range_max`]."""
+        return (self.ranges >= self.range_min) & (self.ranges <= self.range_max)
+
+    @cached_property
+    def is_no_return(self) -> NDArray[np.bool_]:
+        """(N,) whether the beam is known to have met nothing up to `range_max`."""
+        return self.ranges > self.range_max
+
+    @cached_property
+    def beam_points(self) -> NDArray[np.float64]:
+        """(N, 2) end points of all beams in the laser frame [m]; NaN where there is no return."""
+        ranges = np.where(self.is_return, self.ranges, np.nan)
+        return np.stack((ranges * np.cos(self.bearings), ranges * np.sin(self.bearings)), axis=-1)
+
+    @cached_property
+    def points(self) -> NDArray[np.float64]:
+        """(M, 2) end points of the returns in the laser frame [m], in beam order."""
+        return self.beam_points[self.is_return]
+
+    @cached_property
+    def points_robot(self) -> NDArray[np.float64]:
+        """(M, 2) end points of the returns in the robot frame [m], in beam order."""
+        return transform_points(self.T_robot_lidar, self.points)
+
+    def without(self, dropped: NDArray[np.bool_]) -> "LaserScan":
+        """Return this scan with the beams where `dropped` (N,) is true turned into "no measurement" (NaN)."""
+        return replace(self, ranges=np.where(dropped, np.nan, self.ranges))

@@ -1,0 +1,45 @@
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from tagalong.slam.geometry import between, compose, inverse, transform_points, wrap_angle
+
+poses = arrays(np.float64, 3, elements=st.floats(-50, 50))
+
+
+def assert_same_pose(a, b):
+    np.testing.assert_allclose(a[..., :2], b[..., :2], atol=1e-9)
+    np.testing.assert_allclose(wrap_angle(a[..., 2] - b[..., 2]), 0.0, atol=1e-9)
+
+
+@given(st.floats(-1e3, 1e3))
+def test_wrapped_angle_lies_in_the_half_open_interval_and_keeps_its_direction(angle):
+    wrapped = wrap_angle(angle)
+    assert -np.pi <= wrapped < np.pi
+    np.testing.assert_allclose([np.cos(wrapped), np.sin(wrapped)], [np.cos(angle), np.sin(angle)], atol=1e-9)
+
+
+@given(poses)
+def test_a_pose_composed_with_its_inverse_is_the_identity(pose):
+    assert_same_pose(compose(pose, inverse(pose)), np.zeros(3))
+    assert_same_pose(compose(inverse(pose), pose), np.zeros(3))
+
+
+@given(poses, poses)
+def test_between_undoes_compose(a, b):
+    assert_same_pose(between(a, compose(a, b)), compose(np.zeros(3), b))
+
+
+@given(poses, poses)
+def test_transforming_twice_is_transforming_by_the_composition(a, b):
+    points = np.array([[1.0, 2.0], [-3.0, 0.5]])
+    np.testing.assert_allclose(
+        transform_points(a, transform_points(b, points)), transform_points(compose(a, b), points), atol=1e-9
+    )
+
+
+def test_functions_broadcast_over_leading_axes():
+    many = np.zeros((4, 5, 3))
+    assert compose(many, [1.0, 2.0, 3.0]).shape == (4, 5, 3)
+    assert inverse(many).shape == (4, 5, 3)
+    assert transform_points(many[0], np.zeros((5, 7, 2))).shape == (5, 7, 2)
