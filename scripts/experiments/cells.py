@@ -8,7 +8,7 @@ import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import joblib
 from tqdm import tqdm
@@ -71,7 +71,7 @@ def run_cells(cells: Sequence[Cell], folder: str | Path, *, jobs: int = 1, label
     results = {cell.name: cell.stored(target) for cell in cells}
     missing = [cell for cell in cells if results[cell.name] is None]
     tasks = (joblib.delayed(_run_cell)(cell, target) for cell in missing)
-    done: Iterable[Any] = joblib.Parallel(n_jobs=jobs, return_as="generator_unordered")(tasks) or ()
+    done = cast(Iterable[Any], joblib.Parallel(n_jobs=jobs, return_as="generator_unordered")(tasks))
     for name, result in tqdm(done, total=len(cells), initial=len(cells) - len(missing), desc=label, unit="cell"):
         results[name] = result
     return results
