@@ -170,7 +170,7 @@ def _half_circle(count: int) -> NDArray[np.float64]:
 
 @lru_cache(maxsize=8)
 def _fan(count: int, start: float, step: float) -> NDArray[np.float64]:
-    bearings = start + step * np.arange(count)
+    bearings: NDArray[np.float64] = start + step * np.arange(count, dtype=np.float64)
     bearings.setflags(write=False)
     return bearings
 
