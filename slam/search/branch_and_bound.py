@@ -126,17 +126,13 @@ def branch_and_bound(
     """
     separation = separation or Separation()
     points_scan = np.ascontiguousarray(points, dtype=np.float64)
-    x, y, theta = np.asarray(centre, dtype=np.float64)
+    x, y, theta = np.asarray(centre, dtype=np.float64).tolist()
     headings = window.headings(theta)
-    side = 2 * window.reach(pyramid.resolution) + 1
-    candidates = len(headings) * side * side
+    half = window.reach(pyramid.resolution)
+    candidates = len(headings) * (2 * half + 1) ** 2
     if len(points_scan) == 0:
         return SearchResult((), candidates, 0)
-    cells = np.empty((len(headings), len(points_scan), 2), dtype=np.int32)
-    corner = x - pyramid.origin[0], y - pyramid.origin[1]
-    rotated_cells(points_scan, headings, *corner, pyramid.resolution, pyramid.border - side // 2, cells)
-    stride = 1 << (len(pyramid.levels) - 1)
-    bounds = top_bounds(pyramid.phases, cells, -(-side // stride))
+    cells, bounds = _bounds(pyramid, points_scan, (x, y), headings, half)
     period = len(headings) if window.angular >= np.pi else 0
     step = headings[1] - headings[0] if len(headings) > 1 else window.angular_step
     reach = np.array([separation.angular / step, separation.linear / pyramid.resolution]).astype(np.int64)
@@ -145,13 +141,23 @@ def branch_and_bound(
     taken = np.empty((0, 3), dtype=np.int64)
     found, looked = [], 0
     while len(found) < maxima:
-        best, count = best_leaf(pyramid.levels, cells, bounds, side, taken, reach, period, least)
+        best, count = best_leaf(pyramid.levels, cells, bounds, 2 * half + 1, taken, reach, period, least)
         looked += int(count)
         if best[0] < 0:
             break
-        row, col = best[3:] - side // 2
-        heading = float(wrap_angle(headings[best[2]]))
-        pose = (float(x + col * pyramid.resolution), float(y + row * pyramid.resolution), heading)
+        row, col = (best[3:] - half).tolist()
+        pose = (x + col * pyramid.resolution, y + row * pyramid.resolution, float(wrap_angle(headings[best[2]])))
         found.append(Maximum(pose, float(best[0] / worth)))
         taken = np.concatenate((taken, best[None, 2:]))
     return SearchResult(tuple(found), candidates, looked)
+
+
+def _bounds(
+    pyramid: ScorePyramid, points: NDArray[np.float64], centre: tuple[float, float], headings: NDArray, half: int
+) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """Return the points' cells at each heading, at the window's lowest corner, and the bounds of all top blocks."""
+    cells = np.empty((len(headings), len(points), 2), dtype=np.int32)
+    x, y = centre[0] - pyramid.origin[0], centre[1] - pyramid.origin[1]
+    rotated_cells(points, headings, x, y, pyramid.resolution, pyramid.border - half, cells)
+    stride = 1 << (len(pyramid.levels) - 1)
+    return cells, top_bounds(pyramid.phases, cells, -(-(2 * half + 1) // stride))
