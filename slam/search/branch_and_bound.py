@@ -112,15 +112,14 @@ def branch_and_bound(
 
     Exact and deterministic: of poses with equal score the one nearest to the centre wins (in steps: cells and
     headings), then the lowest heading, y, x. Each further maximum is the best pose apart from those before it.
-    A candidate with score `min_score` is still found; a least score makes the search faster, since blocks below it are
-    never opened.
+    A least score makes the search faster: blocks below it are never opened.
 
     Args:
         pyramid: The scores, from `build_pyramid`.
         points: (N, 2) finite points of the scan in its own frame [m].
         centre: (3,) centre of the window, pose of the scan in the grid's frame [m, m, rad].
         window: What is searched.
-        min_score: Least mean worth of a point, in [0, 1].
+        min_score: Least mean worth of a point, in [0, 1], that is still found.
         maxima: How many maxima to look for.
         separation: How far apart they must be; None: `Separation()`.
     """
@@ -137,7 +136,7 @@ def branch_and_bound(
     step = headings[1] - headings[0] if len(headings) > 1 else window.angular_step
     reach = np.array([separation.angular / step, separation.linear / pyramid.resolution]).astype(np.int64)
     worth = 255.0 * len(points_scan)
-    least = int(np.ceil(min_score * worth - 1e-6))
+    least = np.ceil(min_score * worth - 1e-6).astype(np.int64)
     taken = np.empty((0, 3), dtype=np.int64)
     found, looked = [], 0
     while len(found) < maxima:
@@ -145,8 +144,8 @@ def branch_and_bound(
         looked += int(count)
         if best[0] < 0:
             break
-        row, col = (best[3:] - half).tolist()
-        pose = (x + col * pyramid.resolution, y + row * pyramid.resolution, float(wrap_angle(headings[best[2]])))
+        dy, dx = ((best[3:] - half) * pyramid.resolution).tolist()
+        pose = (x + dx, y + dy, float(wrap_angle(headings[best[2]])))
         found.append(Maximum(pose, float(best[0] / worth)))
         taken = np.concatenate((taken, best[None, 2:]))
     return SearchResult(tuple(found), candidates, looked)
