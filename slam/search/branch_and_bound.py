@@ -97,6 +97,11 @@ class Separation:
     linear: float = 0.5
     angular: float = 0.35
 
+    def reach(self, headings: NDArray[np.float64], resolution: float) -> NDArray[np.int64]:
+        """Return (2,) the same in steps between `headings` [rad] and in cells of side `resolution` [m]."""
+        step = headings[1] - headings[0] if len(headings) > 1 else np.inf
+        return np.array([self.angular / step, self.linear / resolution]).astype(np.int64)
+
 
 def branch_and_bound(
     pyramid: ScorePyramid,
@@ -133,8 +138,7 @@ def branch_and_bound(
         return SearchResult((), candidates, 0)
     cells, bounds = _bounds(pyramid, points_scan, (x, y), headings, half)
     period = len(headings) if window.angular >= np.pi else 0
-    step = headings[1] - headings[0] if len(headings) > 1 else window.angular_step
-    reach = np.array([separation.angular / step, separation.linear / pyramid.resolution]).astype(np.int64)
+    reach = separation.reach(headings, pyramid.resolution)
     worth = 255.0 * len(points_scan)
     least = np.ceil(min_score * worth - 1e-6).astype(np.int64)
     taken = np.empty((0, 3), dtype=np.int64)
