@@ -52,7 +52,7 @@ class SlamEngine(Protocol):
         ...
 
 
-_ENGINES = {"gmapping": ("gmapping.engine", "GMapping")}
+_ENGINES = {"gmapping": ("gmapping.engine", "GMapping"), "cartographer": ("graph.engine", "Cartographer")}
 
 
 def make_slam(name: str, **config: Any) -> SlamEngine:
