@@ -1,4 +1,4 @@
-"""Real-time correlative search: every pose of a small window is scored, the best one starts the refinement (Olson 2009)."""
+"""Real-time correlative search: every pose of a small window is scored (Olson 2009)."""
 
 import numpy as np
 from numba import njit

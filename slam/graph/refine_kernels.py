@@ -12,7 +12,12 @@ Array = NDArray[np.float64]
 def _spline(t: float) -> tuple[float, float, float, float]:
     """Return the four weights of the uniform cubic B-spline at `t` in [0, 1)."""
     s = 1.0 - t
-    return s * s * s / 6.0, (4.0 + t * t * (3.0 * t - 6.0)) / 6.0, (4.0 + s * s * (3.0 * s - 6.0)) / 6.0, t * t * t / 6.0
+    return (
+        s * s * s / 6.0,
+        (4.0 + t * t * (3.0 * t - 6.0)) / 6.0,
+        (4.0 + s * s * (3.0 * s - 6.0)) / 6.0,
+        t * t * t / 6.0,
+    )
 
 
 @njit(cache=True, nogil=True, inline="always")

@@ -107,7 +107,7 @@ class ScanMatcher:
             config.iterations,
         )
         pose[2] = wrap_angle(pose[2])
-        return Match(pose, config.weight * curvature / config.weight, 1.0 - rest / len(points), bool(reach or angles))
+        return Match(pose, config.weight * curvature, 1.0 - rest / len(points), bool(reach or angles))
 
     def _window(self, resolution: float, points: Array, prediction: Prediction) -> tuple[int, int, float]:
         """Return cells, angle steps to each side and the step [rad]; zeros where the least squares alone will do."""

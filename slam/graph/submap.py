@@ -102,7 +102,6 @@ class Submap:
         right, above = (max(0, high[k] - n + 1) + (more if high[k] >= n else 0) for k, n in enumerate((cols, rows)))
         if left or below or right or above:
             pad = ((below, above), (left, right))
-            self._hits, self._visits, self.field, self._stamps = (
-                np.pad(grid, pad) for grid in (self._hits, self._visits, self.field, self._stamps)
-            )
+            self._hits, self._visits = np.pad(self._hits, pad), np.pad(self._visits, pad)
+            self.field, self._stamps = np.pad(self.field, pad), np.pad(self._stamps, pad)
             self.corner = self.corner - np.array([left, below]) * h
