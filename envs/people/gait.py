@@ -56,22 +56,41 @@ def advance_gait(
             _lift_off(i, foot, feet, origin, phase, swing)
         phase[i] += dt / step_time
         foot = swing[i]
-        share = min(phase[i] / SWING, 1.0)
         if phase[i] - dt / step_time < SWING:
-            ahead = step_time * (max(SWING - phase[i], 0.0) + 1.0 - SWING / 2.0)
-            side = size[i, 3] if foot == 0 else -size[i, 3]
-            target_x = position[i, 0] + ahead * velocity[i, 0] - side * np.sin(heading[i])
-            target_y = position[i, 1] + ahead * velocity[i, 1] + side * np.cos(heading[i])
-            blend = share * share * share * (10.0 - 15.0 * share + 6.0 * share * share)
-            feet[i, foot, 0] = origin[i, 0] + blend * (target_x - origin[i, 0])
-            feet[i, foot, 1] = origin[i, 1] + blend * (target_y - origin[i, 1])
-            lift[i, foot] = (0.03 + 0.05 * min(speed, 1.3)) * np.sin(np.pi * share) if share < 1.0 else 0.0
+            _swing(i, foot, step_time, position, velocity, heading, size, feet, origin, lift, phase)
         if phase[i] >= 1.0:
             remaining = phase[i] - 1.0
             swing[i] = -1
             if _restless_foot(position[i], velocity[i], heading[i], size[i, 3], feet[i], speed) >= 0:
                 _lift_off(i, 1 - foot, feet, origin, phase, swing)
                 phase[i] = remaining
+
+
+@njit(cache=True, nogil=True)
+def _swing(
+    i: int,
+    foot: int,
+    step_time: float,
+    position: Array,
+    velocity: Array,
+    heading: Array,
+    size: Array,
+    feet: Array,
+    origin: Array,
+    lift: Array,
+    phase: Array,
+) -> None:
+    """Put the swing foot on its way between where it lifted off and where it will land."""
+    share = min(phase[i] / SWING, 1.0)
+    ahead = step_time * (max(SWING - phase[i], 0.0) + 1.0 - SWING / 2.0)
+    side = size[i, 3] if foot == 0 else -size[i, 3]
+    target_x = position[i, 0] + ahead * velocity[i, 0] - side * np.sin(heading[i])
+    target_y = position[i, 1] + ahead * velocity[i, 1] + side * np.cos(heading[i])
+    blend = share * share * share * (10.0 - 15.0 * share + 6.0 * share * share)
+    feet[i, foot, 0] = origin[i, 0] + blend * (target_x - origin[i, 0])
+    feet[i, foot, 1] = origin[i, 1] + blend * (target_y - origin[i, 1])
+    speed = min(np.hypot(velocity[i, 0], velocity[i, 1]), 1.3)
+    lift[i, foot] = (0.03 + 0.05 * speed) * np.sin(np.pi * share) if share < 1.0 else 0.0
 
 
 @njit(cache=True, nogil=True)
@@ -125,14 +144,7 @@ def pose_bodies(
     for i in range(len(position)):
         thigh, shin = size[i, 0], size[i, 1]
         cos, sin = np.cos(heading[i]), np.sin(heading[i])
-        reach = 0.995 * (thigh + shin)
-        hip_height = ANKLE + 0.985 * (thigh + shin)
-        for foot in range(2):
-            side = HIP_HALF_WIDTH if foot == 0 else -HIP_HALF_WIDTH
-            flat = np.hypot(
-                feet[i, foot, 0] - position[i, 0] + side * sin, feet[i, foot, 1] - position[i, 1] - side * cos
-            )
-            hip_height = min(hip_height, ANKLE + lift[i, foot] + np.sqrt(max(0.04, reach * reach - flat * flat)))
+        hip_height = _hip_height(position[i], cos, sin, thigh + shin, feet[i], lift[i])
         base = 6 * i
         for part, height in ((0, hip_height), (1, hip_height + 0.75)):
             mocap_position[base + part, 0] = position[i, 0]
@@ -152,6 +164,18 @@ def pose_bodies(
             share = (laser_height - ankle[2]) / (knee[2] - ankle[2])
             legs[i, foot, 0] = ankle[0] + share * (knee[0] - ankle[0])
             legs[i, foot, 1] = ankle[1] + share * (knee[1] - ankle[1])
+
+
+@njit(cache=True, nogil=True)
+def _hip_height(position: Array, cos: float, sin: float, leg: float, feet: Array, lift: Array) -> float:
+    """Return the largest height of the hips [m] at which legs of length `leg` reach both feet."""
+    reach = 0.995 * leg
+    height = ANKLE + 0.985 * leg
+    for foot in range(2):
+        side = HIP_HALF_WIDTH if foot == 0 else -HIP_HALF_WIDTH
+        flat = np.hypot(feet[foot, 0] - position[0] + side * sin, feet[foot, 1] - position[1] - side * cos)
+        height = min(height, ANKLE + lift[foot] + np.sqrt(max(0.04, reach * reach - flat * flat)))
+    return height
 
 
 @njit(cache=True, nogil=True)

@@ -116,23 +116,27 @@ def advance_bodies(
         speed = wish[i] * _patience(i, before, direction, wish[i], radius, robot) if wish[i] > 0.0 else 0.0
         fx += (speed * direction[i, 0] - velocity[i, 0]) / force[0]
         fy += (speed * direction[i, 1] - velocity[i, 1]) / force[0]
-        strength = np.hypot(fx, fy)
-        if strength > 3.0:
-            fx, fy = 3.0 * fx / strength, 3.0 * fy / strength
-        velocity[i, 0] += dt * fx
-        velocity[i, 1] += dt * fy
-        fastest = max(1.2 * wish[i], 0.6)
-        now = np.hypot(velocity[i, 0], velocity[i, 1])
-        if now > fastest:
-            velocity[i, 0] *= fastest / now
-            velocity[i, 1] *= fastest / now
-        position[i, 0] += dt * velocity[i, 0]
-        position[i, 1] += dt * velocity[i, 1]
+        _move(dt, i, fx, fy, max(1.2 * wish[i], 0.6), position, velocity)
     for _ in range(4):
         _part(dt, position, radius, robot, boxes, circles)
     for i in range(n):
         velocity[i, 0] = (position[i, 0] - before[i, 0]) / dt
         velocity[i, 1] = (position[i, 1] - before[i, 1]) / dt
+
+
+@njit(cache=True, nogil=True)
+def _move(dt: float, i: int, fx: float, fy: float, fastest: float, position: Array, velocity: Array) -> None:
+    """Accelerate person i by a force [m/s^2], at most 3 m/s^2 and up to the speed `fastest`, and move them."""
+    strength = np.hypot(fx, fy)
+    scale = 3.0 / strength if strength > 3.0 else 1.0
+    velocity[i, 0] += dt * fx * scale
+    velocity[i, 1] += dt * fy * scale
+    now = np.hypot(velocity[i, 0], velocity[i, 1])
+    slower = fastest / now if now > fastest else 1.0
+    velocity[i, 0] *= slower
+    velocity[i, 1] *= slower
+    position[i, 0] += dt * velocity[i, 0]
+    position[i, 1] += dt * velocity[i, 1]
 
 
 @njit(cache=True, nogil=True)
