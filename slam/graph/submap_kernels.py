@@ -39,27 +39,29 @@ def insert_scan(
         surface: Number of points on surfaces between returns.
         prior_visits: Visits without a return that every cell starts with.
     """
-    for k in range(returns + surface):
+    _share_returns(hits, visits, field, stamps, stamp, cells, returns + surface, prior_visits)
+    for k in range(len(cells)):
+        if not returns <= k < returns + surface:
+            _pass_ray(hits, visits, field, stamps, stamp, origin[0], origin[1], cells[k, 0], cells[k, 1], prior_visits)
+
+
+@njit(cache=True, nogil=True)
+def _share_returns(hits, visits, field, stamps, stamp, cells, count, prior_visits):  # type: ignore[no-untyped-def]
+    """Share the first `count` of `cells` among the four cells around each."""
+    for k in range(count):
         i, j = int(np.floor(cells[k, 0])), int(np.floor(cells[k, 1]))
         fx, fy = cells[k, 0] - i, cells[k, 1] - j
-        for dj in range(2):
-            wy = fy if dj == 1 else 1.0 - fy
-            for di in range(2):
-                w = wy * (fx if di == 1 else 1.0 - fx)
-                row, col = j + dj, i + di
+        for row, wy in ((j, 1.0 - fy), (j + 1, fy)):
+            for col, wx in ((i, 1.0 - fx), (i + 1, fx)):
                 if stamps[row, col] != stamp:
                     stamps[row, col] = stamp
                     visits[row, col] += 1.0
-                hits[row, col] += w
-    for k in range(returns + surface):
+                hits[row, col] += wx * wy
+    for k in range(count):
         i, j = int(np.floor(cells[k, 0])), int(np.floor(cells[k, 1]))
         for row in range(j, j + 2):
             for col in range(i, i + 2):
                 field[row, col] = min(1.0, hits[row, col] / (visits[row, col] + prior_visits))
-    for k in range(len(cells)):
-        if returns <= k < returns + surface:
-            continue
-        _pass_ray(hits, visits, field, stamps, stamp, origin[0], origin[1], cells[k, 0], cells[k, 1], prior_visits)
 
 
 @njit(cache=True, nogil=True)
