@@ -50,7 +50,8 @@ class OccupancyMap:
     def cell_centres(self, mask: NDArray[np.bool_]) -> NDArray[np.float64]:
         """Return (M, 2) centres in the map frame [m] of the cells where `mask` (rows, cols) is true, row by row."""
         rows, cols = np.nonzero(mask)
-        return np.stack((cols, rows), axis=-1) * self.resolution + self.resolution / 2.0 + np.asarray(self.origin)
+        cells = np.stack((cols, rows), axis=-1).astype(np.float64)
+        return (cells + 0.5) * self.resolution + np.asarray(self.origin, dtype=np.float64)
 
     @property
     def occupied_points(self) -> NDArray[np.float64]:

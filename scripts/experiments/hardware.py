@@ -1,0 +1,67 @@
+"""What a measurement was made with."""
+
+import platform
+import sys
+import time
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ... import __version__
+
+_PACKAGES = ("gymnasium", "mujoco", "numpy", "scipy", "scikit-learn", "numba")
+
+
+def describe_machine() -> dict[str, Any]:
+    """Return processor, cores, Python and versions of what decides speed and results."""
+    return {
+        "processor": _processor(),
+        "cores": joblib_cores(),
+        "system": f"{platform.system()} {platform.machine()}",
+        "python": sys.version.split()[0],
+        "tagalong": __version__,
+        "packages": {name: _version(name) for name in _PACKAGES},
+    }
+
+
+def joblib_cores() -> int:
+    """Return how many cores this process may use."""
+    import joblib
+
+    return int(joblib.cpu_count())
+
+
+def reference_kernel_s(repeats: int = 7) -> float:
+    """Return the best time [s] of a fixed numpy kernel, so that figures of two machines can be compared.
+
+    The kernel is 40 products of 256 x 256 matrices followed by a sort of 200 000 numbers, on fixed input.
+    """
+    generator = np.random.default_rng(0)
+    matrix, numbers = generator.random((256, 256)), generator.random(200_000)
+    times = []
+    for _ in range(repeats):
+        start = time.perf_counter()
+        product = matrix
+        for _ in range(40):
+            product = (product @ matrix) % 1.0
+        np.sort(numbers)
+        times.append(time.perf_counter() - start)
+    return min(times)
+
+
+def _processor() -> str:
+    cpuinfo = Path("/proc/cpuinfo")
+    if cpuinfo.exists():
+        for line in cpuinfo.read_text().splitlines():
+            if line.startswith("model name"):
+                return line.split(":", 1)[1].strip()
+    return platform.processor() or "unknown"
+
+
+def _version(name: str) -> str:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "not installed"

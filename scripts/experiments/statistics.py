@@ -1,0 +1,54 @@
+"""Intervals of what experiments measure."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.stats import binomtest
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A mean with its 95 % interval.
+
+    Attributes:
+        mean: The mean, or the share of successes.
+        low: Lower end of the interval.
+        high: Upper end of the interval.
+        n: How many values it was made of.
+    """
+
+    mean: float
+    low: float
+    high: float
+    n: int
+
+    def to_dict(self) -> dict[str, float]:
+        """Return it as a plain dict."""
+        return {"mean": self.mean, "low": self.low, "high": self.high, "n": self.n}
+
+    def text(self, scale: float = 1.0, digits: int = 2) -> str:
+        """Return "mean [low, high]", each times `scale`."""
+        mean, low, high = (f"{value * scale:.{digits}f}" for value in (self.mean, self.low, self.high))
+        return f"{mean} [{low}, {high}]"
+
+
+def bootstrap_mean(values: ArrayLike, *, resamples: int = 2000, seed: int = 0) -> Estimate:
+    """Return the mean of `values` (n,) with its percentile bootstrap interval; NaN are left out."""
+    sample = np.asarray(values, dtype=np.float64)
+    sample = sample[np.isfinite(sample)]
+    if len(sample) == 0:
+        return Estimate(np.nan, np.nan, np.nan, 0)
+    picks = np.random.default_rng(seed).integers(len(sample), size=(resamples, len(sample)))
+    low, high = np.quantile(sample[picks].mean(axis=1), [0.025, 0.975])
+    return Estimate(float(sample.mean()), float(low), float(high), len(sample))
+
+
+def share(successes: Sequence[bool]) -> Estimate:
+    """Return the share of true values with its Wilson interval."""
+    count = len(successes)
+    if count == 0:
+        return Estimate(np.nan, np.nan, np.nan, 0)
+    interval = binomtest(int(sum(successes)), count).proportion_ci(method="wilson")
+    return Estimate(sum(successes) / count, float(interval.low), float(interval.high), count)

@@ -1,0 +1,96 @@
+"""A grid of scores and the coarser grids of maxima that bound it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class ScoreGrid:
+    """What a scan point that falls into a cell is worth.
+
+    Attributes:
+        values: (rows, cols) uint8; 255 is worth 1. Row 0: lowest y. Outside of the grid a point is worth 0.
+        origin: (x, y) of the outer corner of cell [0, 0] [m].
+        resolution: Side of a cell [m].
+
+    Raises:
+        InputError: If the values are not a plane of uint8 or the resolution is not positive.
+    """
+
+    values: NDArray[np.uint8]
+    origin: tuple[float, float]
+    resolution: float
+
+    def __post_init__(self) -> None:
+        if self.values.ndim != 2 or self.values.dtype != np.uint8 or self.values.size == 0:
+            got = f"{self.values.dtype} {self.values.shape}"
+            raise InputError(f"`values` must be a (rows, cols) array of uint8 (see from_likelihood), got {got}")
+        if not self.resolution > 0.0:
+            raise InputError(f"`resolution` must be positive [m], got {self.resolution}")
+
+    @classmethod
+    def from_likelihood(
+        cls, likelihood: NDArray[np.floating], origin: tuple[float, float], resolution: float
+    ) -> "ScoreGrid":
+        """Return the grid of `likelihood` (rows, cols) in [0, 1], rounded to steps of 1/255; NaN (unknown) is 0."""
+        values = np.rint(np.clip(np.nan_to_num(likelihood, nan=0.0), 0.0, 1.0) * 255.0)
+        return cls(values.astype(np.uint8), origin, resolution)
+
+
+@dataclass(frozen=True, eq=False)
+class ScorePyramid:
+    """A score grid, and for l = 1 .. L the maximum over the 2^l x 2^l cells that begin at each cell (Olson 2009).
+
+    Made by `build_pyramid`; it can be searched any number of times.
+
+    Attributes:
+        levels: (L + 1, rows', cols') uint8, level 0 the scores themselves, with a border of zeros.
+        phases: (S, S, ceil(rows' / S), .) uint8, S = 2^L: level L sorted by (row mod S, column mod S), so that blocks
+            that are neighbours in the search lie side by side in memory.
+        border: Width of the border [cells].
+        origin: (x, y) of the outer corner of the score grid's cell [0, 0] (not of the border) [m].
+        resolution: Side of a cell [m].
+    """
+
+    levels: NDArray[np.uint8]
+    phases: NDArray[np.uint8]
+    border: int
+    origin: tuple[float, float]
+    resolution: float
+
+
+def build_pyramid(grid: ScoreGrid, *, top_level: int = 3, margin: int = 0) -> ScorePyramid:
+    """Return the pyramid of a score grid.
+
+    Args:
+        grid: The scores.
+        top_level: L; the search starts from blocks of 2^L cells, 0.4 to 0.8 m are usually fastest.
+        margin: Border of zeros around the grid [cells]; changes no result, but the search is fastest when it is as
+            wide as the search window's half side.
+
+    Raises:
+        InputError: If the top level is not in 0 .. 8 or the margin is negative.
+    """
+    if not 0 <= top_level <= 8 or margin < 0:
+        raise InputError(f"need `top_level` in 0 .. 8 and `margin` >= 0, got {top_level} and {margin}")
+    stride = 1 << top_level
+    border = max(margin, stride - 1)
+    rows, cols = (-(-(size + 2 * border) // stride) * stride for size in grid.values.shape)
+    levels = np.zeros((top_level + 1, rows, cols), dtype=np.uint8)
+    levels[0, border : border + grid.values.shape[0], border : border + grid.values.shape[1]] = grid.values
+    for level in range(1, top_level + 1):
+        half = 1 << (level - 1)
+        finer, coarser = levels[level - 1], levels[level]
+        coarser[:] = finer
+        np.maximum(coarser[:-half], finer[half:], out=coarser[:-half])
+        # The rows are done; along the columns the source must not see what this step writes.
+        np.maximum(coarser[:, :-half], coarser[:, half:].copy(), out=coarser[:, :-half])
+    blocks = levels[top_level].reshape(rows // stride, stride, cols // stride, stride)
+    # 16 columns more, so that a row of sixteen blocks can always be read at once.
+    phases = np.zeros((stride, stride, rows // stride, cols // stride + 16), dtype=np.uint8)
+    phases[:, :, :, :-16] = blocks.transpose(1, 3, 0, 2)
+    return ScorePyramid(levels, phases, border, grid.origin, grid.resolution)

@@ -1,0 +1,53 @@
+import json
+from pathlib import Path
+
+import pytest
+from tagalong.scripts.experiments.cells import Cell, run_cells
+
+
+def square(value, log):
+    with Path(log).open("a") as file:
+        file.write(f"{value}\n")
+    return {"square": value * value}
+
+
+def broken(value, log):
+    raise RuntimeError("boom")
+
+
+@pytest.fixture
+def log(tmp_path):
+    return str(tmp_path / "log.txt")
+
+
+def cells(log, values=(1, 2, 3), function=square):
+    return [Cell(name=f"part/{v}", function=function, arguments={"value": v, "log": log}) for v in values]
+
+
+def test_results_come_back_by_name_in_the_order_of_the_cells(tmp_path, log):
+    results = run_cells(cells(log, (3, 1, 2)), tmp_path)
+    assert [(k, v["square"]) for k, v in results.items()] == [("part/3", 9), ("part/1", 1), ("part/2", 4)]
+
+
+def test_finished_cells_are_not_run_again(tmp_path, log):
+    run_cells(cells(log, (1, 2)), tmp_path)
+    results = run_cells(cells(log, (1, 2, 3)), tmp_path)
+    assert Path(log).read_text().split() == ["1", "2", "3"]
+    assert results["part/3"]["square"] == 9
+
+
+def test_a_cell_with_other_arguments_or_a_cut_file_is_made_anew(tmp_path, log):
+    run_cells(cells(log, (1, 2)), tmp_path)
+    (tmp_path / "part/1.json").write_text("{")
+    changed = json.loads((tmp_path / "part/2.json").read_text())
+    changed["arguments"]["value"] = 7
+    (tmp_path / "part/2.json").write_text(json.dumps(changed))
+    run_cells(cells(log, (1, 2)), tmp_path)
+    assert Path(log).read_text().split() == ["1", "2", "1", "2"]
+
+
+def test_a_failing_cell_leaves_the_finished_ones_and_no_file_of_its_own(tmp_path, log):
+    with pytest.raises(RuntimeError, match="boom"):
+        run_cells([*cells(log, (1,)), *cells(log, (5,), broken)], tmp_path)
+    assert (tmp_path / "part/1.json").exists()
+    assert not (tmp_path / "part/5.json").exists()

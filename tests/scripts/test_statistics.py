@@ -1,0 +1,24 @@
+import numpy as np
+from tagalong.scripts.experiments.statistics import bootstrap_mean, share
+
+
+def test_the_bootstrap_interval_of_a_mean_covers_it_about_as_often_as_it_says():
+    rng = np.random.default_rng(1)
+    inside = 0
+    for _ in range(200):
+        estimate = bootstrap_mean(rng.normal(3.0, 1.0, 30), resamples=300)
+        inside += estimate.low <= 3.0 <= estimate.high
+    assert 0.86 <= inside / 200 <= 0.99
+
+
+def test_nan_values_are_left_out_and_nothing_gives_nan():
+    assert bootstrap_mean([1.0, np.nan, 3.0]).mean == 2.0
+    assert np.isnan(bootstrap_mean([]).mean)
+    assert np.isnan(share([]).mean)
+
+
+def test_a_share_of_all_successes_has_an_upper_end_of_one_and_an_honest_lower_end():
+    estimate = share([True] * 30)
+    assert estimate.mean == 1.0
+    assert estimate.high > 0.999
+    assert 0.85 < estimate.low < 0.9
