@@ -3,6 +3,7 @@
 from dataclasses import dataclass, fields
 
 from ..slam.errors import InputError, unknown_name
+from .legs.detector import LegDetectorConfig
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,6 +30,9 @@ class PerceptionConfig:
         gate: Largest distance between a predicted leg track and its detection, at a very high scan rate [m].
         gate_speed: How much the gate grows with the time between two scans: a swinging foot overtakes its person [m/s].
         reach: Largest distance between a person's predicted centre and one of its legs [m].
+        both_legs_from: A cluster wider than this can be both legs of a person known to be there [m].
+        both_legs_to: And narrower than this [m].
+        both_legs_gate: Largest distance between it and the person's predicted centre [m].
         pair_distance: Largest distance between the two legs that start a person [m].
         pair_width: Largest distance between them in the mean over `stride_time_s`, where steps cancel out [m].
         pair_margin: By how much narrower a pair must be for a person to exchange a leg [m].
@@ -55,7 +59,10 @@ class PerceptionConfig:
     confidence_gain: float = 0.05
     gate: float = 0.35
     gate_speed: float = 2.5
-    reach: float = 0.7
+    reach: float = 0.6
+    both_legs_from: float = 0.15
+    both_legs_to: float = 0.6
+    both_legs_gate: float = 0.3
     pair_distance: float = 0.9
     pair_width: float = 0.5
     pair_margin: float = 0.15
@@ -74,6 +81,10 @@ class PerceptionConfig:
         for name in ("gamma", "c_min", "confidence_gain"):
             if getattr(self, name) >= 1.0:
                 raise InputError(f"`{name}` must be below 1, got {getattr(self, name)}")
+
+    def detector(self) -> LegDetectorConfig:
+        """Return the numbers of the leg detector among these."""
+        return LegDetectorConfig(alpha=self.alpha, beta=self.beta, gamma=self.gamma)
 
     def process_variance(self, dt: float) -> float:
         """Return the diagonal of Q for `dt` seconds: q at the reference rate, proportional to time."""

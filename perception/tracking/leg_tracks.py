@@ -13,10 +13,11 @@ LEG = np.dtype(
         ("x", np.float64, 4),  # state (x, y, vx, vy) in the odometry frame
         ("p", np.float64, 3),  # covariance, see kalman.py
         ("confidence", np.float64),
-        ("first", np.float64, 2),  # where the track began
-        ("moved", np.float64),  # farthest from there so far [m]
+        ("low", np.float64, 2),  # smallest x and y it has been at [m]
+        ("high", np.float64, 2),  # largest
         ("age_s", np.float64),
         ("unseen_s", np.float64),
+        ("owned_s", np.float64),  # time as this person's leg; 0: nobody's
     ]
 )
 
@@ -43,6 +44,12 @@ class LegTracks:
         """(n, 2) in the odometry frame [m]."""
         return self.rows["x"][:, :2]
 
+    @property
+    def moved(self) -> Array:
+        """(n,) size of the area a track has been in: diagonal of the box around it [m]."""
+        size = self.rows["high"] - self.rows["low"]
+        return np.sqrt(size[:, 0] ** 2 + size[:, 1] ** 2)
+
     def spread(self) -> Array:
         """Return (n, n) lengths of `apart` [m]."""
         return np.sqrt(self.apart[..., 0] ** 2 + self.apart[..., 1] ** 2)
@@ -67,8 +74,8 @@ class LegTracks:
         rows["confidence"] *= 1.0 - gain
         rows["confidence"][seen] += gain * d[found]
         rows["unseen_s"][seen] = 0.0
-        moved = np.hypot(x[:, 0] - rows["first"][seen, 0], x[:, 1] - rows["first"][seen, 1])
-        rows["moved"][seen] = np.maximum(rows["moved"][seen], moved)
+        rows["low"][seen] = np.minimum(rows["low"][seen], x[:, :2])
+        rows["high"][seen] = np.maximum(rows["high"][seen], x[:, :2])
 
     def measure_apart(self, dt: float) -> None:
         """Take the present distances into their running means."""
@@ -81,7 +88,7 @@ class LegTracks:
         """Add tracks at `positions` (k, 2) with zero velocity (eq. 5) and the detections' `confidence` (k,)."""
         fresh = np.zeros(len(positions), dtype=LEG)
         fresh["x"][:, :2] = positions
-        fresh["first"] = positions
+        fresh["low"] = fresh["high"] = positions
         fresh["p"] = (self._config.initial_variance, 0.0, self._config.initial_variance)
         fresh["confidence"] = confidence
         count = len(self.rows)

@@ -1,5 +1,7 @@
 """All people as one array; each is a Kalman filter of the point between two legs."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -40,13 +42,26 @@ def predict(people: NDArray[np.void], dt: float, config: PerceptionConfig) -> No
     people["unseen_s"] += dt
 
 
-def correct(
-    people: NDArray[np.void], match: NDArray[np.intp], z: Array, d: Array, dt: float, config: PerceptionConfig
-) -> None:
-    """Correct `people` (n,) with detections `z` (m, 2), `d` (m,); `match` (n, 2) is each leg's detection or -1.
+@dataclass(frozen=True, eq=False)
+class Sightings:
+    """What one scan says about each person.
 
-    Two legs measure the centre by their middle; one leg measures it less its believed offset, which fades to zero, so
-    that a leg seen alone for long, or two legs in one cluster, are the centre.
+    Attributes:
+        seen: (n,) whether anything of the person was seen.
+        centre: (n, 2) where its centre was seen [m].
+        confidence: (n,) of what was seen; 0 for the unseen (eq. 6).
+    """
+
+    seen: NDArray[np.bool_]
+    centre: Array
+    confidence: Array
+
+
+def measure(people: NDArray[np.void], match: NDArray[np.intp], z: Array, d: Array) -> Sightings:
+    """Return what detections `z` (m, 2) of confidence `d` (m,) say; `match` (n, 2) is each leg's detection or -1.
+
+    Two legs measure the centre by their middle (their offset is kept in `people`); one leg measures it less its
+    believed offset, which fades to zero, so that a leg seen alone for long is the centre.
     """
     seen = match >= 0
     both, one = seen.all(axis=1), seen[:, 0] ^ seen[:, 1]
@@ -59,9 +74,14 @@ def correct(
     side = np.where(seen[one, 0], 1.0, -1.0)
     centre[one] = z[alone] - side[:, None] * people["offset"][one]
     confidence[one] = d[alone]
-    any_leg = both | one
-    people["x"][any_leg], people["p"][any_leg] = kalman.update(
-        people["x"][any_leg], people["p"][any_leg], centre[any_leg], config.r
+    return Sightings(both | one, centre, confidence)
+
+
+def correct(people: NDArray[np.void], sightings: Sightings, dt: float, config: PerceptionConfig) -> None:
+    """Correct `people` (n,) with what was seen of them; the others stay predicted."""
+    seen = sightings.seen
+    people["x"][seen], people["p"][seen] = kalman.update(
+        people["x"][seen], people["p"][seen], sightings.centre[seen], config.r
     )
-    people["confidence"] += config.confidence_weight(dt) * (confidence - people["confidence"])
-    people["unseen_s"][any_leg] = 0.0
+    people["confidence"] += config.confidence_weight(dt) * (sightings.confidence - people["confidence"])
+    people["unseen_s"][seen] = 0.0

@@ -18,6 +18,7 @@ from .leg_tracks import LegTracks
 from .local_grid import LocalGrid
 from .pairing import better_pairs, mutual_pairs
 from .people import People
+from .person_tracks import Sightings
 
 Array = NDArray[np.float64]
 
@@ -84,9 +85,12 @@ class PeopleTracker:
         gate = self._config.gate_after(dt)
         match = self._adopt(self._associate(z, gate), z, gate)
         self._legs.correct(match, z, d, dt)
-        person_tracks.correct(self._people, match[: 2 * len(self._people)].reshape(-1, 2), z, d, dt, self._config)
+        sightings = person_tracks.measure(self._people, match[: 2 * len(self._people)].reshape(-1, 2), z, d)
+        sightings = self._see_legs_in_one(sightings, detections, pose, scan.time_s)
+        person_tracks.correct(self._people, sightings, dt, self._config)
         self._carry_hidden_legs(match)
         self._legs.measure_apart(dt)
+        self._count_owned(dt)
         match = self._exchange_legs(match)
         thing = ~detections.human
         thing[detections.human] = self._is_still(match, len(z))
@@ -126,6 +130,8 @@ class PeopleTracker:
         candidates = z[match[lone]]
         cost = distances(self._legs.positions[missing], candidates)
         cost[distances(self._people["x"][missing // 2, :2], candidates) > self._config.reach] = np.inf
+        other = missing + 1 - 2 * (missing % 2)
+        cost[self._legs.spread()[np.ix_(other, lone)] > self._config.pair_width] = np.inf
         rows, columns = assign(cost, gate)
         slots, taken = missing[rows], lone[columns]
         order = np.arange(len(self._legs))
@@ -133,6 +139,26 @@ class PeopleTracker:
         order = np.delete(order, taken)
         self._legs.take(order)
         return match[order]
+
+    def _see_legs_in_one(self, sightings: Sightings, found: Detections, pose: Array, time_s: float) -> Sightings:
+        """Let people of whom no leg was seen be seen as one cluster of both legs, which no forest of legs believes in.
+
+        It must be wider than a leg, stand where the person was predicted, and on free cells; its confidence counts.
+        """
+        unseen, config = np.flatnonzero(~sightings.seen), self._config
+        if len(unseen) == 0:
+            return sightings
+        ends = found.clusters.points[found.clusters.end - 1] - found.clusters.points[found.clusters.start]
+        width = np.hypot(ends[:, 0], ends[:, 1])
+        wide = np.flatnonzero(~found.human & (width > config.both_legs_from) & (width < config.both_legs_to))
+        positions = transform_points(pose, found.positions[wide])
+        free = self._grid.is_free(positions, time_s)
+        rows, columns = assign(distances(self._people["x"][unseen, :2], positions[free]), config.both_legs_gate)
+        seen, centre, confidence = sightings.seen.copy(), sightings.centre.copy(), sightings.confidence.copy()
+        seen[unseen[rows]] = True
+        centre[unseen[rows]] = positions[free][columns]
+        confidence[unseen[rows]] = found.confidence[wide][free][columns]
+        return Sightings(seen, centre, confidence)
 
     def _carry_hidden_legs(self, match: NDArray[np.intp]) -> None:
         """Let a person's unseen leg walk with the person, where its offset is believed to be."""
@@ -151,19 +177,27 @@ class PeopleTracker:
         rows = self._legs.rows[owned:]
         lone = owned + np.flatnonzero((rows["age_s"] > self._config.stride_time_s / 2.0) & (rows["unseen_s"] == 0.0))
         before = np.arange(owned).reshape(-1, 2)
-        pairs = better_pairs(self._legs.spread(), before, lone, self._config.pair_margin)
+        pairs = better_pairs(self._legs.spread(), before, self._legs.rows["owned_s"], lone, self._config.pair_margin)
         changed = (pairs != before).any(axis=1)
         if not changed.any():
             return match
         self._people["x"][changed, :2] = self._legs.positions[pairs[changed]].mean(axis=1)
         order = np.concatenate((pairs.ravel(), np.setdiff1d(np.arange(len(self._legs)), pairs)))
         self._legs.take(order)
+        self._count_owned(0.0)
         return match[order]
+
+    def _count_owned(self, dt: float) -> None:
+        owned = 2 * len(self._people)
+        self._legs.rows["owned_s"][:owned] += dt
+        self._legs.rows["owned_s"][owned:] = 0.0
 
     def _is_still(self, match: NDArray[np.intp], count: int) -> NDArray[np.bool_]:
         """Return (count,) the detections of lone tracks that are old and never moved: things, not people."""
         lone = self._legs.rows[2 * len(self._people) :]
-        old = (lone["age_s"] > self._config.still_time_s) & (lone["moved"] < self._config.delta)
+        old = (lone["age_s"] > self._config.still_time_s) & (
+            self._legs.moved[2 * len(self._people) :] < self._config.delta
+        )
         still = np.zeros(count, dtype=bool)
         found = match[2 * len(self._people) :][old]
         still[found[found >= 0]] = True
@@ -190,7 +224,7 @@ class PeopleTracker:
         owned = 2 * len(self._people)
         lone, config = self._legs.rows[owned:], self._config
         alive = owned + np.flatnonzero((lone["confidence"] > config.c_min) & (lone["unseen_s"] == 0.0))
-        able = self._legs.rows["moved"][alive] >= config.delta
+        able = self._legs.moved[alive] >= config.delta
         if np.count_nonzero(able) < 2:
             return
         able[able] = self._grid.is_free(self._legs.positions[alive[able]], time_s)
@@ -204,9 +238,13 @@ class PeopleTracker:
         self._legs.take(np.concatenate((np.arange(owned), rows.ravel(), rest)))
 
     def _mark_grid(self, points: Array, pose: Array, time_s: float, dt: float) -> None:
-        """Mark the non-human `points` (k, 2), but never where a person stands."""
-        if len(self._people) and len(points):
-            points = points[distances(self._result(time_s).points, points).min(axis=0) > self._config.zeta]
+        """Mark the non-human `points` (k, 2), but never where a person, or what may become one, stands."""
+        walkers = self._legs.positions[2 * len(self._people) :][
+            self._legs.moved[2 * len(self._people) :] >= self._config.delta / 2.0
+        ]
+        human = np.concatenate((self._result(time_s).points, walkers))
+        if len(human) and len(points):
+            points = points[distances(human, points).min(axis=0) > self._config.zeta]
         self._grid.mark(points, pose[:2], time_s, dt)
 
     def _result(self, time_s: float) -> People:

@@ -11,9 +11,7 @@ def least_total(cost, gate):
     """By trying everything: the least sum where each row takes a column of its own or pays the gate."""
     rows, columns = cost.shape
     padded = np.concatenate((np.minimum(cost, gate), np.full((rows, rows), gate)), axis=1)
-    return min(
-        sum(padded[i, j] for i, j in enumerate(choice)) for choice in permutations(range(columns + rows), rows)
-    )
+    return min(sum(padded[i, j] for i, j in enumerate(choice)) for choice in permutations(range(columns + rows), rows))
 
 
 @given(st.integers(0, 3), st.integers(0, 3), st.integers(0, 10_000))
