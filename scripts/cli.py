@@ -10,7 +10,9 @@ from .. import __version__
 from ..slam.errors import InputError, MissingExtraError
 
 # name -> what it does; the code is in commands/NAME.py, imported only when it is used
-COMMANDS: dict[str, str] = {}
+COMMANDS: dict[str, str] = {
+    "perceive": "Find legs and track people in recorded scans.",
+}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
