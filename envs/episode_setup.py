@@ -16,7 +16,7 @@ from .follow_config import FollowConfig
 from .interface import FollowInterface
 from .lidar import LidarConfig
 from .mappers import EngineMapper, Mapper, NoMapper
-from .mind import Mind, PeopleSource
+from .mind import Mind, PeopleSource, TrackedPeopleSource
 from .oracle import TrueMapper, TruePeopleSource
 from .robot import RobotConfig
 from .world import World, WorldConfig
@@ -87,14 +87,16 @@ class MindFactory:
     def make(self, world: World, rng: np.random.Generator) -> Mind:
         """Return a mind that knows nothing yet."""
         seed = int(rng.integers(2**31))
-        return Mind(self._people(world), LeaderSelector(self._perception), self._mapper(world, seed), self._perception.zeta)
+        return Mind(
+            self._people(world), LeaderSelector(self._perception), self._mapper(world, seed), self._perception.zeta
+        )
 
     def _people(self, world: World) -> PeopleSource:
         if self._forest is None:
             return TruePeopleSource(world)
         p = self._perception
         detector = LegDetector(self._forest, LegDetectorConfig(alpha=p.alpha, beta=p.beta, gamma=p.gamma))
-        return PeopleTracker(p, detector)
+        return TrackedPeopleSource(PeopleTracker(p, detector))
 
     def _mapper(self, world: World, seed: int) -> Mapper:
         if self._config.slam is None:

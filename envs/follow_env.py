@@ -40,7 +40,7 @@ class EnvState:
     memory: dict[str, Any]
 
 
-class FollowEnv(gym.Env[Observation, NDArray[np.float32]]):
+class FollowEnv(gym.Env[Any, Any]):
     """A robot follows a person through a building full of other people, and may map it on the way.
 
     ## Description
@@ -152,7 +152,7 @@ class FollowEnv(gym.Env[Observation, NDArray[np.float32]]):
         self.render_mode = render_mode
         self.metadata = {**self.metadata, "render_fps": round(self.config.control_hz)}
         self.interface = interface(self.config)
-        self.observation_space = observation_space(self.config)
+        self.observation_space: spaces.Space[Any] = observation_space(self.config)
         self.action_space = spaces.Box(-1.0, 1.0, (3 if self.interface.holonomic else 2,), np.float32)
         top = [self.interface.max_speed] * (2 if self.interface.holonomic else 1)
         self._top = np.array([*top, self.interface.max_turn_rate])

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from ..perception.people_filter import filter_people, people_points_lidar
 from ..perception.tracking.leader import Leader, LeaderSelector
 from ..perception.tracking.people import People
+from ..perception.tracking.tracker import PeopleTracker
 from ..slam.geometry import between, inverse, transform_points
 from ..slam.occupancy_map import OccupancyMap
 from ..slam.scan import LaserScan
@@ -23,6 +24,17 @@ class PeopleSource(Protocol):
     def update(self, scan: LaserScan, odometry: Array) -> People:
         """Take one scan with its odometry pose (3,); return the people in the odometry frame."""
         ...
+
+
+class TrackedPeopleSource:
+    """People found in the scans by the leg tracker."""
+
+    def __init__(self, tracker: PeopleTracker) -> None:
+        self._tracker = tracker
+
+    def update(self, scan: LaserScan, odometry: Array) -> People:
+        """Take one scan with its odometry pose (3,); return the people in the odometry frame."""
+        return self._tracker.update(scan, odometry).people
 
 
 @dataclass(frozen=True, eq=False)

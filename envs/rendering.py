@@ -191,7 +191,9 @@ def _open_renderer(world: World) -> Any:
     try:
         return mujoco.Renderer(world.model, 480, 640)
     except Exception as error:  # MuJoCo raises different kinds for each way in which OpenGL can be missing
-        raise InputError(f'render_backend="mujoco" needs OpenGL ({error}); render_backend="topview" does not') from error
+        raise InputError(
+            f'render_backend="mujoco" needs OpenGL ({error}); render_backend="topview" does not'
+        ) from error
 
 
 def _open_viewer(world: World) -> Any:

@@ -48,7 +48,12 @@ class Canvas:
         self._draw.line(self._flat(points), fill=colour, width=width, joint="curve")
 
     def circle(
-        self, centre: ArrayLike, radius_m: float, fill: Colour | None, outline: Colour | None = None, width_m: float = 0.0
+        self,
+        centre: ArrayLike,
+        radius_m: float,
+        fill: Colour | None,
+        outline: Colour | None = None,
+        width_m: float = 0.0,
     ) -> None:
         """Draw a circle around `centre` (2,) [m]."""
         x, y = self.camera.pixels(centre)[0]

@@ -43,7 +43,9 @@ def sample_map(grid: OccupancyMap, T_world_map: NDArray[np.float64], camera: Cam
     cells = np.where(grid.occupied, 2, np.where(grid.free, 1, 0)).astype(np.uint8)
     T_map_world = inverse(T_world_map)
     for dx, dy in ((-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)):
-        corner = np.array([camera.centre[0] + (0.5 - width / 2 + dx) * step, camera.centre[1] - (0.5 - height / 2 + dy) * step, 0.0])
+        corner = np.array(
+            [camera.centre[0] + (0.5 - width / 2 + dx) * step, camera.centre[1] - (0.5 - height / 2 + dy) * step, 0.0]
+        )
         x0, y0, theta = compose(T_map_world, corner)
         along = np.arange(width) * step
         down = np.arange(height)[:, None] * step
