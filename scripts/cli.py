@@ -10,7 +10,9 @@ from .. import __version__
 from ..slam.errors import InputError, MissingExtraError
 
 # name -> what it does; the code is in commands/NAME.py, imported only when it is used
-COMMANDS: dict[str, str] = {}
+COMMANDS: dict[str, str] = {
+    "slam": "map a recorded drive (CARMEN log)",
+}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
