@@ -12,6 +12,7 @@ from ..slam.errors import InputError, MissingExtraError
 # name -> what it does; the code is in commands/NAME.py, imported only when it is used
 COMMANDS: dict[str, str] = {
     "slam": "map a recorded drive (CARMEN log)",
+    "score": "judge a trajectory or a map by a reference",
 }
 
 
