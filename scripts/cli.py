@@ -11,7 +11,8 @@ from ..slam.errors import InputError, MissingExtraError
 
 # name -> what it does; the code is in commands/NAME.py, imported only when it is used
 COMMANDS: dict[str, str] = {
-    "perceive": "Find legs and track people in recorded scans.",
+    "perceive": "find legs and track people in recorded scans (CARMEN log or .npz)",
+    "slam": "map a recorded drive (CARMEN log)",
 }
 
 
