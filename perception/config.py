@@ -33,11 +33,17 @@ class PerceptionConfig:
         both_legs_from: A cluster wider than this can be both legs of a person known to be there [m].
         both_legs_to: And narrower than this [m].
         both_legs_gate: Largest distance between it and the person's predicted centre [m].
+        both_legs_s: Longest time that a person is believed in without seeing a leg apart [s].
         pair_distance: Largest distance between the two legs that start a person [m].
         pair_width: Largest distance between them in the mean over `stride_time_s`, where steps cancel out [m].
         pair_margin: By how much narrower a pair must be for a person to exchange a leg [m].
         stride_time_s: How long that mean remembers [s].
         offset_time_s: How fast the believed offset of a hidden leg from its person's centre fades [s].
+        coast_s: How fast the velocity of a lost person is believed to fade [s].
+        memory_s: How long a lost person can be recognised [s].
+        memory_distance: Largest distance from the prediction at which a lost person is recognised [m].
+        memory_overlap_s: How long the legs of a lost person may have been tracked anew before the old track was last
+            seen: tracks overlap when a person is taken for two [s].
         grid_resolution: Side of a cell of the local occupancy grid [m].
         grid_rise_s: Time under non-human points until a cell counts as occupied [s].
         grid_fade_s: How fast a cell that is no longer hit becomes free again [s].
@@ -63,11 +69,16 @@ class PerceptionConfig:
     both_legs_from: float = 0.15
     both_legs_to: float = 0.6
     both_legs_gate: float = 0.3
+    both_legs_s: float = 3.0
     pair_distance: float = 0.9
     pair_width: float = 0.5
     pair_margin: float = 0.15
     stride_time_s: float = 1.0
     offset_time_s: float = 0.3
+    coast_s: float = 1.0
+    memory_s: float = 10.0
+    memory_distance: float = 3.0
+    memory_overlap_s: float = 0.5
     grid_resolution: float = 0.05
     grid_rise_s: float = 0.3
     grid_fade_s: float = 3.0

@@ -23,17 +23,15 @@ class LeaderConfig:
         onset_distance: Nobody farther from the robot than this is chosen [m].
         search_sigmas: A lost leader is looked for within this many standard deviations of its prediction.
         search_distance: And never farther from it than this [m].
-        coast_s: How fast the velocity of an unseen leader is believed to fade [s].
     """
 
     onset_s: float = 1.0
     onset_distance: float = 4.0
     search_sigmas: float = 2.0
-    search_distance: float = 3.0
-    coast_s: float = 1.0
+    search_distance: float = 8.0
 
     def __post_init__(self) -> None:
-        for name in ("onset_distance", "search_sigmas", "search_distance", "coast_s"):
+        for name in ("onset_distance", "search_sigmas", "search_distance"):
             if not getattr(self, name) > 0.0:
                 raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
 
@@ -109,7 +107,7 @@ class LeaderSelector:
             search = single_target(before.position, self._config.initial_variance, self._config.r)
             search.x[2:] = before.velocity
             self._search = search
-        search.x[2:] *= np.exp(-dt / config.coast_s)
+        search.x[2:] *= np.exp(-dt / self._config.coast_s)
         predict_single(search, dt, self._config.process_variance(dt))
         unseen_s = before.unseen_s + dt
         gate = min(config.search_distance, config.search_sigmas * float(np.sqrt(search.P[0, 0])))

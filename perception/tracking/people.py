@@ -16,14 +16,14 @@ class People:
 
     Attributes:
         time_s: Time of the scan [s].
-        ids: (n,) numbers of the people, never used twice.
+        ids: (n,) numbers of the people; one who was lost and is met again soon keeps the number.
         positions: (n, 2) centres between the legs [m].
         velocities: (n, 2) of the centres [m/s].
         confidence: (n,) by eq. 6, in [0, 1].
         legs: (n, 2, 2) positions of both legs, measured or believed [m].
         variance: (n,) first element of each covariance [m^2].
         unseen_s: (n,) time since a leg of the person was last seen; 0: in this scan [s].
-        age_s: (n,) time since the person was started [s].
+        age_s: (n,) time since both legs were first tracked, before they were known as a person [s].
     """
 
     time_s: float

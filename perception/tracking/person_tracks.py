@@ -23,13 +23,13 @@ PERSON = np.dtype(
 )
 
 
-def new_people(ids: NDArray[np.int64], pairs: NDArray[np.void]) -> NDArray[np.void]:
-    """Return people (n,) called `ids`, each from a pair of leg tracks, `pairs` (n, 2)."""
-    people = np.zeros(len(ids), dtype=PERSON)
-    people["id"] = ids
+def new_people(pairs: NDArray[np.void]) -> NDArray[np.void]:
+    """Return people (n,), not yet numbered, each from a pair of leg tracks, `pairs` (n, 2)."""
+    people = np.zeros(len(pairs), dtype=PERSON)
     people["x"] = pairs["x"].mean(axis=1)
     people["p"] = pairs["p"].mean(axis=1)
     people["confidence"] = pairs["confidence"].mean(axis=1)
+    people["age_s"] = pairs["age_s"].min(axis=1)
     people["offset"] = (pairs["x"][:, 0, :2] - pairs["x"][:, 1, :2]) / 2.0
     return people
 

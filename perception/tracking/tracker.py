@@ -16,6 +16,7 @@ from . import person_tracks
 from .association import assign, distances
 from .leg_tracks import LegTracks
 from .local_grid import LocalGrid
+from .memory import LostPeople
 from .pairing import better_pairs, mutual_pairs
 from .people import People
 from .person_tracks import Sightings
@@ -66,6 +67,7 @@ class PeopleTracker:
         config = self._config
         self._legs = LegTracks(config)
         self._people = np.zeros(0, dtype=person_tracks.PERSON)
+        self._lost = LostPeople(config)
         self._grid = LocalGrid(config.grid_resolution, config.grid_rise_s, config.grid_fade_s)
         self._time_s: float | None = None
         self._next_id = 0
@@ -82,6 +84,7 @@ class PeopleTracker:
         d = detections.confidence[detections.human]
         self._legs.predict(dt)
         person_tracks.predict(self._people, dt, self._config)
+        self._lost.predict(dt)
         gate = self._config.gate_after(dt)
         match = self._adopt(self._associate(z, gate), z, gate)
         self._legs.correct(match, z, d, dt)
@@ -145,7 +148,9 @@ class PeopleTracker:
 
         It must be wider than a leg, stand where the person was predicted, and on free cells; its confidence counts.
         """
-        unseen, config = np.flatnonzero(~sightings.seen), self._config
+        config = self._config
+        since_leg_s = self._legs.rows["unseen_s"][: 2 * len(self._people)].reshape(-1, 2).min(axis=1)
+        unseen = np.flatnonzero(~sightings.seen & (since_leg_s < config.both_legs_s))
         if len(unseen) == 0:
             return sightings
         ends = found.clusters.points[found.clusters.end - 1] - found.clusters.points[found.clusters.start]
@@ -210,6 +215,7 @@ class PeopleTracker:
         alive = lives(self._people)
         keep = lives(self._legs.rows)
         keep[: 2 * len(alive)] = np.repeat(alive, 2)
+        self._lost.remember(self._people[~alive])
         self._people = self._people[alive]
         self._legs.take(np.flatnonzero(keep))
 
@@ -231,11 +237,19 @@ class PeopleTracker:
         spread = self._legs.spread()[np.ix_(alive, alive)]
         spread[distances(self._legs.positions[alive], self._legs.positions[alive]) > config.pair_distance] = np.inf
         rows = alive[mutual_pairs(spread, able, config.pair_width)]
-        ids = np.arange(self._next_id, self._next_id + len(rows))
-        self._next_id += len(rows)
-        self._people = np.concatenate((self._people, person_tracks.new_people(ids, self._legs.rows[rows])))
+        self._people = np.concatenate((self._people, self._named(self._legs.rows[rows])))
         rest = np.setdiff1d(np.arange(owned, len(self._legs)), rows)
         self._legs.take(np.concatenate((np.arange(owned), rows.ravel(), rest)))
+
+    def _named(self, pairs: NDArray[np.void]) -> NDArray[np.void]:
+        """Return people from pairs of legs (k, 2), with their old number where they are recognised."""
+        people = person_tracks.new_people(pairs)
+        known = self._lost.recognise(people["x"][:, :2], people["age_s"])
+        fresh = known < 0
+        people["id"] = known
+        people["id"][fresh] = self._next_id + np.arange(np.count_nonzero(fresh))
+        self._next_id += np.count_nonzero(fresh)
+        return people
 
     def _mark_grid(self, points: Array, pose: Array, time_s: float, dt: float) -> None:
         """Mark the non-human `points` (k, 2), but never where a person, or what may become one, stands."""
