@@ -14,7 +14,7 @@ class AvoidanceConfig:
 
     Attributes:
         half_width: Half of the robot's width [m].
-        front: From the robot's centre to its front edge [m].
+        front: From the robot's centre to where it stops in front of things [m].
         margin: Space kept free on each side [m].
         horizon: How far ahead things are looked at [m].
         widest: Largest deviation from the wanted heading [rad].
@@ -24,7 +24,7 @@ class AvoidanceConfig:
     """
 
     half_width: float = 0.26
-    front: float = 0.34
+    front: float = 0.42
     margin: float = 0.12
     horizon: float = 1.5
     widest: float = 1.2

@@ -30,6 +30,8 @@ class PIDConfig:
         reverse_speed: Fastest backing away from a leader who comes near [m/s].
         acceleration: Limit on the change of the forward speed [m/s^2].
         braking: Limit when slowing down for something ahead [m/s^2].
+        reaction_s: Time until a command takes hold; speed ahead of things allows for it [s].
+        approach_speed: Fastest on the way to where a lost leader was last seen [m/s].
         turn_acceleration: Limit on the change of the turn rate [rad/s^2].
         leader_clearance: Returns nearer than this to a person who is seen are that person, not an obstacle [m].
         avoidance: How the robot keeps clear of things.
@@ -43,7 +45,9 @@ class PIDConfig:
     feed_forward_filter_s: float = 0.4
     reverse_speed: float = 0.5
     acceleration: float = 1.0
-    braking: float = 1.5
+    braking: float = 1.2
+    reaction_s: float = 0.25
+    approach_speed: float = 0.9
     turn_acceleration: float = 3.0
     leader_clearance: float = 0.45
     avoidance: AvoidanceConfig = field(default_factory=AvoidanceConfig)
@@ -100,12 +104,17 @@ class PIDFollower:
         keep = c.distance if goal.mode is Mode.FOLLOW else 0.0
         sight = (goal.vx * math.cos(goal.bearing) + goal.vy * math.sin(goal.bearing)) * c.feed_forward
         self._pace += (sight - self._pace) * self._step_s / (c.feed_forward_filter_s + self._step_s)
-        top = self.interface.max_speed
+        top = self.interface.max_speed if goal.mode is Mode.FOLLOW else c.approach_speed
         speed = self._linear.update(goal.distance - keep, saturated=abs(self._speed) >= top) + self._pace
         speed = min(max(speed, -c.reverse_speed), top * max(0.0, math.cos(heading)) ** 2)
-        brake_in_time = math.sqrt(2.0 * c.braking * max(0.0, ahead - 0.05))
+        brake_in_time = self._safe_speed(ahead)
         turn = self._angular.update(heading)
         return min(speed, brake_in_time), turn, c.braking if speed > brake_in_time else c.acceleration
+
+    def _safe_speed(self, ahead: float) -> float:
+        """Return the speed from which the robot stops within `ahead` metres, its reaction time included [m/s]."""
+        lag = self.config.braking * self.config.reaction_s
+        return math.sqrt(lag**2 + 2.0 * self.config.braking * ahead) - lag
 
     def _command(self, speed: float, turn: float, acceleration: float) -> NDArray[np.float32]:
         most, most_turn = acceleration * self._step_s, self.config.turn_acceleration * self._step_s
@@ -120,7 +129,7 @@ class PIDFollower:
         ranges = observation["scan"][self._beams].astype(np.float64) * self.interface.range_max
         near = ranges < self.config.avoidance.horizon + 1.0
         points = transform_points(self.interface.T_robot_lidar, ranges[near, None] * self._directions[near])
-        if goal.mode is not Mode.FOLLOW:
+        if observation["leader"][5] < 0.5:
             return points
         own = np.hypot(points[:, 0] - goal.x, points[:, 1] - goal.y) < self.config.leader_clearance
         return points[~own]

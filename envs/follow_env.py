@@ -64,14 +64,14 @@ class FollowEnv(gym.Env[Any, Any]):
 
     ## Observation
 
-    `Dict`, all float32, all in the robot frame (x forward, y left), new arrays in every step.
+    `Dict`, all float32, in the robot frame (x forward, y left), in m, m/s, rad/s; new arrays in every step.
 
     | key | shape | meaning | range |
     |---|---|---|---|
     | `scan` | (beams,) | range over 30 m along each beam, right to left; 1: no return or no measurement | 0 .. 1 |
-    | `leader` | (6,) | x, y [m], vx, vy over ground [m/s], confidence, visible | 30 m, 3 m/s, 0 .. 1 |
-    | `people` | (people_slots, 6) | other people, the nearest first: x, y, vx, vy, confidence, present (mask) | as above |
-    | `velocity` | (2,) or (3,) | own speed (forward, left if holonomic) [m/s] and turn rate [rad/s], by odometry | 3 m/s, 6 rad/s |
+    | `leader` | (6,) | x, y, vx, vy (over ground), confidence, visible | 30 m, 3 m/s, 0 .. 1 |
+    | `people` | (people_slots, 6) | other people, nearest first: x, y, vx, vy, confidence, present (mask) | as above |
+    | `velocity` | (2,) or (3,) | own forward speed, speed to the left if holonomic, turn rate, by odometry | 3, 3, 6 |
     | `map` | (map_cells, map_cells) | cells around the robot: 0 free, 0.5 unknown, 1 occupied | 0 .. 1 |
 
     The leader is chosen by the robot: the tracked person closest to it at onset. While it is lost, `leader` holds its

@@ -1,6 +1,6 @@
 """Reward terms: pure functions of what truly happened in one step. Their sum is the reward.
 
-Each shaping term is a rate per step at 10 Hz scaled to the actual step, so that returns do not depend on the control rate.
+Shaping terms are per step of 0.1 s, scaled to the actual step, so that returns do not depend on the control rate.
 """
 
 import math

@@ -10,7 +10,7 @@ from ..history import History, run_lengths
 Array = NDArray[np.float64]
 
 CUTOFF_HZ = 2.0
-"""Cut-off of the low-pass (Butterworth, 2nd order, run forwards and backwards: no phase) before differentiating [Hz]."""
+"""Cut-off of the low-pass before differentiating (Butterworth, 2nd order, forwards and backwards: no phase) [Hz]."""
 MOVING_MPS = 0.05
 """Speed above which the robot moves [m/s]."""
 WINDOW_S = 10.0

@@ -73,7 +73,7 @@ class Canvas:
         place = place[inside]
         for dx in range(size):
             for dy in range(size):
-                self._draw.point((place + (dx, dy)).ravel().tolist(), fill=colour)
+                self._draw.point((place + np.array([dx, dy])).ravel().tolist(), fill=colour)
 
     def label(self, position: ArrayLike, text: str, colour: Colour, size_px: int) -> None:
         """Write `text` centred on `position` (2,) [m]."""

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-
 from tagalong.agents import PIDFollower, make_follower
 from tagalong.agents.avoidance import AvoidanceConfig, free_heading, free_lengths
 from tagalong.agents.memory import LeaderMemory, MemoryConfig, Mode
@@ -62,13 +61,13 @@ def test_it_backs_away_from_a_leader_who_comes_near():
 
 
 def test_it_turns_towards_a_leader_behind_it():
-    rows = drive(PIDFollower(INTERFACE), lambda t: (-2.0, 0.1), 8.0)
+    rows = drive(PIDFollower(INTERFACE), lambda t: (-2.0, 0.1), 14.0)
     assert math.hypot(rows[-1, 1] + 2.0, rows[-1, 2] - 0.1) == pytest.approx(1.3, abs=0.1)
 
 
 def test_a_lost_leader_is_approached_then_searched_and_taken_up_again():
     follower = PIDFollower(INTERFACE)
-    rows = drive(follower, lambda t: (1.3, 0.0) if t < 1 else (3.0, 3.0), 26.0, hidden=lambda t: 1.0 < t < 12.0)
+    rows = drive(follower, lambda t: (1.3, 0.0) if t < 1 else (3.0, 3.0), 26.0, hidden=lambda t: 0.95 < t < 12.0)
     searching = rows[90:118]
     assert np.hypot(rows[85, 1] - 1.3, rows[85, 2]) < 0.8
     assert np.abs(searching[:, 7]).min() > 0.5

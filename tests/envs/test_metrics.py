@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-
 from tagalong.envs.history import History, run_lengths
 from tagalong.envs.metrics import episode_metrics
 from tagalong.envs.metrics.following import leader_is_right
