@@ -13,6 +13,8 @@ from ..slam.errors import InputError, MissingExtraError
 COMMANDS: dict[str, str] = {
     "perceive": "find legs and track people in recorded scans (CARMEN log or .npz)",
     "slam": "map a recorded drive (CARMEN log)",
+    "score": "judge a trajectory or a map by a reference",
+    "doctor": "say what is installed and what works here",
 }
 
 
