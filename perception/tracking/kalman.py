@@ -40,7 +40,7 @@ def update(x: Array, p: Array, z: Array, r: float | Array) -> tuple[Array, Array
 
 def full_covariance(p: Array) -> Array:
     """Return (n, 4, 4) covariances in the order (x, y, vx, vy) from the three numbers (n, 3)."""
-    return np.kron(np.stack((p[:, :2], p[:, 1:]), axis=1), np.eye(2))
+    return np.asarray(np.kron(np.stack((p[:, :2], p[:, 1:]), axis=1), np.eye(2)), dtype=np.float64)
 
 
 def single_target(position: ArrayLike, variance: float, r: float) -> KalmanFilter:
