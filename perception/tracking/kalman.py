@@ -44,7 +44,7 @@ def full_covariance(p: Array) -> Array:
 
 
 def single_target(position: ArrayLike, variance: float, r: float) -> KalmanFilter:
-    """Return filterpy's filter of one target at `position` (2,) with zero velocity (eq. 5): P0 = `variance` I, R = r I."""
+    """Return filterpy's filter of a target at `position` (2,), at rest (eq. 5): P0 = `variance` I, R = r I."""
     filter_ = KalmanFilter(dim_x=4, dim_z=2)
     filter_.x = np.concatenate((np.asarray(position, dtype=np.float64), np.zeros(2)))
     filter_.P = np.eye(4) * variance

@@ -4,7 +4,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 from tagalong.scripts.cli import main
 
 WALKER = Path(os.environ.get("TAGALONG_DATA", "")) / "legs" / "positive_1_scans.npz"
