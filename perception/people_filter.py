@@ -28,6 +28,6 @@ def filter_people(scan: LaserScan, people_points_lidar: ArrayLike, zeta: float) 
 
 
 def people_points_lidar(people: People, odometry: ArrayLike, scan: LaserScan) -> NDArray[np.float64]:
-    """Return (3 n, 2) centres and legs of `people` (odometry frame) in the laser frame of `scan`, taken at `odometry`."""
+    """Return (3 n, 2) centres and legs of `people` (odometry frame) in the frame of the laser that took `scan`."""
     points_robot = transform_points(inverse(odometry), people.points)
     return transform_points(inverse(np.asarray(scan.T_robot_lidar)), points_robot)

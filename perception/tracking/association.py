@@ -12,7 +12,7 @@ def distances(tracks: Array, detections: Array) -> Array:
     """Return (n, m) Euclidean distances between positions (n, 2) and (m, 2)."""
     if len(tracks) == 0 or len(detections) == 0:
         return np.zeros((len(tracks), len(detections)))
-    return cdist(tracks, detections)
+    return np.asarray(cdist(tracks, detections), dtype=np.float64)
 
 
 def assign(cost: Array, gate: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:

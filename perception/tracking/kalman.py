@@ -40,11 +40,11 @@ def update(x: Array, p: Array, z: Array, r: float | Array) -> tuple[Array, Array
 
 def full_covariance(p: Array) -> Array:
     """Return (n, 4, 4) covariances in the order (x, y, vx, vy) from the three numbers (n, 3)."""
-    return np.kron(np.stack((p[:, :2], p[:, 1:]), axis=1), np.eye(2))
+    return np.asarray(np.kron(np.stack((p[:, :2], p[:, 1:]), axis=1), np.eye(2)), dtype=np.float64)
 
 
 def single_target(position: ArrayLike, variance: float, r: float) -> KalmanFilter:
-    """Return filterpy's filter of one target at `position` (2,) with zero velocity (eq. 5): P0 = `variance` I, R = r I."""
+    """Return filterpy's filter of a target at `position` (2,), at rest (eq. 5): P0 = `variance` I, R = r I."""
     filter_ = KalmanFilter(dim_x=4, dim_z=2)
     filter_.x = np.concatenate((np.asarray(position, dtype=np.float64), np.zeros(2)))
     filter_.P = np.eye(4) * variance

@@ -33,7 +33,7 @@ class LocalGrid:
         self._time = np.full(SIDE * SIDE, -np.inf)
 
     def mark(self, points: Array, centre: Array, time_s: float, dt: float) -> None:
-        """Add `dt` seconds of non-human `points` (k, 2), seen at `time_s` by the robot at `centre` (2,); odometry frame."""
+        """Add `dt` seconds of non-human `points` (k, 2) seen at `time_s` from `centre` (2,), in the odometry frame."""
         reach = (SIDE // 2 - 2) * self._resolution
         near = points[np.abs(points - centre).max(axis=1, initial=0.0) < reach]
         cells = np.floor(near / self._resolution).astype(np.int32)

@@ -4,7 +4,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
-
 from tagalong.perception.config import PerceptionConfig
 from tagalong.perception.legs.clusters import Clusters
 from tagalong.perception.legs.detector import Detections

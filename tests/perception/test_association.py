@@ -3,7 +3,6 @@ from itertools import permutations
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
-
 from tagalong.perception.tracking.association import assign, distances
 
 

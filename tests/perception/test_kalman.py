@@ -1,7 +1,6 @@
 import numpy as np
 import pytest
 from scipy import stats
-
 from tagalong.perception.config import PerceptionConfig
 from tagalong.perception.tracking import kalman
 

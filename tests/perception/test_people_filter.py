@@ -1,5 +1,4 @@
 import numpy as np
-
 from tagalong.perception.people_filter import filter_people
 from tagalong.slam.scan import LaserScan
 

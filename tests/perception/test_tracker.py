@@ -2,7 +2,6 @@ import dataclasses
 
 import numpy as np
 import pytest
-
 from tagalong.perception.config import PRESETS, PerceptionConfig, perception_preset
 from tagalong.slam.errors import InputError
 
@@ -17,7 +16,7 @@ def test_table_two_is_the_default():
 def test_wrong_configurations_say_what_is_wrong():
     with pytest.raises(InputError, match="`delta` must be positive"):
         PerceptionConfig(delta=-1.0)
-    with pytest.raises(InputError, match="unknown preset 'table3'; presets: .*table2"):
+    with pytest.raises(InputError, match=r"unknown preset 'table3'; presets: .*table2"):
         perception_preset("table3")
 
 
