@@ -16,7 +16,7 @@ from .follow_config import make_config
 from .mind import Belief, Mind
 from .observation import Observer, observation_space
 from .oracle import step_facts
-from .rendering import make_renderer
+from .rendering import has_display, make_renderer
 from .rewards import StepFacts, reward_terms
 from .sweeps import timed_odometry
 from .truth import TrueState
@@ -150,7 +150,10 @@ class FollowEnv(gym.Env[Any, Any]):
     def __init__(self, *, render_mode: str | None = None, render_backend: str = "topview", **fields: Any) -> None:
         self.config = make_config(fields)
         self.render_mode = render_mode
-        self.metadata = {**self.metadata, "render_fps": round(self.config.control_hz)}
+        self.metadata = {
+            "render_modes": [mode for mode in type(self).metadata["render_modes"] if mode != "human" or has_display()],
+            "render_fps": round(self.config.control_hz),
+        }
         self.interface = interface(self.config)
         self.observation_space: spaces.Space[Any] = observation_space(self.config)
         self.action_space = spaces.Box(-1.0, 1.0, (3 if self.interface.holonomic else 2,), np.float32)

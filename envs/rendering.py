@@ -31,17 +31,26 @@ class Renderer(Protocol):
         ...
 
 
+def has_display() -> bool:
+    """Return whether a window can be opened."""
+    if not sys.platform.startswith("linux"):
+        return True
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
 def make_renderer(mode: str | None, backend: str) -> Renderer:
     """Return what draws for a render mode.
 
     Raises:
-        InputError: If the mode or the back end is unknown.
+        InputError: If the mode or the back end is unknown, or "human" has no display to show itself on.
     """
     if backend not in BACKENDS:
         raise unknown_name("render back end", backend, BACKENDS)
     if mode is None:
         return NoRenderer()
     if mode == "human":
+        if not has_display():
+            raise InputError('render_mode="human" needs a display, there is none; render_mode="rgb_array" does not')
         return ViewerRenderer()
     if mode != "rgb_array":
         raise unknown_name("render mode", mode, ("rgb_array", "human"))
@@ -119,11 +128,7 @@ class ViewerRenderer:
         self._viewer: Any = None
 
     def draw(self, world: World, truth: TrueState, belief: Belief, trail: list[NDArray[np.float64]]) -> None:
-        """Show the present state.
-
-        Raises:
-            InputError: If there is no display.
-        """
+        """Show the present state."""
         if self._of is not world:
             self.close()
             self._of, self._viewer = world, _open_viewer(world)
@@ -186,7 +191,7 @@ def _captions(truth: TrueState, belief: Belief) -> tuple[tuple[str, str], ...]:
 
 
 def _open_renderer(world: World) -> Any:
-    if not sys.platform.startswith(("win", "darwin")) and not os.environ.get("DISPLAY"):
+    if not has_display():
         os.environ.setdefault("MUJOCO_GL", "egl")
     try:
         return mujoco.Renderer(world.model, 480, 640)
@@ -197,8 +202,6 @@ def _open_renderer(world: World) -> Any:
 
 
 def _open_viewer(world: World) -> Any:
-    if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
-        raise InputError('render_mode="human" needs a display, there is none; render_mode="rgb_array" does not')
     from mujoco import viewer  # imported late: it opens the window system
 
     return viewer.launch_passive(world.model, world.data, show_left_ui=False, show_right_ui=False)
