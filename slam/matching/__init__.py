@@ -1,0 +1,1 @@
+"""Scan matching: the pose of one scan in the frame of another."""
