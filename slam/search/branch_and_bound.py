@@ -87,15 +87,17 @@ class SearchResult:
 
 @dataclass(frozen=True, kw_only=True)
 class Separation:
-    """How far maxima must be apart: further than this in x, or in y, or in heading.
+    """When a further maximum counts: further than this from the others in x, or in y, or in heading, and not much worse.
 
     Attributes:
         linear: [m].
         angular: [rad].
+        least_share: Least score, as a share of the first maximum's; a high share makes the search faster.
     """
 
     linear: float = 0.5
     angular: float = 0.35
+    least_share: float = 0.0
 
     def reach(self, headings: NDArray[np.float64], resolution: float) -> NDArray[np.int64]:
         """Return (2,) the same in steps between `headings` [rad] and in cells of side `resolution` [m]."""
@@ -152,6 +154,7 @@ def branch_and_bound(
         pose = (x + dx, y + dy, float(wrap_angle(headings[best[2]])))
         found.append(Maximum(pose, float(best[0] / worth)))
         taken = np.concatenate((taken, best[None, 2:]))
+        least = max(least, np.ceil(separation.least_share * best[0]).astype(np.int64)) if len(found) == 1 else least
     return SearchResult(tuple(found), candidates, looked)
 
 
