@@ -60,9 +60,7 @@ def read_scans(folder: Path, building: str, least_returns: int = 60) -> list[Las
     return near
 
 
-def split_trials(
-    scans: list[LaserScan], count: int, translation: float, rotation: float, seed: int
-) -> list[Trial]:
+def split_trials(scans: list[LaserScan], count: int, translation: float, rotation: float, seed: int) -> list[Trial]:
     """Return `count` trials: odd readings against even ones, the guess off by `translation` [m] and `rotation` [rad].
 
     The translation is laid on a diagonal (the paper's 0.57 = 0.4 sqrt 2, 2.12 = 1.5 sqrt 2), of the four one at

@@ -75,7 +75,7 @@ class GlobalMatcher:
         found = self.search(reference, points, centre)
         if not found.maxima or len(surfaces) < 3:
             return self._refinement.judge(reference, points, Refined(centre, 0, False))
-        refined = [self._refinement.refine(reference, points, maximum.pose) for maximum in found.maxima]
+        refined = [self._refinement.refine_both(reference, surfaces_new, maximum.pose) for maximum in found.maxima]
         scores = [self._explains(surfaces, surfaces_new, candidate.pose) for candidate in refined]
         order = np.argsort(-np.array(scores), kind="stable")
         best = refined[order[0]]

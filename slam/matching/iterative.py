@@ -13,6 +13,7 @@ from .confidence import ConfidenceConfig, assess
 from .match import Match
 from .registration import LINE, METRIC, POINT, register
 from .surfaces import SurfaceConfig, Surfaces, find_surfaces, near_points
+from .symmetric import register_both
 
 _KINDS = {"point": POINT, "line": LINE, "metric": METRIC}
 
@@ -102,16 +103,34 @@ class IterativeMatcher:
         start = np.array(guess, dtype=np.float64)
         if len(surfaces) < 3 or len(points_new) < 3:
             return Refined(start, 0, False)
-        s = surfaces
         pose, iterations, at_rest = register(
             _KINDS[config.kind],
             points_new,
             start,
-            (s.points, s.rays, s.feet, s.normals, s.linked, s.first),
+            surfaces.arrays,
             config.lever if config.kind == "metric" else np.inf,
             (config.first_reach, config.last_reach),
             (config.first_scale, config.last_scale, config.factor),
             config.kept,
+            config.ridge,
+            config.most_iterations,
+            config.rest,
+        )
+        pose[2] = wrap_angle(pose[2])
+        return Refined(pose, int(iterations), bool(at_rest))
+
+    def refine_both(self, reference: LaserScan, new: Surfaces, guess: ArrayLike) -> Refined:
+        """Return where point-to-line matching from both sides ends: the lines of the new scan count as well."""
+        config, surfaces = self.config, self.surfaces(reference)
+        start = np.array(guess, dtype=np.float64)
+        if len(surfaces) < 3 or len(new) < 3:
+            return Refined(start, 0, False)
+        pose, iterations, at_rest = register_both(
+            start,
+            surfaces.arrays,
+            new.arrays,
+            (config.first_reach, config.last_reach),
+            (config.first_scale, config.last_scale, config.factor),
             config.ridge,
             config.most_iterations,
             config.rest,

@@ -60,6 +60,11 @@ class Surfaces:
     def __len__(self) -> int:
         return len(self.points)
 
+    @property
+    def arrays(self) -> tuple[NDArray, NDArray, NDArray, NDArray, NDArray, NDArray]:
+        """(points, rays, feet, normals, linked, first), as the kernels take them."""
+        return self.points, self.rays, self.feet, self.normals, self.linked, self.first
+
 
 def near_points(scan: LaserScan, range_limit: float) -> NDArray[np.float64]:
     """Return (M, 2) the returns of a scan nearer than `range_limit` [m], in the laser frame, in beam order."""
