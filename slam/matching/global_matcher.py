@@ -14,12 +14,24 @@ from ..geometry import compose, inverse, wrap_angle
 from ..scan import LaserScan
 from ..search.branch_and_bound import SearchResult, SearchWindow, Separation, branch_and_bound
 from ..search.score_pyramid import ScorePyramid, build_pyramid
-from .confidence import assess
 from .iterative import PLICP, IterativeConfig, IterativeMatcher, Refined
 from .lookup import LookupConfig, build_lookup
 from .match import Match
-from .surfaces import Surfaces, find_surfaces, near_points
+from .surfaces import SurfaceConfig, Surfaces, find_surfaces, near_points
 from .visibility import agreement
+
+# The whole circle and the large space of HGLASM-g.
+_WINDOW = SearchWindow(linear=2.0, angular=np.pi, angular_step=np.radians(2.0))
+_SEPARATION = Separation(linear=0.4, angular=0.2, least_share=0.85)
+# Lines of both scans count, so fewer neighbours agreeing better serve: 7 mm is what a SICK's noise leaves.
+_REFINEMENT = replace(
+    PLICP,
+    first_reach=0.6,
+    last_reach=0.5,
+    first_scale=0.3,
+    last_scale=0.02,
+    surfaces=SurfaceConfig(tolerance=0.007),
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,20 +49,20 @@ class GlobalConfig:
         margin: How much nearer than the seen surface a point must be to contradict it [m].
         free_space: What a contradiction counts against a hit.
         rival: Another pose that reaches this share of the best final score makes the match ambiguous.
-        refinement: PL-ICP, from each maximum.
+        refinement: PL-ICP with the lines of both scans, from each maximum.
     """
 
-    window: SearchWindow = SearchWindow(linear=2.0, angular=np.pi, angular_step=np.radians(2.0))
+    window: SearchWindow = _WINDOW
     top_level: int = 3
     lookup: LookupConfig = field(default_factory=LookupConfig)
     maxima: int = 3
-    separation: Separation = Separation(linear=0.4, angular=0.2, least_share=0.85)
+    separation: Separation = _SEPARATION
     points: int = 180
     sigma: float = 0.03
     margin: float = 0.3
     free_space: float = 0.5
     rival: float = 0.95
-    refinement: IterativeConfig = replace(PLICP, first_reach=0.6, first_scale=0.3, rest=5e-4)
+    refinement: IterativeConfig = _REFINEMENT
 
     def __post_init__(self) -> None:
         if not (self.maxima >= 1 and self.points >= 1 and self.sigma > 0.0 and self.margin >= 0.0):
@@ -80,13 +92,10 @@ class GlobalMatcher:
         order = np.argsort(-np.array(scores), kind="stable")
         best = refined[order[0]]
         others = [refined[k].pose for k in order[1:] if self._rivals(best, refined[k], scores[order[0]], scores[k])]
-        sure = assess(points, best.pose, surfaces, config.refinement.confidence)
-        return Match(
-            pose=best.pose,
-            covariance=sure.covariance,
-            score=sure.score,
-            converged=best.at_rest and sure.believed,
-            iterations=best.iterations,
+        match = self._refinement.judge(reference, points, best)
+        return replace(
+            match,
+            converged=match.converged and not others,
             evaluations=found.looked_at,
             ambiguous=bool(others),
             alternatives=np.array(others).reshape(-1, 3),

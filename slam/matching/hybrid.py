@@ -15,6 +15,8 @@ from .lookup import LookupConfig, build_lookup
 from .match import Match
 from .surfaces import near_points
 
+_POLISHING = replace(PLICP, first_reach=0.5, first_scale=0.2)
+
 
 @dataclass(frozen=True, kw_only=True)
 class HybridConfig:
@@ -38,7 +40,7 @@ class HybridConfig:
     refine: bool = True
     polish: bool = False
     refinement: IterativeConfig = MBICP
-    polishing: IterativeConfig = replace(PLICP, first_reach=0.5, first_scale=0.2)
+    polishing: IterativeConfig = _POLISHING
 
     def __post_init__(self) -> None:
         if self.fitness not in ("lookup", "polar"):

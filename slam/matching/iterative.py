@@ -84,6 +84,8 @@ class IterativeMatcher:
         self.config = config
         self._reference: LaserScan | None = None
         self._surfaces: Surfaces | None = None
+        self._judged: LaserScan | None = None
+        self._long_lines: Surfaces | None = None
 
     def match(self, reference: LaserScan, new: LaserScan, guess: ArrayLike) -> Match:
         """Return the pose of `new` in the frame of `reference`, from `guess` (3,) (see `Matcher`)."""
@@ -140,7 +142,10 @@ class IterativeMatcher:
 
     def judge(self, reference: LaserScan, points_new: NDArray[np.float64], refined: Refined) -> Match:
         """Return the match of a refined pose, with its covariance and whether it is believed."""
-        sure = assess(points_new, refined.pose, self.surfaces(reference), self.config.confidence)
+        confidence = self.config.confidence
+        if self._long_lines is None or self._judged is not reference:
+            self._judged, self._long_lines = reference, find_surfaces(reference, confidence.surfaces)
+        sure = assess(points_new, refined.pose, self._long_lines, confidence)
         return Match(
             pose=refined.pose,
             covariance=sure.covariance,

@@ -1,4 +1,4 @@
-"""The lookup table around the points of a reference scan (Lenac, Mumolo, Nolich 2011; Cuzzocrea et al. 2022, Fig. 2)."""
+"""The lookup table around a reference scan's points (Lenac, Mumolo, Nolich 2011; Cuzzocrea et al. 2022, Fig. 2)."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -69,7 +69,7 @@ def stamp_squares(points, x0, y0, cell, reach, values):  # pragma: no cover
 
 @numba.njit(cache=True, nogil=True)
 def stamp_gaussians(points, x0, y0, cell, sigma, reach, values):  # pragma: no cover
-    """Raise the cells around each point to 255 exp(-d^2 / 2 sigma^2), rounded; d to the cell's centre, up to `reach`."""
+    """Raise the cells around each point to 255 exp(-d^2 / 2 sigma^2), rounded; d from its centre, to `reach`."""
     # The Gaussian is the product of its rows and columns: two short lists of exponentials a point.
     size = int(2.0 * reach / cell) + 3
     along = np.empty(size)

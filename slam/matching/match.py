@@ -18,7 +18,7 @@ class Match:
         covariance: (3, 3) of that pose, in the reference's frame. Directions that the two scans say nothing about, as
             along a corridor, have the variance of the matcher's prior, metres wide.
         score: Share of the new scan's points that meet a surface of the reference there, in [0, 1].
-        converged: Whether the matcher believes in the pose: it came to rest and enough points agree.
+        converged: Whether the matcher believes in the pose: it came to rest, enough points agree, nothing else fits.
         iterations: Steps of the refinement.
         evaluations: Poses scored by the search before it; 0 where there is none.
         ambiguous: Whether another pose, elsewhere, explains the scan about as well (only a search can tell).

@@ -22,6 +22,8 @@ class SurfaceConfig:
         gap: Points side by side are of one surface up to this distance [m] plus `obliquity` beam widths.
         obliquity: Beam widths (range times angle between the beams) between such points.
         range_limit: Returns beyond are left out [m].
+        even: Lines reach equally far to both sides, so that the curve of a wall tilts no normal; a surface's last
+            points have none.
     """
 
     neighbours: int = 6
@@ -29,6 +31,7 @@ class SurfaceConfig:
     gap: float = 0.05
     obliquity: float = 6.0
     range_limit: float = 30.0
+    even: bool = False
 
     def __post_init__(self) -> None:
         if not (self.neighbours >= 1 and min(self.tolerance, self.gap, self.obliquity, self.range_limit) > 0.0):
@@ -84,7 +87,7 @@ def find_surfaces(scan: LaserScan, config: SurfaceConfig) -> Surfaces:
     rays[:, 0], rays[:, 1] = np.cos(bearings), np.sin(bearings)
     points = rays * ranges[:, None]
     linked = link_points(points, ranges, bearings, config.gap, config.obliquity)
-    feet, normals, tilt_variance = fit_lines(points, linked, config.neighbours, config.tolerance)
+    feet, normals, tilt_variance = fit_lines(points, linked, config.neighbours, config.tolerance, config.even)
     edges = np.linspace(-np.pi, np.pi, BINS, endpoint=False)
     first = np.searchsorted(bearings, edges).astype(np.int32)
     return Surfaces(points, rays, feet, normals, tilt_variance, linked, first)
@@ -110,24 +113,19 @@ def link_points(points, ranges, bearings, gap, obliquity):  # pragma: no cover
 
 
 @numba.njit(cache=True, nogil=True)
-def fit_lines(points, linked, neighbours, tolerance):  # pragma: no cover
+def fit_lines(points, linked, neighbours, tolerance, even):  # pragma: no cover
     """Return feet (M, 2), normals (M, 2) and tilt variances (M,) of the lines through each point's neighbourhood."""
     count = len(points)
     feet, normals, tilt = points.copy(), np.zeros((count, 2)), np.full(count, np.inf)
     for m in range(count):
         for most in range(neighbours, 0, -1):
-            start, size = m, 1
-            while size <= most and linked[start - 1] and size < count:
-                start -= 1
-                size += 1
-            end, ahead = m, 0
-            while ahead < most and linked[end % count] and size < count:
-                end += 1
-                ahead += 1
-                size += 1
+            behind, ahead = reach_along(linked, m, -1, most), reach_along(linked, m, 1, most)
+            if even:
+                behind = ahead = min(behind, ahead)
+            size = min(1 + behind + ahead, count)
             if size < 2:
                 break
-            mx, my, sxx, sxy, syy = moments(points, start, size)
+            mx, my, sxx, sxy, syy = moments(points, m - behind, size)
             half, root = 0.5 * (sxx + syy), np.sqrt(0.25 * (sxx - syy) ** 2 + sxy * sxy)
             if max(half - root, 0.0) <= tolerance * tolerance * size or (most == 1 and size == 2):
                 angle = 0.5 * np.arctan2(2.0 * sxy, sxx - syy)
@@ -138,6 +136,17 @@ def fit_lines(points, linked, neighbours, tolerance):  # pragma: no cover
                 tilt[m] = 1.0 / max(half + root, 1e-9)
                 break
     return feet, normals, tilt
+
+
+@numba.njit(cache=True, nogil=True)
+def reach_along(linked, m, direction, most):  # pragma: no cover
+    """Return over how many links, at most `most`, the surface goes on from point m."""
+    count = len(linked)
+    for step in range(most):
+        link = (m + step) % count if direction > 0 else (m - step - 1) % count
+        if not linked[link]:
+            return step
+    return most
 
 
 @numba.njit(cache=True, nogil=True)

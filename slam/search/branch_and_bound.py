@@ -87,7 +87,7 @@ class SearchResult:
 
 @dataclass(frozen=True, kw_only=True)
 class Separation:
-    """When a further maximum counts: further than this from the others in x, or in y, or in heading, and not much worse.
+    """When a further maximum counts: further than this from the others in x, y or heading, and not much worse.
 
     Attributes:
         linear: [m].

@@ -48,7 +48,7 @@ def top_bounds(phases, cells, blocks):  # pragma: no cover
                     source = (phase + row0 + a) * cols + col0
                     if inside:
                         for chunk in range(chunks):
-                            add_lanes(plane, a * width + chunk * LANES, flat, source + chunk * LANES)
+                            add_lanes(plane, a * width + chunk * LANES, flat, source + chunk * LANES)  # pyright: ignore[reportCallIssue]
                     else:
                         for b in range(max(0, -col0), min(blocks, cols - col0)):
                             plane[a * width + b] += flat[source + b]
