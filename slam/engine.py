@@ -39,6 +39,11 @@ class SlamEngine(Protocol):
         ...
 
     @property
+    def config(self) -> Any:
+        """The resolved configuration, a frozen dataclass."""
+        ...
+
+    @property
     def pose(self) -> NDArray[np.float64]:
         """(3,) T_map_robot, the best estimate now."""
         ...
@@ -51,15 +56,19 @@ class SlamEngine(Protocol):
         """Return the map as it is now; it never shares memory with the engine."""
         ...
 
+    def map_at(self, resolution: float) -> OccupancyMap:
+        """Return the map as it is now with cells of `resolution` [m] instead of the engine's own."""
+        ...
 
-_ENGINES = {"gmapping": ("gmapping.engine", "GMapping")}
+
+_ENGINES = {"gmapping": ("gmapping.engine", "GMapping"), "cartographer": ("graph.engine", "Cartographer")}
 
 
 def make_slam(name: str, **config: Any) -> SlamEngine:
     """Return a new SLAM engine.
 
     Args:
-        name: "gmapping".
+        name: "gmapping" or "cartographer".
         config: Fields of the engine's configuration, e.g. `particles=30, seed=0`.
 
     Raises:

@@ -1,0 +1,96 @@
+"""Parameters of GMapping."""
+
+from dataclasses import dataclass, field, fields
+
+from ..errors import InputError
+
+
+@dataclass(frozen=True, kw_only=True)
+class MatcherConfig:
+    """Parameters of the alignment of a scan with a particle's map.
+
+    The alignment runs through stages from coarse to fine; the tuples have one entry a stage.
+
+    Attributes:
+        windows: Half size of the window searched for the nearest occupied cell [cells].
+        strides: Every how many-th point is used.
+        iterations: Most Gauss-Newton steps.
+        scales: Distance at which a point counts a quarter (Geman-McClure) [cells].
+        thinning: At most one point of a scan in a square of this side [cells].
+        straightness: Mean hit points around a cell form a line where their variance across is below this share of
+            that along.
+        sigma: Standard deviation of one point's distance from the map [m].
+        independent_points: At most this many points count as independent of each other, so that a thousand beams
+            on one wall do not pretend to a certainty they have not.
+    """
+
+    windows: tuple[int, ...] = (6, 4, 2)
+    strides: tuple[int, ...] = (3, 2, 1)
+    iterations: tuple[int, ...] = (8, 6, 8)
+    scales: tuple[float, ...] = (4.0, 2.0, 1.0)
+    thinning: float = 1.0
+    straightness: float = 0.15
+    sigma: float = 0.03
+    independent_points: float = 60.0
+
+    def __post_init__(self) -> None:
+        stages = {len(self.windows), len(self.strides), len(self.iterations), len(self.scales)}
+        if len(stages) != 1 or 0 in stages:
+            raise InputError("`windows`, `strides`, `iterations` and `scales` must be equally long and not empty")
+        _check_positive(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class GMappingConfig:
+    """Parameters of GMapping, named as those of the ROS wrapper where they mean the same.
+
+    Attributes:
+        particles: Number of particles.
+        linear_update: A scan is matched and mapped after this much motion [m] ...
+        angular_update: ... or this much turning [rad].
+        delta: Side of a cell [m].
+        fullness: A cell is occupied when more than this share of its visits were hits.
+        srr: Odometry's translation error per translation [m/m].
+        srt: Odometry's rotation error per translation [rad/m].
+        str_: Odometry's translation error per rotation [m/rad].
+        stt: Odometry's rotation error per rotation [rad/rad].
+        max_urange: Longer ranges are cut there: free so far, nothing hit [m].
+        observation_gain: How many independent beams a scan counts for in the weight of a particle.
+        resample_threshold: Particles are resampled when their effective number falls below this share of them.
+        minimum_score: Share of the points that must meet the map; else the pose follows the odometry alone.
+        threads: Threads that share the particles; the result does not depend on them.
+        matcher: Parameters of the alignment.
+    """
+
+    particles: int = 30
+    linear_update: float = 0.5
+    angular_update: float = 0.3
+    delta: float = 0.05
+    fullness: float = 0.1
+    srr: float = 0.1
+    srt: float = 0.2
+    str_: float = 0.1
+    stt: float = 0.2
+    max_urange: float = 80.0
+    observation_gain: float = 30.0
+    resample_threshold: float = 0.5
+    minimum_score: float = 0.0
+    threads: int = 2
+    matcher: MatcherConfig = field(default_factory=MatcherConfig)
+
+    def __post_init__(self) -> None:
+        _check_positive(self, but=("srr", "srt", "str_", "stt", "minimum_score", "linear_update", "angular_update"))
+        for name in ("fullness", "resample_threshold", "minimum_score"):
+            if getattr(self, name) > 1.0:
+                raise InputError(f"`{name}` is a share and must be at most 1, got {getattr(self, name)}")
+
+
+def _check_positive(config: object, but: tuple[str, ...] = ()) -> None:
+    """Raise InputError unless each number of a dataclass is positive, those named in `but` at least zero."""
+    for entry in fields(config):  # pyright: ignore[reportArgumentType]
+        value = getattr(config, entry.name)
+        for number in value if isinstance(value, tuple) else (value,):
+            if not isinstance(number, (int, float)):
+                continue
+            if not (number > 0 or (number == 0 and entry.name in but)):
+                raise InputError(f"`{entry.name}` must be positive, got {value}")

@@ -1,0 +1,178 @@
+"""GMapping: a Rao-Blackwellized particle filter that maps with a laser (Grisetti, Stachniss, Burgard 2007)."""
+
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..engine import SlamUpdate
+from ..errors import InputError
+from ..geometry import between, compose, wrap_angle
+from ..grid import GridConfig, render_map, scan_rays
+from ..occupancy_map import OccupancyMap
+from ..scan import LaserScan
+from .config import GMappingConfig
+from .matcher import Matches, ScanMatcher
+from .motion import MotionModel
+from .paths import PathTree
+from .resampling import effective_number, normalised, systematic
+from .tile_maps import TileMaps
+from .workers import Workers
+
+Array = NDArray[np.float64]
+
+_WORST_SURPRISE = 9.0  # an odometry further off than three standard deviations counts as one that slipped
+
+
+class GMapping:
+    """Particles, each with a path and a map of its own; a `SlamEngine`.
+
+    A scan that follows enough motion is matched: odometry predicts, each particle is aligned with its own map, its
+    pose is drawn from the Gaussian around the best alignment, weighed by how well the scan fits and, when few
+    particles carry the weight, resampled; then the scan is written into each map. Scans in between are carried along
+    by odometry.
+
+    `SlamUpdate.diagnostics`: `neff` (effective number of particles, of a matched scan before resampling), `loss` (mean
+    misfit of the scan, 0 .. 1), `resampled` (0 or 1).
+
+    Args:
+        config: Parameters.
+        seed: Seed of every random draw; two runs with one seed are equal to the byte, for any number of threads.
+    """
+
+    def __init__(self, config: GMappingConfig | None = None, seed: int = 0) -> None:
+        self.config = config or GMappingConfig()
+        self._rng = np.random.default_rng(seed)
+        workers = Workers(self.config.threads)
+        self._maps = TileMaps(self.config.particles, self.config.delta, self.config.fullness, workers)
+        self._matcher = ScanMatcher(self.config.matcher, workers)
+        self._motion = MotionModel(self.config.srr, self.config.srt, self.config.str_, self.config.stt)
+        self._paths = PathTree()
+        self._poses = np.zeros((self.config.particles, 3))
+        self._log_weights = np.zeros(self.config.particles)  # since the last resampling
+        self._log_evidence = np.zeros(self.config.particles)  # of the whole path
+        self._odometry: Array | None = None
+        self._online: list[Array] = []
+        self._layers: list[int] = []  # the matched scan that each scan follows
+        self._offsets: list[Array] = []  # T_matched_scan by odometry
+        self._matched: list[LaserScan] = []
+
+    @classmethod
+    def from_options(cls, seed: int = 0, **options: Any) -> Self:
+        """Return an engine with fields of `GMappingConfig` as keywords.
+
+        Raises:
+            TypeError: If a field is unknown.
+            InputError: If a value is out of its range.
+        """
+        return cls(GMappingConfig(**options), seed)
+
+    def update(self, odometry: ArrayLike, scan: LaserScan) -> SlamUpdate:
+        """Take one scan and the robot's odometry pose T_odom_robot (3,) at that time."""
+        odometry = np.array(odometry, dtype=np.float64)
+        if odometry.shape != (3,) or not np.isfinite(odometry).all():
+            raise InputError(f"`odometry` must be a finite pose of shape (3,), got {odometry}")
+        diagnostics: dict[str, float] = {}
+        if self._odometry is None:
+            self._poses[:] = odometry
+            self._integrate(scan)
+        else:
+            self._motion.add(between(self._odometry, odometry))
+            if self._is_due(scan):
+                diagnostics = self._process(scan)
+                self._integrate(scan)
+        self._odometry = odometry
+        self._layers.append(len(self._matched) - 1)
+        self._offsets.append(self._motion.mean)
+        self._online.append(self.pose)
+        return SlamUpdate(self.pose, not self._motion.travelled and not self._motion.turned, diagnostics)
+
+    @property
+    def pose(self) -> Array:
+        """(3,) T_map_robot of the best particle now."""
+        return compose(self._poses[self.best_particle], self._motion.mean)
+
+    @property
+    def best_particle(self) -> int:
+        """The particle whose whole path explains the scans best."""
+        return int(np.argmax(self._log_evidence))
+
+    def trajectory(self) -> Array:
+        """Return (n, 3) T_map_robot for every scan so far, along the best particle's path."""
+        if not self._layers:
+            return np.zeros((0, 3))
+        path = self._paths.path(self.best_particle)
+        return compose(path[self._layers], np.array(self._offsets))
+
+    def online_trajectory(self) -> Array:
+        """Return (n, 3) T_map_robot as `update` returned them, each the best knowledge of its time."""
+        return np.array(self._online).reshape(-1, 3)
+
+    def map(self) -> OccupancyMap:
+        """Return the map that the matched scans draw along the best particle's path, with cells of `delta`."""
+        return self.map_at(self.config.delta)
+
+    def map_at(self, resolution: float) -> OccupancyMap:
+        """Return the map with cells of `resolution` [m], drawn anew from the matched scans."""
+        path = self._paths.path(self.best_particle)
+        return render_map(path, self._matched, GridConfig(resolution=resolution, max_range=self.config.max_urange))
+
+    def _is_due(self, scan: LaserScan) -> bool:
+        moved = self._motion.travelled >= self.config.linear_update or self._motion.turned >= self.config.angular_update
+        return moved and bool(scan.is_return.any())
+
+    def _process(self, scan: LaserScan) -> dict[str, float]:
+        """Match, draw, weigh and resample."""
+        points_robot = scan.points_robot[scan.ranges[scan.is_return] <= self.config.max_urange]
+        means = compose(self._poses, self._motion.mean)
+        covariances = _turned(self._motion.covariance, self._poses[:, 2])
+        starts = means + _draw(np.linalg.cholesky(covariances).astype(np.float64), self._rng)
+        matches = self._matcher.match(self._maps, points_robot, starts, means, covariances)
+        self._poses = matches.modes + _draw(matches.roots, self._rng)
+        self._poses[:, 2] = wrap_angle(self._poses[:, 2])
+        self._weigh(matches)
+        self._paths.append(self._poses)
+        weights = normalised(self._log_weights)
+        neff, offset = effective_number(weights), self._rng.random()
+        resampled = neff < self.config.resample_threshold * self.config.particles
+        if resampled:
+            self._resample(systematic(weights, offset))
+        self._motion.reset()
+        return {"neff": neff, "loss": float(matches.losses.mean()), "resampled": float(resampled)}
+
+    def _weigh(self, matches: Matches) -> None:
+        gain = -self.config.observation_gain * matches.losses
+        gain -= 0.5 * np.minimum(matches.surprises, _WORST_SURPRISE)
+        self._log_weights += gain
+        self._log_evidence += gain
+
+    def _resample(self, parents: NDArray[np.intp]) -> None:
+        self._maps.resample(parents)
+        self._paths.resample(parents)
+        self._poses = self._poses[parents]
+        self._log_evidence = self._log_evidence[parents]
+        self._log_weights = np.zeros(self.config.particles)
+
+    def _integrate(self, scan: LaserScan) -> None:
+        """Write the scan into every map."""
+        if not self._matched:
+            self._paths.append(self._poses)
+        self._matched.append(scan)
+        points_lidar, is_hit = scan_rays(scan, self.config.max_urange)
+        if len(points_lidar):
+            self._maps.write(compose(self._poses, scan.T_robot_lidar), points_lidar, is_hit)
+
+
+def _turned(covariance: Array, angles: Array) -> Array:
+    """Return `covariance` (3, 3) of a pose in frames turned by `angles` (P,), as (P, 3, 3)."""
+    turns = np.zeros((len(angles), 3, 3))
+    turns[:, 0, 0] = turns[:, 1, 1] = np.cos(angles)
+    turns[:, 1, 0] = np.sin(angles)
+    turns[:, 0, 1] = -turns[:, 1, 0]
+    turns[:, 2, 2] = 1.0
+    return turns @ covariance @ turns.swapaxes(1, 2)
+
+
+def _draw(roots: Array, rng: np.random.Generator) -> Array:
+    """Draw one error (3,) for each Cholesky factor (P, 3, 3)."""
+    return np.einsum("pij,pj->pi", roots, rng.standard_normal(roots.shape[:2]))

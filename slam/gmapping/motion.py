@@ -1,0 +1,59 @@
+"""The odometry motion model: how far the true motion may be from the measured one."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry import compose
+
+Array = NDArray[np.float64]
+
+_SIDEWAYS = 0.3  # share of `srr` that acts across the direction of motion
+_FLOOR = np.array([0.005, 0.005, 0.0025])  # [m, m, rad] what an odometry that stands still may be off by
+
+
+class MotionModel:
+    """Gathers odometry between two matched scans into a mean motion and its covariance.
+
+    Each increment (dx, dy, dtheta), seen from where it began, is off by independent Gaussian errors with standard
+    deviations srr |dx| + str |dtheta| + 0.3 srr |dy|, likewise for y, and stt |dtheta| + srt |(dx, dy)|.
+
+    Args:
+        srr: Translation error per translation [m/m].
+        srt: Rotation error per translation [rad/m].
+        str_: Translation error per rotation [m/rad].
+        stt: Rotation error per rotation [rad/rad].
+    """
+
+    def __init__(self, srr: float, srt: float, str_: float, stt: float) -> None:
+        self.srr, self.srt, self.str_, self.stt = srr, srt, str_, stt
+        self.reset()
+
+    def reset(self) -> None:
+        """Start again from a motion of zero."""
+        self.mean: Array = np.zeros(3)
+        self.covariance: Array = np.diag(_FLOOR**2)
+        self.travelled = 0.0
+        self.turned = 0.0
+
+    def add(self, increment: Array) -> None:
+        """Append `increment` (3,), T_before_after by odometry."""
+        dx, dy, dtheta = increment
+        cos, sin = np.cos(self.mean[2]), np.sin(self.mean[2])
+        carry = np.array([[1.0, 0.0, -sin * dx - cos * dy], [0.0, 1.0, cos * dx - sin * dy], [0.0, 0.0, 1.0]])
+        turn = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+        noise = turn * self.deviations(increment)
+        self.covariance = carry @ self.covariance @ carry.T + noise @ noise.T
+        self.mean = compose(self.mean, increment)
+        self.travelled += float(np.hypot(dx, dy))
+        self.turned += abs(float(dtheta))
+
+    def deviations(self, increment: Array) -> Array:
+        """Return the standard deviations (3,) of an increment (3,) [m, m, rad]."""
+        dx, dy, dtheta = np.abs(increment)
+        return np.array(
+            [
+                self.srr * dx + self.str_ * dtheta + _SIDEWAYS * self.srr * dy,
+                self.srr * dy + self.str_ * dtheta + _SIDEWAYS * self.srr * dx,
+                self.stt * dtheta + self.srt * np.hypot(dx, dy),
+            ]
+        )

@@ -1,0 +1,124 @@
+"""Kernels that write rays into tiles. All lengths are in cells, relative to the corner of the directory.
+
+A tile is a square of SIDE x SIDE cells. Tile 0 is the empty one, shared by all, never written. Arrays of T tiles:
+    counts (T, SIDE*SIDE, 2) uint16: hits, visits (hits included)
+    means (T, SIDE*SIDE, 2) float32: mean hit point, from the lower corner of its cell
+    bits (T, SIDE) uint32: bit c of word r is set where cell (r, c) is occupied
+A directory (rows, cols) int32 names the tile of each place.
+"""
+
+import numpy as np
+from numba import njit
+
+from ..rays import ray_start
+
+SIDE = 32
+SHIFT = 5
+MASK = SIDE - 1
+_MOST = np.uint16(65535)
+_ONE = np.uint32(1)
+
+
+@njit(cache=True, nogil=True)
+def mark_tiles(x0, y0, ends, needed):
+    """Set `needed` (rows, cols) where a ray from (x0, y0) to one of `ends` (n, 2) crosses a tile."""
+    for k in range(len(ends)):
+        _mark_ray(x0 / SIDE, y0 / SIDE, ends[k, 0] / SIDE, ends[k, 1] / SIDE, needed)
+
+
+@njit(cache=True, nogil=True)
+def _mark_ray(x0, y0, x1, y1, needed):
+    row, col, row_step, col_step, next_y, next_x, y_stride, x_stride, steps = ray_start(x0, y0, x1, y1)
+    for _ in range(steps):
+        needed[row, col] = True
+        if next_x < next_y:
+            next_x += x_stride
+            col += col_step
+        else:
+            next_y += y_stride
+            row += row_step
+    needed[row, col] = True
+
+
+@njit(cache=True, nogil=True)
+def write_rays(x0, y0, ends, is_hit, fullness, directory, counts, means, bits):
+    """Count a visit of every cell between (x0, y0) and each end; where `is_hit`, a hit in the cell of the end."""
+    for k in range(len(ends)):
+        _visit_ray(x0, y0, ends[k, 0], ends[k, 1], fullness, directory, counts, bits)
+    for k in range(len(ends)):
+        if is_hit[k]:
+            _hit(ends[k, 0], ends[k, 1], fullness, directory, counts, means, bits)
+
+
+@njit(cache=True, nogil=True)
+def _hit(x, y, fullness, directory, counts, means, bits):
+    col, row = int(np.floor(x)), int(np.floor(y))
+    tile = directory[row >> SHIFT, col >> SHIFT]
+    cell = ((row & MASK) << SHIFT) | (col & MASK)
+    if tile == 0 or counts[tile, cell, 1] == _MOST:
+        return
+    counts[tile, cell, 0] += np.uint16(1)
+    counts[tile, cell, 1] += np.uint16(1)
+    hits = counts[tile, cell, 0]
+    means[tile, cell, 0] += (x - col - means[tile, cell, 0]) / hits
+    means[tile, cell, 1] += (y - row - means[tile, cell, 1]) / hits
+    if hits > fullness * counts[tile, cell, 1]:
+        bits[tile, row & MASK] |= _ONE << np.uint32(col & MASK)
+
+
+@njit(cache=True, nogil=True)
+def _visit_ray(x0, y0, x1, y1, fullness, directory, counts, bits):
+    """Visit the cells from (x0, y0) to (x1, y1), the last one excluded (Amanatides and Woo 1987)."""
+    row, col, row_step, col_step, next_y, next_x, y_stride, x_stride, steps = ray_start(x0, y0, x1, y1)
+    for _ in range(steps):
+        tile = directory[row >> SHIFT, col >> SHIFT]
+        cell = ((row & MASK) << SHIFT) | (col & MASK)
+        visits = counts[tile, cell, 1]
+        if tile != 0 and visits != _MOST:
+            counts[tile, cell, 1] = visits + np.uint16(1)
+            hits = counts[tile, cell, 0]
+            if hits != 0 and hits <= fullness * (visits + 1):
+                bits[tile, row & MASK] &= ~(_ONE << np.uint32(col & MASK))
+        if next_x < next_y:
+            next_x += x_stride
+            col += col_step
+        else:
+            next_y += y_stride
+            row += row_step
+
+
+@njit(cache=True, nogil=True)
+def mark_particles(start, stop, origins, ends, needed):
+    """`mark_tiles` for particles start..stop."""
+    for p in range(start, stop):
+        mark_tiles(origins[p, 0], origins[p, 1], ends[p], needed[p])
+
+
+@njit(cache=True, nogil=True)
+def write_particles(start, stop, origins, ends, is_hit, fullness, directory, counts, means, bits):
+    """`write_rays` for particles start..stop, whose needed tiles are theirs alone."""
+    for p in range(start, stop):
+        write_rays(origins[p, 0], origins[p, 1], ends[p], is_hit, fullness, directory[p], counts, means, bits)
+
+
+@njit(cache=True, nogil=True)
+def own_tiles(needed, directory, references, free, free_count, counts, means, bits):
+    """Give each particle a tile of its own at every needed place; return how many of `free` are left.
+
+    A missing tile is taken empty from the end of `free`; one shared with another particle is copied first.
+    """
+    for p in range(directory.shape[0]):
+        for r in range(directory.shape[1]):
+            for c in range(directory.shape[2]):
+                tile = directory[p, r, c]
+                if not needed[p, r, c] or (tile != 0 and references[tile] == 1):
+                    continue
+                free_count -= 1
+                new = free[free_count]
+                counts[new] = counts[tile]
+                means[new] = means[tile]
+                bits[new] = bits[tile]
+                references[tile] -= 1
+                references[new] = 1
+                directory[p, r, c] = new
+    return free_count

@@ -1,0 +1,119 @@
+"""The maps of all particles: tiles of counted cells, shared copy-on-write."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry import transform_points
+from .tile_kernels import SIDE, mark_particles, own_tiles, write_particles
+from .workers import Workers
+
+Array = NDArray[np.float64]
+
+
+class TileMaps:
+    """One map per particle; what particles have in common is stored once.
+
+    A resampled particle takes its parent's directory of tiles; a tile is copied only when one of those who share it
+    writes into it. Tile 0 is empty, and belongs to all.
+
+    Args:
+        particles: Number of maps.
+        cell: Side of a cell [m].
+        fullness: A cell is occupied when more than this share of its visits were hits.
+        workers: Threads to write with.
+    """
+
+    def __init__(self, particles: int, cell: float, fullness: float, workers: Workers) -> None:
+        self.cell = cell
+        self.fullness = fullness
+        self._workers = workers
+        self.origin = np.zeros(2, dtype=np.int64)  # tile coordinates (column, row) of directory[:, 0, 0]
+        self.directory = np.zeros((particles, 1, 1), dtype=np.int32)
+        self.counts = np.zeros((1, SIDE * SIDE, 2), dtype=np.uint16)
+        self.means = np.zeros((1, SIDE * SIDE, 2), dtype=np.float32)
+        self.bits = np.zeros((1, SIDE), dtype=np.uint32)
+        self._references = np.zeros(1, dtype=np.int64)
+        self._free = np.zeros(1, dtype=np.int64)
+        self._free_count = 0
+
+    @property
+    def tiles(self) -> int:
+        """How many tiles are stored."""
+        return len(self.bits) - 1 - self._free_count
+
+    @property
+    def bytes_used(self) -> int:
+        """Memory of the stored tiles and directories [bytes]."""
+        return self.tiles * SIDE * (SIDE * 12 + 4) + self.directory.nbytes
+
+    def to_cells(self, points_map: Array) -> Array:
+        """Return points (..., 2) of the map frame [m] in cells from the directory's corner."""
+        return points_map / self.cell - self.origin * SIDE
+
+    def write(self, T_map_lidar: Array, points_lidar: Array, is_hit: NDArray[np.bool_]) -> None:
+        """Write one scan into every map.
+
+        Args:
+            T_map_lidar: (particles, 3) pose of the laser by each particle.
+            points_lidar: (n, 2) ends of the rays in the laser frame [m].
+            is_hit: (n,) whether the ray hit something at its end.
+        """
+        ends_map = transform_points(T_map_lidar, points_lidar[None])
+        self._reach(np.concatenate((ends_map.reshape(-1, 2), T_map_lidar[:, :2])))
+        ends, origins = self.to_cells(ends_map), self.to_cells(T_map_lidar[:, :2])
+        needed = np.zeros(self.directory.shape, dtype=np.bool_)
+        count = len(T_map_lidar)
+        self._workers.run(lambda start, stop: mark_particles(start, stop, origins, ends, needed), count)
+        self._own(needed)
+        self._workers.run(
+            lambda start, stop: write_particles(
+                start, stop, origins, ends, is_hit, self.fullness, self.directory, self.counts, self.means, self.bits
+            ),
+            count,
+        )
+
+    def resample(self, parents: NDArray[np.intp]) -> None:
+        """Let map i become what map `parents[i]` is now; nothing is copied but directories."""
+        self.directory = self.directory[parents]
+        self._references = np.bincount(self.directory.ravel(), minlength=len(self.bits))
+        unused = np.flatnonzero(self._references == 0)
+        self._free_count = len(unused)
+        self._free[: len(unused)] = unused[::-1]
+
+    def _own(self, needed: NDArray[np.bool_]) -> None:
+        shared = needed & ((self.directory == 0) | (self._references[self.directory] > 1))
+        self._reserve(int(np.count_nonzero(shared)))
+        self._free_count = own_tiles(
+            needed, self.directory, self._references, self._free, self._free_count, self.counts, self.means, self.bits
+        )
+
+    def _reserve(self, count: int) -> None:
+        """Have at least `count` free tiles."""
+        if count <= self._free_count:
+            return
+        old = len(self.bits)
+        new = max(old + count, old * 3 // 2)
+        for name in ("counts", "means", "bits", "_references", "_free"):
+            array = getattr(self, name)
+            grown = np.zeros((new, *array.shape[1:]), dtype=array.dtype)
+            grown[:old] = array
+            setattr(self, name, grown)
+        self._free[self._free_count : self._free_count + new - old] = np.arange(new - 1, old - 1, -1)
+        self._free_count += new - old
+
+    def _reach(self, points_map: Array) -> None:
+        """Grow the directories so that `points_map` (n, 2) and a margin lie inside."""
+        size = np.array(self.directory.shape[:0:-1])
+        places = np.floor(points_map / (self.cell * SIDE)).astype(np.int64)
+        lower = np.minimum(places.min(axis=0) - 1, self.origin)
+        upper = np.maximum(places.max(axis=0) + 2, self.origin + size)
+        if (lower == self.origin).all() and (upper == self.origin + size).all():
+            return
+        lower -= np.where(lower < self.origin, 4, 0)
+        upper += np.where(upper > self.origin + size, 4, 0)
+        columns, rows = upper - lower
+        grown = np.zeros((len(self.directory), rows, columns), dtype=np.int32)
+        column, row = self.origin - lower
+        grown[:, row : row + size[1], column : column + size[0]] = self.directory
+        self.directory, self.origin = grown, lower
+        self._references[0] = np.count_nonzero(grown == 0)

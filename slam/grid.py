@@ -1,0 +1,143 @@
+"""A log-odds occupancy grid that grows, and maps rendered from a trajectory and its scans."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .errors import InputError
+from .geometry import compose, transform_points
+from .grid_kernels import write_scan
+from .occupancy_map import OccupancyMap
+from .scan import LaserScan
+
+_MARGIN = 64  # cells to grow beyond what is asked, so that growing is rare
+
+
+@dataclass(frozen=True, kw_only=True)
+class GridConfig:
+    """Parameters of `OccupancyGrid`.
+
+    Attributes:
+        resolution: Side of a cell [m].
+        hit: Probability of a cell, known from one scan only, in which a ray ended.
+        miss: Probability of a cell, known from one scan only, through which rays passed.
+        limit: Log-odds stay within +-limit, so that a cell can change its mind.
+        max_range: Rays longer than this are cut there, without a hit [m].
+        clear_no_return: Whether beams without a return free the cells up to the shorter of `max_range` and the scan's
+            own limit. Real lasers report "no return" for black and shining surfaces too, so they say nothing here.
+    """
+
+    resolution: float = 0.05
+    hit: float = 0.7
+    miss: float = 0.4
+    limit: float = 5.0
+    max_range: float = 80.0
+    clear_no_return: bool = False
+
+    def __post_init__(self) -> None:
+        for name in ("resolution", "limit", "max_range"):
+            if not getattr(self, name) > 0.0:
+                raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
+        if not 0.0 < self.miss < 0.5 < self.hit < 1.0:
+            raise InputError(f"need 0 < `miss` < 0.5 < `hit` < 1, got {self.miss} and {self.hit}")
+
+
+def scan_rays(
+    scan: LaserScan, max_range: float, clear_no_return: bool = False
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Return (n, 2) the ends of a scan's rays in the laser frame [m], and (n,) whether something was hit there.
+
+    Beams without measurement are left out; those beyond `max_range` [m] are cut there and hit nothing; those without
+    a return are left out unless `clear_no_return`.
+    """
+    limit = min(max_range, scan.range_max)
+    chosen = scan.is_return | (scan.is_no_return & clear_no_return)
+    ranges = np.minimum(scan.ranges[chosen], limit)
+    is_hit = scan.is_return[chosen] & (scan.ranges[chosen] <= max_range)
+    bearings = scan.bearings[chosen]
+    return np.stack((ranges * np.cos(bearings), ranges * np.sin(bearings)), axis=-1), is_hit
+
+
+class OccupancyGrid:
+    """Log-odds of occupancy; each scan updates each cell it met once, a hit before a miss.
+
+    Args:
+        config: Parameters.
+    """
+
+    def __init__(self, config: GridConfig | None = None) -> None:
+        self.config = config or GridConfig()
+        self._corner = np.zeros(2, dtype=np.int64)  # column and row, in the map, of the cell [0, 0]
+        self._log_odds = np.zeros((0, 0), dtype=np.float32)
+        self._stamps = np.zeros((0, 0), dtype=np.int32)
+        self._scans = 0
+
+    def write(self, T_map_robot: ArrayLike, scan: LaserScan) -> None:
+        """Write one scan, taken at the pose `T_map_robot` (3,)."""
+        T_map_lidar = compose(T_map_robot, scan.T_robot_lidar)
+        points_lidar, is_hit = scan_rays(scan, self.config.max_range, self.config.clear_no_return)
+        if not len(points_lidar):
+            return
+        cells = np.concatenate((T_map_lidar[None, :2], transform_points(T_map_lidar, points_lidar)))
+        cells /= self.config.resolution
+        self._reach(cells)
+        cells -= self._corner
+        self._scans += 1
+        write_scan(
+            cells[0, 0],
+            cells[0, 1],
+            cells[1:],
+            is_hit,
+            _log_odds(self.config.hit),
+            _log_odds(self.config.miss),
+            self.config.limit,
+            self._scans,
+            self._log_odds,
+            self._stamps,
+        )
+
+    def to_map(self) -> OccupancyMap:
+        """Return the grid as it is now, cut to what is known; cells that no ray met are NaN."""
+        known = self._stamps > 0
+        if not known.any():
+            return OccupancyMap(np.full((1, 1), np.nan, dtype=np.float32), self.config.resolution, (0.0, 0.0))
+        rows, cols = np.flatnonzero(known.any(axis=1)), np.flatnonzero(known.any(axis=0))
+        window = (slice(rows[0], rows[-1] + 1), slice(cols[0], cols[-1] + 1))
+        probability = (1.0 / (1.0 + np.exp(-self._log_odds[window]))).astype(np.float32)
+        probability[~known[window]] = np.nan
+        x, y = (self._corner + np.array([cols[0], rows[0]])) * self.config.resolution
+        return OccupancyMap(probability, self.config.resolution, (float(x), float(y)))
+
+    def _reach(self, cells: NDArray[np.float64]) -> None:
+        """Grow until all `cells` (n, 2) x, y are inside."""
+        size = np.array(self._log_odds.shape[::-1])
+        lower = np.floor(cells.min(axis=0)).astype(np.int64)
+        upper = np.floor(cells.max(axis=0)).astype(np.int64) + 1
+        if size.all() and (lower >= self._corner).all() and (upper <= self._corner + size).all():
+            return
+        lower, upper = lower - _MARGIN, upper + _MARGIN
+        if size.all():
+            lower, upper = np.minimum(lower, self._corner), np.maximum(upper, self._corner + size)
+        col, row = self._corner - lower if size.all() else (0, 0)
+        for name in ("_log_odds", "_stamps"):
+            old = getattr(self, name)
+            grown = np.zeros((upper - lower)[::-1], dtype=old.dtype)
+            grown[row : row + old.shape[0], col : col + old.shape[1]] = old
+            setattr(self, name, grown)
+        self._corner = lower
+
+
+def render_map(
+    trajectory: NDArray[np.float64], scans: Iterable[LaserScan], config: GridConfig | None = None
+) -> OccupancyMap:
+    """Return the map that `scans` draw when taken at the poses of `trajectory` (n, 3) T_map_robot."""
+    grid = OccupancyGrid(config)
+    for pose, scan in zip(trajectory, scans, strict=True):
+        grid.write(pose, scan)
+    return grid.to_map()
+
+
+def _log_odds(probability: float) -> float:
+    return float(np.log(probability / (1.0 - probability)))

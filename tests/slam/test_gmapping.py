@@ -1,0 +1,113 @@
+import itertools
+
+import numpy as np
+import pytest
+from tagalong.slam.engine import make_slam
+from tagalong.slam.errors import InputError
+from tagalong.slam.geometry import between, compose
+from tagalong.slam.scan import LaserScan
+
+ROOM = np.array([[-3.0, -2.0], [4.0, 2.5]])  # lower and upper corner [m]
+PILLAR = np.array([[1.5, -1.0], [1.9, -0.6]])
+BEARINGS = np.deg2rad(np.arange(-135.0, 135.5, 1.5))
+
+
+def exits(pose, box, inside):
+    """Ranges from a pose to the border of a box, from inside or outside; inf where it is missed."""
+    angles = pose[2] + BEARINGS
+    directions = np.stack((np.cos(angles), np.sin(angles)), axis=-1)
+    with np.errstate(divide="ignore"):
+        crossings = np.sort((box[:, None] - pose[:2]) / directions, axis=0)
+    near, far = crossings[0].max(axis=-1), crossings[1].min(axis=-1)
+    return far if inside else np.where((near > 0) & (near < far), near, np.inf)
+
+
+def scan_at(pose, rng, time_s=0.0):
+    ranges = np.minimum(exits(pose, ROOM, True), exits(pose, PILLAR, False))
+    return LaserScan(ranges + rng.normal(0.0, 0.01, len(ranges)), BEARINGS, 0.1, 30.0, time_s)
+
+
+def drive(seed=0, steps=60):
+    """A loop in a room with a pillar: true poses, odometry that drifts, scans."""
+    rng = np.random.default_rng(seed)
+    angles = np.linspace(0.0, 2.0 * np.pi, steps)
+    truth = np.stack((1.2 * np.cos(angles) - 1.0, 1.2 * np.sin(angles), angles + np.pi / 2.0), axis=-1)
+    odometry = [truth[0]]
+    for before, after in itertools.pairwise(truth):
+        step = between(before, after) * [1.05, 1.0, 0.97] + rng.normal(0.0, [0.005, 0.002, 0.005])
+        odometry.append(compose(odometry[-1], step))
+    return truth, np.array(odometry), [scan_at(pose, rng, 0.1 * i) for i, pose in enumerate(truth)]
+
+
+def run(slam, odometry, scans):
+    for pose, scan in zip(odometry, scans, strict=True):
+        slam.update(pose, scan)
+    return slam
+
+
+def test_a_room_is_mapped_within_two_centimetres_though_odometry_drifts():
+    truth, odometry, scans = drive()
+    slam = run(make_slam("gmapping", particles=10, seed=1), odometry, scans)
+    errors = np.linalg.norm(slam.trajectory()[:, :2] - truth[:, :2], axis=1)
+    assert np.linalg.norm(odometry[:, :2] - truth[:, :2], axis=1).max() > 0.15
+    assert errors.max() < 0.05
+    assert np.sqrt(np.mean(errors**2)) < 0.02
+    points = slam.map().occupied_points
+    from_room = np.abs(np.stack((points - ROOM[0], points - ROOM[1]))).min(axis=(0, 2))
+    centre, half = PILLAR.mean(axis=0), np.diff(PILLAR, axis=0)[0] / 2
+    from_pillar = np.abs((np.abs(points - centre) - half).max(axis=1))
+    assert np.percentile(np.minimum(from_room, from_pillar), 95) < 0.06
+
+
+def test_one_seed_gives_the_same_bytes_with_any_number_of_threads_and_another_seed_others():
+    _, odometry, scans = drive(steps=30)
+    results = [
+        run(make_slam("gmapping", particles=7, seed=seed, threads=threads), odometry, scans)
+        for seed, threads in ((3, 1), (3, 1), (3, 3), (4, 1))
+    ]
+    first, again, threaded, other = (slam.trajectory().tobytes() + slam.map().probability.tobytes() for slam in results)
+    assert first == again == threaded
+    assert first != other
+
+
+def test_every_scan_has_a_pose_and_the_first_is_the_first_odometry():
+    _, odometry, scans = drive(steps=60)
+    slam = make_slam("gmapping", particles=3)
+    assert slam.trajectory().shape == (0, 3)
+    updates = [slam.update(pose, scan) for pose, scan in zip(odometry, scans, strict=True)]
+    np.testing.assert_allclose(slam.trajectory()[0], odometry[0])
+    assert slam.trajectory().shape == (60, 3)
+    assert updates[0].integrated
+    assert 2 < sum(update.integrated for update in updates) < 30
+    np.testing.assert_array_equal(updates[-1].pose, slam.pose)
+    np.testing.assert_array_equal(slam.trajectory()[-1], slam.pose)
+
+
+@pytest.mark.parametrize("ranges", [np.full(181, np.nan), np.full(181, np.inf), np.zeros(181), np.zeros(0)])
+def test_a_scan_without_returns_is_carried_by_odometry(ranges):
+    bearings = np.linspace(-1.0, 1.0, len(ranges))
+    slam = make_slam("gmapping", particles=3)
+    for step in range(4):
+        update = slam.update((0.6 * step, 0.0, 0.0), LaserScan(ranges, bearings, 0.1, 30.0))
+    np.testing.assert_allclose(update.pose, [1.8, 0.0, 0.0])
+    assert not slam.map().occupied.any()
+
+
+def test_a_scan_of_three_points_and_a_blind_spell_do_not_break_a_run():
+    _, odometry, scans = drive(steps=40)
+    keep = np.arange(len(BEARINGS)) < 3
+    scans = [
+        scan.without(~keep) if i % 5 == 0 else scan.without(keep | ~keep) if 10 < i < 15 else scan
+        for i, scan in enumerate(scans)
+    ]
+    slam = run(make_slam("gmapping", particles=5), odometry, scans)
+    assert np.isfinite(slam.trajectory()).all()
+
+
+def test_bad_input_is_named():
+    with pytest.raises(InputError, match="particels"):
+        make_slam("gmapping", particels=3)
+    with pytest.raises(InputError, match="`delta` must be positive, got -1"):
+        make_slam("gmapping", delta=-1)
+    with pytest.raises(InputError, match="`odometry` must be a finite pose"):
+        make_slam("gmapping").update((0, 0, np.nan), drive(steps=2)[2][0])

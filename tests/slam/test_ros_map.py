@@ -1,0 +1,93 @@
+import numpy as np
+import pytest
+import yaml
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from tagalong.slam.errors import InputError
+from tagalong.slam.logs.flat_yaml import read_flat_yaml
+from tagalong.slam.logs.ros_map import read_ros_map, write_ros_map
+from tagalong.slam.occupancy_map import OccupancyMap
+
+GRID = OccupancyMap(np.array([[0.9, 0.1, np.nan], [0.5, 0.2, 0.8]], dtype=np.float32), 0.05, (-1.25, 3.5))
+YAML = (
+    "image: m.pgm\nresolution: 0.05\norigin: [-1.25, 3.5, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+)
+
+
+@settings(deadline=None, max_examples=30)
+@given(st.integers(1, 9), st.integers(1, 9), st.integers(0, 999))
+def test_a_trinary_map_comes_back_as_it_was(tmp_path_factory, rows, cols, seed):
+    path = tmp_path_factory.mktemp("map") / "map"
+    probability = np.random.default_rng(seed).choice([0.0, 1.0, np.nan], (rows, cols)).astype(np.float32)
+    write_ros_map(path, OccupancyMap(probability, 0.02, (-3.0, 4.5)))
+    back = read_ros_map(path.with_suffix(".yaml"))
+    np.testing.assert_array_equal(back.probability, probability)
+    assert back.resolution == 0.02
+    assert back.origin == (-3.0, 4.5)
+
+
+def test_the_image_is_what_map_server_expects(tmp_path):
+    write_ros_map(tmp_path / "map.pgm", GRID)
+    # row 0 of a map is the lowest: the last of the image
+    assert (tmp_path / "map.pgm").read_bytes() == b"P5\n3 2\n255\n" + bytes([205, 254, 0, 0, 254, 205])
+    by_yaml = yaml.safe_load((tmp_path / "map.yaml").read_text())
+    assert by_yaml == {
+        "image": "map.pgm",
+        "mode": "trinary",
+        "resolution": 0.05,
+        "origin": [-1.25, 3.5, 0],
+        "negate": 0,
+        "occupied_thresh": 0.65,
+        "free_thresh": 0.196,
+    }
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["map.pgm", "map.yaml"]
+
+
+def test_text_images_comments_negation_and_block_lists_are_read(tmp_path):
+    (tmp_path / "m.pgm").write_text("P2\n# made by hand\n2 1\n255\n0 254\n")
+    (tmp_path / "m.yaml").write_text(
+        '---\n# a map\nimage: "m.pgm"   # the image\nresolution: 0.1\norigin:\n  - -1.0\n  - 2\n- 0.0\n'
+        "negate: true\noccupied_thresh: 0.65\nfree_thresh: 0.25\n"
+    )
+    grid = read_ros_map(tmp_path / "m.yaml")
+    assert grid.probability.tolist() == [[0.0, 1.0]]
+    assert grid.origin == (-1.0, 2.0)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("resolution: 0.05\n", "", "`resolution` needs a number, got nothing"),
+        ("resolution: 0.05", "resolution: fine", "`resolution` needs a number, got 'fine'"),
+        ("resolution: 0.05", "resolution: -1", "`resolution` must be positive"),
+        ("[-1.25, 3.5, 0.0]", "[-1.25, 3.5]", r"`origin` needs \[x, y, yaw\]"),
+        ("[-1.25, 3.5, 0.0]", "[-1.25, 3.5, 0.3]", "turned against its frame"),
+        ("[-1.25, 3.5, 0.0]", "[-1.25, 3.5, 0.3", r"m\.yaml:3: a list must end"),
+        ("[-1.25, 3.5, 0.0]", "nowhere", "`origin` needs"),
+        ("free_thresh: 0.196", "free_thresh: 0.9", "free_thresh <= occupied_thresh"),
+        ("negate: 0", "mode: scale", "only the mode trinary"),
+        ("negate: 0", "negate: 0\nnegate: 1", r"m\.yaml:5: the key 'negate' comes twice"),
+        ("negate: 0", "just words", r"m\.yaml:4: expected `key: value`"),
+        ("image: m.pgm\n", "", "needs the key `image`"),
+        ("m.pgm", "none.pgm", "none.pgm: the map's image cannot be read"),
+        ("m.pgm", "m.yaml", r"must be a PGM \(P5 or P2\)"),
+        ("m.pgm", "cut.pgm", "the image is cut: needs 3 x 2 pixels, got 5"),
+        ("m.pgm", "deep.pgm", "8-bit image"),
+    ],
+)
+def test_mistakes_are_named(tmp_path, old, new, message):
+    (tmp_path / "m.pgm").write_bytes(b"P5\n3 2\n255\n" + bytes(6))
+    (tmp_path / "cut.pgm").write_bytes(b"P5\n3 2\n255\n" + bytes(5))
+    (tmp_path / "deep.pgm").write_bytes(b"P5\n3 2\n65535\n" + bytes(12))
+    assert YAML.count(old) == 1
+    (tmp_path / "m.yaml").write_text(YAML.replace(old, new))
+    with pytest.raises(InputError, match=message):
+        read_ros_map(tmp_path / "m.yaml")
+
+
+def test_flat_yaml_agrees_with_a_yaml_library_on_a_map_file(tmp_path):
+    (tmp_path / "m.yaml").write_text(YAML)
+    ours, theirs = read_flat_yaml(tmp_path / "m.yaml"), yaml.safe_load(YAML)
+    assert list(ours) == list(theirs)
+    assert ours["image"] == theirs["image"]
+    assert [float(v) for v in ours["origin"]] == theirs["origin"]
