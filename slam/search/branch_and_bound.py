@@ -136,16 +136,14 @@ def branch_and_bound(
     headings = window.headings(theta)
     half = window.reach(pyramid.resolution)
     candidates = len(headings) * (2 * half + 1) ** 2
-    if len(points_scan) == 0:
-        return SearchResult((), candidates, 0)
     cells, bounds = _bounds(pyramid, points_scan, (x, y), headings, half)
     period = len(headings) if window.angular >= np.pi else 0
     reach = separation.reach(headings, pyramid.resolution)
-    worth = 255.0 * len(points_scan)
+    worth = 255.0 * max(len(points_scan), 1)
     least = np.ceil(min_score * worth - 1e-6).astype(np.int64)
     taken = np.empty((0, 3), dtype=np.int64)
     found, looked = [], 0
-    while len(found) < maxima:
+    while len(found) < maxima and len(points_scan) > 0:
         best, count = best_leaf(pyramid.levels, cells, bounds, 2 * half + 1, taken, reach, period, least)
         looked += int(count)
         if best[0] < 0:
