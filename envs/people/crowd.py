@@ -106,6 +106,7 @@ class Crowd:
         self.terrain = terrain
         self._force = force.as_array()
         self.radius = np.array([p.radius for p in casting.physiques])
+        self.leg_radius = np.array([p.leg_radius for p in casting.physiques])
         self._size = np.array(
             [(p.thigh, p.shin, p.leg_radius, p.stance_half_width, p.walk_ratio) for p in casting.physiques]
         ).reshape(-1, 5)
@@ -128,7 +129,7 @@ class Crowd:
             if role == Role.LEADER:
                 wish = self._lead(person, dt, robot, float(away[person]))
             elif role == Role.COMPANION:
-                wish = self._accompany(person)
+                wish = self._accompany(person, robot_arc)
             elif role == Role.WALKER:
                 wish = self._stroll(person, robot_arc)
             else:
@@ -158,7 +159,20 @@ class Crowd:
         self._close_laps()
         locate(s.position, s.arc, terrain.path, terrain.tangent)
         turn_bodies(dt, s.velocity, self._direction, s.wish, s.face, s.heading)
-        advance_gait(dt, s.position, s.velocity, s.heading, self._size, s.feet, s.origin, s.lift, s.phase, s.swing)
+        advance_gait(
+            dt,
+            s.position,
+            s.velocity,
+            s.heading,
+            self._size,
+            s.feet,
+            s.origin,
+            s.lift,
+            s.phase,
+            s.swing,
+            terrain.boxes,
+            terrain.circles,
+        )
 
     def pose(self, laser_height: float, mocap_position: Array, mocap_quaternion: Array) -> None:
         """Write the parts of all bodies into MuJoCo's mocap arrays (6 n, 3) and (6 n, 4)."""
@@ -194,9 +208,12 @@ class Crowd:
         state.face[person] = towards if leader.looks_back else self.terrain.ahead(float(state.arc[person]))
         return wish
 
-    def _accompany(self, person: int) -> float:
+    def _accompany(self, person: int, robot_arc: float) -> float:
+        """Return the speed of somebody who walks ahead of the leader, or waits to fall in behind when left behind."""
         state = self.state
         gap = state.arc[person] - state.arc[0]
+        if gap < 0.0 and state.arc[person] - robot_arc > -2.5:
+            return 0.0
         late = self.casting.gap[person] - gap
         state.face[person] = self.terrain.ahead(float(state.arc[person]))
         if state.wish[0] == 0.0 and late < 0.2:
@@ -212,9 +229,9 @@ class Crowd:
                 state.sense[person] = -1.0
             elif state.arc[person] < 0.9:
                 state.sense[person] = 1.0
-        if state.sense[person] < 0.0:
-            return pace
         front = max([robot_arc, *state.arc[self.casting.roles <= Role.COMPANION]])
+        if state.sense[person] < 0.0:
+            return 0.0 if self._lets_pass(float(state.arc[person]), front) else pace
         ahead, behind = state.arc[person] - front, robot_arc - state.arc[person]
         if lap > 0.0:
             ahead, behind = ahead % lap, behind % lap
@@ -223,6 +240,16 @@ class Crowd:
         if 0.0 <= ahead < 2.5:
             return max(pace, float(state.wish[0]) + 0.3)
         return pace
+
+    def _lets_pass(self, arc: float, front: float) -> bool:
+        """Return whether somebody at `arc` who meets the group stops because it gets narrow in front of them."""
+        ways = np.arange(0.5, min(2.5, arc - front), 0.5) if arc - front < 8.0 else ()
+        return self._is_wide(arc) and not all(self._is_wide(arc - way) for way in ways)
+
+    def _is_wide(self, arc: float) -> bool:
+        """Return whether two can pass at `arc`: no bend, and nothing in the way of who comes from ahead."""
+        wanted = self.terrain.half_width - 0.15
+        return not self.terrain.in_bend(arc) and self.terrain.within_free(arc, wanted) > wanted - 0.1
 
     def _stand(self, person: int, dt: float, away: float) -> float:
         """Return the speed of somebody who walks to and fro until the robot has come, then stands for a while."""
