@@ -1,5 +1,6 @@
 """All people of one world: who they are, where they are, and what they want next."""
 
+import math
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -110,6 +111,8 @@ class Crowd:
         self._size = np.array(
             [(p.thigh, p.shin, p.leg_radius, p.stance_half_width, p.walk_ratio) for p in casting.physiques]
         ).reshape(-1, 5)
+        self._roles = [Role(int(role)) for role in casting.roles]
+        self._in_group = sum(role <= Role.COMPANION for role in self._roles)
         self._direction = np.zeros((len(casting.roles), 2))
 
     def __len__(self) -> int:
@@ -125,7 +128,7 @@ class Crowd:
         """
         state = self.state
         away = np.hypot(state.position[:, 0] - robot[0], state.position[:, 1] - robot[1])
-        for person, role in enumerate(self.casting.roles):
+        for person, role in enumerate(self._roles):
             if role == Role.LEADER:
                 wish = self._lead(person, dt, robot, float(away[person]))
             elif role == Role.COMPANION:
@@ -134,10 +137,10 @@ class Crowd:
                 wish = self._stroll(person, robot_arc)
             else:
                 wish = self._stand(person, dt, float(away[person]))
-            change = np.clip(wish - state.wish[person], -_SLOW_DOWN * dt, _SPEED_UP * dt)
+            change = min(max(wish - state.wish[person], -_SLOW_DOWN * dt), _SPEED_UP * dt)
             state.wish[person] = max(0.0, state.wish[person] + change)
             shift = self._side(person) - state.lateral[person]
-            state.lateral[person] += np.clip(shift, -_SIDESTEP * dt, _SIDESTEP * dt)
+            state.lateral[person] += min(max(shift, -_SIDESTEP * dt), _SIDESTEP * dt)
 
     def advance(self, dt: float, robot: Array) -> None:
         """Move everybody for `dt` seconds; `robot` as in `advance_bodies`."""
@@ -218,21 +221,22 @@ class Crowd:
         state.face[person] = self.terrain.ahead(float(state.arc[person]))
         if state.wish[0] == 0.0 and late < 0.2:
             return 0.0
-        return float(np.clip(state.wish[0] + 0.8 * late, 0.0, 1.5))
+        return float(min(max(state.wish[0] + 0.8 * late, 0.0), 1.5))
 
     def _stroll(self, person: int, robot_arc: float) -> float:
         """Return the speed of somebody who walks on their own and keeps out of the group's way."""
-        state, end = self.state, self.terrain.length
+        state, arc = self.state, float(self.state.arc[person])
         pace, lap = float(self.casting.pace[person]), self.terrain.lap
         if lap == 0.0:
-            if state.arc[person] > end - 0.9:
+            if arc > self.terrain.length - 0.9:
                 state.sense[person] = -1.0
-            elif state.arc[person] < 0.9:
+            elif arc < 0.9:
                 state.sense[person] = 1.0
-        front = max([robot_arc, *state.arc[self.casting.roles <= Role.COMPANION]])
+        front = max([robot_arc, *state.arc[: self._in_group].tolist()])
         if state.sense[person] < 0.0:
-            return 0.0 if self._lets_pass(float(state.arc[person]), front) else pace
-        ahead, behind = state.arc[person] - front, robot_arc - state.arc[person]
+            meets = 0.0 < arc - front < 8.0
+            return 0.0 if meets and self.terrain.narrows_before(arc, front) else pace
+        ahead, behind = arc - front, robot_arc - arc
         if lap > 0.0:
             ahead, behind = ahead % lap, behind % lap
         if 0.0 <= behind < 2.5:
@@ -240,16 +244,6 @@ class Crowd:
         if 0.0 <= ahead < 2.5:
             return max(pace, float(state.wish[0]) + 0.3)
         return pace
-
-    def _lets_pass(self, arc: float, front: float) -> bool:
-        """Return whether somebody at `arc` who meets the group stops because it gets narrow in front of them."""
-        ways = np.arange(0.5, min(2.5, arc - front), 0.5) if arc - front < 8.0 else ()
-        return self._is_wide(arc) and not all(self._is_wide(arc - way) for way in ways)
-
-    def _is_wide(self, arc: float) -> bool:
-        """Return whether two can pass at `arc`: no bend, and nothing in the way of who comes from ahead."""
-        wanted = self.terrain.half_width - 0.15
-        return not self.terrain.in_bend(arc) and self.terrain.within_free(arc, wanted) > wanted - 0.1
 
     def _stand(self, person: int, dt: float, away: float) -> float:
         """Return the speed of somebody who walks to and fro until the robot has come, then stands for a while."""
@@ -272,17 +266,16 @@ class Crowd:
 
         The leader and who walks with them stay in the middle of a bend, because the robot behind them cuts it.
         """
-        state, role, width = self.state, self.casting.roles[person], self.terrain.half_width
+        state, role = self.state, self._roles[person]
         arc, side = float(state.arc[person]), float(self.casting.side[person])
         if role == Role.STANDER or self.terrain.lap > 0.0:
             return side
         if role == Role.WALKER:
-            return self.terrain.within_free(arc, float(-state.sense[person] * (width - 0.15)))
+            return self.terrain.within_free(arc, -float(state.sense[person]) * self.terrain.passing)
         if self.terrain.in_bend(arc):
             return 0.0
-        ahead = state.arc - arc
-        met = (self.casting.roles >= Role.WALKER) & (ahead > -1.0) & (ahead < 6.0)
-        met &= (state.sense < 0.0) | (self.casting.roles == Role.STANDER)
-        if met.any():
-            side = -np.sign(state.lateral[met][0]) * min(0.35, max(0.0, width - 0.5))
+        for other in range(self._in_group, len(self)):
+            comes = state.sense[other] < 0.0 or self._roles[other] == Role.STANDER
+            if comes and -1.0 < state.arc[other] - arc < 6.0:
+                return self.terrain.within_free(arc, math.copysign(self.terrain.turn_out, -state.lateral[other]))
         return self.terrain.within_free(arc, side)

@@ -44,8 +44,7 @@ def advance_gait(
         position: (n, 2) bodies [m].
         velocity: (n, 2) of the bodies [m/s].
         heading: (n,) [rad].
-        size: (n, k) columns 2 to 4: radius of the legs, half distance between the feet's tracks [m], walk
-            ratio [m s].
+        size: (n, k) columns 2 to 4: radius of legs, half distance between the feet's tracks [m], walk ratio [m s].
         feet: (n, 2, 2) left and right foot on the floor [m].
         origin: (n, 2) where the swing foot lifted off [m].
         lift: (n, 2) heights of the feet above the floor [m].
@@ -66,8 +65,8 @@ def advance_gait(
         foot = swing[i]
         if phase[i] - dt / step_time < SWING:
             _swing(i, foot, step_time, position, velocity, heading, size, feet, origin, lift, phase)
-            room = size[i, 2] + _BESIDE_LEG
-            feet[i, foot, 0], feet[i, foot, 1] = keep_clear(feet[i, foot, 0], feet[i, foot, 1], room, boxes, circles)
+            x, y, room = feet[i, foot, 0], feet[i, foot, 1], size[i, 2] + _BESIDE_LEG
+            feet[i, foot] = keep_clear(x, y, room, boxes, circles)
         if phase[i] >= 1.0:
             remaining = phase[i] - 1.0
             swing[i] = -1
