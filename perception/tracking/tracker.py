@@ -85,8 +85,7 @@ class PeopleTracker:
         self._legs.predict(dt)
         person_tracks.predict(self._people, dt, self._config)
         self._lost.predict(dt)
-        gate = self._config.gate_after(dt)
-        match = self._adopt(self._associate(z, gate), z, gate)
+        match = self._adopt(self._associate(z), z)
         self._legs.correct(match, z, d, dt)
         sightings = person_tracks.measure(self._people, match[: 2 * len(self._people)].reshape(-1, 2), z, d)
         sightings = self._see_legs_in_one(sightings, detections, pose, scan.time_s)
@@ -113,18 +112,18 @@ class PeopleTracker:
             raise InputError(f"scan times must increase [s], got {time_s} after {before}")
         return time_s - before
 
-    def _associate(self, z: Array, gate: float) -> NDArray[np.intp]:
+    def _associate(self, z: Array) -> NDArray[np.intp]:
         """Return each leg track's detection or -1."""
-        cost = distances(self._legs.positions, z)
+        cost, gates = self._legs.cost(z)
         owned = 2 * len(self._people)
         centre = np.repeat(distances(self._people["x"][:, :2], z), 2, axis=0)
         cost[:owned][centre > self._config.reach] = np.inf
         match = np.full(len(self._legs), -1)
-        rows, columns = assign(cost, gate)
+        rows, columns = assign(cost, gates)
         match[rows] = columns
         return match
 
-    def _adopt(self, match: NDArray[np.intp], z: Array, gate: float) -> NDArray[np.intp]:
+    def _adopt(self, match: NDArray[np.intp], z: Array) -> NDArray[np.intp]:
         """Give people with a missing leg the lone tracks that could be it; a lone track so taken ends."""
         owned = 2 * len(self._people)
         missing, lone = np.flatnonzero(match[:owned] < 0), owned + np.flatnonzero(match[owned:] >= 0)
@@ -134,8 +133,10 @@ class PeopleTracker:
         cost = distances(self._legs.positions[missing], candidates)
         cost[distances(self._people["x"][missing // 2, :2], candidates) > self._config.reach] = np.inf
         other = missing + 1 - 2 * (missing % 2)
-        cost[self._legs.spread()[np.ix_(other, lone)] > self._config.pair_width] = np.inf
-        rows, columns = assign(cost, gate)
+        known = self._legs.rows["age_s"][lone] > self._config.stride_time_s / 2.0
+        limit = np.where(known, self._config.pair_width, self._config.pair_distance)
+        cost[self._legs.spread()[np.ix_(other, lone)] > limit] = np.inf
+        rows, columns = assign(cost, self._config.reach)
         slots, taken = missing[rows], lone[columns]
         order = np.arange(len(self._legs))
         order[slots] = taken
@@ -163,7 +164,7 @@ class PeopleTracker:
         seen[unseen[rows]] = True
         centre[unseen[rows]] = positions[free][columns]
         confidence[unseen[rows]] = found.confidence[wide][free][columns]
-        return Sightings(seen, centre, confidence)
+        return Sightings(seen, centre, confidence, sightings.one_leg)
 
     def _carry_hidden_legs(self, match: NDArray[np.intp]) -> None:
         """Let a person's unseen leg walk with the person, where its offset is believed to be."""
@@ -229,7 +230,9 @@ class PeopleTracker:
         together: each the other's nearest confident track in the mean over a stride, moved or not."""
         owned = 2 * len(self._people)
         lone, config = self._legs.rows[owned:], self._config
-        alive = owned + np.flatnonzero((lone["confidence"] > config.c_min) & (lone["unseen_s"] == 0.0))
+        alive = owned + np.flatnonzero(
+            (lone["confidence"] > config.c_min) & (lone["unseen_s"] <= config.start_unseen_s)
+        )
         able = self._legs.moved[alive] >= config.delta
         if np.count_nonzero(able) < 2:
             return
