@@ -15,6 +15,9 @@ LOST_AFTER_S = 1.0
 SAME_PERSON_M = 0.75
 """An estimated leader within this distance of the true one is the right person, unless a bystander is nearer [m]."""
 
+CHOICE_SETTLES_S = 1.0
+"""A person counts as chosen when taken for the leader for longer than this [s]."""
+
 
 def following_metrics(history: History) -> dict[str, float]:
     """Return the figures of following.
@@ -27,8 +30,9 @@ def following_metrics(history: History) -> dict[str, float]:
     - `leader_visible_share`: share of all steps since the leader was first seen in which it is seen.
     - `losses`: times it was unseen for more than 1 s after it had been seen; `reacquired`: those that ended;
       `reacquire_s`: median time of those until it was seen again [s].
-    - `leader_choices`, `leader_choices_right`: how often a new identity was taken for the leader, and how often that
-      was the true one; `leader_right_share`: share of the steps with a visible leader in which it is the true one.
+    - `leader_choices`, `leader_choices_right`: how often a new identity was taken for the leader for more than a second
+      (the time in which the first choice may still be revised), and how often that was then the true one;
+      `leader_right_share`: share of the steps with a visible leader in which it is the true one.
     """
     steady = steady_steps(history)
     offset = history.leader_position - history.robot_pose[:, :2]
@@ -80,13 +84,18 @@ def _losses(history: History) -> dict[str, float]:
 
 
 def _choices(history: History) -> dict[str, float]:
-    known = history.leader_id >= 0
-    before = np.concatenate(([-1], history.leader_id[:-1]))
-    chosen = np.flatnonzero(known & (history.leader_id != before) & history.leader_visible)
     right = leader_is_right(history)
+    made, made_right = 0, 0
+    for number in np.unique(history.leader_id[history.leader_id >= 0]):
+        for start, end in run_lengths(history.leader_id == number):
+            settled = (history.time_s[start:end] - history.time_s[start]) > CHOICE_SETTLES_S
+            settled &= history.leader_visible[start:end]
+            if settled.any():
+                made += 1
+                made_right += int(right[start + int(np.argmax(settled))])
     return {
-        "leader_choices": float(len(chosen)),
-        "leader_choices_right": float(np.sum(right[chosen])),
+        "leader_choices": float(made),
+        "leader_choices_right": float(made_right),
         "leader_right_share": _mean(right[history.leader_visible]),
     }
 

@@ -47,7 +47,7 @@ def as_bytes(seen, infos=()):
 @pytest.fixture(scope="module")
 def mapping_drive():
     """One drive with everything on: tracker and GMapping."""
-    env = make(slam="gmapping")
+    env = make(slam="gmapping", people_count=4, beams=721)
     return drive(env, 80, seed=11)
 
 
@@ -96,7 +96,7 @@ def test_no_entry_is_constant_over_an_episode(mapping_drive):
 
 def test_observations_are_inside_the_space(mapping_drive):
     seen, _ = mapping_drive
-    space = make(slam="gmapping").observation_space
+    space = make(slam="gmapping", beams=721).observation_space
     assert all(space.contains(observation) for observation in seen)
 
 
