@@ -100,8 +100,10 @@ class Robot:
 
     def ramp(self, wanted: Array, dt: float) -> Array:
         """Move the setpoint (3,) towards `wanted` (3,) for `dt` seconds and return it."""
-        step = np.array([self.config.max_acceleration] * 2 + [self.config.max_turn_acceleration]) * dt
-        self.setpoint = self.setpoint + np.clip(wanted - self.setpoint, -step, step)
+        step, turn_step = self.config.max_acceleration * dt, self.config.max_turn_acceleration * dt
+        x, y, turn = (wanted - self.setpoint).tolist()
+        change = (min(max(x, -step), step), min(max(y, -step), step), min(max(turn, -turn_step), turn_step))
+        self.setpoint = self.setpoint + change
         return self.setpoint
 
 

@@ -248,6 +248,7 @@ class World:
                 people.feet.copy(),
                 people.legs.copy(),
                 self._crowd.radius.copy(),
+                self._crowd.leg_radius.copy(),
                 speed > 0.2,
             ),
             leader_index=self._crowd.leader_index,

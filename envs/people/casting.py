@@ -110,7 +110,7 @@ def _standing_still(terrain: Terrain, casting: Casting, arc: Array, sense: Array
     lateral = casting.side.copy()
     for person, role in enumerate(casting.roles):
         if role == Role.WALKER and not terrain.lap:
-            lateral[person] = -sense[person] * (terrain.half_width - 0.15)
+            lateral[person] = -sense[person] * terrain.passing
         if role != Role.STANDER:
             lateral[person] = terrain.within_free(arc[person], lateral[person])
     position = np.array([terrain.place(a, side) for a, side in zip(arc, lateral, strict=True)]).reshape(-1, 2)
