@@ -6,7 +6,6 @@ the bits of the tiles, five words a point; samples that can no longer win are le
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from .tile_kernels import MASK, SHIFT, SIDE
 
@@ -74,28 +73,3 @@ def search_particles(start, stop, priors, roots, samples, points, weight, direct
     """`search` for particles start..stop."""
     for p in range(start, stop):
         search(priors[p], roots[p], samples, points, weight, directory[p], bits, poses[p])
-
-
-def search_reference(
-    prior: NDArray[np.float64],
-    root: NDArray[np.float64],
-    samples: NDArray[np.float64],
-    points: NDArray[np.float64],
-    weight: float,
-    occupied: NDArray[np.bool_],
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Do what `search` does, in numpy, on the plain grid `occupied` (rows, cols); return all poses and their values."""
-    poses = prior + samples @ root.T
-    cells = np.zeros((*occupied.shape, 2), dtype=bool)
-    for row, col in np.argwhere(occupied):
-        tile_row, tile_col = row // SIDE * SIDE, col // SIDE * SIDE
-        for level, reach in enumerate((1, NEAR)):
-            rows = slice(max(row - reach, tile_row), min(row + reach + 1, tile_row + SIDE))
-            cols = slice(max(col - reach, tile_col), min(col + reach + 1, tile_col + SIDE))
-            cells[rows, cols, level] = True
-    cos, sin = np.cos(poses[:, 2, None]), np.sin(poses[:, 2, None])
-    x = np.floor(poses[:, 0, None] + cos * points[:, 0] - sin * points[:, 1]).astype(int)
-    y = np.floor(poses[:, 1, None] + sin * points[:, 0] + cos * points[:, 1]).astype(int)
-    inside = (x >= 0) & (y >= 0) & (x < occupied.shape[1]) & (y < occupied.shape[0])
-    near = cells[np.where(inside, y, 0), np.where(inside, x, 0)] & inside[..., None]
-    return poses, weight * near.mean(axis=(1, 2)) - 0.5 * np.sum(samples**2, axis=1)
