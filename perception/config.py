@@ -34,6 +34,7 @@ class PerceptionConfig:
         gate_anchor_s: For this long after it was seen, a leg is looked for where it was seen as well as where it was
             predicted: feet stop and start between two scans [s].
         reach: Largest distance between a person's predicted centre and one of its legs [m].
+        left_behind: Nothing may stand any more within this distance of where a leg that moved began [m].
         one_leg_variance: Added to `r` where one leg measures the centre [m^2].
         start_unseen_s: A leg may be unseen for this long when its person starts [s].
         both_legs_from: A cluster wider than this can be both legs of a person known to be there [m].
@@ -74,6 +75,7 @@ class PerceptionConfig:
     gate_most: float = 0.8
     gate_anchor_s: float = 0.3
     reach: float = 0.8
+    left_behind: float = 0.12
     one_leg_variance: float = 0.1
     start_unseen_s: float = 0.3
     both_legs_from: float = 0.15

@@ -15,6 +15,7 @@ LEG = np.dtype(
         ("p", np.float64, 3),  # covariance, see kalman.py
         ("confidence", np.float64),
         ("seen", np.float64, 2),  # where it was last seen
+        ("first", np.float64, 2),  # where the track began
         ("low", np.float64, 2),  # smallest x and y it has been at [m]
         ("high", np.float64, 2),  # largest
         ("age_s", np.float64),
@@ -101,7 +102,7 @@ class LegTracks:
         """Add tracks at `positions` (k, 2) with zero velocity (eq. 5) and the detections' `confidence` (k,)."""
         fresh = np.zeros(len(positions), dtype=LEG)
         fresh["x"][:, :2] = positions
-        fresh["seen"] = fresh["low"] = fresh["high"] = positions
+        fresh["seen"] = fresh["first"] = fresh["low"] = fresh["high"] = positions
         fresh["p"] = (self._config.initial_variance, 0.0, self._config.initial_variance)
         fresh["confidence"] = confidence
         count = len(self.rows)
@@ -109,6 +110,11 @@ class LegTracks:
         apart = self.positions[:, None] - self.positions
         apart[:count, :count] = self.apart
         self.apart = apart
+
+    def restart_moving(self, index: NDArray[np.intp]) -> None:
+        """Let the tracks `index` (k,) begin here, as if they had not moved yet."""
+        for name in ("first", "low", "high"):
+            self.rows[name][index] = self.positions[index]
 
     def take(self, order: NDArray[np.intp]) -> None:
         """Keep the tracks `order` (k,), in that order."""

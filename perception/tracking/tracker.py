@@ -98,9 +98,9 @@ class PeopleTracker:
         thing[detections.human] = self._is_still(match, len(z))
         self._end_tracks()
         self._begin_legs(match, z, d)
-        self._start_people(scan.time_s)
-        points = transform_points(compose(pose, scan.T_robot_lidar), _points_of(detections.clusters, thing))
-        self._mark_grid(points, pose, scan.time_s, dt)
+        T_odom_lidar = compose(pose, scan.T_robot_lidar)
+        self._start_people(transform_points(T_odom_lidar, detections.clusters.points), scan.time_s)
+        self._mark_grid(transform_points(T_odom_lidar, _points_of(detections.clusters, thing)), pose, scan.time_s, dt)
         return TrackerUpdate(self._result(scan.time_s), detections, pose)
 
     def _step(self, time_s: float) -> float:
@@ -225,7 +225,7 @@ class PeopleTracker:
         fresh[match[match >= 0]] = False
         self._legs.begin(z[fresh], d[fresh])
 
-    def _start_people(self, time_s: float) -> None:
+    def _start_people(self, points: Array, time_s: float) -> None:
         """Start a person from each pair of lone tracks that moved, are confident, stand on free cells and belong
         together: each the other's nearest confident track in the mean over a stride, moved or not."""
         owned = 2 * len(self._people)
@@ -237,12 +237,24 @@ class PeopleTracker:
         if np.count_nonzero(able) < 2:
             return
         able[able] = self._grid.is_free(self._legs.positions[alive[able]], time_s)
+        able[able] = self._left_their_place(alive[able], points, time_s)
         spread = self._legs.spread()[np.ix_(alive, alive)]
         spread[distances(self._legs.positions[alive], self._legs.positions[alive]) > config.pair_distance] = np.inf
         rows = alive[mutual_pairs(spread, able, config.pair_width)]
         self._people = np.concatenate((self._people, self._named(self._legs.rows[rows])))
         rest = np.setdiff1d(np.arange(owned, len(self._legs)), rows)
         self._legs.take(np.concatenate((np.arange(owned), rows.ravel(), rest)))
+
+    def _left_their_place(self, tracks: NDArray[np.intp], points: Array, time_s: float) -> NDArray[np.bool_]:
+        """Return (k,) whether nothing of the scan stands any more where the `tracks` (k,) began.
+
+        A track that hopped from one chair leg to the next has moved, but what it began at still stands there. Where
+        that is known to be no human, the track begins anew here.
+        """
+        first = self._legs.rows["first"][tracks]
+        left = distances(first, points).min(axis=1, initial=np.inf) > self._config.left_behind
+        self._legs.restart_moving(tracks[~left & ~self._grid.is_free(first, time_s)])
+        return left
 
     def _named(self, pairs: NDArray[np.void]) -> NDArray[np.void]:
         """Return people from pairs of legs (k, 2), with their old number where they are recognised."""
