@@ -140,7 +140,7 @@ def add_robot(spec: MjSpec, config: RobotConfig, laser_height: float, laser_at: 
     body.add_site(name="wheels", pos=[0.0, 0.0, 0.0])
     inertia = config.mass * (length**2 + width**2) / 12.0
     _add_servo(spec, "forward", 0, config.mass / 0.03, config.grip)
-    _add_servo(spec, "sideways", 1, config.mass / 0.03, config.grip)
+    _add_servo(spec, "sideways", 1, config.mass / 0.01, config.grip)
     _add_servo(spec, "turn", 5, inertia / 0.03, config.grip * width / 2.0)
 
 

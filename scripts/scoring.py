@@ -161,10 +161,10 @@ def _judge_relations(estimate: Path, reference: Path, options: ScoringOptions) -
     readings = None if options.readings is None else read_readings(options.readings)
     error = score_relations(read_tum(estimate), read_relations(reference), readings)
     metres, degrees = error.translation, error.rotation
+    between_scans = "interpolated in time" if readings is None else "by odometry"
     rows = [
-        ("relations scored", str(metres.count), ""),
+        (f"relations, poses between scans {between_scans}", str(metres.count), ""),
         ("relations skipped", str(error.skipped), ""),
-        ("poses between scans", "interpolated" if readings is None else "by odometry", ""),
         ("translation mean", f"{metres.mean:.4f}", "m"),
         ("translation sd", f"{metres.std:.4f}", "m"),
         ("translation max", f"{metres.max:.3f}", "m"),

@@ -78,7 +78,7 @@ def test_a_trajectory_is_scored_by_relations(here, capsys):
     status, out, _ = score(capsys, "truth.tum", "relations.txt")
     assert status == 0
     assert "translation mean" in out
-    assert "interpolated" in out
+    assert "between scans interpolated" in out
 
 
 def test_maps_are_scored_with_residue_and_overlay(here, capsys):
