@@ -94,11 +94,11 @@ def _window(scene: Scene, taken: Array, rng: np.random.Generator) -> tuple[float
     places = scene.standing_places
     limit = 0.6 * (scene.lap or scene.tour_length) + 4.0
     for attempt in range(900):
-        length = (1.6, 1.0, 0.5)[attempt // 300]
+        length, beside = ((1.6, 1.0), (1.0, 1.0), (0.5, 0.4))[attempt // 300]
         start, lateral = places[rng.integers(len(places))]
         same = np.abs(places[:, 1] - lateral) < 1e-9
         covered = same & (places[:, 0] > start - 0.05) & (places[:, 0] < start + length + 0.05)
-        apart = np.all(np.abs(taken - start - length / 2.0) > 1.0 + length / 2.0)
+        apart = np.all(np.abs(taken - start - length / 2.0) > beside + length / 2.0)
         if covered.sum() >= 5.0 * length and 4.0 < start < limit and apart:
             return float(start + 0.2 * length), float(start + 0.8 * length), float(lateral)
     raise InputError(f"no room for another standing person in this {scene.name}")

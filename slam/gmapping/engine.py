@@ -115,6 +115,13 @@ class GMapping:
         path = self._paths.path(self.best_particle)
         return render_map(path, self._matched, GridConfig(resolution=resolution, max_range=self.config.max_urange))
 
+    def particle_map(self) -> OccupancyMap:
+        """Return the best particle's own map, with cells of `delta`: ready at any time, in a few milliseconds.
+
+        `probability` is the share of hits among a cell's visits; the map of `map_at` is crisper.
+        """
+        return self._maps.to_map(self.best_particle)
+
     def _is_due(self, scan: LaserScan) -> bool:
         moved = self._motion.travelled >= self.config.linear_update or self._motion.turned >= self.config.angular_update
         return moved and bool(scan.is_return.any())

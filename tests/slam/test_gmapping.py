@@ -1,4 +1,5 @@
 import itertools
+import pickle
 
 import numpy as np
 import pytest
@@ -68,6 +69,20 @@ def test_one_seed_gives_the_same_bytes_with_any_number_of_threads_and_another_se
     first, again, threaded, other = (slam.trajectory().tobytes() + slam.map().probability.tobytes() for slam in results)
     assert first == again == threaded
     assert first != other
+
+
+def test_the_particles_own_map_agrees_with_the_rendered_one_and_copies_go_their_own_way():
+    _, odometry, scans = drive(steps=40)
+    slam = run(make_slam("gmapping", particles=4), odometry[:20], scans[:20])
+    own, drawn = slam.particle_map().occupied_points, slam.map().occupied_points
+    assert np.linalg.norm(own[:, None] - drawn, axis=-1).min(axis=0).max() < 0.11
+    twin = pickle.loads(pickle.dumps(slam))
+    before = slam.trajectory().tobytes()
+    run(twin, odometry[20:], scans[20:])
+    assert slam.trajectory().tobytes() == before
+    run(slam, odometry[20:], scans[20:])
+    assert slam.trajectory().tobytes() == twin.trajectory().tobytes()
+    assert slam.particle_map().probability.tobytes() == twin.particle_map().probability.tobytes()
 
 
 def test_every_scan_has_a_pose_and_the_first_is_the_first_odometry():

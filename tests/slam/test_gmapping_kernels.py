@@ -97,7 +97,10 @@ def test_normal_equations_equal_numpy_and_a_step_solves_them():
     pose = np.append(maps.to_cells(np.array([0.05, -0.03])), 0.02)
     points = room_scan(rng, 150) / 0.05
     system = np.zeros((3, 4))
-    _, loss = accumulate(pose, points, 1, 3, 2.0, 0.15, maps.directory[0], maps.means, maps.bits, system)
+    known, lines = np.full(len(points), -1), np.zeros((len(points), 5))
+    tiles = maps.directory[0], maps.means, maps.bits
+    for _ in range(2):  # lines looked up anew, then remembered
+        _, loss = accumulate(pose, points, 1, 3, 2.0, 0.15, *tiles, known, lines, system)
     expected, expected_loss = reference.normal_equations(pose, points, 3, 2.0, 0.15, centres)
     np.testing.assert_allclose(system, expected, rtol=1e-6, atol=1e-4)
     assert loss == pytest.approx(expected_loss, rel=1e-6)
