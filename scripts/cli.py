@@ -13,6 +13,7 @@ from ..slam.errors import InputError, MissingExtraError
 COMMANDS: dict[str, str] = {
     "slam": "map a recorded drive (CARMEN log)",
     "score": "judge a trajectory or a map by a reference",
+    "train": "train the leg forests",
     "doctor": "say what is installed and what works here",
     "evaluate": "drive a follower through many episodes",
     "perceive": "find legs and track people in recorded scans (CARMEN log or .npz)",

@@ -40,6 +40,7 @@ SHAPE_NAMES = (
     "tilt",  # |cosine| of the angle between the long axis and the line of sight
     "largest_step",  # largest range difference between successive points
     "roughness",  # root mean square second difference of the ranges
+    "valley",  # how much farther the middle reaches than the nearest points on both sides: two legs in one cluster
 )
 SURROUNDINGS_NAMES = (
     "jump_low",  # range jump just beyond the ends, positive where the neighbour is farther: the smaller of both ends

@@ -3,7 +3,7 @@
 import numpy as np
 from numba import njit
 
-SHAPE_COUNT = 24
+SHAPE_COUNT = 25
 STEP = 0.03  # the outline is walked in steps of about this length [m]
 LEG_WIDTH = 0.12
 RADIUS_LIMIT = 0.5
@@ -20,6 +20,7 @@ def describe_shapes(points, ranges, bearings, start, end, spacing, widest, out):
         _moments(points, a, b, out[c])
         _outline(points, a, b, spacing, out[c])
         _texture(points, ranges, a, b, out[c])
+        out[c, 24] = _valley(ranges, a, b)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -168,3 +169,19 @@ def _texture(points, ranges, a, b, row):
     row[20] = np.sqrt(max(squares / inner - mean * mean, 0.0))
     row[22] = step
     row[23] = np.sqrt(rough / inner)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _valley(ranges, a, b):
+    """How much farther some point is than the nearest one before it and the nearest one after it [m]; at least 0."""
+    after = np.empty(b - a)
+    nearest = np.inf
+    for i in range(b - 1, a - 1, -1):
+        nearest = min(nearest, ranges[i])
+        after[i - a] = nearest
+    deepest = 0.0
+    nearest = np.inf
+    for i in range(a, b):
+        nearest = min(nearest, ranges[i])
+        deepest = max(deepest, ranges[i] - max(nearest, after[i - a]))
+    return deepest

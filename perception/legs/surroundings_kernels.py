@@ -66,41 +66,29 @@ def _ends(points, ranges, bearings, a, b, spacing, row):
 @njit(cache=True, nogil=True, error_model="numpy")
 def _beside(ranges, bearings, a, b, spacing, row):
     """Columns 5 to 10: range differences in two windows beside each end; beams without a return count as open."""
-    mean = np.empty(2)
-    least = np.empty(2)
-    far = np.empty(2)
+    sides = np.empty((2, 3))
     for side in range(2):
         inner = a if side == 0 else b - 1
         step = -1 if side == 0 else 1
-        near_angle = min(BESIDE / ranges[inner], 1.5)
-        far_angle = min(FAR_BESIDE / ranges[inner], 2.0)
-        near_sum, near_count, low = 0.0, 0, OPEN
-        far_sum, far_count = 0.0, 0
+        near = min(BESIDE / ranges[inner], 1.5)
+        far = min(FAR_BESIDE / ranges[inner], 2.0)
+        total = np.zeros(2)
+        count = np.zeros(2)
+        sides[side, 1] = OPEN
         i = inner + step
-        while 0 <= i < len(ranges):
-            angle = abs(bearings[i] - bearings[inner])
-            if angle > far_angle:
-                break
+        while 0 <= i < len(ranges) and abs(bearings[i] - bearings[inner]) <= far:
             difference = min(max(ranges[i] - ranges[inner], NEARER_LIMIT), OPEN)
-            if angle <= near_angle:
-                near_sum += difference - OPEN
-                near_count += 1
-                low = min(low, difference)
-            else:
-                far_sum += difference - OPEN
-                far_count += 1
+            window = 0 if abs(bearings[i] - bearings[inner]) <= near else 1
+            total[window] += difference - OPEN
+            count[window] += 1.0
+            if window == 0:
+                sides[side, 1] = min(sides[side, 1], difference)
             i += step
-        near_beams = max(np.floor(near_angle / spacing), near_count, 1.0)
-        far_beams = max(np.floor((far_angle - near_angle) / spacing), far_count, 1.0)
-        mean[side] = OPEN + near_sum / near_beams
-        least[side] = low
-        far[side] = OPEN + far_sum / far_beams
-    row[SHAPE_COUNT + 5] = mean.min()
-    row[SHAPE_COUNT + 6] = mean.max()
-    row[SHAPE_COUNT + 7] = least.min()
-    row[SHAPE_COUNT + 8] = least.max()
-    row[SHAPE_COUNT + 9] = far.min()
-    row[SHAPE_COUNT + 10] = far.max()
+        sides[side, 0] = OPEN + total[0] / max(np.floor(near / spacing), count[0], 1.0)
+        sides[side, 2] = OPEN + total[1] / max(np.floor((far - near) / spacing), count[1], 1.0)
+    for k in range(3):
+        row[SHAPE_COUNT + 5 + 2 * k] = sides[:, k].min()
+        row[SHAPE_COUNT + 6 + 2 * k] = sides[:, k].max()
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

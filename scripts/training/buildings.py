@@ -14,7 +14,7 @@ def draw_building(rng: Generator, centre_size: float) -> Outlines:
     low = -size * rng.uniform(0.25, 0.75, 2)
     heading = rng.uniform(-np.pi, np.pi)
     rooms = _split(rng, low, low + size, centre_size, outlines, heading)
-    clutter = rng.choice([0.3, 1.0, 2.0])
+    clutter = rng.choice([0.0, 0.1, 0.3, 1.0], p=[0.15, 0.3, 0.3, 0.25])
     for a, b in rooms:
         area = float(np.prod(b - a))
         for _ in range(min(rng.poisson(0.25 * clutter * area), 40)):
@@ -22,6 +22,20 @@ def draw_building(rng: Generator, centre_size: float) -> Outlines:
     if rng.random() < 0.15:
         _railing(rng, outlines)
     return outlines
+
+
+def draw_screens(rng: Generator, heading: float) -> Outlines:
+    """Draw things close to the laser with a gap towards `heading`, as when it looks out between furniture or doors."""
+    screens = Outlines()
+    distance, gap = rng.uniform(0.3, 1.6), rng.uniform(0.2, 1.2)
+    tilt = heading + np.pi / 2 + rng.normal(0.0, 0.3)
+    along = np.array([np.cos(tilt), np.sin(tilt)])
+    middle = distance * np.array([np.cos(heading), np.sin(heading)])
+    for side in (-1.0, 1.0):
+        length, thickness = rng.uniform(0.05, 3.0), rng.uniform(0.02, 0.5)
+        if rng.random() < 0.8:
+            screens.box(middle + side * along * (gap + length) / 2, length, thickness, tilt + rng.normal(0.0, 0.1))
+    return screens
 
 
 def _split(
@@ -60,11 +74,14 @@ def _wall(
     along = (end - start) / max(length, 1e-6)
     across = np.array([-along[1], along[0]])
     thickness = rng.uniform(0.05, 0.3)
-    lost = float(rng.choice([0.0, 0.0, 0.0, 0.05, 0.5]))
+    lost = float(rng.choice([0.0, 0.4], p=[0.95, 0.05]))
     gaps = sorted((float(g), float(g + rng.uniform(0.5, 1.6))) for g in rng.uniform(0.0, max(length - 0.6, 0.1), doors))
     edges = [0.0, *(x for gap in gaps for x in gap), length]
     for s, e in zip(edges[::2], edges[1::2], strict=True):
         if e - s < 0.02:
+            continue
+        if rng.random() < 0.15:
+            _posts(rng, start + s * along, along, e - s, out, heading)
             continue
         p, q = start + s * along, start + e * along
         corners = np.array([p - across * thickness / 2, q - across * thickness / 2])
@@ -75,6 +92,23 @@ def _wall(
             hinge = start + (s if rng.random() < 0.5 else e) * along
             swing = turned(along[None] * (e - s), rng.uniform(-np.pi, np.pi))[0]
             out.polygon(turned(np.array([hinge, hinge + swing]), heading), closed=False)
+
+
+def _posts(
+    rng: Generator,
+    start: NDArray[np.float64],
+    along: NDArray[np.float64],
+    length: float,
+    out: Outlines,
+    heading: float,
+) -> None:
+    """A wall of glass, of which only the posts and some pieces give returns."""
+    pitch = rng.uniform(0.25, 1.5)
+    angle = heading + np.arctan2(along[1], along[0])
+    width, thickness = rng.uniform(0.03, 0.3, 2)
+    for k in range(int(length / pitch)):
+        place = turned((start + (k + rng.uniform(0.3, 0.7)) * pitch * along)[None], heading)[0]
+        out.box(place, width * rng.uniform(0.5, 1.5), thickness, angle)
 
 
 def _along_wall(
@@ -88,7 +122,7 @@ def _along_wall(
     heading: float,
 ) -> None:
     """Things that stand on a wall: pilasters, frames, pipes, radiators, cupboards, skirting that steps back."""
-    for _ in range(rng.poisson(0.5 * length)):
+    for _ in range(rng.poisson(rng.uniform(0.0, 0.5) * length)):
         side = across * (thickness / 2) * rng.choice([-1.0, 1.0])
         place = start + along * rng.uniform(0.0, length) + side
         spot = turned(place[None], heading)[0]

@@ -7,9 +7,13 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from ...slam.scan import LaserScan
-from .buildings import draw_building
+from .buildings import draw_building, draw_screens
 from .outlines import LEG, STATIC, Outlines, cast
 from .pedestrians import draw_people
+
+SCREENED = 0.35  # share of scans with things close before the laser
+FARTHEST_PERSON = 6.0  # so that the odd few points far away are rather called furniture [m]
+FAR = 1e3  # stands for nothing met [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +42,9 @@ class Scanner:
         mixed: Chance that a beam over an edge reports a range between both surfaces.
         divergence: Angle between the outer rays of a beam [rad].
         lost: Chance that any beam gives nothing.
+        smoothing: How often neighbouring ranges are averaged.
+        grazing: Tangent of the angle of incidence from which beams are lost.
+        dark: Share of surfaces that are seen from near only.
         nothing: What a beam without a return reports: inf, or 0 for "no measurement".
     """
 
@@ -49,6 +56,9 @@ class Scanner:
     mixed: float
     divergence: float
     lost: float
+    smoothing: int
+    grazing: float
+    dark: float
     nothing: float
 
 
@@ -69,44 +79,77 @@ def draw_scanner(rng: Generator) -> Scanner:
         bearings=np.linspace(-half, half, beams),
         range_min=0.03,
         range_max=reach,
-        noise=float(rng.choice([0.004, 0.008, 0.015, 0.025], p=[0.3, 0.4, 0.2, 0.1])) * rng.uniform(0.7, 1.3),
+        noise=float(rng.choice([0.002, 0.005, 0.01, 0.02], p=[0.25, 0.35, 0.3, 0.1])) * rng.uniform(0.7, 1.3),
         quantum=float(rng.choice([0.001, 0.01], p=[0.85, 0.15])),
-        mixed=rng.uniform(0.0, 0.8),
-        divergence=np.radians(rng.uniform(0.05, 0.8) * max(spacing, 0.3)),
-        lost=float(rng.choice([0.0, 0.005, 0.03])),
+        mixed=rng.uniform(0.0, 1.0),
+        divergence=np.radians(rng.uniform(0.05, 1.0) * max(spacing, 0.3)),
+        lost=float(rng.choice([0.0, 0.003, 0.02], p=[0.6, 0.3, 0.1])),
+        smoothing=int(rng.choice([0, 1, 3, 6], p=[0.4, 0.2, 0.25, 0.15])),
+        grazing=np.tan(np.radians(rng.uniform(50.0, 88.0))),
+        dark=float(rng.choice([0.0, 0.2, 0.5])),
         nothing=float(rng.choice([np.inf, 0.0])),
     )
 
 
-def draw_scan(rng: Generator) -> LabelledScan:
-    """Draw a building, people and a scanner, and take one scan from the origin."""
+def draw_scan(rng: Generator, people: bool = True) -> LabelledScan:
+    """Draw a building, people (unless told not to) and a scanner, and take one scan from the origin."""
     scanner = draw_scanner(rng)
-    building = draw_building(rng, rng.uniform(2.0, 9.0))
+    building = draw_building(rng, rng.uniform(2.5, 10.0))
     heading = rng.uniform(-np.pi, np.pi)
-    people = draw_people(rng, building, min(scanner.range_max, 8.0), heading)
-    return take_scan(rng, scanner, building.add(people), heading)
+    if rng.random() < SCREENED:
+        building = building.add(draw_screens(rng, heading + rng.uniform(-1.5, 1.5)))
+    if people:
+        building = building.add(draw_people(rng, building, min(scanner.range_max, FARTHEST_PERSON), heading))
+    return take_scan(rng, scanner, building, heading, speed=rng.uniform(0.0, 1.0) * (rng.random() < 0.5))
 
 
-def take_scan(rng: Generator, scanner: Scanner, outlines: Outlines, heading: float) -> LabelledScan:
-    """Take one scan of `outlines` from the origin, the scanner turned to `heading` and perhaps moving."""
+def take_scan(rng: Generator, scanner: Scanner, outlines: Outlines, heading: float, speed: float = 0.0) -> LabelledScan:
+    """Take one scan of `outlines` from the origin, turned to `heading`, moving that way at `speed` [m/s]."""
     angles = heading + scanner.bearings
-    speed = rng.uniform(0.0, 1.0) * (rng.random() < 0.5)
     sweep = np.linspace(0.0, 0.03, len(angles))  # seconds into the sweep
     origins = sweep[:, None] * speed * np.array([np.cos(heading), np.sin(heading)])
     ellipses, segments = outlines.arrays()
     ellipses, segments = _clear_of_scanner(ellipses, segments, 0.12)
     limit = scanner.range_max + 1.0
-    middle, kinds, lost = cast(origins, angles, limit, ellipses, segments)
+    middle, met = cast(origins, angles, limit, ellipses, segments)
     right = cast(origins, angles - 0.5 * scanner.divergence, limit, ellipses, segments)[0]
     left = cast(origins, angles + 0.5 * scanner.divergence, limit, ellipses, segments)[0]
-    ranges, blurred = _mix(rng, np.minimum(middle, 1e3), np.minimum(right, 1e3), np.minimum(left, 1e3), scanner.mixed)
-    kinds = np.where(blurred, STATIC, kinds)
-    ranges = ranges + rng.normal(0.0, scanner.noise, len(ranges)) * np.where(kinds == LEG, rng.uniform(1.0, 1.6), 1.0)
+    middle, right, left = (np.minimum(ranges, FAR) for ranges in (middle, right, left))
+    ranges, blurred = _mix(rng, middle, right, left, scanner.mixed)
+    kinds, lost, reach = _surfaces(rng, ellipses, segments, scanner)
+    is_leg = (kinds[met] == LEG) & ~blurred
+    ranges = _smooth(ranges, scanner.smoothing)
+    ranges = ranges + rng.normal(0.0, scanner.noise, len(ranges)) * np.where(is_leg, rng.uniform(1.0, 1.5), 1.0)
     ranges = np.round(ranges / scanner.quantum) * scanner.quantum
-    nothing = ~(ranges <= scanner.range_max) | (rng.random(len(ranges)) < np.maximum(lost, scanner.lost))
+    slope = np.abs(left - right) / (scanner.divergence * middle)
+    grazing = (np.abs(left - right) < 0.3) & (slope > scanner.grazing * rng.lognormal(0.0, 0.3, len(ranges)))
+    nothing = ~(ranges <= np.minimum(scanner.range_max, reach[met])) | grazing
+    nothing |= rng.random(len(ranges)) < np.maximum(lost[met], scanner.lost)
     ranges[nothing] = scanner.nothing
     scan = LaserScan(ranges, scanner.bearings, scanner.range_min, scanner.range_max)
-    return LabelledScan(scan, (kinds == LEG) & scan.is_return)
+    return LabelledScan(scan, is_leg & scan.is_return)
+
+
+def _surfaces(
+    rng: Generator, ellipses: NDArray[np.float64], segments: NDArray[np.float64], scanner: Scanner
+) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
+    """Return the kind of each piece, its share of beams lost, and up to which range it is seen; nothing comes last."""
+    kinds = np.concatenate((ellipses[:, 5], segments[:, 4], [STATIC])).astype(np.int64)
+    lost = np.concatenate((ellipses[:, 6], segments[:, 5], [0.0]))
+    dark = (rng.random(len(kinds)) < scanner.dark) & (kinds == STATIC)
+    return kinds, lost, np.where(dark, rng.uniform(0.5, 8.0, len(kinds)), np.inf)
+
+
+def _smooth(ranges: NDArray[np.float64], passes: int) -> NDArray[np.float64]:
+    """Average neighbours on the same surface: wide overlapping beams flatten what is round."""
+    out = np.where(ranges < FAR, ranges, np.nan)
+    for _ in range(passes):
+        padded = np.pad(out, 1, constant_values=np.nan)
+        beside = np.stack((padded[:-2], out, padded[2:]))
+        beside[~(np.abs(beside - out) < 0.1)] = np.nan
+        counts = np.maximum(np.sum(~np.isnan(beside), axis=0), 1)
+        out = np.where(np.isnan(out), np.nan, np.nansum(beside, axis=0) / counts)
+    return np.where(np.isnan(out), ranges, out)
 
 
 def _mix(
@@ -114,7 +157,7 @@ def _mix(
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Return the ranges with mixed pixels where the outer rays differ, and where a range is far from its surface."""
     near, far = np.minimum(left, right), np.maximum(left, right)
-    mixed = (far > near + 0.03) & (far < 999.0) & (rng.random(len(middle)) < chance)
+    mixed = (far > near + 0.03) & (far < FAR) & (rng.random(len(middle)) < chance)
     ranges = np.where(mixed, near + rng.random(len(middle)) * (far - near), middle)
     return ranges, np.abs(ranges - middle) > 0.06
 

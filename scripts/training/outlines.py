@@ -64,30 +64,28 @@ def turned(points: NDArray[np.float64], heading: float) -> NDArray[np.float64]:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def cast(origins, angles, limit, ellipses, segments):
-    """Cast rays from `origins` (n, 2) along `angles` (n,); return the range (inf beyond `limit`), kind, share lost."""
+    """Cast rays from `origins` (n, 2) along `angles` (n,): the ranges (inf beyond `limit`) and what they meet first.
+
+    What they meet is the row of `ellipses`, or the number of ellipses plus the row of `segments`; -1 for nothing.
+    """
     count = len(angles)
     ranges = np.full(count, np.inf)
-    kinds = np.zeros(count, np.int64)
-    lost = np.zeros(count)
+    met = np.full(count, -1)
     for i in range(count):
         x, y = origins[i]
         dx, dy = np.cos(angles[i]), np.sin(angles[i])
         best = limit
-        for k in range(len(segments)):
-            t = _meet_segment(x, y, dx, dy, segments[k])
-            if t < best:
-                best = t
-                ranges[i] = t
-                kinds[i] = int(segments[k, 4])
-                lost[i] = segments[k, 5]
         for k in range(len(ellipses)):
             t = _meet_ellipse(x, y, dx, dy, ellipses[k])
             if t < best:
-                best = t
-                ranges[i] = t
-                kinds[i] = int(ellipses[k, 5])
-                lost[i] = ellipses[k, 6]
-    return ranges, kinds, lost
+                best = ranges[i] = t
+                met[i] = k
+        for k in range(len(segments)):
+            t = _meet_segment(x, y, dx, dy, segments[k])
+            if t < best:
+                best = ranges[i] = t
+                met[i] = len(ellipses) + k
+    return ranges, met
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -7,39 +7,52 @@ import numpy as np
 from numpy.typing import NDArray
 from sklearn.ensemble import RandomForestClassifier
 
+from ...perception.legs.features import FEATURE_NAMES
 from ...perception.legs.forest import LegForest
 from ...slam.scan import LaserScan
+from .leg_pasting import pasted_samples
 from .leg_recordings import LegRecording
-from .leg_samples import Samples, labelled_samples, people_free_samples, simulated_samples
+from .leg_samples import Samples, labelled_samples, people_free_samples
 
 
 @dataclass(frozen=True, kw_only=True)
 class TrainConfig:
     """How the forests are trained."""
 
-    scans: int = 10000
+    scans: int = 6000
     """Simulated scans."""
+    test_scans: int = 500
+    """Simulated scans with, and as many without people, to score a forest on."""
+    false_legs_recorded: float = 1.0
+    """False legs a recorded people-free scan at gamma, for the forest `real`."""
+    false_legs_simulated: float = 0.5
+    """False legs a simulated people-free scan at gamma, for the forest `simulation`."""
     trees: int = 48
     """Trees of a forest."""
     depth: int = 14
     """Deepest leaf."""
     leaf: int = 5
     """Fewest samples in a leaf."""
-    tried: int = 10
+    tried: int = 8
     """Features tried at each split."""
-    leg_weight: float = 10.0
+    unused: tuple[str, ...] = ("far_beside_low", "far_beside_high")
+    """Features that the forest `simulation` does without: they differ too much between its rooms and recorded ones."""
+    leg_weight: float = 100.0
     """Weight of a recorded leg against a simulated cluster."""
-    people_free_weight: float = 3.0
+    copies: int = 3
+    """How often each labelled scan's legs are put before another background."""
+    pasted_weight: float = 0.5
+    """Weight of all copies of a leg together against the leg where it stood."""
+    people_free_weight: float = 25.0
     """Weight of a recorded people-free cluster against a simulated one."""
 
 
-def train_forest(samples: Samples, weights: NDArray[np.float64], config: TrainConfig, seed: int) -> LegForest:
-    """Fit a random forest and return it as flat arrays."""
-    return flatten_forest(fit(samples, weights, config, seed))
-
-
-def fit(samples: Samples, weights: NDArray[np.float64], config: TrainConfig, seed: int) -> RandomForestClassifier:
-    """Fit scikit-learn's random forest to weighted samples."""
+def fit(
+    samples: Samples, weights: NDArray[np.float64], config: TrainConfig, seed: int, unused: Sequence[str] = ()
+) -> RandomForestClassifier:
+    """Fit scikit-learn's random forest to weighted samples; features in `unused` are hidden from it."""
+    features = samples.features.copy()
+    features[:, [FEATURE_NAMES.index(name) for name in unused]] = 0.0
     forest = RandomForestClassifier(
         n_estimators=config.trees,
         max_depth=config.depth,
@@ -48,27 +61,35 @@ def fit(samples: Samples, weights: NDArray[np.float64], config: TrainConfig, see
         random_state=seed,
         n_jobs=1,
     )
-    return forest.fit(samples.features, samples.is_leg, sample_weight=weights)
+    return forest.fit(features, samples.is_leg, sample_weight=weights)
 
 
 def recorded_samples(
-    positive: Sequence[LegRecording], people_free: Sequence[LaserScan], config: TrainConfig
+    positive: Sequence[LegRecording], people_free: Sequence[LaserScan], config: TrainConfig, seed: int
 ) -> tuple[Samples, NDArray[np.float64]]:
-    """Return samples and weights of recordings: labelled legs, and everything in people-free scans."""
+    """Return samples and weights of recordings: labelled legs where they stood and before other backgrounds, and
+    everything in people-free scans."""
     legs = Samples.joined([Samples.none(), *(labelled_samples(r.scans, r.legs) for r in positive)])
+    pasted = pasted_samples(np.random.default_rng(seed), positive, people_free, config.copies)
     others = people_free_samples(people_free)
-    weights = np.repeat([config.leg_weight, config.people_free_weight], [len(legs.is_leg), len(others.is_leg)])
-    return Samples.joined([legs, others]), weights
+    counts = [len(part.is_leg) for part in (legs, pasted, others)]
+    pasted_weight = config.pasted_weight * config.leg_weight / max(config.copies, 1)
+    weights = np.repeat([config.leg_weight, pasted_weight, config.people_free_weight], counts)
+    return Samples.joined([legs, pasted, others]), weights
 
 
 def train_legs(
-    config: TrainConfig, seed: int, positive: Sequence[LegRecording] = (), people_free: Sequence[LaserScan] = ()
+    simulated: Samples,
+    config: TrainConfig,
+    seed: int,
+    positive: Sequence[LegRecording] = (),
+    people_free: Sequence[LaserScan] = (),
 ) -> LegForest:
-    """Train on simulated scans and the recordings given; the same seed gives the same forest."""
-    simulated = simulated_samples(np.random.default_rng(seed), config.scans)
-    recorded, weights = recorded_samples(positive, people_free, config)
+    """Train on simulated clusters and the recordings given; the same seed gives the same forest."""
+    recorded, weights = recorded_samples(positive, people_free, config, seed)
     samples = Samples.joined([simulated, recorded])
-    return train_forest(samples, np.concatenate((np.ones(len(simulated.is_leg)), weights)), config, seed)
+    weights = np.concatenate((np.ones(len(simulated.is_leg)), weights))
+    return flatten_forest(fit(samples, weights, config, seed, () if len(recorded.is_leg) else config.unused))
 
 
 def flatten_forest(forest: RandomForestClassifier, odds: float = 1.0) -> LegForest:

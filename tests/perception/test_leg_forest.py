@@ -1,0 +1,156 @@
+"""The forest: equal to scikit-learn, refuses damaged files, finds the legs in recorded scans."""
+
+import os
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from sklearn.ensemble import RandomForestClassifier
+from tagalong.perception.legs.clusters import cluster_scan
+from tagalong.perception.legs.detector import LegDetector, LegDetectorConfig
+from tagalong.perception.legs.features import FEATURE_NAMES
+from tagalong.perception.legs.forest import SHIPPED, LegForest, read_card
+from tagalong.perception.legs.forest_kernel import vote_reference
+from tagalong.scripts.training.train_legs import flatten_forest
+from tagalong.slam.errors import InputError
+from tagalong.slam.scan import LaserScan
+
+BEARINGS = np.radians(np.linspace(-135.0, 135.0, 1081))
+
+
+@pytest.fixture(scope="module")
+def learned():
+    """A forest of scikit-learn on random features, the rows it was fitted to, and ours made from it."""
+    rng = np.random.default_rng(3)
+    rows = rng.normal(size=(600, len(FEATURE_NAMES))).astype(np.float32)
+    truth = rows[:, 0] * rows[:, 1] + rows[:, 5] > 0.2
+    theirs = RandomForestClassifier(12, max_depth=9, min_samples_leaf=2, random_state=0)
+    theirs.fit(rows, truth, sample_weight=1.0 + 3.0 * truth)
+    return theirs, rows, flatten_forest(theirs)
+
+
+def two_legs_and_a_wall():
+    """A room of 3 m around the laser, and a person's two legs 2 m ahead."""
+    ranges = np.full(1081, 3.0)
+    for y in (-0.15, 0.15):
+        away = np.hypot(2.0, y)
+        offset = away * np.sin(BEARINGS - np.arctan2(y, 2.0))
+        hit = (np.abs(offset) < 0.06) & (np.abs(BEARINGS) < 1.0)
+        ranges[hit] = away - np.sqrt(0.06**2 - offset[hit] ** 2)
+    return LaserScan(ranges, BEARINGS, 0.1, 30.0, T_robot_lidar=(0.2, 0.0, 0.0))
+
+
+def test_the_vote_is_scikit_learns_predict_proba(learned):
+    theirs, rows, ours = learned
+    on_thresholds = rows.copy()
+    on_thresholds[:, 0] = np.float32(theirs.estimators_[0].tree_.threshold[0])
+    for sample in (rows, on_thresholds):
+        np.testing.assert_allclose(ours.vote(sample), theirs.predict_proba(sample)[:, 1], atol=1e-6)
+
+
+def test_the_kernel_votes_as_the_reference_does(learned):
+    _, rows, ours = learned
+    expected = vote_reference(ours.feature, ours.value, ours.right, ours.roots, rows)
+    np.testing.assert_allclose(ours.vote(rows), expected, rtol=1e-12)
+
+
+def test_a_saved_forest_comes_back_the_same(learned, tmp_path):
+    _, rows, ours = learned
+    replace(ours, odds=0.4).save(tmp_path / "legs.npz", {"note": "test"})
+    again = LegForest.load(tmp_path / "legs.npz")
+    np.testing.assert_array_equal(again.vote(rows), ours.vote(rows))
+    assert again.odds == 0.4
+    assert (tmp_path / "legs.json").exists()
+
+
+def test_a_forest_for_other_features_is_refused(learned, tmp_path):
+    ours = learned[2]
+    ours.save(tmp_path / "legs.npz", {})
+    with np.load(tmp_path / "legs.npz") as file:
+        content = dict(file)
+    content["feature_names"] = content["feature_names"][::-1]
+    np.savez(tmp_path / "other.npz", **content)
+    with pytest.raises(InputError, match="other features"):
+        LegForest.load(tmp_path / "other.npz")
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [("right", 0), ("right", 10**6), ("feature", 100), ("value", np.nan), ("odds", -1.0), ("roots", -5)],
+)
+def test_a_forest_with_damaged_arrays_is_refused(learned, tmp_path, key, value):
+    learned[2].save(tmp_path / "legs.npz", {})
+    with np.load(tmp_path / "legs.npz") as file:
+        content = dict(file)
+    content[key] = np.full_like(content[key], value)
+    np.savez(tmp_path / "broken.npz", **content)
+    with pytest.raises(InputError, match="damaged"):
+        LegForest.load(tmp_path / "broken.npz")
+
+
+@pytest.mark.parametrize("content", [b"", b"no zip", b"PK\x03\x04 cut off"])
+def test_a_file_that_is_no_forest_gives_one_clear_error(tmp_path, content):
+    path = tmp_path / "legs.npz"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match="not a leg forest"):
+        LegForest.load(path)
+    with pytest.raises(InputError, match="real or simulation"):
+        LegForest.load("oak")
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_a_shipped_forest_finds_two_legs_where_they_stand(name):
+    scan = two_legs_and_a_wall()
+    found = LegDetector(LegForest.load(name)).detect(scan)
+    legs = found.positions[found.human]
+    assert len(legs) == 2
+    np.testing.assert_allclose(legs[np.argsort(legs[:, 1])], [[2.2, -0.15], [2.2, 0.15]], atol=0.015)
+    assert not found.human[np.flatnonzero(found.clusters.sizes > 100)].any()
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_a_shipped_forest_is_small_and_its_card_says_what_it_is(name):
+    card = read_card(name)
+    assert card["forest"] == name
+    assert card["features"] == list(FEATURE_NAMES)
+    assert {"command", "seed", "config", "recorded_data", "limits", "scikit_learn", "recorded"} <= set(card)
+    forest = LegForest.load(name)
+    assert forest.odds == pytest.approx(card["odds"])
+    models = Path(__file__).resolve().parents[2] / "perception" / "models"
+    assert (models / f"legs_{name}.npz").stat().st_size < 1.5e6
+
+
+@pytest.mark.parametrize("ranges", [[], [np.nan] * 8, [np.inf] * 8, [0.0] * 8, [1.0, np.nan, np.inf, 0.0]])
+def test_a_scan_without_clusters_gives_no_detections(ranges):
+    scan = LaserScan(np.array(ranges), np.linspace(-1.0, 1.0, len(ranges)), 0.1, 10.0)
+    found = LegDetector(LegForest.load("real")).detect(scan)
+    assert len(found) == 0
+    assert found.positions.shape == (0, 2)
+
+
+def test_a_detector_with_nonsense_numbers_is_refused():
+    with pytest.raises(InputError, match="gamma"):
+        LegDetectorConfig(gamma=1.5)
+
+
+@pytest.mark.parametrize(("name", "recall", "false_legs"), [("real", 0.85, 1.2), ("simulation", 0.4, 2.5)])
+def test_a_shipped_forest_finds_recorded_legs(name, recall, false_legs):
+    """A check that the shipped file is the trained one; `real` knows these recordings, its card has fair figures."""
+    if "TAGALONG_DATA" not in os.environ:
+        pytest.skip("set TAGALONG_DATA to the folder with legs/positive_1_labelled.npz")
+    from tagalong.scripts.training.evaluate_legs import score_legs
+    from tagalong.scripts.training.leg_recordings import read_leg_recordings
+
+    positive, people_free = read_leg_recordings(Path(os.environ["TAGALONG_DATA"]) / "legs")
+    scores = score_legs(LegForest.load(name), positive, people_free.scans[::5])
+    found, false = scores.at(0.3)
+    assert found >= recall
+    assert false <= false_legs
+
+
+def test_the_detector_is_deterministic():
+    scan = two_legs_and_a_wall()
+    forest = LegForest.load("simulation")
+    clusters = cluster_scan(scan)
+    np.testing.assert_array_equal(forest.confidence(scan, clusters), forest.confidence(scan, clusters))

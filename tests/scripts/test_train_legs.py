@@ -1,0 +1,118 @@
+"""The simulator of scans and the training command, in tiny settings."""
+
+import json
+
+import numpy as np
+import pytest
+from tagalong.perception.legs.features import FEATURE_NAMES
+from tagalong.perception.legs.forest import LegForest
+from tagalong.scripts.cli import main
+from tagalong.scripts.training.evaluate_legs import LegScores
+from tagalong.scripts.training.leg_forests import odds_for
+from tagalong.scripts.training.leg_pasting import paste_legs
+from tagalong.scripts.training.leg_scans import draw_scan
+from tagalong.scripts.training.outlines import Outlines, cast
+from tagalong.slam.scan import LaserScan
+
+TINY = ["--scans", "40", "--test-scans", "10", "--trees", "4"]
+
+
+def write_recording(path, rng, legs, scans=12):
+    """A recording of scans with 361 beams in the layout of the leg_tracker data."""
+    angles = np.linspace(-np.pi / 2, np.pi / 2, 361)
+    ranges = np.full((scans, 361), 4.0) + rng.normal(0.0, 0.01, (scans, 361))
+    places = np.column_stack((rng.uniform(1.0, 3.0, scans), rng.uniform(-1.0, 1.0, scans)))
+    content = {}
+    if legs:
+        for row, (x, y) in zip(ranges, places, strict=True):
+            row[np.abs(angles - np.arctan2(y, x)) < 0.06 / np.hypot(x, y)] = np.hypot(x, y)
+        content = {"leg_xy": places, "leg_scan_index": np.arange(scans)}
+    np.savez(
+        path,
+        ranges=ranges.astype(np.float32),
+        angle_min=angles[0],
+        angle_increment=angles[1] - angles[0],
+        range_min=0.03,
+        range_max=11.0,
+        stamp=np.arange(float(scans)),
+        **content,
+    )
+
+
+@pytest.fixture
+def recordings(tmp_path):
+    rng = np.random.default_rng(0)
+    for k in (1, 2, 3):
+        write_recording(tmp_path / f"positive_{k}_labelled.npz", rng, legs=True)
+    write_recording(tmp_path / "negative_2_left_scans.npz", rng, legs=False, scans=96)
+    return tmp_path
+
+
+def test_rays_meet_an_ellipse_and_a_segment_where_geometry_says():
+    outlines = Outlines()
+    outlines.ellipse(np.array([3.0, 0.0]), 1.0, 0.5, heading=np.pi / 2)
+    outlines.segment(np.array([-2.0, -1.0]), np.array([-2.0, 1.0]))
+    ranges, met = cast(np.zeros((3, 2)), np.array([0.0, np.pi, np.pi / 2]), 10.0, *outlines.arrays())
+    np.testing.assert_allclose(ranges, [2.5, 2.0, np.inf])
+    np.testing.assert_array_equal(met, [0, 1, -1])
+
+
+def test_the_same_seed_draws_the_same_scan_and_another_seed_another():
+    first, again, other = (draw_scan(np.random.default_rng(seed)).scan for seed in (1, 1, 2))
+    np.testing.assert_array_equal(first.ranges, again.ranges)
+    assert len(first) != len(other) or not np.array_equal(first.ranges, other.ranges)
+
+
+def test_only_returns_are_legs_and_a_scan_without_people_has_none():
+    drawn = [draw_scan(np.random.default_rng(seed)) for seed in range(20)]
+    assert sum(d.is_leg.sum() for d in drawn) > 0
+    assert all(d.scan.is_return[d.is_leg].all() for d in drawn)
+    assert not any(draw_scan(np.random.default_rng(seed), people=False).is_leg.any() for seed in range(5))
+
+
+def test_a_pasted_leg_keeps_its_range_and_hides_only_what_is_behind_it():
+    bearings = np.linspace(-1.0, 1.0, 201)
+    ranges = np.full(201, np.inf)
+    ranges[95:106] = 2.0
+    near_wall = LaserScan(np.where(np.arange(201) < 100, 1.0, 5.0), bearings, 0.1, 10.0)
+    for seed in range(10):
+        scan = LaserScan(ranges, bearings, 0.1, 10.0)
+        pasted = paste_legs(np.random.default_rng(seed), scan, np.array([[2.0, 0.0]]), near_wall)
+        np.testing.assert_allclose(pasted.scan.ranges[pasted.is_leg], 2.0)
+        np.testing.assert_array_equal(pasted.scan.ranges[~pasted.is_leg], near_wall.ranges[~pasted.is_leg])
+        assert not pasted.is_leg[:100].any()
+        assert pasted.is_leg.sum() <= 11
+
+
+def test_recall_is_counted_at_the_confidence_that_so_many_false_legs_exceed():
+    scores = LegScores(np.array([0.9, 0.6, 0.3, 0.0]), np.array([0.8, 0.5, 0.2, 0.1]), scans=2)
+    assert scores.recall(0.5) == 0.5  # one false leg in two scans: above 0.5
+    assert scores.recall(2.0) == 0.75
+    assert scores.at(0.3) == (0.75, 1.0)
+    assert odds_for(0.3) == pytest.approx(1.0)
+
+
+def test_training_twice_with_one_seed_gives_the_same_bytes(tmp_path):
+    for name in "ab":
+        assert main(["train", "legs", "--forest", "simulation", "--out", str(tmp_path / name), *TINY]) == 0
+    for file in ("legs_simulation.npz", "legs_simulation.json", "curve.json"):
+        assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes()
+    assert (tmp_path / "a" / "curve.png").stat().st_size > 1000
+
+
+def test_the_real_forest_is_scored_on_recordings_left_out(tmp_path, recordings, capsys):
+    out = tmp_path / "out"
+    assert main(["train", "legs", "--forest", "real", "--data", str(recordings), "--out", str(out), *TINY]) == 0
+    card = json.loads((out / "legs_real.json").read_text())
+    assert card["features"] == list(FEATURE_NAMES)
+    assert card["recorded"]["people_free_scans"] == 96
+    assert LegForest.load(out / "legs_real.npz").odds == pytest.approx(card["odds"])
+    assert "recall, recordings not trained on" in capsys.readouterr().out
+
+
+def test_bad_arguments_and_data_end_with_one_line(tmp_path, capsys):
+    assert main(["train", "legs", "--forest", "real", "--out", str(tmp_path)]) == 2
+    assert "--data" in capsys.readouterr().err
+    (tmp_path / "positive_1_labelled.npz").write_bytes(b"nothing")
+    assert main(["train", "legs", "--forest", "real", "--data", str(tmp_path), "--out", str(tmp_path)]) == 2
+    assert "not a recording of leg scans" in capsys.readouterr().err
