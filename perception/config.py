@@ -27,9 +27,16 @@ class PerceptionConfig:
             5 Hz a person survives a full occlusion of one second under Table II's epsilon (at 10 Hz: 0.7 s).
         initial_variance: P0 = this times I (eq. 5b) [m^2, (m/s)^2].
         confidence_gain: Weight of a new detection's confidence (eq. 6, 0.05).
-        gate: Largest distance between a predicted leg track and its detection, at a very high scan rate [m].
-        gate_speed: How much the gate grows with the time between two scans: a swinging foot overtakes its person [m/s].
+        gate: Largest distance between a leg track and its detection, at a very high scan rate [m].
+        gate_speed: How much the gate grows with the time since the leg was last seen: a swinging foot overtakes its
+            person [m/s].
+        gate_most: It grows no larger than this [m].
+        gate_anchor_s: For this long after it was seen, a leg is looked for where it was seen as well as where it was
+            predicted: feet stop and start between two scans [s].
         reach: Largest distance between a person's predicted centre and one of its legs [m].
+        left_behind: Nothing may stand any more within this distance of where a leg that moved began [m].
+        one_leg_variance: Added to `r` where one leg measures the centre [m^2].
+        start_unseen_s: A leg may be unseen for this long when its person starts [s].
         both_legs_from: A cluster wider than this can be both legs of a person known to be there [m].
         both_legs_to: And narrower than this [m].
         both_legs_gate: Largest distance between it and the person's predicted centre [m].
@@ -44,6 +51,7 @@ class PerceptionConfig:
         memory_distance: Largest distance from the prediction at which a lost person is recognised [m].
         memory_overlap_s: How long the legs of a lost person may have been tracked anew before the old track was last
             seen: tracks overlap when a person is taken for two [s].
+        doubt_s: A person of whom no leg was seen for this long may be the newcomer nearby [s].
         grid_resolution: Side of a cell of the local occupancy grid [m].
         grid_rise_s: Time under non-human points until a cell counts as occupied [s].
         grid_fade_s: How fast a cell that is no longer hit becomes free again [s].
@@ -65,7 +73,12 @@ class PerceptionConfig:
     confidence_gain: float = 0.05
     gate: float = 0.35
     gate_speed: float = 2.5
-    reach: float = 0.6
+    gate_most: float = 0.8
+    gate_anchor_s: float = 0.3
+    reach: float = 0.8
+    left_behind: float = 0.12
+    one_leg_variance: float = 0.1
+    start_unseen_s: float = 0.3
     both_legs_from: float = 0.15
     both_legs_to: float = 0.6
     both_legs_gate: float = 0.3
@@ -79,6 +92,7 @@ class PerceptionConfig:
     memory_s: float = 10.0
     memory_distance: float = 3.0
     memory_overlap_s: float = 0.5
+    doubt_s: float = 1.0
     grid_resolution: float = 0.05
     grid_rise_s: float = 0.3
     grid_fade_s: float = 3.0
@@ -105,12 +119,18 @@ class PerceptionConfig:
         """Return the gain of eq. 6 for `dt` seconds, so that its memory lasts equally long at any scan rate."""
         return 1.0 - (1.0 - self.confidence_gain) ** (dt * self.reference_rate_hz)
 
-    def gate_after(self, dt: float) -> float:
-        """Return the largest distance [m] between a leg predicted over `dt` seconds and its detection."""
-        return self.gate + self.gate_speed * dt
 
+PRESETS: dict[str, PerceptionConfig] = {
+    "table2": PerceptionConfig(),
+    "outdoor": PerceptionConfig(delta=0.2, epsilon=2.0, memory_s=60.0, memory_distance=6.0),
+}
+"""Named configurations.
 
-PRESETS: dict[str, PerceptionConfig] = {"table2": PerceptionConfig()}
+`table2`: the paper's numbers.
+`outdoor`: a robot without odometry that follows one person. Its frame moves with it: the person ahead hardly leaves the
+place, only the feet swing (`delta`); a turn of the robot throws the person across the view (`memory_distance`) and out
+of it (`memory_s`); thin legs in coarse beams are missed for longer (`epsilon`).
+"""
 
 
 def perception_preset(name: str) -> PerceptionConfig:
