@@ -52,14 +52,14 @@ class SlamEngine(Protocol):
         ...
 
 
-_ENGINES = {"gmapping": ("gmapping.engine", "GMapping")}
+_ENGINES = {"gmapping": ("gmapping.engine", "GMapping"), "cartographer": ("graph.engine", "Cartographer")}
 
 
 def make_slam(name: str, **config: Any) -> SlamEngine:
     """Return a new SLAM engine.
 
     Args:
-        name: "gmapping".
+        name: "gmapping" or "cartographer".
         config: Fields of the engine's configuration, e.g. `particles=30, seed=0`.
 
     Raises:

@@ -1,0 +1,135 @@
+"""Who is in the building at the start, and where."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...slam.errors import InputError
+from ..scenes.polyline import resample, tangents
+from ..scenes.scene import Scene
+from .body import draw_physique
+from .crowd import Casting, CrowdState, Role
+from .leader import Leader, draw_leader
+from .walking import SPACING
+
+Array = NDArray[np.float64]
+
+
+def cast_people(
+    scene: Scene,
+    people: int,
+    standing: int,
+    style: str | None,
+    with_leader: bool,
+    start_arc: float,
+    leader_rng: np.random.Generator,
+    rng: np.random.Generator,
+) -> tuple[Casting, CrowdState]:
+    """Draw the people of one episode.
+
+    Args:
+        scene: The building.
+        people: How many walk, the leader included; the second of them walks ahead of the robot with the leader.
+        standing: How many more walk to and fro beside the route and stand when the robot comes.
+        style: The leader's, None draws one.
+        with_leader: Whether the first of the people leads; else all are on their own.
+        start_arc: Where along the route the robot starts [m].
+        leader_rng: Source of the leader's draws.
+        rng: Source of all other draws.
+
+    Raises:
+        InputError: If the building is too small for so many.
+    """
+    roles = [Role.WALKER] * people + [Role.STANDER] * standing
+    roles[: 2 if with_leader else 0] = [Role.LEADER, Role.COMPANION][: min(people, 2) if with_leader else 0]
+    count = len(roles)
+    leader = draw_leader(leader_rng, style, start_arc, scene.tour_length) if with_leader and people else None
+    leader_physique = draw_physique(leader_rng)
+    physiques = [draw_physique(rng) for _ in range(count)]
+    if leader is not None:
+        physiques[0] = leader_physique
+    casting = Casting(
+        roles=np.array(roles, dtype=np.int64),
+        physiques=tuple(physiques),
+        pace=np.where(np.array(roles) == Role.STANDER, rng.uniform(0.5, 0.8, count), rng.uniform(0.7, 1.15, count)),
+        side=rng.uniform(-0.1, 0.1, count),
+        gap=rng.uniform(1.1, 1.6, count),
+        window=np.zeros((count, 2)),
+    )
+    arc, sense = _places(scene, casting, start_arc + leader_rng.uniform(1.2, 1.5), rng)
+    return casting, _standing_still(scene, casting, arc, sense, leader)
+
+
+def _places(scene: Scene, casting: Casting, leader_arc: float, rng: np.random.Generator) -> tuple[Array, Array]:
+    """Return arc length and sense of everybody, 1.2 m apart; writes side and window of standers into `casting`."""
+    length = scene.tour_length
+    arc, sense = np.zeros(len(casting.roles)), np.ones(len(casting.roles))
+    for person, role in enumerate(casting.roles):
+        if role == Role.LEADER:
+            arc[person] = leader_arc
+        elif role == Role.COMPANION:
+            arc[person] = leader_arc + casting.gap[person]
+            casting.side[person] *= 10.0 * max(0.0, min(0.3, scene.half_width - 0.5))
+        elif role == Role.WALKER:
+            low, high = (0.3 * scene.lap, 0.75 * scene.lap) if scene.lap else (6.0, length - 1.0)
+            arc[person] = _apart(low + leader_arc, min(high + leader_arc, length), arc[:person], rng)
+            sense[person] = 1.0 if scene.lap else rng.choice([-1.0, 1.0])
+        else:
+            place = _window(scene, arc[:person], rng)
+            arc[person], casting.side[person] = place[0] + 0.1, place[2]
+            casting.window[person] = place[:2]
+    return arc, sense
+
+
+def _apart(low: float, high: float, taken: Array, rng: np.random.Generator) -> float:
+    for _ in range(200):
+        arc = rng.uniform(low, high)
+        if np.all(np.abs(taken - arc) > 1.2):
+            return float(arc)
+    raise InputError(f"no room for so many people on {high - low:.0f} m of route: at most {int((high - low) / 3)} fit")
+
+
+def _window(scene: Scene, taken: Array, rng: np.random.Generator) -> tuple[float, float, float]:
+    """Return a stretch (from, to, lateral) beside the route on which a stander can walk to and fro."""
+    places = scene.standing_places
+    limit = 0.45 * (scene.lap or scene.tour_length) + 4.0
+    for _ in range(500):
+        start, lateral = places[rng.integers(len(places))]
+        same = np.abs(places[:, 1] - lateral) < 1e-9
+        covered = same & (places[:, 0] > start - 0.05) & (places[:, 0] < start + 1.65)
+        if covered.sum() >= 8 and 4.0 < start < limit and np.all(np.abs(taken - start - 0.8) > 2.0):
+            return float(start), float(start + 1.6), float(lateral)
+    raise InputError(f"no room for another standing person in this {scene.name}")
+
+
+def _standing_still(scene: Scene, casting: Casting, arc: Array, sense: Array, leader: Leader | None) -> CrowdState:
+    """Return the state in which everybody stands on both feet at their place, looking along their way."""
+    count = len(arc)
+    path = resample(scene.route, SPACING)
+    at = np.clip((arc / SPACING).astype(int), 0, len(path) - 1)
+    ahead = tangents(path)[at]
+    lateral = casting.side.copy()
+    if not scene.lap:
+        walkers = casting.roles == Role.WALKER
+        lateral[walkers] = (-sense * (scene.half_width - 0.2))[walkers]
+    position = path[at] + lateral[:, None] * np.stack((-ahead[:, 1], ahead[:, 0]), axis=-1)
+    heading = np.arctan2(ahead[:, 1] * sense, ahead[:, 0] * sense)
+    stance = np.array([p.stance_half_width for p in casting.physiques])
+    left = stance[:, None] * np.stack((-np.sin(heading), np.cos(heading)), axis=-1)
+    return CrowdState(
+        position=position,
+        velocity=np.zeros((count, 2)),
+        heading=heading,
+        feet=np.stack((position + left, position - left), axis=1),
+        origin=np.zeros((count, 2)),
+        lift=np.zeros((count, 2)),
+        phase=np.zeros(count),
+        swing=np.full(count, -1, dtype=np.int64),
+        legs=np.zeros((count, 2, 2)),
+        arc=arc,
+        sense=sense,
+        lateral=lateral,
+        wish=np.zeros(count),
+        face=np.full(count, np.nan),
+        timer=np.zeros(count),
+        leader=leader,
+    )

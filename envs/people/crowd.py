@@ -1,0 +1,263 @@
+"""All people of one world: who they are, where they are, and what they want next."""
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scenes.polyline import resample, tangents
+from ..scenes.scene import Scene
+from .body import PARTS, Physique
+from .gait import advance_gait, pose_bodies
+from .leader import Leader
+from .social_force import SocialForceConfig
+from .walking import SPACING, advance_bodies, locate, turn_bodies, wanted_directions
+
+Array = NDArray[np.float64]
+
+_SPEED_UP, _SLOW_DOWN = 0.7, 1.0
+_SIDESTEP = 0.4
+
+
+class Role(IntEnum):
+    """What a person is there for."""
+
+    LEADER = 0
+    COMPANION = 1
+    WALKER = 2
+    STANDER = 3
+
+
+@dataclass
+class CrowdState:
+    """All that changes about n people; arrays have one row a person.
+
+    Attributes:
+        position: (n, 2) bodies, world frame [m].
+        velocity: (n, 2) [m/s].
+        heading: (n,) [rad].
+        feet: (n, 2, 2) left and right foot on the floor [m].
+        origin: (n, 2) where the swing foot lifted off [m].
+        lift: (n, 2) heights of the feet [m].
+        phase: (n,) of the present step.
+        swing: (n,) foot of the present step, -1 while both stand.
+        legs: (n, 2, 2) where the shins meet the laser's plane [m].
+        arc: (n,) way along the path [m].
+        sense: (n,) +1 along the path, -1 against it.
+        lateral: (n,) present wanted offset from the path [m].
+        wish: (n,) present wanted speed [m/s].
+        face: (n,) where to look while standing [rad]; NaN: anywhere.
+        timer: (n,) seconds that standers have walked in sight (> 0), or still have to stand (< 0).
+        leader: The leader's mind; None without a leader.
+    """
+
+    position: Array
+    velocity: Array
+    heading: Array
+    feet: Array
+    origin: Array
+    lift: Array
+    phase: Array
+    swing: NDArray[np.int64]
+    legs: Array
+    arc: Array
+    sense: Array
+    lateral: Array
+    wish: Array
+    face: Array
+    timer: Array
+    leader: Leader | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Casting:
+    """What never changes about n people.
+
+    Attributes:
+        roles: (n,) `Role` of each.
+        physiques: Sizes of each.
+        pace: (n,) preferred speed [m/s].
+        side: (n,) preferred offset from the path, left positive [m].
+        gap: (n,) how far companions walk ahead of the leader [m].
+        window: (n, 2) arc lengths between which standers walk [m].
+    """
+
+    roles: NDArray[np.int64]
+    physiques: tuple[Physique, ...]
+    pace: Array
+    side: Array
+    gap: Array
+    window: Array
+
+
+class Crowd:
+    """Moves the people.
+
+    Args:
+        scene: Where they walk.
+        casting: Who they are.
+        state: Where they are; owned by the crowd from now on.
+        force: The social force.
+    """
+
+    def __init__(self, scene: Scene, casting: Casting, state: CrowdState, force: SocialForceConfig) -> None:
+        self.casting = casting
+        self.state = state
+        self._scene = scene
+        self._force = force.as_array()
+        self.path = resample(scene.route, SPACING)
+        self.tangent = tangents(self.path)
+        people = [solid for solid in scene.solids if solid.blocks_people]
+        self._boxes = np.array(
+            [(s.x, s.y, np.cos(s.yaw), np.sin(s.yaw), s.half_length, s.half_width) for s in people if not s.is_round]
+        ).reshape(-1, 6)
+        self._circles = np.array([(s.x, s.y, s.radius) for s in people if s.is_round]).reshape(-1, 3)
+        self.radius = np.array([p.radius for p in casting.physiques])
+        self._size = np.array(
+            [(p.thigh, p.shin, p.leg_radius, p.stance_half_width, p.walk_ratio) for p in casting.physiques]
+        ).reshape(-1, 5)
+        self._direction = np.zeros((len(casting.roles), 2))
+
+    def __len__(self) -> int:
+        return len(self.casting.roles)
+
+    def decide(self, dt: float, robot: Array, robot_arc: float) -> None:
+        """Let everybody choose speed and side for the next `dt` seconds.
+
+        Args:
+            dt: Time [s].
+            robot: (8,) the robot as in `advance_bodies`.
+            robot_arc: Its way along the path [m].
+        """
+        state = self.state
+        away = np.hypot(state.position[:, 0] - robot[0], state.position[:, 1] - robot[1])
+        for person, role in enumerate(self.casting.roles):
+            if role == Role.LEADER:
+                wish = self._lead(person, dt, robot, float(away[person]))
+            elif role == Role.COMPANION:
+                wish = self._accompany(person)
+            elif role == Role.WALKER:
+                wish = self._stroll(person, robot_arc)
+            else:
+                wish = self._stand(person, dt, float(away[person]))
+            change = np.clip(wish - state.wish[person], -_SLOW_DOWN * dt, _SPEED_UP * dt)
+            state.wish[person] = max(0.0, state.wish[person] + change)
+            shift = self._side(person) - state.lateral[person]
+            state.lateral[person] += np.clip(shift, -_SIDESTEP * dt, _SIDESTEP * dt)
+
+    def advance(self, dt: float, robot: Array) -> None:
+        """Move everybody for `dt` seconds; `robot` as in `advance_bodies`."""
+        s = self.state
+        wanted_directions(s.position, s.arc, s.sense, s.lateral, self.path, self.tangent, self._direction)
+        advance_bodies(
+            dt,
+            s.position,
+            s.velocity,
+            self._direction,
+            s.wish,
+            self.radius,
+            robot,
+            self._boxes,
+            self._circles,
+            self._force,
+        )
+        self._close_laps()
+        locate(s.position, s.arc, self.path, self.tangent)
+        turn_bodies(dt, s.velocity, s.face, s.heading)
+        advance_gait(dt, s.position, s.velocity, s.heading, self._size, s.feet, s.origin, s.lift, s.phase, s.swing)
+
+    def pose(self, laser_height: float, mocap_position: Array, mocap_quaternion: Array) -> None:
+        """Write the parts of all bodies into MuJoCo's mocap arrays (6 n, 3) and (6 n, 4)."""
+        s, count = self.state, len(self) * len(PARTS)
+        pose_bodies(
+            s.position,
+            s.heading,
+            self._size,
+            s.feet,
+            s.lift,
+            laser_height,
+            mocap_position[:count],
+            mocap_quaternion[:count],
+            s.legs,
+        )
+
+    @property
+    def leader_index(self) -> int:
+        """Index of the leader, -1 without one."""
+        return 0 if self.state.leader is not None else -1
+
+    def _close_laps(self) -> None:
+        lap = self._scene.lap
+        if lap > 0.0:
+            ahead = (self.casting.roles >= Role.WALKER) & (self.state.arc > len(self.path) * SPACING - 1.5)
+            self.state.arc[ahead] -= lap
+
+    def _lead(self, person: int, dt: float, robot: Array, away: float) -> float:
+        state, leader = self.state, self.state.leader
+        assert leader is not None
+        wish = leader.decide(dt, float(state.arc[person]), away)
+        towards = np.arctan2(robot[1] - state.position[person, 1], robot[0] - state.position[person, 0])
+        at = min(int(state.arc[person] / SPACING), len(self.path) - 1)
+        onwards = np.arctan2(self.tangent[at, 1], self.tangent[at, 0])
+        state.face[person] = towards if leader.looks_back else onwards
+        return wish
+
+    def _accompany(self, person: int) -> float:
+        state = self.state
+        gap = state.arc[person] - state.arc[0]
+        late = self.casting.gap[person] - gap
+        at = min(int(state.arc[person] / SPACING), len(self.path) - 1)
+        state.face[person] = np.arctan2(self.tangent[at, 1], self.tangent[at, 0])
+        if state.wish[0] == 0.0 and late < 0.2:
+            return 0.0
+        return float(np.clip(state.wish[0] + 0.8 * late, 0.0, 1.5))
+
+    def _stroll(self, person: int, robot_arc: float) -> float:
+        """Return the speed of somebody who walks on their own and keeps out of the group's way."""
+        state, end = self.state, (len(self.path) - 1) * SPACING
+        pace, lap = float(self.casting.pace[person]), self._scene.lap
+        if lap == 0.0:
+            if state.arc[person] > end - 0.9:
+                state.sense[person] = -1.0
+            elif state.arc[person] < 0.9:
+                state.sense[person] = 1.0
+        if state.sense[person] < 0.0:
+            return pace
+        front = max([robot_arc, *state.arc[self.casting.roles <= Role.COMPANION]])
+        ahead, behind = state.arc[person] - front, robot_arc - state.arc[person]
+        if lap > 0.0:
+            ahead, behind = ahead % lap, behind % lap
+        if 0.0 <= behind < 2.5:
+            return 0.3 * pace if behind > 1.5 else 0.0
+        if 0.0 <= ahead < 2.5:
+            return max(pace, float(state.wish[0]) + 0.3)
+        return pace
+
+    def _stand(self, person: int, dt: float, away: float) -> float:
+        """Return the speed of somebody who walks to and fro until the robot has come, then stands for a while."""
+        state, timer = self.state, self.state.timer
+        low, high = self.casting.window[person]
+        if state.arc[person] > high:
+            state.sense[person] = -1.0
+        elif state.arc[person] < low:
+            state.sense[person] = 1.0
+        if timer[person] < 0.0:
+            timer[person] = min(0.0, timer[person] + dt)
+            return 0.0
+        timer[person] += dt if away < 6.0 else 0.0
+        if timer[person] > 3.0:
+            timer[person] = -25.0
+        return float(self.casting.pace[person])
+
+    def _side(self, person: int) -> float:
+        """Return the wanted offset from the path [m]: everybody keeps right when somebody comes towards them."""
+        state, role, width = self.state, self.casting.roles[person], self._scene.half_width
+        if role == Role.STANDER or self._scene.lap > 0.0:
+            return float(self.casting.side[person])
+        if role == Role.WALKER:
+            return float(-state.sense[person] * (width - 0.2))
+        ahead = state.arc - state.arc[person]
+        if np.any((state.sense < 0.0) & (self.casting.roles == Role.WALKER) & (ahead > -1.0) & (ahead < 6.0)):
+            return -min(0.35, max(0.0, width - 0.5))
+        return float(self.casting.side[person])

@@ -1,0 +1,125 @@
+"""The social force: how people make room for each other and for walls.
+
+The interaction of two people is that of Moussaid et al. 2009 ("Experimental study of the behavioural mechanisms
+underlying self-organization in human crowds"), which the package PySocialForce offers as well and is compared with in
+the tests; the drive to the wanted velocity and the walls follow Helbing and Molnar 1995.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from ...slam.errors import InputError
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class SocialForceConfig:
+    """Strengths and reaches.
+
+    Attributes:
+        relaxation_time: Time in which the wanted velocity is taken up [s].
+        social_factor: Strength of the force between people [m/s^2].
+        velocity_weight: Weight of the relative velocity against the direction to the other [s/m] (lambda).
+        gamma: Reach of the force per unit of interaction [m].
+        n: Angular sharpness of the turning part.
+        n_prime: Angular sharpness of the braking part.
+        obstacle_factor: Strength of the force of walls and furniture [m/s^2].
+        obstacle_reach: Distance in which it falls to 1/e [m].
+        obstacle_threshold: Distance beyond which it is zero [m].
+    """
+
+    relaxation_time: float = 0.5
+    social_factor: float = 5.1
+    velocity_weight: float = 2.0
+    gamma: float = 0.35
+    n: float = 2.0
+    n_prime: float = 3.0
+    obstacle_factor: float = 5.0
+    obstacle_reach: float = 0.08
+    obstacle_threshold: float = 0.6
+
+    def __post_init__(self) -> None:
+        for name, value in self.__dict__.items():
+            if not value > 0.0:
+                raise InputError(f"`{name}` of the social force must be positive, got {value}")
+
+    def as_array(self) -> Array:
+        """Return (9,) the fields in their order, as the kernels take them."""
+        return np.array(list(self.__dict__.values()), dtype=np.float64)
+
+
+def social_force(offset: Array, relative_velocity: Array, config: SocialForceConfig) -> Array:
+    """Return the force (2,) [m/s^2] that another person makes on this one; the reference of `pair_force`.
+
+    Args:
+        offset: (2,) the other's position minus this one's [m].
+        relative_velocity: (2,) this one's velocity minus the other's [m/s].
+        config: Strengths.
+    """
+    distance = float(np.hypot(*offset))
+    direction = offset / distance
+    interaction = config.velocity_weight * relative_velocity + direction
+    reach = config.gamma * float(np.hypot(*interaction))
+    if reach == 0.0:
+        return np.zeros(2)
+    ahead = interaction / np.hypot(*interaction)
+    angle = float(np.arctan2(ahead[1], ahead[0]) - np.arctan2(direction[1], direction[0]))
+    angle = (angle + np.pi) % (2.0 * np.pi) - np.pi
+    left = np.array([-ahead[1], ahead[0]])
+    brake = np.exp(-distance / reach - (config.n_prime * reach * angle) ** 2)
+    turn = -np.sign(angle) * np.exp(-distance / reach - (config.n * reach * angle) ** 2)
+    return config.social_factor * (brake * ahead + turn * left) * -1.0
+
+
+@njit(cache=True, nogil=True)
+def pair_force(dx: float, dy: float, vx: float, vy: float, gap: float, config: Array) -> tuple[float, float]:
+    """Return the force that another makes on this one.
+
+    Args:
+        dx: The other's x minus this one's [m].
+        dy: The other's y minus this one's [m].
+        vx: This one's velocity minus the other's, x [m/s].
+        vy: The same, y [m/s].
+        gap: Subtracted from the distance, for others that are larger than a person [m].
+        config: `SocialForceConfig.as_array()`.
+    """
+    distance = max(np.hypot(dx, dy), 1e-6)
+    ex, ey = dx / distance, dy / distance
+    ix, iy = config[2] * vx + ex, config[2] * vy + ey
+    strength = np.hypot(ix, iy)
+    if strength < 1e-9:
+        return 0.0, 0.0
+    ix, iy = ix / strength, iy / strength
+    reach = config[3] * strength
+    angle = np.arctan2(ex * iy - ey * ix, ex * ix + ey * iy)
+    decay = np.exp(-max(distance - gap, 0.0) / reach)
+    brake = decay * np.exp(-((config[5] * reach * angle) ** 2))
+    turn = -np.sign(angle) * decay * np.exp(-((config[4] * reach * angle) ** 2))
+    return -config[1] * (brake * ix - turn * iy), -config[1] * (brake * iy + turn * ix)
+
+
+@njit(cache=True, nogil=True)
+def nearest_of_box(x: float, y: float, box: Array) -> tuple[float, float, float]:
+    """Return the distance from a point to a box (negative inside) and the unit vector away from it.
+
+    Args:
+        x: Of the point [m].
+        y: Of the point [m].
+        box: (6,) centre x and y, cos and sin of its yaw, half length, half width.
+    """
+    along = box[2] * (x - box[0]) + box[3] * (y - box[1])
+    across = box[2] * (y - box[1]) - box[3] * (x - box[0])
+    out_along, out_across = abs(along) - box[4], abs(across) - box[5]
+    if out_along <= 0.0 and out_across <= 0.0:
+        distance = max(out_along, out_across)
+        u = (1.0 if along >= 0.0 else -1.0) if out_along > out_across else 0.0
+        v = (1.0 if across >= 0.0 else -1.0) if out_along <= out_across else 0.0
+    else:
+        u, v = max(out_along, 0.0), max(out_across, 0.0)
+        distance = np.hypot(u, v)
+        u, v = u / distance * np.sign(along), v / distance * np.sign(across)
+    return distance, box[2] * u - box[3] * v, box[3] * u + box[2] * v

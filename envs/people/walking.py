@@ -1,0 +1,232 @@
+"""How people move: along a route, round each other, the robot and the furniture, without overlaps."""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from .social_force import nearest_of_box, pair_force
+
+Array = NDArray[np.float64]
+
+SPACING = 0.1
+"""Distance of the points of a walker's path [m]."""
+_LOOK_AHEAD = 0.8
+_BESIDE = 0.03
+_EVADE = 0.9
+_PATIENCE = 0.6
+
+
+@njit(cache=True, nogil=True)
+def locate(position: Array, arc: Array, path: Array, tangent: Array) -> None:
+    """Update `arc` (n,), the way of each person along `path` (m, 2) [m], by a search near its last value."""
+    last = len(path) - 1
+    for i in range(len(arc)):
+        middle = int(arc[i] / SPACING)
+        best, found = np.inf, middle
+        for k in range(max(0, middle - 6), min(last, middle + 7) + 1):
+            away = (position[i, 0] - path[k, 0]) ** 2 + (position[i, 1] - path[k, 1]) ** 2
+            if away < best:
+                best, found = away, k
+        along = (position[i, 0] - path[found, 0]) * tangent[found, 0]
+        along += (position[i, 1] - path[found, 1]) * tangent[found, 1]
+        arc[i] = min(max(found * SPACING + min(max(along, -SPACING), SPACING), 0.0), last * SPACING)
+
+
+@njit(cache=True, nogil=True)
+def wanted_directions(
+    position: Array, arc: Array, sense: Array, lateral: Array, path: Array, tangent: Array, direction: Array
+) -> None:
+    """Write the unit vector `direction` (n, 2) towards the point a little further along the path.
+
+    Args:
+        position: (n, 2) [m].
+        arc: (n,) way along the path [m].
+        sense: (n,) +1 along the path, -1 against it.
+        lateral: (n,) wanted offset from the path, left of its direction positive [m].
+        path: (m, 2) points `SPACING` apart [m].
+        tangent: (m, 2) unit vectors along it.
+        direction: (n, 2) written.
+    """
+    last = len(path) - 1
+    for i in range(len(arc)):
+        at = (arc[i] + sense[i] * _LOOK_AHEAD) / SPACING
+        beyond = at - min(max(at, 0.0), float(last))
+        at -= beyond
+        k = min(int(at), last - 1)
+        part = at - k
+        tx, ty = tangent[k, 0], tangent[k, 1]
+        x = path[k, 0] + part * (path[k + 1, 0] - path[k, 0]) + beyond * SPACING * tx - lateral[i] * ty - position[i, 0]
+        y = path[k, 1] + part * (path[k + 1, 1] - path[k, 1]) + beyond * SPACING * ty + lateral[i] * tx - position[i, 1]
+        length = max(np.hypot(x, y), 1e-6)
+        direction[i, 0], direction[i, 1] = x / length, y / length
+
+
+@njit(cache=True, nogil=True)
+def _patience(i: int, position: Array, direction: Array, speed: float, radius: Array, robot: Array) -> float:
+    """Return the share in [0, 1] of the wanted speed that those who stand in the way leave to person i."""
+    share = 1.0
+    for j in range(len(position) + 1):
+        if j == i:
+            continue
+        if j < len(position):
+            x, y, room = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1], radius[i] + radius[j]
+        else:
+            x, y, room = robot[0] - position[i, 0], robot[1] - position[i, 1], radius[i] + robot[7]
+        along = x * direction[i, 0] + y * direction[i, 1]
+        across = abs(x * direction[i, 1] - y * direction[i, 0])
+        if along > 0.0 and across < room + 0.05:
+            free = along - room - 0.12
+            share = min(share, max(0.0, free / (_PATIENCE * speed + 0.05)))
+    return share
+
+
+@njit(cache=True, nogil=True)
+def advance_bodies(
+    dt: float,
+    position: Array,
+    velocity: Array,
+    direction: Array,
+    wish: Array,
+    radius: Array,
+    robot: Array,
+    boxes: Array,
+    circles: Array,
+    force: Array,
+) -> None:
+    """Move n people for `dt` seconds, in place.
+
+    Args:
+        dt: Time [s].
+        position: (n, 2) [m].
+        velocity: (n, 2) [m/s].
+        direction: (n, 2) unit vectors of the wanted walk.
+        wish: (n,) wanted speeds [m/s]; 0 stands.
+        radius: (n,) of the bodies [m].
+        robot: (8,) x, y, cos, sin of its pose, velocity x and y [m/s], half length, half width [m].
+        boxes: (b, 6) furniture and walls, see `nearest_of_box`.
+        circles: (c, 3) x, y, radius of round furniture [m].
+        force: (9,) `SocialForceConfig.as_array()`.
+    """
+    n = len(position)
+    before = position.copy()
+    for i in range(n):
+        fx, fy = _forces(i, position, velocity, radius, robot, boxes, circles, force)
+        if wish[i] == 0.0 and np.hypot(fx, fy) < 0.7:
+            fx, fy = 0.0, 0.0
+        speed = wish[i] * _patience(i, before, direction, wish[i], radius, robot) if wish[i] > 0.0 else 0.0
+        fx += (speed * direction[i, 0] - velocity[i, 0]) / force[0]
+        fy += (speed * direction[i, 1] - velocity[i, 1]) / force[0]
+        _move(dt, i, fx, fy, max(1.2 * wish[i], 0.6), position, velocity)
+    for _ in range(4):
+        _part(dt, position, radius, robot, boxes, circles)
+    for i in range(n):
+        velocity[i, 0] = (position[i, 0] - before[i, 0]) / dt
+        velocity[i, 1] = (position[i, 1] - before[i, 1]) / dt
+
+
+@njit(cache=True, nogil=True)
+def _move(dt: float, i: int, fx: float, fy: float, fastest: float, position: Array, velocity: Array) -> None:
+    """Accelerate person i by a force [m/s^2], at most 3 m/s^2 and up to the speed `fastest`, and move them."""
+    strength = np.hypot(fx, fy)
+    scale = 3.0 / strength if strength > 3.0 else 1.0
+    velocity[i, 0] += dt * fx * scale
+    velocity[i, 1] += dt * fy * scale
+    now = np.hypot(velocity[i, 0], velocity[i, 1])
+    slower = fastest / now if now > fastest else 1.0
+    velocity[i, 0] *= slower
+    velocity[i, 1] *= slower
+    position[i, 0] += dt * velocity[i, 0]
+    position[i, 1] += dt * velocity[i, 1]
+
+
+@njit(cache=True, nogil=True)
+def _forces(
+    i: int,
+    position: Array,
+    velocity: Array,
+    radius: Array,
+    robot: Array,
+    boxes: Array,
+    circles: Array,
+    force: Array,
+) -> tuple[float, float]:
+    """Return the force on person i of the others, the robot and the obstacles [m/s^2]."""
+    x, y, vx, vy = position[i, 0], position[i, 1], velocity[i, 0], velocity[i, 1]
+    fx, fy = pair_force(robot[0] - x, robot[1] - y, vx - robot[4], vy - robot[5], 0.1, force)
+    for j in range(len(position)):
+        if j != i:
+            px, py = pair_force(
+                position[j, 0] - x, position[j, 1] - y, vx - velocity[j, 0], vy - velocity[j, 1], 0.0, force
+            )
+            fx, fy = fx + px, fy + py
+    reach, threshold = force[7], force[8]
+    for k in range(len(boxes)):
+        if abs(boxes[k, 0] - x) + abs(boxes[k, 1] - y) > boxes[k, 4] + boxes[k, 5] + 2.0:
+            continue
+        distance, ux, uy = nearest_of_box(x, y, boxes[k])
+        distance -= radius[i]
+        if distance < threshold:
+            push = force[6] * np.exp(-max(distance, 0.0) / reach)
+            fx, fy = fx + push * ux, fy + push * uy
+    for k in range(len(circles)):
+        ux, uy = x - circles[k, 0], y - circles[k, 1]
+        away = max(np.hypot(ux, uy), 1e-6)
+        distance = away - circles[k, 2] - radius[i]
+        if distance < threshold:
+            push = force[6] * np.exp(-max(distance, 0.0) / reach) / away
+            fx, fy = fx + push * ux, fy + push * uy
+    return fx, fy
+
+
+@njit(cache=True, nogil=True)
+def _part(dt: float, position: Array, radius: Array, robot: Array, boxes: Array, circles: Array) -> None:
+    """Push apart who overlaps: from each other, from the robot (no faster than a person evades), from obstacles."""
+    n = len(position)
+    for i in range(n):
+        for j in range(i + 1, n):
+            dx, dy = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
+            away = max(np.hypot(dx, dy), 1e-6)
+            push = (radius[i] + radius[j] + _BESIDE - away) / 2.0
+            if push > 0.0:
+                position[i, 0] -= push * dx / away
+                position[i, 1] -= push * dy / away
+                position[j, 0] += push * dx / away
+                position[j, 1] += push * dy / away
+    chassis = np.array([robot[0], robot[1], robot[2], robot[3], robot[6], robot[7]])
+    for i in range(n):
+        distance, ux, uy = nearest_of_box(position[i, 0], position[i, 1], chassis)
+        push = min(radius[i] + _BESIDE - distance, _EVADE * dt / 4.0)
+        if push > 0.0:
+            position[i, 0] += push * ux
+            position[i, 1] += push * uy
+        for k in range(len(boxes)):
+            x, y = position[i, 0], position[i, 1]
+            if abs(boxes[k, 0] - x) + abs(boxes[k, 1] - y) < boxes[k, 4] + boxes[k, 5] + 1.0:
+                distance, ux, uy = nearest_of_box(x, y, boxes[k])
+                push = radius[i] + _BESIDE - distance
+                if push > 0.0:
+                    position[i, 0] += push * ux
+                    position[i, 1] += push * uy
+        for k in range(len(circles)):
+            ux, uy = position[i, 0] - circles[k, 0], position[i, 1] - circles[k, 1]
+            away = max(np.hypot(ux, uy), 1e-6)
+            push = circles[k, 2] + radius[i] + _BESIDE - away
+            if push > 0.0:
+                position[i, 0] += push * ux / away
+                position[i, 1] += push * uy / away
+
+
+@njit(cache=True, nogil=True)
+def turn_bodies(dt: float, velocity: Array, face: Array, heading: Array) -> None:
+    """Turn `heading` (n,) in place: towards the walk, or towards `face` (n,) [rad] for those who stand (NaN: stay)."""
+    for i in range(len(heading)):
+        speed = np.hypot(velocity[i, 0], velocity[i, 1])
+        if speed > 0.15:
+            wanted = np.arctan2(velocity[i, 1], velocity[i, 0])
+        elif np.isfinite(face[i]):
+            wanted = face[i]
+        else:
+            continue
+        error = (wanted - heading[i] + np.pi) % (2.0 * np.pi) - np.pi
+        step = min(max(error, -2.6 * dt), 2.6 * dt)
+        heading[i] = (heading[i] + step + np.pi) % (2.0 * np.pi) - np.pi

@@ -1,0 +1,32 @@
+"""The table of scenes."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ...slam.errors import unknown_name
+from .corridor import corridor
+from .meeting_room import meeting_room
+from .scene import Scene
+
+SCENES: dict[str, Callable[[np.random.Generator, str | None], Scene]] = {
+    "corridor": corridor,
+    "meeting_room": meeting_room,
+}
+"""Name -> function of (rng, route name or None)."""
+
+
+def make_scene(name: str, rng: np.random.Generator, route: str | None = None) -> Scene:
+    """Return a building of the kind `name`, its sizes and clutter drawn from `rng`.
+
+    Args:
+        name: "corridor" or "meeting_room".
+        rng: Source of all draws.
+        route: Name of one of the scene's tours; None draws one.
+
+    Raises:
+        InputError: If the scene or the route is unknown.
+    """
+    if name not in SCENES:
+        raise unknown_name("scene", name, tuple(SCENES))
+    return SCENES[name](rng, route)

@@ -1,0 +1,108 @@
+"""A building as the simulator, the top view and the metrics see it."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...slam.errors import unknown_name
+from .solids import Solid
+
+Array = NDArray[np.float64]
+
+RUN_OUT = 3.0
+"""Length of the route behind the leader's last stop [m], so that people who walk ahead have somewhere to go."""
+
+
+@dataclass(frozen=True)
+class Outline:
+    """One object of the top view.
+
+    Attributes:
+        polygon: (k, 2) corners, world frame [m].
+        kind: What it is, e.g. "wall".
+        bottom: Height of its lower face [m].
+        top: Height of its upper face [m].
+    """
+
+    polygon: Array
+    kind: str
+    bottom: float
+    top: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene:
+    """One drawn building. World frame: x and y along the walls.
+
+    Attributes:
+        name: Name in the table of scenes.
+        solids: Walls and furniture.
+        floor: (k, 2) polygon of the walkable floor between the walls [m]; furniture stands on it.
+        routes: Tours by name; each (n, 2) [m], drivable by the robot, ending `RUN_OUT` metres behind the tour's end.
+        route_name: The tour of this episode.
+        lap: Length [m] of one lap where the route is a closed lap driven several times, else 0.
+        half_width: Clear space to both sides of the route [m].
+        standing_places: (m, 2) arc length along the route and lateral offset (left positive) of places where somebody
+            can stand without blocking the robot [m].
+    """
+
+    name: str
+    solids: tuple[Solid, ...]
+    floor: Array
+    routes: dict[str, Array]
+    route_name: str
+    lap: float
+    half_width: float
+    standing_places: Array
+
+    @property
+    def route(self) -> Array:
+        """(n, 2) the tour of this episode [m], world frame."""
+        return self.routes[self.route_name]
+
+    @cached_property
+    def tour_length(self) -> float:
+        """Arc length of the route at which the leader stops [m]."""
+        return float(np.hypot(*np.diff(self.route, axis=0).T).sum()) - RUN_OUT
+
+    @cached_property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """(x_min, y_min, x_max, y_max) around all solids [m]."""
+        corners = np.concatenate([solid.outline() for solid in self.solids])
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        return float(low[0]), float(low[1]), float(high[0]), float(high[1])
+
+    @cached_property
+    def outlines(self) -> tuple[Outline, ...]:
+        """All objects as polygons with heights, for the top view."""
+        return tuple(Outline(solid.outline(), solid.kind, solid.bottom, solid.top) for solid in self.solids)
+
+    def clearance(self, points: ArrayLike, *, of_people: bool = False) -> Array:
+        """Return (...,) distances [m] from `points` (..., 2) to the nearest solid.
+
+        Args:
+            points: World frame [m].
+            of_people: Whether to measure to everything that people walk around, instead of what is lower than 0.4 m
+                (which is what the robot can hit).
+        """
+        nearest = np.full(np.asarray(points).shape[:-1], np.inf)
+        for solid in self.solids:
+            if solid.blocks_people if of_people else solid.bottom < 0.4:
+                nearest = np.minimum(nearest, solid.distance(points))
+        return nearest
+
+
+def choose_route(routes: dict[str, np.ndarray], wanted: str | None, rng: np.random.Generator) -> str:
+    """Return `wanted`, or a drawn one where it is None; the draw is made in both cases.
+
+    Raises:
+        InputError: If there is no such route.
+    """
+    drawn = str(rng.choice(sorted(routes)))
+    if wanted is None:
+        return drawn
+    if wanted not in routes:
+        raise unknown_name("route", wanted, tuple(routes))
+    return wanted

@@ -1,0 +1,84 @@
+"""Where the robot must be by its odometry, and how far that is to be trusted."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from ..geometry import between, compose
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExtrapolatorConfig:
+    """Error model of the odometry: standard deviations of a motion of d metres and a radians.
+
+    Attributes:
+        translation_floor: Of the translation, always [m].
+        translation_per_metre: Of the translation, more for each metre [m/m].
+        translation_per_radian: Of the translation, more for each radian [m/rad].
+        rotation_floor: Of the rotation, always [rad].
+        rotation_per_metre: Of the rotation, more for each metre [rad/m].
+        rotation_per_radian: Of the rotation, more for each radian [rad/rad].
+    """
+
+    translation_floor: float = 0.005
+    translation_per_metre: float = 0.15
+    translation_per_radian: float = 0.05
+    rotation_floor: float = 0.003
+    rotation_per_metre: float = 0.05
+    rotation_per_radian: float = 0.10
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if not value >= 0.0 or (name.endswith("floor") and value == 0.0):
+                raise InputError(f"`{name}` must be positive, got {value}")
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """A pose by odometry.
+
+    Attributes:
+        pose: (3,) T_local_robot [m, m, rad].
+        sigma: (2,) standard deviations of its translation [m] and rotation [rad].
+    """
+
+    pose: Array
+    sigma: Array
+
+    @property
+    def information(self) -> Array:
+        """(3, 3) inverse covariance, the same in both directions of translation."""
+        return np.diag(1.0 / self.sigma[[0, 0, 1]] ** 2)
+
+
+class OdometryExtrapolator:
+    """Carries the last matched pose on by the motion of the odometry: neither position nor heading lags.
+
+    Args:
+        config: Error model.
+        odometry: (3,) T_odom_robot at the start; the local frame is the odometry frame there.
+    """
+
+    def __init__(self, config: ExtrapolatorConfig, odometry: Array) -> None:
+        self._config = config
+        self._odometry = odometry
+        self._pose = odometry
+
+    def predict(self, odometry: Array) -> Prediction:
+        """Return the pose at the odometry pose T_odom_robot (3,)."""
+        config = self._config
+        motion = between(self._odometry, odometry)
+        metres, radians = float(np.hypot(motion[0], motion[1])), abs(float(motion[2]))
+        translation = (
+            config.translation_floor + config.translation_per_metre * metres + config.translation_per_radian * radians
+        )
+        rotation = config.rotation_floor + config.rotation_per_metre * metres + config.rotation_per_radian * radians
+        return Prediction(compose(self._pose, motion), np.array([translation, rotation]))
+
+    def correct(self, odometry: Array, pose: Array) -> None:
+        """Take `pose` (3,) T_local_robot as what belongs to the odometry pose from now on."""
+        self._odometry, self._pose = odometry, pose

@@ -1,0 +1,122 @@
+"""Local SLAM: a continuous, slowly drifting trajectory from odometry and scans, without loop closure."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from ..geometry import transform_points
+from ..scan import LaserScan
+from .active_submaps import ActiveSubmaps, ActiveSubmapsConfig
+from .extrapolator import ExtrapolatorConfig, OdometryExtrapolator
+from .motion_filter import MotionFilter, MotionFilterConfig
+from .scan_matcher import Match, ScanMatcher, ScanMatcherConfig
+from .submap import Submap
+from .surface import surface_points
+from .voxel_filter import AdaptiveVoxelConfig, AdaptiveVoxelFilter
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class LocalSlamConfig:
+    """Settings of `LocalSlam`, one of each of its parts.
+
+    Attributes:
+        extrapolator: Error model of the odometry.
+        motion_filter: Which scans are inserted.
+        voxel_filter: Which points are matched.
+        submaps: How submaps are made.
+        matcher: How scans are matched.
+        insertion_voxel: Returns within a voxel of this side are inserted as one [m].
+    """
+
+    extrapolator: ExtrapolatorConfig = field(default_factory=ExtrapolatorConfig)
+    motion_filter: MotionFilterConfig = field(default_factory=MotionFilterConfig)
+    voxel_filter: AdaptiveVoxelConfig = field(default_factory=AdaptiveVoxelConfig)
+    submaps: ActiveSubmapsConfig = field(default_factory=ActiveSubmapsConfig)
+    matcher: ScanMatcherConfig = field(default_factory=ScanMatcherConfig)
+    insertion_voxel: float = 0.05
+
+    def __post_init__(self) -> None:
+        if not self.insertion_voxel > 0.0:
+            raise InputError(f"`insertion_voxel` must be positive [m], got {self.insertion_voxel}")
+
+
+@dataclass(frozen=True, eq=False)
+class Insertion:
+    """A scan that was inserted: what the pose graph makes a node of.
+
+    Attributes:
+        submaps: Indices of the submaps that it stands in.
+        points: (N, 2) thinned returns for matching, robot frame [m].
+        match: How it was matched; None: not at all (the first scan, or too few points).
+    """
+
+    submaps: tuple[int, ...]
+    points: Array
+    match: Match | None
+
+
+@dataclass(frozen=True, eq=False)
+class LocalResult:
+    """What local SLAM made of one scan.
+
+    Attributes:
+        pose: (3,) T_local_robot [m, m, rad].
+        match: How the scan fits on the submap; None: it was not matched, the pose is that of the odometry.
+        insertion: What was inserted; None: the motion filter dropped the scan.
+    """
+
+    pose: Array
+    match: Match | None
+    insertion: Insertion | None
+
+
+class LocalSlam:
+    """Wires the parts of local SLAM up.
+
+    Args:
+        config: Settings.
+    """
+
+    def __init__(self, config: LocalSlamConfig) -> None:
+        self._config = config
+        self._extrapolator: OdometryExtrapolator | None = None
+        self._motion_filter = MotionFilter(config.motion_filter)
+        self._voxel_filter = AdaptiveVoxelFilter(config.voxel_filter)
+        self._active = ActiveSubmaps(config.submaps)
+        self._matcher = ScanMatcher(config.matcher)
+
+    @property
+    def submaps(self) -> list[Submap]:
+        """Every submap so far; the last two are still growing."""
+        return self._active.submaps
+
+    def update(self, odometry: Array, scan: LaserScan) -> LocalResult:
+        """Take one scan and the odometry pose T_odom_robot (3,) at that time."""
+        if self._extrapolator is None:
+            self._extrapolator = OdometryExtrapolator(self._config.extrapolator, odometry)
+        prediction = self._extrapolator.predict(odometry)
+        points = self._voxel_filter.apply(scan.points_robot)
+        match = self._matcher.match(self._active.front, points, prediction) if self.submaps else None
+        pose = match.pose if match else prediction.pose
+        if match or not self.submaps:
+            self._extrapolator.correct(odometry, pose)
+        insertion = None
+        if len(points) >= self._config.matcher.min_points and self._motion_filter.passes(pose):
+            insertion = Insertion(self._insert(pose, scan), points, match)
+        return LocalResult(pose, match, insertion)
+
+    def _insert(self, pose: Array, scan: LaserScan) -> tuple[int, ...]:
+        config = self._config
+        mount = np.asarray(scan.T_robot_lidar)
+        surface, returns = surface_points(scan.beam_points, config.insertion_voxel)
+        surface = transform_points(pose, transform_points(mount, surface))
+        reach = min(config.submaps.submap.free_ray_length, scan.range_max)
+        bearings = scan.bearings[scan.is_no_return]
+        ends = reach * np.stack((np.cos(bearings), np.sin(bearings)), axis=-1)
+        free_ends = transform_points(pose, transform_points(mount, ends))
+        origin = transform_points(pose, mount[None, :2])[0]
+        return self._active.insert(pose, origin, surface, returns, free_ends)

@@ -1,0 +1,120 @@
+"""Scan-to-submap matching: correlative search where odometry leaves much open, then non-linear least squares."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from ..geometry import wrap_angle
+from .correlative import correlate
+from .extrapolator import Prediction
+from .refine_kernels import refine_pose
+from .submap import Submap
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ScanMatcherConfig:
+    """Settings of `ScanMatcher`.
+
+    Attributes:
+        weight: Weight of a point's `1 - occupancy` beside the odometry's squared error over its variance.
+        sigmas: The search window reaches so many standard deviations of the odometry.
+        max_linear: But not farther than this [m].
+        max_angular: And not turned further than this [rad].
+        capture: Errors of points below this [m] are left to the least squares: no search.
+        search_points: The search uses about so many of the points.
+        iterations: Most iterations of the least squares.
+        min_points: Fewer points than this match nothing.
+    """
+
+    weight: float = 4.0
+    sigmas: float = 3.0
+    max_linear: float = 0.5
+    max_angular: float = 0.5
+    capture: float = 0.06
+    search_points: int = 100
+    iterations: int = 20
+    min_points: int = 10
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if not value > 0:
+                raise InputError(f"`{name}` must be positive, got {value}")
+
+
+@dataclass(frozen=True, eq=False)
+class Match:
+    """Where a scan fits on a submap.
+
+    Attributes:
+        pose: (3,) T_local_robot [m, m, rad].
+        information: (3, 3) curvature of the scan's cost there, without that of the prior.
+        score: Mean occupancy under the points, in [0, 1].
+        searched: Whether the correlative search was needed.
+    """
+
+    pose: Array
+    information: Array
+    score: float
+    searched: bool
+
+
+class ScanMatcher:
+    """Finds the pose of a scan in a submap's frame, near where odometry expects it.
+
+    Args:
+        config: Settings.
+    """
+
+    def __init__(self, config: ScanMatcherConfig) -> None:
+        self._config = config
+
+    def match(self, submap: Submap, points: Array, prediction: Prediction) -> Match | None:
+        """Return the match of `points` (N, 2), robot frame [m]; None: there are too few points."""
+        config = self._config
+        if len(points) < config.min_points:
+            return None
+        reach, angles, step = self._window(submap.config.resolution, points, prediction)
+        prior, information = prediction.pose, prediction.information
+        start = prior
+        if reach or angles:
+            thinned = points[:: max(1, len(points) // config.search_points)]
+            weight = config.weight * len(points) / len(thinned)
+            start, _ = correlate(
+                submap.field,
+                submap.corner,
+                submap.config.resolution,
+                thinned,
+                prior,
+                information,
+                weight,
+                reach,
+                angles,
+                step,
+            )
+        pose, curvature, rest, _ = refine_pose(
+            submap.field,
+            submap.corner,
+            submap.config.resolution,
+            points,
+            start,
+            prior,
+            information,
+            config.weight,
+            config.iterations,
+        )
+        pose[2] = wrap_angle(pose[2])
+        return Match(pose, config.weight * curvature, 1.0 - rest / len(points), bool(reach or angles))
+
+    def _window(self, resolution: float, points: Array, prediction: Prediction) -> tuple[int, int, float]:
+        """Return cells, angle steps to each side and the step [rad]; zeros where the least squares alone will do."""
+        config = self._config
+        linear, angular = np.minimum(config.sigmas * prediction.sigma, (config.max_linear, config.max_angular))
+        far = float(np.sqrt(np.quantile(np.einsum("ij,ij->i", points, points), 0.8)))
+        if linear + angular * far <= config.capture:
+            return 0, 0, 0.0
+        step = resolution / max(far, 1.0)
+        return int(np.ceil(linear / resolution)), int(np.ceil(angular / step)), step

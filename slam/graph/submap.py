@@ -1,0 +1,107 @@
+"""A submap: a grid of hit and visit counts that a short stretch of the drive fills, rigid once finished."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from .submap_kernels import insert_scan
+
+_MARGIN_CELLS = 8  # beyond the farthest return: taps of the spline and of neighbouring cells stay inside
+_GROWTH_M = 4.0  # a grid that must grow gets so much more on that side
+
+
+@dataclass(frozen=True, kw_only=True)
+class SubmapConfig:
+    """Settings of `Submap`.
+
+    Attributes:
+        resolution: Side of a cell [m].
+        prior_visits: Visits without a return that a cell starts with: a first hit counts 1 / (1 + prior_visits).
+        free_ray_length: A beam without a return frees so much of its way [m].
+    """
+
+    resolution: float = 0.05
+    prior_visits: float = 0.5
+    free_ray_length: float = 5.0
+
+    def __post_init__(self) -> None:
+        if not self.resolution > 0.0:
+            raise InputError(f"`resolution` must be positive [m], got {self.resolution}")
+        if not self.prior_visits >= 0.0:
+            raise InputError(f"`prior_visits` must not be negative, got {self.prior_visits}")
+        if not self.free_ray_length >= 0.0:
+            raise InputError(f"`free_ray_length` must not be negative [m], got {self.free_ray_length}")
+
+
+class Submap:
+    """Hit and visit counts in cells that are laid along the axes of the local frame.
+
+    Args:
+        config: Settings.
+        pose_local: (3,) T_local_submap: its origin is where the robot began it, its axes are those of the local frame.
+
+    Attributes:
+        field: (rows, cols) float32, occupancy of each cell in [0, 1]; 0 where nothing is known.
+        corner: (2,) centre of cell [0, 0] in the local frame [m].
+        scans: Number of scans inside.
+    """
+
+    def __init__(self, config: SubmapConfig, pose_local: NDArray[np.float64]) -> None:
+        self.config = config
+        self.pose_local = np.array([pose_local[0], pose_local[1], 0.0])
+        self.scans = 0
+        self.corner = np.round(pose_local[:2] / config.resolution) * config.resolution
+        self._hits = np.zeros((1, 1), np.float32)
+        self._visits = np.zeros((1, 1), np.float32)
+        self.field = np.zeros((1, 1), np.float32)
+        self._stamps = np.zeros((1, 1), np.int16)
+
+    def insert(
+        self, origin: NDArray[np.float64], surface: NDArray[np.float64], returns: int, free_ends: NDArray[np.float64]
+    ) -> None:
+        """Count one scan.
+
+        Args:
+            origin: (2,) the laser in the local frame [m].
+            surface: (N, 2) points on what the beams met, local frame [m].
+            returns: The first so many of them are ends of beams, the others lie between.
+            free_ends: (M, 2) ends of the rays that are known to be free, local frame [m].
+        """
+        ends = np.concatenate((surface, free_ends))
+        self._cover(np.vstack((origin, ends)) if len(ends) else origin[None])
+        scale = 1.0 / self.config.resolution
+        self.scans += 1
+        insert_scan(
+            self._hits,
+            self._visits,
+            self.field,
+            self._stamps,
+            self.scans,
+            (origin - self.corner) * scale,
+            (ends - self.corner) * scale,
+            returns,
+            len(surface) - returns,
+            self.config.prior_visits,
+        )
+
+    @property
+    def known(self) -> NDArray[np.bool_]:
+        """(rows, cols) whether any scan saw the cell."""
+        return self._visits > 0.0
+
+    def _cover(self, points: NDArray[np.float64]) -> None:
+        """Enlarge the grids so that `points` (N, 2) lie well inside."""
+        h = self.config.resolution
+        low = np.floor((points.min(axis=0) - self.corner) / h).astype(int) - _MARGIN_CELLS
+        high = np.ceil((points.max(axis=0) - self.corner) / h).astype(int) + _MARGIN_CELLS
+        rows, cols = self.field.shape
+        more = int(_GROWTH_M / h)
+        left, below = (max(0, -low[k]) + (more if low[k] < 0 else 0) for k in range(2))
+        right, above = (max(0, high[k] - n + 1) + (more if high[k] >= n else 0) for k, n in enumerate((cols, rows)))
+        if left or below or right or above:
+            pad = ((below, above), (left, right))
+            self._hits, self._visits = np.pad(self._hits, pad), np.pad(self._visits, pad)
+            self.field, self._stamps = np.pad(self.field, pad), np.pad(self._stamps, pad)
+            self.corner = self.corner - np.array([left, below]) * h

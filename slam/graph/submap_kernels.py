@@ -1,0 +1,89 @@
+"""Numba kernels that write a scan into the cells of a submap."""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Grid = NDArray[np.float32]
+Points = NDArray[np.float64]
+
+
+@njit(cache=True, nogil=True)
+def insert_scan(
+    hits: Grid,
+    visits: Grid,
+    field: Grid,
+    stamps: NDArray[np.int16],
+    stamp: int,
+    origin: Points,
+    cells: Points,
+    returns: int,
+    surface: int,
+    prior_visits: float,
+) -> None:
+    """Count one scan in the grids (rows, cols), in place.
+
+    A return is shared by the four cells around it in proportion to its nearness (so the place of a wall within a cell
+    is kept); the cells that the ray crosses before are passed. A cell counts one visit a scan, and none as passed
+    where the scan had a return. `field` becomes hits / (visits + prior_visits), at most 1.
+
+    Args:
+        hits: Sum of the shares of returns.
+        visits: Number of scans that saw the cell.
+        field: Occupancy in [0, 1].
+        stamps: Last scan that counted in a cell.
+        stamp: Number of this scan.
+        origin: (2,) laser in cell units: (0, 0) is the centre of cell [0, 0], x along the columns.
+        cells: (N, 2) points in cell units: returns, then points on surfaces between them, then ends of free rays.
+        returns: Number of returns.
+        surface: Number of points on surfaces between returns.
+        prior_visits: Visits without a return that every cell starts with.
+    """
+    _share_returns(hits, visits, field, stamps, stamp, cells, returns + surface, prior_visits)
+    for k in range(len(cells)):
+        if not returns <= k < returns + surface:
+            _pass_ray(hits, visits, field, stamps, stamp, origin[0], origin[1], cells[k, 0], cells[k, 1], prior_visits)
+
+
+@njit(cache=True, nogil=True)
+def _share_returns(hits, visits, field, stamps, stamp, cells, count, prior_visits):  # type: ignore[no-untyped-def]
+    """Share the first `count` of `cells` among the four cells around each."""
+    for k in range(count):
+        i, j = int(np.floor(cells[k, 0])), int(np.floor(cells[k, 1]))
+        fx, fy = cells[k, 0] - i, cells[k, 1] - j
+        for row, wy in ((j, 1.0 - fy), (j + 1, fy)):
+            for col, wx in ((i, 1.0 - fx), (i + 1, fx)):
+                if stamps[row, col] != stamp:
+                    stamps[row, col] = stamp
+                    visits[row, col] += 1.0
+                hits[row, col] += wx * wy
+    for k in range(count):
+        i, j = int(np.floor(cells[k, 0])), int(np.floor(cells[k, 1]))
+        for row in range(j, j + 2):
+            for col in range(i, i + 2):
+                field[row, col] = min(1.0, hits[row, col] / (visits[row, col] + prior_visits))
+
+
+@njit(cache=True, nogil=True)
+def _pass_ray(hits, visits, field, stamps, stamp, x0, y0, x1, y1, prior_visits):  # type: ignore[no-untyped-def]
+    """Count a visit in every cell that the segment crosses and this scan has not counted yet (Amanatides, Woo 1987)."""
+    col, row = int(np.floor(x0 + 0.5)), int(np.floor(y0 + 0.5))
+    end_col, end_row = int(np.floor(x1 + 0.5)), int(np.floor(y1 + 0.5))
+    dx, dy = x1 - x0, y1 - y0
+    step_x, step_y = (1 if dx > 0.0 else -1), (1 if dy > 0.0 else -1)
+    delta_x = 1.0 / abs(dx) if dx != 0.0 else np.inf
+    delta_y = 1.0 / abs(dy) if dy != 0.0 else np.inf
+    next_x = (0.5 + step_x * (col - x0)) * delta_x if dx != 0.0 else np.inf
+    next_y = (0.5 + step_y * (row - y0)) * delta_y if dy != 0.0 else np.inf
+    for _ in range(abs(end_col - col) + abs(end_row - row)):
+        if stamps[row, col] != stamp:
+            stamps[row, col] = stamp
+            visits[row, col] += 1.0
+            if hits[row, col] > 0.0:
+                field[row, col] = min(1.0, hits[row, col] / (visits[row, col] + prior_visits))
+        if next_x < next_y:
+            next_x += delta_x
+            col += step_x
+        else:
+            next_y += delta_y
+            row += step_y

@@ -1,0 +1,70 @@
+"""Local SLAM in a synthetic room whose walls are known."""
+
+import numpy as np
+from tagalong.slam.engine import make_slam
+from tagalong.slam.geometry import between, compose
+from tagalong.slam.scan import LaserScan
+
+WALLS = np.array([[-4.0, -3.0, 5.0, -3.0], [5.0, -3.0, 5.0, 4.0], [5.0, 4.0, -4.0, 4.0], [-4.0, 4.0, -4.0, -3.0],
+                  [1.0, 1.5, 2.2, 1.5], [2.2, 1.5, 2.2, 2.5], [-2.0, -1.0, -1.2, -1.8]])  # fmt: skip
+BEARINGS = np.deg2rad(np.arange(-135.0, 135.0, 0.75))
+
+
+def cast(pose, rng, noise=0.01):
+    """Return the scan of a laser at `pose` (3,) in the room."""
+    angles = BEARINGS + pose[2]
+    d = np.stack((np.cos(angles), np.sin(angles)), axis=-1)[:, None]
+    a, e = WALLS[None, :, :2] - pose[:2], (WALLS[:, 2:] - WALLS[:, :2])[None]
+    cross = d[..., 0] * e[..., 1] - d[..., 1] * e[..., 0]
+    with np.errstate(divide="ignore"):
+        t = (a[..., 0] * e[..., 1] - a[..., 1] * e[..., 0]) / cross
+        u = (a[..., 0] * d[..., 1] - a[..., 1] * d[..., 0]) / cross
+    ranges = np.where((t > 0.0) & (u >= 0.0) & (u <= 1.0), t, np.inf).min(axis=1)
+    return LaserScan(ranges + rng.normal(0.0, noise, len(ranges)), BEARINGS, 0.05, 20.0)
+
+
+def drive(rng, steps=150):
+    """Return true poses (n, 3) of a loop in the room, and a drifting odometry (n, 3) of it."""
+    phase = np.linspace(0.0, 2.0 * np.pi, steps)
+    truth = np.stack((2.0 * np.sin(phase), -1.2 + 1.2 * np.cos(phase), -phase), axis=-1)
+    odometry = [truth[0]]
+    for motion in between(truth[:-1], truth[1:]):
+        slip = motion * [1.08, 1.08, 0.93] + rng.normal(0.0, 1.0, 3) * [0.003, 0.003, 0.002]
+        odometry.append(compose(odometry[-1], slip))
+    return truth, np.array(odometry)
+
+
+def run(engine, odometry, scans):
+    for pose, scan in zip(odometry, scans, strict=True):
+        engine.update(pose, scan)
+    return engine
+
+
+def test_a_drifting_odometry_is_corrected_to_a_centimetre():
+    rng = np.random.default_rng(0)
+    truth, odometry = drive(rng)
+    engine = run(make_slam("cartographer"), odometry, [cast(pose, rng) for pose in truth])
+    error = between(truth, engine.trajectory())
+    assert np.hypot(error[:, 0], error[:, 1]).max() < 0.02
+    assert np.abs(error[:, 2]).max() < np.deg2rad(0.3)
+    assert np.hypot(*between(truth[-1], odometry[-1])[:2]) > 0.2
+
+
+def test_two_runs_are_equal_to_the_byte():
+    rng = np.random.default_rng(1)
+    truth, odometry = drive(rng, steps=60)
+    scans = [cast(pose, rng) for pose in truth]
+    first, second = (run(make_slam("cartographer"), odometry, scans) for _ in range(2))
+    assert first.trajectory().tobytes() == second.trajectory().tobytes()
+    assert first.map().probability.tobytes() == second.map().probability.tobytes()
+
+
+def test_scans_that_say_nothing_leave_the_pose_to_the_odometry():
+    rng = np.random.default_rng(2)
+    _, odometry = drive(rng, steps=30)
+    blind = [np.full(len(BEARINGS), value) for value in (np.nan, np.inf, 0.0, 1e9)]
+    engine = make_slam("cartographer")
+    for k, pose in enumerate(odometry):
+        engine.update(pose, LaserScan(blind[k % 4], BEARINGS, 0.05, 20.0))
+    np.testing.assert_allclose(engine.trajectory(), odometry, atol=1e-9)
+    assert not engine.map().occupied.any()
