@@ -10,7 +10,10 @@ from .. import __version__
 from ..slam.errors import InputError, MissingExtraError
 
 # name -> what it does; the code is in commands/NAME.py, imported only when it is used
-COMMANDS: dict[str, str] = {}
+COMMANDS: dict[str, str] = {
+    "slam": "map a recorded drive (CARMEN log)",
+    "score": "judge a trajectory or a map by a reference",
+}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
