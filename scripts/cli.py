@@ -13,6 +13,7 @@ from ..slam.errors import InputError, MissingExtraError
 COMMANDS: dict[str, str] = {
     "slam": "map a recorded drive (CARMEN log)",
     "score": "judge a trajectory or a map by a reference",
+    "doctor": "say what is installed and what works here",
 }
 
 

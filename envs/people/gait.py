@@ -15,8 +15,9 @@ Array = NDArray[np.float64]
 
 SWING = 0.8
 """Share of the step time in which one foot is in the air."""
-_SLOWEST, _FASTEST = 0.75, 0.42
+_SLOWEST, _FASTEST = 0.95, 0.42
 _RESTLESS = 0.09
+_BETWEEN_LEGS = 0.02
 
 
 @njit(cache=True, nogil=True)
@@ -39,7 +40,8 @@ def advance_gait(
         position: (n, 2) bodies [m].
         velocity: (n, 2) of the bodies [m/s].
         heading: (n,) [rad].
-        size: (n, k) columns 3 and 4: half distance between the feet's tracks [m], walk ratio [m s].
+        size: (n, k) columns 2 to 4: radius of the legs, half distance between the feet's tracks [m], walk
+            ratio [m s].
         feet: (n, 2, 2) left and right foot on the floor [m].
         origin: (n, 2) where the swing foot lifted off [m].
         lift: (n, 2) heights of the feet above the floor [m].
@@ -89,8 +91,21 @@ def _swing(
     blend = share * share * share * (10.0 - 15.0 * share + 6.0 * share * share)
     feet[i, foot, 0] = origin[i, 0] + blend * (target_x - origin[i, 0])
     feet[i, foot, 1] = origin[i, 1] + blend * (target_y - origin[i, 1])
+    _keep_apart(feet[i], foot, 2.0 * size[i, 2] + _BETWEEN_LEGS, np.cos(heading[i]), np.sin(heading[i]))
     speed = min(np.hypot(velocity[i, 0], velocity[i, 1]), 1.3)
     lift[i, foot] = (0.03 + 0.05 * speed) * np.sin(np.pi * share) if share < 1.0 else 0.0
+
+
+@njit(cache=True, nogil=True)
+def _keep_apart(feet: Array, foot: int, room: float, cos: float, sin: float) -> None:
+    """Move the swing foot aside where it would pass through the standing leg: legs do not cross in a turn."""
+    side = 1.0 if foot == 0 else -1.0
+    x, y = feet[foot, 0] - feet[1 - foot, 0], feet[foot, 1] - feet[1 - foot, 1]
+    forward, aside = cos * x + sin * y, side * (cos * y - sin * x)
+    needed = room * max(0.0, 1.0 - (forward / (2.5 * room)) ** 2)
+    if aside < needed:
+        feet[foot, 0] -= side * (needed - aside) * sin
+        feet[foot, 1] += side * (needed - aside) * cos
 
 
 @njit(cache=True, nogil=True)
