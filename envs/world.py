@@ -61,7 +61,7 @@ class WorldConfig:
     robot: RobotConfig = field(default_factory=RobotConfig)
     force: SocialForceConfig = field(default_factory=SocialForceConfig)
     control_hz: float = 10.0
-    physics_dt: float = 0.005
+    physics_dt: float = 0.0125
 
     def __post_init__(self) -> None:
         if self.scene not in SCENES:
@@ -248,6 +248,7 @@ class World:
                 people.feet.copy(),
                 people.legs.copy(),
                 self._crowd.radius.copy(),
+                self._crowd.leg_radius.copy(),
                 speed > 0.2,
             ),
             leader_index=self._crowd.leader_index,

@@ -1,7 +1,7 @@
 """What kind of result a file holds, told by its content, and how such results are judged against each other."""
 
 import os
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from itertools import islice
 from pathlib import Path
 from typing import Any, Literal
@@ -10,12 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..slam.errors import InputError
+from ..slam.geometry import compose, inverse, transform_points
 from ..slam.logs.carmen import read_carmen
 from ..slam.logs.drive_folder import read_feet
 from ..slam.logs.relations import read_readings, read_relations
 from ..slam.logs.ros_map import read_ros_map
 from ..slam.logs.text import numbered_lines
 from ..slam.logs.tum import read_tum
+from ..slam.quality.cells import common_cells, dynamic_residue
 from ..slam.quality.relations import score_relations
 from ..slam.quality.score import score_map
 from ..slam.quality.trajectory import absolute_error, associate, relative_error
@@ -47,7 +49,9 @@ class ScoringOptions:
     readings: Path | None = None
     """Odometry of all readings of the log, for relations between readings."""
     people: Path | None = None
-    """True feet of people (`feet` in an npz) in the frame of the reference map, for the dynamic residue."""
+    """True feet of people (NAME.people.npz), for the dynamic residue. Where NAME.gt.tum stands beside it and
+    trajectory.tum beside the estimated map, they tell where the feet are in that map; without them the feet are taken
+    as they are, in the frame of the reference map."""
     max_gap_s: float = 0.02
     """Poses of two trajectories belong together when their times differ by at most this [s]."""
 
@@ -157,10 +161,10 @@ def _judge_relations(estimate: Path, reference: Path, options: ScoringOptions) -
     readings = None if options.readings is None else read_readings(options.readings)
     error = score_relations(read_tum(estimate), read_relations(reference), readings)
     metres, degrees = error.translation, error.rotation
+    between_scans = "interpolated in time" if readings is None else "by odometry"
     rows = [
-        ("relations scored", str(metres.count), ""),
+        (f"relations, poses between scans {between_scans}", str(metres.count), ""),
         ("relations skipped", str(error.skipped), ""),
-        ("poses between scans", "interpolated" if readings is None else "by odometry", ""),
         ("translation mean", f"{metres.mean:.4f}", "m"),
         ("translation sd", f"{metres.std:.4f}", "m"),
         ("translation max", f"{metres.max:.3f}", "m"),
@@ -172,8 +176,11 @@ def _judge_relations(estimate: Path, reference: Path, options: ScoringOptions) -
 
 
 def _judge_map(estimate: Path, reference: Path, options: ScoringOptions) -> Judgement:
-    people = None if options.people is None else read_feet(options.people)
-    score = score_map(read_ros_map(estimate), read_ros_map(reference), people)
+    est, ref = read_ros_map(estimate), read_ros_map(reference)
+    score = score_map(est, ref)
+    if options.people is not None:
+        feet = _feet_on_reference(options.people, estimate, score.registration.T_ref_est)
+        score = replace(score, residue=dynamic_residue(common_cells(est, ref, score.registration.T_ref_est), feet))
     fit, cells = score.registration, score.cells
     rows = [
         ("ADNN, reference to estimate", f"{100 * score.adnn.mean_m:.2f}", "cm"),
@@ -191,3 +198,22 @@ def _judge_map(estimate: Path, reference: Path, options: ScoringOptions) -> Judg
     if score.residue is not None:
         rows.append(("dynamic residue", str(score.residue.cells), "cells"))
     return Judgement(rows, {"kind": "map", **score.to_dict()})
+
+
+def _feet_on_reference(people: Path, estimate: Path, T_ref_est: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the places (n, f, 2) of feet in the frame of the reference map [m]."""
+    feet = read_feet(people)
+    truth, trajectory = (
+        people.with_name(people.name.replace(".people.npz", ".gt.tum")),
+        estimate.parent / "trajectory.tum",
+    )
+    if not (truth.exists() and trajectory.exists()):
+        return feet
+    T_world_robot, T_est_robot = read_tum(truth).poses, read_tum(trajectory).poses
+    if not len(feet) == len(T_world_robot) == len(T_est_robot):
+        raise InputError(
+            f"{people.name}, {truth.name} and {trajectory} must hold the same scans, "
+            f"got {len(feet)}, {len(T_world_robot)} and {len(T_est_robot)}"
+        )
+    # seen from the robot, so that a drift of the map carries the feet along
+    return transform_points(compose(T_ref_est, compose(T_est_robot, inverse(T_world_robot))), feet)

@@ -94,11 +94,11 @@ def _window(scene: Scene, taken: Array, rng: np.random.Generator) -> tuple[float
     places = scene.standing_places
     limit = 0.6 * (scene.lap or scene.tour_length) + 4.0
     for attempt in range(900):
-        length = (1.6, 1.0, 0.5)[attempt // 300]
+        length, beside = ((1.6, 1.0), (1.0, 1.0), (0.5, 0.4))[attempt // 300]
         start, lateral = places[rng.integers(len(places))]
         same = np.abs(places[:, 1] - lateral) < 1e-9
         covered = same & (places[:, 0] > start - 0.05) & (places[:, 0] < start + length + 0.05)
-        apart = np.all(np.abs(taken - start - length / 2.0) > 1.0 + length / 2.0)
+        apart = np.all(np.abs(taken - start - length / 2.0) > beside + length / 2.0)
         if covered.sum() >= 5.0 * length and 4.0 < start < limit and apart:
             return float(start + 0.2 * length), float(start + 0.8 * length), float(lateral)
     raise InputError(f"no room for another standing person in this {scene.name}")
@@ -110,7 +110,7 @@ def _standing_still(terrain: Terrain, casting: Casting, arc: Array, sense: Array
     lateral = casting.side.copy()
     for person, role in enumerate(casting.roles):
         if role == Role.WALKER and not terrain.lap:
-            lateral[person] = -sense[person] * (terrain.half_width - 0.15)
+            lateral[person] = -sense[person] * terrain.passing
         if role != Role.STANDER:
             lateral[person] = terrain.within_free(arc[person], lateral[person])
     position = np.array([terrain.place(a, side) for a, side in zip(arc, lateral, strict=True)]).reshape(-1, 2)

@@ -10,6 +10,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from .body import ANKLE, HIP_HALF_WIDTH
+from .obstacles import keep_clear
 
 Array = NDArray[np.float64]
 
@@ -18,6 +19,7 @@ SWING = 0.8
 _SLOWEST, _FASTEST = 0.95, 0.42
 _RESTLESS = 0.09
 _BETWEEN_LEGS = 0.02
+_BESIDE_LEG = 0.03
 
 
 @njit(cache=True, nogil=True)
@@ -32,6 +34,8 @@ def advance_gait(
     lift: Array,
     phase: Array,
     swing: NDArray[np.int64],
+    boxes: Array,
+    circles: Array,
 ) -> None:
     """Move the feet of n people for `dt` seconds, in place.
 
@@ -40,13 +44,14 @@ def advance_gait(
         position: (n, 2) bodies [m].
         velocity: (n, 2) of the bodies [m/s].
         heading: (n,) [rad].
-        size: (n, k) columns 2 to 4: radius of the legs, half distance between the feet's tracks [m], walk
-            ratio [m s].
+        size: (n, k) columns 2 to 4: radius of legs, half distance between the feet's tracks [m], walk ratio [m s].
         feet: (n, 2, 2) left and right foot on the floor [m].
         origin: (n, 2) where the swing foot lifted off [m].
         lift: (n, 2) heights of the feet above the floor [m].
         phase: (n,) of the present step, in [0, 1); unused while standing.
         swing: (n,) the foot of the present step, 0 left, 1 right; -1 while standing.
+        boxes: (b, 6) furniture and walls, where no foot is set.
+        circles: (c, 3) round furniture.
     """
     for i in range(len(position)):
         speed = np.hypot(velocity[i, 0], velocity[i, 1])
@@ -60,6 +65,8 @@ def advance_gait(
         foot = swing[i]
         if phase[i] - dt / step_time < SWING:
             _swing(i, foot, step_time, position, velocity, heading, size, feet, origin, lift, phase)
+            x, y, room = feet[i, foot, 0], feet[i, foot, 1], size[i, 2] + _BESIDE_LEG
+            feet[i, foot] = keep_clear(x, y, room, boxes, circles)
         if phase[i] >= 1.0:
             remaining = phase[i] - 1.0
             swing[i] = -1

@@ -42,6 +42,10 @@ class Terrain:
         self.circles = np.array([(s.x, s.y, s.radius) for s in solids if s.is_round]).reshape(-1, 3)
         free = free_sides(self.path, self.tangent, self.boxes, self.circles, _CLEARANCE, _FURTHEST)
         self._free = _narrowest(free)
+        index = np.arange(len(self.path))
+        before, after = np.maximum(index - int(2.0 / SPACING), 0), np.minimum(index + int(2.5 / SPACING), index[-1])
+        self._bend = (self.tangent[before] * self.tangent[after]).sum(axis=1) < 0.9
+        self._wide = ~self._bend & (self._free[:, 0] > self.passing - 0.1)
 
     def within_free(self, arc: float, lateral: float) -> float:
         """Return the offset nearest to `lateral` [m] at which nothing stands beside the path at `arc` [m]."""
@@ -53,10 +57,28 @@ class Terrain:
         tangent = self.tangent[self._index(arc)]
         return float(np.arctan2(tangent[1], tangent[0]))
 
+    @property
+    def passing(self) -> float:
+        """Offset from the path at which somebody passes the group [m]."""
+        return self.half_width - 0.15
+
+    @property
+    def turn_out(self) -> float:
+        """Offset from the path to which the group turns out for whom it meets [m]."""
+        return min(0.35, max(0.0, self.half_width - 0.5))
+
     def in_bend(self, arc: float) -> bool:
         """Return whether the path turns between 2 m before and 2.5 m behind `arc` [m]."""
-        before, after = self.tangent[self._index(arc - 2.0)], self.tangent[self._index(arc + 2.5)]
-        return bool(before @ after < 0.9)
+        return bool(self._bend[self._index(arc)])
+
+    def narrows_before(self, arc: float, front: float) -> bool:
+        """Return whether two can pass at `arc` [m], but not on all of the next 2.5 m against the path's direction.
+
+        No further than `front` [m]; two can pass where there is no bend and nothing stands on the path's left.
+        """
+        here = self._index(arc)
+        low = max(self._index(arc - 2.5), self._index(front), 0)
+        return bool(self._wide[here]) and not self._wide[low:here].all()
 
     def place(self, arc: float, lateral: float) -> Array:
         """Return the point (2,) at `arc` along the path and `lateral` to its left [m]."""

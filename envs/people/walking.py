@@ -4,7 +4,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from .social_force import nearest_of_box, pair_force
+from .obstacles import is_clear, keep_clear, nearest_of_box
+from .social_force import pair_force
 
 Array = NDArray[np.float64]
 
@@ -54,24 +55,11 @@ def free_sides(path: Array, tangent: Array, boxes: Array, circles: Array, cleara
             while free < furthest:
                 x = path[k, 0] - sign * (free + step) * tangent[k, 1]
                 y = path[k, 1] + sign * (free + step) * tangent[k, 0]
-                if not _is_clear(x, y, boxes, circles, clearance):
+                if not is_clear(x, y, boxes, circles, clearance):
                     break
                 free += step
             found[k, side] = free
     return found
-
-
-@njit(cache=True, nogil=True)
-def _is_clear(x: float, y: float, boxes: Array, circles: Array, clearance: float) -> bool:
-    for k in range(len(boxes)):
-        if abs(boxes[k, 0] - x) + abs(boxes[k, 1] - y) < boxes[k, 4] + boxes[k, 5] + 2.0 * clearance:
-            distance, _, _ = nearest_of_box(x, y, boxes[k])
-            if distance < clearance:
-                return False
-    clear = True
-    for k in range(len(circles)):
-        clear = clear and np.hypot(x - circles[k, 0], y - circles[k, 1]) >= circles[k, 2] + clearance
-    return clear
 
 
 @njit(cache=True, nogil=True)
@@ -246,21 +234,8 @@ def _part(dt: float, position: Array, radius: Array, robot: Array, boxes: Array,
         if push > 0.0:
             position[i, 0] += push * ux
             position[i, 1] += push * uy
-        for k in range(len(boxes)):
-            x, y = position[i, 0], position[i, 1]
-            if abs(boxes[k, 0] - x) + abs(boxes[k, 1] - y) < boxes[k, 4] + boxes[k, 5] + 1.0:
-                distance, ux, uy = nearest_of_box(x, y, boxes[k])
-                push = radius[i] + _BESIDE - distance
-                if push > 0.0:
-                    position[i, 0] += push * ux
-                    position[i, 1] += push * uy
-        for k in range(len(circles)):
-            ux, uy = position[i, 0] - circles[k, 0], position[i, 1] - circles[k, 1]
-            away = max(np.hypot(ux, uy), 1e-6)
-            push = circles[k, 2] + radius[i] + _BESIDE - away
-            if push > 0.0:
-                position[i, 0] += push * ux / away
-                position[i, 1] += push * uy / away
+        room = radius[i] + _BESIDE
+        position[i, 0], position[i, 1] = keep_clear(position[i, 0], position[i, 1], room, boxes, circles)
 
 
 @njit(cache=True, nogil=True)

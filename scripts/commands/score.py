@@ -17,7 +17,9 @@ What the files are is told by what is in them; plain or gzipped:
     another TUM trajectory, poses paired by time: errors after the best rigid alignment
     a CARMEN log with corrected poses, paired by order
     relations (t1 t2 x y z roll pitch yaw, or i1 i2 x y yaw): Kuemmerle et al. 2009
-  a map (map.yaml of ROS map_server) by another map: registered, then ADNN, ghosts, cells
+  a map (map.yaml of ROS map_server) by another map: registered, then ADNN, ghosts, cells;
+    --people counts what people left in it: feet are placed by NAME.gt.tum beside the npz and
+    trajectory.tum beside EST, or else taken to be in the frame of REF
 
 examples:
   tagalong score out/trajectory.tum corridor.gt.tum
@@ -32,7 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("estimate", type=Path, metavar="EST", help="what to judge: TUM trajectory or map.yaml")
     parser.add_argument("reference", type=Path, metavar="REF", help="what to judge it by")
     parser.add_argument("--readings", type=Path, metavar="FILE", help="odometry of all readings (for relations)")
-    parser.add_argument("--people", type=Path, metavar="NPZ", help="feet of people (for the residue in a map)")
+    parser.add_argument("--people", type=Path, metavar="NPZ", help="true feet, NAME.people.npz (for the residue)")
     parser.add_argument(
         "--max-gap", type=float, default=0.02, metavar="S", help="pair poses at most this far apart [s] (%(default)s)"
     )

@@ -13,6 +13,7 @@ UNKNOWN = (214, 218, 224)
 FREE = (255, 255, 255)
 BOTH = (min(RED[0], BLUE[0]), min(RED[1], BLUE[1]), min(RED[2], BLUE[2]))
 _BORDER_M = 0.3
+_STRAY = 0.002  # share of the known cells that a picture may cut off at each side
 _THINNEST_PX = 1.5
 
 
@@ -25,8 +26,10 @@ def map_canvas(grid: OccupancyMap, title: str = "", include: NDArray[np.float64]
         include: (N, 2) points that must be in the picture, too [m].
     """
     known = grid.cell_centres(grid.known)
-    points = known if include is None else np.vstack((known, include))
-    low, high = _bounds(points)
+    if len(known):
+        # a few rays through windows and doors must not make the building small
+        known = np.quantile(known, (_STRAY, 1.0 - _STRAY), axis=0)
+    low, high = _bounds(known if include is None else np.vstack((known, include)))
     canvas = PlanCanvas(low, high, title)
     canvas.polygon([low, (high[0], low[1]), high, (low[0], high[1])], UNKNOWN)
     canvas.cells(grid.cell_centres(grid.free), grid.resolution, FREE)
@@ -66,4 +69,6 @@ def overlay_picture(
 def _bounds(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     if len(points) == 0:
         return np.zeros(2), np.ones(2)
-    return points.min(axis=0) - _BORDER_M, points.max(axis=0) + _BORDER_M
+    low, high = points.min(axis=0), points.max(axis=0)
+    border = max(_BORDER_M, 0.02 * float((high - low).max()))
+    return low - border, high + border

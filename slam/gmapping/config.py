@@ -12,6 +12,9 @@ class MatcherConfig:
     The alignment runs through stages from coarse to fine; the tuples have one entry a stage.
 
     Attributes:
+        samples: Poses drawn from the odometry's error, among which the best start is looked for.
+        sample_points: About this many points of the scan judge a sample.
+        sample_weight: Log-likelihood between a sample with no point near an occupied cell and one with all.
         windows: Half size of the window searched for the nearest occupied cell [cells].
         strides: Every how many-th point is used.
         iterations: Most Gauss-Newton steps.
@@ -24,10 +27,13 @@ class MatcherConfig:
             on one wall do not pretend to a certainty they have not.
     """
 
-    windows: tuple[int, ...] = (6, 4, 2)
-    strides: tuple[int, ...] = (3, 2, 1)
-    iterations: tuple[int, ...] = (8, 6, 8)
-    scales: tuple[float, ...] = (4.0, 2.0, 1.0)
+    samples: int = 256
+    sample_points: int = 60
+    sample_weight: float = 30.0
+    windows: tuple[int, ...] = (4, 3)
+    strides: tuple[int, ...] = (2, 1)
+    iterations: tuple[int, ...] = (4, 8)
+    scales: tuple[float, ...] = (3.0, 2.0)
     thinning: float = 1.0
     straightness: float = 0.15
     sigma: float = 0.03

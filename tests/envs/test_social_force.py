@@ -4,7 +4,8 @@ import logging
 
 import numpy as np
 import pytest
-from tagalong.envs.people.social_force import SocialForceConfig, nearest_of_box, pair_force, social_force
+from tagalong.envs.people.obstacles import keep_clear, nearest_of_box
+from tagalong.envs.people.social_force import SocialForceConfig, pair_force, social_force
 from tagalong.envs.people.walking import advance_bodies
 from tagalong.envs.scenes.solids import Solid
 from tagalong.slam.errors import InputError
@@ -57,6 +58,13 @@ def test_the_nearest_point_of_a_box_agrees_with_the_scene():
         distance, ux, uy = nearest_of_box(*point, row)
         assert distance == pytest.approx(float(solid.distance(point)), abs=1e-9)
         assert solid.distance(point + 0.01 * np.array([ux, uy])) == pytest.approx(distance + 0.01, abs=1e-6)
+
+
+def test_a_point_too_near_to_furniture_is_moved_to_its_edge():
+    boxes, circles = np.array([[0.0, 0.0, 1.0, 0.0, 1.0, 0.5]]), np.array([[5.0, 0.0, 0.3]])
+    assert keep_clear(0.2, 0.6, 0.25, boxes, circles) == pytest.approx((0.2, 0.75))
+    assert keep_clear(5.1, 0.0, 0.25, boxes, circles) == pytest.approx((5.55, 0.0))
+    assert keep_clear(3.0, 3.0, 0.25, boxes, circles) == (3.0, 3.0)
 
 
 def test_two_who_meet_head_on_pass_each_other_without_touching():

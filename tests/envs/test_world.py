@@ -78,8 +78,10 @@ def test_a_perfect_follower_completes_the_tour_and_no_two_bodies_overlap(scene, 
         np.fill_diagonal(apart, 9.0)
         assert np.all(apart > bodies.radii[:, None] + bodies.radii[None])
         assert np.all(world.scene.clearance(bodies.positions, of_people=True) > bodies.radii)
-        legs = bodies.legs.reshape(-1, 2)
-        assert world.scene.clearance(legs).min() > 0.0
+        assert np.all(world.scene.clearance(bodies.legs, of_people=True) > bodies.leg_radii[:, None])
+        legs, thick = bodies.legs.reshape(-1, 2), np.repeat(bodies.leg_radii, 2)
+        between_legs = np.hypot(*(legs[:, None] - legs[None]).transpose(2, 0, 1)) - thick[:, None] - thick[None]
+        assert between_legs[np.triu_indices(len(legs), 1)].min() > 0.0
         assert not truth.contact_person
         assert not truth.contact_static
         if truth.leader_walking and truth.time_s > 3.0:

@@ -8,7 +8,7 @@ from PIL import Image
 from tagalong.scripts import cli
 from tagalong.scripts.scoring import kind_of
 from tagalong.slam.errors import InputError
-from tagalong.slam.geometry import compose
+from tagalong.slam.geometry import compose, transform_points
 from tagalong.slam.logs.ros_map import write_ros_map
 from tagalong.slam.logs.tum import Trajectory, read_tum, write_tum
 from tagalong.slam.occupancy_map import OccupancyMap
@@ -78,7 +78,7 @@ def test_a_trajectory_is_scored_by_relations(here, capsys):
     status, out, _ = score(capsys, "truth.tum", "relations.txt")
     assert status == 0
     assert "translation mean" in out
-    assert "interpolated" in out
+    assert "between scans interpolated" in out
 
 
 def test_maps_are_scored_with_residue_and_overlay(here, capsys):
@@ -93,6 +93,24 @@ def test_maps_are_scored_with_residue_and_overlay(here, capsys):
     assert written["dynamic_residue"]["cells"] == 4
     with Image.open("o.png") as picture:
         assert picture.width > 300
+
+
+def test_feet_of_another_frame_are_placed_by_the_two_trajectories(here, capsys):
+    world = np.array((7.0, -3.0, 2.0))
+    poses = np.column_stack((np.linspace(0, 2, 5), np.zeros(5), np.zeros(5)))
+    feet = transform_points(world, np.full((5, 2, 2), (0.525, 0.1)))
+    Path("map").mkdir()
+    write_ros_map("map/map", l_room(ghosts=True))
+    write_tum("map/trajectory.tum", Trajectory(np.arange(5.0), poses))
+    write_tum("drive.gt.tum", Trajectory(np.arange(5.0), compose(world, poses)))
+    np.savez_compressed("drive.people.npz", feet=feet)
+    words = ["map/map.yaml", "static.yaml", "--people", "drive.people.npz", "--json", "s.json"]
+    assert score(capsys, *words)[0] == 0
+    assert json.loads(Path("s.json").read_text())["dynamic_residue"]["cells"] == 4
+    write_tum("drive.gt.tum", Trajectory(np.arange(4.0), poses[:4]))
+    status, _, err = score(capsys, *words)
+    assert status == 2
+    assert "got 5, 4 and 5" in err
 
 
 @pytest.mark.parametrize(
