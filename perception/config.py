@@ -27,9 +27,16 @@ class PerceptionConfig:
             5 Hz a person survives a full occlusion of one second under Table II's epsilon (at 10 Hz: 0.7 s).
         initial_variance: P0 = this times I (eq. 5b) [m^2, (m/s)^2].
         confidence_gain: Weight of a new detection's confidence (eq. 6, 0.05).
-        gate: Largest distance between a predicted leg track and its detection, at a very high scan rate [m].
-        gate_speed: How much the gate grows with the time between two scans: a swinging foot overtakes its person [m/s].
+        gate: Largest distance between a leg track and its detection, at a very high scan rate [m].
+        gate_speed: How much the gate grows with the time since the leg was last seen: a swinging foot overtakes its
+            person [m/s].
+        gate_most: It grows no larger than this [m].
+        gate_anchor_s: For this long after it was seen, a leg is looked for where it was seen as well as where it was
+            predicted: feet stop and start between two scans [s].
         reach: Largest distance between a person's predicted centre and one of its legs [m].
+        left_behind: Nothing may stand any more within this distance of where a leg that moved began [m].
+        one_leg_variance: Added to `r` where one leg measures the centre [m^2].
+        start_unseen_s: A leg may be unseen for this long when its person starts [s].
         both_legs_from: A cluster wider than this can be both legs of a person known to be there [m].
         both_legs_to: And narrower than this [m].
         both_legs_gate: Largest distance between it and the person's predicted centre [m].
@@ -65,7 +72,12 @@ class PerceptionConfig:
     confidence_gain: float = 0.05
     gate: float = 0.35
     gate_speed: float = 2.5
-    reach: float = 0.6
+    gate_most: float = 0.8
+    gate_anchor_s: float = 0.3
+    reach: float = 0.8
+    left_behind: float = 0.12
+    one_leg_variance: float = 0.1
+    start_unseen_s: float = 0.3
     both_legs_from: float = 0.15
     both_legs_to: float = 0.6
     both_legs_gate: float = 0.3
@@ -104,10 +116,6 @@ class PerceptionConfig:
     def confidence_weight(self, dt: float) -> float:
         """Return the gain of eq. 6 for `dt` seconds, so that its memory lasts equally long at any scan rate."""
         return 1.0 - (1.0 - self.confidence_gain) ** (dt * self.reference_rate_hz)
-
-    def gate_after(self, dt: float) -> float:
-        """Return the largest distance [m] between a leg predicted over `dt` seconds and its detection."""
-        return self.gate + self.gate_speed * dt
 
 
 PRESETS: dict[str, PerceptionConfig] = {"table2": PerceptionConfig()}

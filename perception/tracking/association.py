@@ -15,17 +15,18 @@ def distances(tracks: Array, detections: Array) -> Array:
     return np.asarray(cdist(tracks, detections), dtype=np.float64)
 
 
-def assign(cost: Array, gate: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Return the pairs (rows, columns) of least total cost, where leaving a pair unmatched costs `gate`.
+def assign(cost: Array, gate: float | Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return the pairs (rows, columns) of least total cost, where leaving a row unmatched costs its `gate`.
 
-    A pair costs at most `gate`, so no match is stretched to make room for another; pairs at or beyond the gate are
-    no pairs. Entries may be `inf`.
+    A pair costs at most the gate, so no match is stretched to make room for another; pairs at or beyond the gate are
+    no pairs. Entries may be `inf`; `gate` is a number or one a row (n,).
     """
-    near = cost < gate
+    limit = np.broadcast_to(np.asarray(gate, dtype=np.float64), len(cost))[:, None]
+    near = cost < limit
     rows, columns = np.flatnonzero(near.any(axis=1)), np.flatnonzero(near.any(axis=0))
     if len(rows) == 0:
         return rows, columns
-    inner = np.minimum(cost[np.ix_(rows, columns)], gate)
-    i, j = linear_sum_assignment(inner)
-    real = inner[i, j] < gate
+    gain = np.minimum(cost - limit, 0.0)[np.ix_(rows, columns)]
+    i, j = linear_sum_assignment(gain)
+    real = gain[i, j] < 0.0
     return rows[i[real]], columns[j[real]]

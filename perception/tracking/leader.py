@@ -20,18 +20,22 @@ class LeaderConfig:
 
     Attributes:
         onset_s: The choice may still change for this long after the first one, if somebody else is nearer [s].
-        onset_distance: Nobody farther from the robot than this is chosen [m].
+        onset_near: Somebody this near the robot is chosen at once [m].
+        onset_far: Nobody farther from the robot than this is ever chosen [m].
+        patience_s: Somebody between the two only when nobody came nearer for this long after the first was seen [s].
         search_sigmas: A lost leader is looked for within this many standard deviations of its prediction.
         search_distance: And never farther from it than this [m].
     """
 
     onset_s: float = 1.0
-    onset_distance: float = 4.0
+    onset_near: float = 2.2
+    onset_far: float = 4.0
+    patience_s: float = 5.0
     search_sigmas: float = 2.0
     search_distance: float = 8.0
 
     def __post_init__(self) -> None:
-        for name in ("onset_distance", "search_sigmas", "search_distance"):
+        for name in ("onset_near", "onset_far", "search_sigmas", "search_distance"):
             if not getattr(self, name) > 0.0:
                 raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
 
@@ -74,6 +78,7 @@ class LeaderSelector:
         """Forget the leader."""
         self._leader: Leader | None = None
         self._time_s = self._chosen_s = 0.0
+        self._waiting_since = np.inf
         self._search: KalmanFilter | None = None
 
     def update(self, people: People, robot_pose: ArrayLike) -> Leader | None:
@@ -93,8 +98,12 @@ class LeaderSelector:
         return self._leader
 
     def _choose(self, people: People, robot: Array) -> None:
-        apart = np.hypot(*(people.positions - robot).T)
-        if len(people) == 0 or apart.min() > self._leader_config.onset_distance:
+        if len(people) == 0:
+            return
+        config, apart = self._leader_config, np.hypot(*(people.positions - robot).T)
+        self._waiting_since = min(self._waiting_since, people.time_s)
+        patient = self._leader is None and people.time_s - self._waiting_since < config.patience_s
+        if apart.min() > (config.onset_near if patient else config.onset_far):
             return
         if self._leader is None:
             self._chosen_s = people.time_s

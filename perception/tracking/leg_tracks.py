@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from ..config import PerceptionConfig
 from . import kalman
+from .association import distances
 
 Array = NDArray[np.float64]
 
@@ -13,6 +14,8 @@ LEG = np.dtype(
         ("x", np.float64, 4),  # state (x, y, vx, vy) in the odometry frame
         ("p", np.float64, 3),  # covariance, see kalman.py
         ("confidence", np.float64),
+        ("seen", np.float64, 2),  # where it was last seen
+        ("first", np.float64, 2),  # where the track began
         ("low", np.float64, 2),  # smallest x and y it has been at [m]
         ("high", np.float64, 2),  # largest
         ("age_s", np.float64),
@@ -61,6 +64,16 @@ class LegTracks:
         rows["age_s"] += dt
         rows["unseen_s"] += dt
 
+    def cost(self, z: Array) -> tuple[Array, Array]:
+        """Return (n, m) distances to detections `z` (m, 2), `inf` beyond a track's gate, and the gates (n,) [m]."""
+        config, unseen_s = self._config, self.rows["unseen_s"]
+        cost = distances(self.positions, z)
+        fresh = unseen_s <= config.gate_anchor_s
+        cost[fresh] = np.minimum(cost[fresh], distances(self.rows["seen"][fresh], z))
+        gates = np.minimum(config.gate + config.gate_speed * unseen_s, config.gate_most)
+        cost[cost >= gates[:, None]] = np.inf
+        return cost, gates
+
     def correct(self, match: NDArray[np.intp], z: Array, d: Array, dt: float) -> None:
         """Correct the tracks with detections `z` (m, 2) of confidence `d` (m,); `match` (n,) is a detection or -1.
 
@@ -74,6 +87,7 @@ class LegTracks:
         rows["confidence"] *= 1.0 - gain
         rows["confidence"][seen] += gain * d[found]
         rows["unseen_s"][seen] = 0.0
+        rows["seen"][seen] = z[found]
         rows["low"][seen] = np.minimum(rows["low"][seen], x[:, :2])
         rows["high"][seen] = np.maximum(rows["high"][seen], x[:, :2])
 
@@ -88,7 +102,7 @@ class LegTracks:
         """Add tracks at `positions` (k, 2) with zero velocity (eq. 5) and the detections' `confidence` (k,)."""
         fresh = np.zeros(len(positions), dtype=LEG)
         fresh["x"][:, :2] = positions
-        fresh["low"] = fresh["high"] = positions
+        fresh["seen"] = fresh["first"] = fresh["low"] = fresh["high"] = positions
         fresh["p"] = (self._config.initial_variance, 0.0, self._config.initial_variance)
         fresh["confidence"] = confidence
         count = len(self.rows)
@@ -96,6 +110,11 @@ class LegTracks:
         apart = self.positions[:, None] - self.positions
         apart[:count, :count] = self.apart
         self.apart = apart
+
+    def restart_moving(self, index: NDArray[np.intp]) -> None:
+        """Let the tracks `index` (k,) begin here, as if they had not moved yet."""
+        for name in ("first", "low", "high"):
+            self.rows[name][index] = self.positions[index]
 
     def take(self, order: NDArray[np.intp]) -> None:
         """Keep the tracks `order` (k,), in that order."""

@@ -50,11 +50,13 @@ class Sightings:
         seen: (n,) whether anything of the person was seen.
         centre: (n, 2) where its centre was seen [m].
         confidence: (n,) of what was seen; 0 for the unseen (eq. 6).
+        one_leg: (n,) whether it was one leg.
     """
 
     seen: NDArray[np.bool_]
     centre: Array
     confidence: Array
+    one_leg: NDArray[np.bool_]
 
 
 def measure(people: NDArray[np.void], match: NDArray[np.intp], z: Array, d: Array) -> Sightings:
@@ -74,14 +76,17 @@ def measure(people: NDArray[np.void], match: NDArray[np.intp], z: Array, d: Arra
     side = np.where(seen[one, 0], 1.0, -1.0)
     centre[one] = z[alone] - side[:, None] * people["offset"][one]
     confidence[one] = d[alone]
-    return Sightings(both | one, centre, confidence)
+    return Sightings(both | one, centre, confidence, one)
 
 
 def correct(people: NDArray[np.void], sightings: Sightings, dt: float, config: PerceptionConfig) -> None:
     """Correct `people` (n,) with what was seen of them; the others stay predicted."""
     seen = sightings.seen
     people["x"][seen], people["p"][seen] = kalman.update(
-        people["x"][seen], people["p"][seen], sightings.centre[seen], config.r
+        people["x"][seen],
+        people["p"][seen],
+        sightings.centre[seen],
+        config.r + config.one_leg_variance * sightings.one_leg[seen],
     )
     people["confidence"] += config.confidence_weight(dt) * (sightings.confidence - people["confidence"])
     people["unseen_s"][seen] = 0.0

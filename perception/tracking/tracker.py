@@ -85,8 +85,7 @@ class PeopleTracker:
         self._legs.predict(dt)
         person_tracks.predict(self._people, dt, self._config)
         self._lost.predict(dt)
-        gate = self._config.gate_after(dt)
-        match = self._adopt(self._associate(z, gate), z, gate)
+        match = self._adopt(self._associate(z), z)
         self._legs.correct(match, z, d, dt)
         sightings = person_tracks.measure(self._people, match[: 2 * len(self._people)].reshape(-1, 2), z, d)
         sightings = self._see_legs_in_one(sightings, detections, pose, scan.time_s)
@@ -99,9 +98,9 @@ class PeopleTracker:
         thing[detections.human] = self._is_still(match, len(z))
         self._end_tracks()
         self._begin_legs(match, z, d)
-        self._start_people(scan.time_s)
-        points = transform_points(compose(pose, scan.T_robot_lidar), _points_of(detections.clusters, thing))
-        self._mark_grid(points, pose, scan.time_s, dt)
+        T_odom_lidar = compose(pose, scan.T_robot_lidar)
+        self._start_people(transform_points(T_odom_lidar, detections.clusters.points), scan.time_s)
+        self._mark_grid(transform_points(T_odom_lidar, _points_of(detections.clusters, thing)), pose, scan.time_s, dt)
         return TrackerUpdate(self._result(scan.time_s), detections, pose)
 
     def _step(self, time_s: float) -> float:
@@ -113,18 +112,18 @@ class PeopleTracker:
             raise InputError(f"scan times must increase [s], got {time_s} after {before}")
         return time_s - before
 
-    def _associate(self, z: Array, gate: float) -> NDArray[np.intp]:
+    def _associate(self, z: Array) -> NDArray[np.intp]:
         """Return each leg track's detection or -1."""
-        cost = distances(self._legs.positions, z)
+        cost, gates = self._legs.cost(z)
         owned = 2 * len(self._people)
         centre = np.repeat(distances(self._people["x"][:, :2], z), 2, axis=0)
         cost[:owned][centre > self._config.reach] = np.inf
         match = np.full(len(self._legs), -1)
-        rows, columns = assign(cost, gate)
+        rows, columns = assign(cost, gates)
         match[rows] = columns
         return match
 
-    def _adopt(self, match: NDArray[np.intp], z: Array, gate: float) -> NDArray[np.intp]:
+    def _adopt(self, match: NDArray[np.intp], z: Array) -> NDArray[np.intp]:
         """Give people with a missing leg the lone tracks that could be it; a lone track so taken ends."""
         owned = 2 * len(self._people)
         missing, lone = np.flatnonzero(match[:owned] < 0), owned + np.flatnonzero(match[owned:] >= 0)
@@ -134,8 +133,10 @@ class PeopleTracker:
         cost = distances(self._legs.positions[missing], candidates)
         cost[distances(self._people["x"][missing // 2, :2], candidates) > self._config.reach] = np.inf
         other = missing + 1 - 2 * (missing % 2)
-        cost[self._legs.spread()[np.ix_(other, lone)] > self._config.pair_width] = np.inf
-        rows, columns = assign(cost, gate)
+        known = self._legs.rows["age_s"][lone] > self._config.stride_time_s / 2.0
+        limit = np.where(known, self._config.pair_width, self._config.pair_distance)
+        cost[self._legs.spread()[np.ix_(other, lone)] > limit] = np.inf
+        rows, columns = assign(cost, self._config.reach)
         slots, taken = missing[rows], lone[columns]
         order = np.arange(len(self._legs))
         order[slots] = taken
@@ -163,7 +164,7 @@ class PeopleTracker:
         seen[unseen[rows]] = True
         centre[unseen[rows]] = positions[free][columns]
         confidence[unseen[rows]] = found.confidence[wide][free][columns]
-        return Sightings(seen, centre, confidence)
+        return Sightings(seen, centre, confidence, sightings.one_leg)
 
     def _carry_hidden_legs(self, match: NDArray[np.intp]) -> None:
         """Let a person's unseen leg walk with the person, where its offset is believed to be."""
@@ -224,22 +225,36 @@ class PeopleTracker:
         fresh[match[match >= 0]] = False
         self._legs.begin(z[fresh], d[fresh])
 
-    def _start_people(self, time_s: float) -> None:
+    def _start_people(self, points: Array, time_s: float) -> None:
         """Start a person from each pair of lone tracks that moved, are confident, stand on free cells and belong
         together: each the other's nearest confident track in the mean over a stride, moved or not."""
         owned = 2 * len(self._people)
         lone, config = self._legs.rows[owned:], self._config
-        alive = owned + np.flatnonzero((lone["confidence"] > config.c_min) & (lone["unseen_s"] == 0.0))
+        alive = owned + np.flatnonzero(
+            (lone["confidence"] > config.c_min) & (lone["unseen_s"] <= config.start_unseen_s)
+        )
         able = self._legs.moved[alive] >= config.delta
         if np.count_nonzero(able) < 2:
             return
         able[able] = self._grid.is_free(self._legs.positions[alive[able]], time_s)
+        able[able] = self._left_their_place(alive[able], points, time_s)
         spread = self._legs.spread()[np.ix_(alive, alive)]
         spread[distances(self._legs.positions[alive], self._legs.positions[alive]) > config.pair_distance] = np.inf
         rows = alive[mutual_pairs(spread, able, config.pair_width)]
         self._people = np.concatenate((self._people, self._named(self._legs.rows[rows])))
         rest = np.setdiff1d(np.arange(owned, len(self._legs)), rows)
         self._legs.take(np.concatenate((np.arange(owned), rows.ravel(), rest)))
+
+    def _left_their_place(self, tracks: NDArray[np.intp], points: Array, time_s: float) -> NDArray[np.bool_]:
+        """Return (k,) whether nothing of the scan stands any more where the `tracks` (k,) began.
+
+        A track that hopped from one chair leg to the next has moved, but what it began at still stands there. Where
+        that is known to be no human, the track begins anew here.
+        """
+        first = self._legs.rows["first"][tracks]
+        left = distances(first, points).min(axis=1, initial=np.inf) > self._config.left_behind
+        self._legs.restart_moving(tracks[~left & ~self._grid.is_free(first, time_s)])
+        return left
 
     def _named(self, pairs: NDArray[np.void]) -> NDArray[np.void]:
         """Return people from pairs of legs (k, 2), with their old number where they are recognised."""

@@ -141,7 +141,7 @@ def drives(options: argparse.Namespace) -> Iterator[dict[str, Any]]:
 
 def _judge_drive(world: World, config: PerceptionConfig, detector: LegDetector, seconds: float) -> dict[str, Any]:
     tracker, selector, judge = PeopleTracker(config, detector), LeaderSelector(config), DriveJudge(config)
-    spent, scans, right, chosen = 0.0, 0, None, 0.0
+    spent, scans, right, chosen, onset_s = 0.0, 0, None, 0.0, 0.0
     while world.time_s < seconds and not world.truth.tour_done:
         world.step(follow_command(world.truth))
         scan, truth = world.scan(), world.truth
@@ -154,7 +154,8 @@ def _judge_drive(world: World, config: PerceptionConfig, detector: LegDetector, 
         if leader is not None:
             place = transform_points(compose(truth.robot_pose, inverse(update.odometry)), leader.position[None])[0]
             on_leader = bool(np.hypot(*(place - truth.people.positions[truth.leader_index])) < 0.6)
-            right = on_leader if right is None else right
+            onset_s = truth.time_s if right is None else onset_s
+            right = on_leader if right is None or truth.time_s - onset_s < 1.2 else right
             chosen += on_leader
     return _row(judge) | {"leader_right": right, "leader_held": chosen / scans, "ms": 1e3 * spent / scans}
 

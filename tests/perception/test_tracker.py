@@ -66,6 +66,13 @@ def test_standing_furniture_never_becomes_a_person_even_if_its_legs_look_human(s
         assert len(stage.show(chair[seen], chair[~seen])) == 0
 
 
+def test_a_track_that_hops_along_chair_legs_is_no_walker(stage):
+    chair = np.stack((np.full(8, 1.5), 0.35 * np.arange(8)), axis=1)
+    for k in range(200):  # one leg after the other looks human, the others stand there all the same
+        human = np.isin(np.arange(8), [k // 3 % 8, (k // 3 + 1) % 8])
+        assert len(stage.show(chair[human], chair[~human])) == 0
+
+
 def test_clusters_below_gamma_never_start_a_person_and_block_their_cells(stage):
     history, _ = stage.walk([[1.0, -1.0]], [[0.0, 1.2]], 3.0, confidence=0.29)
     assert all(len(people) == 0 for people in history)
