@@ -1,4 +1,4 @@
-"""What the follower remembers of its leader while it does not see it, and what it does about it."""
+"""Where the follower takes its leader to be: smoothed while it is seen, remembered while it is not."""
 
 import math
 from dataclasses import dataclass
@@ -22,9 +22,12 @@ class Mode(Enum):
 
 @dataclass(frozen=True, kw_only=True)
 class MemoryConfig:
-    """When a leader is given up and looked for.
+    """How a leader is smoothed, and when it is given up and looked for.
 
     Attributes:
+        position_s: Time constant with which a seen place corrects the smoothed one [s]: feet swing, bodies do not.
+        velocity_s: Time constant with which a seen velocity corrects the smoothed one [s].
+        jump_m: A place farther than this from the smoothed one is believed at once [m].
         patience_s: How long an unseen leader is followed as if it was seen [s].
         extrapolate_s: How long an unseen leader is taken to walk on at its last velocity [s].
         arrived_m: Distance from the remembered place at which the search begins [m].
@@ -32,6 +35,9 @@ class MemoryConfig:
         search_turn_rate: Turn rate of the search [rad/s].
     """
 
+    position_s: float = 0.35
+    velocity_s: float = 0.5
+    jump_m: float = 0.6
     patience_s: float = 0.6
     extrapolate_s: float = 1.0
     arrived_m: float = 0.5
@@ -84,16 +90,25 @@ class LeaderMemory:
             leader: Observation `leader`.
             velocity: The robot's own (forward, left, turn) during the last step [m/s, m/s, rad/s].
         """
-        x, y, vx, vy, _, visible = leader
-        if visible > 0.5:
-            self._goal = Goal(Mode.FOLLOW, x, y, vx, vy)
-            self._unseen_s = 0.0
-            self.search_side = math.copysign(1.0, y + 0.5 * vy)
+        self._carry_along(velocity)
+        if leader[5] > 0.5:
+            self._correct(leader)
         elif self._goal.mode is not Mode.WAIT:
             self._unseen_s += self._step_s
-            self._carry_along(velocity)
             self._goal.mode = self._lost_mode()
         return self._goal
+
+    def _correct(self, leader: list[float]) -> None:
+        x, y, vx, vy = leader[:4]
+        goal, c = self._goal, self._config
+        if goal.mode is not Mode.FOLLOW or math.hypot(x - goal.x, y - goal.y) > c.jump_m:
+            self._goal = Goal(Mode.FOLLOW, x, y, vx, vy)
+        else:
+            place, speed = (self._step_s / (self._step_s + time_s) for time_s in (c.position_s, c.velocity_s))
+            goal.x, goal.y = goal.x + place * (x - goal.x), goal.y + place * (y - goal.y)
+            goal.vx, goal.vy = goal.vx + speed * (vx - goal.vx), goal.vy + speed * (vy - goal.vy)
+        self._unseen_s = 0.0
+        self.search_side = math.copysign(1.0, self._goal.y + 0.5 * self._goal.vy)
 
     def _lost_mode(self) -> Mode:
         if self._unseen_s <= self._config.patience_s:

@@ -26,7 +26,6 @@ class PIDConfig:
         linear: Gains from the error of the distance [m] to forward speed [m/s].
         angular: Gains from the bearing [rad] to turn rate [rad/s].
         feed_forward: Share of the leader's speed along the line of sight that is added to the forward speed [-].
-        feed_forward_filter_s: Time constant of the low-pass on it: feet swing, bodies do not [s].
         reverse_speed: Fastest backing away from a leader who comes near [m/s].
         acceleration: Limit on the change of the forward speed [m/s^2].
         braking: Limit when slowing down for something ahead [m/s^2].
@@ -42,7 +41,6 @@ class PIDConfig:
     linear: AxisConfig = field(default_factory=lambda: AxisConfig(proportional=1.2, integral=0.1, derivative=0.1))
     angular: AxisConfig = field(default_factory=lambda: AxisConfig(proportional=1.8, derivative=0.1))
     feed_forward: float = 0.9
-    feed_forward_filter_s: float = 0.4
     reverse_speed: float = 0.5
     acceleration: float = 1.0
     braking: float = 1.2
@@ -54,7 +52,7 @@ class PIDConfig:
     memory: MemoryConfig = field(default_factory=MemoryConfig)
 
     def __post_init__(self) -> None:
-        for name in ("distance", "acceleration", "braking", "turn_acceleration", "feed_forward_filter_s"):
+        for name in ("distance", "acceleration", "braking", "turn_acceleration"):
             if not getattr(self, name) > 0.0:
                 raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
 
@@ -83,7 +81,7 @@ class PIDFollower:
         self._linear.reset()
         self._angular.reset()
         self._memory.reset()
-        self._speed = self._turn = self._pace = self._deviation = 0.0
+        self._speed = self._turn = self._deviation = 0.0
 
     def act(self, observation: Observation) -> NDArray[np.float32]:
         """Return the action (forward, turn), or (forward, 0, turn) for a holonomic robot, each in [-1, 1]."""
@@ -102,10 +100,9 @@ class PIDFollower:
     def _follow(self, goal: Goal, heading: float, ahead: float) -> tuple[float, float, float]:
         c = self.config
         keep = c.distance if goal.mode is Mode.FOLLOW else 0.0
-        sight = (goal.vx * math.cos(goal.bearing) + goal.vy * math.sin(goal.bearing)) * c.feed_forward
-        self._pace += (sight - self._pace) * self._step_s / (c.feed_forward_filter_s + self._step_s)
+        pace = (goal.vx * math.cos(goal.bearing) + goal.vy * math.sin(goal.bearing)) * c.feed_forward
         top = self.interface.max_speed if goal.mode is Mode.FOLLOW else c.approach_speed
-        speed = self._linear.update(goal.distance - keep, saturated=abs(self._speed) >= top) + self._pace
+        speed = self._linear.update(goal.distance - keep, saturated=abs(self._speed) >= top) + pace
         speed = min(max(speed, -c.reverse_speed), top * max(0.0, math.cos(heading)) ** 2)
         brake_in_time = self._safe_speed(ahead)
         turn = self._angular.update(heading)

@@ -25,6 +25,8 @@ class LeaderConfig:
         patience_s: Somebody between the two only when nobody came nearer for this long after the first was seen [s].
         search_sigmas: A lost leader is looked for within this many standard deviations of its prediction.
         search_distance: And never farther from it than this [m].
+        search_overlap_s: How long somebody may have been tracked before the leader was last seen and still be it: the
+            old track may have slid off to something else [s].
     """
 
     onset_s: float = 1.0
@@ -33,6 +35,7 @@ class LeaderConfig:
     patience_s: float = 5.0
     search_sigmas: float = 2.0
     search_distance: float = 8.0
+    search_overlap_s: float = 3.0
 
     def __post_init__(self) -> None:
         for name in ("onset_near", "onset_far", "search_sigmas", "search_distance"):
@@ -121,7 +124,7 @@ class LeaderSelector:
         unseen_s = before.unseen_s + dt
         gate = min(config.search_distance, config.search_sigmas * float(np.sqrt(search.P[0, 0])))
         apart = np.hypot(*(people.positions - search.x[:2]).T)
-        apart[people.age_s > unseen_s] = np.inf
+        apart[people.age_s > unseen_s + config.search_overlap_s] = np.inf
         if len(people) and apart.min() < gate:
             self._search = None
             self._leader = _as_leader(people, int(apart.argmin()), before.id)

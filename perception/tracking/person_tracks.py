@@ -82,11 +82,10 @@ def measure(people: NDArray[np.void], match: NDArray[np.intp], z: Array, d: Arra
 def correct(people: NDArray[np.void], sightings: Sightings, dt: float, config: PerceptionConfig) -> None:
     """Correct `people` (n,) with what was seen of them; the others stay predicted."""
     seen = sightings.seen
+    r = np.full(np.count_nonzero(seen), config.r)
+    r[sightings.one_leg[seen]] += config.one_leg_variance
     people["x"][seen], people["p"][seen] = kalman.update(
-        people["x"][seen],
-        people["p"][seen],
-        sightings.centre[seen],
-        config.r + config.one_leg_variance * sightings.one_leg[seen],
+        people["x"][seen], people["p"][seen], sightings.centre[seen], r
     )
     people["confidence"] += config.confidence_weight(dt) * (sightings.confidence - people["confidence"])
     people["unseen_s"][seen] = 0.0

@@ -150,8 +150,7 @@ class PeopleTracker:
         It must be wider than a leg, stand where the person was predicted, and on free cells; its confidence counts.
         """
         config = self._config
-        since_leg_s = self._legs.rows["unseen_s"][: 2 * len(self._people)].reshape(-1, 2).min(axis=1)
-        unseen = np.flatnonzero(~sightings.seen & (since_leg_s < config.both_legs_s))
+        unseen = np.flatnonzero(~sightings.seen & (self._since_leg_s() < config.both_legs_s))
         if len(unseen) == 0:
             return sightings
         ends = found.clusters.points[found.clusters.end - 1] - found.clusters.points[found.clusters.start]
@@ -259,12 +258,19 @@ class PeopleTracker:
     def _named(self, pairs: NDArray[np.void]) -> NDArray[np.void]:
         """Return people from pairs of legs (k, 2), with their old number where they are recognised."""
         people = person_tracks.new_people(pairs)
-        known = self._lost.recognise(people["x"][:, :2], people["age_s"])
-        fresh = known < 0
-        people["id"] = known
-        people["id"][fresh] = self._next_id + np.arange(np.count_nonzero(fresh))
+        doubtful = self._since_leg_s() > self._config.doubt_s
+        people["id"] = self._lost.recognise(people["x"][:, :2], people["age_s"], self._people[doubtful])
+        self._people["confidence"][np.isin(self._people["id"], people["id"])] = 0.0  # slid off: ends with the next scan
+        fresh = np.concatenate((self._people["confidence"] == 0.0, people["id"] < 0))
+        numbers = np.concatenate((self._people["id"], people["id"]))
+        numbers[fresh] = self._next_id + np.arange(np.count_nonzero(fresh))
         self._next_id += np.count_nonzero(fresh)
+        self._people["id"], people["id"] = np.split(numbers, [len(self._people)])
         return people
+
+    def _since_leg_s(self) -> Array:
+        """Return (n,) the time since a leg of each person was seen apart [s]."""
+        return np.asarray(self._legs.rows["unseen_s"][: 2 * len(self._people)].reshape(-1, 2).min(axis=1))
 
     def _mark_grid(self, points: Array, pose: Array, time_s: float, dt: float) -> None:
         """Mark the non-human `points` (k, 2), but never where a person, or what may become one, stands."""

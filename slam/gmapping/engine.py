@@ -115,6 +115,13 @@ class GMapping:
         path = self._paths.path(self.best_particle)
         return render_map(path, self._matched, GridConfig(resolution=resolution, max_range=self.config.max_urange))
 
+    def particle_map(self) -> OccupancyMap:
+        """Return the best particle's own map, with cells of `delta`: ready at any time, in a few milliseconds.
+
+        `probability` is the share of hits among a cell's visits; the map of `map_at` is crisper.
+        """
+        return self._maps.to_map(self.best_particle)
+
     def _is_due(self, scan: LaserScan) -> bool:
         moved = self._motion.travelled >= self.config.linear_update or self._motion.turned >= self.config.angular_update
         return moved and bool(scan.is_return.any())
@@ -125,8 +132,10 @@ class GMapping:
         means = compose(self._poses, self._motion.mean)
         covariances = _turned(self._motion.covariance, self._poses[:, 2])
         matches = self._matcher.match(self._maps, points_robot, means, covariances, self._rng)
-        errors = self._rng.standard_normal(means.shape)
-        self._poses = matches.modes + np.einsum("pij,pj->pi", matches.roots, errors)
+        lost = matches.losses > 1.0 - self.config.minimum_score
+        modes = np.where(lost[:, None], means, matches.modes)
+        roots = np.where(lost[:, None, None], np.linalg.cholesky(covariances), matches.roots)
+        self._poses = modes + np.einsum("pij,pj->pi", roots, self._rng.standard_normal(means.shape))
         self._poses[:, 2] = wrap_angle(self._poses[:, 2])
         gains = -self.config.observation_gain * matches.losses
         self._log_weights += gains

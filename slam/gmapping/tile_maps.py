@@ -4,10 +4,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry import transform_points
+from ..occupancy_map import OccupancyMap
 from .tile_kernels import SIDE, mark_particles, own_tiles, write_particles
 from .workers import Workers
 
 Array = NDArray[np.float64]
+
+_OCCUPIED_SHARE = 0.25  # of the visits that were hits, as the ROS wrapper draws its map
 
 
 class TileMaps:
@@ -79,6 +82,20 @@ class TileMaps:
         unused = np.flatnonzero(self._references == 0)
         self._free_count = len(unused)
         self._free[: len(unused)] = unused[::-1]
+
+    def to_map(self, particle: int) -> OccupancyMap:
+        """Return a particle's own map: the share of hits among the visits of a cell; NaN where there were none."""
+        directory = self.directory[particle]
+        rows, cols = np.flatnonzero(directory.any(axis=1)), np.flatnonzero(directory.any(axis=0))
+        if not len(rows):
+            return OccupancyMap(np.full((1, 1), np.nan, dtype=np.float32), self.cell, (0.0, 0.0))
+        tiles = self.counts[directory[rows[0] : rows[-1] + 1, cols[0] : cols[-1] + 1]]
+        hits, visits = tiles[..., 0].astype(np.float32), tiles[..., 1]
+        share = np.where(visits > 0, hits / np.maximum(visits, 1), np.float32(np.nan))
+        height, width = share.shape[:2]
+        plain = share.reshape(height, width, SIDE, SIDE).swapaxes(1, 2).reshape(height * SIDE, width * SIDE)
+        x, y = (self.origin + np.array([cols[0], rows[0]])) * (SIDE * self.cell)
+        return OccupancyMap(plain, self.cell, (float(x), float(y)), _OCCUPIED_SHARE, _OCCUPIED_SHARE)
 
     def _own(self, needed: NDArray[np.bool_]) -> None:
         shared = needed & ((self.directory == 0) | (self._references[self.directory] > 1))
