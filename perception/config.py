@@ -48,6 +48,7 @@ class PerceptionConfig:
         offset_time_s: How fast the believed offset of a hidden leg from its person's centre fades [s].
         coast_s: How fast the velocity of a lost person is believed to fade [s].
         memory_s: How long a lost person can be recognised [s].
+        memory_least_s: Whoever was tracked for less than this is forgotten at once [s].
         memory_distance: Largest distance from the prediction at which a lost person is recognised [m].
         memory_overlap_s: How long the legs of a lost person may have been tracked anew before the old track was last
             seen: tracks overlap when a person is taken for two [s].
@@ -90,6 +91,7 @@ class PerceptionConfig:
     offset_time_s: float = 0.3
     coast_s: float = 1.0
     memory_s: float = 10.0
+    memory_least_s: float = 5.0
     memory_distance: float = 3.0
     memory_overlap_s: float = 0.5
     doubt_s: float = 1.0

@@ -1,6 +1,6 @@
 """The one person to follow: chosen at onset, looked for when lost, never told from outside (Ye 2021, section II.C)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from filterpy.kalman import KalmanFilter
@@ -131,6 +131,13 @@ class LeaderSelector:
         else:
             position, velocity = search.x[:2].copy(), search.x[2:].copy()
             self._leader = Leader(before.id, -1, position, velocity, False, 0.0, unseen_s)
+
+
+def numbered_by_leader(people: People, leader: Leader | None) -> People:
+    """Return `people` with the leader's number on the track that is the leader now."""
+    if leader is None or leader.track_id < 0 or leader.id in people.ids:
+        return people
+    return replace(people, ids=np.where(people.ids == leader.track_id, leader.id, people.ids))
 
 
 def _as_leader(people: People, index: int, number: int) -> Leader:

@@ -33,8 +33,9 @@ class LostPeople:
         self._people = lost[lost["unseen_s"] <= config.memory_s]
 
     def remember(self, people: NDArray[np.void]) -> None:
-        """Take `people` (k,) whose tracks end now."""
-        self._people = np.concatenate((self._people, people))
+        """Take `people` (k,) whose tracks end now; those who were hardly known are forgotten."""
+        known = people[people["age_s"] >= self._config.memory_least_s]
+        self._people = np.concatenate((self._people, known))
 
     def recognise(self, positions: Array, age_s: Array, doubtful: NDArray[np.void]) -> NDArray[np.int64]:
         """Return (n,) the old numbers of new people at `positions` (n, 2) whose legs are known for `age_s` (n,).

@@ -2,9 +2,10 @@
 
 Command: python -m tagalong.scripts.experiments.following person_following_outdoor_1.npz --preset outdoor
 
-A scan counts where the person was clicked. `held`: the leader, chosen once and looked for unaided, is within 0.75 m;
-`one_number`: so is the person with the number that was nearest in the first 3 s after anybody was tracked; `anybody`:
-so is anybody. `switches`: changes of the number of whom the leader is; `false`: people farther off, a scan.
+A scan counts where the person was clicked. `held`: the leader, chosen once and looked for unaided, is within 0.75 m.
+`one_number`: so is the person with that number which was nearest in the first 3 s after anybody was tracked; the leader
+keeps its own. `anybody`: so is anybody. `switches`: changes of the track that is the leader. `false`: people farther
+off, a scan.
 """
 
 import argparse
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 from ...perception.config import PRESETS, perception_preset
 from ...perception.legs.detector import LegDetector
 from ...perception.legs.forest import LegForest
-from ...perception.tracking.leader import Leader, LeaderSelector
+from ...perception.tracking.leader import Leader, LeaderSelector, numbered_by_leader
 from ...perception.tracking.people import People
 from ...perception.tracking.tracker import PeopleTracker
 from ...slam.errors import InputError
@@ -90,7 +91,7 @@ def judge_following(path: Path, preset: str, forest: str) -> dict[str, float]:
         people = tracker.update(scan, origin).people
         leader = selector.update(people, origin)
         if number in clicked:
-            judge.add(clicked[number], people, leader)
+            judge.add(clicked[number], numbered_by_leader(people, leader), leader)
     return judge.figures()
 
 

@@ -33,6 +33,7 @@ def test_a_person_gives_its_newer_leg_for_a_nearer_one():
 def lost_person(config, seconds):
     person = np.zeros(1, dtype=PERSON)
     person["id"], person["x"], person["p"], person["unseen_s"] = 7, (1.0, 0.0, 0.5, 0.0), (0.05, 0.0, 0.05), 0.5
+    person["age_s"] = 20.0
     memory = LostPeople(config)
     memory.remember(person)
     for _ in range(round(10 * seconds)):
