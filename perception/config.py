@@ -52,6 +52,8 @@ class PerceptionConfig:
         memory_distance: Largest distance from the prediction at which a lost person is recognised [m].
         memory_overlap_s: How long the legs of a lost person may have been tracked anew before the old track was last
             seen: tracks overlap when a person is taken for two [s].
+        meet_distance: Legs this close to where a lost person must be are its own without moving `delta` again [m].
+        meet_age_s: When they have been tracked for this long [s].
         doubt_s: A person of whom no leg was seen for this long may be the newcomer nearby [s].
         grid_resolution: Side of a cell of the local occupancy grid [m].
         grid_rise_s: Time under non-human points until a cell counts as occupied [s].
@@ -94,6 +96,8 @@ class PerceptionConfig:
     memory_least_s: float = 5.0
     memory_distance: float = 3.0
     memory_overlap_s: float = 0.5
+    meet_distance: float = 0.6
+    meet_age_s: float = 0.3
     doubt_s: float = 1.0
     grid_resolution: float = 0.05
     grid_rise_s: float = 0.3

@@ -37,6 +37,11 @@ class LostPeople:
         known = people[people["age_s"] >= self._config.memory_least_s]
         self._people = np.concatenate((self._people, known))
 
+    @property
+    def positions(self) -> Array:
+        """(k, 2) predictions of the lost, in the odometry frame [m]."""
+        return self._people["x"][:, :2]
+
     def recognise(self, positions: Array, age_s: Array, doubtful: NDArray[np.void]) -> NDArray[np.int64]:
         """Return (n,) the old numbers of new people at `positions` (n, 2) whose legs are known for `age_s` (n,).
 

@@ -233,16 +233,24 @@ class PeopleTracker:
             (lone["confidence"] > config.c_min) & (lone["unseen_s"] <= config.start_unseen_s)
         )
         able = self._legs.moved[alive] >= config.delta
-        if np.count_nonzero(able) < 2:
+        again = self._may_be_met_again(alive)
+        if np.count_nonzero(able | again) < 2:
             return
-        able[able] = self._grid.is_free(self._legs.positions[alive[able]], time_s)
         able[able] = self._left_their_place(alive[able], points, time_s)
+        able |= again
+        able[able] = self._grid.is_free(self._legs.positions[alive[able]], time_s)
         spread = self._legs.spread()[np.ix_(alive, alive)]
         spread[distances(self._legs.positions[alive], self._legs.positions[alive]) > config.pair_distance] = np.inf
         rows = alive[mutual_pairs(spread, able, config.pair_width)]
         self._people = np.concatenate((self._people, self._named(self._legs.rows[rows])))
         rest = np.setdiff1d(np.arange(owned, len(self._legs)), rows)
         self._legs.take(np.concatenate((np.arange(owned), rows.ravel(), rest)))
+
+    def _may_be_met_again(self, tracks: NDArray[np.intp]) -> NDArray[np.bool_]:
+        """Return (k,) whether `tracks` (k,) stand where a lost person, who moved before, must be by now."""
+        apart = distances(self._legs.positions[tracks], self._lost.positions).min(axis=1, initial=np.inf)
+        steady = self._legs.rows["age_s"][tracks] >= self._config.meet_age_s
+        return steady & (apart <= self._config.meet_distance)
 
     def _left_their_place(self, tracks: NDArray[np.intp], points: Array, time_s: float) -> NDArray[np.bool_]:
         """Return (k,) whether nothing of the scan stands any more where the `tracks` (k,) began.
@@ -277,7 +285,7 @@ class PeopleTracker:
         walkers = self._legs.positions[2 * len(self._people) :][
             self._legs.moved[2 * len(self._people) :] >= self._config.delta / 2.0
         ]
-        human = np.concatenate((self._result(time_s).points, walkers))
+        human = np.concatenate((self._result(time_s).points, walkers, self._lost.positions))
         if len(human) and len(points):
             points = points[distances(human, points).min(axis=0) > self._config.zeta]
         self._grid.mark(points, pose[:2], time_s, dt)

@@ -86,6 +86,9 @@ class GMappingConfig:
 
     def __post_init__(self) -> None:
         _check_positive(self, but=("srr", "srt", "str_", "stt", "minimum_score", "linear_update", "angular_update"))
+        for name in ("particles", "threads"):
+            if not isinstance(getattr(self, name), int):
+                raise InputError(f"`{name}` must be a whole number, got {getattr(self, name)}")
         for name in ("fullness", "resample_threshold", "minimum_score"):
             if getattr(self, name) > 1.0:
                 raise InputError(f"`{name}` is a share and must be at most 1, got {getattr(self, name)}")

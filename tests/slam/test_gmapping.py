@@ -132,5 +132,11 @@ def test_bad_input_is_named():
         make_slam("gmapping", particels=3)
     with pytest.raises(InputError, match="`delta` must be positive, got -1"):
         make_slam("gmapping", delta=-1)
+    with pytest.raises(InputError, match="`particles` must be a whole number"):
+        make_slam("gmapping", particles=2.5)
+    slam, scan = make_slam("gmapping", particles=2), drive(steps=2)[2][0]
+    slam.update((0.0, 0.0, 0.0), scan)
+    with pytest.raises(InputError, match="the map would grow to"):
+        slam.update((1e7, 0.0, 0.0), scan)
     with pytest.raises(InputError, match="`odometry` must be a finite pose"):
         make_slam("gmapping").update((0, 0, np.nan), drive(steps=2)[2][0])
