@@ -32,7 +32,7 @@ class LeaderConfig:
     onset_s: float = 1.0
     onset_near: float = 2.2
     onset_far: float = 4.0
-    patience_s: float = 5.0
+    patience_s: float = 1.0
     search_sigmas: float = 2.0
     search_distance: float = 8.0
     search_overlap_s: float = 3.0
