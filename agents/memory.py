@@ -35,8 +35,8 @@ class MemoryConfig:
         search_turn_rate: Turn rate of the search [rad/s].
     """
 
-    position_s: float = 0.35
-    velocity_s: float = 0.5
+    position_s: float = 0.3
+    velocity_s: float = 0.1
     jump_m: float = 0.6
     patience_s: float = 0.6
     extrapolate_s: float = 1.0

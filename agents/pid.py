@@ -27,8 +27,8 @@ class PIDConfig:
         angular: Gains from the bearing [rad] to turn rate [rad/s].
         feed_forward: Share of the leader's speed along the line of sight that is added to the forward speed [-].
         reverse_speed: Fastest backing away from a leader who comes near [m/s].
-        acceleration: Limit on the change of the forward speed [m/s^2].
-        braking: Limit when slowing down for something ahead [m/s^2].
+        acceleration: Limit on the growth of the forward speed [m/s^2].
+        braking: Limit on its decrease [m/s^2].
         reaction_s: Time until a command takes hold; speed ahead of things allows for it [s].
         approach_speed: Fastest on the way to where a lost leader was last seen [m/s].
         turn_acceleration: Limit on the change of the turn rate [rad/s^2].
@@ -42,8 +42,8 @@ class PIDConfig:
     angular: AxisConfig = field(default_factory=lambda: AxisConfig(proportional=1.8, derivative=0.1))
     feed_forward: float = 0.9
     reverse_speed: float = 0.5
-    acceleration: float = 1.0
-    braking: float = 1.2
+    acceleration: float = 1.5
+    braking: float = 1.5
     reaction_s: float = 0.25
     approach_speed: float = 0.9
     turn_acceleration: float = 3.0
@@ -89,15 +89,15 @@ class PIDFollower:
         velocity = (own[0], own[1] if len(own) == 3 else 0.0, own[-1])
         goal = self._memory.update([float(v) for v in observation["leader"]], velocity)
         if goal.mode is Mode.WAIT:
-            return self._command(0.0, 0.0, self.config.braking)
+            return self._command(0.0, 0.0)
         if goal.mode is Mode.SEARCH:
-            return self._command(0.0, self._memory.search_side * self.config.memory.search_turn_rate, 1.0)
+            return self._command(0.0, self._memory.search_side * self.config.memory.search_turn_rate)
         obstacles = self._obstacles(observation, goal)
         way = free_heading(goal.bearing, goal.distance, obstacles, self._deviation, self.config.avoidance)
         self._deviation = way.heading - goal.bearing
         return self._command(*self._follow(goal, way.heading, way.ahead))
 
-    def _follow(self, goal: Goal, heading: float, ahead: float) -> tuple[float, float, float]:
+    def _follow(self, goal: Goal, heading: float, ahead: float) -> tuple[float, float]:
         c = self.config
         keep = c.distance if goal.mode is Mode.FOLLOW else 0.0
         pace = (goal.vx * math.cos(goal.bearing) + goal.vy * math.sin(goal.bearing)) * c.feed_forward
@@ -106,17 +106,18 @@ class PIDFollower:
         speed = min(max(speed, -c.reverse_speed), top * max(0.0, math.cos(heading)) ** 2)
         brake_in_time = self._safe_speed(ahead)
         turn = self._angular.update(heading)
-        return min(speed, brake_in_time), turn, c.braking if speed > brake_in_time else c.acceleration
+        return min(speed, brake_in_time), turn
 
     def _safe_speed(self, ahead: float) -> float:
         """Return the speed from which the robot stops within `ahead` metres, its reaction time included [m/s]."""
         lag = self.config.braking * self.config.reaction_s
         return math.sqrt(lag**2 + 2.0 * self.config.braking * ahead) - lag
 
-    def _command(self, speed: float, turn: float, acceleration: float) -> NDArray[np.float32]:
-        most, most_turn = acceleration * self._step_s, self.config.turn_acceleration * self._step_s
+    def _command(self, speed: float, turn: float) -> NDArray[np.float32]:
+        more, less = self.config.acceleration * self._step_s, self.config.braking * self._step_s
+        most_turn = self.config.turn_acceleration * self._step_s
         top, top_turn = self.interface.max_speed, self.interface.max_turn_rate
-        self._speed = min(max(speed, self._speed - most, -top), self._speed + most, top)
+        self._speed = min(max(speed, self._speed - less, -top), self._speed + more, top)
         self._turn = min(max(turn, self._turn - most_turn, -top_turn), self._turn + most_turn, top_turn)
         action = [self._speed / top, self._turn / top_turn]
         return np.array([action[0], 0.0, action[1]] if self.interface.holonomic else action, dtype=np.float32)

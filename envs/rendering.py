@@ -171,7 +171,7 @@ def snapshot(world: World, truth: TrueState, belief: Belief, trail: list[NDArray
         scan_dropped=(scan.is_return & ~belief.filtered.is_return)[scan.is_return],
         tracks=tracks,
         map=belief.map if mapped else None,
-        T_world_map=compose(T_world_robot, inverse(belief.map_pose)) if mapped else np.zeros(3),
+        T_world_map=world.start,
         path=np.array(trail),
         captions=_captions(truth, belief),
     )

@@ -48,9 +48,13 @@ class PerceptionConfig:
         offset_time_s: How fast the believed offset of a hidden leg from its person's centre fades [s].
         coast_s: How fast the velocity of a lost person is believed to fade [s].
         memory_s: How long a lost person can be recognised [s].
+        memory_least_s: Whoever was tracked for less than this is forgotten at once [s].
         memory_distance: Largest distance from the prediction at which a lost person is recognised [m].
         memory_overlap_s: How long the legs of a lost person may have been tracked anew before the old track was last
             seen: tracks overlap when a person is taken for two [s].
+        meet_distance: Legs this close to where a lost person must be are its own without moving `delta` again [m].
+        meet_age_s: When they have been tracked for this long [s].
+        doubt_s: A person of whom no leg was seen for this long may be the newcomer nearby [s].
         grid_resolution: Side of a cell of the local occupancy grid [m].
         grid_rise_s: Time under non-human points until a cell counts as occupied [s].
         grid_fade_s: How fast a cell that is no longer hit becomes free again [s].
@@ -89,8 +93,12 @@ class PerceptionConfig:
     offset_time_s: float = 0.3
     coast_s: float = 1.0
     memory_s: float = 10.0
+    memory_least_s: float = 5.0
     memory_distance: float = 3.0
     memory_overlap_s: float = 0.5
+    meet_distance: float = 0.8
+    meet_age_s: float = 0.2
+    doubt_s: float = 1.0
     grid_resolution: float = 0.05
     grid_rise_s: float = 0.3
     grid_fade_s: float = 3.0
@@ -118,7 +126,17 @@ class PerceptionConfig:
         return 1.0 - (1.0 - self.confidence_gain) ** (dt * self.reference_rate_hz)
 
 
-PRESETS: dict[str, PerceptionConfig] = {"table2": PerceptionConfig()}
+PRESETS: dict[str, PerceptionConfig] = {
+    "table2": PerceptionConfig(),
+    "outdoor": PerceptionConfig(delta=0.2, epsilon=2.0, memory_s=60.0, memory_distance=6.0),
+}
+"""Named configurations.
+
+`table2`: the paper's numbers.
+`outdoor`: a robot without odometry that follows one person. Its frame moves with it: the person ahead hardly leaves the
+place, only the feet swing (`delta`); a turn of the robot throws the person across the view (`memory_distance`) and out
+of it (`memory_s`); thin legs in coarse beams are missed for longer (`epsilon`).
+"""
 
 
 def perception_preset(name: str) -> PerceptionConfig:

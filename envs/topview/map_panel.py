@@ -6,29 +6,40 @@ from PIL import Image
 
 from ...slam.geometry import compose, inverse, transform_points
 from ...slam.occupancy_map import OccupancyMap
-from ..scenes.scene import Scene
 from . import palette
 from .canvas import Camera, Canvas
 from .snapshot import Snapshot
 
 
-def map_picture(size: tuple[int, int], scene: Scene, shot: Snapshot) -> Image.Image:
-    """Return the map, seen in the world frame through its true origin, with the robot's path, `size` pixels."""
-    x_min, y_min, x_max, y_max = scene.bounds
-    scale = min(size[0] / (x_max - x_min + 1.0), size[1] / (y_max - y_min + 1.0))
-    camera = Camera(((x_min + x_max) / 2, (y_min + y_max) / 2), scale, size)
-    if shot.map is None:
-        picture = Image.new("RGB", size, palette.MAP_UNKNOWN)
-    else:
-        picture = Image.fromarray(sample_map(shot.map, shot.T_world_map, camera))
-    canvas = Canvas(picture, camera)
-    if len(shot.path) > 1:
-        canvas.line(shot.path, (*palette.PATH[:3], 255), 2.5 / scale)
-    if shot.tracks.leader is not None:
-        canvas.circle(shot.tracks.leader, 4.5 / scale, palette.LEADER)
-    nose = transform_points(shot.robot_pose, np.array([(10.0, 0.0), (-5.0, 5.5), (-5.0, -5.5)]) / scale)
-    canvas.polygon(nose, palette.RETURN)
-    return picture
+class MapPanel:
+    """Draws the map in the world frame; cells are sampled anew only when the map has changed.
+
+    Args:
+        size: Width and height [pixel].
+        bounds: (x_min, y_min, x_max, y_max) of the building [m].
+    """
+
+    def __init__(self, size: tuple[int, int], bounds: tuple[float, float, float, float]) -> None:
+        x_min, y_min, x_max, y_max = bounds
+        scale = min(size[0] / (x_max - x_min + 1.0), size[1] / (y_max - y_min + 1.0))
+        self._camera = Camera(((x_min + x_max) / 2, (y_min + y_max) / 2), scale, size)
+        self._map: OccupancyMap | None = None
+        self._cells = Image.new("RGB", size, palette.MAP_UNKNOWN)
+
+    def draw(self, shot: Snapshot) -> Image.Image:
+        """Return the map with the robot's path, the robot and its leader."""
+        if shot.map is not None and shot.map is not self._map:
+            self._map = shot.map
+            self._cells = Image.fromarray(sample_map(shot.map, shot.T_world_map, self._camera))
+        canvas = Canvas(self._cells.copy(), self._camera)
+        pixel = 1.0 / self._camera.scale
+        if len(shot.path) > 1:
+            canvas.line(shot.path, (*palette.PATH[:3], 255), 2.5 * pixel)
+        if shot.tracks.leader is not None:
+            canvas.circle(shot.tracks.leader, 4.5 * pixel, palette.LEADER)
+        nose = transform_points(shot.robot_pose, np.array([(10.0, 0.0), (-5.0, 5.5), (-5.0, -5.5)]) * pixel)
+        canvas.polygon(nose, palette.RETURN)
+        return canvas.picture
 
 
 def sample_map(grid: OccupancyMap, T_world_map: NDArray[np.float64], camera: Camera) -> NDArray[np.uint8]:

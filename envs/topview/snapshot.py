@@ -47,7 +47,7 @@ class Snapshot:
         scan_dropped: (n,) whether the people filter dropped the return.
         tracks: People as perceived.
         map: The growing map; None without SLAM.
-        T_world_map: (3,) where the map frame truly lies in the world.
+        T_world_map: (3,) where the map frame lies in the world: the robot's first pose.
         path: (m, 2) the robot's path so far [m].
         captions: (label, value) lines of text.
     """

@@ -1,6 +1,6 @@
 """The one person to follow: chosen at onset, looked for when lost, never told from outside (Ye 2021, section II.C)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from filterpy.kalman import KalmanFilter
@@ -25,14 +25,17 @@ class LeaderConfig:
         patience_s: Somebody between the two only when nobody came nearer for this long after the first was seen [s].
         search_sigmas: A lost leader is looked for within this many standard deviations of its prediction.
         search_distance: And never farther from it than this [m].
+        search_overlap_s: How long somebody may have been tracked before the leader was last seen and still be it: the
+            old track may have slid off to something else [s].
     """
 
     onset_s: float = 1.0
     onset_near: float = 2.2
     onset_far: float = 4.0
-    patience_s: float = 5.0
+    patience_s: float = 1.0
     search_sigmas: float = 2.0
     search_distance: float = 8.0
+    search_overlap_s: float = 3.0
 
     def __post_init__(self) -> None:
         for name in ("onset_near", "onset_far", "search_sigmas", "search_distance"):
@@ -121,13 +124,20 @@ class LeaderSelector:
         unseen_s = before.unseen_s + dt
         gate = min(config.search_distance, config.search_sigmas * float(np.sqrt(search.P[0, 0])))
         apart = np.hypot(*(people.positions - search.x[:2]).T)
-        apart[people.age_s > unseen_s] = np.inf
+        apart[people.age_s > unseen_s + config.search_overlap_s] = np.inf
         if len(people) and apart.min() < gate:
             self._search = None
             self._leader = _as_leader(people, int(apart.argmin()), before.id)
         else:
             position, velocity = search.x[:2].copy(), search.x[2:].copy()
             self._leader = Leader(before.id, -1, position, velocity, False, 0.0, unseen_s)
+
+
+def numbered_by_leader(people: People, leader: Leader | None) -> People:
+    """Return `people` with the leader's number on the track that is the leader now."""
+    if leader is None or leader.track_id < 0 or leader.id in people.ids:
+        return people
+    return replace(people, ids=np.where(people.ids == leader.track_id, leader.id, people.ids))
 
 
 def _as_leader(people: People, index: int, number: int) -> Leader:

@@ -33,20 +33,27 @@ class LostPeople:
         self._people = lost[lost["unseen_s"] <= config.memory_s]
 
     def remember(self, people: NDArray[np.void]) -> None:
-        """Take `people` (k,) whose tracks end now."""
-        self._people = np.concatenate((self._people, people))
+        """Take `people` (k,) whose tracks end now; those who were hardly known are forgotten."""
+        known = people[people["age_s"] >= self._config.memory_least_s]
+        self._people = np.concatenate((self._people, known))
 
-    def recognise(self, positions: Array, age_s: Array) -> NDArray[np.int64]:
+    @property
+    def positions(self) -> Array:
+        """(k, 2) predictions of the lost, in the odometry frame [m]."""
+        return self._people["x"][:, :2]
+
+    def recognise(self, positions: Array, age_s: Array, doubtful: NDArray[np.void]) -> NDArray[np.int64]:
         """Return (n,) the old numbers of new people at `positions` (n, 2) whose legs are known for `age_s` (n,).
 
-        -1: a stranger. Recognised people are lost no more.
+        -1: a stranger. `doubtful` people (k,) still have a track, but it may have slid off to something else; they
+        can be recognised too. Recognised people are lost no more.
         """
-        lost = self._people
+        lost = np.concatenate((self._people, doubtful))
         numbers = np.full(len(positions), -1, dtype=np.int64)
         cost = distances(positions, lost["x"][:, :2])
         gate = np.minimum(2.0 * np.sqrt(lost["p"][:, 0]), self._config.memory_distance)
         cost[(cost > gate) | (age_s[:, None] > lost["unseen_s"] + self._config.memory_overlap_s)] = np.inf
         rows, columns = assign(cost, self._config.memory_distance)
         numbers[rows] = lost["id"][columns]
-        self._people = np.delete(lost, columns)
+        self._people = np.delete(self._people, columns[columns < len(self._people)])
         return numbers

@@ -150,8 +150,7 @@ class PeopleTracker:
         It must be wider than a leg, stand where the person was predicted, and on free cells; its confidence counts.
         """
         config = self._config
-        since_leg_s = self._legs.rows["unseen_s"][: 2 * len(self._people)].reshape(-1, 2).min(axis=1)
-        unseen = np.flatnonzero(~sightings.seen & (since_leg_s < config.both_legs_s))
+        unseen = np.flatnonzero(~sightings.seen & (self._since_leg_s() < config.both_legs_s))
         if len(unseen) == 0:
             return sightings
         ends = found.clusters.points[found.clusters.end - 1] - found.clusters.points[found.clusters.start]
@@ -234,16 +233,24 @@ class PeopleTracker:
             (lone["confidence"] > config.c_min) & (lone["unseen_s"] <= config.start_unseen_s)
         )
         able = self._legs.moved[alive] >= config.delta
-        if np.count_nonzero(able) < 2:
+        again = self._may_be_met_again(alive)
+        if np.count_nonzero(able | again) < 2:
             return
-        able[able] = self._grid.is_free(self._legs.positions[alive[able]], time_s)
         able[able] = self._left_their_place(alive[able], points, time_s)
+        able |= again
+        able[able] = self._grid.is_free(self._legs.positions[alive[able]], time_s)
         spread = self._legs.spread()[np.ix_(alive, alive)]
         spread[distances(self._legs.positions[alive], self._legs.positions[alive]) > config.pair_distance] = np.inf
         rows = alive[mutual_pairs(spread, able, config.pair_width)]
         self._people = np.concatenate((self._people, self._named(self._legs.rows[rows])))
         rest = np.setdiff1d(np.arange(owned, len(self._legs)), rows)
         self._legs.take(np.concatenate((np.arange(owned), rows.ravel(), rest)))
+
+    def _may_be_met_again(self, tracks: NDArray[np.intp]) -> NDArray[np.bool_]:
+        """Return (k,) whether `tracks` (k,) stand where a lost person, who moved before, must be by now."""
+        apart = distances(self._legs.positions[tracks], self._lost.positions).min(axis=1, initial=np.inf)
+        steady = self._legs.rows["age_s"][tracks] >= self._config.meet_age_s
+        return steady & (apart <= self._config.meet_distance)
 
     def _left_their_place(self, tracks: NDArray[np.intp], points: Array, time_s: float) -> NDArray[np.bool_]:
         """Return (k,) whether nothing of the scan stands any more where the `tracks` (k,) began.
@@ -259,19 +266,26 @@ class PeopleTracker:
     def _named(self, pairs: NDArray[np.void]) -> NDArray[np.void]:
         """Return people from pairs of legs (k, 2), with their old number where they are recognised."""
         people = person_tracks.new_people(pairs)
-        known = self._lost.recognise(people["x"][:, :2], people["age_s"])
-        fresh = known < 0
-        people["id"] = known
-        people["id"][fresh] = self._next_id + np.arange(np.count_nonzero(fresh))
+        doubtful = self._since_leg_s() > self._config.doubt_s
+        people["id"] = self._lost.recognise(people["x"][:, :2], people["age_s"], self._people[doubtful])
+        self._people["confidence"][np.isin(self._people["id"], people["id"])] = 0.0  # slid off: ends with the next scan
+        fresh = np.concatenate((self._people["confidence"] == 0.0, people["id"] < 0))
+        numbers = np.concatenate((self._people["id"], people["id"]))
+        numbers[fresh] = self._next_id + np.arange(np.count_nonzero(fresh))
         self._next_id += np.count_nonzero(fresh)
+        self._people["id"], people["id"] = np.split(numbers, [len(self._people)])
         return people
+
+    def _since_leg_s(self) -> Array:
+        """Return (n,) the time since a leg of each person was seen apart [s]."""
+        return np.asarray(self._legs.rows["unseen_s"][: 2 * len(self._people)].reshape(-1, 2).min(axis=1))
 
     def _mark_grid(self, points: Array, pose: Array, time_s: float, dt: float) -> None:
         """Mark the non-human `points` (k, 2), but never where a person, or what may become one, stands."""
         walkers = self._legs.positions[2 * len(self._people) :][
             self._legs.moved[2 * len(self._people) :] >= self._config.delta / 2.0
         ]
-        human = np.concatenate((self._result(time_s).points, walkers))
+        human = np.concatenate((self._result(time_s).points, walkers, self._lost.positions))
         if len(human) and len(points):
             points = points[distances(human, points).min(axis=0) > self._config.zeta]
         self._grid.mark(points, pose[:2], time_s, dt)

@@ -13,6 +13,8 @@ from tqdm import tqdm
 from ...perception.config import PRESETS, perception_preset
 from ...perception.legs.detector import LegDetector
 from ...perception.legs.forest import LegForest
+from ...perception.tracking.leader import LeaderSelector, numbered_by_leader
+from ...perception.tracking.people import People
 from ...perception.tracking.tracker import PeopleTracker, TrackerUpdate
 from ...slam.errors import InputError
 from ...slam.files import write_json, write_text
@@ -29,7 +31,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "Finds legs and tracks people in recorded scans. SCANS is a CARMEN log (.log, .clf, plain or .gz) or an .npz\n"
         "with ranges (scans, beams), angle_min, angle_increment, range_min, range_max and bag_time or stamp.\n"
         "Writes legs.csv (scan, x, y, confidence: clusters of at least --min-confidence; the tracker takes those of\n"
-        "gamma = 0.3 and more), people.csv (scan, id, x, y, vx, vy, confidence) and config.json. Scans count from 0."
+        "gamma = 0.3 and more), people.csv (scan, id, x, y, vx, vy, confidence) and config.json. Scans count from 0.\n"
+        "Whoever is nearest at first is the leader: looked for when lost, and kept under one id."
     )
     parser.epilog = "example: tagalong perceive person_following_outdoor_1.npz --out out/people --preset outdoor"
     parser.add_argument("scans", metavar="SCANS", type=Path, help="recorded scans: CARMEN log or .npz")
@@ -58,14 +61,15 @@ def run(options: argparse.Namespace) -> int:
     detector = LegDetector(LegForest.load(options.forest), config.detector())
     scans, odometry = _read(options.scans, options.odometry == "log")
     scans = _timed(scans, options.rate, options.scans)
-    tracker = PeopleTracker(config, detector)
+    tracker, selector = PeopleTracker(config, detector), LeaderSelector(config)
     legs, people, ids = [LEGS_HEADER], [PEOPLE_HEADER], set[int]()
     progress = tqdm(zip(scans, odometry, strict=True), total=len(scans), unit="scan", disable=not sys.stderr.isatty())
     for number, (scan, pose) in enumerate(progress):
         update = tracker.update(scan, pose)
         legs += _leg_rows(number, update, options.min_confidence)
-        people += _people_rows(number, update, options.frame == "robot")
-        ids |= {int(number) for number in update.people.ids}
+        found = numbered_by_leader(update.people, selector.update(update.people, pose))
+        people += _people_rows(number, found.in_frame_of(pose) if options.frame == "robot" else found)
+        ids |= {int(number) for number in found.ids}
     write_text(options.out / "legs.csv", "\n".join(legs) + "\n")
     write_text(options.out / "people.csv", "\n".join(people) + "\n")
     settings = {"preset": options.preset, "forest": str(options.forest), "odometry": options.odometry}
@@ -108,7 +112,6 @@ def _leg_rows(number: int, update: TrackerUpdate, least: float) -> list[str]:
     ]
 
 
-def _people_rows(number: int, update: TrackerUpdate, in_robot_frame: bool) -> list[str]:
-    people = update.people_robot if in_robot_frame else update.people
+def _people_rows(number: int, people: People) -> list[str]:
     rows = zip(people.ids, people.positions, people.velocities, people.confidence, strict=True)
     return [f"{number},{i},{x:.4f},{y:.4f},{vx:.4f},{vy:.4f},{c:.4f}" for i, (x, y), (vx, vy), c in rows]

@@ -37,7 +37,7 @@ class MatcherConfig:
     thinning: float = 1.0
     straightness: float = 0.15
     sigma: float = 0.03
-    independent_points: float = 60.0
+    independent_points: float = 150.0
 
     def __post_init__(self) -> None:
         stages = {len(self.windows), len(self.strides), len(self.iterations), len(self.scales)}
@@ -63,7 +63,7 @@ class GMappingConfig:
         max_urange: Longer ranges are cut there: free so far, nothing hit [m].
         observation_gain: How many independent beams a scan counts for in the weight of a particle.
         resample_threshold: Particles are resampled when their effective number falls below this share of them.
-        minimum_score: Share of the points that must meet the map; else the pose follows the odometry alone.
+        minimum_score: 1 - loss that an alignment must reach; else the pose follows the odometry alone. 0: never.
         threads: Threads that share the particles; the result does not depend on them.
         matcher: Parameters of the alignment.
     """
@@ -86,6 +86,9 @@ class GMappingConfig:
 
     def __post_init__(self) -> None:
         _check_positive(self, but=("srr", "srt", "str_", "stt", "minimum_score", "linear_update", "angular_update"))
+        for name in ("particles", "threads"):
+            if not isinstance(getattr(self, name), int):
+                raise InputError(f"`{name}` must be a whole number, got {getattr(self, name)}")
         for name in ("fullness", "resample_threshold", "minimum_score"):
             if getattr(self, name) > 1.0:
                 raise InputError(f"`{name}` is a share and must be at most 1, got {getattr(self, name)}")

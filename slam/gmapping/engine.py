@@ -132,8 +132,10 @@ class GMapping:
         means = compose(self._poses, self._motion.mean)
         covariances = _turned(self._motion.covariance, self._poses[:, 2])
         matches = self._matcher.match(self._maps, points_robot, means, covariances, self._rng)
-        errors = self._rng.standard_normal(means.shape)
-        self._poses = matches.modes + np.einsum("pij,pj->pi", matches.roots, errors)
+        lost = matches.losses > 1.0 - self.config.minimum_score
+        modes = np.where(lost[:, None], means, matches.modes)
+        roots = np.where(lost[:, None, None], np.linalg.cholesky(covariances), matches.roots)
+        self._poses = modes + np.einsum("pij,pj->pi", roots, self._rng.standard_normal(means.shape))
         self._poses[:, 2] = wrap_angle(self._poses[:, 2])
         gains = -self.config.observation_gain * matches.losses
         self._log_weights += gains

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import InputError
 from ..geometry import transform_points
 from ..occupancy_map import OccupancyMap
 from .tile_kernels import SIDE, mark_particles, own_tiles, write_particles
@@ -10,6 +11,7 @@ from .workers import Workers
 
 Array = NDArray[np.float64]
 
+_MOST_PLACES = 1_000_000  # of a directory; at cells of 0.05 m that is 1.6 x 1.6 km
 _OCCUPIED_SHARE = 0.25  # of the visits that were hits, as the ROS wrapper draws its map
 
 
@@ -128,7 +130,10 @@ class TileMaps:
             return
         lower -= np.where(lower < self.origin, 4, 0)
         upper += np.where(upper > self.origin + size, 4, 0)
-        columns, rows = upper - lower
+        columns, rows = (int(places) for places in upper - lower)
+        if columns * rows > _MOST_PLACES:
+            width, height = (columns * self.cell * SIDE, rows * self.cell * SIDE)
+            raise InputError(f"the map would grow to {width:.0f} x {height:.0f} m; the odometry or a range is wrong")
         grown = np.zeros((len(self.directory), rows, columns), dtype=np.int32)
         column, row = self.origin - lower
         grown[:, row : row + size[1], column : column + size[0]] = self.directory

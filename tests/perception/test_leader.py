@@ -1,5 +1,7 @@
+from dataclasses import replace
+
 import numpy as np
-from tagalong.perception.tracking.leader import LeaderSelector
+from tagalong.perception.tracking.leader import LeaderSelector, numbered_by_leader
 
 ORIGIN = np.zeros(3)
 
@@ -38,3 +40,12 @@ def test_a_lost_leader_is_taken_up_again_under_the_same_identity(stage):
     assert found.visible
     assert found.id == chosen.id
     assert abs(found.position[0] - 1.5) < 0.3  # not the bystander, who was there all the time
+
+
+def test_a_leader_found_as_another_track_keeps_its_number_in_the_table(stage):
+    people = stage.walk([[1.5, -1.0]], [[0.0, 1.0]], 2.0)[0][-1]
+    leader = LeaderSelector(stage.config).update(people, ORIGIN)
+    assert leader is not None
+    again = replace(leader, id=7, track_id=int(people.ids[0]))
+    assert numbered_by_leader(people, again).ids.tolist() == [7]
+    assert numbered_by_leader(people, replace(again, track_id=-1)).ids.tolist() == people.ids.tolist()

@@ -59,6 +59,16 @@ def test_a_person_who_stands_still_after_walking_stays_a_person(stage):
     assert all(list(people.ids) == [0] for people in again)
 
 
+def test_a_standing_person_hidden_for_long_is_met_again_without_walking(stage):
+    walked, truth = stage.walk([[2.0, -2.0]], [[0.0, 1.0]], 5.0)
+    legs = truth[-1][0] + np.array([[0.12, 0.0], [-0.12, 0.0]])
+    shown = [stage.show(legs) for _ in range(20)]
+    hidden = [stage.show(np.zeros((0, 2))) for _ in range(30)]
+    again = [stage.show(legs) for _ in range(10)]
+    assert list(walked[-1].ids) == list(shown[-1].ids) == list(again[-1].ids) == [0]
+    assert len(hidden[-1]) == 0
+
+
 def test_standing_furniture_never_becomes_a_person_even_if_its_legs_look_human(stage):
     chair = np.array([[1.5, 0.0], [1.9, 0.0], [1.5, 0.4], [1.9, 0.4]])
     for _ in range(300):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tagalong.slam.errors import InputError
 from tagalong.slam.gmapping import reference
 from tagalong.slam.gmapping.match_kernels import accumulate, solve
 from tagalong.slam.gmapping.search_kernels import search
@@ -170,6 +171,12 @@ def test_a_rendered_map_has_walls_where_they_are_and_is_free_inside():
     assert result.free[row, col]
     assert not result.known[0, 0] or result.occupied[0, 0]
     assert not OccupancyGrid().to_map().known.any()
+
+
+def test_a_grid_refuses_to_grow_beyond_reason():
+    scan = LaserScan(np.array([5.0]), np.array([0.0]), 0.1, 8.0)
+    with pytest.raises(InputError, match="the map would grow to"):
+        render_map(np.array([[0.0, 0.0, 0.0], [1e7, 1e7, 0.0]]), [scan] * 2)
 
 
 def test_rays_beyond_the_longest_range_free_cells_but_hit_nothing():

@@ -13,18 +13,26 @@ INCREMENTS = np.array([[0.1, 0.0, 0.05], [0.1, 0.01, 0.05], [0.05, -0.02, -0.1],
 def test_the_covariance_of_gathered_odometry_is_that_of_sampled_drives():
     rng = np.random.default_rng(0)
     model = MotionModel(0.1, 0.1, 0.05, 0.1)
-    drives = np.zeros((100_000, 3)) + rng.standard_normal((100_000, 3)) * np.sqrt(np.diag(model.covariance))
+    drives = rng.standard_normal((100_000, 3)) * np.sqrt(np.diag(model.covariance))
+    errors = rng.standard_normal(drives.shape)  # of one sign all the way
     for increment in INCREMENTS:
         model.add(increment)
-        noisy = increment + rng.standard_normal(drives.shape) * model.deviations(increment)
-        drives = compose(drives, noisy)
-    np.testing.assert_allclose(drives.mean(axis=0), model.mean, atol=2e-3)
+        drives = compose(drives, increment + errors * model.deviations(increment))
+    np.testing.assert_allclose(drives.mean(axis=0), model.mean, atol=4e-3)
     np.testing.assert_allclose(np.cov(drives.T), model.covariance, rtol=0.05, atol=2e-5)
     assert model.travelled == pytest.approx(np.hypot(*INCREMENTS[:, :2].T).sum())
     assert model.turned == pytest.approx(0.4)
     model.reset()
     assert not model.mean.any()
     assert model.covariance.max() < 1e-4
+
+
+def test_the_covariance_does_not_depend_on_how_often_odometry_is_read():
+    coarse, fine = MotionModel(0.1, 0.1, 0.05, 0.1), MotionModel(0.1, 0.1, 0.05, 0.1)
+    coarse.add(np.array([0.5, 0.0, 0.0]))
+    for _ in range(20):
+        fine.add(np.array([0.025, 0.0, 0.0]))
+    np.testing.assert_allclose(np.diag(fine.covariance)[[0, 2]], np.diag(coarse.covariance)[[0, 2]], rtol=1e-9)
 
 
 def test_deviations_follow_the_four_parameters():
