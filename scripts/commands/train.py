@@ -7,14 +7,15 @@ from ...slam.errors import InputError
 from ...slam.files import write_json
 from ..figures.leg_curve import save_leg_curve
 from ..tables import format_table
-from ..training.evaluate_legs import RATES, LegScores
-from ..training.leg_forests import TrainedLegs, figures, train_real, train_simulation, write
+from ..training.evaluate_legs import RATES
+from ..training.leg_forests import GAMMA, TrainedLegs, figures, train_real, train_simulation, write
 from ..training.leg_recordings import read_leg_recordings
 from ..training.train_legs import TrainConfig
 
+COUNTS = ("scans", "drives", "test_scans", "test_drives", "trees")
 EPILOG = """\
 writes into DIR: legs_FOREST.npz (the forest), legs_FOREST.json (its card: data, seeds, figures, limits),
-curve.json and curve.png (share of legs found against false legs a people-free scan)
+curve.json and curve.png (share of legs found against false legs a scan)
 
 examples:
   tagalong train legs --forest simulation --out out/legs
@@ -48,18 +49,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     legs.add_argument("--out", type=Path, default=Path("out/legs"), metavar="DIR", help="default: %(default)s")
     legs.add_argument("--seed", type=int, default=0, help="of all random draws (default: %(default)s)")
-    for name in ("scans", "test-scans", "trees"):
-        default = getattr(TrainConfig(), name.replace("-", "_"))
-        legs.add_argument(f"--{name}", type=int, default=default, metavar="N", help="default: %(default)s")
+    for name in COUNTS:
+        default = getattr(TrainConfig(), name)
+        flag = f"--{name.replace('_', '-')}"
+        legs.add_argument(flag, type=int, default=default, metavar="N", help="default: %(default)s")
 
 
 def run(options: argparse.Namespace) -> int:
     """Train, write the forest with its card, print how it scores."""
     if options.forest == "real" and options.data is None:
         raise InputError("--forest real needs --data DIR with the labelled recordings")
-    if options.seed < 0 or min(options.scans, options.test_scans, options.trees) < 1:
-        raise InputError("--seed must not be negative, --scans, --test-scans and --trees must be positive")
-    config = TrainConfig(scans=options.scans, test_scans=options.test_scans, trees=options.trees)
+    counts = {name: getattr(options, name) for name in COUNTS}
+    if options.seed < 0 or min(counts.values()) < 1:
+        raise InputError("--seed must not be negative, --scans, --drives, --test-... and --trees must be positive")
+    config = TrainConfig(**counts)
     train = train_real if options.forest == "real" else train_simulation
     if options.data is None:
         trained = train_simulation(config, options.seed)
@@ -72,13 +75,10 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _report(trained: TrainedLegs, folder: Path) -> None:
-    curves: dict[str, LegScores] = {"simulated scans": trained.simulated}
-    if trained.scores is not None:
-        curves["recordings not trained on"] = trained.scores
-    write_json(folder / "curve.json", {name: figures(scores) for name, scores in curves.items()})
-    save_leg_curve(folder / "curve.png", curves)
-    rows = [[str(rate), *(f"{scores.recall(rate):.3f}" for scores in curves.values())] for rate in RATES]
-    print(format_table(["false legs a people-free scan", *(f"recall, {name}" for name in curves)], rows))
-    for name, scores in curves.items():
-        recall, false = scores.at(0.3)
-        print(f"confidence 0.3, {name}: recall {recall:.3f}, {false:.2f} false legs a people-free scan")
+    write_json(folder / "curve.json", {name: figures(scores) for name, scores in trained.scores.items()})
+    save_leg_curve(folder / "curve.png", trained.scores)
+    rows = [[str(rate), *(f"{scores.recall(rate):.3f}" for scores in trained.scores.values())] for rate in RATES]
+    print(format_table(["false legs a scan", *(f"recall, {name}" for name in trained.scores)], rows))
+    for name, scores in trained.scores.items():
+        recall, false = scores.at(GAMMA)
+        print(f"confidence {GAMMA}, {name}: recall {recall:.3f}, {false:.2f} false legs a scan")

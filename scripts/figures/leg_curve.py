@@ -11,7 +11,7 @@ from ..training.evaluate_legs import LegScores
 
 
 def save_leg_curve(path: Path, curves: Mapping[str, LegScores]) -> None:
-    """Draw recall over false legs a people-free scan (logarithmic) of each of `curves` into `path` (.png).
+    """Draw recall over false legs a scan (logarithmic) of each of `curves` into `path` (.png).
 
     Raises:
         MissingExtraError: If matplotlib is not installed.
@@ -31,7 +31,7 @@ def save_leg_curve(path: Path, curves: Mapping[str, LegScores]) -> None:
         xscale="log",
         xlim=(rates[0], rates[-1]),
         ylim=(0.0, 1.0),
-        xlabel="false legs a people-free scan (dots: confidence 0.3)",
+        xlabel="false legs a scan (dots: confidence 0.3)",
         ylabel="share of labelled legs found",
     )
     axes.grid(alpha=0.3, which="both")

@@ -13,9 +13,12 @@ from ...perception.legs.forest import LegForest
 from ...slam.errors import InputError
 from ...slam.scan import LaserScan
 from .leg_recordings import LegRecording
+from .leg_samples import LEG_SHARE, OTHER_SHARE
+from .leg_scans import LabelledScan
 
 MATCH_DISTANCE = 0.2
 FARTHEST_LEG = 5.0
+FARTHEST_SIMULATED_LEG = 6.0
 RATES = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0)
 GAP = 15  # scans (2 s) left out between the trained and the tested part of the people-free recording
 
@@ -69,6 +72,23 @@ def score_legs(forest: LegForest, recordings: Sequence[LegRecording], people_fre
             legs.append(_match(forest, scan, near))
     false = [np.empty(0), *(forest.confidence(scan, cluster_scan(scan)) for scan in people_free)]
     return LegScores(np.concatenate(legs), np.concatenate(false), len(people_free))
+
+
+def score_labelled(forest: LegForest, labelled: Sequence[LabelledScan]) -> LegScores:
+    """Score `forest` on scans whose every beam is known; people and other things in the same scans.
+
+    A cluster is a leg if most of its points are, and counts within 6 m.
+    """
+    legs, false = [np.empty(0)], [np.empty(0)]
+    for drawn in labelled:
+        clusters = cluster_scan(drawn.scan)
+        confidence = forest.confidence(drawn.scan, clusters)
+        hits = np.concatenate(([0], np.cumsum(drawn.is_leg[clusters.beams])))
+        share = (hits[clusters.end] - hits[clusters.start]) / clusters.sizes
+        near = np.hypot(*clusters.centres.T) <= FARTHEST_SIMULATED_LEG
+        legs.append(confidence[(share >= LEG_SHARE) & near])
+        false.append(confidence[share <= OTHER_SHARE])
+    return LegScores(np.concatenate(legs), np.concatenate(false), len(labelled))
 
 
 def _match(forest: LegForest, scan: LaserScan, legs: NDArray[np.float64]) -> NDArray[np.float64]:

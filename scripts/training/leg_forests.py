@@ -8,18 +8,28 @@ from typing import Any
 import numpy as np
 import sklearn
 
-from ...perception.legs.clusters import cluster_scan
 from ...perception.legs.features import FEATURE_NAMES
 from ...perception.legs.forest import LegForest
 from ...slam.scan import LaserScan
-from .evaluate_legs import FARTHEST_LEG, GAP, MATCH_DISTANCE, RATES, LegScores, cross_validate, score_legs
+from .evaluate_legs import (
+    FARTHEST_LEG,
+    FARTHEST_SIMULATED_LEG,
+    GAP,
+    MATCH_DISTANCE,
+    RATES,
+    LegScores,
+    cross_validate,
+    score_labelled,
+    score_legs,
+)
 from .leg_recordings import SOURCE, LegRecording
-from .leg_samples import Samples, simulated_samples
-from .leg_scans import draw_scan
+from .leg_samples import Samples, driven_samples, simulated_samples
+from .leg_scans import LabelledScan, draw_scan
 from .train_legs import TrainConfig, train_legs
+from .world_scans import draw_drive
 
 GAMMA = 0.3
-SEED_OF_TEST_SCANS = 1_000_003  # added to the seed, for simulated scans that no forest is trained on
+RECORDED = "recordings not trained on"
 LIMITS = (
     "Ankle to shin height, 0.25 to 1 degree between beams, legs within 6 m, one scan at a time. Seats and tables with "
     "leg-like feet give false legs; a tracker has to tell them by their standing still. Trained with clusters of "
@@ -33,26 +43,28 @@ class TrainedLegs:
 
     Attributes:
         forest: Trained on everything.
-        scores: On labelled recordings: every recording by a forest that never saw it; None without recordings.
-        simulated: On simulated scans of another seed.
+        scores: By name of the data: simulated scans of another seed, other drives, recordings left out.
         card: Data, seeds, figures, limits.
     """
 
     forest: LegForest
-    scores: LegScores | None
-    simulated: LegScores
+    scores: dict[str, LegScores]
     card: dict[str, Any]
 
 
 def train_simulation(
     config: TrainConfig, seed: int, positive: Sequence[LegRecording] = (), people_free: Sequence[LaserScan] = ()
 ) -> TrainedLegs:
-    """Train on simulated scans only; the recordings, if any, only score the result."""
-    forest = train_legs(_simulated(config, seed), config, seed)
-    test = simulated_test(config.test_scans, seed)
-    forest = replace(forest, odds=odds_for(score_legs(forest, *test).threshold(config.false_legs_simulated)))
-    scores = score_legs(forest, positive, people_free) if positive else None
-    return _described("simulation", forest, scores, score_legs(forest, *test), config, seed)
+    """Train on simulated scans and drives only; the recordings, if any, only score the result."""
+    driven = driven_samples(np.random.default_rng([seed, 1]), config.drives)
+    forest = train_legs(Samples.joined([_simulated(config, seed), driven]), config, seed)
+    test = held_out_drives(config.test_drives, seed)
+    odds = odds_for(score_labelled(forest, test).threshold(config.false_legs_driven))
+    forest = replace(forest, odds=odds)
+    scores = {"drives": score_labelled(forest, test), "simulated scans": _simulated_scores(forest, config, seed)}
+    if positive:
+        scores[RECORDED] = score_legs(forest, positive, people_free)
+    return TrainedLegs(forest, scores, _card("simulation", forest, scores, config, seed))
 
 
 def train_real(
@@ -66,10 +78,10 @@ def train_real(
 
     folds = cross_validate(fold, positive, people_free)
     odds = odds_for(LegScores.joined([scores for *_, scores in folds]).threshold(config.false_legs_recorded))
-    scores = [score_legs(replace(forest, odds=odds), [legs], block) for forest, legs, block, _ in folds]
+    left_out = [score_legs(replace(forest, odds=odds), [legs], block) for forest, legs, block, _ in folds]
     forest = replace(train_legs(simulated, config, seed, positive, people_free), odds=odds)
-    test = simulated_test(config.test_scans, seed)
-    return _described("real", forest, LegScores.joined(scores), score_legs(forest, *test), config, seed)
+    scores = {"simulated scans": _simulated_scores(forest, config, seed), RECORDED: LegScores.joined(left_out)}
+    return TrainedLegs(forest, scores, _card("real", forest, scores, config, seed))
 
 
 def odds_for(threshold: float) -> float:
@@ -78,18 +90,18 @@ def odds_for(threshold: float) -> float:
     return GAMMA / (1.0 - GAMMA) * (1.0 - vote) / vote
 
 
-def simulated_test(scans: int, seed: int) -> tuple[list[LegRecording], list[LaserScan]]:
-    """Return simulated scans with people and their legs, and as many without people, of a seed of their own."""
-    rng = np.random.default_rng(seed + SEED_OF_TEST_SCANS)
-    with_people, legs = [], []
-    for _ in range(scans):
-        drawn = draw_scan(rng)
-        clusters = cluster_scan(drawn.scan)
-        hits = np.concatenate(([0], np.cumsum(drawn.is_leg[clusters.beams])))
-        with_people.append(drawn.scan)
-        legs.append(clusters.centres[(hits[clusters.end] - hits[clusters.start]) > 0.7 * clusters.sizes])
-    empty = [draw_scan(rng, people=False).scan for _ in range(scans)]
-    return [LegRecording("simulated", with_people, legs)], empty
+def held_out_drives(drives: int, seed: int) -> list[LabelledScan]:
+    """Return the scans of drives that no forest of this seed is trained on."""
+    rng = np.random.default_rng([seed, 2])
+    return [scan for _ in range(drives) for scan in draw_drive(rng)]
+
+
+def _simulated_scores(forest: LegForest, config: TrainConfig, seed: int) -> LegScores:
+    """Score on simulated scans of a seed of their own: legs of those with people, false legs of those without."""
+    rng = np.random.default_rng([seed, 3])
+    with_people = score_labelled(forest, [draw_scan(rng) for _ in range(config.test_scans)])
+    empty = score_labelled(forest, [draw_scan(rng, people=False) for _ in range(config.test_scans)])
+    return replace(empty, legs=with_people.legs)
 
 
 def write(trained: TrainedLegs, folder: Path) -> Path:
@@ -104,46 +116,40 @@ def figures(scores: LegScores) -> dict[str, Any]:
     recall, false = scores.at(GAMMA)
     return {
         "legs": len(scores.legs),
-        "people_free_scans": scores.scans,
-        "recall_at_false_legs_per_people_free_scan": {str(rate): round(scores.recall(rate), 3) for rate in RATES},
-        "at_confidence_0.3": {"recall": round(recall, 3), "false_legs_per_people_free_scan": round(false, 3)},
+        "scans_of_false_legs": scores.scans,
+        "recall_at_false_legs_per_scan": {str(rate): round(scores.recall(rate), 3) for rate in RATES},
+        "at_confidence_0.3": {"recall": round(recall, 3), "false_legs_per_scan": round(false, 3)},
     }
 
 
 def _simulated(config: TrainConfig, seed: int) -> Samples:
-    return simulated_samples(np.random.default_rng(seed), config.scans)
+    return simulated_samples(np.random.default_rng([seed, 0]), config.scans)
 
 
-def _described(
-    name: str, forest: LegForest, scores: LegScores | None, simulated: LegScores, config: TrainConfig, seed: int
-) -> TrainedLegs:
+def _card(name: str, forest: LegForest, scores: dict[str, LegScores], config: TrainConfig, seed: int) -> dict[str, Any]:
     real = name == "real"
-    card = {
+    gamma = (
+        f"{config.false_legs_recorded} false legs a scan of the people-free recording, by forests not trained on it"
+        if real
+        else f"{config.false_legs_driven} false legs a scan of drives that it was not trained on"
+    )
+    left_out = f"each recording and a third of negative_2 (with {GAP} scans beside it) left out of training"
+    return {
         "forest": name,
         "use": "recorded scans (default)" if real else "the environment",
         "command": f"tagalong train legs --forest {name} --data DIR --seed {seed} --out DIR",
         "seed": seed,
         "config": asdict(config),
-        "simulated_data": f"{config.scans} scans of scripts/training/leg_scans.py",
+        "simulated_data": f"{config.scans} scans of scripts/training/leg_scans.py"
+        + ("" if real else f", {config.drives} drives of scripts/training/world_scans.py"),
         "recorded_data": f"positive_1 to 3, negative_2 of {SOURCE}" if real else "none",
-        "confidence": "odds * vote / (odds * vote + 1 - vote); odds chosen so that 0.3 gives "
-        + (
-            f"{config.false_legs_recorded} false legs a scan in the left-out people-free recording"
-            if real
-            else f"{config.false_legs_simulated} false legs a scan in simulated people-free scans of another seed"
-        ),
+        "confidence": f"odds * vote / (odds * vote + 1 - vote); odds such that {GAMMA} gives {gamma}",
         "odds": forest.odds,
-        "protocol": f"labelled legs within {FARTHEST_LEG} m, match {MATCH_DISTANCE} m one to one, all clusters of "
-        + "people-free scans; "
-        + (
-            f"each recording and a third of negative_2 (and {GAP} scans beside it) left out of training"
-            if real
-            else "no recording was trained on"
-        ),
-        "recorded": None if scores is None else figures(scores),
-        "simulated": figures(simulated),
+        "protocol": f"recordings: labelled legs within {FARTHEST_LEG} m, match {MATCH_DISTANCE} m one to one, against "
+        f"all clusters of people-free scans, {left_out if real else 'none of them trained on'}; simulated scans and "
+        f"drives: leg clusters within {FARTHEST_SIMULATED_LEG} m, other seeds than in training",
+        "scores": {data: figures(score) for data, score in scores.items()},
         "limits": LIMITS,
         "scikit_learn": sklearn.__version__,
         "features": list(FEATURE_NAMES),
     }
-    return TrainedLegs(forest, scores, simulated, card)

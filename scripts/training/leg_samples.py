@@ -12,6 +12,7 @@ from ...perception.legs.clusters import cluster_scan
 from ...perception.legs.features import FEATURE_NAMES, cluster_features
 from ...slam.scan import LaserScan
 from .leg_scans import draw_scan
+from .world_scans import draw_drive
 
 LABEL_DISTANCE = 0.1  # a labelled leg belongs to the cluster with a mean this near [m]
 LEG_SHARE, OTHER_SHARE = 0.7, 0.2  # clusters with a share of leg points in between teach nothing
@@ -46,6 +47,14 @@ def simulated_samples(rng: Generator, scans: int) -> Samples:
     for _ in tqdm(range(scans), desc="simulated scans", leave=False, disable=None):
         drawn = draw_scan(rng)
         parts.append(samples_of(drawn.scan, drawn.is_leg))
+    return Samples.joined(parts)
+
+
+def driven_samples(rng: Generator, drives: int) -> Samples:
+    """Return the clusters of scans taken on `drives` drives through the environment's buildings."""
+    parts = [Samples.none()]
+    for _ in tqdm(range(drives), desc="drives", leave=False, disable=None):
+        parts += [samples_of(drawn.scan, drawn.is_leg) for drawn in draw_drive(rng)]
     return Samples.joined(parts)
 
 

@@ -21,12 +21,16 @@ class TrainConfig:
 
     scans: int = 6000
     """Simulated scans."""
+    drives: int = 60
+    """Drives of half a minute in the environment's buildings, for the forest `simulation`."""
+    test_drives: int = 8
+    """Drives to score that forest on."""
     test_scans: int = 500
     """Simulated scans with, and as many without people, to score a forest on."""
     false_legs_recorded: float = 1.0
     """False legs a recorded people-free scan at gamma, for the forest `real`."""
-    false_legs_simulated: float = 0.5
-    """False legs a simulated people-free scan at gamma, for the forest `simulation`."""
+    false_legs_driven: float = 0.2
+    """False legs a scan of a drive in the environment at gamma, for the forest `simulation`."""
     trees: int = 48
     """Trees of a forest."""
     depth: int = 14

@@ -114,7 +114,7 @@ def test_a_shipped_forest_is_small_and_its_card_says_what_it_is(name):
     card = read_card(name)
     assert card["forest"] == name
     assert card["features"] == list(FEATURE_NAMES)
-    assert {"command", "seed", "config", "recorded_data", "limits", "scikit_learn", "recorded"} <= set(card)
+    assert {"command", "seed", "config", "recorded_data", "limits", "scikit_learn", "scores"} <= set(card)
     forest = LegForest.load(name)
     assert forest.odds == pytest.approx(card["odds"])
     models = Path(__file__).resolve().parents[2] / "perception" / "models"
@@ -134,7 +134,7 @@ def test_a_detector_with_nonsense_numbers_is_refused():
         LegDetectorConfig(gamma=1.5)
 
 
-@pytest.mark.parametrize(("name", "recall", "false_legs"), [("real", 0.85, 1.2), ("simulation", 0.4, 2.5)])
+@pytest.mark.parametrize(("name", "recall", "false_legs"), [("real", 0.85, 1.2), ("simulation", 0.7, 8.0)])
 def test_a_shipped_forest_finds_recorded_legs(name, recall, false_legs):
     """A check that the shipped file is the trained one; `real` knows these recordings, its card has fair figures."""
     if "TAGALONG_DATA" not in os.environ:

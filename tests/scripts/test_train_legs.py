@@ -14,7 +14,7 @@ from tagalong.scripts.training.leg_scans import draw_scan
 from tagalong.scripts.training.outlines import Outlines, cast
 from tagalong.slam.scan import LaserScan
 
-TINY = ["--scans", "40", "--test-scans", "10", "--trees", "4"]
+TINY = ["--scans", "40", "--test-scans", "10", "--trees", "4", "--drives", "1", "--test-drives", "1"]
 
 
 def write_recording(path, rng, legs, scans=12):
@@ -105,7 +105,7 @@ def test_the_real_forest_is_scored_on_recordings_left_out(tmp_path, recordings, 
     assert main(["train", "legs", "--forest", "real", "--data", str(recordings), "--out", str(out), *TINY]) == 0
     card = json.loads((out / "legs_real.json").read_text())
     assert card["features"] == list(FEATURE_NAMES)
-    assert card["recorded"]["people_free_scans"] == 96
+    assert card["scores"]["recordings not trained on"]["scans_of_false_legs"] == 96
     assert LegForest.load(out / "legs_real.npz").odds == pytest.approx(card["odds"])
     assert "recall, recordings not trained on" in capsys.readouterr().out
 
