@@ -1,0 +1,176 @@
+"""Constraints between submaps and nodes, and how a node is matched against a finished submap."""
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter
+
+from ..errors import InputError
+from ..geometry import between, compose
+from ..search.branch_and_bound import SearchWindow, branch_and_bound
+from ..search.score_pyramid import ScoreGrid, ScorePyramid, build_pyramid
+from .refine_kernels import refine_pose
+from .submap import Submap
+
+Array = NDArray[np.float64]
+
+
+class Kind(Enum):
+    """INTRA: the node stands in the submap; INTER: it was matched against it later (Konolige et al. 2010)."""
+
+    INTRA = "intra"
+    INTER = "inter"
+
+
+@dataclass(frozen=True, eq=False)
+class Constraint:
+    """Where a node stands, seen from a submap.
+
+    Attributes:
+        submap: Index of the submap.
+        node: Index of the node.
+        pose: (3,) T_submap_node [m, m, rad].
+        information: (3, 3) inverse covariance of its error in the frame of the node.
+        kind: INTRA or INTER.
+        score: Mean occupancy under the node's points; of INTRA 1.
+        searched: Whether a global search found it (a loop closure), not a match from a good guess.
+    """
+
+    submap: int
+    node: int
+    pose: Array
+    information: Array
+    kind: Kind
+    score: float = 1.0
+    searched: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class ConstraintConfig:
+    """Settings of `ConstraintBuilder`.
+
+    Attributes:
+        weight: Weight of a point's `1 - occupancy`, as in local matching.
+        intra_sigma: Least standard deviation of INTRA constraints [m, rad].
+        inter_sigma: Least standard deviation of INTER constraints [m, rad].
+        min_score: Least score of a match from a good guess.
+        search_min_score: Least score of a match by global search.
+        search_linear: Half side of the searched square [m].
+        search_angular: Half range of the searched headings [rad].
+        search_points: The search uses about so many points.
+        max_shift: A match from a good guess must not move farther than this [m, rad].
+        min_points: Fewer points than this match nothing.
+    """
+
+    weight: float = 4.0
+    intra_sigma: tuple[float, float] = (0.003, 0.001)
+    inter_sigma: tuple[float, float] = (0.01, 0.003)
+    min_score: float = 0.35
+    search_min_score: float = 0.45
+    search_linear: float = 4.0
+    search_angular: float = 0.5
+    search_points: int = 100
+    max_shift: tuple[float, float] = (0.15, 0.05)
+    min_points: int = 30
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if not np.all(np.asarray(value) > 0):
+                raise InputError(f"`{name}` must be positive, got {value}")
+
+
+class ConstraintBuilder:
+    """Matches nodes against finished submaps.
+
+    Args:
+        config: Settings.
+    """
+
+    def __init__(self, config: ConstraintConfig) -> None:
+        self._config = config
+        self._pyramids: dict[int, ScorePyramid] = {}
+
+    def intra(self, index: int, submap: Submap, node: int, pose_local: Array, curvature: Array | None) -> Constraint:
+        """Return the constraint of a node at `pose_local` (3,) that was inserted into a submap."""
+        pose = between(submap.pose_local, pose_local)
+        information = information_in_node(curvature, pose[2], self._config.intra_sigma)
+        return Constraint(index, node, pose, information, Kind.INTRA)
+
+    def track(self, index: int, submap: Submap, node: int, points: Array, guess: Array) -> Constraint | None:
+        """Return the constraint near `guess` (3,) T_submap_node; None: no good match near there."""
+        config = self._config
+        if len(points) < config.min_points:
+            return None
+        match = self._refine(submap, points, guess)
+        moved = between(guess, match[0])
+        if match[2] < config.min_score or np.hypot(moved[0], moved[1]) > config.max_shift[0]:
+            return None
+        if abs(moved[2]) > config.max_shift[1]:
+            return None
+        return self._inter(index, node, match, False)
+
+    def search(self, index: int, submap: Submap, node: int, points: Array, guess: Array) -> Constraint | None:
+        """Return the best constraint in the search window around `guess` (3,); None: none reaches the least score."""
+        config = self._config
+        if len(points) < config.min_points:
+            return None
+        thinned = points[:: max(1, len(points) // config.search_points)]
+        far = float(np.sqrt(np.quantile(np.einsum("ij,ij->i", points, points), 0.8)))
+        step = 1.5 * submap.config.resolution / max(far, 1.0)
+        window = SearchWindow(linear=config.search_linear, angular=config.search_angular, angular_step=step)
+        found = branch_and_bound(
+            self._pyramid(index, submap), thinned, compose(submap.pose_local, guess), window, min_score=0.5
+        ).best
+        if found is None:
+            return None
+        match = self._refine(submap, points, between(submap.pose_local, np.array(found.pose)))
+        return self._inter(index, node, match, True) if match[2] >= config.search_min_score else None
+
+    def _refine(self, submap: Submap, points: Array, guess: Array) -> tuple[Array, Array, float]:
+        """Return T_submap_node, curvature and score of the least-squares match near `guess`."""
+        start = compose(submap.pose_local, guess)
+        pose, curvature, rest, _ = refine_pose(
+            submap.field,
+            submap.corner,
+            submap.config.resolution,
+            points,
+            start,
+            start,
+            np.eye(3),
+            self._config.weight,
+            20,
+        )
+        return between(submap.pose_local, pose), self._config.weight * curvature, 1.0 - rest / len(points)
+
+    def _inter(self, index: int, node: int, match: tuple[Array, Array, float], searched: bool) -> Constraint:
+        pose, curvature, score = match
+        information = information_in_node(curvature, pose[2], self._config.inter_sigma)
+        return Constraint(index, node, pose, information, Kind.INTER, score, searched)
+
+    def _pyramid(self, index: int, submap: Submap) -> ScorePyramid:
+        if index not in self._pyramids:
+            h = submap.config.resolution
+            blurred = np.clip(2.5 * gaussian_filter(submap.field, 1.0), 0.0, 1.0)
+            corner = submap.corner - 0.5 * h
+            grid = ScoreGrid.from_likelihood(blurred, (float(corner[0]), float(corner[1])), h)
+            self._pyramids[index] = build_pyramid(grid, margin=int(self._config.search_linear / h) + 1)
+        return self._pyramids[index]
+
+
+def information_in_node(curvature: Array | None, heading: float, sigma: tuple[float, float]) -> Array:
+    """Return (3, 3) information in the node's frame, from a curvature along the submap's axes and a least `sigma`.
+
+    Args:
+        curvature: (3, 3) information along the submap's axes; None: perfect but for `sigma`.
+        heading: Of the node in the submap [rad].
+        sigma: Standard deviations that stand for what the curvature does not know [m, rad].
+    """
+    floor = np.diag(np.array([sigma[0], sigma[0], sigma[1]]) ** 2)
+    if curvature is None:
+        return np.linalg.inv(floor)
+    c, s = np.cos(heading), np.sin(heading)
+    R = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    H = R.T @ curvature @ R + 1e-3 * np.eye(3)
+    return np.linalg.inv(np.linalg.inv(H) + floor)

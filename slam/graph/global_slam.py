@@ -1,0 +1,195 @@
+"""Global SLAM: nodes and submaps tied by constraints, adjusted so that loops close (Hess et al. 2016, sections IV, V)."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from ..geometry import between, compose, inverse
+from ..pose_graph.adjustment import AdjustmentConfig, adjust
+from ..pose_graph.pose_graph import PoseGraph
+from .constraints import Constraint, ConstraintBuilder, ConstraintConfig, Kind
+from .local_slam import Insertion
+from .submap import Submap
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class GlobalSlamConfig:
+    """Settings of `GlobalSlam`.
+
+    Attributes:
+        constraints: How constraints are made.
+        adjustment: How the graph is adjusted.
+        adjust_every: The graph is adjusted after so many nodes, if a constraint is new.
+        max_distance: Submaps whose origin is farther from a node than this are not matched [m].
+        known_for: A submap that tied a node counts as well placed for so many nodes after it: no search is needed.
+        kernel_width: Of INTER constraints, in standard deviations.
+        reject_beyond: INTER constraints that the adjusted graph contradicts by more standard deviations are dropped.
+        passes: Rounds of matching every node with every near submap, and adjustment, when a trajectory is asked for.
+    """
+
+    constraints: ConstraintConfig = field(default_factory=ConstraintConfig)
+    adjustment: AdjustmentConfig = field(default_factory=lambda: AdjustmentConfig(iterations=20, tolerance=1e-5))
+    adjust_every: int = 40
+    max_distance: float = 15.0
+    known_for: int = 20
+    kernel_width: float = 4.0
+    reject_beyond: float = 12.0
+    passes: int = 2
+
+    def __post_init__(self) -> None:
+        for name in ("adjust_every", "max_distance", "known_for", "kernel_width", "reject_beyond"):
+            if not getattr(self, name) > 0:
+                raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
+
+
+@dataclass(frozen=True, eq=False)
+class Node:
+    """A scan of the graph.
+
+    Attributes:
+        pose_local: (3,) T_local_robot [m, m, rad].
+        points: (N, 2) thinned returns, robot frame [m].
+        submaps: The submaps that it stands in.
+    """
+
+    pose_local: Array
+    points: Array
+    submaps: tuple[int, ...]
+
+
+class GlobalSlam:
+    """Closes loops between the nodes and submaps of local SLAM.
+
+    Args:
+        config: Settings.
+        submaps: The growing list of submaps of local SLAM.
+
+    Attributes:
+        constraints: All constraints in force.
+        rejected: Number of INTER constraints that were dropped.
+    """
+
+    def __init__(self, config: GlobalSlamConfig, submaps: list[Submap]) -> None:
+        self._config = config
+        self._submaps = submaps
+        self._builder = ConstraintBuilder(config.constraints)
+        self.nodes: list[Node] = []
+        self.constraints: list[Constraint] = []
+        self.rejected = 0
+        self._node_poses: list[Array] = []
+        self._submap_poses: list[Array] = []
+        self._tied_at: dict[int, int] = {}
+        self._tried_at: dict[int, int] = {}
+        self._new = False
+        self._finished_nodes = 0
+
+    @property
+    def local_to_global(self) -> Array:
+        """(3,) T_global_local now: the only bridge between the drifting and the loop-closed frame."""
+        if not self.nodes:
+            return np.zeros(3)
+        return compose(self._node_poses[-1], inverse(self.nodes[-1].pose_local))
+
+    @property
+    def node_poses(self) -> Array:
+        """(n, 3) T_global_robot of every node."""
+        return np.array(self._node_poses).reshape(-1, 3)
+
+    def add_node(self, pose_local: Array, insertion: Insertion) -> None:
+        """Add a scan that local SLAM inserted, match it against older submaps, adjust the graph when it is due."""
+        bridge = self.local_to_global
+        index = len(self.nodes)
+        for submap in self._submaps[len(self._submap_poses) :]:
+            self._submap_poses.append(compose(bridge, submap.pose_local))
+        self.nodes.append(Node(pose_local, insertion.points, insertion.submaps))
+        self._node_poses.append(compose(bridge, pose_local))
+        curvature = insertion.match.information if insertion.match else None
+        for s in insertion.submaps:
+            self.constraints.append(self._builder.intra(s, self._submaps[s], index, pose_local, curvature))
+        self._close_loops(index)
+        if self._new and (index + 1) % self._config.adjust_every == 0:
+            self._adjust()
+
+    def finish(self) -> None:
+        """Match every node with every near submap and adjust; does nothing where no node is new."""
+        if self._finished_nodes == len(self.nodes):
+            return
+        self._finished_nodes = len(self.nodes)
+        self._adjust()
+        for _ in range(self._config.passes):
+            self.constraints = [c for c in self.constraints if c.kind is Kind.INTRA or c.searched]
+            for index in range(len(self.nodes)):
+                for s in self._near(index):
+                    self._track(s, index)
+            self._adjust()
+
+    def _near(self, index: int) -> list[int]:
+        """Return the finished submaps near a node that it does not stand in."""
+        node = self.nodes[index]
+        count = min(len(self._submaps) - 2, len(self._submap_poses))
+        if count <= 0:
+            return []
+        origins = np.array(self._submap_poses[:count])[:, :2]
+        distance = np.hypot(*(origins - self._node_poses[index][:2]).T)
+        near = np.flatnonzero(distance <= self._config.max_distance)
+        return [int(s) for s in near if s not in node.submaps]
+
+    def _close_loops(self, index: int) -> None:
+        """Track the submaps whose place is known, search for the one that waits longest."""
+        waiting: list[int] = []
+        for s in self._near(index):
+            if index - self._tied_at.get(s, -(10**9)) <= self._config.known_for or s >= self.nodes[index].submaps[0] - 2:
+                self._track(s, index)
+            else:
+                waiting.append(s)
+        if waiting:
+            s = min(waiting, key=lambda s: (self._tried_at.get(s, -1), s))
+            self._tried_at[s] = index
+            self._take(self._builder.search(s, self._submaps[s], index, self.nodes[index].points, self._guess(s, index)))
+
+    def _guess(self, s: int, index: int) -> Array:
+        return between(self._submap_poses[s], self._node_poses[index])
+
+    def _track(self, s: int, index: int) -> None:
+        self._take(self._builder.track(s, self._submaps[s], index, self.nodes[index].points, self._guess(s, index)))
+
+    def _take(self, constraint: Constraint | None) -> None:
+        if constraint is not None:
+            self.constraints.append(constraint)
+            self._tied_at[constraint.submap] = constraint.node
+            self._new = True
+
+    def _adjust(self) -> None:
+        """Adjust all poses; drop INTER constraints that end far off and adjust again."""
+        while True:
+            graph = self._graph()
+            result = adjust(graph, self._config.adjustment)
+            self._set_poses(result.poses)
+            distances = np.sqrt(graph.with_poses(result.poses).squared_distances())
+            bad = distances > self._config.reject_beyond
+            bad &= np.array([c.kind is Kind.INTER for c in self.constraints])
+            self.constraints = [c for c, wrong in zip(self.constraints, bad, strict=True) if not wrong]
+            self.rejected += int(bad.sum())
+            self._new = False
+            if not bad.any():
+                return
+
+    def _graph(self) -> PoseGraph:
+        """Return the graph of all submaps, then all nodes."""
+        submaps, constraints = len(self._submap_poses), self.constraints
+        return PoseGraph(
+            np.array(self._submap_poses + self._node_poses),
+            np.array([(c.submap, submaps + c.node) for c in constraints], dtype=np.int64),
+            np.array([c.pose for c in constraints]),
+            np.array([c.information for c in constraints]),
+            np.array([np.inf if c.kind is Kind.INTRA else self._config.kernel_width for c in constraints]),
+        )
+
+    def _set_poses(self, poses: Array) -> None:
+        submaps = len(self._submap_poses)
+        self._submap_poses = list(poses[:submaps])
+        self._node_poses = list(poses[submaps:])
