@@ -1,5 +1,6 @@
 """Constraints between submaps and nodes, and how a node is matched against a finished submap."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 
@@ -11,10 +12,14 @@ from ..errors import InputError
 from ..geometry import between, compose
 from ..search.branch_and_bound import SearchWindow, branch_and_bound
 from ..search.score_pyramid import ScoreGrid, ScorePyramid, build_pyramid
-from .refine_kernels import refine_pose
+from .refine_kernels import refine_many, refine_pose
 from .submap import Submap
 
 Array = NDArray[np.float64]
+
+_LEAST_INFORMATION = 1e-3  # [1/m^2, 1/rad^2] keeps blind directions invertible
+_TRACK_ANGLES = 8  # steps of heading to each side
+_CERTAIN = 1e8  # [1/m^2, 1/rad^2] of a node that defines its submap
 
 
 class Kind(Enum):
@@ -72,7 +77,7 @@ class ConstraintConfig:
     search_linear: float = 4.0
     search_angular: float = 0.5
     search_points: int = 100
-    max_shift: tuple[float, float] = (0.15, 0.05)
+    max_shift: tuple[float, float] = (0.25, 0.1)
     min_points: int = 30
 
     def __post_init__(self) -> None:
@@ -95,21 +100,47 @@ class ConstraintBuilder:
     def intra(self, index: int, submap: Submap, node: int, pose_local: Array, curvature: Array | None) -> Constraint:
         """Return the constraint of a node at `pose_local` (3,) that was inserted into a submap."""
         pose = between(submap.pose_local, pose_local)
-        information = information_in_node(curvature, pose[2], self._config.intra_sigma)
+        certain = curvature if curvature is not None else _CERTAIN * np.eye(3)
+        information = information_in_node(certain, pose[2], self._config.intra_sigma)
         return Constraint(index, node, pose, information, Kind.INTRA)
 
-    def track(self, index: int, submap: Submap, node: int, points: Array, guess: Array) -> Constraint | None:
-        """Return the constraint near `guess` (3,) T_submap_node; None: no good match near there."""
+    def track(
+        self, index: int, submap: Submap, nodes: Sequence[int], points: Sequence[Array], guesses: Array, wide: bool
+    ) -> list[Constraint]:
+        """Return the constraints of those `nodes` that match the submap near their `guesses` (n, 3) T_submap_node.
+
+        Args:
+            index: Index of the submap.
+            submap: The submap.
+            nodes: Indices of n nodes.
+            points: The (N, 2) points of each node, robot frame [m].
+            guesses: Where the nodes should be.
+            wide: Whether to search the surroundings first; otherwise the guess must be right to a cell.
+        """
         config = self._config
-        if len(points) < config.min_points:
-            return None
-        match = self._refine(submap, points, guess)
-        moved = between(guess, match[0])
-        if match[2] < config.min_score or np.hypot(moved[0], moved[1]) > config.max_shift[0]:
-            return None
-        if abs(moved[2]) > config.max_shift[1]:
-            return None
-        return self._inter(index, node, match, False)
+        firsts = np.concatenate(([0], np.cumsum([len(p) for p in points]))).astype(np.int64)
+        starts = compose(submap.pose_local, guesses)
+        poses, curvatures, scores = refine_many(
+            submap.field,
+            submap.corner,
+            submap.config.resolution,
+            np.concatenate(points),
+            firsts,
+            starts,
+            config.weight,
+            int(np.ceil(config.max_shift[0] / submap.config.resolution)) if wide else 0,
+            _TRACK_ANGLES,
+            0.6 * config.min_score,
+        )
+        moved = between(starts, poses)
+        good = (np.hypot(moved[:, 0], moved[:, 1]) <= config.max_shift[0]) & (np.abs(moved[:, 2]) <= config.max_shift[1])
+        good &= (scores >= config.min_score) & (np.diff(firsts) >= config.min_points)
+        relative = between(submap.pose_local, poses)
+        information = information_in_node(curvatures, relative[:, 2], config.inter_sigma)
+        return [
+            Constraint(index, nodes[k], relative[k], information[k], Kind.INTER, float(scores[k]))
+            for k in np.flatnonzero(good)
+        ]
 
     def search(self, index: int, submap: Submap, node: int, points: Array, guess: Array) -> Constraint | None:
         """Return the best constraint in the search window around `guess` (3,); None: none reaches the least score."""
@@ -125,12 +156,7 @@ class ConstraintBuilder:
         ).best
         if found is None:
             return None
-        match = self._refine(submap, points, between(submap.pose_local, np.array(found.pose)))
-        return self._inter(index, node, match, True) if match[2] >= config.search_min_score else None
-
-    def _refine(self, submap: Submap, points: Array, guess: Array) -> tuple[Array, Array, float]:
-        """Return T_submap_node, curvature and score of the least-squares match near `guess`."""
-        start = compose(submap.pose_local, guess)
+        start = np.array(found.pose)
         pose, curvature, rest, _ = refine_pose(
             submap.field,
             submap.corner,
@@ -139,15 +165,15 @@ class ConstraintBuilder:
             start,
             start,
             np.eye(3),
-            self._config.weight,
+            config.weight,
             20,
         )
-        return between(submap.pose_local, pose), self._config.weight * curvature, 1.0 - rest / len(points)
-
-    def _inter(self, index: int, node: int, match: tuple[Array, Array, float], searched: bool) -> Constraint:
-        pose, curvature, score = match
-        information = information_in_node(curvature, pose[2], self._config.inter_sigma)
-        return Constraint(index, node, pose, information, Kind.INTER, score, searched)
+        score = 1.0 - rest / len(points)
+        if score < config.search_min_score:
+            return None
+        pose = between(submap.pose_local, pose)
+        information = information_in_node(config.weight * curvature, pose[2], config.inter_sigma)
+        return Constraint(index, node, pose, information, Kind.INTER, score, True)
 
     def _pyramid(self, index: int, submap: Submap) -> ScorePyramid:
         if index not in self._pyramids:
@@ -159,18 +185,16 @@ class ConstraintBuilder:
         return self._pyramids[index]
 
 
-def information_in_node(curvature: Array | None, heading: float, sigma: tuple[float, float]) -> Array:
-    """Return (3, 3) information in the node's frame, from a curvature along the submap's axes and a least `sigma`.
+def information_in_node(curvature: Array, heading: Array | float, sigma: tuple[float, float]) -> Array:
+    """Return (..., 3, 3) information in the node's frame, from a curvature along the submap's axes and a least `sigma`.
 
     Args:
-        curvature: (3, 3) information along the submap's axes; None: perfect but for `sigma`.
-        heading: Of the node in the submap [rad].
+        curvature: (..., 3, 3) information along the submap's axes.
+        heading: (...) of the node in the submap [rad].
         sigma: Standard deviations that stand for what the curvature does not know [m, rad].
     """
     floor = np.diag(np.array([sigma[0], sigma[0], sigma[1]]) ** 2)
-    if curvature is None:
-        return np.linalg.inv(floor)
-    c, s = np.cos(heading), np.sin(heading)
-    R = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    H = R.T @ curvature @ R + 1e-3 * np.eye(3)
+    c, s, zero = np.cos(heading), np.sin(heading), np.zeros_like(heading)
+    R = np.moveaxis(np.array([[c, -s, zero], [s, c, zero], [zero, zero, zero + 1.0]]), (0, 1), (-2, -1))
+    H = np.swapaxes(R, -1, -2) @ curvature @ R + _LEAST_INFORMATION * np.eye(3)
     return np.linalg.inv(np.linalg.inv(H) + floor)

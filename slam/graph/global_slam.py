@@ -28,6 +28,8 @@ class GlobalSlamConfig:
         known_for: A submap that tied a node counts as well placed for so many nodes after it: no search is needed.
         kernel_width: Of INTER constraints, in standard deviations.
         reject_beyond: INTER constraints that the adjusted graph contradicts by more standard deviations are dropped.
+        nearest: A node is matched with at most so many known submaps.
+        search_every: One global search for each so many metres travelled [m].
         passes: Rounds of matching every node with every near submap, and adjustment, when a trajectory is asked for.
     """
 
@@ -39,6 +41,8 @@ class GlobalSlamConfig:
     kernel_width: float = 4.0
     reject_beyond: float = 12.0
     passes: int = 2
+    nearest: int = 4
+    search_every: float = 0.4
 
     def __post_init__(self) -> None:
         for name in ("adjust_every", "max_distance", "known_for", "kernel_width", "reject_beyond"):
@@ -84,6 +88,7 @@ class GlobalSlam:
         self._submap_poses: list[Array] = []
         self._tied_at: dict[int, int] = {}
         self._tried_at: dict[int, int] = {}
+        self._travelled = np.inf
         self._new = False
         self._finished_nodes = 0
 
@@ -120,45 +125,55 @@ class GlobalSlam:
             return
         self._finished_nodes = len(self.nodes)
         self._adjust()
-        for _ in range(self._config.passes):
+        for turn in range(self._config.passes):
             self.constraints = [c for c in self.constraints if c.kind is Kind.INTRA or c.searched]
+            near: dict[int, list[int]] = {}
             for index in range(len(self.nodes)):
-                for s in self._near(index):
-                    self._track(s, index)
+                for s in self._near(index)[: 2 * self._config.nearest]:
+                    near.setdefault(s, []).append(index)
+            for s in sorted(near):
+                self._track(s, near[s], turn == 0)
             self._adjust()
 
     def _near(self, index: int) -> list[int]:
-        """Return the finished submaps near a node that it does not stand in."""
-        node = self.nodes[index]
+        """Return the finished submaps near a node that it does not stand in, nearest first."""
         count = min(len(self._submaps) - 2, len(self._submap_poses))
         if count <= 0:
             return []
-        origins = np.array(self._submap_poses[:count])[:, :2]
-        distance = np.hypot(*(origins - self._node_poses[index][:2]).T)
-        near = np.flatnonzero(distance <= self._config.max_distance)
-        return [int(s) for s in near if s not in node.submaps]
+        offsets = np.array([(*submap.centre, 0.0) for submap in self._submaps[:count]])
+        centres = compose(np.array(self._submap_poses[:count]), offsets)[:, :2]
+        distance = np.hypot(*(centres - self._node_poses[index][:2]).T)
+        order = np.argsort(distance, kind="stable")
+        inside = self.nodes[index].submaps
+        return [int(s) for s in order if distance[s] <= self._config.max_distance and s not in inside]
 
     def _close_loops(self, index: int) -> None:
-        """Track the submaps whose place is known, search for the one that waits longest."""
-        waiting: list[int] = []
+        """Track the nearest submaps whose place is known, search for the one that waits longest."""
+        config, node = self._config, self.nodes[index]
+        known, waiting = [], []
         for s in self._near(index):
-            if index - self._tied_at.get(s, -(10**9)) <= self._config.known_for or s >= self.nodes[index].submaps[0] - 2:
-                self._track(s, index)
-            else:
-                waiting.append(s)
-        if waiting:
+            tied = index - self._tied_at.get(s, -(10**9)) <= config.known_for or s >= node.submaps[0] - 2
+            (known if tied else waiting).append(s)
+        for s in known[: config.nearest]:
+            self._track(s, [index], True)
+        self._travelled += float(np.hypot(*between(self.nodes[index - 1].pose_local, node.pose_local)[:2]))
+        if waiting and self._travelled >= config.search_every:
+            self._travelled = 0.0
             s = min(waiting, key=lambda s: (self._tried_at.get(s, -1), s))
             self._tried_at[s] = index
-            self._take(self._builder.search(s, self._submaps[s], index, self.nodes[index].points, self._guess(s, index)))
+            found = self._builder.search(s, self._submaps[s], index, node.points, self._guess(s, index))
+            self._take([found] if found else [])
 
     def _guess(self, s: int, index: int) -> Array:
         return between(self._submap_poses[s], self._node_poses[index])
 
-    def _track(self, s: int, index: int) -> None:
-        self._take(self._builder.track(s, self._submaps[s], index, self.nodes[index].points, self._guess(s, index)))
+    def _track(self, s: int, nodes: list[int], wide: bool) -> None:
+        guesses = between(self._submap_poses[s], np.array([self._node_poses[k] for k in nodes]))
+        points = [self.nodes[k].points for k in nodes]
+        self._take(self._builder.track(s, self._submaps[s], nodes, points, guesses, wide))
 
-    def _take(self, constraint: Constraint | None) -> None:
-        if constraint is not None:
+    def _take(self, constraints: list[Constraint]) -> None:
+        for constraint in constraints:
             self.constraints.append(constraint)
             self._tied_at[constraint.submap] = constraint.node
             self._new = True
