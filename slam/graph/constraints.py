@@ -60,8 +60,9 @@ class ConstraintConfig:
         weight: Weight of a point's `1 - occupancy`, as in local matching.
         intra_sigma: Least standard deviation of INTRA constraints [m, rad].
         inter_sigma: Least standard deviation of INTER constraints [m, rad].
-        min_score: Least score of a match from a good guess.
-        search_min_score: Least score of a match by global search.
+        min_score: Least score of a match from a good guess, as a share of the typical score of local matches.
+        search_min_score: Likewise of a match by global search.
+        bound: The search opens no block of poses that scores less, on the blurred submap.
         search_linear: Half side of the searched square [m].
         search_angular: Half range of the searched headings [rad].
         search_points: The search uses about so many points.
@@ -72,8 +73,9 @@ class ConstraintConfig:
     weight: float = 4.0
     intra_sigma: tuple[float, float] = (0.003, 0.001)
     inter_sigma: tuple[float, float] = (0.01, 0.003)
-    min_score: float = 0.35
-    search_min_score: float = 0.45
+    min_score: float = 0.6
+    search_min_score: float = 0.85
+    bound: float = 0.4
     search_linear: float = 4.0
     search_angular: float = 0.5
     search_points: int = 100
@@ -91,11 +93,15 @@ class ConstraintBuilder:
 
     Args:
         config: Settings.
+
+    Attributes:
+        typical_score: Mean score of local matches so far, which depends on the laser and the building.
     """
 
     def __init__(self, config: ConstraintConfig) -> None:
         self._config = config
         self._pyramids: dict[int, ScorePyramid] = {}
+        self.typical_score = 0.0
 
     def intra(self, index: int, submap: Submap, node: int, pose_local: Array, curvature: Array | None) -> Constraint:
         """Return the constraint of a node at `pose_local` (3,) that was inserted into a submap."""
@@ -130,11 +136,11 @@ class ConstraintBuilder:
             config.weight,
             int(np.ceil(config.max_shift[0] / submap.config.resolution)) if wide else 0,
             _TRACK_ANGLES,
-            0.6 * config.min_score,
+            0.7 * config.min_score * self.typical_score,
         )
         moved = between(starts, poses)
         good = (np.hypot(moved[:, 0], moved[:, 1]) <= config.max_shift[0]) & (np.abs(moved[:, 2]) <= config.max_shift[1])
-        good &= (scores >= config.min_score) & (np.diff(firsts) >= config.min_points)
+        good &= (scores >= config.min_score * self.typical_score) & (np.diff(firsts) >= config.min_points)
         relative = between(submap.pose_local, poses)
         information = information_in_node(curvatures, relative[:, 2], config.inter_sigma)
         return [
@@ -152,7 +158,7 @@ class ConstraintBuilder:
         step = 1.5 * submap.config.resolution / max(far, 1.0)
         window = SearchWindow(linear=config.search_linear, angular=config.search_angular, angular_step=step)
         found = branch_and_bound(
-            self._pyramid(index, submap), thinned, compose(submap.pose_local, guess), window, min_score=0.5
+            self._pyramid(index, submap), thinned, compose(submap.pose_local, guess), window, min_score=config.bound
         ).best
         if found is None:
             return None
@@ -169,7 +175,7 @@ class ConstraintBuilder:
             20,
         )
         score = 1.0 - rest / len(points)
-        if score < config.search_min_score:
+        if score < config.search_min_score * self.typical_score:
             return None
         pose = between(submap.pose_local, pose)
         information = information_in_node(config.weight * curvature, pose[2], config.inter_sigma)

@@ -25,11 +25,11 @@ class ExtrapolatorConfig:
     """
 
     translation_floor: float = 0.005
-    translation_per_metre: float = 0.15
+    translation_per_metre: float = 0.1
     translation_per_radian: float = 0.05
-    rotation_floor: float = 0.003
-    rotation_per_metre: float = 0.05
-    rotation_per_radian: float = 0.10
+    rotation_floor: float = 0.005
+    rotation_per_metre: float = 0.075
+    rotation_per_radian: float = 0.15
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():

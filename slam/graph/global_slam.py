@@ -88,6 +88,7 @@ class GlobalSlam:
         self._submap_poses: list[Array] = []
         self._tied_at: dict[int, int] = {}
         self._tried_at: dict[int, int] = {}
+        self._matched = 0
         self._travelled = np.inf
         self._new = False
         self._finished_nodes = 0
@@ -113,6 +114,9 @@ class GlobalSlam:
         self.nodes.append(Node(pose_local, insertion.points, insertion.submaps))
         self._node_poses.append(compose(bridge, pose_local))
         curvature = insertion.match.information if insertion.match else None
+        if insertion.match:
+            self._matched += 1
+            self._builder.typical_score += (insertion.match.score - self._builder.typical_score) / self._matched
         for s in insertion.submaps:
             self.constraints.append(self._builder.intra(s, self._submaps[s], index, pose_local, curvature))
         self._close_loops(index)
