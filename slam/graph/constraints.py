@@ -19,7 +19,8 @@ Array = NDArray[np.float64]
 
 _LEAST_INFORMATION = 1e-3  # [1/m^2, 1/rad^2] keeps blind directions invertible
 _TRACK_ANGLES = 8  # steps of heading to each side
-_CERTAIN = 1e8  # [1/m^2, 1/rad^2] of a node that defines its submap
+_INDEPENDENT = 0.02  # share of a scan's points that count as independent of each other
+_CERTAIN = 1e9  # [1/m^2, 1/rad^2] of a node that defines its submap
 
 
 class Kind(Enum):
@@ -74,7 +75,7 @@ class ConstraintConfig:
     intra_sigma: tuple[float, float] = (0.003, 0.001)
     inter_sigma: tuple[float, float] = (0.01, 0.003)
     min_score: float = 0.6
-    search_min_score: float = 0.85
+    search_min_score: float = 0.7
     bound: float = 0.4
     search_linear: float = 4.0
     search_angular: float = 0.5
@@ -202,5 +203,5 @@ def information_in_node(curvature: Array, heading: Array | float, sigma: tuple[f
     floor = np.diag(np.array([sigma[0], sigma[0], sigma[1]]) ** 2)
     c, s, zero = np.cos(heading), np.sin(heading), np.zeros_like(heading)
     R = np.moveaxis(np.array([[c, -s, zero], [s, c, zero], [zero, zero, zero + 1.0]]), (0, 1), (-2, -1))
-    H = np.swapaxes(R, -1, -2) @ curvature @ R + _LEAST_INFORMATION * np.eye(3)
+    H = np.swapaxes(R, -1, -2) @ (_INDEPENDENT * curvature) @ R + _LEAST_INFORMATION * np.eye(3)
     return np.linalg.inv(np.linalg.inv(H) + floor)

@@ -10,6 +10,7 @@ from ..geometry import between, compose, inverse
 from ..pose_graph.adjustment import AdjustmentConfig, adjust
 from ..pose_graph.pose_graph import PoseGraph
 from .constraints import Constraint, ConstraintBuilder, ConstraintConfig, Kind
+from .extrapolator import Prediction
 from .local_slam import Insertion
 from .submap import Submap
 
@@ -58,11 +59,13 @@ class Node:
         pose_local: (3,) T_local_robot [m, m, rad].
         points: (N, 2) thinned returns, robot frame [m].
         submaps: The submaps that it stands in.
+        motion: By the odometry from the node before to this one.
     """
 
     pose_local: Array
     points: Array
     submaps: tuple[int, ...]
+    motion: Prediction
 
 
 class GlobalSlam:
@@ -111,7 +114,7 @@ class GlobalSlam:
         index = len(self.nodes)
         for submap in self._submaps[len(self._submap_poses) :]:
             self._submap_poses.append(compose(bridge, submap.pose_local))
-        self.nodes.append(Node(pose_local, insertion.points, insertion.submaps))
+        self.nodes.append(Node(pose_local, insertion.points, insertion.submaps, insertion.motion))
         self._node_poses.append(compose(bridge, pose_local))
         curvature = insertion.match.information if insertion.match else None
         if insertion.match:
@@ -188,7 +191,7 @@ class GlobalSlam:
             graph = self._graph()
             result = adjust(graph, self._config.adjustment)
             self._set_poses(result.poses)
-            distances = np.sqrt(graph.with_poses(result.poses).squared_distances())
+            distances = np.sqrt(graph.with_poses(result.poses).squared_distances()[: len(self.constraints)])
             bad = distances > self._config.reject_beyond
             bad &= np.array([c.kind is Kind.INTER for c in self.constraints])
             self.constraints = [c for c, wrong in zip(self.constraints, bad, strict=True) if not wrong]
@@ -198,14 +201,18 @@ class GlobalSlam:
                 return
 
     def _graph(self) -> PoseGraph:
-        """Return the graph of all submaps, then all nodes."""
-        submaps, constraints = len(self._submap_poses), self.constraints
+        """Return the graph of all submaps, then all nodes; odometry ties each node to the one before."""
+        first, constraints, steps = len(self._submap_poses), self.constraints, self.nodes[1:]
+        edges = [(c.submap, first + c.node) for c in constraints]
+        edges += [(first + k, first + k + 1) for k in range(len(steps))]
+        soft = self._config.kernel_width
+        widths = [np.inf if c.kind is Kind.INTRA else soft for c in constraints] + [soft] * len(steps)
         return PoseGraph(
             np.array(self._submap_poses + self._node_poses),
-            np.array([(c.submap, submaps + c.node) for c in constraints], dtype=np.int64),
-            np.array([c.pose for c in constraints]),
-            np.array([c.information for c in constraints]),
-            np.array([np.inf if c.kind is Kind.INTRA else self._config.kernel_width for c in constraints]),
+            np.array(edges, dtype=np.int64),
+            np.array([c.pose for c in constraints] + [node.motion.pose for node in steps]),
+            np.array([c.information for c in constraints] + [node.motion.information for node in steps]),
+            np.array(widths),
         )
 
     def _set_poses(self, poses: Array) -> None:

@@ -9,6 +9,8 @@ from .correlative import correlate
 Grid = NDArray[np.float32]
 Array = NDArray[np.float64]
 
+_SATURATION = 3.0
+
 
 @njit(cache=True, nogil=True, inline="always")
 def _spline(t: float) -> tuple[float, float, float, float]:
@@ -69,11 +71,11 @@ def linearize(field: Grid, corner: Array, resolution: float, points: Array, pose
     for n in range(len(points)):
         px, py = c * points[n, 0] - s * points[n, 1], s * points[n, 0] + c * points[n, 1]
         value, du, dv = interpolate(field, (pose[0] + px - corner[0]) * scale, (pose[1] + py - corner[1]) * scale)
-        rest = max(1.0 - value, 0.0)
+        rest = np.exp(-_SATURATION * value)
         cost += rest
         if du == 0.0 and dv == 0.0:
             continue
-        jx, jy = -du * scale, -dv * scale
+        jx, jy = -_SATURATION * rest * scale * du, -_SATURATION * rest * scale * dv
         jt = -py * jx + px * jy
         w = 0.5 / (rest + 0.05)
         g[0] += jx
