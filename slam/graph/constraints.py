@@ -71,7 +71,7 @@ class ConstraintConfig:
         min_points: Fewer points than this match nothing.
     """
 
-    weight: float = 4.0
+    weight: float = 2.0
     intra_sigma: tuple[float, float] = (0.003, 0.001)
     inter_sigma: tuple[float, float] = (0.01, 0.003)
     min_score: float = 0.6
@@ -140,13 +140,15 @@ class ConstraintBuilder:
             0.7 * config.min_score * self.typical_score,
         )
         moved = between(starts, poses)
-        good = (np.hypot(moved[:, 0], moved[:, 1]) <= config.max_shift[0]) & (np.abs(moved[:, 2]) <= config.max_shift[1])
+        good = (np.hypot(moved[:, 0], moved[:, 1]) <= config.max_shift[0]) & (
+            np.abs(moved[:, 2]) <= config.max_shift[1]
+        )
         good &= (scores >= config.min_score * self.typical_score) & (np.diff(firsts) >= config.min_points)
         relative = between(submap.pose_local, poses)
         information = information_in_node(curvatures, relative[:, 2], config.inter_sigma)
         return [
             Constraint(index, nodes[k], relative[k], information[k], Kind.INTER, float(scores[k]))
-            for k in np.flatnonzero(good)
+            for k in np.flatnonzero(good).tolist()
         ]
 
     def search(self, index: int, submap: Submap, node: int, points: Array, guess: Array) -> Constraint | None:
@@ -204,4 +206,4 @@ def information_in_node(curvature: Array, heading: Array | float, sigma: tuple[f
     c, s, zero = np.cos(heading), np.sin(heading), np.zeros_like(heading)
     R = np.moveaxis(np.array([[c, -s, zero], [s, c, zero], [zero, zero, zero + 1.0]]), (0, 1), (-2, -1))
     H = np.swapaxes(R, -1, -2) @ (_INDEPENDENT * curvature) @ R + _LEAST_INFORMATION * np.eye(3)
-    return np.linalg.inv(np.linalg.inv(H) + floor)
+    return np.asarray(np.linalg.inv(np.linalg.inv(H) + floor), dtype=np.float64)

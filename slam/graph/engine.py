@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..engine import SlamUpdate
 from ..errors import InputError
-from ..geometry import compose, between, wrap_angle
+from ..geometry import between, compose, wrap_angle
 from ..grid import GridConfig, render_map
 from ..occupancy_map import OccupancyMap
 from ..scan import LaserScan

@@ -1,4 +1,4 @@
-"""Global SLAM: nodes and submaps tied by constraints, adjusted so that loops close (Hess et al. 2016, sections IV, V)."""
+"""Global SLAM: nodes and submaps tied by constraints, adjusted so that loops close (Hess et al. 2016)."""
 
 from dataclasses import dataclass, field
 

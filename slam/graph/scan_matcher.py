@@ -36,7 +36,7 @@ class ScanMatcherConfig:
         retry_sigmas: How many times wider the odometry's errors count then.
     """
 
-    weight: float = 4.0
+    weight: float = 2.0
     sigmas: float = 3.0
     max_linear: float = 0.5
     max_angular: float = 0.5

@@ -17,7 +17,7 @@ def initialise(graph: PoseGraph, fixed: int = 0) -> PoseGraph:
     the positions that fit the measured translations under these headings. Both are linear, hence have no wrong optima.
     """
     poses = graph.poses.copy()
-    i, j = graph.edges.T
+    i = graph.edges[:, 0]
     turns = np.exp(1j * graph.measurements[:, 2])
     start = np.exp(1j * poses[fixed, 2])
     units = _solve(len(poses), graph.edges, graph.information[:, 2, 2], turns, np.zeros(len(i), complex), fixed, start)

@@ -113,14 +113,8 @@ def fill(
             A[:] = 0.0
         if j == fixed:
             B[:] = 0.0
-        for p in range(3):
-            for q in range(3):
-                OA[p, q] = weight * (
-                    information[k, p, 0] * A[0, q] + information[k, p, 1] * A[1, q] + information[k, p, 2] * A[2, q]
-                )
-                OB[p, q] = weight * (
-                    information[k, p, 0] * B[0, q] + information[k, p, 1] * B[1, q] + information[k, p, 2] * B[2, q]
-                )
+        _times(information[k], A, weight, OA)
+        _times(information[k], B, weight, OB)
         for q in range(3):
             gradient[3 * place[i] + q] += weight * (A[0, q] * Oe[0] + A[1, q] * Oe[1] + A[2, q] * Oe[2])
             gradient[3 * place[j] + q] += weight * (B[0, q] * Oe[0] + B[1, q] * Oe[1] + B[2, q] * Oe[2])
@@ -149,6 +143,14 @@ def _edge(a: Array, b: Array, z: Array, e: Array, A: Array, B: Array) -> None:
     B[0, 0], B[0, 1], B[0, 2] = cb, -sb, 0.0
     B[1, 0], B[1, 1], B[1, 2] = sb, cb, 0.0
     B[2, 0], B[2, 1], B[2, 2] = 0.0, 0.0, 1.0
+
+
+@njit(cache=True, nogil=True)
+def _times(left: Array, right: Array, weight: float, product: Array) -> None:
+    """Write weight * left right into `product` (3, 3)."""
+    for p in range(3):
+        for q in range(3):
+            product[p, q] = weight * (left[p, 0] * right[0, q] + left[p, 1] * right[1, q] + left[p, 2] * right[2, q])
 
 
 @njit(cache=True, nogil=True)

@@ -55,7 +55,7 @@ class PoseGraph:
         return replace(self, poses=poses)
 
     def errors(self) -> Array:
-        """Return (m, 3) the measured pose of j seen from the pose of j that the poses say, inverted: z^-1 x_i^-1 x_j."""
+        """Return (m, 3) the errors z^-1 x_i^-1 x_j: pose j as the poses say, seen from where it was measured."""
         i, j = self.edges.T
         return between(self.measurements, between(self.poses[i], self.poses[j]))
 
