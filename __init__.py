@@ -4,4 +4,8 @@ Importing the package is light: it only registers the environment ids with Gymna
 `tagalong.slam`, `tagalong.perception`, `tagalong.envs`, `tagalong.agents` and `tagalong.scripts`.
 """
 
+from .envs.registration import register_environments
+
 __version__ = "0.1.0"
+
+register_environments()

@@ -4,13 +4,13 @@ Random errors are scaled with the square root of the way and of the turn, so tha
 updates; their four numbers play the part of alpha1-4 of Thrun, Burgard, Fox 2005, section 5.4.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..slam.errors import InputError, unknown_name
-from ..slam.geometry import between, compose
 
 Array = NDArray[np.float64]
 
@@ -109,20 +109,28 @@ class WheelOdometry:
 
     def update(self, T_world_robot: Array) -> Array:
         """Take the robot's true pose (3,) after a short motion; return T_odom_robot (3,)."""
-        x, y, turn = between(self.last_true, T_world_robot)
+        x0, y0, theta0 = self.last_true.tolist()
+        x1, y1, theta1 = T_world_robot.tolist()
         self.last_true = T_world_robot.copy()
-        way, spin, config = float(np.hypot(x, y)), abs(float(turn)), self.config
-        noise = self._rng.standard_normal(3)
-        sigma_way = np.hypot(config.alpha3 * np.sqrt(way), config.alpha4 * np.sqrt(spin))
-        sigma_turn = np.hypot(config.alpha1 * np.sqrt(spin), config.alpha2 * np.sqrt(way))
+        cos, sin = math.cos(theta0), math.sin(theta0)
+        x, y = cos * (x1 - x0) + sin * (y1 - y0), cos * (y1 - y0) - sin * (x1 - x0)
+        turn = math.remainder(theta1 - theta0, math.tau)
+        self.pose = self._moved(*self._believed(x, y, turn))
+        return self.pose
+
+    def _believed(self, x: float, y: float, turn: float) -> tuple[float, float, float]:
+        """Return the motion in the robot's frame that the wheels report for a true one [m, m, rad]."""
+        config, noise = self.config, self._rng.standard_normal(3).tolist()
+        way, spin = math.hypot(x, y), abs(turn)
+        sigma_way = math.sqrt(config.alpha3**2 * way + config.alpha4**2 * spin)
+        sigma_turn = math.sqrt(config.alpha1**2 * spin + config.alpha2**2 * way)
         stretch = 1.0 + self.scale + (sigma_way * noise[0] / way if way > 1e-9 else 0.0)
         sideways = 0.25 * sigma_way * noise[1]
-        believed = np.array(
-            [
-                stretch * x,
-                stretch * y + sideways,
-                (1.0 + self.turn_scale) * turn + self.drift * np.copysign(way, x) + sigma_turn * noise[2],
-            ]
-        )
-        self.pose = compose(self.pose, believed)
-        return self.pose
+        drift = self.drift * math.copysign(way, x)
+        return stretch * x, stretch * y + sideways, (1.0 + self.turn_scale) * turn + drift + sigma_turn * noise[2]
+
+    def _moved(self, x: float, y: float, turn: float) -> Array:
+        x0, y0, theta = self.pose.tolist()
+        cos, sin = math.cos(theta), math.sin(theta)
+        wrapped = (theta + turn + math.pi) % math.tau - math.pi
+        return np.array([x0 + cos * x - sin * y, y0 + sin * x + cos * y, wrapped])

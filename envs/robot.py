@@ -100,8 +100,10 @@ class Robot:
 
     def ramp(self, wanted: Array, dt: float) -> Array:
         """Move the setpoint (3,) towards `wanted` (3,) for `dt` seconds and return it."""
-        step = np.array([self.config.max_acceleration] * 2 + [self.config.max_turn_acceleration]) * dt
-        self.setpoint = self.setpoint + np.clip(wanted - self.setpoint, -step, step)
+        step, turn_step = self.config.max_acceleration * dt, self.config.max_turn_acceleration * dt
+        x, y, turn = (wanted - self.setpoint).tolist()
+        change = (min(max(x, -step), step), min(max(y, -step), step), min(max(turn, -turn_step), turn_step))
+        self.setpoint = self.setpoint + change
         return self.setpoint
 
 
@@ -138,7 +140,7 @@ def add_robot(spec: MjSpec, config: RobotConfig, laser_height: float, laser_at: 
     body.add_site(name="wheels", pos=[0.0, 0.0, 0.0])
     inertia = config.mass * (length**2 + width**2) / 12.0
     _add_servo(spec, "forward", 0, config.mass / 0.03, config.grip)
-    _add_servo(spec, "sideways", 1, config.mass / 0.03, config.grip)
+    _add_servo(spec, "sideways", 1, config.mass / 0.01, config.grip)
     _add_servo(spec, "turn", 5, inertia / 0.03, config.grip * width / 2.0)
 
 

@@ -19,6 +19,7 @@ class TruePeople:
         feet: (n, 2, 2) left and right foot (ankle) on the floor; a foot that bears weight stands still [m].
         legs: (n, 2, 2) left and right leg where its axis meets the laser's plane [m].
         radii: (n,) of the bodies [m].
+        leg_radii: (n,) largest radius of the shins [m].
         walking: (n,) whether they walk (faster than 0.2 m/s).
     """
 
@@ -28,6 +29,7 @@ class TruePeople:
     feet: Array
     legs: Array
     radii: Array
+    leg_radii: Array
     walking: NDArray[np.bool_]
 
     def __len__(self) -> int:

@@ -17,6 +17,7 @@ from .people.casting import cast_people
 from .people.crowd import Casting, Crowd, CrowdState
 from .people.leader import STYLES
 from .people.social_force import SocialForceConfig
+from .people.terrain import Terrain
 from .people.walking import locate
 from .robot import Robot, RobotConfig
 from .scenes.catalogue import SCENES, make_scene
@@ -60,7 +61,7 @@ class WorldConfig:
     robot: RobotConfig = field(default_factory=RobotConfig)
     force: SocialForceConfig = field(default_factory=SocialForceConfig)
     control_hz: float = 10.0
-    physics_dt: float = 0.005
+    physics_dt: float = 0.0125
 
     def __post_init__(self) -> None:
         if self.scene not in SCENES:
@@ -130,8 +131,10 @@ class World:
         self.config = config
         self.scene: Scene = make_scene(config.scene, streams["scene"], config.route)
         self.start, start_arc = _draw_start(self.scene, streams["scene"])
+        terrain = Terrain(self.scene)
         casting, people = cast_people(
             self.scene,
+            terrain,
             config.people,
             config.standing,
             config.leader_style,
@@ -141,17 +144,17 @@ class World:
             streams["people"],
         )
         self._streams = {name: streams[name] for name in ("odometry", "lidar")}
-        self._assemble(casting, people)
+        self._assemble(terrain, casting, people)
         self._progress = start_arc
         self._take_scan()
 
-    def _assemble(self, casting: Casting, people: CrowdState) -> None:
+    def _assemble(self, terrain: Terrain, casting: Casting, people: CrowdState) -> None:
         config = self.config
         self._building = build(self.scene, casting.physiques, config.robot, config.lidar, config.physics_dt)
         self.model = self._building.model
         self.data = mujoco.MjData(self.model)
         self.data.qpos[:3] = self.start
-        self._crowd = Crowd(self.scene, casting, people, config.force)
+        self._crowd = Crowd(terrain, casting, people, config.force)
         self._crowd.pose(config.lidar.height, self.data.mocap_pos, self.data.mocap_quat)
         mujoco.mj_forward(self.model, self.data)
         self._robot = Robot(config.robot)
@@ -196,7 +199,7 @@ class World:
                 scans.append(self._scans[-1])
         self._scans = tuple(scans) or self._scans[-1:]
         arc = np.array([self._progress])
-        locate(self.data.qpos[None, :2], arc, self._crowd.path, self._crowd.tangent)
+        locate(self.data.qpos[None, :2], arc, self._crowd.terrain.path, self._crowd.terrain.tangent)
         self._progress = float(arc[0])
 
     def scan(self) -> LaserScan:
@@ -245,6 +248,7 @@ class World:
                 people.feet.copy(),
                 people.legs.copy(),
                 self._crowd.radius.copy(),
+                self._crowd.leg_radius.copy(),
                 speed > 0.2,
             ),
             leader_index=self._crowd.leader_index,
@@ -292,7 +296,7 @@ class World:
     def __setstate__(self, kept: dict[str, Any]) -> None:
         for name in ("config", "scene", "start", "_streams"):
             setattr(self, name, kept[name])
-        self._assemble(kept["casting"], copy.deepcopy(kept["state"].crowd))
+        self._assemble(Terrain(self.scene), kept["casting"], copy.deepcopy(kept["state"].crowd))
         self.restore_state(kept["state"])
 
     def _pose(self) -> Array:

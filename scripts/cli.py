@@ -10,7 +10,16 @@ from .. import __version__
 from ..slam.errors import InputError, MissingExtraError
 
 # name -> what it does; the code is in commands/NAME.py, imported only when it is used
-COMMANDS: dict[str, str] = {}
+COMMANDS: dict[str, str] = {
+    "demo": "follow a person, map raw and filtered, compare: the main job",
+    "slam": "map a recorded drive (CARMEN log)",
+    "score": "judge a trajectory or a map by a reference",
+    "doctor": "say what is installed and what works here",
+    "evaluate": "drive a follower through many episodes",
+    "results": "measure what the README states",
+    "bench": "measure speed",
+    "perceive": "find legs and track people in recorded scans (CARMEN log or .npz)",
+}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

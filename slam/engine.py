@@ -39,6 +39,11 @@ class SlamEngine(Protocol):
         ...
 
     @property
+    def config(self) -> Any:
+        """The resolved configuration, a frozen dataclass."""
+        ...
+
+    @property
     def pose(self) -> NDArray[np.float64]:
         """(3,) T_map_robot, the best estimate now."""
         ...
@@ -49,6 +54,10 @@ class SlamEngine(Protocol):
 
     def map(self) -> OccupancyMap:
         """Return the map as it is now; it never shares memory with the engine."""
+        ...
+
+    def map_at(self, resolution: float) -> OccupancyMap:
+        """Return the map as it is now with cells of `resolution` [m] instead of the engine's own."""
         ...
 
 

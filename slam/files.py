@@ -10,16 +10,24 @@ from typing import Any
 
 import numpy as np
 
+from .errors import InputError
+
 
 @contextmanager
 def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Yield a temporary path beside `path`, same suffix; on success it replaces `path`, on failure it goes.
 
     Folders above `path` are made. Example: `with replacing("map.png") as p: image.save(p)`.
+
+    Raises:
+        InputError: If nothing can be written there.
     """
     target = Path(path)
-    target.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(prefix=f".{target.stem}-", suffix=target.suffix, dir=target.parent)
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(prefix=f".{target.stem}-", suffix=target.suffix, dir=target.parent)
+    except OSError as error:
+        raise InputError(f"{target}: cannot be written ({error.strerror})") from error
     os.close(handle)
     temporary = Path(name)
     try:

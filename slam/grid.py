@@ -12,6 +12,7 @@ from .grid_kernels import write_scan
 from .occupancy_map import OccupancyMap
 from .scan import LaserScan
 
+_MOST_CELLS = 1e9
 _MARGIN = 64  # cells to grow beyond what is asked, so that growing is rare
 
 
@@ -120,6 +121,9 @@ class OccupancyGrid:
         lower, upper = lower - _MARGIN, upper + _MARGIN
         if size.all():
             lower, upper = np.minimum(lower, self._corner), np.maximum(upper, self._corner + size)
+        if float(np.prod((upper - lower).astype(np.float64))) > _MOST_CELLS:
+            width, height = (upper - lower) * self.config.resolution
+            raise InputError(f"the map would grow to {width:.0f} x {height:.0f} m; a pose or a range is wrong")
         col, row = self._corner - lower if size.all() else (0, 0)
         for name in ("_log_odds", "_stamps"):
             old = getattr(self, name)

@@ -4,18 +4,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...slam.errors import InputError
-from ..scenes.polyline import resample, tangents
 from ..scenes.scene import Scene
 from .body import draw_physique
 from .crowd import Casting, CrowdState, Role
 from .leader import Leader, draw_leader
-from .walking import SPACING
+from .terrain import Terrain
 
 Array = NDArray[np.float64]
 
 
 def cast_people(
     scene: Scene,
+    terrain: Terrain,
     people: int,
     standing: int,
     style: str | None,
@@ -28,6 +28,7 @@ def cast_people(
 
     Args:
         scene: The building.
+        terrain: The same, as walkers see it.
         people: How many walk, the leader included; the second of them walks ahead of the robot with the leader.
         standing: How many more walk to and fro beside the route and stand when the robot comes.
         style: The leader's, None draws one.
@@ -56,7 +57,7 @@ def cast_people(
         window=np.zeros((count, 2)),
     )
     arc, sense = _places(scene, casting, start_arc + leader_rng.uniform(1.2, 1.5), rng)
-    return casting, _standing_still(scene, casting, arc, sense, leader)
+    return casting, _standing_still(terrain, casting, arc, sense, leader)
 
 
 def _places(scene: Scene, casting: Casting, leader_arc: float, rng: np.random.Generator) -> tuple[Array, Array]:
@@ -91,28 +92,29 @@ def _apart(low: float, high: float, taken: Array, rng: np.random.Generator) -> f
 def _window(scene: Scene, taken: Array, rng: np.random.Generator) -> tuple[float, float, float]:
     """Return a stretch (from, to, lateral) beside the route on which a stander can walk to and fro."""
     places = scene.standing_places
-    limit = 0.45 * (scene.lap or scene.tour_length) + 4.0
-    for _ in range(500):
+    limit = 0.6 * (scene.lap or scene.tour_length) + 4.0
+    for attempt in range(900):
+        length, beside = ((1.6, 1.0), (1.0, 1.0), (0.5, 0.4))[attempt // 300]
         start, lateral = places[rng.integers(len(places))]
         same = np.abs(places[:, 1] - lateral) < 1e-9
-        covered = same & (places[:, 0] > start - 0.05) & (places[:, 0] < start + 1.65)
-        if covered.sum() >= 8 and 4.0 < start < limit and np.all(np.abs(taken - start - 0.8) > 2.0):
-            return float(start), float(start + 1.6), float(lateral)
+        covered = same & (places[:, 0] > start - 0.05) & (places[:, 0] < start + length + 0.05)
+        apart = np.all(np.abs(taken - start - length / 2.0) > beside + length / 2.0)
+        if covered.sum() >= 5.0 * length and 4.0 < start < limit and apart:
+            return float(start + 0.2 * length), float(start + 0.8 * length), float(lateral)
     raise InputError(f"no room for another standing person in this {scene.name}")
 
 
-def _standing_still(scene: Scene, casting: Casting, arc: Array, sense: Array, leader: Leader | None) -> CrowdState:
+def _standing_still(terrain: Terrain, casting: Casting, arc: Array, sense: Array, leader: Leader | None) -> CrowdState:
     """Return the state in which everybody stands on both feet at their place, looking along their way."""
     count = len(arc)
-    path = resample(scene.route, SPACING)
-    at = np.clip((arc / SPACING).astype(int), 0, len(path) - 1)
-    ahead = tangents(path)[at]
     lateral = casting.side.copy()
-    if not scene.lap:
-        walkers = casting.roles == Role.WALKER
-        lateral[walkers] = (-sense * (scene.half_width - 0.2))[walkers]
-    position = path[at] + lateral[:, None] * np.stack((-ahead[:, 1], ahead[:, 0]), axis=-1)
-    heading = np.arctan2(ahead[:, 1] * sense, ahead[:, 0] * sense)
+    for person, role in enumerate(casting.roles):
+        if role == Role.WALKER and not terrain.lap:
+            lateral[person] = -sense[person] * terrain.passing
+        if role != Role.STANDER:
+            lateral[person] = terrain.within_free(arc[person], lateral[person])
+    position = np.array([terrain.place(a, side) for a, side in zip(arc, lateral, strict=True)]).reshape(-1, 2)
+    heading = np.array([terrain.ahead(a) for a in arc]) + np.where(sense < 0.0, np.pi, 0.0)
     stance = np.array([p.stance_half_width for p in casting.physiques])
     left = stance[:, None] * np.stack((-np.sin(heading), np.cos(heading)), axis=-1)
     return CrowdState(

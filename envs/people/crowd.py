@@ -1,18 +1,18 @@
 """All people of one world: who they are, where they are, and what they want next."""
 
+import math
 from dataclasses import dataclass
 from enum import IntEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scenes.polyline import resample, tangents
-from ..scenes.scene import Scene
 from .body import PARTS, Physique
 from .gait import advance_gait, pose_bodies
 from .leader import Leader
 from .social_force import SocialForceConfig
-from .walking import SPACING, advance_bodies, locate, turn_bodies, wanted_directions
+from .terrain import Terrain
+from .walking import advance_bodies, locate, turn_bodies, wanted_directions
 
 Array = NDArray[np.float64]
 
@@ -95,28 +95,24 @@ class Crowd:
     """Moves the people.
 
     Args:
-        scene: Where they walk.
+        terrain: Where they walk.
         casting: Who they are.
         state: Where they are; owned by the crowd from now on.
         force: The social force.
     """
 
-    def __init__(self, scene: Scene, casting: Casting, state: CrowdState, force: SocialForceConfig) -> None:
+    def __init__(self, terrain: Terrain, casting: Casting, state: CrowdState, force: SocialForceConfig) -> None:
         self.casting = casting
         self.state = state
-        self._scene = scene
+        self.terrain = terrain
         self._force = force.as_array()
-        self.path = resample(scene.route, SPACING)
-        self.tangent = tangents(self.path)
-        people = [solid for solid in scene.solids if solid.blocks_people]
-        self._boxes = np.array(
-            [(s.x, s.y, np.cos(s.yaw), np.sin(s.yaw), s.half_length, s.half_width) for s in people if not s.is_round]
-        ).reshape(-1, 6)
-        self._circles = np.array([(s.x, s.y, s.radius) for s in people if s.is_round]).reshape(-1, 3)
         self.radius = np.array([p.radius for p in casting.physiques])
+        self.leg_radius = np.array([p.leg_radius for p in casting.physiques])
         self._size = np.array(
             [(p.thigh, p.shin, p.leg_radius, p.stance_half_width, p.walk_ratio) for p in casting.physiques]
         ).reshape(-1, 5)
+        self._roles = [Role(int(role)) for role in casting.roles]
+        self._in_group = sum(role <= Role.COMPANION for role in self._roles)
         self._direction = np.zeros((len(casting.roles), 2))
 
     def __len__(self) -> int:
@@ -132,40 +128,54 @@ class Crowd:
         """
         state = self.state
         away = np.hypot(state.position[:, 0] - robot[0], state.position[:, 1] - robot[1])
-        for person, role in enumerate(self.casting.roles):
+        for person, role in enumerate(self._roles):
             if role == Role.LEADER:
                 wish = self._lead(person, dt, robot, float(away[person]))
             elif role == Role.COMPANION:
-                wish = self._accompany(person)
+                wish = self._accompany(person, robot_arc)
             elif role == Role.WALKER:
                 wish = self._stroll(person, robot_arc)
             else:
                 wish = self._stand(person, dt, float(away[person]))
-            change = np.clip(wish - state.wish[person], -_SLOW_DOWN * dt, _SPEED_UP * dt)
+            change = min(max(wish - state.wish[person], -_SLOW_DOWN * dt), _SPEED_UP * dt)
             state.wish[person] = max(0.0, state.wish[person] + change)
             shift = self._side(person) - state.lateral[person]
-            state.lateral[person] += np.clip(shift, -_SIDESTEP * dt, _SIDESTEP * dt)
+            state.lateral[person] += min(max(shift, -_SIDESTEP * dt), _SIDESTEP * dt)
 
     def advance(self, dt: float, robot: Array) -> None:
         """Move everybody for `dt` seconds; `robot` as in `advance_bodies`."""
-        s = self.state
-        wanted_directions(s.position, s.arc, s.sense, s.lateral, self.path, self.tangent, self._direction)
+        s, terrain = self.state, self.terrain
+        wanted_directions(s.position, s.arc, s.sense, s.lateral, terrain.path, terrain.tangent, self._direction)
         advance_bodies(
             dt,
             s.position,
             s.velocity,
+            s.heading,
             self._direction,
             s.wish,
             self.radius,
             robot,
-            self._boxes,
-            self._circles,
+            terrain.boxes,
+            terrain.circles,
             self._force,
         )
         self._close_laps()
-        locate(s.position, s.arc, self.path, self.tangent)
-        turn_bodies(dt, s.velocity, s.face, s.heading)
-        advance_gait(dt, s.position, s.velocity, s.heading, self._size, s.feet, s.origin, s.lift, s.phase, s.swing)
+        locate(s.position, s.arc, terrain.path, terrain.tangent)
+        turn_bodies(dt, s.velocity, self._direction, s.wish, s.face, s.heading)
+        advance_gait(
+            dt,
+            s.position,
+            s.velocity,
+            s.heading,
+            self._size,
+            s.feet,
+            s.origin,
+            s.lift,
+            s.phase,
+            s.swing,
+            terrain.boxes,
+            terrain.circles,
+        )
 
     def pose(self, laser_height: float, mocap_position: Array, mocap_quaternion: Array) -> None:
         """Write the parts of all bodies into MuJoCo's mocap arrays (6 n, 3) and (6 n, 4)."""
@@ -188,9 +198,9 @@ class Crowd:
         return 0 if self.state.leader is not None else -1
 
     def _close_laps(self) -> None:
-        lap = self._scene.lap
+        lap = self.terrain.lap
         if lap > 0.0:
-            ahead = (self.casting.roles >= Role.WALKER) & (self.state.arc > len(self.path) * SPACING - 1.5)
+            ahead = (self.casting.roles >= Role.WALKER) & (self.state.arc > self.terrain.length - 1.5)
             self.state.arc[ahead] -= lap
 
     def _lead(self, person: int, dt: float, robot: Array, away: float) -> float:
@@ -198,34 +208,35 @@ class Crowd:
         assert leader is not None
         wish = leader.decide(dt, float(state.arc[person]), away)
         towards = np.arctan2(robot[1] - state.position[person, 1], robot[0] - state.position[person, 0])
-        at = min(int(state.arc[person] / SPACING), len(self.path) - 1)
-        onwards = np.arctan2(self.tangent[at, 1], self.tangent[at, 0])
-        state.face[person] = towards if leader.looks_back else onwards
+        state.face[person] = towards if leader.looks_back else self.terrain.ahead(float(state.arc[person]))
         return wish
 
-    def _accompany(self, person: int) -> float:
+    def _accompany(self, person: int, robot_arc: float) -> float:
+        """Return the speed of somebody who walks ahead of the leader, or waits to fall in behind when left behind."""
         state = self.state
         gap = state.arc[person] - state.arc[0]
+        if gap < 0.0 and state.arc[person] - robot_arc > -2.5:
+            return 0.0
         late = self.casting.gap[person] - gap
-        at = min(int(state.arc[person] / SPACING), len(self.path) - 1)
-        state.face[person] = np.arctan2(self.tangent[at, 1], self.tangent[at, 0])
+        state.face[person] = self.terrain.ahead(float(state.arc[person]))
         if state.wish[0] == 0.0 and late < 0.2:
             return 0.0
-        return float(np.clip(state.wish[0] + 0.8 * late, 0.0, 1.5))
+        return float(min(max(state.wish[0] + 0.8 * late, 0.0), 1.5))
 
     def _stroll(self, person: int, robot_arc: float) -> float:
         """Return the speed of somebody who walks on their own and keeps out of the group's way."""
-        state, end = self.state, (len(self.path) - 1) * SPACING
-        pace, lap = float(self.casting.pace[person]), self._scene.lap
+        state, arc = self.state, float(self.state.arc[person])
+        pace, lap = float(self.casting.pace[person]), self.terrain.lap
         if lap == 0.0:
-            if state.arc[person] > end - 0.9:
+            if arc > self.terrain.length - 0.9:
                 state.sense[person] = -1.0
-            elif state.arc[person] < 0.9:
+            elif arc < 0.9:
                 state.sense[person] = 1.0
+        front = max([robot_arc, *state.arc[: self._in_group].tolist()])
         if state.sense[person] < 0.0:
-            return pace
-        front = max([robot_arc, *state.arc[self.casting.roles <= Role.COMPANION]])
-        ahead, behind = state.arc[person] - front, robot_arc - state.arc[person]
+            meets = 0.0 < arc - front < 8.0
+            return 0.0 if meets and self.terrain.narrows_before(arc, front) else pace
+        ahead, behind = arc - front, robot_arc - arc
         if lap > 0.0:
             ahead, behind = ahead % lap, behind % lap
         if 0.0 <= behind < 2.5:
@@ -251,13 +262,20 @@ class Crowd:
         return float(self.casting.pace[person])
 
     def _side(self, person: int) -> float:
-        """Return the wanted offset from the path [m]: everybody keeps right when somebody comes towards them."""
-        state, role, width = self.state, self.casting.roles[person], self._scene.half_width
-        if role == Role.STANDER or self._scene.lap > 0.0:
-            return float(self.casting.side[person])
+        """Return the wanted offset from the path [m]: walkers keep right, and the group turns out for whom it meets.
+
+        The leader and who walks with them stay in the middle of a bend, because the robot behind them cuts it.
+        """
+        state, role = self.state, self._roles[person]
+        arc, side = float(state.arc[person]), float(self.casting.side[person])
+        if role == Role.STANDER or self.terrain.lap > 0.0:
+            return side
         if role == Role.WALKER:
-            return float(-state.sense[person] * (width - 0.2))
-        ahead = state.arc - state.arc[person]
-        if np.any((state.sense < 0.0) & (self.casting.roles == Role.WALKER) & (ahead > -1.0) & (ahead < 6.0)):
-            return -min(0.35, max(0.0, width - 0.5))
-        return float(self.casting.side[person])
+            return self.terrain.within_free(arc, -float(state.sense[person]) * self.terrain.passing)
+        if self.terrain.in_bend(arc):
+            return 0.0
+        for other in range(self._in_group, len(self)):
+            comes = state.sense[other] < 0.0 or self._roles[other] == Role.STANDER
+            if comes and -1.0 < state.arc[other] - arc < 6.0:
+                return self.terrain.within_free(arc, math.copysign(self.terrain.turn_out, -state.lateral[other]))
+        return self.terrain.within_free(arc, side)

@@ -10,13 +10,16 @@ from numba import njit
 from numpy.typing import NDArray
 
 from .body import ANKLE, HIP_HALF_WIDTH
+from .obstacles import keep_clear
 
 Array = NDArray[np.float64]
 
 SWING = 0.8
 """Share of the step time in which one foot is in the air."""
-_SLOWEST, _FASTEST = 0.75, 0.42
+_SLOWEST, _FASTEST = 0.95, 0.42
 _RESTLESS = 0.09
+_BETWEEN_LEGS = 0.02
+_BESIDE_LEG = 0.03
 
 
 @njit(cache=True, nogil=True)
@@ -31,6 +34,8 @@ def advance_gait(
     lift: Array,
     phase: Array,
     swing: NDArray[np.int64],
+    boxes: Array,
+    circles: Array,
 ) -> None:
     """Move the feet of n people for `dt` seconds, in place.
 
@@ -39,12 +44,14 @@ def advance_gait(
         position: (n, 2) bodies [m].
         velocity: (n, 2) of the bodies [m/s].
         heading: (n,) [rad].
-        size: (n, k) columns 3 and 4: half distance between the feet's tracks [m], walk ratio [m s].
+        size: (n, k) columns 2 to 4: radius of legs, half distance between the feet's tracks [m], walk ratio [m s].
         feet: (n, 2, 2) left and right foot on the floor [m].
         origin: (n, 2) where the swing foot lifted off [m].
         lift: (n, 2) heights of the feet above the floor [m].
         phase: (n,) of the present step, in [0, 1); unused while standing.
         swing: (n,) the foot of the present step, 0 left, 1 right; -1 while standing.
+        boxes: (b, 6) furniture and walls, where no foot is set.
+        circles: (c, 3) round furniture.
     """
     for i in range(len(position)):
         speed = np.hypot(velocity[i, 0], velocity[i, 1])
@@ -58,6 +65,8 @@ def advance_gait(
         foot = swing[i]
         if phase[i] - dt / step_time < SWING:
             _swing(i, foot, step_time, position, velocity, heading, size, feet, origin, lift, phase)
+            x, y, room = feet[i, foot, 0], feet[i, foot, 1], size[i, 2] + _BESIDE_LEG
+            feet[i, foot] = keep_clear(x, y, room, boxes, circles)
         if phase[i] >= 1.0:
             remaining = phase[i] - 1.0
             swing[i] = -1
@@ -89,8 +98,21 @@ def _swing(
     blend = share * share * share * (10.0 - 15.0 * share + 6.0 * share * share)
     feet[i, foot, 0] = origin[i, 0] + blend * (target_x - origin[i, 0])
     feet[i, foot, 1] = origin[i, 1] + blend * (target_y - origin[i, 1])
+    _keep_apart(feet[i], foot, 2.0 * size[i, 2] + _BETWEEN_LEGS, np.cos(heading[i]), np.sin(heading[i]))
     speed = min(np.hypot(velocity[i, 0], velocity[i, 1]), 1.3)
     lift[i, foot] = (0.03 + 0.05 * speed) * np.sin(np.pi * share) if share < 1.0 else 0.0
+
+
+@njit(cache=True, nogil=True)
+def _keep_apart(feet: Array, foot: int, room: float, cos: float, sin: float) -> None:
+    """Move the swing foot aside where it would pass through the standing leg: legs do not cross in a turn."""
+    side = 1.0 if foot == 0 else -1.0
+    x, y = feet[foot, 0] - feet[1 - foot, 0], feet[foot, 1] - feet[1 - foot, 1]
+    forward, aside = cos * x + sin * y, side * (cos * y - sin * x)
+    needed = room * max(0.0, 1.0 - (forward / (2.5 * room)) ** 2)
+    if aside < needed:
+        feet[foot, 0] -= side * (needed - aside) * sin
+        feet[foot, 1] += side * (needed - aside) * cos
 
 
 @njit(cache=True, nogil=True)

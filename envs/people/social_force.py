@@ -100,26 +100,3 @@ def pair_force(dx: float, dy: float, vx: float, vy: float, gap: float, config: A
     brake = decay * np.exp(-((config[5] * reach * angle) ** 2))
     turn = -np.sign(angle) * decay * np.exp(-((config[4] * reach * angle) ** 2))
     return -config[1] * (brake * ix - turn * iy), -config[1] * (brake * iy + turn * ix)
-
-
-@njit(cache=True, nogil=True)
-def nearest_of_box(x: float, y: float, box: Array) -> tuple[float, float, float]:
-    """Return the distance from a point to a box (negative inside) and the unit vector away from it.
-
-    Args:
-        x: Of the point [m].
-        y: Of the point [m].
-        box: (6,) centre x and y, cos and sin of its yaw, half length, half width.
-    """
-    along = box[2] * (x - box[0]) + box[3] * (y - box[1])
-    across = box[2] * (y - box[1]) - box[3] * (x - box[0])
-    out_along, out_across = abs(along) - box[4], abs(across) - box[5]
-    if out_along <= 0.0 and out_across <= 0.0:
-        distance = max(out_along, out_across)
-        u = (1.0 if along >= 0.0 else -1.0) if out_along > out_across else 0.0
-        v = (1.0 if across >= 0.0 else -1.0) if out_along <= out_across else 0.0
-    else:
-        u, v = max(out_along, 0.0), max(out_across, 0.0)
-        distance = np.hypot(u, v)
-        u, v = u / distance * np.sign(along), v / distance * np.sign(across)
-    return distance, box[2] * u - box[3] * v, box[3] * u + box[2] * v

@@ -4,7 +4,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from .social_force import nearest_of_box, pair_force
+from .obstacles import is_clear, keep_clear, nearest_of_box
+from .social_force import pair_force
 
 Array = NDArray[np.float64]
 
@@ -14,6 +15,7 @@ _LOOK_AHEAD = 0.8
 _BESIDE = 0.03
 _EVADE = 0.9
 _PATIENCE = 0.6
+_UNMOVED = 1.5
 
 
 @njit(cache=True, nogil=True)
@@ -30,6 +32,34 @@ def locate(position: Array, arc: Array, path: Array, tangent: Array) -> None:
         along = (position[i, 0] - path[found, 0]) * tangent[found, 0]
         along += (position[i, 1] - path[found, 1]) * tangent[found, 1]
         arc[i] = min(max(found * SPACING + min(max(along, -SPACING), SPACING), 0.0), last * SPACING)
+
+
+@njit(cache=True, nogil=True)
+def free_sides(path: Array, tangent: Array, boxes: Array, circles: Array, clearance: float, furthest: float) -> Array:
+    """Return (m, 2) how far one can walk to the left and to the right of each point of `path` (m, 2) [m].
+
+    Args:
+        path: (m, 2) points [m].
+        tangent: (m, 2) unit vectors along it.
+        boxes: (b, 6) see `nearest_of_box`.
+        circles: (c, 3) x, y, radius [m].
+        clearance: Distance to keep from all of them [m].
+        furthest: Where to stop looking [m].
+    """
+    step = 0.05
+    found = np.zeros((len(path), 2))
+    for k in range(len(path)):
+        for side in range(2):
+            sign = 1.0 if side == 0 else -1.0
+            free = 0.0
+            while free < furthest:
+                x = path[k, 0] - sign * (free + step) * tangent[k, 1]
+                y = path[k, 1] + sign * (free + step) * tangent[k, 0]
+                if not is_clear(x, y, boxes, circles, clearance):
+                    break
+                free += step
+            found[k, side] = free
+    return found
 
 
 @njit(cache=True, nogil=True)
@@ -85,6 +115,7 @@ def advance_bodies(
     dt: float,
     position: Array,
     velocity: Array,
+    heading: Array,
     direction: Array,
     wish: Array,
     radius: Array,
@@ -99,6 +130,7 @@ def advance_bodies(
         dt: Time [s].
         position: (n, 2) [m].
         velocity: (n, 2) [m/s].
+        heading: (n,) [rad]; people turn before they walk.
         direction: (n, 2) unit vectors of the wanted walk.
         wish: (n,) wanted speeds [m/s]; 0 stands.
         radius: (n,) of the bodies [m].
@@ -111,9 +143,12 @@ def advance_bodies(
     before = position.copy()
     for i in range(n):
         fx, fy = _forces(i, position, velocity, radius, robot, boxes, circles, force)
-        if wish[i] == 0.0 and np.hypot(fx, fy) < 0.7:
+        if wish[i] == 0.0 and np.hypot(fx, fy) < _UNMOVED:
             fx, fy = 0.0, 0.0
-        speed = wish[i] * _patience(i, before, direction, wish[i], radius, robot) if wish[i] > 0.0 else 0.0
+        facing = np.cos(heading[i]) * direction[i, 0] + np.sin(heading[i]) * direction[i, 1]
+        speed = wish[i] * min(max(1.5 * facing, 0.0), 1.0)
+        if speed > 0.0:
+            speed *= _patience(i, before, direction, speed, radius, robot)
         fx += (speed * direction[i, 0] - velocity[i, 0]) / force[0]
         fy += (speed * direction[i, 1] - velocity[i, 1]) / force[0]
         _move(dt, i, fx, fy, max(1.2 * wish[i], 0.6), position, velocity)
@@ -199,34 +234,25 @@ def _part(dt: float, position: Array, radius: Array, robot: Array, boxes: Array,
         if push > 0.0:
             position[i, 0] += push * ux
             position[i, 1] += push * uy
-        for k in range(len(boxes)):
-            x, y = position[i, 0], position[i, 1]
-            if abs(boxes[k, 0] - x) + abs(boxes[k, 1] - y) < boxes[k, 4] + boxes[k, 5] + 1.0:
-                distance, ux, uy = nearest_of_box(x, y, boxes[k])
-                push = radius[i] + _BESIDE - distance
-                if push > 0.0:
-                    position[i, 0] += push * ux
-                    position[i, 1] += push * uy
-        for k in range(len(circles)):
-            ux, uy = position[i, 0] - circles[k, 0], position[i, 1] - circles[k, 1]
-            away = max(np.hypot(ux, uy), 1e-6)
-            push = circles[k, 2] + radius[i] + _BESIDE - away
-            if push > 0.0:
-                position[i, 0] += push * ux / away
-                position[i, 1] += push * uy / away
+        room = radius[i] + _BESIDE
+        position[i, 0], position[i, 1] = keep_clear(position[i, 0], position[i, 1], room, boxes, circles)
 
 
 @njit(cache=True, nogil=True)
-def turn_bodies(dt: float, velocity: Array, face: Array, heading: Array) -> None:
-    """Turn `heading` (n,) in place: towards the walk, or towards `face` (n,) [rad] for those who stand (NaN: stay)."""
+def turn_bodies(dt: float, velocity: Array, direction: Array, wish: Array, face: Array, heading: Array) -> None:
+    """Turn `heading` (n,) in place, at most 2.6 rad/s.
+
+    Walkers turn towards their walk, those who want to walk (`wish` > 0) towards the wanted `direction` (n, 2), others
+    towards `face` (n,) [rad], where NaN stays.
+    """
     for i in range(len(heading)):
-        speed = np.hypot(velocity[i, 0], velocity[i, 1])
-        if speed > 0.15:
-            wanted = np.arctan2(velocity[i, 1], velocity[i, 0])
-        elif np.isfinite(face[i]):
-            wanted = face[i]
-        else:
-            continue
-        error = (wanted - heading[i] + np.pi) % (2.0 * np.pi) - np.pi
-        step = min(max(error, -2.6 * dt), 2.6 * dt)
-        heading[i] = (heading[i] + step + np.pi) % (2.0 * np.pi) - np.pi
+        wanted = face[i]
+        if wish[i] > 0.0:
+            wanted = np.arctan2(direction[i, 1], direction[i, 0])
+            along = velocity[i, 0] * direction[i, 0] + velocity[i, 1] * direction[i, 1]
+            if along > 0.15:
+                wanted = np.arctan2(velocity[i, 1], velocity[i, 0])
+        if np.isfinite(wanted):
+            error = (wanted - heading[i] + np.pi) % (2.0 * np.pi) - np.pi
+            step = min(max(error, -2.6 * dt), 2.6 * dt)
+            heading[i] = (heading[i] + step + np.pi) % (2.0 * np.pi) - np.pi

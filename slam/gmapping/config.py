@@ -12,6 +12,9 @@ class MatcherConfig:
     The alignment runs through stages from coarse to fine; the tuples have one entry a stage.
 
     Attributes:
+        samples: Poses drawn from the odometry's error, among which the best start is looked for.
+        sample_points: About this many points of the scan judge a sample.
+        sample_weight: Log-likelihood between a sample with no point near an occupied cell and one with all.
         windows: Half size of the window searched for the nearest occupied cell [cells].
         strides: Every how many-th point is used.
         iterations: Most Gauss-Newton steps.
@@ -24,14 +27,17 @@ class MatcherConfig:
             on one wall do not pretend to a certainty they have not.
     """
 
-    windows: tuple[int, ...] = (6, 4, 2)
-    strides: tuple[int, ...] = (3, 2, 1)
-    iterations: tuple[int, ...] = (8, 6, 8)
-    scales: tuple[float, ...] = (4.0, 2.0, 1.0)
+    samples: int = 256
+    sample_points: int = 60
+    sample_weight: float = 30.0
+    windows: tuple[int, ...] = (4, 3)
+    strides: tuple[int, ...] = (2, 1)
+    iterations: tuple[int, ...] = (4, 8)
+    scales: tuple[float, ...] = (3.0, 2.0)
     thinning: float = 1.0
     straightness: float = 0.15
     sigma: float = 0.03
-    independent_points: float = 60.0
+    independent_points: float = 150.0
 
     def __post_init__(self) -> None:
         stages = {len(self.windows), len(self.strides), len(self.iterations), len(self.scales)}
@@ -57,7 +63,7 @@ class GMappingConfig:
         max_urange: Longer ranges are cut there: free so far, nothing hit [m].
         observation_gain: How many independent beams a scan counts for in the weight of a particle.
         resample_threshold: Particles are resampled when their effective number falls below this share of them.
-        minimum_score: Share of the points that must meet the map; else the pose follows the odometry alone.
+        minimum_score: 1 - loss that an alignment must reach; else the pose follows the odometry alone. 0: never.
         threads: Threads that share the particles; the result does not depend on them.
         matcher: Parameters of the alignment.
     """
@@ -80,6 +86,9 @@ class GMappingConfig:
 
     def __post_init__(self) -> None:
         _check_positive(self, but=("srr", "srt", "str_", "stt", "minimum_score", "linear_update", "angular_update"))
+        for name in ("particles", "threads"):
+            if not isinstance(getattr(self, name), int):
+                raise InputError(f"`{name}` must be a whole number, got {getattr(self, name)}")
         for name in ("fullness", "resample_threshold", "minimum_score"):
             if getattr(self, name) > 1.0:
                 raise InputError(f"`{name}` is a share and must be at most 1, got {getattr(self, name)}")

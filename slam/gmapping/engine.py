@@ -12,7 +12,7 @@ from ..grid import GridConfig, render_map, scan_rays
 from ..occupancy_map import OccupancyMap
 from ..scan import LaserScan
 from .config import GMappingConfig
-from .matcher import Matches, ScanMatcher
+from .matcher import ScanMatcher
 from .motion import MotionModel
 from .paths import PathTree
 from .resampling import effective_number, normalised, systematic
@@ -20,8 +20,6 @@ from .tile_maps import TileMaps
 from .workers import Workers
 
 Array = NDArray[np.float64]
-
-_WORST_SURPRISE = 9.0  # an odometry further off than three standard deviations counts as one that slipped
 
 
 class GMapping:
@@ -117,6 +115,13 @@ class GMapping:
         path = self._paths.path(self.best_particle)
         return render_map(path, self._matched, GridConfig(resolution=resolution, max_range=self.config.max_urange))
 
+    def particle_map(self) -> OccupancyMap:
+        """Return the best particle's own map, with cells of `delta`: ready at any time, in a few milliseconds.
+
+        `probability` is the share of hits among a cell's visits; the map of `map_at` is crisper.
+        """
+        return self._maps.to_map(self.best_particle)
+
     def _is_due(self, scan: LaserScan) -> bool:
         moved = self._motion.travelled >= self.config.linear_update or self._motion.turned >= self.config.angular_update
         return moved and bool(scan.is_return.any())
@@ -126,11 +131,15 @@ class GMapping:
         points_robot = scan.points_robot[scan.ranges[scan.is_return] <= self.config.max_urange]
         means = compose(self._poses, self._motion.mean)
         covariances = _turned(self._motion.covariance, self._poses[:, 2])
-        starts = means + _draw(np.linalg.cholesky(covariances).astype(np.float64), self._rng)
-        matches = self._matcher.match(self._maps, points_robot, starts, means, covariances)
-        self._poses = matches.modes + _draw(matches.roots, self._rng)
+        matches = self._matcher.match(self._maps, points_robot, means, covariances, self._rng)
+        lost = matches.losses > 1.0 - self.config.minimum_score
+        modes = np.where(lost[:, None], means, matches.modes)
+        roots = np.where(lost[:, None, None], np.linalg.cholesky(covariances), matches.roots)
+        self._poses = modes + np.einsum("pij,pj->pi", roots, self._rng.standard_normal(means.shape))
         self._poses[:, 2] = wrap_angle(self._poses[:, 2])
-        self._weigh(matches)
+        gains = -self.config.observation_gain * matches.losses
+        self._log_weights += gains
+        self._log_evidence += gains
         self._paths.append(self._poses)
         weights = normalised(self._log_weights)
         neff, offset = effective_number(weights), self._rng.random()
@@ -139,12 +148,6 @@ class GMapping:
             self._resample(systematic(weights, offset))
         self._motion.reset()
         return {"neff": neff, "loss": float(matches.losses.mean()), "resampled": float(resampled)}
-
-    def _weigh(self, matches: Matches) -> None:
-        gain = -self.config.observation_gain * matches.losses
-        gain -= 0.5 * np.minimum(matches.surprises, _WORST_SURPRISE)
-        self._log_weights += gain
-        self._log_evidence += gain
 
     def _resample(self, parents: NDArray[np.intp]) -> None:
         self._maps.resample(parents)
@@ -171,8 +174,3 @@ def _turned(covariance: Array, angles: Array) -> Array:
     turns[:, 0, 1] = -turns[:, 1, 0]
     turns[:, 2, 2] = 1.0
     return turns @ covariance @ turns.swapaxes(1, 2)
-
-
-def _draw(roots: Array, rng: np.random.Generator) -> Array:
-    """Draw one error (3,) for each Cholesky factor (P, 3, 3)."""
-    return np.einsum("pij,pj->pi", roots, rng.standard_normal(roots.shape[:2]))

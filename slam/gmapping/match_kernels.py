@@ -15,7 +15,18 @@ _ONE = np.uint32(1)
 
 @njit(cache=True, nogil=True)
 def nearest(x, y, half, directory, means, bits):
-    """Return (squared distance, row, col) of the nearest occupied cell's mean hit point; distance inf if none."""
+    """Return (squared distance, row, col) of the nearest occupied cell's mean hit point; distance inf if none.
+
+    Looks at cells at most `half` rows and columns away; first at the closest nine, beyond which all are farther than 1.
+    """
+    best, row, col = _nearest_of(x, y, 1, directory, means, bits)
+    if best <= 1.0:
+        return best, row, col
+    return _nearest_of(x, y, half, directory, means, bits)
+
+
+@njit(cache=True, nogil=True)
+def _nearest_of(x, y, half, directory, means, bits):
     col, row = int(np.floor(x)), int(np.floor(y))
     best, best_row, best_col = np.inf, 0, 0
     if (
@@ -47,7 +58,7 @@ def nearest(x, y, half, directory, means, bits):
 
 @njit(cache=True, nogil=True)
 def line_around(row, col, half, straightness, directory, means, bits):
-    """Return (is_line, centre x, centre y, normal x, normal y) of the mean hit points around an occupied cell."""
+    """Return (1 if a line else 0, centre x, y, normal x, y) of the mean hit points around an occupied cell."""
     n, sx, sy, sxx, sxy, syy = 0, 0.0, 0.0, 0.0, 0.0, 0.0
     for r in range(row - half, row + half + 1):
         c = col - half
@@ -70,20 +81,23 @@ def line_around(row, col, half, straightness, directory, means, bits):
                 c += 1
             c = end + 1
     if n < 3:
-        return False, 0.0, 0.0, 0.0, 0.0
+        return 0.0, 0.0, 0.0, 0.0, 0.0
     sx, sy = sx / n, sy / n
     sxx, sxy, syy = sxx / n - sx * sx, sxy / n - sx * sy, syy / n - sy * sy
     root = np.sqrt(0.25 * (sxx - syy) ** 2 + sxy * sxy)
     middle = 0.5 * (sxx + syy)
     if middle - root > straightness * (middle + root):
-        return False, 0.0, 0.0, 0.0, 0.0
+        return 0.0, 0.0, 0.0, 0.0, 0.0
     angle = 0.5 * np.arctan2(2.0 * sxy, sxx - syy)
-    return True, col + sx, row + sy, -np.sin(angle), np.cos(angle)
+    return 1.0, col + sx, row + sy, -np.sin(angle), np.cos(angle)
 
 
 @njit(cache=True, nogil=True)
-def accumulate(pose, points, stride, half, scale, straightness, directory, means, bits, system):
-    """Fill `system` (3, 4), the weighted normal equations [H | g] at `pose`; return (points met, mean loss)."""
+def accumulate(pose, points, stride, half, scale, straightness, directory, means, bits, known, lines, system):
+    """Fill `system` (3, 4), the weighted normal equations [H | g] at `pose`; return (points met, mean loss).
+
+    `known` (n,) is the cell whose line stands in `lines` (n, 5) for each point, -1 at first; both are kept up to date.
+    """
     cos, sin = np.cos(pose[2]), np.sin(pose[2])
     system[:] = 0.0
     met, total, used = 0, 0.0, 0
@@ -99,8 +113,12 @@ def accumulate(pose, points, stride, half, scale, straightness, directory, means
             total += 1.0
             continue
         met += 1
-        is_line, cx, cy, nx, ny = line_around(row, col, 2, straightness, directory, means, bits)
-        if is_line:
+        cell = (row << 32) | col
+        if known[k] != cell:
+            known[k] = cell
+            lines[k] = line_around(row, col, 2, straightness, directory, means, bits)
+        is_line, cx, cy, nx, ny = lines[k]
+        if is_line != 0.0:
             r = nx * (x - cx) + ny * (y - cy)
             e = r * r * inverse
             w = 1.0 / (1.0 + e) ** 2
@@ -160,10 +178,13 @@ def solve(system, step):
 def match(pose, prior, prior_information, points, stages, beams, sigma, straightness, directory, means, bits, system):
     """Move `pose` (3,) to the best alignment; leave the information matrix in `system`[:, :3]; return (met, loss)."""
     step = np.zeros(3)
+    known, lines = np.full(len(points), -1), np.zeros((len(points), 5))
     for s in range(len(stages)):
         half, stride, scale = int(stages[s, 0]), int(stages[s, 1]), stages[s, 3]
         for _ in range(int(stages[s, 2])):
-            met, loss = accumulate(pose, points, stride, half, scale, straightness, directory, means, bits, system)
+            met, loss = accumulate(
+                pose, points, stride, half, scale, straightness, directory, means, bits, known, lines, system
+            )
             _weigh(system, met, beams, sigma)
             _add_prior(system, pose, prior, prior_information)
             if not solve(system, step):
@@ -171,10 +192,8 @@ def match(pose, prior, prior_information, points, stages, beams, sigma, straight
             pose += step
             if step[0] * step[0] + step[1] * step[1] < 1e-4 and abs(step[2]) < 1e-4:
                 break
-    last = len(stages) - 1
-    met, loss = accumulate(
-        pose, points, 1, int(stages[last, 0]), stages[last, 3], straightness, directory, means, bits, system
-    )
+    half, scale = int(stages[-1, 0]), stages[-1, 3]
+    met, loss = accumulate(pose, points, 1, half, scale, straightness, directory, means, bits, known, lines, system)
     _weigh(system, met, beams, sigma)
     _add_prior(system, pose, prior, prior_information)
     return met, loss

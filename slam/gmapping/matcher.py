@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from .config import MatcherConfig
 from .match_kernels import match_particles
+from .search_kernels import search_particles
 from .tile_kernels import SIDE
 from .tile_maps import TileMaps
 from .workers import Workers
@@ -22,17 +23,15 @@ class Matches:
         modes: (P, 3) most likely poses T_map_robot [m, m, rad].
         roots: (P, 3, 3) lower Cholesky factors of their covariances.
         losses: (P,) mean robust loss of the points at the mode, 0 (all on the map) to 1 (none).
-        surprises: (P,) squared Mahalanobis distance of the mode from the odometry.
     """
 
     modes: Array
     roots: Array
     losses: Array
-    surprises: Array
 
 
 class ScanMatcher:
-    """Gauss-Newton from coarse to fine, with the odometry as a prior.
+    """Looks for a start among samples of the odometry's error, then takes Gauss-Newton steps from coarse to fine.
 
     Args:
         config: Parameters.
@@ -44,23 +43,57 @@ class ScanMatcher:
         self._workers = workers
         self._stages = np.array([config.windows, config.strides, config.iterations, config.scales], dtype=np.float64).T
 
-    def match(self, maps: TileMaps, points_robot: Array, starts: Array, means: Array, covariances: Array) -> Matches:
+    def match(
+        self, maps: TileMaps, points_robot: Array, means: Array, covariances: Array, rng: np.random.Generator
+    ) -> Matches:
         """Align one scan with all maps.
 
         Args:
             maps: The maps.
             points_robot: (n, 2) returns in the robot frame [m].
-            starts: (P, 3) poses to start from, T_map_robot.
             means: (P, 3) poses by odometry, T_map_robot.
             covariances: (P, 3, 3) of the odometry, map frame.
+            rng: Source of the samples.
         """
         scale = np.array([1.0 / maps.cell, 1.0 / maps.cell, 1.0])
         corner = np.append(maps.origin * SIDE, 0)
-        poses, priors = starts * scale - corner, means * scale - corner
-        information = np.linalg.inv(covariances * scale[:, None] * scale)
+        covariances = covariances * scale[:, None] * scale
         points = np.ascontiguousarray(self.thinned(points_robot, maps.cell) / maps.cell)
+        priors = means * scale - corner
+        poses = self._search(maps, points, priors, covariances, rng)
+        systems, losses = self._refine(maps, points, priors, covariances, poses)
+        roots = np.linalg.cholesky(np.linalg.inv(systems[:, :, :3])) / scale[:, None]
+        return Matches((poses + corner) / scale, roots, losses)
+
+    def thinned(self, points: Array, cell: float) -> Array:
+        """Return the first of `points` (n, 2) [m] in each square, in their order."""
+        squares = np.floor(points / (cell * self.config.thinning)).astype(np.int64)
+        keys = squares[:, 0] * 2**32 + squares[:, 1]
+        return points[np.sort(np.unique(keys, return_index=True)[1])]
+
+    def _search(
+        self, maps: TileMaps, points: Array, priors: Array, covariances: Array, rng: np.random.Generator
+    ) -> Array:
+        samples = rng.standard_normal((self.config.samples, 3))
+        samples[0] = 0.0
+        few = points[:: max(1, len(points) // self.config.sample_points)]
+        roots = np.linalg.cholesky(covariances)
+        poses = priors.copy()
+        weight, directory, bits = self.config.sample_weight, maps.directory, maps.bits
+        self._workers.run(
+            lambda start, stop: search_particles(
+                start, stop, priors, roots, samples, few, weight, directory, bits, poses
+            ),
+            len(priors),
+        )
+        return poses
+
+    def _refine(
+        self, maps: TileMaps, points: Array, priors: Array, covariances: Array, poses: Array
+    ) -> tuple[Array, Array]:
+        """Move `poses` to their modes; return (P, 3, 4) systems, whose first three columns are information, losses."""
+        config, information = self.config, np.linalg.inv(covariances)
         systems, losses = np.zeros((len(poses), 3, 4)), np.ones(len(poses))
-        config = self.config
         self._workers.run(
             lambda start, stop: match_particles(
                 start,
@@ -81,13 +114,4 @@ class ScanMatcher:
             ),
             len(poses),
         )
-        offsets = poses - priors
-        roots = np.linalg.cholesky(np.linalg.inv(systems[:, :, :3])) / scale[:, None]
-        surprises = np.einsum("pi,pij,pj->p", offsets, information, offsets)
-        return Matches((poses + corner) / scale, roots, losses, surprises)
-
-    def thinned(self, points: Array, cell: float) -> Array:
-        """Return the first of `points` (n, 2) [m] in each square, in their order."""
-        squares = np.floor(points / (cell * self.config.thinning)).astype(np.int64)
-        keys = squares[:, 0] * 2**32 + squares[:, 1]
-        return points[np.sort(np.unique(keys, return_index=True)[1])]
+        return systems, losses

@@ -3,11 +3,16 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import InputError
 from ..geometry import transform_points
+from ..occupancy_map import OccupancyMap
 from .tile_kernels import SIDE, mark_particles, own_tiles, write_particles
 from .workers import Workers
 
 Array = NDArray[np.float64]
+
+_MOST_PLACES = 1_000_000  # of a directory; at cells of 0.05 m that is 1.6 x 1.6 km
+_OCCUPIED_SHARE = 0.25  # of the visits that were hits, as the ROS wrapper draws its map
 
 
 class TileMaps:
@@ -80,6 +85,20 @@ class TileMaps:
         self._free_count = len(unused)
         self._free[: len(unused)] = unused[::-1]
 
+    def to_map(self, particle: int) -> OccupancyMap:
+        """Return a particle's own map: the share of hits among the visits of a cell; NaN where there were none."""
+        directory = self.directory[particle]
+        rows, cols = np.flatnonzero(directory.any(axis=1)), np.flatnonzero(directory.any(axis=0))
+        if not len(rows):
+            return OccupancyMap(np.full((1, 1), np.nan, dtype=np.float32), self.cell, (0.0, 0.0))
+        tiles = self.counts[directory[rows[0] : rows[-1] + 1, cols[0] : cols[-1] + 1]]
+        hits, visits = tiles[..., 0].astype(np.float32), tiles[..., 1]
+        share = np.where(visits > 0, hits / np.maximum(visits, 1), np.float32(np.nan))
+        height, width = share.shape[:2]
+        plain = share.reshape(height, width, SIDE, SIDE).swapaxes(1, 2).reshape(height * SIDE, width * SIDE)
+        x, y = (self.origin + np.array([cols[0], rows[0]])) * (SIDE * self.cell)
+        return OccupancyMap(plain, self.cell, (float(x), float(y)), _OCCUPIED_SHARE, _OCCUPIED_SHARE)
+
     def _own(self, needed: NDArray[np.bool_]) -> None:
         shared = needed & ((self.directory == 0) | (self._references[self.directory] > 1))
         self._reserve(int(np.count_nonzero(shared)))
@@ -111,7 +130,10 @@ class TileMaps:
             return
         lower -= np.where(lower < self.origin, 4, 0)
         upper += np.where(upper > self.origin + size, 4, 0)
-        columns, rows = upper - lower
+        columns, rows = (int(places) for places in upper - lower)
+        if columns * rows > _MOST_PLACES:
+            width, height = (columns * self.cell * SIDE, rows * self.cell * SIDE)
+            raise InputError(f"the map would grow to {width:.0f} x {height:.0f} m; the odometry or a range is wrong")
         grown = np.zeros((len(self.directory), rows, columns), dtype=np.int32)
         column, row = self.origin - lower
         grown[:, row : row + size[1], column : column + size[0]] = self.directory

@@ -67,19 +67,24 @@ def read_drive(folder: str | os.PathLike[str], name: str) -> SimulatedDrive:
     if len(truth) != len(recording):
         raise InputError(f"{_named(stem, 'gt.tum')}: one pose a scan needed, got {len(truth)} for {len(recording)}")
     people = _named(stem, "people.npz")
-    feet = _read_feet(people) if people.exists() else np.empty((len(recording), 0, 2))
+    feet = read_feet(people) if people.exists() else np.empty((len(recording), 0, 2))
     return SimulatedDrive(replace(recording, reference=truth, name=name), truth, feet)
 
 
-def _named(stem: Path, ending: str) -> Path:
-    return stem.parent / f"{stem.name}.{ending}"
+def read_feet(path: str | os.PathLike[str]) -> NDArray[np.float64]:
+    """Return `feet` (scans, feet, 2) of a NAME.people.npz, world frame [m].
 
-
-def _read_feet(path: Path) -> NDArray[np.float64]:
+    Raises:
+        InputError: If the file is missing, is no npz or has no such array.
+    """
     try:
         with np.load(path, allow_pickle=False) as content:
             return np.asarray(content["feet"], dtype=np.float64)
     except KeyError as error:
-        raise InputError(f"{path}: needs an array `feet` (scans, feet, 2), got none of that name") from error
+        raise InputError(f"{os.fspath(path)}: needs an array `feet` (scans, feet, 2), got none of that name") from error
     except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
-        raise InputError(f"{path}: no readable npz file ({error})") from error
+        raise InputError(f"{os.fspath(path)}: no readable npz file ({error})") from error
+
+
+def _named(stem: Path, ending: str) -> Path:
+    return stem.parent / f"{stem.name}.{ending}"

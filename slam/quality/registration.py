@@ -4,15 +4,14 @@ The principal axes leave the sign of the axes open, and a near-square room leave
 turns are tried, each is refined a little, and the one with the smallest residual goes on. Nothing is ever mirrored.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import KDTree
 
 from ..errors import InputError
 from ..geometry import compose, inverse, transform_points
-from .rigid import fit_rigid
+from .icp import Cloud, SurfaceIcpConfig, icp_points, icp_surface
 
 Array = NDArray[np.float64]
 
@@ -24,18 +23,14 @@ class RegistrationConfig:
     coarse_points: int = 1200
     """Points of each map that take part in the choice of the turn."""
     coarse_iterations: int = 25
-    """Iterations that each turn is refined before the turns are compared."""
+    """Iterations that each turn is refined, point to point, before the turns are compared."""
     isotropy: float = 0.5
     """Ratio of the smaller to the larger variance above which the axes say little: turns of 15 degrees, not of 90."""
-    fine_iterations: int = 200
-    """Most iterations of the final refinement."""
-    tolerance_m: float = 2e-5
-    """The refinement has converged when no point moves farther than this in an iteration [m]."""
-    outlier_m: float = 0.04
-    """Pairs farther apart than this pull with constant force, as in a mean distance (Huber) [m]."""
+    fine: SurfaceIcpConfig = field(default_factory=SurfaceIcpConfig)
+    """The final refinement."""
 
     def __post_init__(self) -> None:
-        for name in ("coarse_points", "coarse_iterations", "fine_iterations", "tolerance_m", "outlier_m"):
+        for name in ("coarse_points", "coarse_iterations"):
             if not getattr(self, name) > 0:
                 raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
         if not 0.0 <= self.isotropy <= 1.0:
@@ -51,7 +46,7 @@ class Registration:
         residual_m: Mean distance to the nearest point, mean of both directions [m].
         coarse_residual_m: The same for the best turn before the fine registration [m], on fewer points.
         iterations: Iterations of the fine registration.
-        converged: Whether it came to rest within `fine_iterations`.
+        converged: Whether it came to rest within its `iterations`.
     """
 
     T_ref_est: Array
@@ -59,15 +54,6 @@ class Registration:
     coarse_residual_m: float
     iterations: int
     converged: bool
-
-
-class _Cloud:
-    """Points with their search tree and an evenly drawn part of them."""
-
-    def __init__(self, points: Array, sample: int) -> None:
-        self.points = points
-        self.tree = KDTree(points)
-        self.sample = points[np.linspace(0, len(points) - 1, min(sample, len(points))).astype(int)]
 
 
 def register(estimate: Array, reference: Array, config: RegistrationConfig | None = None) -> Registration:
@@ -80,18 +66,25 @@ def register(estimate: Array, reference: Array, config: RegistrationConfig | Non
     for name, points in (("estimate", estimate), ("reference", reference)):
         if points.ndim != 2 or points.shape[1] != 2 or len(points) < 3:
             raise InputError(f"registration needs at least 3 occupied cells in the {name}, got shape {points.shape}")
-    est, ref = _Cloud(estimate, config.coarse_points), _Cloud(reference, config.coarse_points)
+    est, ref = Cloud(estimate), Cloud(reference)
+    part_est, part_ref = est.sample(config.coarse_points), ref.sample(config.coarse_points)
     refined = [
-        _icp(est, ref.sample, start, config.coarse_iterations, config)[0]
+        icp_points(est, part_ref, start, config.coarse_iterations, config.fine.outlier_m)
         for start in _starts(est, ref, config.isotropy)
     ]
-    residuals = [_residual(est, ref, T, est.sample, ref.sample) for T in refined]
+    residuals = [_residual(est, ref, T, part_est, part_ref) for T in refined]
     best = int(np.argmin(residuals))
-    fine, iterations, converged = _icp(est, ref.points, refined[best], config.fine_iterations, config)
-    return Registration(fine, _residual(est, ref, fine, est.points, ref.points), residuals[best], iterations, converged)
+    fine = icp_surface(est, ref, refined[best], config.fine)
+    return Registration(
+        T_ref_est=fine.T_ref_est,
+        residual_m=_residual(est, ref, fine.T_ref_est, est.points, ref.points),
+        coarse_residual_m=residuals[best],
+        iterations=fine.iterations,
+        converged=fine.converged,
+    )
 
 
-def _starts(est: _Cloud, ref: _Cloud, isotropy: float) -> list[Array]:
+def _starts(est: Cloud, ref: Cloud, isotropy: float) -> list[Array]:
     """Return the candidates for T_ref_est: principal axes on each other in every turn, and the frames as they are."""
     centre_est, angle_est, ratio_est = _principal_axis(est.points)
     centre_ref, angle_ref, ratio_ref = _principal_axis(ref.points)
@@ -110,28 +103,7 @@ def _principal_axis(points: Array) -> tuple[Array, float, float]:
     return centre, float(np.arctan2(vectors[1, 1], vectors[0, 1])), float(values[0] / max(values[1], 1e-12))
 
 
-def _icp(
-    est: _Cloud, ref_points: Array, T_ref_est: Array, iterations: int, config: RegistrationConfig
-) -> tuple[Array, int, bool]:
-    """Refine `T_ref_est`; return it, the iterations used and whether it came to rest.
-
-    Each reference point is paired with the nearest estimated one, as in ADNN, so that ghosts of the estimate attract
-    nothing. Huber weights make far pairs count by distance instead of its square: a missing wall pulls little.
-    """
-    T_est_ref = inverse(T_ref_est)
-    reach = float(np.abs(ref_points).max())
-    for done in range(1, iterations + 1):
-        moved = transform_points(T_est_ref, ref_points)
-        distances, nearest = est.tree.query(moved)
-        weights = np.minimum(1.0, config.outlier_m / np.maximum(distances, 1e-9))
-        previous, T_est_ref = T_est_ref, fit_rigid(ref_points, est.points[nearest], weights)
-        step = np.abs(compose(T_est_ref, inverse(previous)))
-        if np.hypot(step[0], step[1]) + step[2] * reach < config.tolerance_m:
-            return inverse(T_est_ref), done, True
-    return inverse(T_est_ref), iterations, False
-
-
-def _residual(est: _Cloud, ref: _Cloud, T_ref_est: Array, est_points: Array, ref_points: Array) -> float:
+def _residual(est: Cloud, ref: Cloud, T_ref_est: Array, est_points: Array, ref_points: Array) -> float:
     to_est, _ = est.tree.query(transform_points(inverse(T_ref_est), ref_points))
     to_ref, _ = ref.tree.query(transform_points(T_ref_est, est_points))
     return float((np.mean(to_est) + np.mean(to_ref)) / 2.0)

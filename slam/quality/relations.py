@@ -61,7 +61,8 @@ def score_relations(
         trajectory: Estimated poses, one a scan, with the times of the log.
         relations: By time or by reading.
         readings: Odometry of all readings; needed where the relations are by reading.
-        max_gap_s: Relations at moments farther than this from any pose are skipped, and counted [s].
+        max_gap_s: Relations at moments farther than this from any pose, or with `readings` from poses farther than this
+            from any reading, are skipped and counted [s].
 
     Raises:
         InputError: If the relations are by reading and there are no readings, or if no relation can be scored.
@@ -93,14 +94,17 @@ def _interpolated(trajectory: Trajectory, times: Array) -> tuple[Array, Array]:
 
 
 def _carried(trajectory: Trajectory, relations: Relations, readings: Readings) -> list[tuple[Array, Array]]:
-    """Return, for both moments, poses (m, 3) carried from the nearest scan by odometry, and the gaps (m,) [s]."""
+    """Return, for both moments, poses (m, 3) carried on by odometry from the nearest scan.
+
+    Beside them how far (m,) that scan's time is from its reading's [s]: large where the clocks differ.
+    """
     scans = readings_of_scans(trajectory.times_s, readings.times_s)
     result = []
     for moments in (relations.first, relations.second):
         wanted = _reading_indices(moments, relations.by_reading, readings)
         scan = _nearest(scans, wanted)
         motion = between(readings.odometry[scans[scan]], readings.odometry[wanted])
-        gaps = np.abs(trajectory.times_s[scan] - readings.times_s[wanted])
+        gaps = np.abs(trajectory.times_s[scan] - readings.times_s[scans[scan]])
         result.append((compose(trajectory.poses[scan], motion), gaps))
     return result
 

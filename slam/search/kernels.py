@@ -3,7 +3,7 @@
 import numba
 import numpy as np
 
-LANES = 16  # blocks that are added at once
+from .lanes import LANES, add_lanes
 
 
 @numba.njit(cache=True, nogil=True)
@@ -48,10 +48,7 @@ def top_bounds(phases, cells, blocks):  # pragma: no cover
                     source = (phase + row0 + a) * cols + col0
                     if inside:
                         for chunk in range(chunks):
-                            into = a * width + chunk * LANES
-                            start = source + chunk * LANES
-                            for b in range(LANES):
-                                plane[into + b] += flat[start + b]
+                            add_lanes(plane, a * width + chunk * LANES, flat, source + chunk * LANES)  # pyright: ignore[reportCallIssue]
                     else:
                         for b in range(max(0, -col0), min(blocks, cols - col0)):
                             plane[a * width + b] += flat[source + b]

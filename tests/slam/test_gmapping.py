@@ -1,4 +1,5 @@
 import itertools
+import pickle
 
 import numpy as np
 import pytest
@@ -70,6 +71,20 @@ def test_one_seed_gives_the_same_bytes_with_any_number_of_threads_and_another_se
     assert first != other
 
 
+def test_the_particles_own_map_agrees_with_the_rendered_one_and_copies_go_their_own_way():
+    _, odometry, scans = drive(steps=40)
+    slam = run(make_slam("gmapping", particles=4), odometry[:20], scans[:20])
+    own, drawn = slam.particle_map().occupied_points, slam.map().occupied_points
+    assert np.linalg.norm(own[:, None] - drawn, axis=-1).min(axis=0).max() < 0.11
+    twin = pickle.loads(pickle.dumps(slam))
+    before = slam.trajectory().tobytes()
+    run(twin, odometry[20:], scans[20:])
+    assert slam.trajectory().tobytes() == before
+    run(slam, odometry[20:], scans[20:])
+    assert slam.trajectory().tobytes() == twin.trajectory().tobytes()
+    assert slam.particle_map().probability.tobytes() == twin.particle_map().probability.tobytes()
+
+
 def test_every_scan_has_a_pose_and_the_first_is_the_first_odometry():
     _, odometry, scans = drive(steps=60)
     slam = make_slam("gmapping", particles=3)
@@ -104,10 +119,24 @@ def test_a_scan_of_three_points_and_a_blind_spell_do_not_break_a_run():
     assert np.isfinite(slam.trajectory()).all()
 
 
+def test_a_minimum_score_that_none_reaches_leaves_the_pose_to_odometry():
+    _, odometry, scans = drive(steps=20)
+    noise_free = {"srr": 0.0, "srt": 0.0, "str_": 0.0, "stt": 0.0}
+    slam = run(make_slam("gmapping", particles=3, minimum_score=1.0, **noise_free), odometry, scans)
+    assert np.abs(between(odometry, slam.trajectory()))[:, :2].max() < 0.15
+    assert np.abs(slam.trajectory() - odometry).max() > 0.0
+
+
 def test_bad_input_is_named():
     with pytest.raises(InputError, match="particels"):
         make_slam("gmapping", particels=3)
     with pytest.raises(InputError, match="`delta` must be positive, got -1"):
         make_slam("gmapping", delta=-1)
+    with pytest.raises(InputError, match="`particles` must be a whole number"):
+        make_slam("gmapping", particles=2.5)
+    slam, scan = make_slam("gmapping", particles=2), drive(steps=2)[2][0]
+    slam.update((0.0, 0.0, 0.0), scan)
+    with pytest.raises(InputError, match="the map would grow to"):
+        slam.update((1e7, 0.0, 0.0), scan)
     with pytest.raises(InputError, match="`odometry` must be a finite pose"):
         make_slam("gmapping").update((0, 0, np.nan), drive(steps=2)[2][0])

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between, inverse, transform_points
 from tagalong.slam.quality.adnn import adnn, nearest_distances
+from tagalong.slam.quality.icp import Cloud, SurfaceIcpConfig, icp_points, icp_surface
 from tagalong.slam.quality.registration import RegistrationConfig, register
 from tagalong.slam.quality.rigid import fit_rigid
 
@@ -85,13 +86,46 @@ def test_the_residual_does_not_depend_on_where_the_estimate_lies(x, y, theta):
     assert register(transform_points((x, y, theta), noisy), L_SHAPE).residual_m == pytest.approx(at_home, abs=5e-4)
 
 
+def on_lattice(points, cell, offset):
+    """The centres of the cells in which noisy points of walls lie, of a lattice moved by `offset`."""
+    rng = np.random.default_rng(7)
+    noisy = np.repeat(points, 6, axis=0) + rng.normal(0, 0.01, (6 * len(points), 2))
+    return np.unique(np.floor((noisy - offset) / cell), axis=0) * cell + cell / 2 + offset
+
+
+@pytest.mark.parametrize("shift", [(0.013, 0.007), (0.31, -0.11), (0.057, 0.05)])
+def test_parallel_lattices_do_not_hold_the_maps_a_cell_apart(shift):
+    walls = outline((0, 0), (10, 0), (10, 2), (2, 2), (2, 5), (0, 5), step=0.01)
+    reference, estimate = on_lattice(walls, 0.02, (0.0, 0.0)), on_lattice(walls + shift, 0.02, (0.003, 0.004))
+    fit = register(estimate, reference)
+    assert_pose(fit.T_ref_est, (-shift[0], -shift[1], 0.0), 1.5e-3, 0.01)
+    # point to point stops where the lattices fit, half a cell and more away
+    snapped = icp_points(Cloud(estimate), reference, np.zeros(3), 200, 0.04)
+    assert np.hypot(*(snapped[:2] + shift)) > 3e-3
+
+
+def test_a_straight_wall_is_not_moved_along_itself():
+    wall = np.column_stack((np.arange(0, 5, 0.05), np.zeros(100)))
+    fit = icp_surface(Cloud(wall + np.array((0.0, 0.03))), Cloud(wall), np.zeros(3), SurfaceIcpConfig())
+    np.testing.assert_allclose(fit.T_ref_est, (0.0, -0.03, 0.0), atol=1e-9)
+
+
+def test_maps_far_from_the_origin_register_as_well():
+    away = np.array((4000.0, -9000.0))
+    estimate = transform_points((0.3, 0.2, 0.01), L_SHAPE) + away
+    fit = register(estimate, L_SHAPE + away)
+    assert np.abs(transform_points(fit.T_ref_est, estimate) - L_SHAPE - away).max() < 1e-3
+
+
 def test_too_few_points_and_bad_configs_are_named():
     with pytest.raises(InputError, match="3 occupied cells in the estimate"):
         register(np.zeros((2, 2)), L_SHAPE)
     with pytest.raises(InputError, match="3 occupied cells in the reference"):
         register(L_SHAPE, np.zeros((0, 2)))
     with pytest.raises(InputError, match="outlier_m"):
-        RegistrationConfig(outlier_m=0.0)
+        RegistrationConfig(fine=SurfaceIcpConfig(outlier_m=0.0))
+    with pytest.raises(InputError, match="coarse_points"):
+        RegistrationConfig(coarse_points=0)
 
 
 @settings(deadline=None, max_examples=50)

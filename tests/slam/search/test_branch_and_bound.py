@@ -1,11 +1,13 @@
 """The branch and bound finds what trying every pose finds."""
 
+import numba
 import numpy as np
 import pytest
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import inverse, transform_points, wrap_angle
 from tagalong.slam.search.branch_and_bound import SearchWindow, Separation, branch_and_bound
 from tagalong.slam.search.exhaustive import exhaustive_search
+from tagalong.slam.search.lanes import add_lanes, add_lanes_reference
 from tagalong.slam.search.score_pyramid import ScoreGrid, build_pyramid
 
 
@@ -108,3 +110,16 @@ def test_bad_input_is_named():
         SearchWindow(linear=1.0, angular=1.0, angular_step=0.0)
     with pytest.raises(InputError, match="top_level"):
         build_pyramid(ScoreGrid(np.zeros((3, 3), dtype=np.uint8), (0.0, 0.0), 0.1), top_level=9)
+
+
+def test_sixteen_sums_at_once_are_those_of_numpy():
+    @numba.njit
+    def add(sums, values):
+        add_lanes(sums, 3, values, 5)
+
+    rng = np.random.default_rng(0)
+    sums, values = rng.integers(0, 60000, 40).astype(np.uint16), rng.integers(0, 256, 40).astype(np.uint8)
+    expected = sums.copy()
+    add_lanes_reference(expected, 3, values, 5)
+    add(sums, values)
+    np.testing.assert_array_equal(sums, expected)

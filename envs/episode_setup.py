@@ -1,0 +1,106 @@
+"""From a configuration and reset options to a world and a mind."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ..perception.config import PerceptionConfig
+from ..perception.legs.detector import LegDetector, LegDetectorConfig
+from ..perception.legs.forest import LegForest
+from ..perception.tracking.leader import LeaderSelector
+from ..perception.tracking.tracker import PeopleTracker
+from ..slam.engine import make_slam
+from ..slam.errors import unknown_name
+from .follow_config import FollowConfig
+from .interface import FollowInterface
+from .lidar import LidarConfig
+from .mappers import EngineMapper, Mapper, NoMapper
+from .mind import Mind, PeopleSource, TrackedPeopleSource
+from .oracle import TrueMapper, TruePeopleSource
+from .robot import RobotConfig
+from .world import World, WorldConfig
+
+OPTIONS = ("scene", "route", "people", "standing", "leader_style", "odometry")
+"""Options of `reset`: fields of `WorldConfig` that they set for one episode."""
+
+
+def check_options(options: Mapping[str, Any] | None) -> None:
+    """Refuse options of `reset` that do not exist.
+
+    Raises:
+        InputError: Naming the option and those that exist.
+    """
+    for name in options or ():
+        if name not in OPTIONS:
+            raise unknown_name("reset option", name, OPTIONS)
+
+
+def world_config(config: FollowConfig, options: Mapping[str, Any] | None) -> WorldConfig:
+    """Return the world's configuration for one episode.
+
+    Raises:
+        InputError: If a value is out of its range.
+    """
+    fields: dict[str, Any] = {
+        "scene": config.scene,
+        "people": config.people_count,
+        "standing": config.standing,
+        "leader_style": config.leader_style,
+        "odometry": config.odometry,
+    }
+    return WorldConfig(
+        **{**fields, **(options or {})},
+        lidar=LidarConfig(beams=config.beams, rate_hz=config.lidar_hz),
+        robot=RobotConfig(drive=config.drive),
+        control_hz=config.control_hz,
+    )
+
+
+def interface(config: FollowConfig) -> FollowInterface:
+    """Return the scales of the environment's observations and actions."""
+    lidar = LidarConfig(beams=config.beams)
+    return FollowInterface(
+        max_speed=RobotConfig().max_speed,
+        max_turn_rate=config.top_turn_rate,
+        control_hz=config.control_hz,
+        holonomic=config.drive == "holonomic",
+        bearings=lidar.bearings,
+        range_max=lidar.range_max,
+        T_robot_lidar=lidar.mount,
+    )
+
+
+class MindFactory:
+    """Makes a fresh mind for each episode; the forest of the leg detector is loaded once."""
+
+    def __init__(self, config: FollowConfig) -> None:
+        self._config = config
+        self._perception = PerceptionConfig()
+        self._forest = LegForest.load("simulation") if config.people == "tracker" else None
+
+    @property
+    def shared(self) -> dict[int, Any]:
+        """What minds share and never change, as a memo for `copy.deepcopy`."""
+        return {id(self._forest): self._forest}
+
+    def make(self, world: World, rng: np.random.Generator) -> Mind:
+        """Return a mind that knows nothing yet."""
+        seed = int(rng.integers(2**31))
+        return Mind(
+            self._people(world), LeaderSelector(self._perception), self._mapper(world, seed), self._perception.zeta
+        )
+
+    def _people(self, world: World) -> PeopleSource:
+        if self._forest is None:
+            return TruePeopleSource(world)
+        p = self._perception
+        detector = LegDetector(self._forest, LegDetectorConfig(alpha=p.alpha, beta=p.beta, gamma=p.gamma))
+        return TrackedPeopleSource(PeopleTracker(p, detector))
+
+    def _mapper(self, world: World, seed: int) -> Mapper:
+        if self._config.slam is None:
+            return NoMapper()
+        if self._config.slam == "truth":
+            return TrueMapper(world)
+        return EngineMapper(make_slam(self._config.slam, seed=seed))

@@ -1,0 +1,79 @@
+"""The configuration of a follow environment."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any
+
+from ..slam.errors import InputError, unknown_name
+
+PEOPLE_SOURCES = ("tracker", "truth")
+SLAM_SOURCES = ("gmapping", "truth", None)
+
+
+@dataclass(frozen=True, kw_only=True)
+class FollowConfig:
+    """Everything that defines an environment; its fields are the keyword arguments of `FollowEnv`.
+
+    Attributes:
+        scene: Building, "corridor" or "meeting_room".
+        people: How people reach the robot's mind: "tracker" from the scans, "truth" from the simulator.
+        slam: Who builds the map: "gmapping", "truth" (known poses, an upper bound), None for no map at all.
+        people_count: People in the building, the leader included.
+        standing: Further people who come to stand still beside the route.
+        leader_style: Manner of the leader: "steady", "hurried", "waits"; None draws one from the seed.
+        odometry: Quality of the wheel odometry: "good", "typical", "slipping".
+        drive: "differential" or "holonomic".
+        top_turn_rate: Turn rate at action +1 [rad/s]; forward speed at action +1 is the robot's 1.3 m/s.
+        beams: Beams of the laser over 270 degrees.
+        lidar_hz: Scans a second [1/s]; a multiple of `control_hz`.
+        control_hz: Steps a second [1/s].
+        people_slots: Most people in observation `people`; the nearest are kept.
+        map_cells: Side of observation `map` [cells].
+        map_resolution: Side of a cell of observation `map` [m].
+        lost_limit_s: The episode ends when the leader was not followed for this long [s].
+    """
+
+    scene: str = "corridor"
+    people: str = "tracker"
+    slam: str | None = "gmapping"
+    people_count: int = 2
+    standing: int = 0
+    leader_style: str | None = None
+    odometry: str = "typical"
+    drive: str = "differential"
+    top_turn_rate: float = 2.0
+    beams: int = 1081
+    lidar_hz: float = 10.0
+    control_hz: float = 10.0
+    people_slots: int = 6
+    map_cells: int = 64
+    map_resolution: float = 0.1
+    lost_limit_s: float = 20.0
+
+    def __post_init__(self) -> None:
+        if self.people not in PEOPLE_SOURCES:
+            raise InputError(
+                f"`people` says how people are perceived, one of {', '.join(PEOPLE_SOURCES)}; got {self.people!r} "
+                "(their number is `people_count`)"
+            )
+        if self.slam not in SLAM_SOURCES:
+            raise unknown_name("slam source", self.slam, tuple(str(name) for name in SLAM_SOURCES))
+        for name in ("people_slots", "map_cells", "people_count"):
+            if getattr(self, name) < 1:
+                raise InputError(f"`{name}` must be at least 1, got {getattr(self, name)}")
+        for name in ("map_resolution", "lost_limit_s", "top_turn_rate", "control_hz", "lidar_hz"):
+            if not getattr(self, name) > 0.0:
+                raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
+
+
+def make_config(arguments: Mapping[str, Any]) -> FollowConfig:
+    """Return the configuration with `arguments` as fields.
+
+    Raises:
+        InputError: If one is unknown, or a value is out of its range.
+    """
+    known = tuple(field.name for field in fields(FollowConfig))
+    for name in arguments:
+        if name not in known:
+            raise unknown_name("argument", name, known)
+    return FollowConfig(**arguments)

@@ -1,0 +1,283 @@
+"""The environment: a robot that follows a person through a building and maps it on the way."""
+
+import copy
+from dataclasses import dataclass
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import ArrayLike, NDArray
+
+from ..slam.errors import InputError
+from .endings import Ending, EndingRule
+from .episode_setup import MindFactory, check_options, interface, world_config
+from .follow_config import make_config
+from .mind import Belief, Mind
+from .observation import Observer, observation_space
+from .oracle import step_facts
+from .rendering import has_display, make_renderer
+from .rewards import StepFacts, reward_terms
+from .sweeps import timed_odometry
+from .truth import TrueState
+from .world import World, WorldState
+
+Observation = dict[str, NDArray[np.float32]]
+
+
+@dataclass(frozen=True, eq=False)
+class EnvState:
+    """A snapshot of an environment; can be kept, pickled and restored any number of times.
+
+    Attributes:
+        world: The simulator of which the snapshot was taken.
+        world_state: Its state.
+        memory: All else that changes: mind, belief, clocks, random generator.
+    """
+
+    world: World
+    world_state: WorldState
+    memory: dict[str, Any]
+
+
+class FollowEnv(gym.Env[Any, Any]):
+    """A robot follows a person through a building full of other people, and may map it on the way.
+
+    ## Description
+
+    A robot like the Clearpath Dingo stands behind a person, who soon sets off on a tour of the building: `corridor`
+    (40 x 2.4 m with a bend and 10 m more) or `meeting_room` (10 x 7 m), sizes and clutter drawn from the seed. The
+    task is to stay 1.3 m behind (centre to centre), without touching anybody or anything, to the tour's end. What the
+    robot knows comes from its planar laser scanner and its wheels alone: leg tracker, leader selection and SLAM run
+    inside the environment, on scans from which people were removed. A step lasts 1 / `control_hz`, 0.1 s by default.
+
+    ## Action
+
+    `Box(-1, 1, (2,), float32)`, for `drive="holonomic"` `(3,)`. Values beyond are clipped; the robot's limits of
+    acceleration (2 m/s^2, 8 rad/s^2) hold.
+
+    | num | meaning | at -1 | at +1 |
+    |---|---|---|---|
+    | 0 | forward speed | -1.3 m/s | 1.3 m/s |
+    | 1 (holonomic only) | speed to the left | -1.3 m/s | 1.3 m/s |
+    | last | turn rate, counter-clockwise | -`top_turn_rate` | `top_turn_rate` = 2 rad/s |
+
+    ## Observation
+
+    `Dict`, all float32, in the robot frame (x forward, y left), in m, m/s, rad/s; new arrays in every step.
+
+    | key | shape | meaning | range |
+    |---|---|---|---|
+    | `scan` | (beams,) | range over 30 m along each beam, right to left; 1: no return or no measurement | 0 .. 1 |
+    | `leader` | (6,) | x, y, vx, vy (over ground), confidence, visible | 30 m, 3 m/s, 0 .. 1 |
+    | `people` | (people_slots, 6) | other people, nearest first: x, y, vx, vy, confidence, present (mask) | as above |
+    | `velocity` | (2,) or (3,) | own forward speed, speed to the left if holonomic, turn rate, by odometry | 3, 3, 6 |
+    | `map` | (map_cells, map_cells) | cells around the robot: 0 free, 0.5 unknown, 1 occupied | 0 .. 1 |
+
+    The leader is chosen by the robot: the tracked person closest to it at onset. While it is lost, `leader` holds its
+    predicted place with visible = 0; before one was chosen it is zero. Cell [i, j] of `map` lies at
+    ((i + 0.5 - map_cells / 2) * map_resolution, likewise j) ahead and to the left. With `slam=None` nothing builds a
+    map and there is no entry `map`: an entry that never changed would only slow learning down.
+
+    ## Rewards
+
+    The sum of these terms, also in `info["reward_terms"]`. They are made of the truth, as rewards may be. s is the
+    length of the step over 0.1 s; `tolerance` is 1 within a bound, 0.1 one margin beyond it, a Gaussian in between.
+
+    | term | formula | why |
+    |---|---|---|
+    | `distance` | s tolerance(distance - 1.3 m, bound 0.15 m, margin 0.85 m) | the task |
+    | `facing` | 0.2 s tolerance(bearing of the leader, bound 0.2 rad, margin 1.2 rad) | legs leave the field of view |
+    | `personal_space` | -s clip(1 - space / 0.45 m, 0, 1), space to the nearest bystander | people want room |
+    | `smoothness` | -0.1 norm of the change of the action | smooth motion maps better |
+    | `lost` | -0.2 s while the robot sees no leader or takes somebody else for it | search actively |
+    | `collision` | -20 on a contact | safety |
+    | `tour` | +20 at the tour's end without contact | finish |
+
+    ## Starting state
+
+    Building, robot pose (up to 0.5 m along the route, 0.1 m aside, 7 degrees turned), bodies, gaits, the leader's style
+    and pauses, bystanders, and errors of odometry are drawn from the seed. `reset(options={...})` sets for one episode:
+
+    | option | meaning |
+    |---|---|
+    | `scene` | "corridor", "meeting_room" |
+    | `route` | name of one of the scene's tours |
+    | `people` | number of walking people, the leader included |
+    | `standing` | number of further people who come to stand still for 25 s |
+    | `leader_style` | "steady", "hurried", "waits" (when the robot lags behind) |
+    | `odometry` | "good", "typical", "slipping" |
+
+    ## Episode end
+
+    Terminated: the robot touches a person or a thing; the leader has not been followed for `lost_limit_s`; the tour is
+    done (the leader has stopped for good and the robot is within 2 m). Truncated: by the registered ids after
+    `max_episode_steps` = 3000 steps (Gymnasium's TimeLimit).
+
+    ## Arguments
+
+    `gymnasium.make("tagalong/Corridor-v0", people="truth", slam=None, ...)`: the fields of `FollowConfig` with their
+    defaults (scene, people, slam, people_count, standing, leader_style, odometry, drive, top_turn_rate, beams,
+    lidar_hz, control_hz, people_slots, map_cells, map_resolution, lost_limit_s), and
+
+    - `render_mode`: None, "rgb_array", "human" (MuJoCo's viewer; needs a display).
+    - `render_backend`: of "rgb_array": "topview" (needs no OpenGL), "mujoco" (camera; needs OpenGL).
+
+    ## Info
+
+    | key | meaning |
+    |---|---|
+    | `time_s` | simulated time [s] |
+    | `reward_terms` | the terms above by name; empty after `reset` |
+    | `ending` | "", or why the episode ended: "collision_person", "collision_static", "leader_lost", "tour_done" |
+    | `is_success` | whether the tour was done without a contact |
+    | `leader_distance` | true distance from the leader, centre to centre [m] |
+    | `following_leader` | whether the robot sees a leader and it is truly the one |
+    | `lost_s` | for how long it has not [s] |
+    | `leader_id` | identity of the track taken for the leader, -1 for none |
+    | `tracked_people` | how many people the robot tracks |
+    | `odometry` | (3,) T_odom_robot |
+    | `robot_pose` | (3,) true T_world_robot |
+    | `map_pose` | (3,) T_map_robot by SLAM; the map frame is the robot's first pose. Only with SLAM |
+
+    ## Version history
+
+    - v0: first version.
+    """
+
+    metadata = {"render_modes": ["rgb_array", "human"], "render_fps": 10}  # noqa: RUF012 (Gymnasium's own form)
+
+    def __init__(self, *, render_mode: str | None = None, render_backend: str = "topview", **fields: Any) -> None:
+        self.config = make_config(fields)
+        self.render_mode = render_mode
+        self.metadata = {
+            "render_modes": [mode for mode in type(self).metadata["render_modes"] if mode != "human" or has_display()],
+            "render_fps": round(self.config.control_hz),
+        }
+        self.interface = interface(self.config)
+        self.observation_space: spaces.Space[Any] = observation_space(self.config)
+        self.action_space = spaces.Box(-1.0, 1.0, (3 if self.interface.holonomic else 2,), np.float32)
+        top = [self.interface.max_speed] * (2 if self.interface.holonomic else 1)
+        self._top = np.array([*top, self.interface.max_turn_rate])
+        self._minds = MindFactory(self.config)
+        self._observer = Observer(self.config)
+        self._renderer = make_renderer(render_mode, render_backend)
+        self._world: World | None = None
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, dict[str, Any]]:
+        """Start an episode; see the class for `options`."""
+        super().reset(seed=seed)
+        check_options(options)
+        world = World(world_config(self.config, options), self.np_random)
+        self._world = world
+        self._mind: Mind = self._minds.make(world, self.np_random)
+        self._endings = EndingRule(self.config.lost_limit_s)
+        self._action = np.zeros(len(self._top))
+        self._belief: Belief = self._mind.update(world.scan(), world.odometry)
+        self._truth: TrueState = world.truth
+        self._trail = [self._truth.robot_pose[:2]]
+        if self.render_mode == "human":
+            self.render()
+        return self._observer.observe(self._belief), self._info(self._facts(0.0), Ending(), {})
+
+    def step(self, action: ArrayLike) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+        """Drive for one control period; see the class."""
+        wanted = self._checked(action)
+        self._advance(wanted)
+        facts = self._facts(float(np.linalg.norm(wanted - self._action)))
+        self._action = wanted
+        terms = reward_terms(facts)
+        ending = self._endings.update(self._truth, facts)
+        if self.render_mode == "human":
+            self.render()
+        info = self._info(facts, ending, terms)
+        return self._observer.observe(self._belief), sum(terms.values()), ending.terminated, False, info
+
+    def render(self) -> NDArray[np.uint8] | None:  # pyright: ignore[reportIncompatibleMethodOverride]
+        """Return a picture (height, width, 3) uint8 for "rgb_array"; None for "human" and without a render mode."""
+        return self._renderer.draw(self.world, self._truth, self._belief, self._trail)
+
+    def close(self) -> None:
+        """Close the viewer, if there is one."""
+        self._renderer.close()
+
+    @property
+    def world(self) -> World:
+        """The simulator of this episode.
+
+        Raises:
+            InputError: Before the first `reset`.
+        """
+        if self._world is None:
+            raise InputError("the environment has no episode yet: call `reset` first")
+        return self._world
+
+    @property
+    def truth(self) -> TrueState:
+        """What is really so, now; for recording and metrics."""
+        return self._truth
+
+    @property
+    def belief(self) -> Belief:
+        """What the robot believes, now."""
+        return self._belief
+
+    def save_state(self) -> EnvState:
+        """Return a snapshot: `restore_state` of it continues with the same bytes."""
+        return EnvState(self.world, self.world.save_state(), self._copied(self._memory(), self.world, self.world))
+
+    def restore_state(self, state: EnvState) -> None:
+        """Go back to `state`, taken of this environment or of one with the same configuration."""
+        world = state.world if state.world is self._world else copy.deepcopy(state.world)
+        world.restore_state(state.world_state)
+        self._world = world
+        for name, value in self._copied(state.memory, state.world, world).items():
+            setattr(self, name, value)
+
+    def _memory(self) -> dict[str, Any]:
+        names = ("_mind", "_endings", "_action", "_belief", "_truth", "_trail", "_np_random", "_np_random_seed")
+        return {name: getattr(self, name) for name in names}
+
+    def _copied(self, memory: dict[str, Any], old_world: World, new_world: World) -> dict[str, Any]:
+        """Copy `memory` deeply, but for the world and the leg detector's forest, which it may point to."""
+        return copy.deepcopy(memory, {id(old_world): new_world, **self._minds.shared})
+
+    def _advance(self, wanted: NDArray[np.float64]) -> None:
+        world = self.world
+        start_s, before = world.time_s, world.odometry
+        world.step(wanted * self._top)
+        for scan, odometry in timed_odometry(world.scans, start_s, before, world.time_s, world.odometry):
+            self._belief = self._mind.update(scan, odometry)
+        self._truth = world.truth
+        self._trail.append(self._truth.robot_pose[:2])
+
+    def _checked(self, action: ArrayLike) -> NDArray[np.float64]:
+        wanted = np.asarray(action, dtype=np.float64)
+        if wanted.shape != self._top.shape or not np.isfinite(wanted).all():
+            raise InputError(f"an action has shape {self._top.shape} and is finite, got {action!r}")
+        return np.clip(wanted, -1.0, 1.0)
+
+    def _facts(self, action_change: float) -> StepFacts:
+        radius, step_s = self.world.config.robot.radius, 1.0 / self.config.control_hz
+        return step_facts(self._truth, self._belief, radius, action_change, step_s)
+
+    def _info(self, facts: StepFacts, ending: Ending, terms: dict[str, float]) -> dict[str, Any]:
+        belief = self._belief
+        info = {
+            "time_s": self._truth.time_s,
+            "reward_terms": terms,
+            "ending": ending.reason,
+            "is_success": ending.reason == "tour_done",
+            "leader_distance": facts.distance,
+            "following_leader": facts.following_leader,
+            "lost_s": ending.lost_s,
+            "leader_id": belief.leader_id,
+            "tracked_people": len(belief.people),
+            "odometry": belief.odometry.copy(),
+            "robot_pose": self._truth.robot_pose.copy(),
+        }
+        if self.config.slam is not None:
+            info["map_pose"] = belief.map_pose.copy()
+        return info

@@ -1,0 +1,38 @@
+"""What stands where in an observation and an action: all that a follower has to know about its environment."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+LEADER_COLUMNS = ("x", "y", "vx", "vy", "confidence", "visible")
+"""Entries of observation `leader` [m, m, m/s, m/s, -, -], in the robot frame; velocities over ground."""
+PERSON_COLUMNS = ("x", "y", "vx", "vy", "confidence", "present")
+"""Columns of observation `people`, as those of `leader`; rows of people who are not there are zero."""
+
+
+def _default_bearings() -> NDArray[np.float64]:
+    return np.deg2rad(np.linspace(-135.0, 135.0, 1081))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FollowInterface:
+    """Scales of an environment's observations and actions.
+
+    Attributes:
+        max_speed: Forward speed at action +1 [m/s].
+        max_turn_rate: Turn rate at action +1 [rad/s].
+        control_hz: Steps a second [1/s].
+        holonomic: Whether the action is (forward, left, turn) instead of (forward, turn).
+        bearings: (N,) directions of the beams of `scan` in the laser frame [rad].
+        range_max: Distance that reads 1 in `scan` [m].
+        T_robot_lidar: Pose of the laser in the robot frame [m, m, rad].
+    """
+
+    max_speed: float = 1.3
+    max_turn_rate: float = 2.0
+    control_hz: float = 10.0
+    holonomic: bool = False
+    bearings: NDArray[np.float64] = field(default_factory=_default_bearings)
+    range_max: float = 30.0
+    T_robot_lidar: tuple[float, float, float] = (0.1, 0.0, 0.0)

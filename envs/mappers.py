@@ -1,0 +1,114 @@
+"""Who builds the map that the robot believes in."""
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..slam.engine import SlamEngine
+from ..slam.grid import GridConfig, OccupancyGrid
+from ..slam.occupancy_map import OccupancyMap
+from ..slam.scan import LaserScan
+
+Array = NDArray[np.float64]
+
+LONGEST_RAY_M = 20.0
+"""Longer returns do not enter the growing map [m]."""
+
+
+class Mapper(Protocol):
+    """A map and the robot's pose in it."""
+
+    def update(self, odometry: Array, scan: LaserScan) -> None:
+        """Take one people-free scan and its odometry pose (3,)."""
+        ...
+
+    @property
+    def map(self) -> OccupancyMap:
+        """The map so far; not to be written to."""
+        ...
+
+    @property
+    def pose(self) -> Array:
+        """(3,) T_map_robot; NaN without a map."""
+        ...
+
+
+class GrowingMap:
+    """A map drawn scan by scan, and drawn anew when the poses of earlier scans are believed to be elsewhere."""
+
+    def __init__(self, resolution: float = 0.05) -> None:
+        self._config = GridConfig(resolution=resolution, max_range=LONGEST_RAY_M, clear_no_return=True)
+        self._scans: list[LaserScan] = []
+        self._drawn = np.zeros((0, 3))
+        self._grid = OccupancyGrid(self._config)
+        self._map: OccupancyMap | None = None
+
+    def add(self, scan: LaserScan, path: Array) -> None:
+        """Add a scan; `path` (n, 3) are the poses T_map_robot of all scans so far, this one's last."""
+        self._scans.append(scan)
+        self._map = None
+        moved = np.abs(path[:-1, :2] - self._drawn[:, :2]).max(initial=0.0)
+        if moved <= self._config.resolution:
+            self._grid.write(path[-1], scan)
+            self._drawn = np.vstack((self._drawn, path[-1]))
+            return
+        self._grid = OccupancyGrid(self._config)
+        for pose, old in zip(path, self._scans, strict=True):
+            self._grid.write(pose, old)
+        self._drawn = path.copy()
+
+    @property
+    def map(self) -> OccupancyMap:
+        """The map so far."""
+        if self._map is None:
+            self._map = self._grid.to_map()
+        return self._map
+
+
+class EngineMapper:
+    """A SLAM engine and the map along its best path."""
+
+    def __init__(self, engine: SlamEngine) -> None:
+        self.engine = engine
+        self._growing = GrowingMap()
+        self._rows: list[int] = []
+        self._scans = 0
+
+    def update(self, odometry: Array, scan: LaserScan) -> None:
+        """Take one people-free scan and its odometry pose (3,)."""
+        if self.engine.update(odometry, scan).integrated:
+            self._rows.append(self._scans)
+            self._growing.add(scan, self.engine.trajectory()[self._rows])
+        self._scans += 1
+
+    @property
+    def map(self) -> OccupancyMap:
+        """The map so far; not to be written to."""
+        return self._growing.map
+
+    @property
+    def pose(self) -> Array:
+        """(3,) T_map_robot."""
+        return self.engine.pose
+
+
+class NoMapper:
+    """Builds nothing."""
+
+    def __init__(self) -> None:
+        self._map = OccupancyMap(np.full((1, 1), np.nan, dtype=np.float32), 1.0, (0.0, 0.0))
+        self._pose = np.full(3, np.nan)
+
+    def update(self, odometry: Array, scan: LaserScan) -> None:
+        """Ignore the scan."""
+
+    @property
+    def map(self) -> OccupancyMap:
+        """One unknown cell."""
+        return self._map
+
+    @property
+    def pose(self) -> Array:
+        """(3,) NaN."""
+        return self._pose

@@ -1,0 +1,125 @@
+"""What the robot believes: from its scans and its odometry alone, unless a switch lets truth in (truth.py)."""
+
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..perception.people_filter import filter_people, people_points_lidar
+from ..perception.tracking.leader import Leader, LeaderSelector
+from ..perception.tracking.people import People
+from ..perception.tracking.tracker import PeopleTracker
+from ..slam.geometry import between, inverse, transform_points
+from ..slam.occupancy_map import OccupancyMap
+from ..slam.scan import LaserScan
+from .mappers import Mapper
+
+Array = NDArray[np.float64]
+
+
+class PeopleSource(Protocol):
+    """Where the robot's knowledge of people comes from."""
+
+    def update(self, scan: LaserScan, odometry: Array) -> People:
+        """Take one scan with its odometry pose (3,); return the people in the odometry frame."""
+        ...
+
+
+class TrackedPeopleSource:
+    """People found in the scans by the leg tracker."""
+
+    def __init__(self, tracker: PeopleTracker) -> None:
+        self._tracker = tracker
+
+    def update(self, scan: LaserScan, odometry: Array) -> People:
+        """Take one scan with its odometry pose (3,); return the people in the odometry frame."""
+        return self._tracker.update(scan, odometry).people
+
+
+@dataclass(frozen=True, eq=False)
+class Belief:
+    """What the robot believes after a step.
+
+    Attributes:
+        scan: The latest scan as measured.
+        filtered: The same without people.
+        odometry: (3,) T_odom_robot.
+        velocity: (3,) of the robot by odometry: forward, left, turn [m/s, m/s, rad/s].
+        people: People in the odometry frame.
+        people_robot: The same people in the robot frame.
+        leader: The leader in the robot frame; None until one was chosen.
+        map: The map so far.
+        map_pose: (3,) T_map_robot; NaN without a map.
+    """
+
+    scan: LaserScan
+    filtered: LaserScan
+    odometry: Array
+    velocity: Array
+    people: People
+    people_robot: People
+    leader: Leader | None
+    map: OccupancyMap
+    map_pose: Array
+
+    @property
+    def leader_id(self) -> int:
+        """Identity of the track that carries the leader now; -1 for none."""
+        return -1 if self.leader is None else self.leader.track_id
+
+    @property
+    def sees_leader(self) -> bool:
+        """Whether the leader is seen now."""
+        return self.leader is not None and self.leader.visible
+
+
+class Mind:
+    """People, leader, people-free scans and map, from one scan to the next.
+
+    Args:
+        people: Where the knowledge of people comes from.
+        selector: Chooses and keeps the leader.
+        mapper: Builds the map from people-free scans.
+        zeta: Returns nearer than this to a person are dropped [m].
+    """
+
+    def __init__(self, people: PeopleSource, selector: LeaderSelector, mapper: Mapper, zeta: float) -> None:
+        self._people, self._selector, self._mapper, self._zeta = people, selector, mapper, zeta
+        self._last: tuple[float, Array] | None = None
+        self._velocity = np.zeros(3)
+
+    def update(self, scan: LaserScan, odometry: Array) -> Belief:
+        """Take one scan and the odometry pose (3,) at its time; return what is believed now."""
+        self._measure_velocity(scan.time_s, odometry)
+        people = self._people.update(scan, odometry)
+        leader = self._selector.update(people, odometry)
+        filtered = filter_people(scan, people_points_lidar(people, odometry, scan), self._zeta)
+        self._mapper.update(odometry, filtered)
+        return Belief(
+            scan=scan,
+            filtered=filtered,
+            odometry=odometry,
+            velocity=self._velocity,
+            people=people,
+            people_robot=people.in_frame_of(odometry),
+            leader=None if leader is None else _in_robot_frame(leader, odometry),
+            map=self._mapper.map,
+            map_pose=self._mapper.pose,
+        )
+
+    def _measure_velocity(self, time_s: float, odometry: Array) -> None:
+        if self._last is not None:
+            before_s, before = self._last
+            self._velocity = between(before, odometry) / (time_s - before_s)
+        self._last = (time_s, odometry)
+
+
+def _in_robot_frame(leader: Leader, odometry: Array) -> Leader:
+    T_robot_odom = inverse(odometry)
+    turn = np.array([0.0, 0.0, T_robot_odom[2]])
+    return replace(
+        leader,
+        position=transform_points(T_robot_odom, leader.position[None])[0],
+        velocity=transform_points(turn, leader.velocity[None])[0],
+    )

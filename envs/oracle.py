@@ -1,0 +1,113 @@
+"""Where the truth gets in: the switches `people="truth"` and `slam="truth"`, and the facts that rewards are made of.
+
+No other module of the robot's mind reads the true state.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..perception.tracking.people import People
+from ..slam.geometry import between, compose, inverse, transform_points
+from ..slam.occupancy_map import OccupancyMap
+from ..slam.scan import LaserScan
+from .mappers import GrowingMap
+from .mind import Belief
+from .rewards import StepFacts
+from .truth import TrueState
+from .world import World
+
+Array = NDArray[np.float64]
+
+FARTHEST_M = 10.0
+"""People beyond this are not known even by `people="truth"` [m]."""
+SAME_PERSON_M = 0.75
+"""A perceived leader within this distance of the true one is the right person [m]."""
+MAP_STEP_M = 0.25
+"""The map of known poses takes a scan each time the robot has moved this far, or turned by as many radians."""
+
+
+class TruePeopleSource:
+    """Everybody within 10 m, without error or delay, as a perfect tracker would report them."""
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+
+    def update(self, scan: LaserScan, odometry: Array) -> People:
+        """Return the people in the odometry frame; ids are their true numbers."""
+        truth = self._world.truth
+        T_odom_world = compose(odometry, inverse(truth.robot_pose))
+        turn = np.array([0.0, 0.0, T_odom_world[2]])
+        offset = truth.people.positions - truth.robot_pose[:2]
+        near = np.flatnonzero(np.hypot(offset[:, 0], offset[:, 1]) < FARTHEST_M)
+        legs = truth.people.legs[near]
+        return People(
+            time_s=scan.time_s,
+            ids=near.astype(np.int64),
+            positions=transform_points(T_odom_world, truth.people.positions[near]),
+            velocities=transform_points(turn, truth.people.velocities[near]),
+            confidence=np.ones(len(near)),
+            legs=transform_points(T_odom_world, legs.reshape(-1, 2)).reshape(-1, 2, 2),
+            variance=np.zeros(len(near)),
+            unseen_s=np.zeros(len(near)),
+            age_s=np.full(len(near), truth.time_s),
+        )
+
+
+class TrueMapper:
+    """Mapping with known poses: what any SLAM engine could draw at best. The map frame is the robot's first pose."""
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+        self._start = world.start.copy()
+        self._growing = GrowingMap()
+        self._path = np.zeros((0, 3))
+
+    def update(self, odometry: Array, scan: LaserScan) -> None:
+        """Draw the scan where it was truly taken."""
+        pose = self.pose
+        if len(self._path):
+            moved = between(self._path[-1], pose)
+            if np.hypot(moved[0], moved[1]) < MAP_STEP_M and abs(moved[2]) < MAP_STEP_M:
+                return
+        self._path = np.vstack((self._path, pose))
+        self._growing.add(scan, self._path)
+
+    @property
+    def map(self) -> OccupancyMap:
+        """The map so far; not to be written to."""
+        return self._growing.map
+
+    @property
+    def pose(self) -> Array:
+        """(3,) the true T_map_robot."""
+        return between(self._start, self._world.truth.robot_pose)
+
+
+def leader_gap(truth: TrueState, belief: Belief) -> float:
+    """Return how far the perceived leader is from the true one [m]; inf where it is not seen or someone else."""
+    if belief.leader is None or not belief.leader.visible:
+        return float("inf")
+    believed = transform_points(truth.robot_pose, belief.leader.position[None])[0]
+    gap = np.hypot(*(truth.people.positions - believed).T)
+    return float(gap[truth.leader_index]) if int(gap.argmin()) == truth.leader_index else float("inf")
+
+
+def step_facts(truth: TrueState, belief: Belief, robot_radius: float, action_change: float, step_s: float) -> StepFacts:
+    """Return what truly happened in the step that led to `truth`, for the rewards."""
+    x, y, theta = truth.robot_pose.tolist()
+    offset = truth.people.positions - (x, y)
+    distance = np.hypot(offset[:, 0], offset[:, 1])
+    space = distance - truth.people.radii - robot_radius
+    space[truth.leader_index] = np.inf
+    dx, dy = offset[truth.leader_index]
+    bearing = (np.arctan2(dy, dx) - theta + np.pi) % (2.0 * np.pi) - np.pi
+    return StepFacts(
+        distance=float(distance[truth.leader_index]),
+        bearing=float(bearing),
+        bystander_space=float(space.min()),
+        action_change=action_change,
+        following_leader=leader_gap(truth, belief) <= SAME_PERSON_M,
+        collided=truth.contact_person or truth.contact_static,
+        tour_done=truth.tour_done,
+        step_s=step_s,
+    )

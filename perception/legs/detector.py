@@ -1,0 +1,81 @@
+"""From a scan to the legs in it: clusters, features, forest."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...slam.errors import InputError
+from ...slam.geometry import transform_points
+from ...slam.scan import LaserScan
+from .clusters import DEFAULT_ALPHA, DEFAULT_BETA, Clusters, cluster_scan
+from .forest import LegForest
+
+WIDEST_SINGLE_LEG = 0.16
+MEAN_DEPTH_PER_WIDTH = np.pi / 8  # the seen half of a circle: its mean point lies pi/4 radii before its centre
+
+
+@dataclass(frozen=True, kw_only=True)
+class LegDetectorConfig:
+    """Parameters of the leg detector (paper, Table II)."""
+
+    alpha: float = DEFAULT_ALPHA
+    """Largest distance between neighbouring points of a cluster [m]."""
+    beta: int = DEFAULT_BETA
+    """Smallest number of points of a cluster."""
+    gamma: float = 0.3
+    """Clusters with less confidence are not human."""
+
+    def __post_init__(self) -> None:
+        if not (self.alpha > 0.0 and self.beta >= 1 and 0.0 <= self.gamma <= 1.0):
+            raise InputError(f"need `alpha` > 0 [m], `beta` >= 1 and `gamma` in [0, 1], got {self}")
+
+
+@dataclass(frozen=True, eq=False)
+class Detections:
+    """All clusters of one scan, and how much each looks like a leg.
+
+    Attributes:
+        positions: (m, 2) centre of the leg that would show such an arc, in the robot frame [m].
+        confidence: (m,) in [0, 1].
+        human: (m,) whether the confidence reaches gamma; the others mark the local grid as not human.
+        clusters: The clusters themselves (laser frame).
+    """
+
+    positions: NDArray[np.float64]
+    confidence: NDArray[np.float64]
+    human: NDArray[np.bool_]
+    clusters: Clusters
+
+    def __len__(self) -> int:
+        return len(self.positions)
+
+
+class LegDetector:
+    """Finds legs in single scans."""
+
+    def __init__(self, forest: LegForest, config: LegDetectorConfig | None = None) -> None:
+        self.forest = forest
+        self.config = config or LegDetectorConfig()
+
+    def detect(self, scan: LaserScan) -> Detections:
+        """Return the clusters of `scan` with their confidence and leg centres."""
+        clusters = cluster_scan(scan, self.config.alpha, self.config.beta)
+        confidence = self.forest.confidence(scan, clusters)
+        positions = transform_points(scan.T_robot_lidar, leg_centres(clusters))
+        return Detections(positions, confidence, confidence >= self.config.gamma, clusters)
+
+
+def leg_centres(clusters: Clusters) -> NDArray[np.float64]:
+    """Return (m, 2) mean points moved away from the laser to the centre of a leg as wide as the cluster [m].
+
+    A circle fitted to a few noisy points of an arc is off by decimetres; the width across the line of sight is known
+    to a beam spacing. Beams at equal angles meet a circle of radius r at a mean depth of pi/4 r before its centre.
+    Clusters wider than one leg (both legs, a skirt) are moved as far as the widest single leg.
+    """
+    means = clusters.centres
+    ends = clusters.points[clusters.end - 1] - clusters.points[clusters.start]
+    distance = np.maximum(np.hypot(means[:, 0], means[:, 1]), 1e-6)
+    sight = means / distance[:, None]
+    across = np.abs(ends[:, 0] * sight[:, 1] - ends[:, 1] * sight[:, 0])
+    return means + (MEAN_DEPTH_PER_WIDTH * np.minimum(across, WIDEST_SINGLE_LEG))[:, None] * sight

@@ -1,0 +1,98 @@
+"""The random forest that says how much a cluster looks like a leg."""
+
+import json
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...slam.errors import InputError
+from ...slam.files import replacing, write_json
+from ...slam.scan import LaserScan
+from .clusters import Clusters
+from .features import FEATURE_NAMES, cluster_features, is_wide
+from .forest_kernel import is_sound, vote
+
+MODELS = Path(__file__).resolve().parent.parent / "models"
+SHIPPED = ("real", "simulation")
+_ARRAYS = {"feature": np.int8, "value": np.float32, "right": np.int32, "roots": np.int32, "odds": np.float64}
+
+
+@dataclass(frozen=True, eq=False)
+class LegForest:
+    """A trained forest as flat arrays, in depth-first order: a node's left child is the next node.
+
+    Attributes:
+        feature: (n,) index into `FEATURE_NAMES` that an inner node asks for; -1 in a leaf.
+        value: (n,) threshold of an inner node, share of legs in a leaf.
+        right: (n,) right child of an inner node; 0 in a leaf.
+        roots: (t,) first node of each tree.
+        odds: Prior odds by which the vote is weighed: confidence = odds p / (odds p + 1 - p).
+    """
+
+    feature: NDArray[np.int8]
+    value: NDArray[np.float32]
+    right: NDArray[np.int32]
+    roots: NDArray[np.int32]
+    odds: float = 1.0
+
+    @classmethod
+    def load(cls, name_or_path: str | os.PathLike[str]) -> "LegForest":
+        """Load a shipped forest ("real" or "simulation") or one that `tagalong train legs` wrote to a path.
+
+        Raises:
+            InputError: If there is no such forest, or the file is damaged or made for other features.
+        """
+        path = MODELS / f"legs_{name_or_path}.npz" if str(name_or_path) in SHIPPED else Path(name_or_path)
+        try:
+            with np.load(path, allow_pickle=False) as content:
+                names = tuple(str(name) for name in content["feature_names"])
+                arrays = {key: content[key].astype(kind) for key, kind in _ARRAYS.items()}
+        except FileNotFoundError:
+            raise InputError(f"no leg forest {str(name_or_path)!r}: give {' or '.join(SHIPPED)}, or a file") from None
+        except (OSError, ValueError, KeyError, EOFError, BadZipFile) as error:
+            raise InputError(f"{path} is not a leg forest (npz of `tagalong train legs`): {error}") from None
+        if names != FEATURE_NAMES:
+            raise InputError(f"{path} was trained on other features ({len(names)}) than these ({len(FEATURE_NAMES)})")
+        forest = cls(**{**arrays, "odds": float(arrays["odds"])})
+        if not forest._is_sound():
+            raise InputError(f"{path} is damaged: its trees do not end in leaves")
+        return forest
+
+    def save(self, path: str | os.PathLike[str], card: dict[str, Any]) -> None:
+        """Write the arrays to `path` (.npz) and `card` (what it was trained on, how well it does) beside it (.json)."""
+        arrays: dict[str, Any] = {key: np.asarray(getattr(self, key), kind) for key, kind in _ARRAYS.items()}
+        with replacing(path) as temporary:
+            np.savez_compressed(temporary, feature_names=np.array(FEATURE_NAMES), **arrays)
+        write_json(Path(path).with_suffix(".json"), card)
+
+    def vote(self, features: NDArray[np.float32]) -> NDArray[np.float64]:
+        """Return (m,) the share of legs in the leaves that `features` (m, F) fall into: sklearn's `predict_proba`."""
+        share = np.empty(len(features))
+        vote(self.feature, self.value, self.right, self.roots, features, share)
+        return share
+
+    def confidence(self, scan: LaserScan, clusters: Clusters) -> NDArray[np.float64]:
+        """Return (m,) in [0, 1] how much each cluster of `scan` looks like a leg; 0 for clusters too wide for one."""
+        confidence = np.zeros(len(clusters))
+        narrow = ~is_wide(clusters)
+        share = self.vote(cluster_features(scan, clusters)[narrow])
+        confidence[narrow] = self.odds * share / (self.odds * share + 1.0 - share)
+        return confidence
+
+    def _is_sound(self) -> bool:
+        shapes = {self.feature.shape, self.value.shape, self.right.shape}
+        if len(shapes) != 1 or self.feature.ndim != 1 or self.roots.ndim != 1 or not self.odds > 0.0:
+            return False
+        leaves = self.value[self.feature < 0]
+        in_bounds = np.isfinite(self.value).all() and (leaves >= 0.0).all() and (leaves <= 1.0).all()
+        return bool(in_bounds and is_sound(self.feature, self.right, self.roots, len(FEATURE_NAMES)))
+
+
+def read_card(name: str) -> dict[str, Any]:
+    """Return the card of a shipped forest: data, command, seeds, figures, limits."""
+    return json.loads((MODELS / f"legs_{name}.json").read_text(encoding="utf-8"))

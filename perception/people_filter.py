@@ -1,0 +1,33 @@
+"""Keeps people out of scans before they reach a map (Ye 2021, section II.B)."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..slam.geometry import inverse, transform_points
+from ..slam.scan import LaserScan
+from .tracking.people import People
+
+
+def near_points(scan: LaserScan, people_points_lidar: ArrayLike, zeta: float) -> NDArray[np.bool_]:
+    """Return (N,) the beams whose return is within `zeta` [m] of any of the points (n, 2) in the laser frame."""
+    near = np.zeros(len(scan), dtype=bool)
+    for x, y in np.asarray(people_points_lidar, dtype=np.float64).reshape(-1, 2):
+        near |= np.hypot(scan.beam_points[:, 0] - x, scan.beam_points[:, 1] - y) <= zeta
+    return near
+
+
+def filter_people(scan: LaserScan, people_points_lidar: ArrayLike, zeta: float) -> LaserScan:
+    """Return `scan` without the returns near people: dropped beams are NaN, neither a hit nor a free ray.
+
+    Args:
+        scan: One sweep.
+        people_points_lidar: (n, 2) centres of people and of their legs in the laser frame [m].
+        zeta: Distance within which a return is a person's [m].
+    """
+    return scan.without(near_points(scan, people_points_lidar, zeta))
+
+
+def people_points_lidar(people: People, odometry: ArrayLike, scan: LaserScan) -> NDArray[np.float64]:
+    """Return (3 n, 2) centres and legs of `people` (odometry frame) in the frame of the laser that took `scan`."""
+    points_robot = transform_points(inverse(odometry), people.points)
+    return transform_points(inverse(np.asarray(scan.T_robot_lidar)), points_robot)

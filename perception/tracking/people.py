@@ -1,0 +1,56 @@
+"""The people that the tracker believes in, after one scan."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...slam.geometry import inverse, transform_points
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class People:
+    """Tracked people, in the odometry frame unless said otherwise.
+
+    Attributes:
+        time_s: Time of the scan [s].
+        ids: (n,) numbers of the people; one who was lost and is met again soon keeps the number.
+        positions: (n, 2) centres between the legs [m].
+        velocities: (n, 2) of the centres [m/s].
+        confidence: (n,) by eq. 6, in [0, 1].
+        legs: (n, 2, 2) positions of both legs, measured or believed [m].
+        variance: (n,) first element of each covariance [m^2].
+        unseen_s: (n,) time since a leg of the person was last seen; 0: in this scan [s].
+        age_s: (n,) time since both legs were first tracked, before they were known as a person [s].
+    """
+
+    time_s: float
+    ids: NDArray[np.int64]
+    positions: Array
+    velocities: Array
+    confidence: Array
+    legs: Array
+    variance: Array
+    unseen_s: Array
+    age_s: Array
+
+    def __len__(self) -> int:
+        return len(self.ids)
+
+    @property
+    def points(self) -> Array:
+        """(3 n, 2) all centres and legs: what the people filter keeps clear."""
+        return np.concatenate((self.positions, self.legs.reshape(-1, 2)))
+
+    def in_frame_of(self, T_odom_robot: ArrayLike) -> "People":
+        """Return the same people with positions and velocities in the frame of the robot at `T_odom_robot` (3,)."""
+        T_robot_odom = inverse(T_odom_robot)
+        turn = np.array([0.0, 0.0, T_robot_odom[2]])
+        return replace(
+            self,
+            positions=transform_points(T_robot_odom, self.positions),
+            velocities=transform_points(turn, self.velocities),
+            legs=transform_points(T_robot_odom, self.legs.reshape(-1, 2)).reshape(-1, 2, 2),
+        )

@@ -1,0 +1,91 @@
+"""All people as one array; each is a Kalman filter of the point between two legs."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..config import PerceptionConfig
+from . import kalman
+
+Array = NDArray[np.float64]
+
+PERSON = np.dtype(
+    [
+        ("id", np.int64),
+        ("x", np.float64, 4),  # state (x, y, vx, vy) in the odometry frame
+        ("p", np.float64, 3),  # covariance, see kalman.py
+        ("confidence", np.float64),
+        ("offset", np.float64, 2),  # from the centre to the first leg; the second is opposite [m]
+        ("age_s", np.float64),
+        ("unseen_s", np.float64),
+    ]
+)
+
+
+def new_people(pairs: NDArray[np.void]) -> NDArray[np.void]:
+    """Return people (n,), not yet numbered, each from a pair of leg tracks, `pairs` (n, 2)."""
+    people = np.zeros(len(pairs), dtype=PERSON)
+    people["x"] = pairs["x"].mean(axis=1)
+    people["p"] = pairs["p"].mean(axis=1)
+    people["confidence"] = pairs["confidence"].mean(axis=1)
+    people["age_s"] = pairs["age_s"].min(axis=1)
+    people["offset"] = (pairs["x"][:, 0, :2] - pairs["x"][:, 1, :2]) / 2.0
+    return people
+
+
+def predict(people: NDArray[np.void], dt: float, config: PerceptionConfig) -> None:
+    """Move `people` `dt` seconds ahead; what is believed of their legs' offsets fades."""
+    people["x"], people["p"] = kalman.predict(people["x"], people["p"], dt, config.process_variance(dt))
+    people["offset"] *= np.exp(-dt / config.offset_time_s)
+    people["age_s"] += dt
+    people["unseen_s"] += dt
+
+
+@dataclass(frozen=True, eq=False)
+class Sightings:
+    """What one scan says about each person.
+
+    Attributes:
+        seen: (n,) whether anything of the person was seen.
+        centre: (n, 2) where its centre was seen [m].
+        confidence: (n,) of what was seen; 0 for the unseen (eq. 6).
+        one_leg: (n,) whether it was one leg.
+    """
+
+    seen: NDArray[np.bool_]
+    centre: Array
+    confidence: Array
+    one_leg: NDArray[np.bool_]
+
+
+def measure(people: NDArray[np.void], match: NDArray[np.intp], z: Array, d: Array) -> Sightings:
+    """Return what detections `z` (m, 2) of confidence `d` (m,) say; `match` (n, 2) is each leg's detection or -1.
+
+    Two legs measure the centre by their middle (their offset is kept in `people`); one leg measures it less its
+    believed offset, which fades to zero, so that a leg seen alone for long is the centre.
+    """
+    seen = match >= 0
+    both, one = seen.all(axis=1), seen[:, 0] ^ seen[:, 1]
+    first, second = match[both].T
+    people["offset"][both] = (z[first] - z[second]) / 2.0
+    centre, confidence = np.zeros((len(people), 2)), np.zeros(len(people))
+    centre[both] = (z[first] + z[second]) / 2.0
+    confidence[both] = (d[first] + d[second]) / 2.0
+    alone = match[one].max(axis=1)
+    side = np.where(seen[one, 0], 1.0, -1.0)
+    centre[one] = z[alone] - side[:, None] * people["offset"][one]
+    confidence[one] = d[alone]
+    return Sightings(both | one, centre, confidence, one)
+
+
+def correct(people: NDArray[np.void], sightings: Sightings, dt: float, config: PerceptionConfig) -> None:
+    """Correct `people` (n,) with what was seen of them; the others stay predicted."""
+    seen = sightings.seen
+    r = np.full(np.count_nonzero(seen), config.r)
+    r[sightings.one_leg[seen]] += config.one_leg_variance
+    people["x"][seen], people["p"][seen] = kalman.update(
+        people["x"][seen], people["p"][seen], sightings.centre[seen], r
+    )
+    people["confidence"] += config.confidence_weight(dt) * (sightings.confidence - people["confidence"])
+    people["unseen_s"][seen] = 0.0

@@ -1,0 +1,313 @@
+"""People from leg detections, scan by scan (Ye 2021, section II.A)."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...slam.errors import InputError
+from ...slam.geometry import compose, transform_points
+from ...slam.scan import LaserScan
+from ..config import PerceptionConfig
+from ..legs.clusters import Clusters
+from ..legs.detector import Detections
+from . import person_tracks
+from .association import assign, distances
+from .leg_tracks import LegTracks
+from .local_grid import LocalGrid
+from .memory import LostPeople
+from .pairing import better_pairs, mutual_pairs
+from .people import People
+from .person_tracks import Sightings
+
+Array = NDArray[np.float64]
+
+
+class Detector(Protocol):
+    """Finds legs in one scan."""
+
+    def detect(self, scan: LaserScan) -> Detections:
+        """Return the clusters of `scan` with their confidence, positions in the robot frame."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class TrackerUpdate:
+    """What the tracker made of one scan.
+
+    Attributes:
+        people: The people believed in now, in the odometry frame.
+        detections: What the detector said about this scan, in the robot frame.
+        odometry: (3,) T_odom_robot of this scan.
+    """
+
+    people: People
+    detections: Detections
+    odometry: Array
+
+    @property
+    def people_robot(self) -> People:
+        """The people in the robot frame."""
+        return self.people.in_frame_of(self.odometry)
+
+
+class PeopleTracker:
+    """Tracks legs and people in the odometry frame.
+
+    Rows 2 i and 2 i + 1 of the leg tracks are the legs of person i; the rows after them are nobody's legs yet.
+    """
+
+    def __init__(self, config: PerceptionConfig, detector: Detector) -> None:
+        self._config, self._detector = config, detector
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything."""
+        config = self._config
+        self._legs = LegTracks(config)
+        self._people = np.zeros(0, dtype=person_tracks.PERSON)
+        self._lost = LostPeople(config)
+        self._grid = LocalGrid(config.grid_resolution, config.grid_rise_s, config.grid_fade_s)
+        self._time_s: float | None = None
+        self._next_id = 0
+
+    def update(self, scan: LaserScan, odometry: ArrayLike) -> TrackerUpdate:
+        """Take one scan and the robot's odometry pose T_odom_robot (3,) at that time.
+
+        Raises:
+            InputError: If the scan is not later than the one before.
+        """
+        pose, dt = np.array(odometry, dtype=np.float64), self._step(scan.time_s)
+        detections = self._detector.detect(scan)
+        z = transform_points(pose, detections.positions[detections.human])
+        d = detections.confidence[detections.human]
+        self._legs.predict(dt)
+        person_tracks.predict(self._people, dt, self._config)
+        self._lost.predict(dt)
+        match = self._adopt(self._associate(z), z)
+        self._legs.correct(match, z, d, dt)
+        sightings = person_tracks.measure(self._people, match[: 2 * len(self._people)].reshape(-1, 2), z, d)
+        sightings = self._see_legs_in_one(sightings, detections, pose, scan.time_s)
+        person_tracks.correct(self._people, sightings, dt, self._config)
+        self._carry_hidden_legs(match)
+        self._legs.measure_apart(dt)
+        self._count_owned(dt)
+        match = self._exchange_legs(match)
+        thing = ~detections.human
+        thing[detections.human] = self._is_still(match, len(z))
+        self._end_tracks()
+        self._begin_legs(match, z, d)
+        T_odom_lidar = compose(pose, scan.T_robot_lidar)
+        self._start_people(transform_points(T_odom_lidar, detections.clusters.points), scan.time_s)
+        self._mark_grid(transform_points(T_odom_lidar, _points_of(detections.clusters, thing)), pose, scan.time_s, dt)
+        return TrackerUpdate(self._result(scan.time_s), detections, pose)
+
+    def _step(self, time_s: float) -> float:
+        before, self._time_s = self._time_s, time_s
+        if before is None:
+            return 1.0 / self._config.reference_rate_hz
+        if not time_s > before:
+            self._time_s = before
+            raise InputError(f"scan times must increase [s], got {time_s} after {before}")
+        return time_s - before
+
+    def _associate(self, z: Array) -> NDArray[np.intp]:
+        """Return each leg track's detection or -1."""
+        cost, gates = self._legs.cost(z)
+        owned = 2 * len(self._people)
+        centre = np.repeat(distances(self._people["x"][:, :2], z), 2, axis=0)
+        cost[:owned][centre > self._config.reach] = np.inf
+        match = np.full(len(self._legs), -1)
+        rows, columns = assign(cost, gates)
+        match[rows] = columns
+        return match
+
+    def _adopt(self, match: NDArray[np.intp], z: Array) -> NDArray[np.intp]:
+        """Give people with a missing leg the lone tracks that could be it; a lone track so taken ends."""
+        owned = 2 * len(self._people)
+        missing, lone = np.flatnonzero(match[:owned] < 0), owned + np.flatnonzero(match[owned:] >= 0)
+        if len(missing) == 0 or len(lone) == 0:
+            return match
+        candidates = z[match[lone]]
+        cost = distances(self._legs.positions[missing], candidates)
+        cost[distances(self._people["x"][missing // 2, :2], candidates) > self._config.reach] = np.inf
+        other = missing + 1 - 2 * (missing % 2)
+        known = self._legs.rows["age_s"][lone] > self._config.stride_time_s / 2.0
+        limit = np.where(known, self._config.pair_width, self._config.pair_distance)
+        cost[self._legs.spread()[np.ix_(other, lone)] > limit] = np.inf
+        rows, columns = assign(cost, self._config.reach)
+        slots, taken = missing[rows], lone[columns]
+        order = np.arange(len(self._legs))
+        order[slots] = taken
+        order = np.delete(order, taken)
+        self._legs.take(order)
+        return match[order]
+
+    def _see_legs_in_one(self, sightings: Sightings, found: Detections, pose: Array, time_s: float) -> Sightings:
+        """Let people of whom no leg was seen be seen as one cluster of both legs, which no forest of legs believes in.
+
+        It must be wider than a leg, stand where the person was predicted, and on free cells; its confidence counts.
+        """
+        config = self._config
+        unseen = np.flatnonzero(~sightings.seen & (self._since_leg_s() < config.both_legs_s))
+        if len(unseen) == 0:
+            return sightings
+        ends = found.clusters.points[found.clusters.end - 1] - found.clusters.points[found.clusters.start]
+        width = np.hypot(ends[:, 0], ends[:, 1])
+        wide = np.flatnonzero(~found.human & (width > config.both_legs_from) & (width < config.both_legs_to))
+        positions = transform_points(pose, found.positions[wide])
+        free = self._grid.is_free(positions, time_s)
+        rows, columns = assign(distances(self._people["x"][unseen, :2], positions[free]), config.both_legs_gate)
+        seen, centre, confidence = sightings.seen.copy(), sightings.centre.copy(), sightings.confidence.copy()
+        seen[unseen[rows]] = True
+        centre[unseen[rows]] = positions[free][columns]
+        confidence[unseen[rows]] = found.confidence[wide][free][columns]
+        return Sightings(seen, centre, confidence, sightings.one_leg)
+
+    def _carry_hidden_legs(self, match: NDArray[np.intp]) -> None:
+        """Let a person's unseen leg walk with the person, where its offset is believed to be."""
+        count = len(self._people)
+        x = np.repeat(self._people["x"], 2, axis=0)
+        x[0::2, :2] += self._people["offset"]
+        x[1::2, :2] -= self._people["offset"]
+        hidden = np.flatnonzero(match[: 2 * count] < 0)
+        self._legs.rows["x"][hidden] = x[hidden]
+
+    def _exchange_legs(self, match: NDArray[np.intp]) -> NDArray[np.intp]:
+        """Mend people who were started from, or have taken over, a leg of somebody else."""
+        owned = 2 * len(self._people)
+        if owned == 0:
+            return match
+        rows = self._legs.rows[owned:]
+        lone = owned + np.flatnonzero((rows["age_s"] > self._config.stride_time_s / 2.0) & (rows["unseen_s"] == 0.0))
+        before = np.arange(owned).reshape(-1, 2)
+        pairs = better_pairs(self._legs.spread(), before, self._legs.rows["owned_s"], lone, self._config.pair_margin)
+        changed = (pairs != before).any(axis=1)
+        if not changed.any():
+            return match
+        self._people["x"][changed, :2] = self._legs.positions[pairs[changed]].mean(axis=1)
+        order = np.concatenate((pairs.ravel(), np.setdiff1d(np.arange(len(self._legs)), pairs)))
+        self._legs.take(order)
+        self._count_owned(0.0)
+        return match[order]
+
+    def _count_owned(self, dt: float) -> None:
+        owned = 2 * len(self._people)
+        self._legs.rows["owned_s"][:owned] += dt
+        self._legs.rows["owned_s"][owned:] = 0.0
+
+    def _is_still(self, match: NDArray[np.intp], count: int) -> NDArray[np.bool_]:
+        """Return (count,) the detections of lone tracks that are old and never moved: things, not people."""
+        lone = self._legs.rows[2 * len(self._people) :]
+        old = (lone["age_s"] > self._config.still_time_s) & (
+            self._legs.moved[2 * len(self._people) :] < self._config.delta
+        )
+        still = np.zeros(count, dtype=bool)
+        found = match[2 * len(self._people) :][old]
+        still[found[found >= 0]] = True
+        return still
+
+    def _end_tracks(self) -> None:
+        def lives(tracks: NDArray[np.void]) -> NDArray[np.bool_]:
+            return (tracks["p"][:, 0] <= self._config.epsilon) & (tracks["confidence"] >= self._config.c_min)
+
+        alive = lives(self._people)
+        keep = lives(self._legs.rows)
+        keep[: 2 * len(alive)] = np.repeat(alive, 2)
+        self._lost.remember(self._people[~alive])
+        self._people = self._people[alive]
+        self._legs.take(np.flatnonzero(keep))
+
+    def _begin_legs(self, match: NDArray[np.intp], z: Array, d: Array) -> None:
+        fresh = np.ones(len(z), dtype=bool)
+        fresh[match[match >= 0]] = False
+        self._legs.begin(z[fresh], d[fresh])
+
+    def _start_people(self, points: Array, time_s: float) -> None:
+        """Start a person from each pair of lone tracks that moved, are confident, stand on free cells and belong
+        together: each the other's nearest confident track in the mean over a stride, moved or not."""
+        owned = 2 * len(self._people)
+        lone, config = self._legs.rows[owned:], self._config
+        alive = owned + np.flatnonzero(
+            (lone["confidence"] > config.c_min) & (lone["unseen_s"] <= config.start_unseen_s)
+        )
+        able = self._legs.moved[alive] >= config.delta
+        again = self._may_be_met_again(alive)
+        if np.count_nonzero(able | again) < 2:
+            return
+        able[able] = self._left_their_place(alive[able], points, time_s)
+        able |= again
+        able[able] = self._grid.is_free(self._legs.positions[alive[able]], time_s)
+        spread = self._legs.spread()[np.ix_(alive, alive)]
+        spread[distances(self._legs.positions[alive], self._legs.positions[alive]) > config.pair_distance] = np.inf
+        rows = alive[mutual_pairs(spread, able, config.pair_width)]
+        self._people = np.concatenate((self._people, self._named(self._legs.rows[rows])))
+        rest = np.setdiff1d(np.arange(owned, len(self._legs)), rows)
+        self._legs.take(np.concatenate((np.arange(owned), rows.ravel(), rest)))
+
+    def _may_be_met_again(self, tracks: NDArray[np.intp]) -> NDArray[np.bool_]:
+        """Return (k,) whether `tracks` (k,) stand where a lost person, who moved before, must be by now."""
+        apart = distances(self._legs.positions[tracks], self._lost.positions).min(axis=1, initial=np.inf)
+        steady = self._legs.rows["age_s"][tracks] >= self._config.meet_age_s
+        return steady & (apart <= self._config.meet_distance)
+
+    def _left_their_place(self, tracks: NDArray[np.intp], points: Array, time_s: float) -> NDArray[np.bool_]:
+        """Return (k,) whether nothing of the scan stands any more where the `tracks` (k,) began.
+
+        A track that hopped from one chair leg to the next has moved, but what it began at still stands there. Where
+        that is known to be no human, the track begins anew here.
+        """
+        first = self._legs.rows["first"][tracks]
+        left = distances(first, points).min(axis=1, initial=np.inf) > self._config.left_behind
+        self._legs.restart_moving(tracks[~left & ~self._grid.is_free(first, time_s)])
+        return left
+
+    def _named(self, pairs: NDArray[np.void]) -> NDArray[np.void]:
+        """Return people from pairs of legs (k, 2), with their old number where they are recognised."""
+        people = person_tracks.new_people(pairs)
+        doubtful = self._since_leg_s() > self._config.doubt_s
+        people["id"] = self._lost.recognise(people["x"][:, :2], people["age_s"], self._people[doubtful])
+        self._people["confidence"][np.isin(self._people["id"], people["id"])] = 0.0  # slid off: ends with the next scan
+        fresh = np.concatenate((self._people["confidence"] == 0.0, people["id"] < 0))
+        numbers = np.concatenate((self._people["id"], people["id"]))
+        numbers[fresh] = self._next_id + np.arange(np.count_nonzero(fresh))
+        self._next_id += np.count_nonzero(fresh)
+        self._people["id"], people["id"] = np.split(numbers, [len(self._people)])
+        return people
+
+    def _since_leg_s(self) -> Array:
+        """Return (n,) the time since a leg of each person was seen apart [s]."""
+        return np.asarray(self._legs.rows["unseen_s"][: 2 * len(self._people)].reshape(-1, 2).min(axis=1))
+
+    def _mark_grid(self, points: Array, pose: Array, time_s: float, dt: float) -> None:
+        """Mark the non-human `points` (k, 2), but never where a person, or what may become one, stands."""
+        walkers = self._legs.positions[2 * len(self._people) :][
+            self._legs.moved[2 * len(self._people) :] >= self._config.delta / 2.0
+        ]
+        human = np.concatenate((self._result(time_s).points, walkers, self._lost.positions))
+        if len(human) and len(points):
+            points = points[distances(human, points).min(axis=0) > self._config.zeta]
+        self._grid.mark(points, pose[:2], time_s, dt)
+
+    def _result(self, time_s: float) -> People:
+        people = self._people
+        return People(
+            time_s=time_s,
+            ids=people["id"].copy(),
+            positions=people["x"][:, :2].copy(),
+            velocities=people["x"][:, 2:].copy(),
+            confidence=people["confidence"].copy(),
+            legs=self._legs.positions[: 2 * len(people)].reshape(-1, 2, 2).copy(),
+            variance=people["p"][:, 0].copy(),
+            unseen_s=people["unseen_s"].copy(),
+            age_s=people["age_s"].copy(),
+        )
+
+
+def _points_of(clusters: Clusters, chosen: NDArray[np.bool_]) -> Array:
+    """Return (k, 2) all points of the chosen clusters."""
+    edges = np.zeros(len(clusters.points) + 1, dtype=np.int64)
+    np.add.at(edges, clusters.start[chosen], 1)
+    np.subtract.at(edges, clusters.end[chosen], 1)
+    return clusters.points[np.cumsum(edges[:-1]) > 0]

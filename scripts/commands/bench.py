@@ -1,0 +1,78 @@
+"""`tagalong bench`: how fast this machine is with tagalong."""
+
+import argparse
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+
+from ...slam.files import write_json
+from ..experiments.hardware import describe_machine, reference_kernel_s
+from ..tables import format_table
+
+EPILOG = """\
+Times depend on the machine and on what else it does. The time of a fixed numpy kernel is printed beside them, so that
+figures of two machines can be compared as ratios. Writes bench.json into DIR.
+
+example:
+  tagalong bench --steps 300 --out out/bench
+"""
+
+ENVIRONMENTS = {
+    "360 beams, tracker, 4 people": {"beams": 360, "slam": None},
+    "1081 beams, tracker, 4 people": {"beams": 1081, "slam": None},
+    "1081 beams, tracker, 4 people, gmapping": {"beams": 1081, "slam": "gmapping"},
+}
+SCANS = {"180 beams": (180, np.pi), "361 beams": (361, np.pi), "1081 beams": (1081, 1.5 * np.pi)}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.epilog = EPILOG
+    parser.add_argument("--steps", type=int, default=1000, help="timed steps of each part (default: %(default)s)")
+    parser.add_argument("--out", type=Path, default=Path("out/bench"), metavar="DIR", help="(default: %(default)s)")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Measure, print tables, write bench.json."""
+    from ..experiments import speed
+
+    machine = {**describe_machine(), "reference_kernel_ms": 1e3 * reference_kernel_s()}
+    print(f"{machine['processor']}, {machine['cores']} cores, Python {machine['python']}")
+    print(f"reference numpy kernel: {machine['reference_kernel_ms']:.1f} ms\n")
+    environments = {
+        name: speed.environment_speed(options.steps, people_count=4, **fields) for name, fields in ENVIRONMENTS.items()
+    }
+    rows = [
+        (name, *(f"{row[key]:.2f}" for key in ("steps_per_s", "real_time_factor", "mean_ms", "p95_ms")))
+        for name, row in environments.items()
+    ]
+    print(format_table(("one environment step, laser at 10 Hz", "steps/s", "x real time", "mean ms", "p95 ms"), rows))
+    stages = {
+        f"{name}, {beams} beams": stage
+        for beams in (360, 1081)
+        for name, stage in speed.stage_latencies(options.steps, beams, 4).items()
+    }
+    print("\n" + _latencies("stage of a step, 4 people", stages))
+    scans = {
+        f"{name}, {threads} thread{'s' * (threads > 1)}": speed.processed_scan_latency(
+            "gmapping", *size, scans=40, threads=threads, linear_update=0.2
+        )
+        for name, size in SCANS.items()
+        for threads in (1, 2)
+    }
+    print("\n" + _latencies("GMapping, 30 particles, processed scan", scans))
+    content = {
+        "machine": machine,
+        "environment": environments,
+        "stages": {name: asdict(stage) for name, stage in stages.items()},
+        "gmapping_processed_scan": {name: asdict(stage) for name, stage in scans.items()},
+    }
+    write_json(options.out / "bench.json", content)
+    print(f"\nwritten to {options.out / 'bench.json'}")
+    return 0
+
+
+def _latencies(title: str, stages: dict) -> str:
+    rows = [(name, f"{s.mean_ms:.3f}", f"{s.p95_ms:.3f}", str(s.calls)) for name, s in stages.items()]
+    return format_table((title, "mean ms", "p95 ms", "calls"), rows)

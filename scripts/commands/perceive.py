@@ -1,0 +1,117 @@
+"""`tagalong perceive`: legs and people in recorded scans."""
+
+import argparse
+import sys
+from dataclasses import asdict, replace
+from pathlib import Path
+from zipfile import is_zipfile
+
+import numpy as np
+from numpy.typing import NDArray
+from tqdm import tqdm
+
+from ...perception.config import PRESETS, perception_preset
+from ...perception.legs.detector import LegDetector
+from ...perception.legs.forest import LegForest
+from ...perception.tracking.leader import LeaderSelector, numbered_by_leader
+from ...perception.tracking.people import People
+from ...perception.tracking.tracker import PeopleTracker, TrackerUpdate
+from ...slam.errors import InputError
+from ...slam.files import write_json, write_text
+from ...slam.logs.carmen import read_carmen
+from ...slam.logs.scans_npz import read_scans_npz
+from ...slam.scan import LaserScan
+
+LEGS_HEADER, PEOPLE_HEADER = "scan,x,y,confidence", "scan,id,x,y,vx,vy,confidence"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments of the command."""
+    parser.description = (
+        "Finds legs and tracks people in recorded scans. SCANS is a CARMEN log (.log, .clf, plain or .gz) or an .npz\n"
+        "with ranges (scans, beams), angle_min, angle_increment, range_min, range_max and bag_time or stamp.\n"
+        "Writes legs.csv (scan, x, y, confidence: clusters of at least --min-confidence; the tracker takes those of\n"
+        "gamma = 0.3 and more), people.csv (scan, id, x, y, vx, vy, confidence) and config.json. Scans count from 0.\n"
+        "Whoever is nearest at first is the leader: looked for when lost, and kept under one id."
+    )
+    parser.epilog = "example: tagalong perceive person_following_outdoor_1.npz --out out/people --preset outdoor"
+    parser.add_argument("scans", metavar="SCANS", type=Path, help="recorded scans: CARMEN log or .npz")
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the results")
+    parser.add_argument("--preset", default="table2", help=f"numbers of the tracker: {', '.join(PRESETS)}")
+    parser.add_argument("--forest", default="real", help='leg forest: "real", "simulation" or a file (default: real)')
+    parser.add_argument(
+        "--odometry",
+        choices=("log", "none"),
+        default="log",
+        help="the log's own (an .npz has none: the laser counts as standing), or none (default: log)",
+    )
+    parser.add_argument(
+        "--frame",
+        choices=("robot", "odometry"),
+        default="robot",
+        help="frame of people.csv: the robot's at each scan, or the odometry's (default: robot; legs: always robot)",
+    )
+    parser.add_argument("--rate", type=float, metavar="HZ", help="scans a second, for logs whose times are unusable")
+    parser.add_argument("--min-confidence", type=float, default=0.1, help="of rows in legs.csv (default: 0.1)")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Read the scans, track people through them, write the tables."""
+    config = perception_preset(options.preset)
+    detector = LegDetector(LegForest.load(options.forest), config.detector())
+    scans, odometry = _read(options.scans, options.odometry == "log")
+    scans = _timed(scans, options.rate, options.scans)
+    tracker, selector = PeopleTracker(config, detector), LeaderSelector(config)
+    legs, people, ids = [LEGS_HEADER], [PEOPLE_HEADER], set[int]()
+    progress = tqdm(zip(scans, odometry, strict=True), total=len(scans), unit="scan", disable=not sys.stderr.isatty())
+    for number, (scan, pose) in enumerate(progress):
+        update = tracker.update(scan, pose)
+        legs += _leg_rows(number, update, options.min_confidence)
+        found = numbered_by_leader(update.people, selector.update(update.people, pose))
+        people += _people_rows(number, found.in_frame_of(pose) if options.frame == "robot" else found)
+        ids |= {int(number) for number in found.ids}
+    write_text(options.out / "legs.csv", "\n".join(legs) + "\n")
+    write_text(options.out / "people.csv", "\n".join(people) + "\n")
+    settings = {"preset": options.preset, "forest": str(options.forest), "odometry": options.odometry}
+    write_json(options.out / "config.json", {**settings, "frame": options.frame, "perception": asdict(config)})
+    print(f"{len(scans)} scans, {len(legs) - 1} legs, {len(ids)} people; wrote {options.out}/legs.csv, people.csv")
+    return 0
+
+
+def _read(path: Path, with_odometry: bool) -> tuple[list[LaserScan], NDArray[np.float64]]:
+    if not path.is_file():
+        raise InputError(f"no file {path}; give a CARMEN log or an .npz of scans")
+    if path.suffix == ".npz" or is_zipfile(path):
+        scans = read_scans_npz(path)
+        return scans, np.zeros((len(scans), 3))
+    drive = read_carmen(path)
+    return drive.scans, drive.odometry if with_odometry else np.zeros((len(drive), 3))
+
+
+def _timed(scans: list[LaserScan], rate_hz: float | None, path: Path) -> list[LaserScan]:
+    if rate_hz is not None:
+        if not rate_hz > 0.0:
+            raise InputError(f"--rate must be positive [1/s], got {rate_hz}")
+        return [replace(scan, time_s=number / rate_hz) for number, scan in enumerate(scans)]
+    times = np.array([scan.time_s for scan in scans])
+    back = np.flatnonzero(~(np.diff(times) > 0.0))
+    if len(back):
+        raise InputError(
+            f"{path}: times of scans must increase, scan {back[0] + 1} comes {times[back[0] + 1] - times[back[0]]} s "
+            "after the one before it; give --rate HZ to count scans instead"
+        )
+    return scans
+
+
+def _leg_rows(number: int, update: TrackerUpdate, least: float) -> list[str]:
+    found = update.detections
+    return [
+        f"{number},{x:.4f},{y:.4f},{confidence:.4f}"
+        for (x, y), confidence in zip(found.positions, found.confidence, strict=True)
+        if confidence >= least
+    ]
+
+
+def _people_rows(number: int, people: People) -> list[str]:
+    rows = zip(people.ids, people.positions, people.velocities, people.confidence, strict=True)
+    return [f"{number},{i},{x:.4f},{y:.4f},{vx:.4f},{vy:.4f},{c:.4f}" for i, (x, y), (vx, vy), c in rows]

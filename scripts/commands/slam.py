@@ -1,0 +1,109 @@
+"""`tagalong slam`: maps a recorded drive."""
+
+import argparse
+import ast
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...slam.engine import make_slam
+from ...slam.errors import InputError
+from ...slam.logs.carmen import read_carmen
+from ...slam.logs.drive import RecordedDrive
+from ...slam.logs.tum import read_tum
+from ..slam_run import prepare_folder, run_slam, write_run
+from ..tables import format_table
+
+EPILOG = """\
+writes into DIR:
+  trajectory.tum         one pose a scan: t x y z qx qy qz qw
+                         (t: the number of the scan where the log has no usable times)
+  map.pgm, map.yaml      the map, as ROS map_server reads it
+  map.png                the map with the trajectory, to look at
+  metrics.json           configuration and results; errors where the log has reference poses
+                         (its own corrected poses, or NAME.gt.tum beside NAME.log.gz)
+  timing.json            speed and memory; the only file that differs between two runs
+
+example:
+  tagalong slam aces.log.gz --out out/aces --seed 1 --set particles=50
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.epilog = EPILOG
+    parser.add_argument("log", type=Path, metavar="LOG", help="CARMEN log (.log, .clf; plain or .gz)")
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="where the results go")
+    parser.add_argument("--method", default="gmapping", help="SLAM engine (default: %(default)s)")
+    parser.add_argument("--seed", type=int, default=0, help="seed of all random draws (default: %(default)s)")
+    parser.add_argument("--resolution", type=float, metavar="M", help="side of a map cell [m] (default: the engine's)")
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        dest="settings",
+        help="a field of the engine's configuration, e.g. particles=50; may be repeated",
+    )
+    parser.add_argument("--quiet", action="store_true", help="no progress bar")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Map the log, write the results, print a table."""
+    if options.resolution is not None and not 0.001 <= options.resolution <= 10.0:
+        raise InputError(f"--resolution must lie in [0.001, 10] m, got {options.resolution}")
+    engine = make_slam(options.method, seed=options.seed, **_settings(options.settings))
+    drive = read_carmen(options.log)
+    reference = _reference(options.log, drive)
+    prepare_folder(options.out)
+    result = run_slam(engine, drive, options.resolution, progress=not options.quiet)
+    how = {"method": options.method, "seed": options.seed, "config": asdict(engine.config)}
+    metrics = write_run(options.out, drive, result, how, reference)
+    print(format_table(("quantity", "value", "unit"), _rows(metrics, result.wall_s)))
+    print(f"written to {options.out}")
+    return 0
+
+
+def _settings(words: list[str]) -> dict[str, Any]:
+    settings: dict[str, Any] = {}
+    for word in words:
+        name, equals, value = word.partition("=")
+        if not equals or not name.isidentifier():
+            raise InputError(f"--set needs NAME=VALUE, got {word!r}")
+        try:
+            settings[name] = ast.literal_eval(value)
+        except (ValueError, SyntaxError):
+            settings[name] = value
+    return settings
+
+
+def _reference(log: Path, drive: RecordedDrive) -> NDArray[np.float64] | None:
+    """Return the poses (n, 3) to compare with: true poses beside the log, or the log's own corrected ones."""
+    truth = log.parent / f"{log.name.removesuffix('.gz').removesuffix('.log')}.gt.tum"
+    if not truth.exists():
+        return drive.reference
+    poses = read_tum(truth).poses
+    if len(poses) != len(drive):
+        raise InputError(f"{truth}: one pose a scan needed, got {len(poses)} for {len(drive)}")
+    return poses
+
+
+def _rows(metrics: dict[str, Any], wall_s: float) -> list[tuple[str, str, str]]:
+    rows = [
+        ("scans", str(metrics["scans"]), ""),
+        ("integrated", str(metrics["integrated_scans"]), ""),
+        ("path", f"{metrics['path_m']:.1f}", "m"),
+        ("free area", f"{metrics['map']['free_m2']:.1f}", "m2"),
+        ("engine time", f"{wall_s:.2f}", "s"),
+    ]
+    errors = metrics["against_reference"]
+    if errors is not None:
+        rows += [
+            ("ATE rmse", f"{100 * errors['ate_m']['rmse']:.2f}", "cm"),
+            ("ATE max", f"{100 * errors['ate_m']['max']:.2f}", "cm"),
+            ("heading error mean", f"{errors['ate_deg']['mean']:.2f}", "deg"),
+        ]
+    return rows

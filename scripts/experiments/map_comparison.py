@@ -1,0 +1,87 @@
+"""The experiment of Ye et al. 2021: one drive mapped from raw and from filtered scans, against a reference map."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...slam.geometry import inverse, transform_points
+from ...slam.logs.drive_folder import SimulatedDrive
+from ...slam.quality.score import MapScore, score_map
+from ...slam.quality.trajectory import AbsoluteError, absolute_error
+from ...slam.scan import LaserScan
+from .mapping import MappedDrive, map_drive
+
+
+@dataclass(frozen=True, kw_only=True)
+class MappingConfig:
+    """Which engine draws the maps.
+
+    Attributes:
+        method: Name of the SLAM engine.
+        resolution: Side of a map's cell [m]; the paper's.
+        seed: Seed of the engine.
+    """
+
+    method: str = "gmapping"
+    resolution: float = 0.02
+    seed: int = 0
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """Keywords of `make_slam`."""
+        return {"delta": self.resolution, "seed": self.seed}
+
+
+@dataclass(frozen=True, eq=False)
+class JudgedMap:
+    """A map with what it is worth.
+
+    Attributes:
+        drive: The map and the trajectory.
+        score: Against the reference map.
+        ate: Of the trajectory against the true poses.
+    """
+
+    drive: MappedDrive
+    score: MapScore
+    ate: AbsoluteError
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain numbers by name."""
+        return {
+            **self.score.to_dict(),
+            "ate_rmse_m": self.ate.translation.rmse,
+            "ate_max_m": self.ate.translation.max,
+            "occupied_cells": len(self.drive.map.occupied_points),
+        }
+
+
+def map_reference(drive: SimulatedDrive, config: MappingConfig) -> MappedDrive:
+    """Return the map of the slow drive without people."""
+    return map_drive(drive.recording.odometry, drive.recording.scans, config.method, **config.options)
+
+
+def judge_map(
+    drive: SimulatedDrive,
+    scans: Sequence[LaserScan],
+    reference_drive: SimulatedDrive,
+    reference: MappedDrive,
+    config: MappingConfig,
+) -> JudgedMap:
+    """Map `drive` from `scans` (raw or filtered, one for each recorded one) and judge the map and the trajectory."""
+    mapped = map_drive(drive.recording.odometry, scans, config.method, **config.options)
+    feet = drive.feet[np.isfinite(drive.feet).all(axis=-1)]
+    return JudgedMap(
+        mapped,
+        score_map(mapped.map, reference.map, _in_map_of(reference_drive, reference, feet)),
+        absolute_error(mapped.trajectory, drive.truth),
+    )
+
+
+def _in_map_of(drive: SimulatedDrive, mapped: MappedDrive, points_world: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Carry true places (n, 2) into the frame of a map, through the best fit of its trajectory to the true poses."""
+    T_world_map = absolute_error(mapped.trajectory, drive.truth).T_ref_est
+    return transform_points(inverse(T_world_map), points_world)

@@ -1,0 +1,145 @@
+"""How fast the parts are: of an environment step, and of a processed scan of the SLAM engines."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from time import perf_counter
+from typing import Any, TypeVar
+
+import gymnasium as gym
+import numpy as np
+from numpy.typing import NDArray
+
+from ...agents import make_follower
+from ...envs.follow_env import FollowEnv
+from ...envs.lidar import LidarConfig
+from ...envs.world import World, WorldConfig
+from ...perception.config import PerceptionConfig
+from ...perception.legs.detector import LegDetector, LegDetectorConfig
+from ...perception.legs.forest import LegForest
+from ...perception.people_filter import filter_people, people_points_lidar
+from ...perception.tracking.tracker import PeopleTracker
+from ...slam.engine import make_slam
+from ...slam.scan import LaserScan
+from .slow_tour import slow_tour
+
+T = TypeVar("T")
+
+WARM_UP = 20
+"""Calls before timing starts: compiled kernels are loaded, caches filled."""
+
+
+@dataclass(frozen=True)
+class Latency:
+    """Time of one stage.
+
+    Attributes:
+        mean_ms: Mean [ms].
+        p95_ms: Ninety-five of a hundred calls take at most this long [ms].
+        calls: How many calls were timed.
+    """
+
+    mean_ms: float
+    p95_ms: float
+    calls: int
+
+
+def latency(times_s: Sequence[float]) -> Latency:
+    """Return mean and 95 % point of `times_s` [s]."""
+    milliseconds = 1e3 * np.asarray(times_s)
+    return Latency(float(milliseconds.mean()), float(np.percentile(milliseconds, 95)), len(milliseconds))
+
+
+def environment_speed(steps: int, **fields: Any) -> dict[str, float]:
+    """Return how many steps a second an environment makes with the PID follower, resets left out.
+
+    Args:
+        steps: Timed steps.
+        fields: Keywords of `FollowEnv`.
+    """
+    env = gym.make("tagalong/Corridor-v0", **fields)
+    inner = env.unwrapped
+    assert isinstance(inner, FollowEnv)
+    follower = make_follower("pid", inner.interface)
+    seed, times = 0, []
+    observation, _ = env.reset(seed=seed)
+    while len(times) < steps + WARM_UP:
+        action = follower.act(observation)
+        start = perf_counter()
+        observation, _, terminated, truncated, _ = env.step(action)
+        times.append(perf_counter() - start)
+        if terminated or truncated:
+            seed += 1
+            observation, _ = env.reset(seed=seed)
+            follower.reset()
+    env.close()
+    stage = latency(times[WARM_UP:])
+    rate = 1e3 / stage.mean_ms
+    return {
+        "steps_per_s": rate,
+        "real_time_factor": rate / inner.config.control_hz,
+        "mean_ms": stage.mean_ms,
+        "p95_ms": stage.p95_ms,
+    }
+
+
+def stage_latencies(steps: int, beams: int, people: int) -> dict[str, Latency]:
+    """Return the time of each stage of a step: simulation with laser, legs, tracker (with the legs), filter.
+
+    Args:
+        steps: Timed steps.
+        beams: Beams of the laser.
+        people: People in the building.
+    """
+    config = WorldConfig(people=people, lidar=LidarConfig(beams=beams, rate_hz=10.0))
+    world, perception = World(config, np.random.default_rng(0)), PerceptionConfig()
+    parameters = LegDetectorConfig(alpha=perception.alpha, beta=perception.beta, gamma=perception.gamma)
+    detector = LegDetector(LegForest.load("simulation"), parameters)
+    tracker = PeopleTracker(perception, detector)
+    times: dict[str, list[float]] = {name: [] for name in ("world", "legs", "legs + tracker", "filter")}
+    for _ in range(steps + WARM_UP):
+        _timed(times["world"], lambda: world.step([0.3, 0.0]))
+        scan, odometry = world.scan(), world.odometry
+        _timed(times["legs"], lambda scan=scan: detector.detect(scan))
+        found = _timed(times["legs + tracker"], lambda s=scan, o=odometry: tracker.update(s, o))
+        _timed(
+            times["filter"],
+            lambda s=scan, o=odometry, f=found: filter_people(s, people_points_lidar(f.people, o, s), perception.zeta),
+        )
+    return {name: latency(values[WARM_UP:]) for name, values in times.items()}
+
+
+def processed_scan_latency(method: str, beams: int, fov: float, scans: int, **options: Any) -> Latency:
+    """Return the time of an update in which the engine matched and wrote the scan.
+
+    Args:
+        method: Name of the engine.
+        beams: Beams kept of the simulated laser's 1081.
+        fov: Field of view kept [rad].
+        scans: Updates that are timed.
+        options: The engine's configuration.
+    """
+    drive = slow_tour(WorldConfig(), 0).recording
+    engine, times = make_slam(method, **options), []
+    for odometry, scan in zip(drive.odometry, drive.scans, strict=True):
+        part = _thinned(scan, beams, fov)
+        start = perf_counter()
+        update = engine.update(odometry, part)
+        if update.integrated:
+            times.append(perf_counter() - start)
+        if len(times) == scans + 5:
+            break
+    return latency(times[5:])
+
+
+def _timed(times: list[float], call: Callable[[], T]) -> T:
+    start = perf_counter()
+    result = call()
+    times.append(perf_counter() - start)
+    return result
+
+
+def _thinned(scan: LaserScan, beams: int, fov: float) -> LaserScan:
+    """Return `beams` of the scan's beams, evenly spread over `fov` [rad]."""
+    wanted = np.linspace(-fov / 2.0, fov / 2.0, beams)
+    nearest: NDArray[np.intp] = np.abs(scan.bearings[None] - wanted[:, None]).argmin(axis=1)
+    return replace(scan, ranges=scan.ranges[nearest], bearings=scan.bearings[nearest])

@@ -1,0 +1,114 @@
+"""From the cells of `tagalong results` to the table in the README."""
+
+from collections.abc import Mapping
+from datetime import date
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..slam.errors import InputError
+from ..slam.files import write_text
+from .experiments.acceptance import mean_of
+from .experiments.people import summary as tracking_summary
+from .experiments.statistics import bootstrap_mean, share
+
+BEGIN, END = "<!-- results:begin -->", "<!-- results:end -->"
+SCENE_TITLES = {"corridor": "corridor", "meeting_room": "meeting room"}
+PAPER_ADNN_CM = {"corridor": 5.90, "meeting_room": 10.30}
+LOG_RIVALS = {"intel": "0.056", "belgioioso": "0.122", "aces": "0.95"}
+
+Row = tuple[str, str, str, str]
+
+
+def result_rows(results: Mapping[str, dict[str, Any]]) -> list[Row]:
+    """Return (what, value with 95 % interval, others' figure, n) of everything that was measured."""
+    rows: list[Row] = []
+    for scene, title in SCENE_TITLES.items():
+        rows += _following_rows(_group(results, f"following/{scene}/"), title)
+        rows += _map_rows(results, scene, title)
+        rows += _tracking_rows(_group(results, f"tracking/{scene}/"), title)
+    for log in LOG_RIVALS:
+        rows += _log_rows(_group(results, f"logs/{log}/"), log)
+    return rows
+
+
+def write_readme_table(readme: Path, rows: list[Row], machine: Mapping[str, Any], day: date) -> None:
+    """Replace what stands between the two marks of the README.
+
+    Raises:
+        InputError: If the marks are missing.
+    """
+    text = readme.read_text(encoding="utf-8")
+    if BEGIN not in text or END not in text:
+        raise InputError(f"{readme}: needs the marks {BEGIN} and {END}")
+    before, after = text.split(BEGIN)[0], text.split(END)[1]
+    lines = ["| measured | mean [95 % interval] | others | n |", "|---|---|---|---|"]
+    lines += [f"| {' | '.join(row)} |" for row in rows]
+    note = f"By `tagalong results` on {day.isoformat()}, {machine['processor']}, {machine['cores']} cores."
+    write_text(readme, f"{before}{BEGIN}\n" + "\n".join(lines) + f"\n\n{note}\n{END}{after}")
+
+
+def _group(results: Mapping[str, dict[str, Any]], prefix: str) -> list[dict[str, Any]]:
+    return [result for name, result in results.items() if name.startswith(prefix)]
+
+
+def _following_rows(tours: list[dict[str, Any]], title: str) -> list[Row]:
+    if not tours:
+        return []
+    done = share([row["ending"] == "tour_done" for row in tours])
+    choices, right = mean_of(tours, "leader_choices").sum(), mean_of(tours, "leader_choices_right").sum()
+    error = bootstrap_mean(mean_of(tours, "distance_error_rms_m"))
+    n = str(len(tours))
+    return [
+        (f"{title}: tours done without contact [%]", done.text(100, 1), "", n),
+        (f"{title}: following distance error, RMS [m]", error.text(1, 3), "", n),
+        (f"{title}: leader chosen right [%]", f"{100 * right / max(1.0, choices):.1f}", "", f"{choices:.0f}"),
+    ]
+
+
+def _map_rows(results: Mapping[str, dict[str, Any]], scene: str, title: str) -> list[Row]:
+    rows: list[Row] = []
+    maps, crowded = (_group(results, f"maps/{scene}/{standing}/") for standing in (0, 1))
+    for name, paper in (("raw", ""), ("filtered", f"paper: {PAPER_ADNN_CM[scene]:.2f}")):
+        if maps:
+            adnn = bootstrap_mean(mean_of(maps, name, "adnn", "mean_m"))
+            ate = bootstrap_mean(mean_of(maps, name, "ate_rmse_m"))
+            rows.append((f"{title}: ADNN, {name} scans, 2 people [cm]", adnn.text(100), paper, str(len(maps))))
+            rows.append((f"{title}: pose error (ATE), {name} scans [cm]", ate.text(100), "", str(len(maps))))
+        if crowded:
+            cells = bootstrap_mean(mean_of(crowded, name, "dynamic_residue", "cells"))
+            what = f"{title}: cells left by people, one standing, {name} scans"
+            rows.append((what, cells.text(1, 1), "", str(len(crowded))))
+    return rows
+
+
+def _tracking_rows(drives: list[dict[str, Any]], title: str) -> list[Row]:
+    if not drives:
+        return []
+    figures = tracking_summary([_with_arrays(row) for row in drives])
+    mota, n = bootstrap_mean(mean_of(drives, "mota")), str(len(drives))
+    removed = 100 * figures["removed_tracked"], 100 * figures["removed_people"], 100 * figures["removed_static"]
+    return [
+        (f"{title}: MOTA of walking people, 4 people", mota.text(1, 3), "", n),
+        (
+            f"{title}: returns on people removed, tracked for 1 s (overall) [%]",
+            f"{removed[0]:.1f} ({removed[1]:.1f})",
+            "",
+            n,
+        ),
+        (f"{title}: static returns removed [%]", f"{removed[2]:.2f}", "", n),
+    ]
+
+
+def _with_arrays(row: dict[str, Any]) -> dict[str, Any]:
+    return {name: np.array(value) if isinstance(value, list) else value for name, value in row.items()}
+
+
+def _log_rows(runs: list[dict[str, Any]], log: str) -> list[Row]:
+    if not runs:
+        return []
+    key, what = ("relation_m", "mean relation error") if "relation_m" in runs[0] else ("ate_rmse_m", "ATE rmse")
+    error = bootstrap_mean(mean_of(runs, key))
+    rival = f"original GMapping: {LOG_RIVALS[log]}"
+    return [(f"{log.capitalize()} log, GMapping: {what} [m]", error.text(1, 3), rival, str(len(runs)))]

@@ -1,0 +1,52 @@
+"""Reads laser scans from `.npz` files: `ranges` (scans, beams), `angle_min`, `angle_increment`, limits and times."""
+
+import os
+from pathlib import Path
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from ..scan import LaserScan
+
+NEEDED = ("ranges", "angle_min", "angle_increment", "range_min", "range_max")
+
+
+def read_scans_npz(path: str | os.PathLike[str]) -> list[LaserScan]:
+    """Return the scans in the file, in its order.
+
+    Beam i points at `angle_min + i * angle_increment`. Times [s] are counted from the first scan and come from
+    `bag_time`, else `stamp`, each (scans,); a file without either gives zeros.
+
+    Raises:
+        InputError: If the file cannot be read, an array is missing (named) or has another shape.
+    """
+    path = Path(path)
+    arrays = _load(path)
+    ranges = arrays["ranges"]
+    if ranges.ndim != 2 or ranges.size == 0:
+        raise InputError(f"{path}: `ranges` must have shape (scans, beams), got {ranges.shape}")
+    times = arrays.get("bag_time", arrays.get("stamp", np.zeros(len(ranges))))
+    if times.shape != (len(ranges),):
+        raise InputError(f"{path}: times must have shape ({len(ranges)},), one a scan, got {times.shape}")
+    bearings = float(arrays["angle_min"]) + float(arrays["angle_increment"]) * np.arange(ranges.shape[1])
+    limits = float(arrays["range_min"]), float(arrays["range_max"])
+    return [
+        LaserScan(row.astype(np.float64), bearings, *limits, time_s=float(time))
+        for row, time in zip(ranges, times - times[0], strict=True)
+    ]
+
+
+def _load(path: Path) -> dict[str, NDArray[np.float64]]:
+    try:
+        with np.load(path, allow_pickle=False) as content:
+            missing = [name for name in NEEDED if name not in content]
+            if missing:
+                raise InputError(f"{path}: needs the arrays {', '.join(NEEDED)}; missing: {', '.join(missing)}")
+            names = [*NEEDED, *(name for name in ("bag_time", "stamp") if name in content)]
+            return {name: np.asarray(content[name], dtype=np.float64) for name in names}
+    except (OSError, ValueError, BadZipFile, AttributeError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"{path} is no .npz file of scans: {error}") from None

@@ -1,0 +1,145 @@
+"""The matcher with a guarantee: the best pose of the whole window by branch and bound, then robust refinement.
+
+The window is searched exactly on the lookup table of GLASM-g, so no population can miss its maximum; a few further
+maxima are refined too, and the one wins that explains both scans best, free space included.
+"""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..errors import InputError
+from ..geometry import compose, inverse, wrap_angle
+from ..scan import LaserScan
+from ..search.branch_and_bound import SearchResult, SearchWindow, Separation, branch_and_bound
+from ..search.score_pyramid import ScorePyramid, build_pyramid
+from .iterative import PLICP, IterativeConfig, IterativeMatcher, Refined
+from .lookup import LookupConfig, build_lookup
+from .match import Match
+from .surfaces import SurfaceConfig, Surfaces, find_surfaces, near_points
+from .visibility import agreement
+
+# The whole circle and the large space of HGLASM-g.
+_WINDOW = SearchWindow(linear=2.0, angular=np.pi, angular_step=np.radians(2.0))
+_SEPARATION = Separation(linear=0.4, angular=0.2, least_share=0.85)
+# Lines of both scans count, so fewer neighbours agreeing better serve: 7 mm is what a SICK's noise leaves.
+_REFINEMENT = replace(
+    PLICP,
+    first_reach=0.6,
+    last_reach=0.5,
+    first_scale=0.3,
+    last_scale=0.02,
+    surfaces=SurfaceConfig(tolerance=0.007),
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class GlobalConfig:
+    """Parameters of the global matcher.
+
+    Attributes:
+        window: What is searched around the guess.
+        top_level: The search starts from blocks of 2^top_level cells.
+        lookup: The table.
+        maxima: How many maxima are refined at most.
+        separation: When a further maximum counts.
+        points: Most points that the search scores (the refinement uses all); evenly picked.
+        sigma: Of the final score's hits [m].
+        margin: How much nearer than the seen surface a point must be to contradict it [m].
+        free_space: What a contradiction counts against a hit.
+        rival: Another pose that reaches this share of the best final score makes the match ambiguous.
+        refinement: PL-ICP with the lines of both scans, from each maximum.
+    """
+
+    window: SearchWindow = _WINDOW
+    top_level: int = 3
+    lookup: LookupConfig = field(default_factory=LookupConfig)
+    maxima: int = 3
+    separation: Separation = _SEPARATION
+    points: int = 180
+    sigma: float = 0.03
+    margin: float = 0.3
+    free_space: float = 0.5
+    rival: float = 0.95
+    refinement: IterativeConfig = _REFINEMENT
+
+    def __post_init__(self) -> None:
+        if not (self.maxima >= 1 and self.points >= 1 and self.sigma > 0.0 and self.margin >= 0.0):
+            raise InputError(f"need `maxima`, `points` >= 1, `sigma` > 0, `margin` >= 0, got {self}")
+
+
+class GlobalMatcher:
+    """Searches the whole window exactly, refines the best maxima, takes the one that explains both scans."""
+
+    def __init__(self, config: GlobalConfig) -> None:
+        self.config = config
+        self._refinement = IterativeMatcher(config.refinement)
+        self._reference: LaserScan | None = None
+        self._pyramid: ScorePyramid | None = None
+
+    def match(self, reference: LaserScan, new: LaserScan, guess: ArrayLike) -> Match:
+        """Return the pose of `new` in the frame of `reference`, from `guess` (3,) (see `Matcher`)."""
+        config = self.config
+        surfaces_new = find_surfaces(new, config.refinement.surfaces)
+        points, centre = surfaces_new.points, np.array(guess, dtype=np.float64)
+        surfaces = self._refinement.surfaces(reference)
+        found = self.search(reference, points, centre)
+        if not found.maxima or len(surfaces) < 3:
+            return self._refinement.judge(reference, points, Refined(centre, 0, False))
+        refined = [self._refinement.refine_both(reference, surfaces_new, maximum.pose) for maximum in found.maxima]
+        scores = [self._explains(surfaces, surfaces_new, candidate.pose) for candidate in refined]
+        order = np.argsort(-np.array(scores), kind="stable")
+        best = refined[order[0]]
+        others = [refined[k].pose for k in order[1:] if self._rivals(best, refined[k], scores[order[0]], scores[k])]
+        match = self._refinement.judge(reference, points, best)
+        return replace(
+            match,
+            converged=match.converged and not others,
+            evaluations=found.looked_at,
+            ambiguous=bool(others),
+            alternatives=np.array(others).reshape(-1, 3),
+        )
+
+    def search(self, reference: LaserScan, points_new: NDArray[np.float64], guess: ArrayLike) -> SearchResult:
+        """Return the maxima of the window around `guess` (3,) for points (N, 2) of the new scan."""
+        config = self.config
+        if len(points_new) > config.points:
+            points_new = points_new[np.linspace(0, len(points_new) - 1, config.points).astype(np.int64)]
+        return branch_and_bound(
+            self.pyramid(reference),
+            points_new,
+            guess,
+            config.window,
+            maxima=config.maxima,
+            separation=config.separation,
+        )
+
+    def pyramid(self, reference: LaserScan) -> ScorePyramid:
+        """Return the pyramid over the reference's table, that of the last call if it is the same object."""
+        if self._pyramid is None or self._reference is not reference:
+            config = self.config
+            grid = build_lookup(near_points(reference, config.refinement.surfaces.range_limit), config.lookup)
+            margin = config.window.reach(config.lookup.cell) + (1 << config.top_level)
+            self._pyramid = build_pyramid(grid, top_level=config.top_level, margin=margin)
+            self._reference = reference
+        return self._pyramid
+
+    def _explains(self, reference: Surfaces, new: Surfaces, pose: NDArray[np.float64]) -> float:
+        """Return the mean of (hits - contradictions) a point, seen from both scans."""
+        config = self.config
+        total = 0.0
+        for points, T, seen in ((new, pose, reference), (reference, inverse(pose), new)):
+            hits, against = agreement(
+                points.points, T, seen.points, seen.rays, seen.feet, seen.normals, seen.first,
+                config.sigma, config.margin,
+            )  # fmt: skip
+            total += (hits - config.free_space * against) / len(points)
+        return 0.5 * total
+
+    def _rivals(self, best: Refined, other: Refined, best_score: float, score: float) -> bool:
+        """Return whether `other` is a different pose that is about as good."""
+        apart = compose(inverse(best.pose), other.pose)
+        separation = self.config.separation
+        far = np.hypot(apart[0], apart[1]) > separation.linear or abs(wrap_angle(apart[2])) > separation.angular
+        return bool(far and score >= self.config.rival * best_score)

@@ -1,0 +1,69 @@
+"""The nearest point of a reference scan, found along its beams.
+
+A point q at range r can be no nearer to any point on a beam at angle a from it than r sin(a), so the search walks from
+q's own bearing to both sides and stops where that bound exceeds the best found: exact, and a few beams long. In the
+metric of MbICP (Minguez, Montesano, Lamiraux 2006), which discounts motion across the beam, the bound is
+r^2 k sin^2(a) / (cos^2(a) + k sin^2(a)) with k = L^2 / (r^2 + L^2); k = 1 is the Euclidean one.
+"""
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+_BINS_PER_RADIAN = 1024 / (2.0 * np.pi)
+
+
+@numba.njit(cache=True, nogil=True)
+def metric_square(dx, dy, x, y, k):  # pragma: no cover
+    """Return the square of the distance of (x, y) and (x + dx, y + dy): radial^2 + k across^2."""
+    if k >= 1.0:
+        return dx * dx + dy * dy
+    square = x * x + y * y
+    if square < 1e-12:
+        return dx * dx + dy * dy
+    cross = x * dy - y * dx
+    return dx * dx + dy * dy - (1.0 - k) * cross * cross / square
+
+
+@numba.njit(cache=True, nogil=True)
+def nearest_point(x, y, k, points, rays, first, limit):  # pragma: no cover
+    """Return (index, squared distance) of the nearest of `points` to (x, y); (-1, limit) if none is below `limit`."""
+    count = len(points)
+    best, square = -1, limit
+    range_square = x * x + y * y
+    start = first[min(int((np.arctan2(y, x) + np.pi) * _BINS_PER_RADIAN), 1023)]
+    for direction in (1, -1):
+        index = start if direction == 1 else start - 1
+        for _ in range(count):
+            if index >= count:
+                index -= count
+            elif index < 0:
+                index += count
+            dot = x * rays[index, 0] + y * rays[index, 1]
+            cross = x * rays[index, 1] - y * rays[index, 0]
+            # Behind q's bearing of 90 degrees the nearest point of the beam is its origin; never below the true bound.
+            across, along = k * cross * cross, dot * dot
+            bound = range_square
+            if dot > 0.0:
+                bound = range_square * across / (along + across + 1e-300)
+            ahead = cross * direction > 0.0 or dot < 0.0
+            if bound > square and ahead:
+                break
+            value = metric_square(points[index, 0] - x, points[index, 1] - y, x, y, k)
+            if value < square or (value == square and best >= 0 and index < best):
+                best, square = index, value
+            index += direction
+    return best, square
+
+
+def nearest_point_reference(
+    x: float, y: float, k: float, points: NDArray[np.float64], limit: float
+) -> tuple[int, float]:
+    """Return what `nearest_point` returns, by looking at all `points` (M, 2)."""
+    if len(points) == 0:
+        return -1, limit
+    difference = points - [x, y]
+    cross = x * difference[:, 1] - y * difference[:, 0]
+    square = (difference**2).sum(axis=1) - (1.0 - k) * cross**2 / max(x * x + y * y, 1e-12)
+    index = int(np.argmin(square))
+    return (index, float(square[index])) if square[index] < limit else (-1, limit)

@@ -1,0 +1,50 @@
+"""Which of two poses explains two scans better: surfaces that meet, less surfaces that stand in seen free space."""
+
+import numba
+import numpy as np
+
+from .nearest import nearest_point
+
+
+@numba.njit(cache=True, nogil=True)
+def range_ahead(x, y, points, rays, first):  # pragma: no cover
+    """Return the least range [m] of the two returns around the bearing of (x, y); -1 where there is none close by."""
+    count = len(points)
+    after = first[min(int((np.arctan2(y, x) + np.pi) * (1024 / (2.0 * np.pi))), 1023)] % count
+    for _ in range(8):
+        if x * rays[after, 1] - y * rays[after, 0] > 0.0:
+            break
+        after = (after + 1) % count
+    distance = np.sqrt(x * x + y * y)
+    least = -1.0
+    for index in (after, after - 1):
+        cross = x * rays[index, 1] - y * rays[index, 0]
+        # Five degrees: beyond that no beam of the reference looked there.
+        if abs(cross) < 0.087 * distance and x * rays[index, 0] + y * rays[index, 1] > 0.0:
+            found = points[index, 0] * rays[index, 0] + points[index, 1] * rays[index, 1]
+            least = found if least < 0.0 else min(least, found)
+    return least
+
+
+@numba.njit(cache=True, nogil=True)
+def agreement(points, pose, reference, rays, feet, normals, first, sigma, margin):  # pragma: no cover
+    """Return (sum of hits, sum of contradictions) of `points` (N, 2), at `pose`, with a reference scan's surfaces.
+
+    A hit counts exp(-e^2 / 2 sigma^2), e the distance from the line of the nearest return [m]. A point that misses, and
+    lies nearer than the reference's return in that direction by more than `margin` [m], stands where the reference
+    saw free space: a contradiction.
+    """
+    hits, contradictions = 0.0, 0.0
+    cos, sin = np.cos(pose[2]), np.sin(pose[2])
+    for n in range(len(points)):
+        x = cos * points[n, 0] - sin * points[n, 1] + pose[0]
+        y = sin * points[n, 0] + cos * points[n, 1] + pose[1]
+        j, square = nearest_point(x, y, 1.0, reference, rays, first, 0.09)
+        if j >= 0:
+            if normals[j, 0] != 0.0 or normals[j, 1] != 0.0:
+                error = normals[j, 0] * (feet[j, 0] - x) + normals[j, 1] * (feet[j, 1] - y)
+                square = error * error
+            hits += np.exp(-0.5 * square / (sigma * sigma))
+        elif range_ahead(x, y, reference, rays, first) > np.sqrt(x * x + y * y) + margin:
+            contradictions += 1.0
+    return hits, contradictions

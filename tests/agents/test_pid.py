@@ -1,0 +1,125 @@
+"""The PID follower on an ideal unicycle behind a leader of known motion; no simulator."""
+
+import math
+
+import numpy as np
+import pytest
+from tagalong.agents import PIDFollower, make_follower
+from tagalong.agents.avoidance import AvoidanceConfig, free_heading, free_lengths
+from tagalong.agents.memory import LeaderMemory, MemoryConfig, Mode
+from tagalong.agents.pid_axis import Axis, AxisConfig
+from tagalong.envs.interface import FollowInterface
+from tagalong.slam.errors import InputError
+
+BEAMS = 181
+INTERFACE = FollowInterface(bearings=np.deg2rad(np.linspace(-135, 135, BEAMS)))
+
+
+def drive(follower, leader_at, seconds, hidden=lambda t: False, step=0.1):
+    """Run an ideal unicycle from the origin; return rows of (t, robot x, y, theta, leader x, y, speed, turn)."""
+    x = y = theta = speed = turn = 0.0
+    rows = []
+    for k in range(int(seconds / step)):
+        t = k * step
+        lx, ly = leader_at(t)
+        vx, vy = (np.array(leader_at(t + 1e-3)) - (lx, ly)) / 1e-3
+        cos, sin = math.cos(theta), math.sin(theta)
+        local = (cos * (lx - x) + sin * (ly - y), -sin * (lx - x) + cos * (ly - y))
+        seen = not hidden(t)
+        leader = [*local, cos * vx + sin * vy, -sin * vx + cos * vy, 0.9, 1.0] if seen else [0.0] * 6
+        action = follower.act(
+            {
+                "scan": np.ones(BEAMS, dtype=np.float32),
+                "leader": np.array(leader, dtype=np.float32),
+                "people": np.zeros((6, 6), dtype=np.float32),
+                "velocity": np.array([speed, turn], dtype=np.float32),
+            }
+        )
+        assert np.all(np.abs(action) <= 1.0)
+        speed, turn = action[0] * INTERFACE.max_speed, action[1] * INTERFACE.max_turn_rate
+        rows.append((t, x, y, theta, lx, ly, speed, turn))
+        x, y, theta = x + speed * math.cos(theta) * step, y + speed * math.sin(theta) * step, theta + turn * step
+    return np.array(rows)
+
+
+def test_the_distance_settles_at_1_3_m_behind_a_straight_leader():
+    rows = drive(PIDFollower(INTERFACE), lambda t: (1.3 + 0.9 * t, 0.0), 15.0)
+    distance = np.hypot(rows[:, 4] - rows[:, 1], rows[:, 5] - rows[:, 2])
+    assert np.sqrt(np.mean((distance[30:] - 1.3) ** 2)) < 0.15
+    assert distance[-1] == pytest.approx(1.3, abs=0.06)
+
+
+def test_speed_changes_no_faster_than_the_acceleration_limit():
+    follower = PIDFollower(INTERFACE)
+    rows = drive(follower, lambda t: (4.0 if t < 5.0 else 0.8, 0.0), 10.0)
+    assert np.abs(np.diff(rows[:, 6])).max() <= follower.config.braking * 0.1 + 1e-6
+
+
+def test_it_backs_away_from_a_leader_who_comes_near():
+    rows = drive(PIDFollower(INTERFACE), lambda t: (max(0.8, 1.5 - 0.5 * t), 0.0), 8.0)
+    assert rows[-1, 4] - rows[-1, 1] == pytest.approx(1.3, abs=0.1)
+
+
+def test_it_turns_towards_a_leader_behind_it():
+    rows = drive(PIDFollower(INTERFACE), lambda t: (-2.0, 0.1), 14.0)
+    assert math.hypot(rows[-1, 1] + 2.0, rows[-1, 2] - 0.1) == pytest.approx(1.3, abs=0.1)
+
+
+def test_a_lost_leader_is_approached_then_searched_and_taken_up_again():
+    follower = PIDFollower(INTERFACE)
+    rows = drive(follower, lambda t: (1.3, 0.0) if t < 1 else (3.0, 3.0), 26.0, hidden=lambda t: 0.95 < t < 12.0)
+    searching = rows[90:118]
+    assert np.hypot(rows[85, 1] - 1.3, rows[85, 2]) < 0.8
+    assert np.abs(searching[:, 7]).min() > 0.5
+    assert np.hypot(rows[-1, 4] - rows[-1, 1], rows[-1, 5] - rows[-1, 2]) == pytest.approx(1.3, abs=0.15)
+
+
+def test_it_waits_until_a_leader_was_seen():
+    rows = drive(PIDFollower(INTERFACE), lambda t: (2.0, 0.0), 2.0, hidden=lambda t: True)
+    assert not rows[:, 6:].any()
+
+
+def test_a_reset_follower_acts_like_a_new_one():
+    follower = PIDFollower(INTERFACE)
+    first = drive(follower, lambda t: (2.0 + t, 0.3), 3.0)
+    follower.reset()
+    assert np.array_equal(first, drive(follower, lambda t: (2.0 + t, 0.3), 3.0))
+
+
+def test_a_blocked_heading_is_left_for_the_nearest_free_one():
+    config = AvoidanceConfig()
+    wall = np.stack((np.full(30, 1.0), np.linspace(-1.0, 0.2, 30)), axis=1)
+    way = free_heading(0.0, 3.0, wall, 0.0, config)
+    assert way.heading > 0.3
+    assert way.ahead == pytest.approx(1.0 - config.front)
+    assert free_heading(0.0, 3.0, np.zeros((0, 2)), 0.0, config).heading == pytest.approx(0.0)
+
+
+def test_things_behind_and_beside_the_robot_do_not_block_it():
+    config = AvoidanceConfig()
+    points = np.array([[-1.0, 0.0], [0.5, config.half_width + config.margin + 0.01]])
+    assert free_lengths(np.zeros(1), points, config)[0] == config.horizon
+
+
+def test_the_integral_does_not_wind_up():
+    axis = Axis(AxisConfig(proportional=0.0, integral=1.0, integral_limit=0.3), 0.1)
+    for _ in range(100):
+        held = axis.update(1.0)
+    assert held == pytest.approx(0.3)
+    assert axis.update(-1.0) < held
+    saturated = Axis(AxisConfig(proportional=0.0, integral=1.0), 0.1)
+    assert saturated.update(1.0, saturated=True) == 0.0
+
+
+def test_an_unseen_leader_stays_where_it_is_while_the_robot_turns():
+    memory = LeaderMemory(MemoryConfig(), 0.1)
+    memory.update([2.0, 0.0, 0.0, 0.0, 1.0, 1.0], (0.0, 0.0, 0.0))
+    for _ in range(20):
+        goal = memory.update([0.0] * 6, (0.0, 0.0, math.pi / 4))
+    assert (goal.x, goal.y) == pytest.approx((0.0, -2.0), abs=1e-9)
+    assert goal.mode is Mode.APPROACH
+
+
+def test_an_unknown_follower_is_refused_with_the_list():
+    with pytest.raises(InputError, match="followers: pid"):
+        make_follower("pdi")

@@ -1,0 +1,36 @@
+from itertools import permutations
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+from tagalong.perception.tracking.association import assign, distances
+
+
+def least_total(cost, gate):
+    """By trying everything: the least sum where each row takes a column of its own or pays the gate."""
+    rows, columns = cost.shape
+    padded = np.concatenate((np.minimum(cost, gate), np.full((rows, rows), gate)), axis=1)
+    return min(sum(padded[i, j] for i, j in enumerate(choice)) for choice in permutations(range(columns + rows), rows))
+
+
+@given(st.integers(0, 3), st.integers(0, 3), st.integers(0, 10_000))
+def test_the_assignment_costs_no_more_than_the_best_of_all(rows, columns, seed):
+    rng = np.random.default_rng(seed)
+    cost, gate = rng.uniform(0, 1, (rows, columns)), 0.5
+    i, j = assign(cost, gate)
+    assert len(set(i)) == len(i)
+    assert len(set(j)) == len(j)
+    assert (cost[i, j] < gate).all()
+    assert cost[i, j].sum() + gate * (rows - len(i)) <= least_total(cost, gate) + 1e-12 if columns else len(i) == 0
+
+
+def test_a_near_pair_is_not_broken_to_match_one_more_track():
+    # the second track lost its detection; it must not push the first one to a far detection
+    cost = distances(np.array([[0.0, 0.0], [0.3, 0.0]]), np.array([[0.05, 0.0], [-0.45, 0.0]]))
+    rows, columns = assign(cost, 0.5)
+    assert (0, 0) in zip(rows, columns, strict=True)
+
+
+def test_forbidden_pairs_are_never_taken():
+    rows, _ = assign(np.full((2, 2), np.inf), 0.5)
+    assert len(rows) == 0

@@ -1,0 +1,67 @@
+import numpy as np
+import pytest
+from scipy import stats
+from tagalong.perception.config import PerceptionConfig
+from tagalong.perception.tracking import kalman
+
+CONFIG = PerceptionConfig()
+
+
+def start(n, rng):
+    x = np.concatenate((rng.normal(0, 3, (n, 2)), np.zeros((n, 2))), axis=1)
+    return x, np.tile((CONFIG.initial_variance, 0.0, CONFIG.initial_variance), (n, 1))
+
+
+def test_the_batched_filter_equals_filterpy():
+    rng = np.random.default_rng(1)
+    x, p = start(5, rng)
+    singles = [kalman.single_target(row[:2], CONFIG.initial_variance, CONFIG.r) for row in x]
+    for dt in rng.uniform(0.02, 0.2, 60):
+        q = CONFIG.process_variance(dt)
+        x, p = kalman.predict(x, p, dt, q)
+        z, seen = x[:, :2] + rng.normal(0, 0.3, (5, 2)), rng.random(5) < 0.7
+        x[seen], p[seen] = kalman.update(x[seen], p[seen], z[seen], CONFIG.r)
+        for single, measured, is_seen in zip(singles, z, seen, strict=True):
+            kalman.predict_single(single, dt, q)
+            single.update(measured if is_seen else None)
+    np.testing.assert_allclose(x, [single.x for single in singles], rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(kalman.full_covariance(p), [single.P for single in singles], rtol=1e-12, atol=1e-14)
+
+
+def test_errors_and_innovations_agree_with_the_covariance():
+    # truth drawn from the filter's own model, so NEES and NIS must be chi-square distributed
+    rng, n, steps, dt = np.random.default_rng(2), 200, 50, 0.1
+    q, r = CONFIG.process_variance(dt), CONFIG.r
+    x, p = start(n, rng)
+    truth = x + rng.normal(0, np.sqrt(CONFIG.initial_variance), (n, 4))
+    nees, nis = [], []
+    for _ in range(steps):
+        truth[:, :2] += dt * truth[:, 2:]
+        truth += rng.normal(0, np.sqrt(q), (n, 4))
+        x, p = kalman.predict(x, p, dt, q)
+        z = truth[:, :2] + rng.normal(0, np.sqrt(r), (n, 2))
+        nis.append(np.sum((z - x[:, :2]) ** 2, axis=1) / (p[:, 0] + r))
+        x, p = kalman.update(x, p, z, r)
+        error = truth - x
+        nees.append(np.einsum("ni,nij,nj->n", error, np.linalg.inv(kalman.full_covariance(p)), error))
+    for values, degrees in ((np.array(nees), 4), (np.array(nis), 2)):
+        low, high = stats.chi2.ppf((0.0005, 0.9995), degrees * n) / n  # of the mean of n independent targets
+        assert low < values[0].mean() < high
+        assert low < values[-1].mean() < high
+        assert values.mean() == pytest.approx(degrees, rel=0.03)
+
+
+def test_the_input_arrays_stay_untouched():
+    x, p = start(3, np.random.default_rng(3))
+    before = x.copy(), p.copy()
+    kalman.predict(x, p, 0.1, 0.02)
+    kalman.update(x, p, x[:, :2] + 1.0, 0.1)
+    np.testing.assert_array_equal(x, before[0])
+    np.testing.assert_array_equal(p, before[1])
+
+
+@pytest.mark.parametrize("rate_hz", [10, 20, 40])
+def test_process_noise_and_confidence_memory_last_equally_long_at_any_rate(rate_hz):
+    assert rate_hz * CONFIG.process_variance(1 / rate_hz) == pytest.approx(CONFIG.q * CONFIG.reference_rate_hz)
+    left = (1.0 - CONFIG.confidence_weight(1 / rate_hz)) ** rate_hz
+    assert left == pytest.approx(0.95**CONFIG.reference_rate_hz)

@@ -1,0 +1,52 @@
+import numpy as np
+from tagalong.perception.tracking.local_grid import OCCUPIED, LocalGrid
+
+
+class PlainGrid:
+    """The same rules, cell by cell in a dictionary."""
+
+    def __init__(self, resolution, rise_s, fade_s):
+        self.resolution, self.rise_s, self.fade_s, self.cells = resolution, rise_s, fade_s, {}
+
+    def mark(self, points, time_s, dt):
+        for cell in {tuple(cell) for cell in np.floor(points / self.resolution).astype(int)}:
+            self.cells[cell] = (min(1.0, self.evidence(cell, time_s) + dt / self.rise_s), time_s)
+
+    def evidence(self, cell, time_s):
+        value, seen_s = self.cells.get(cell, (0.0, time_s))
+        return value * np.exp((seen_s - time_s) / self.fade_s)
+
+    def is_free(self, points, time_s):
+        around = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)]
+        cells = np.floor(points / self.resolution).astype(int)
+        return np.array([max(self.evidence((x + i, y + j), time_s) for i, j in around) < OCCUPIED for x, y in cells])
+
+
+def test_the_ring_buffer_says_what_a_dictionary_says():
+    rng = np.random.default_rng(0)
+    grid, plain, robot = LocalGrid(0.05, 0.3, 3.0), PlainGrid(0.05, 0.3, 3.0), np.zeros(2)
+    for k in range(60):
+        robot = robot + np.array([0.4, -0.2])
+        points = robot + np.round(rng.uniform(-2, 2, (40, 2)), 1)
+        grid.mark(points, robot, 0.1 * k, 0.1)
+        plain.mark(points, 0.1 * k, 0.1)
+        asked = robot + np.round(rng.uniform(-2, 2, (30, 2)), 1)
+        np.testing.assert_array_equal(grid.is_free(asked, 0.1 * k), plain.is_free(asked, 0.1 * k))
+
+
+def test_a_cell_is_occupied_while_something_stays_and_free_again_afterwards():
+    grid, post = LocalGrid(0.05, 0.3, 3.0), np.array([[1.01, 1.01]])
+    assert grid.is_free(post, 0.0).all()
+    for k in range(10):
+        grid.mark(post, np.zeros(2), 0.1 * k, 0.1)
+    assert not grid.is_free(post, 1.0).any()
+    assert not grid.is_free(post + 0.05, 1.0).any()
+    assert grid.is_free(post + 0.2, 1.0).all()
+    assert grid.is_free(post, 10.0).all()
+
+
+def test_points_beyond_the_grid_leave_it_alone():
+    grid = LocalGrid(0.05, 0.3, 3.0)
+    near = np.array([[0.51, 0.51]])
+    grid.mark(near + np.array([25.6, 0.0]), np.zeros(2), 0.0, 1.0)  # would fall on the same slot
+    assert grid.is_free(near, 0.0).all()

@@ -1,0 +1,53 @@
+import numpy as np
+from tagalong.perception.config import PerceptionConfig
+from tagalong.perception.tracking.memory import LostPeople
+from tagalong.perception.tracking.pairing import better_pairs, mutual_pairs
+from tagalong.perception.tracking.person_tracks import PERSON
+
+
+def spread_of(places):
+    places = np.asarray(places, dtype=float)
+    return np.abs(places[:, None] - places)
+
+
+def test_a_leg_waits_for_its_partner_rather_than_take_a_strangers():
+    spread = spread_of([0.0, 0.2, 0.6, 0.8])  # two people side by side
+    assert mutual_pairs(spread, np.array([True, True, True, True]), 0.5).tolist() == [[0, 1], [2, 3]]
+    assert mutual_pairs(spread, np.array([False, True, True, False]), 0.5).tolist() == []
+
+
+def test_people_who_took_each_others_legs_exchange_them():
+    spread = spread_of([0.0, 0.2, 0.8, 1.0])
+    pairs = better_pairs(spread, np.array([[0, 2], [1, 3]]), np.ones(4), np.zeros(0, dtype=int), 0.15)
+    assert sorted(sorted(pair) for pair in pairs.tolist()) == [[0, 1], [2, 3]]
+
+
+def test_a_person_gives_its_newer_leg_for_a_nearer_one():
+    spread = spread_of([0.0, 0.7, 0.2])
+    pairs = better_pairs(spread, np.array([[0, 1]]), np.array([5.0, 1.0, 0.0]), np.array([2]), 0.15)
+    assert pairs.tolist() == [[0, 2]]
+    kept = better_pairs(spread_of([0.0, 0.7, 0.6]), np.array([[0, 1]]), np.array([5.0, 1.0, 0.0]), np.array([2]), 0.15)
+    assert kept.tolist() == [[0, 1]]
+
+
+def lost_person(config, seconds):
+    person = np.zeros(1, dtype=PERSON)
+    person["id"], person["x"], person["p"], person["unseen_s"] = 7, (1.0, 0.0, 0.5, 0.0), (0.05, 0.0, 0.05), 0.5
+    person["age_s"] = 20.0
+    memory = LostPeople(config)
+    memory.remember(person)
+    for _ in range(round(10 * seconds)):
+        memory.predict(0.1)
+    return memory
+
+
+def test_a_lost_person_is_met_again_where_it_went_but_not_elsewhere_nor_if_it_was_there_before():
+    config, nobody = PerceptionConfig(), np.zeros(0, dtype=PERSON)
+    near, far, young, old = np.array([[1.6, 0.1]]), np.array([[6.0, 0.0]]), np.array([1.0]), np.array([9.0])
+    assert lost_person(config, 2.0).recognise(near, young, nobody).tolist() == [7]
+    assert lost_person(config, 2.0).recognise(far, young, nobody).tolist() == [-1]
+    assert lost_person(config, 2.0).recognise(near, old, nobody).tolist() == [-1]
+    assert lost_person(config, config.memory_s).recognise(near, young, nobody).tolist() == [-1]
+    memory = lost_person(config, 2.0)
+    memory.recognise(near, young, nobody)
+    assert memory.recognise(near, young, nobody).tolist() == [-1]  # met once, lost no more

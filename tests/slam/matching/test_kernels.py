@@ -1,0 +1,104 @@
+"""The numba kernels do what their plain references do."""
+
+import numpy as np
+import pytest
+from tagalong.slam.geometry import compose, inverse, transform_points
+from tagalong.slam.matching.fitness import (
+    lookup_fitness,
+    lookup_fitness_reference,
+    polar_fitness,
+    polar_fitness_reference,
+)
+from tagalong.slam.matching.lookup import LookupConfig, build_lookup
+from tagalong.slam.matching.nearest import nearest_point, nearest_point_reference
+from tagalong.slam.matching.registration import LINE, METRIC, POINT, correspond, normal_equations
+from tagalong.slam.matching.surfaces import SurfaceConfig, find_surfaces
+from tagalong.slam.matching.symmetric import inverse_pose
+from tagalong.slam.scan import LaserScan
+
+
+def random_surfaces(rng, fov):
+    bearings = np.linspace(-fov / 2, fov / 2, 120, endpoint=False)
+    ranges = 3.0 + np.sin(3 * bearings) + rng.normal(0, 0.3, 120)
+    ranges[rng.random(120) < 0.2] = np.inf
+    return find_surfaces(LaserScan(ranges, bearings, 0.1, 10.0), SurfaceConfig())
+
+
+@pytest.mark.parametrize("fov", [np.pi, 1.5 * np.pi, 2 * np.pi])
+@pytest.mark.parametrize("lever", [np.inf, 3.0, 0.5])
+def test_the_nearest_point_along_the_beams_is_the_nearest_of_all(fov, lever):
+    rng = np.random.default_rng(0)
+    surfaces = random_surfaces(rng, fov)
+    for x, y in rng.normal(0, 3, (300, 2)):
+        k = 1.0 if lever == np.inf else lever**2 / (x * x + y * y + lever**2)
+        limit = rng.choice([0.04, 1.0, 400.0])
+        got = nearest_point(x, y, k, surfaces.points, surfaces.rays, surfaces.first, limit)
+        expected = nearest_point_reference(x, y, k, surfaces.points, limit)
+        assert got[0] == expected[0]
+        np.testing.assert_allclose(got[1], expected[1], rtol=1e-9)
+
+
+def test_the_gaussian_table_is_the_highest_gaussian_of_all_points():
+    points = np.random.default_rng(1).uniform(-2, 2, (40, 2))
+    config = LookupConfig()
+    grid = build_lookup(points, config)
+    rows, cols = grid.values.shape
+    x = grid.origin[0] + (np.arange(cols) + 0.5) * grid.resolution
+    y = grid.origin[1] + (np.arange(rows) + 0.5) * grid.resolution
+    square = ((x[None, :, None] - points[:, 0]) ** 2 + (y[:, None, None] - points[:, 1]) ** 2).min(axis=-1)
+    expected = np.where(square <= config.radius**2, 255 * np.exp(-0.5 * square / config.sigma**2), 0.0)
+    assert np.abs(grid.values - expected).max() <= 0.5 + 1e-6
+
+
+def test_the_binary_table_is_a_square_around_each_point():
+    grid = build_lookup(np.array([[0.051, 0.052]]), LookupConfig(pattern="square"))
+    assert set(np.unique(grid.values)) == {0, 255}
+    assert (grid.values > 0).sum() == 16
+
+
+def test_a_population_is_scored_as_one_by_one():
+    rng = np.random.default_rng(2)
+    points, poses = rng.normal(0, 2, (70, 2)), rng.normal(0, 1.5, (50, 3))
+    grid = build_lookup(rng.normal(0, 2, (80, 2)), LookupConfig())
+    fitness = np.empty(50)
+    lookup_fitness(poses, points, grid.values, *grid.origin, grid.resolution, fitness)
+    np.testing.assert_allclose(fitness, lookup_fitness_reference(poses, points, grid), atol=1e-12)
+    ranges = np.where(rng.random(181) < 0.1, np.nan, rng.uniform(1, 4, 181))
+    settings = (ranges, -np.pi / 2, np.pi / 180, 0.5)
+    polar_fitness(poses, points, *settings, fitness)
+    np.testing.assert_allclose(fitness, polar_fitness_reference(poses, points, *settings), atol=1e-12)
+
+
+@pytest.mark.parametrize(("kind", "lever"), [(POINT, np.inf), (LINE, np.inf), (METRIC, 3.0)])
+def test_the_step_is_the_gradient_of_what_is_minimised(kind, lever):
+    rng = np.random.default_rng(3)
+    surfaces = random_surfaces(rng, 2 * np.pi)
+    points = transform_points([0.05, -0.03, 0.04], surfaces.points + rng.normal(0, 0.01, surfaces.points.shape))
+    index, square, moved = np.empty(len(points), np.int32), np.empty(len(points)), np.empty((len(points), 2))
+    system = np.empty((3, 4))
+    pose = np.array([0.02, 0.01, -0.03])
+    correspond(points, pose, lever, surfaces.arrays, 1.0, index, square, moved)
+    normal_equations(kind, pose, lever, surfaces.arrays, 1e6, index, moved, system)
+    gradient = np.empty(3)
+    scratch = np.empty((3, 4))
+    for gene in range(3):
+        sums = []
+        for sign in (1, -1):
+            moved_pose = pose.copy()
+            moved_pose[gene] += sign * 1e-5
+            cos, sin = np.cos(moved_pose[2]), np.sin(moved_pose[2])
+            shifted = points @ np.array([[cos, sin], [-sin, cos]]) + moved_pose[:2]
+            sums.append(normal_equations(kind, moved_pose, lever, surfaces.arrays, 1e6, index, shifted, scratch)[1])
+        gradient[gene] = -0.5 * (sums[0] - sums[1]) / 2e-5
+    # MbICP holds its metric still within a step, so its gradient is right to first order in the distance only.
+    scale = np.abs(system[:, 3]).max()
+    np.testing.assert_allclose(system[:, 3], gradient, atol=(0.15 if kind == METRIC else 1e-3) * scale)
+
+
+def test_the_inverse_pose_and_its_derivative():
+    pose, inverted, jacobian = np.array([0.4, -0.7, 1.1]), np.empty(3), np.empty((3, 3))
+    inverse_pose(pose, inverted, jacobian)
+    np.testing.assert_allclose(inverted, inverse(pose), atol=1e-12)
+    np.testing.assert_allclose(compose(pose, inverted), 0.0, atol=1e-12)
+    numeric = [(inverse(pose + d) - inverse(pose - d)) / 2e-6 for d in np.eye(3) * 1e-6]
+    np.testing.assert_allclose(jacobian, np.array(numeric).T, atol=1e-6)

@@ -1,0 +1,158 @@
+"""Every matcher on synthetic rooms with known answers."""
+
+import numpy as np
+import pytest
+from tagalong.slam.errors import InputError
+from tagalong.slam.geometry import between, compose
+from tagalong.slam.matching import MATCHERS, make_matcher
+from tagalong.slam.scan import LaserScan
+
+BEARINGS = np.radians(np.arange(-90.0, 90.0))
+FULL = np.radians(np.arange(-180.0, 180.0))
+# An oblong with a niche and a pillar: no symmetry. Segments x0 y0 x1 y1.
+ROOM = np.array(
+    [
+        [-3, -2, 4, -2], [4, -2, 4, 3], [4, 3, 1, 3], [1, 3, 1, 4.2], [1, 4.2, -1, 4.2], [-1, 4.2, -1, 3],
+        [-1, 3, -3, 3], [-3, 3, -3, -2], [2, 1, 2.5, 1], [2.5, 1, 2.5, 1.4], [2.5, 1.4, 2, 1.4], [2, 1.4, 2, 1],
+    ],
+    dtype=float,
+)  # fmt: skip
+CORRIDOR = np.array([[-100, -1, 100, -1], [-100, 1, 100, 1]], dtype=float)
+
+
+def scan_of(walls, pose, bearings=BEARINGS, noise=0.0, rng=None, range_max=20.0):
+    """What a laser sees: the first wall along each beam, by solving for each beam and wall."""
+    angle = bearings + pose[2]
+    d = np.stack((np.cos(angle), np.sin(angle)), axis=-1)[:, None]
+    a, s = walls[:, :2] - pose[:2], walls[:, 2:] - walls[:, :2]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        det = d[..., 0] * s[:, 1] - d[..., 1] * s[:, 0]
+        r = (a[:, 0] * s[:, 1] - a[:, 1] * s[:, 0]) / det
+        along = (a[:, 0] * d[..., 1] - a[:, 1] * d[..., 0]) / det
+    ranges = np.where((r > 0) & (along >= 0) & (along <= 1), r, np.inf).min(axis=1)
+    ranges = ranges + (0.0 if rng is None else rng.normal(0.0, noise, len(ranges)))
+    return LaserScan(ranges, bearings, 0.05, range_max)
+
+
+REACH = {"icp": (0.1, 0.08), "plicp": (0.25, 0.2), "mbicp": (0.2, 0.15), "hglasm-g-small": (0.25, 0.25)}
+REACH |= {"hglasm-g-medium": (0.9, 0.9)}
+COARSE = {"pga": (0.3, 0.1), "glasm": (0.3, 0.1), "glasm-g": (0.3, 0.1)}
+
+
+@pytest.mark.parametrize("name", MATCHERS)
+def test_it_finds_the_pose_from_within_its_reach(name):
+    rng = np.random.default_rng(5)
+    matcher = make_matcher(name)
+    linear, angular = REACH.get(name, (1.4, np.pi))
+    near = COARSE.get(name, (0.03, 0.012))
+    for _ in range(4):
+        at = np.array([*rng.uniform(-0.6, 0.6, 2), rng.uniform(-3, 3)])
+        moved = compose(at, [*rng.uniform(-0.2, 0.2, 2), rng.uniform(-0.3, 0.3)])
+        truth = between(at, moved)
+        guess = truth + rng.uniform(-1, 1, 3) * [linear, linear, angular]
+        scans = [scan_of(ROOM, pose, FULL, 0.01, rng) for pose in (at, moved)]
+        match = matcher.match(*scans, guess)
+        error = between(truth, match.pose)
+        assert np.hypot(error[0], error[1]) < near[0]
+        assert abs(error[2]) < near[1]
+        assert name in COARSE or (match.converged and match.score > 0.8)
+
+
+@pytest.mark.parametrize("name", MATCHERS)
+def test_equal_questions_have_equal_answers_in_any_order(name):
+    rng = np.random.default_rng(1)
+    a, b, c = (scan_of(ROOM, pose, noise=0.01, rng=rng) for pose in ([0, 0, 0], [0.1, 0, 0.05], [0.3, 0.2, 0.4]))
+    matcher = make_matcher(name)
+    first = matcher.match(a, b, [0, 0, 0])
+    matcher.match(b, c, [0, 0, 0])
+    for again in (matcher.match(a, b, [0, 0, 0]), make_matcher(name).match(a, b, [0, 0, 0])):
+        np.testing.assert_array_equal(again.pose, first.pose)
+        np.testing.assert_array_equal(again.covariance, first.covariance)
+
+
+EMPTY = np.full(180, np.inf)
+FEW = EMPTY.copy()
+FEW[[20, 90, 150]] = 2.0
+TWO_WALLS = scan_of(CORRIDOR, [0, 0, 0]).ranges
+DEGENERATE = {
+    "empty": EMPTY,
+    "three points": FEW,
+    "NaN": np.full(180, np.nan),
+    "all too near": np.zeros(180),
+    "all at the farthest range": np.full(180, 20.0),
+}
+
+
+@pytest.mark.parametrize("name", MATCHERS)
+@pytest.mark.parametrize("kind", DEGENERATE)
+def test_scans_that_say_nothing_are_never_believed(name, kind):
+    nothing = LaserScan(DEGENERATE[kind], BEARINGS, 0.05, 20.0)
+    room = scan_of(ROOM, [0, 0, 0])
+    matcher = make_matcher(name)
+    for pair in ((nothing, room), (room, nothing), (nothing, nothing)):
+        match = matcher.match(*pair, [0.1, 0.0, 0.0])
+        assert np.isfinite(match.pose).all()
+        assert np.linalg.eigvalsh(match.covariance)[0] > 0.0
+        # The arc of farthest ranges matches itself, at any heading: its covariance says so.
+        assert not match.converged or match.covariance[2, 2] > 1.0 or np.trace(match.covariance) > 1.0
+
+
+@pytest.mark.parametrize("name", MATCHERS)
+@pytest.mark.parametrize("noise", [0.0, 0.01, 0.03])
+def test_along_a_corridor_the_covariance_is_metres_wide_and_across_it_centimetres(name, noise):
+    rng = np.random.default_rng(2)
+    at, moved = np.array([0.0, 0.1, 0.2]), np.array([0.15, 0.05, 0.25])
+    scans = [scan_of(CORRIDOR, pose, FULL, noise, rng, range_max=8.0) for pose in (at, moved)]
+    match = make_matcher(name).match(*scans, between(at, moved) + np.array([0.05, 0.02, 0.02]))
+    along, across = np.array([np.cos(-0.2), np.sin(-0.2), 0.0]), np.array([-np.sin(-0.2), np.cos(-0.2), 0.0])
+    assert np.sqrt(along @ match.covariance @ along) > 0.5
+    assert np.sqrt(across @ match.covariance @ across) < 0.05
+    error = between(between(at, moved), match.pose)
+    # A corridor looks the same from behind: what searches the whole circle may turn round.
+    if name not in COARSE and abs(error[2]) < 1.0:
+        assert abs(across @ error) < 0.05
+    assert abs(error[2]) < 1.0 or name in ("pga", "glasm", "glasm-g", "hglasm-g-large", "global")
+    assert name != "global" or not match.converged
+
+
+@pytest.mark.parametrize("name", ["plicp", "global"])
+def test_the_covariance_is_of_the_size_of_the_errors(name):
+    rng = np.random.default_rng(3)
+    matcher, squares = make_matcher(name), []
+    for _ in range(60):
+        at = np.array([*rng.uniform(-0.6, 0.6, 2), rng.uniform(-3, 3)])
+        moved = compose(at, [*rng.uniform(-0.1, 0.1, 2), rng.uniform(-0.1, 0.1)])
+        match = matcher.match(*(scan_of(ROOM, p, FULL, 0.01, rng) for p in (at, moved)), between(at, moved))
+        error = match.pose - between(at, moved)
+        squares.append(error @ np.linalg.solve(match.covariance, error))
+    assert 1.0 < np.mean(squares) < 9.0  # 3 of a perfect one
+
+
+def test_global_recovers_where_icp_does_not():
+    rng = np.random.default_rng(4)
+    at, moved = np.array([0.2, -0.3, 0.4]), np.array([0.3, 0.1, 2.9])
+    scans = [scan_of(ROOM, pose, FULL, 0.01, rng) for pose in (at, moved)]
+    truth, guess = between(at, moved), np.zeros(3)
+    found = make_matcher("global").match(*scans, guess)
+    np.testing.assert_allclose(found.pose, truth, atol=0.02)
+    assert found.converged and not found.ambiguous  # noqa: PT018
+    for name in ("icp", "plicp", "mbicp"):
+        assert np.abs(between(truth, make_matcher(name).match(*scans, guess).pose)).max() > 0.3
+
+
+def test_a_room_that_looks_the_same_from_behind_is_ambiguous():
+    walls = np.array([[-3, -2, 3, -2], [3, -2, 3, 2], [3, 2, -3, 2], [-3, 2, -3, -2]], dtype=float)
+    scans = [scan_of(walls, pose, FULL, 0.005, np.random.default_rng(n)) for n, pose in enumerate(np.zeros((2, 3)))]
+    match = make_matcher("global").match(*scans, [0, 0, 0])
+    assert match.ambiguous
+    assert match.alternatives is not None
+    assert abs(abs(match.alternatives[0][2] - match.pose[2]) - np.pi) < 0.05
+
+
+def test_bad_names_and_fields_are_named():
+    with pytest.raises(InputError, match="unknown scan matcher 'ipc'"):
+        make_matcher("ipc")
+    with pytest.raises(InputError, match="'plicp'"):
+        make_matcher("plicp", wibble=1)
+    with pytest.raises(InputError, match="kept"):
+        make_matcher("icp", kept=1.5)

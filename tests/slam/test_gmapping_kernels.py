@@ -1,0 +1,186 @@
+"""The kernels against plain numpy, and the tiles they work on."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from tagalong.slam.errors import InputError
+from tagalong.slam.gmapping import reference
+from tagalong.slam.gmapping.match_kernels import accumulate, solve
+from tagalong.slam.gmapping.search_kernels import search
+from tagalong.slam.gmapping.tile_kernels import SIDE
+from tagalong.slam.gmapping.tile_maps import TileMaps
+from tagalong.slam.gmapping.workers import Workers
+from tagalong.slam.grid import GridConfig, OccupancyGrid, render_map
+from tagalong.slam.grid_kernels import write_scan, write_scan_reference
+from tagalong.slam.rays import ray_cells
+from tagalong.slam.scan import LaserScan
+
+FULLNESS = 0.1
+coordinate = st.floats(-20.0, 20.0, allow_nan=False)
+
+
+def room_scan(rng, n=200, lower=(-3.1, -2.3), upper=(4.2, 3.7)):
+    """Ends of rays from (0, 0) in a rectangular room, noisy [m]."""
+    angles = np.linspace(-np.pi, np.pi, n, endpoint=False)
+    directions = np.stack((np.cos(angles), np.sin(angles)), axis=-1)
+    with np.errstate(divide="ignore"):
+        ranges = np.maximum(np.array(lower) / directions, np.array(upper) / directions).min(axis=1)
+    return directions * (ranges + rng.normal(0.0, 0.01, n))[:, None]
+
+
+def plain(maps, particle=0):
+    """counts, means and bits of one particle as plain grids, and their corner in cells."""
+    directory = maps.directory[particle]
+    rows, cols = directory.shape
+
+    def join(tiles):
+        return tiles.reshape(rows, cols, SIDE, SIDE, -1).swapaxes(1, 2).reshape(rows * SIDE, cols * SIDE, -1)
+
+    bits = (maps.bits[directory][..., None] >> np.arange(SIDE, dtype=np.uint32)) & 1
+    return join(maps.counts[directory]), join(maps.means[directory]), join(bits)[..., 0].astype(bool)
+
+
+def written_maps(rng, particles=1, scans=3):
+    maps = TileMaps(particles, 0.05, FULLNESS, Workers(1))
+    for _ in range(scans):
+        poses = rng.normal(0.0, [0.1, 0.1, 0.05], (particles, 3))
+        points = room_scan(rng)
+        maps.write(poses, points, rng.random(len(points)) < 0.9)
+    return maps
+
+
+@settings(max_examples=60, deadline=None)
+@given(coordinate, coordinate, coordinate, coordinate)
+def test_a_ray_visits_a_chain_of_neighbouring_cells_from_start_to_end(x0, y0, x1, y1):
+    cells = ray_cells(x0, y0, x1, y1)
+    assert np.abs(np.diff(cells, axis=0)).max(initial=0) <= 1
+    assert np.abs(cells[0] - np.floor([y0, x0])).max() <= 1
+    assert np.abs(cells[-1] - np.floor([y1, x1])).max() <= 1
+
+
+def test_the_grid_kernel_equals_numpy():
+    rng = np.random.default_rng(0)
+    grids = [(np.zeros((60, 70), np.float32), np.zeros((60, 70), np.int32)) for _ in range(2)]
+    for stamp in range(1, 5):
+        start, ends = rng.uniform(10, 50, 2), rng.uniform(1, 59, (80, 2))
+        is_hit = rng.random(80) < 0.7
+        arguments = (*start, ends, is_hit, 0.8, -0.4, 1.5, stamp)
+        write_scan(*arguments, *grids[0])
+        write_scan_reference(*arguments, *grids[1])
+    np.testing.assert_allclose(grids[0][0], grids[1][0], atol=1e-6)
+    np.testing.assert_array_equal(grids[0][1], grids[1][1])
+
+
+def test_counted_cells_equal_numpy():
+    rng = np.random.default_rng(1)
+    maps = TileMaps(1, 0.05, FULLNESS, Workers(1))
+    points = room_scan(rng, 500)
+    is_hit = rng.random(500) < 0.8
+    pose = np.array([[0.31, -0.22, 0.4]])
+    maps.write(pose, points, is_hit)
+    counts, means, occupied = plain(maps)
+    turn = np.array([[np.cos(0.4), np.sin(0.4)], [-np.sin(0.4), np.cos(0.4)]])
+    start, ends = maps.to_cells(pose[0, :2]), maps.to_cells(points @ turn + pose[0, :2])
+    expected, sums = reference.count_rays(*start, ends, is_hit, counts.shape[:2])
+    np.testing.assert_array_equal(counts, expected)
+    hit = expected[..., 0] > 0
+    np.testing.assert_allclose(means[hit], (sums[hit] / expected[hit][:, :1]), atol=1e-5)
+    np.testing.assert_array_equal(occupied, expected[..., 0] > FULLNESS * expected[..., 1])
+
+
+def test_normal_equations_equal_numpy_and_a_step_solves_them():
+    rng = np.random.default_rng(2)
+    maps = written_maps(rng)
+    _, means, occupied = plain(maps)
+    rows, cols = np.nonzero(occupied)
+    centres = np.stack((cols, rows), axis=-1) + means[rows, cols]
+    pose = np.append(maps.to_cells(np.array([0.05, -0.03])), 0.02)
+    points = room_scan(rng, 150) / 0.05
+    system = np.zeros((3, 4))
+    known, lines = np.full(len(points), -1), np.zeros((len(points), 5))
+    tiles = maps.directory[0], maps.means, maps.bits
+    for _ in range(2):  # lines looked up anew, then remembered
+        _, loss = accumulate(pose, points, 1, 3, 2.0, 0.15, *tiles, known, lines, system)
+    expected, expected_loss = reference.normal_equations(pose, points, 3, 2.0, 0.15, centres)
+    np.testing.assert_allclose(system, expected, rtol=1e-6, atol=1e-4)
+    assert loss == pytest.approx(expected_loss, rel=1e-6)
+    step = np.zeros(3)
+    assert solve(system, step)
+    np.testing.assert_allclose(system[:, :3] @ step, -system[:, 3], rtol=1e-6, atol=1e-6)
+    assert not solve(np.zeros((3, 4)), step)
+
+
+def test_the_search_finds_the_best_of_all_samples():
+    rng = np.random.default_rng(3)
+    maps = written_maps(rng)
+    _, _, occupied = plain(maps)
+    prior = np.append(maps.to_cells(np.array([0.25, -0.2])), 0.15)
+    root = np.linalg.cholesky(np.diag([5.0, 5.0, 0.1]) ** 2)
+    samples, points = rng.standard_normal((200, 3)), room_scan(rng, 60) / 0.05
+    pose = np.zeros(3)
+    search(prior, root, samples, points, 30.0, maps.directory[0], maps.bits, pose)
+    poses, values = reference.sample_values(prior, root, samples, points, 30.0, occupied)
+    np.testing.assert_allclose(pose, poses[np.argmax(values)], rtol=1e-12)
+
+
+def test_a_changed_child_never_changes_its_parent_and_shares_what_it_did_not_touch():
+    rng = np.random.default_rng(4)
+    maps = written_maps(rng, particles=3)
+    before = [[array.copy() for array in plain(maps, p)] for p in range(3)]
+    stored = maps.tiles
+    maps.resample(np.array([1, 1, 2]))
+    assert maps.tiles < stored
+    for p, parent in enumerate((1, 1, 2)):
+        for now, then in zip(plain(maps, p), before[parent], strict=True):
+            np.testing.assert_array_equal(now, then)
+    shared = maps.tiles
+    poses = np.array([[0.0, 0.0, 0.0], [0.5, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    maps.write(poses, np.array([[0.6, 0.1]]), np.array([True]))
+    assert shared <= maps.tiles <= shared + 4
+    one, two = plain(maps, 0)[0], plain(maps, 1)[0]
+    start = before[1][0]
+    row, col = np.floor(maps.to_cells(np.array([0.6, 0.1])))[::-1].astype(int)
+    assert (one[row, col] == start[row, col] + 1).all()
+    assert (two[row, col] == start[row, col]).all()
+    changed = (one != start).any(axis=-1) & (two != start).any(axis=-1)
+    assert changed.sum() < (one != start).any(axis=-1).sum()
+
+
+def test_maps_grow_in_every_direction_and_keep_what_they_had():
+    maps = TileMaps(1, 0.05, FULLNESS, Workers(1))
+    for angle in np.arange(0.0, 2.0 * np.pi, 0.7):
+        maps.write(np.array([[0.0, 0.0, angle]]), np.array([[9.0 + angle, 0.01]]), np.array([True]))
+    counts, _, occupied = plain(maps)
+    assert occupied.sum() == 9
+    row, col = np.floor(maps.to_cells(np.zeros(2)))[::-1].astype(int)
+    assert counts[row, col, 1] == 9
+
+
+def test_a_rendered_map_has_walls_where_they_are_and_is_free_inside():
+    rng = np.random.default_rng(5)
+    points = room_scan(rng, 720)
+    bearings = np.arctan2(points[:, 1], points[:, 0])
+    order = np.argsort(bearings)
+    scan = LaserScan(np.linalg.norm(points, axis=1)[order], bearings[order], 0.1, 30.0)
+    result = render_map(np.zeros((5, 3)), [scan] * 5, GridConfig(resolution=0.02))
+    walls = result.occupied_points
+    distance = np.abs(np.stack((walls - (-3.1, -2.3), walls - (4.2, 3.7)))).min(axis=(0, 2))
+    assert distance.max() < 0.06
+    row, col = ((np.zeros(2) - result.origin) / 0.02).astype(int)[::-1]
+    assert result.free[row, col]
+    assert not result.known[0, 0] or result.occupied[0, 0]
+    assert not OccupancyGrid().to_map().known.any()
+
+
+def test_a_grid_refuses_to_grow_beyond_reason():
+    scan = LaserScan(np.array([5.0]), np.array([0.0]), 0.1, 8.0)
+    with pytest.raises(InputError, match="the map would grow to"):
+        render_map(np.array([[0.0, 0.0, 0.0], [1e7, 1e7, 0.0]]), [scan] * 2)
+
+
+def test_rays_beyond_the_longest_range_free_cells_but_hit_nothing():
+    scan = LaserScan(np.array([5.0, np.inf, np.nan]), np.array([-0.5, 0.0, 0.5]), 0.1, 8.0)
+    assert not render_map(np.zeros((1, 3)), [scan], GridConfig(max_range=3.0)).occupied.any()
+    cleared = render_map(np.zeros((1, 3)), [scan], GridConfig(max_range=3.0, clear_no_return=True))
+    assert cleared.free.sum() > 2 * 0.8 * 3.0 / 0.05

@@ -1,0 +1,64 @@
+"""Motion model, resampling and paths: statistics with known answers."""
+
+import numpy as np
+import pytest
+from tagalong.slam.geometry import between, compose
+from tagalong.slam.gmapping.motion import MotionModel
+from tagalong.slam.gmapping.paths import PathTree
+from tagalong.slam.gmapping.resampling import effective_number, normalised, systematic
+
+INCREMENTS = np.array([[0.1, 0.0, 0.05], [0.1, 0.01, 0.05], [0.05, -0.02, -0.1], [0.2, 0.0, 0.2]])
+
+
+def test_the_covariance_of_gathered_odometry_is_that_of_sampled_drives():
+    rng = np.random.default_rng(0)
+    model = MotionModel(0.1, 0.1, 0.05, 0.1)
+    drives = rng.standard_normal((100_000, 3)) * np.sqrt(np.diag(model.covariance))
+    errors = rng.standard_normal(drives.shape)  # of one sign all the way
+    for increment in INCREMENTS:
+        model.add(increment)
+        drives = compose(drives, increment + errors * model.deviations(increment))
+    np.testing.assert_allclose(drives.mean(axis=0), model.mean, atol=4e-3)
+    np.testing.assert_allclose(np.cov(drives.T), model.covariance, rtol=0.05, atol=2e-5)
+    assert model.travelled == pytest.approx(np.hypot(*INCREMENTS[:, :2].T).sum())
+    assert model.turned == pytest.approx(0.4)
+    model.reset()
+    assert not model.mean.any()
+    assert model.covariance.max() < 1e-4
+
+
+def test_the_covariance_does_not_depend_on_how_often_odometry_is_read():
+    coarse, fine = MotionModel(0.1, 0.1, 0.05, 0.1), MotionModel(0.1, 0.1, 0.05, 0.1)
+    coarse.add(np.array([0.5, 0.0, 0.0]))
+    for _ in range(20):
+        fine.add(np.array([0.025, 0.0, 0.0]))
+    np.testing.assert_allclose(np.diag(fine.covariance)[[0, 2]], np.diag(coarse.covariance)[[0, 2]], rtol=1e-9)
+
+
+def test_deviations_follow_the_four_parameters():
+    model = MotionModel(0.1, 0.2, 0.3, 0.4)
+    np.testing.assert_allclose(model.deviations(np.array([2.0, 0.0, 0.0])), [0.2, 0.06, 0.4])
+    np.testing.assert_allclose(model.deviations(np.array([0.0, 0.0, -1.0])), [0.3, 0.3, 0.4])
+
+
+def test_systematic_resampling_is_unbiased_and_never_off_by_one():
+    weights = normalised(np.log([0.05, 0.37, 0.13, 0.26, 0.19]))
+    draws = [np.bincount(systematic(weights, u), minlength=5) for u in np.linspace(0.0, 1.0, 2000, endpoint=False)]
+    np.testing.assert_allclose(np.mean(draws, axis=0), 5 * weights, atol=5e-3)
+    assert np.abs(np.array(draws) - 5 * weights).max() < 1.0
+
+
+def test_the_effective_number_counts_equal_weights_and_ignores_scale():
+    assert effective_number(normalised(np.full(8, -1234.5))) == pytest.approx(8.0)
+    assert effective_number(normalised(np.array([0.0, -800.0, -900.0]))) == pytest.approx(1.0)
+
+
+def test_a_path_leads_through_resampled_ancestors():
+    tree = PathTree()
+    tree.append(np.array([[0.0, 0, 0], [1.0, 0, 0], [2.0, 0, 0]]))
+    tree.resample(np.array([2, 2, 0]))
+    tree.append(np.array([[10.0, 0, 0], [11.0, 0, 0], [12.0, 0, 0]]))
+    tree.append(np.array([[20.0, 0, 0], [21.0, 0, 0], [22.0, 0, 0]]))
+    np.testing.assert_array_equal(tree.path(1)[:, 0], [2.0, 11.0, 21.0])
+    np.testing.assert_array_equal(tree.path(2)[:, 0], [0.0, 12.0, 22.0])
+    np.testing.assert_allclose(between(tree.path(0)[0], tree.path(0)[1]), [8.0, 0.0, 0.0])

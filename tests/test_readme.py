@@ -1,0 +1,45 @@
+"""What the README shows, runs."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tagalong.slam.logs.carmen_writer import write_carmen
+from tagalong.slam.logs.drive import RecordedDrive
+from tagalong.slam.scan import LaserScan
+
+README = (Path(__file__).resolve().parents[1] / "README.md").read_text()
+PROGRAMS = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A folder with a short recorded drive along a square room."""
+    bearings = np.linspace(-np.pi / 2, np.pi / 2, 181)
+    odometry = np.stack((np.arange(12) * 0.1, np.zeros(12), np.zeros(12)), axis=-1)
+    scans = []
+    for x in odometry[:, 0]:
+        ahead = (4.0 - x) / np.maximum(np.cos(bearings), 1e-9)
+        aside = 2.0 / np.maximum(np.abs(np.sin(bearings)), 1e-9)
+        scans.append(LaserScan(np.minimum(ahead, aside), bearings, 0.1, 30.0))
+    write_carmen(tmp_path / "drive.log.gz", RecordedDrive(odometry, scans, None, "drive"))
+    return tmp_path
+
+
+def test_the_readme_shows_programs():
+    assert len(PROGRAMS) >= 3
+
+
+@pytest.mark.parametrize("program", PROGRAMS, ids=lambda text: text.splitlines()[0])
+def test_a_program_of_the_readme_runs(program, folder):
+    done = subprocess.run([sys.executable, "-c", program], cwd=folder, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.strip()
+
+
+def test_slam_takes_at_most_ten_lines_of_python():
+    (slam,) = [program for program in PROGRAMS if "make_slam" in program]
+    assert len([line for line in slam.splitlines() if line]) <= 10
