@@ -8,6 +8,7 @@ from scipy.sparse.linalg import splu
 from .pose_graph import PoseGraph
 
 Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 
 
 def initialise(graph: PoseGraph, fixed: int = 0) -> PoseGraph:
@@ -31,8 +32,8 @@ def initialise(graph: PoseGraph, fixed: int = 0) -> PoseGraph:
 
 
 def _solve(
-    n: int, edges: NDArray[np.int64], weights: Array, factors: Array, offsets: Array, fixed: int, value: complex
-) -> Array:
+    n: int, edges: NDArray[np.int64], weights: Array, factors: Complex, offsets: Complex, fixed: int, value: complex
+) -> Complex:
     """Return (n,) complex v with v[fixed] = value of least sum w |v_j - factor v_i - offset|^2."""
     rows = np.arange(len(edges))
     root = np.sqrt(weights)
