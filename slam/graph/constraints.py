@@ -71,7 +71,7 @@ class ConstraintConfig:
         min_points: Fewer points than this match nothing.
     """
 
-    weight: float = 2.0
+    weight: float = 1.5
     intra_sigma: tuple[float, float] = (0.003, 0.001)
     inter_sigma: tuple[float, float] = (0.01, 0.003)
     min_score: float = 0.6

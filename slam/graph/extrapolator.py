@@ -24,8 +24,8 @@ class ExtrapolatorConfig:
         rotation_per_radian: Of the rotation, more for each radian [rad/rad].
     """
 
-    translation_floor: float = 0.005
-    translation_per_metre: float = 0.1
+    translation_floor: float = 0.03
+    translation_per_metre: float = 0.06
     translation_per_radian: float = 0.05
     rotation_floor: float = 0.005
     rotation_per_metre: float = 0.075

@@ -36,7 +36,7 @@ class ScanMatcherConfig:
         retry_sigmas: How many times wider the odometry's errors count then.
     """
 
-    weight: float = 2.0
+    weight: float = 1.5
     sigmas: float = 3.0
     max_linear: float = 0.5
     max_angular: float = 0.5
@@ -44,8 +44,8 @@ class ScanMatcherConfig:
     search_points: int = 100
     iterations: int = 20
     min_points: int = 10
-    retry_below: float = 0.6
-    retry_gain: float = 0.2
+    retry_below: float = 0.4
+    retry_gain: float = 0.35
     retry_sigmas: float = 10.0
 
     def __post_init__(self) -> None:
