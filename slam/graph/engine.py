@@ -12,6 +12,7 @@ from ..geometry import between, compose, wrap_angle
 from ..grid import GridConfig, render_map
 from ..occupancy_map import OccupancyMap
 from ..scan import LaserScan
+from .constraints import Constraint
 from .global_slam import GlobalSlam, GlobalSlamConfig
 from .local_slam import LocalSlam, LocalSlamConfig
 
@@ -101,6 +102,21 @@ class Cartographer:
     def online_trajectory(self) -> Array:
         """Return (n, 3) T_map_robot as `update` returned them, each the best knowledge of its time."""
         return np.array(self._online).reshape(-1, 3)
+
+    @property
+    def constraints(self) -> tuple[Constraint, ...]:
+        """All constraints of the graph in force; those with `searched` are loop closures."""
+        return tuple(self._global.constraints) if self._global else ()
+
+    @property
+    def rejected(self) -> int:
+        """How many constraints were dropped because the adjusted graph contradicts them."""
+        return self._global.rejected if self._global else 0
+
+    @property
+    def node_scans(self) -> list[int]:
+        """The scan that each node of the graph is, in order."""
+        return list(self._inserted)
 
     def map(self) -> OccupancyMap:
         """Return the map that the inserted scans draw, with cells of `resolution`."""

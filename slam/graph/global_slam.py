@@ -28,6 +28,7 @@ class GlobalSlamConfig:
         max_distance: Submaps whose origin is farther from a node than this are not matched [m].
         known_for: A submap that tied a node counts as well placed for so many nodes after it: no search is needed.
         kernel_width: Of INTER constraints, in standard deviations.
+        odometry_share: Share of its information with which odometry ties a node to the one before.
         reject_beyond: INTER constraints that the adjusted graph contradicts by more standard deviations are dropped.
         nearest: A node is matched with at most so many known submaps.
         search_every: One global search for each so many metres travelled [m].
@@ -40,13 +41,14 @@ class GlobalSlamConfig:
     max_distance: float = 15.0
     known_for: int = 20
     kernel_width: float = 4.0
+    odometry_share: float = 0.02
     reject_beyond: float = 12.0
     passes: int = 2
     nearest: int = 4
     search_every: float = 0.4
 
     def __post_init__(self) -> None:
-        for name in ("adjust_every", "max_distance", "known_for", "kernel_width", "reject_beyond"):
+        for name in ("adjust_every", "max_distance", "known_for", "kernel_width", "odometry_share", "reject_beyond"):
             if not getattr(self, name) > 0:
                 raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
 
@@ -205,13 +207,13 @@ class GlobalSlam:
         first, constraints, steps = len(self._submap_poses), self.constraints, self.nodes[1:]
         edges = [(c.submap, first + c.node) for c in constraints]
         edges += [(first + k, first + k + 1) for k in range(len(steps))]
-        soft = self._config.kernel_width
+        soft, share = self._config.kernel_width, self._config.odometry_share
         widths = [np.inf if c.kind is Kind.INTRA else soft for c in constraints] + [soft] * len(steps)
         return PoseGraph(
             np.array(self._submap_poses + self._node_poses),
             np.array(edges, dtype=np.int64),
             np.array([c.pose for c in constraints] + [node.motion.pose for node in steps]),
-            np.array([c.information for c in constraints] + [node.motion.information for node in steps]),
+            np.array([c.information for c in constraints] + [share * node.motion.information for node in steps]),
             np.array(widths),
         )
 
