@@ -45,7 +45,7 @@ class GlobalSlamConfig:
     odometry_share: float = 0.02
     reject_beyond: float = 12.0
     final_residual: tuple[float, float] = (0.2, 0.0175)
-    passes: int = 1
+    passes: int = 2
     nearest: int = 4
     search_every: float = 0.4
 
