@@ -96,8 +96,8 @@ class PerceptionConfig:
     memory_least_s: float = 5.0
     memory_distance: float = 3.0
     memory_overlap_s: float = 0.5
-    meet_distance: float = 0.6
-    meet_age_s: float = 0.3
+    meet_distance: float = 0.8
+    meet_age_s: float = 0.2
     doubt_s: float = 1.0
     grid_resolution: float = 0.05
     grid_rise_s: float = 0.3

@@ -88,8 +88,8 @@ class LegTracks:
         rows["confidence"][seen] += gain * d[found]
         rows["unseen_s"][seen] = 0.0
         rows["seen"][seen] = z[found]
-        rows["low"][seen] = np.minimum(rows["low"][seen], x[:, :2])
-        rows["high"][seen] = np.maximum(rows["high"][seen], x[:, :2])
+        rows["low"][seen] = np.minimum(rows["low"][seen], z[found])
+        rows["high"][seen] = np.maximum(rows["high"][seen], z[found])
 
     def measure_apart(self, dt: float) -> None:
         """Take the present distances into their running means."""

@@ -60,7 +60,7 @@ class GlobalConfig:
     points: int = 180
     sigma: float = 0.03
     margin: float = 0.3
-    free_space: float = 0.5
+    free_space: float = 1.0
     rival: float = 0.95
     refinement: IterativeConfig = _REFINEMENT
 
@@ -126,16 +126,19 @@ class GlobalMatcher:
         return self._pyramid
 
     def _explains(self, reference: Surfaces, new: Surfaces, pose: NDArray[np.float64]) -> float:
-        """Return the mean of (hits - contradictions) a point, seen from both scans."""
+        """Return the share of hits among what both scans could see of each other: hits and contradictions.
+
+        A fifth of the reference's points is added below, so that a few hits at the rim do not win.
+        """
         config = self.config
-        total = 0.0
+        hits, against = 0.0, 0.0
         for points, T, seen in ((new, pose, reference), (reference, inverse(pose), new)):
-            hits, against = agreement(
+            met, contradicted = agreement(
                 points.points, T, seen.points, seen.rays, seen.feet, seen.normals, seen.first,
                 config.sigma, config.margin,
             )  # fmt: skip
-            total += (hits - config.free_space * against) / len(points)
-        return 0.5 * total
+            hits, against = hits + met, against + contradicted
+        return float(hits / (hits + config.free_space * against + 0.2 * len(reference)))
 
     def _rivals(self, best: Refined, other: Refined, best_score: float, score: float) -> bool:
         """Return whether `other` is a different pose that is about as good."""
