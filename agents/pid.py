@@ -91,7 +91,7 @@ class PIDFollower:
         if goal.mode is Mode.WAIT:
             return self._command(0.0, 0.0)
         if goal.mode is Mode.SEARCH:
-            return self._command(0.0, self._memory.search_side * self.config.memory.search_turn_rate)
+            return self._command(0.0, self._memory.search_turn)
         obstacles = self._obstacles(observation, goal)
         way = free_heading(goal.bearing, goal.distance, obstacles, self._deviation, self.config.avoidance)
         self._deviation = way.heading - goal.bearing

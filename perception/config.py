@@ -54,6 +54,7 @@ class PerceptionConfig:
             seen: tracks overlap when a person is taken for two [s].
         meet_distance: Legs this close to where a lost person must be are its own without moving `delta` again [m].
         meet_age_s: When they have been tracked for this long [s].
+        meet_alone_s: When only one leg of the lost person is seen, it must have been tracked for this long [s].
         doubt_s: A person of whom no leg was seen for this long may be the newcomer nearby [s].
         grid_resolution: Side of a cell of the local occupancy grid [m].
         grid_rise_s: Time under non-human points until a cell counts as occupied [s].
@@ -98,6 +99,7 @@ class PerceptionConfig:
     memory_overlap_s: float = 0.5
     meet_distance: float = 0.8
     meet_age_s: float = 0.2
+    meet_alone_s: float = 0.4
     doubt_s: float = 1.0
     grid_resolution: float = 0.05
     grid_rise_s: float = 0.3

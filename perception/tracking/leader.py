@@ -27,6 +27,9 @@ class LeaderConfig:
         search_distance: And never farther from it than this [m].
         search_overlap_s: How long somebody may have been tracked before the leader was last seen and still be it: the
             old track may have slid off to something else [s].
+        twin_distance: Somebody tracked nearer to the leader than this is a second track of the leader: no two bodies
+            are that near [m]. A twin takes over when the leader's own track is unseen.
+        twin_patience_s: For how long it must be unseen [s].
     """
 
     onset_s: float = 1.0
@@ -36,6 +39,8 @@ class LeaderConfig:
     search_sigmas: float = 2.0
     search_distance: float = 8.0
     search_overlap_s: float = 3.0
+    twin_distance: float = 0.4
+    twin_patience_s: float = 0.3
 
     def __post_init__(self) -> None:
         for name in ("onset_near", "onset_far", "search_sigmas", "search_distance"):
@@ -83,6 +88,7 @@ class LeaderSelector:
         self._time_s = self._chosen_s = 0.0
         self._waiting_since = np.inf
         self._search: KalmanFilter | None = None
+        self._twins: set[int] = set()
 
     def update(self, people: People, robot_pose: ArrayLike) -> Leader | None:
         """Return the leader among `people` with the robot at `robot_pose` (3,), both in the odometry frame.
@@ -95,7 +101,7 @@ class LeaderSelector:
             self._choose(people, np.asarray(robot_pose, dtype=np.float64)[:2])
         elif before.track_id in people.ids:
             self._search = None
-            self._leader = _as_leader(people, int(np.flatnonzero(people.ids == before.track_id)[0]), before.id)
+            self._keep(people, before)
         else:
             self._look_for(people, before, dt)
         return self._leader
@@ -113,6 +119,21 @@ class LeaderSelector:
         nearest = int(apart.argmin())
         self._leader = _as_leader(people, nearest, int(people.ids[nearest]))
 
+    def _keep(self, people: People, before: Leader) -> None:
+        """Go on with the leader's track, or with its twin once it is unseen."""
+        config = self._leader_config
+        own = int(np.flatnonzero(people.ids == before.track_id)[0])
+        apart = np.hypot(*(people.positions - people.positions[own]).T)
+        apart[own] = np.inf
+        self._twins |= {int(number) for number in people.ids[apart < config.twin_distance]}
+        able = self._is_twin(people) & (people.unseen_s == 0.0) & (apart < np.inf)
+        if people.unseen_s[own] > config.twin_patience_s and able.any():
+            own = int(np.argmin(np.where(able, apart, np.inf)))
+        self._leader = _as_leader(people, own, before.id)
+
+    def _is_twin(self, people: People) -> NDArray[np.bool_]:
+        return np.array([int(number) in self._twins for number in people.ids], dtype=bool)
+
     def _look_for(self, people: People, before: Leader, dt: float) -> None:
         search, config = self._search, self._leader_config
         if search is None:
@@ -124,7 +145,7 @@ class LeaderSelector:
         unseen_s = before.unseen_s + dt
         gate = min(config.search_distance, config.search_sigmas * float(np.sqrt(search.P[0, 0])))
         apart = np.hypot(*(people.positions - search.x[:2]).T)
-        apart[people.age_s > unseen_s + config.search_overlap_s] = np.inf
+        apart[(people.age_s > unseen_s + config.search_overlap_s) & ~self._is_twin(people)] = np.inf
         if len(people) and apart.min() < gate:
             self._search = None
             self._leader = _as_leader(people, int(apart.argmin()), before.id)

@@ -50,10 +50,18 @@ class LostPeople:
         """
         lost = np.concatenate((self._people, doubtful))
         numbers = np.full(len(positions), -1, dtype=np.int64)
-        cost = distances(positions, lost["x"][:, :2])
-        gate = np.minimum(2.0 * np.sqrt(lost["p"][:, 0]), self._config.memory_distance)
-        cost[(cost > gate) | (age_s[:, None] > lost["unseen_s"] + self._config.memory_overlap_s)] = np.inf
+        cost = self._cost(lost, positions, age_s)
         rows, columns = assign(cost, self._config.memory_distance)
         numbers[rows] = lost["id"][columns]
         self._people = np.delete(self._people, columns[columns < len(self._people)])
         return numbers
+
+    def may_be(self, positions: Array, age_s: Array, within: float) -> NDArray[np.bool_]:
+        """Return (n,) whether legs at `positions` (n, 2), known for `age_s` (n,), can be somebody lost `within` [m]."""
+        return np.asarray(self._cost(self._people, positions, age_s).min(axis=1, initial=np.inf) <= within)
+
+    def _cost(self, lost: NDArray[np.void], positions: Array, age_s: Array) -> Array:
+        cost = distances(positions, lost["x"][:, :2])
+        gate = np.minimum(2.0 * np.sqrt(lost["p"][:, 0]), self._config.memory_distance)
+        cost[(cost > gate) | (age_s[:, None] > lost["unseen_s"] + self._config.memory_overlap_s)] = np.inf
+        return cost

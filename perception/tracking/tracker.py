@@ -234,23 +234,39 @@ class PeopleTracker:
         )
         able = self._legs.moved[alive] >= config.delta
         again = self._may_be_met_again(alive)
-        if np.count_nonzero(able | again) < 2:
+        if not (able | again).any():
             return
         able[able] = self._left_their_place(alive[able], points, time_s)
         able |= again
         able[able] = self._grid.is_free(self._legs.positions[alive[able]], time_s)
         spread = self._legs.spread()[np.ix_(alive, alive)]
         spread[distances(self._legs.positions[alive], self._legs.positions[alive]) > config.pair_distance] = np.inf
-        rows = alive[mutual_pairs(spread, able, config.pair_width)]
+        self._found(alive[mutual_pairs(spread, able, config.pair_width)])
+        self._meet_by_one_leg(time_s)
+
+    def _found(self, rows: NDArray[np.intp]) -> None:
+        """Make people of the pairs of lone tracks `rows` (k, 2)."""
+        owned = 2 * len(self._people)
         self._people = np.concatenate((self._people, self._named(self._legs.rows[rows])))
         rest = np.setdiff1d(np.arange(owned, len(self._legs)), rows)
         self._legs.take(np.concatenate((np.arange(owned), rows.ravel(), rest)))
 
+    def _meet_by_one_leg(self, time_s: float) -> None:
+        """Take up a lost person of whom one leg is seen again, on a free cell; the other leg counts as hidden by it."""
+        lone = np.arange(2 * len(self._people), len(self._legs))
+        lone = lone[self._may_be_met_again(lone) & (self._legs.rows["unseen_s"][lone] == 0.0)]
+        lone = lone[self._grid.is_free(self._legs.positions[lone], time_s)]
+        lone = lone[self._legs.rows["age_s"][lone] >= self._config.meet_alone_s]
+        if len(lone):
+            nearest = lone[distances(self._legs.positions[lone], self._lost.positions).min(axis=1).argmin()]
+            self._legs.take(np.append(np.arange(len(self._legs)), nearest))
+            self._found(np.array([[nearest, len(self._legs) - 1]]))
+
     def _may_be_met_again(self, tracks: NDArray[np.intp]) -> NDArray[np.bool_]:
         """Return (k,) whether `tracks` (k,) stand where a lost person, who moved before, must be by now."""
-        apart = distances(self._legs.positions[tracks], self._lost.positions).min(axis=1, initial=np.inf)
-        steady = self._legs.rows["age_s"][tracks] >= self._config.meet_age_s
-        return steady & (apart <= self._config.meet_distance)
+        age_s = self._legs.rows["age_s"][tracks]
+        near = self._lost.may_be(self._legs.positions[tracks], age_s, self._config.meet_distance)
+        return near & (age_s >= self._config.meet_age_s)
 
     def _left_their_place(self, tracks: NDArray[np.intp], points: Array, time_s: float) -> NDArray[np.bool_]:
         """Return (k,) whether nothing of the scan stands any more where the `tracks` (k,) began.

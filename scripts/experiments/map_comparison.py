@@ -29,11 +29,6 @@ class MappingConfig:
     resolution: float = 0.02
     seed: int = 0
 
-    @property
-    def options(self) -> dict[str, Any]:
-        """Keywords of `make_slam`."""
-        return {"delta": self.resolution, "seed": self.seed}
-
 
 @dataclass(frozen=True, eq=False)
 class JudgedMap:
@@ -61,7 +56,7 @@ class JudgedMap:
 
 def map_reference(drive: SimulatedDrive, config: MappingConfig) -> MappedDrive:
     """Return the map of the slow drive without people."""
-    return map_drive(drive.recording.odometry, drive.recording.scans, config.method, **config.options)
+    return _mapped(drive, drive.recording.scans, config)
 
 
 def judge_map(
@@ -72,13 +67,17 @@ def judge_map(
     config: MappingConfig,
 ) -> JudgedMap:
     """Map `drive` from `scans` (raw or filtered, one for each recorded one) and judge the map and the trajectory."""
-    mapped = map_drive(drive.recording.odometry, scans, config.method, **config.options)
+    mapped = _mapped(drive, scans, config)
     feet = drive.feet[np.isfinite(drive.feet).all(axis=-1)]
     return JudgedMap(
         mapped,
         score_map(mapped.map, reference.map, _in_map_of(reference_drive, reference, feet)),
         absolute_error(mapped.trajectory, drive.truth),
     )
+
+
+def _mapped(drive: SimulatedDrive, scans: Sequence[LaserScan], config: MappingConfig) -> MappedDrive:
+    return map_drive(drive.recording.odometry, scans, config.method, config.resolution, seed=config.seed)
 
 
 def _in_map_of(drive: SimulatedDrive, mapped: MappedDrive, points_world: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -25,17 +25,20 @@ class MappedDrive:
     trajectory: NDArray[np.float64]
 
 
-def map_drive(odometry: ArrayLike, scans: Sequence[LaserScan], method: str, **options: Any) -> MappedDrive:
+def map_drive(
+    odometry: ArrayLike, scans: Sequence[LaserScan], method: str, resolution: float, **options: Any
+) -> MappedDrive:
     """Run an engine over a drive.
 
     Args:
         odometry: (n, 3) T_odom_robot of each scan.
         scans: The n scans.
         method: Name of the engine.
+        resolution: Side of the map's cells [m].
         options: Its configuration, with `seed`.
     """
     engine = make_slam(method, **options)
     poses: Iterable[NDArray[np.float64]] = np.asarray(odometry, dtype=np.float64)
     for pose, scan in zip(poses, scans, strict=True):
         engine.update(pose, scan)
-    return MappedDrive(engine.map(), engine.trajectory())
+    return MappedDrive(engine.map_at(resolution), engine.trajectory())

@@ -44,7 +44,7 @@ def correlate(
             for b in range(max(0, -j), min(side, rows - j)):
                 start = (j + b) * cols + i
                 for a in range(first, last):
-                    scores[b, a] += flat[start + a]
+                    scores[b, a] += min(np.float32(1.0), np.float32(1.7) * flat[start + a])
         for b in range(side):
             dy = (b - reach) * resolution
             for a in range(side):

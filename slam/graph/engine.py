@@ -8,9 +8,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..engine import SlamUpdate
 from ..errors import InputError
+from ..geometry import between, compose, wrap_angle
 from ..grid import GridConfig, render_map
 from ..occupancy_map import OccupancyMap
 from ..scan import LaserScan
+from .constraints import Constraint
+from .global_slam import GlobalSlam, GlobalSlamConfig
 from .local_slam import LocalSlam, LocalSlamConfig
 
 Array = NDArray[np.float64]
@@ -22,10 +25,12 @@ class CartographerConfig:
 
     Attributes:
         local: Settings of local SLAM.
+        global_: Settings of global SLAM; None: no loop is closed.
         resolution: Side of a cell of the map that `map` returns [m].
     """
 
     local: LocalSlamConfig = field(default_factory=LocalSlamConfig)
+    global_: GlobalSlamConfig | None = field(default_factory=GlobalSlamConfig)
     resolution: float = 0.05
 
     def __post_init__(self) -> None:
@@ -45,8 +50,11 @@ class Cartographer:
     def __init__(self, config: CartographerConfig | None = None) -> None:
         self.config = config or CartographerConfig()
         self._local = LocalSlam(self.config.local)
+        self._global = GlobalSlam(self.config.global_, self._local.submaps) if self.config.global_ else None
         self._online: list[Array] = []
-        self._inserted: list[tuple[Array, LaserScan]] = []
+        self._poses_local: list[Array] = []
+        self._inserted: list[int] = []
+        self._scans: list[LaserScan] = []
 
     @classmethod
     def from_options(cls, seed: int = 0, **options: Any) -> Self:
@@ -64,9 +72,14 @@ class Cartographer:
         if odometry.shape != (3,) or not np.isfinite(odometry).all():
             raise InputError(f"`odometry` must be a finite pose of shape (3,), got {odometry}")
         result = self._local.update(odometry, scan)
-        self._online.append(result.pose)
         if result.insertion:
-            self._inserted.append((result.pose, scan))
+            self._inserted.append(len(self._poses_local))
+            self._scans.append(scan)
+            if self._global:
+                self._global.add_node(result.pose, result.insertion)
+        self._poses_local.append(result.pose)
+        bridge = self._global.local_to_global if self._global else np.zeros(3)
+        self._online.append(compose(bridge, result.pose))
         diagnostics = {"score": result.match.score} if result.match else {}
         return SlamUpdate(self.pose, result.insertion is not None, diagnostics)
 
@@ -77,11 +90,33 @@ class Cartographer:
 
     def trajectory(self) -> Array:
         """Return (n, 3) T_map_robot for every scan so far, by the best knowledge now."""
-        return self.online_trajectory()
+        if not self._global or not self._inserted:
+            return self.local_trajectory()
+        self._global.finish()
+        return _between_nodes(self.local_trajectory(), np.array(self._inserted), self._global.node_poses)
+
+    def local_trajectory(self) -> Array:
+        """Return (n, 3) T_local_robot of every scan, continuous and without loop closure."""
+        return np.array(self._poses_local).reshape(-1, 3)
 
     def online_trajectory(self) -> Array:
         """Return (n, 3) T_map_robot as `update` returned them, each the best knowledge of its time."""
         return np.array(self._online).reshape(-1, 3)
+
+    @property
+    def constraints(self) -> tuple[Constraint, ...]:
+        """All constraints of the graph in force; those with `searched` are loop closures."""
+        return tuple(self._global.constraints) if self._global else ()
+
+    @property
+    def rejected(self) -> int:
+        """How many constraints were dropped because the adjusted graph contradicts them."""
+        return self._global.rejected if self._global else 0
+
+    @property
+    def node_scans(self) -> list[int]:
+        """The scan that each node of the graph is, in order."""
+        return list(self._inserted)
 
     def map(self) -> OccupancyMap:
         """Return the map that the inserted scans draw, with cells of `resolution`."""
@@ -89,5 +124,27 @@ class Cartographer:
 
     def map_at(self, resolution: float) -> OccupancyMap:
         """Return the map with cells of `resolution` [m], drawn anew from the inserted scans."""
-        poses = np.array([pose for pose, _ in self._inserted]).reshape(-1, 3)
-        return render_map(poses, (scan for _, scan in self._inserted), GridConfig(resolution=resolution))
+        poses = self.trajectory()[self._inserted]
+        return render_map(poses, self._scans, GridConfig(resolution=resolution))
+
+
+def _between_nodes(local: Array, inserted: NDArray[np.int64], nodes: Array) -> Array:
+    """Return (n, 3) global poses of all scans: carried from the nodes before and after by the local trajectory, mixed.
+
+    Args:
+        local: (n, 3) T_local_robot of all scans.
+        inserted: (k,) ascending, the scans that are nodes.
+        nodes: (k, 3) T_global_robot of the nodes.
+    """
+    every = np.arange(len(local))
+    after = np.minimum(np.searchsorted(inserted, every), len(inserted) - 1)
+    before = np.maximum(np.searchsorted(inserted, every, side="right") - 1, 0)
+    gap = np.maximum(inserted[after] - inserted[before], 1)
+    share = np.clip((every - inserted[before]) / gap, 0.0, 1.0)[:, None]
+    first = compose(nodes[before], between(local[inserted[before]], local))
+    second = compose(nodes[after], between(local[inserted[after]], local))
+    difference = second - first
+    difference[:, 2] = wrap_angle(difference[:, 2])
+    mixed = first + share * difference
+    mixed[:, 2] = wrap_angle(mixed[:, 2])
+    return mixed

@@ -24,17 +24,26 @@ class ExtrapolatorConfig:
         rotation_per_radian: Of the rotation, more for each radian [rad/rad].
     """
 
-    translation_floor: float = 0.005
-    translation_per_metre: float = 0.15
+    translation_floor: float = 0.03
+    translation_per_metre: float = 0.06
     translation_per_radian: float = 0.05
-    rotation_floor: float = 0.003
-    rotation_per_metre: float = 0.05
-    rotation_per_radian: float = 0.10
+    rotation_floor: float = 0.005
+    rotation_per_metre: float = 0.075
+    rotation_per_radian: float = 0.15
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
             if not value >= 0.0 or (name.endswith("floor") and value == 0.0):
                 raise InputError(f"`{name}` must be positive, got {value}")
+
+    def sigma(self, motion: Array) -> Array:
+        """Return (2,) standard deviations of translation [m] and rotation [rad] of a `motion` (3,) of the odometry."""
+        metres, radians = float(np.hypot(motion[0], motion[1])), abs(float(motion[2]))
+        translation = (
+            self.translation_floor + self.translation_per_metre * metres + self.translation_per_radian * radians
+        )
+        rotation = self.rotation_floor + self.rotation_per_metre * metres + self.rotation_per_radian * radians
+        return np.array([translation, rotation])
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,14 +79,8 @@ class OdometryExtrapolator:
 
     def predict(self, odometry: Array) -> Prediction:
         """Return the pose at the odometry pose T_odom_robot (3,)."""
-        config = self._config
         motion = between(self._odometry, odometry)
-        metres, radians = float(np.hypot(motion[0], motion[1])), abs(float(motion[2]))
-        translation = (
-            config.translation_floor + config.translation_per_metre * metres + config.translation_per_radian * radians
-        )
-        rotation = config.rotation_floor + config.rotation_per_metre * metres + config.rotation_per_radian * radians
-        return Prediction(compose(self._pose, motion), np.array([translation, rotation]))
+        return Prediction(compose(self._pose, motion), self._config.sigma(motion))
 
     def correct(self, odometry: Array, pose: Array) -> None:
         """Take `pose` (3,) T_local_robot as what belongs to the odometry pose from now on."""

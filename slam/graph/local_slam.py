@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..geometry import transform_points
+from ..geometry import between, transform_points
 from ..scan import LaserScan
 from .active_submaps import ActiveSubmaps, ActiveSubmapsConfig
-from .extrapolator import ExtrapolatorConfig, OdometryExtrapolator
+from .extrapolator import ExtrapolatorConfig, OdometryExtrapolator, Prediction
 from .motion_filter import MotionFilter, MotionFilterConfig
 from .scan_matcher import Match, ScanMatcher, ScanMatcherConfig
 from .submap import Submap
@@ -52,11 +52,13 @@ class Insertion:
         submaps: Indices of the submaps that it stands in.
         points: (N, 2) thinned returns for matching, robot frame [m].
         match: How it was matched; None: not at all (the first scan, or too few points).
+        motion: By the odometry since the last inserted scan, in its frame; zero for the first.
     """
 
     submaps: tuple[int, ...]
     points: Array
     match: Match | None
+    motion: Prediction
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,6 +86,7 @@ class LocalSlam:
     def __init__(self, config: LocalSlamConfig) -> None:
         self._config = config
         self._extrapolator: OdometryExtrapolator | None = None
+        self._inserted_at: Array | None = None
         self._motion_filter = MotionFilter(config.motion_filter)
         self._voxel_filter = AdaptiveVoxelFilter(config.voxel_filter)
         self._active = ActiveSubmaps(config.submaps)
@@ -106,7 +109,10 @@ class LocalSlam:
             self._extrapolator.correct(odometry, pose)
         insertion = None
         if len(points) >= self._config.matcher.min_points and self._motion_filter.passes(pose):
-            insertion = Insertion(self._insert(pose, scan), points, match)
+            since = between(odometry if self._inserted_at is None else self._inserted_at, odometry)
+            motion = Prediction(since, self._config.extrapolator.sigma(since))
+            insertion = Insertion(self._insert(pose, scan), points, match, motion)
+            self._inserted_at = odometry
         return LocalResult(pose, match, insertion)
 
     def _insert(self, pose: Array, scan: LaserScan) -> tuple[int, ...]:

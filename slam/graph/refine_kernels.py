@@ -4,8 +4,12 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from .correlative import correlate
+
 Grid = NDArray[np.float32]
 Array = NDArray[np.float64]
+
+_SATURATION = 3.0
 
 
 @njit(cache=True, nogil=True, inline="always")
@@ -67,11 +71,11 @@ def linearize(field: Grid, corner: Array, resolution: float, points: Array, pose
     for n in range(len(points)):
         px, py = c * points[n, 0] - s * points[n, 1], s * points[n, 0] + c * points[n, 1]
         value, du, dv = interpolate(field, (pose[0] + px - corner[0]) * scale, (pose[1] + py - corner[1]) * scale)
-        rest = max(1.0 - value, 0.0)
+        rest = np.exp(-_SATURATION * value)
         cost += rest
         if du == 0.0 and dv == 0.0:
             continue
-        jx, jy = -du * scale, -dv * scale
+        jx, jy = -_SATURATION * rest * scale * du, -_SATURATION * rest * scale * dv
         jt = -py * jx + px * jy
         w = 0.5 / (rest + 0.05)
         g[0] += jx
@@ -164,3 +168,56 @@ def refine_pose(
         for b in range(3):
             H[a, b] -= prior_information[a, b]
     return pose, H, scan_cost, done
+
+
+@njit(cache=True, nogil=True)
+def refine_many(
+    field: Grid,
+    corner: Array,
+    resolution: float,
+    points: Array,
+    firsts: NDArray[np.int64],
+    starts: Array,
+    weight: float,
+    reach: int,
+    angles: int,
+    sure_score: float,
+    min_score: float,
+) -> tuple[Array, Array, Array]:
+    """Return poses (n, 3), curvatures (n, 3, 3) and scores (n,) of n scans on one submap.
+
+    Scan k has the points firsts[k] .. firsts[k + 1] of `points` and starts at starts[k], which holds it weakly. First
+    it is searched for within `reach` cells and `angles` steps of heading, unless it scores `sure_score` already; where
+    it scores below `min_score` then, it is left there.
+    """
+    n = len(starts)
+    poses, curvatures, scores = starts.copy(), np.zeros((n, 3, 3)), np.zeros(n)
+    hold, H, g = np.eye(3), np.empty((3, 3)), np.empty(3)
+    for k in range(n):
+        scan = points[firsts[k] : firsts[k + 1]]
+        size = max(len(scan), 1)
+        scores[k] = 1.0 - linearize(field, corner, resolution, scan, starts[k], H, g) / size
+        if reach > 0 and scores[k] < sure_score:
+            step = resolution / max(1.0, _far(scan))
+            stride = max(1, size // 60)
+            poses[k] = correlate(
+                field, corner, resolution, scan[::stride], starts[k], hold, weight * stride, reach, angles, step
+            )[0]
+            scores[k] = 1.0 - linearize(field, corner, resolution, scan, poses[k], H, g) / size
+        if scores[k] >= min_score:
+            pose, curvature, rest, _ = refine_pose(
+                field, corner, resolution, scan, poses[k], starts[k], hold, weight, 12
+            )
+            poses[k] = pose
+            curvatures[k] = weight * curvature
+            scores[k] = 1.0 - rest / size
+    return poses, curvatures, scores
+
+
+@njit(cache=True, nogil=True)
+def _far(points: Array) -> float:
+    """Return the root mean square distance of points (N, 2) from the origin."""
+    total = 0.0
+    for n in range(len(points)):
+        total += points[n, 0] * points[n, 0] + points[n, 1] * points[n, 1]
+    return np.sqrt(total / max(len(points), 1))

@@ -14,6 +14,9 @@ from .submap import Submap
 
 Array = NDArray[np.float64]
 
+_SCORE_MEMORY = 0.1  # share of the newest score in the typical one
+_SLIP = np.array([0.05, 0.1])  # [m, rad] what a wheel may slip at no motion
+
 
 @dataclass(frozen=True, kw_only=True)
 class ScanMatcherConfig:
@@ -28,9 +31,12 @@ class ScanMatcherConfig:
         search_points: The search uses about so many of the points.
         iterations: Most iterations of the least squares.
         min_points: Fewer points than this match nothing.
+        retry_below: A score below so much of the typical one makes the matcher search more widely ...
+        retry_gain: ... and it takes what it finds when the score is higher by so much of the typical one.
+        retry_sigmas: How many times wider the odometry's errors count then.
     """
 
-    weight: float = 4.0
+    weight: float = 1.5
     sigmas: float = 3.0
     max_linear: float = 0.5
     max_angular: float = 0.5
@@ -38,6 +44,9 @@ class ScanMatcherConfig:
     search_points: int = 100
     iterations: int = 20
     min_points: int = 10
+    retry_below: float = 0.4
+    retry_gain: float = 0.35
+    retry_sigmas: float = 10.0
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
@@ -65,46 +74,43 @@ class Match:
 class ScanMatcher:
     """Finds the pose of a scan in a submap's frame, near where odometry expects it.
 
+    Where a scan fits much worse than scans usually do, the odometry may have slipped: it is searched for again with
+    ten times the odometry's standard deviations.
+
     Args:
         config: Settings.
     """
 
     def __init__(self, config: ScanMatcherConfig) -> None:
         self._config = config
+        self._typical_score = 0.0
 
     def match(self, submap: Submap, points: Array, prediction: Prediction) -> Match | None:
         """Return the match of `points` (N, 2), robot frame [m]; None: there are too few points."""
         config = self._config
         if len(points) < config.min_points:
             return None
+        match = self._match(submap, points, prediction)
+        if match.score < config.retry_below * self._typical_score:
+            wide = Prediction(prediction.pose, config.retry_sigmas * prediction.sigma + _SLIP)
+            retried = self._match(submap, points, wide)
+            if retried.score > match.score + config.retry_gain * self._typical_score:
+                match = retried
+        self._typical_score += _SCORE_MEMORY * (match.score - self._typical_score)
+        return match
+
+    def _match(self, submap: Submap, points: Array, prediction: Prediction) -> Match:
+        config = self._config
         reach, angles, step = self._window(submap.config.resolution, points, prediction)
         prior, information = prediction.pose, prediction.information
+        place = (submap.field, submap.corner, submap.config.resolution)
         start = prior
         if reach or angles:
             thinned = points[:: max(1, len(points) // config.search_points)]
             weight = config.weight * len(points) / len(thinned)
-            start, _ = correlate(
-                submap.field,
-                submap.corner,
-                submap.config.resolution,
-                thinned,
-                prior,
-                information,
-                weight,
-                reach,
-                angles,
-                step,
-            )
+            start, _ = correlate(*place, thinned, prior, information, weight, reach, angles, step)
         pose, curvature, rest, _ = refine_pose(
-            submap.field,
-            submap.corner,
-            submap.config.resolution,
-            points,
-            start,
-            prior,
-            information,
-            config.weight,
-            config.iterations,
+            *place, points, start, prior, information, config.weight, config.iterations
         )
         pose[2] = wrap_angle(pose[2])
         return Match(pose, config.weight * curvature, 1.0 - rest / len(points), bool(reach or angles))

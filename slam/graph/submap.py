@@ -46,12 +46,14 @@ class Submap:
         field: (rows, cols) float32, occupancy of each cell in [0, 1]; 0 where nothing is known.
         corner: (2,) centre of cell [0, 0] in the local frame [m].
         scans: Number of scans inside.
+        centre: (2,) mean place of the laser, submap frame [m].
     """
 
     def __init__(self, config: SubmapConfig, pose_local: NDArray[np.float64]) -> None:
         self.config = config
         self.pose_local = np.array([pose_local[0], pose_local[1], 0.0])
         self.scans = 0
+        self.centre = np.zeros(2)
         self.corner = np.round(pose_local[:2] / config.resolution) * config.resolution
         self._hits = np.zeros((1, 1), np.float32)
         self._visits = np.zeros((1, 1), np.float32)
@@ -73,6 +75,7 @@ class Submap:
         self._cover(np.vstack((origin, ends)) if len(ends) else origin[None])
         scale = 1.0 / self.config.resolution
         self.scans += 1
+        self.centre += (origin - self.pose_local[:2] - self.centre) / self.scans
         insert_scan(
             self._hits,
             self._visits,

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 Points = NDArray[np.float64]
 
 _MAX_GAP = 2.0  # [m] longer gaps are never filled
-_GAP_RATIO = 2.5  # a gap is filled if it is not longer than so many times the longer one beside it
-_COS_BEND = np.cos(np.deg2rad(12.0))  # a surface does not bend more than this from one gap to the next
+_GAP_RATIO = 4.0  # a gap is filled if it is not longer than so many times the longer one beside it
+_COS_BEND = np.cos(np.deg2rad(25.0))  # a surface does not bend more than this from one gap to the next
 
 
 @njit(cache=True, nogil=True)

@@ -69,6 +69,21 @@ def test_a_standing_person_hidden_for_long_is_met_again_without_walking(stage):
     assert len(hidden[-1]) == 0
 
 
+def test_a_lost_person_of_whom_one_leg_shows_is_met_again_but_a_thing_there_before_is_not(make_stage):
+    for standing_there_before in (False, True):
+        stage = make_stage()
+        post = np.array([[2.0, 4.4]])  # where the last speed leads, fading
+        before = post if standing_there_before else np.zeros((0, 2))
+        for k in range(50):
+            feet = np.array([[1.9, -2.0 + 0.1 * k], [2.1, -2.0 + 0.1 * k]])
+            feet[:, 1] += 0.25 * np.array([1.0, -1.0]) * np.cos(2 * np.pi * k / 10)
+            stage.show(np.concatenate((feet, before)))
+        assert len(stage.show(before)) == 1
+        shown = [stage.show(before) for _ in range(15)][-1]
+        again = [stage.show(post) for _ in range(10)][-1]
+        assert (len(shown), list(again.ids)) == ((0, []) if standing_there_before else (0, [0]))
+
+
 def test_standing_furniture_never_becomes_a_person_even_if_its_legs_look_human(stage):
     chair = np.array([[1.5, 0.0], [1.9, 0.0], [1.5, 0.4], [1.9, 0.4]])
     for _ in range(300):

@@ -1,0 +1,229 @@
+"""Global SLAM: nodes and submaps tied by constraints, adjusted so that loops close (Hess et al. 2016)."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from ..geometry import between, compose, inverse
+from ..pose_graph.adjustment import AdjustmentConfig, adjust
+from ..pose_graph.pose_graph import PoseGraph
+from .constraints import Constraint, ConstraintBuilder, ConstraintConfig, Kind
+from .extrapolator import Prediction
+from .local_slam import Insertion
+from .submap import Submap
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class GlobalSlamConfig:
+    """Settings of `GlobalSlam`.
+
+    Attributes:
+        constraints: How constraints are made.
+        adjustment: How the graph is adjusted.
+        adjust_every: The graph is adjusted after so many nodes, if a constraint is new.
+        max_distance: Submaps whose origin is farther from a node than this are not matched [m].
+        known_for: A submap that tied a node counts as well placed for so many nodes after it: no search is needed.
+        kernel_width: Of INTER constraints, in standard deviations.
+        odometry_share: Share of its information with which odometry ties a node to the one before.
+        reject_beyond: INTER constraints that the adjusted graph contradicts by more standard deviations are dropped.
+        nearest: A node is matched with at most so many known submaps.
+        search_every: One global search for each so many metres travelled [m].
+        final_residual: INTER constraints that the finished graph misses by more are dropped [m, rad].
+        passes: Rounds of matching every node with every near submap, and adjustment, when a trajectory is asked for.
+    """
+
+    constraints: ConstraintConfig = field(default_factory=ConstraintConfig)
+    adjustment: AdjustmentConfig = field(default_factory=lambda: AdjustmentConfig(iterations=20, tolerance=1e-5))
+    adjust_every: int = 40
+    max_distance: float = 15.0
+    known_for: int = 20
+    kernel_width: float = 4.0
+    odometry_share: float = 0.02
+    reject_beyond: float = 12.0
+    final_residual: tuple[float, float] = (0.2, 0.0175)
+    passes: int = 2
+    nearest: int = 4
+    search_every: float = 0.4
+
+    def __post_init__(self) -> None:
+        for name in ("adjust_every", "max_distance", "known_for", "kernel_width", "odometry_share", "reject_beyond"):
+            if not getattr(self, name) > 0:
+                raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
+
+
+@dataclass(frozen=True, eq=False)
+class Node:
+    """A scan of the graph.
+
+    Attributes:
+        pose_local: (3,) T_local_robot [m, m, rad].
+        points: (N, 2) thinned returns, robot frame [m].
+        submaps: The submaps that it stands in.
+        motion: By the odometry from the node before to this one.
+    """
+
+    pose_local: Array
+    points: Array
+    submaps: tuple[int, ...]
+    motion: Prediction
+
+
+class GlobalSlam:
+    """Closes loops between the nodes and submaps of local SLAM.
+
+    Args:
+        config: Settings.
+        submaps: The growing list of submaps of local SLAM.
+
+    Attributes:
+        constraints: All constraints in force.
+        rejected: Number of INTER constraints that were dropped.
+    """
+
+    def __init__(self, config: GlobalSlamConfig, submaps: list[Submap]) -> None:
+        self._config = config
+        self._submaps = submaps
+        self._builder = ConstraintBuilder(config.constraints)
+        self.nodes: list[Node] = []
+        self.constraints: list[Constraint] = []
+        self.rejected = 0
+        self._node_poses: list[Array] = []
+        self._submap_poses: list[Array] = []
+        self._tied_at: dict[int, int] = {}
+        self._tried_at: dict[int, int] = {}
+        self._matched = 0
+        self._travelled = np.inf
+        self._new = False
+        self._finished_nodes = 0
+
+    @property
+    def local_to_global(self) -> Array:
+        """(3,) T_global_local now: the only bridge between the drifting and the loop-closed frame."""
+        if not self.nodes:
+            return np.zeros(3)
+        return compose(self._node_poses[-1], inverse(self.nodes[-1].pose_local))
+
+    @property
+    def node_poses(self) -> Array:
+        """(n, 3) T_global_robot of every node."""
+        return np.array(self._node_poses).reshape(-1, 3)
+
+    def add_node(self, pose_local: Array, insertion: Insertion) -> None:
+        """Add a scan that local SLAM inserted, match it against older submaps, adjust the graph when it is due."""
+        bridge = self.local_to_global
+        index = len(self.nodes)
+        for submap in self._submaps[len(self._submap_poses) :]:
+            self._submap_poses.append(compose(bridge, submap.pose_local))
+        self.nodes.append(Node(pose_local, insertion.points, insertion.submaps, insertion.motion))
+        self._node_poses.append(compose(bridge, pose_local))
+        curvature = insertion.match.information if insertion.match else None
+        if insertion.match:
+            self._matched += 1
+            self._builder.typical_score += (insertion.match.score - self._builder.typical_score) / self._matched
+        for s in insertion.submaps:
+            self.constraints.append(self._builder.intra(s, self._submaps[s], index, pose_local, curvature))
+        self._close_loops(index)
+        if self._new and (index + 1) % self._config.adjust_every == 0:
+            self._adjust()
+
+    def finish(self) -> None:
+        """Match every node with every near submap and adjust; does nothing where no node is new."""
+        if self._finished_nodes == len(self.nodes):
+            return
+        self._finished_nodes = len(self.nodes)
+        self._adjust()
+        for turn in range(self._config.passes):
+            self.constraints = [c for c in self.constraints if c.kind is Kind.INTRA or c.searched]
+            near: dict[int, list[int]] = {}
+            for index in range(len(self.nodes)):
+                for s in self._near(index)[: 2 * self._config.nearest]:
+                    near.setdefault(s, []).append(index)
+            for s in sorted(near):
+                self._track(s, near[s], turn == 0)
+            self._adjust(final=turn + 1 == self._config.passes)
+
+    def _near(self, index: int) -> list[int]:
+        """Return the finished submaps near a node that it does not stand in, nearest first."""
+        count = min(len(self._submaps) - 2, len(self._submap_poses))
+        if count <= 0:
+            return []
+        offsets = np.array([(*submap.centre, 0.0) for submap in self._submaps[:count]])
+        centres = compose(np.array(self._submap_poses[:count]), offsets)[:, :2]
+        distance = np.hypot(*(centres - self._node_poses[index][:2]).T)
+        order = np.argsort(distance, kind="stable")
+        inside = self.nodes[index].submaps
+        return [int(s) for s in order if distance[s] <= self._config.max_distance and s not in inside]
+
+    def _close_loops(self, index: int) -> None:
+        """Track the nearest submaps whose place is known, search for the one that waits longest."""
+        config, node = self._config, self.nodes[index]
+        known, waiting = [], []
+        for s in self._near(index):
+            tied = index - self._tied_at.get(s, -(10**9)) <= config.known_for or s >= node.submaps[0] - 2
+            (known if tied else waiting).append(s)
+        for s in known[: config.nearest]:
+            self._track(s, [index], True)
+        self._travelled += float(np.hypot(*between(self.nodes[index - 1].pose_local, node.pose_local)[:2]))
+        if waiting and self._travelled >= config.search_every:
+            self._travelled = 0.0
+            s = min(waiting, key=lambda s: (self._tried_at.get(s, -1), s))
+            self._tried_at[s] = index
+            found = self._builder.search(s, self._submaps[s], index, node.points, self._guess(s, index))
+            self._take([found] if found else [])
+
+    def _guess(self, s: int, index: int) -> Array:
+        return between(self._submap_poses[s], self._node_poses[index])
+
+    def _track(self, s: int, nodes: list[int], wide: bool) -> None:
+        guesses = between(self._submap_poses[s], np.array([self._node_poses[k] for k in nodes]))
+        points = [self.nodes[k].points for k in nodes]
+        self._take(self._builder.track(s, self._submaps[s], nodes, points, guesses, wide))
+
+    def _take(self, constraints: list[Constraint]) -> None:
+        for constraint in constraints:
+            self.constraints.append(constraint)
+            self._tied_at[constraint.submap] = constraint.node
+            self._new = True
+
+    def _adjust(self, final: bool = False) -> None:
+        """Adjust all poses; drop INTER constraints that end far off and adjust again."""
+        while True:
+            graph = self._graph()
+            result = adjust(graph, self._config.adjustment)
+            self._set_poses(result.poses)
+            adjusted, count = graph.with_poses(result.poses), len(self.constraints)
+            bad = np.sqrt(adjusted.squared_distances()[:count]) > self._config.reject_beyond
+            if final:
+                error = adjusted.errors()[:count]
+                bad |= np.hypot(error[:, 0], error[:, 1]) > self._config.final_residual[0]
+                bad |= np.abs(error[:, 2]) > self._config.final_residual[1]
+            bad &= np.array([c.kind is Kind.INTER for c in self.constraints])
+            self.constraints = [c for c, wrong in zip(self.constraints, bad, strict=True) if not wrong]
+            self.rejected += int(bad.sum())
+            self._new = False
+            if not bad.any():
+                return
+
+    def _graph(self) -> PoseGraph:
+        """Return the graph of all submaps, then all nodes; odometry ties each node to the one before."""
+        first, constraints, steps = len(self._submap_poses), self.constraints, self.nodes[1:]
+        edges = [(c.submap, first + c.node) for c in constraints]
+        edges += [(first + k, first + k + 1) for k in range(len(steps))]
+        soft, share = self._config.kernel_width, self._config.odometry_share
+        widths = [np.inf if c.kind is Kind.INTRA else soft for c in constraints] + [soft] * len(steps)
+        return PoseGraph(
+            np.array(self._submap_poses + self._node_poses),
+            np.array(edges, dtype=np.int64),
+            np.array([c.pose for c in constraints] + [node.motion.pose for node in steps]),
+            np.array([c.information for c in constraints] + [share * node.motion.information for node in steps]),
+            np.array(widths),
+        )
+
+    def _set_poses(self, poses: Array) -> None:
+        submaps = len(self._submap_poses)
+        self._submap_poses = list(poses[:submaps])
+        self._node_poses = list(poses[submaps:])

@@ -1,0 +1,80 @@
+"""Reads and writes pose graphs of the plane in the text format of g2o.
+
+Lines: `VERTEX_SE2 id x y theta` and `EDGE_SE2 i j dx dy dtheta I11 I12 I13 I22 I23 I33`, the upper triangle of the
+information matrix; `FIX id` is ignored, poses are kept in the order of their lines.
+"""
+
+import gzip
+import os
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import InputError
+from ..files import write_text
+from ..pose_graph.pose_graph import PoseGraph
+
+_UPPER = np.triu_indices(3)
+
+
+def read_g2o(path: str | os.PathLike[str]) -> PoseGraph:
+    """Return the graph in a g2o file, plain or gzipped.
+
+    Raises:
+        InputError: If the file cannot be read, or a line is cut, not numeric or names an unknown vertex.
+    """
+    path = Path(path)
+    names: dict[int, int] = {}
+    poses: list[list[float]] = []
+    edges: list[tuple[int, int]] = []
+    values: list[list[float]] = []
+    for number, words in enumerate(_lines(path), start=1):
+        try:
+            if words[:1] == ["VERTEX_SE2"]:
+                names[int(words[1])] = len(poses)
+                poses.append(_floats(words[2:], 3))
+            elif words[:1] == ["EDGE_SE2"]:
+                edges.append((names[int(words[1])], names[int(words[2])]))
+                values.append(_floats(words[3:], 9))
+        except (ValueError, IndexError) as error:
+            raise InputError(f"{path}, line {number}: {words[0]}: {error}") from error
+        except KeyError as error:
+            raise InputError(f"{path}, line {number}: EDGE_SE2: vertex {error} is not among those above") from error
+    if not poses:
+        raise InputError(f"{path}: no pose found; expected lines beginning with VERTEX_SE2")
+    table = np.array(values, dtype=np.float64).reshape(-1, 9)
+    information = np.zeros((len(table), 3, 3))
+    information[:, _UPPER[0], _UPPER[1]] = table[:, 3:]
+    information[:, _UPPER[1], _UPPER[0]] = table[:, 3:]
+    ends = np.array(edges, dtype=np.int64).reshape(-1, 2)
+    return PoseGraph.of(np.array(poses), ends, table[:, :3], information)
+
+
+def write_g2o(path: str | os.PathLike[str], graph: PoseGraph) -> None:
+    """Write `graph`, whole or not at all; robust kernels have no place in the format and are left out."""
+    lines = [f"VERTEX_SE2 {k} {_text(pose)}" for k, pose in enumerate(graph.poses)]
+    rows = zip(graph.edges, graph.measurements, graph.information, strict=True)
+    lines += [f"EDGE_SE2 {i} {j} {_text(z)} {_text(omega[_UPPER])}" for (i, j), z, omega in rows]
+    write_text(path, "\n".join(lines) + "\n")
+
+
+def _lines(path: Path) -> list[list[str]]:
+    try:
+        content = path.read_bytes()
+        if content[:2] == b"\x1f\x8b":
+            content = gzip.decompress(content)
+        return [line.split() for line in content.decode("utf-8").splitlines()]
+    except (EOFError, gzip.BadGzipFile, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: not a text file or a whole gzip file ({error})") from error
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from error
+
+
+def _floats(words: list[str], count: int) -> list[float]:
+    if len(words) < count:
+        raise ValueError(f"the line is cut: expected {count} numbers, got {len(words)}")
+    return [float(word) for word in words[:count]]
+
+
+def _text(values: np.ndarray) -> str:
+    return " ".join(repr(value) for value in values.tolist())
