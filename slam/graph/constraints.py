@@ -137,6 +137,7 @@ class ConstraintBuilder:
             config.weight,
             int(np.ceil(config.max_shift[0] / submap.config.resolution)) if wide else 0,
             _TRACK_ANGLES,
+            0.8 * self.typical_score,
             0.7 * config.min_score * self.typical_score,
         )
         moved = between(starts, poses)

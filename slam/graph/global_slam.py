@@ -32,6 +32,7 @@ class GlobalSlamConfig:
         reject_beyond: INTER constraints that the adjusted graph contradicts by more standard deviations are dropped.
         nearest: A node is matched with at most so many known submaps.
         search_every: One global search for each so many metres travelled [m].
+        final_residual: INTER constraints that the finished graph misses by more are dropped [m, rad].
         passes: Rounds of matching every node with every near submap, and adjustment, when a trajectory is asked for.
     """
 
@@ -43,6 +44,7 @@ class GlobalSlamConfig:
     kernel_width: float = 4.0
     odometry_share: float = 0.02
     reject_beyond: float = 12.0
+    final_residual: tuple[float, float] = (0.2, 0.0175)
     passes: int = 2
     nearest: int = 4
     search_every: float = 0.4
@@ -142,7 +144,7 @@ class GlobalSlam:
                     near.setdefault(s, []).append(index)
             for s in sorted(near):
                 self._track(s, near[s], turn == 0)
-            self._adjust()
+            self._adjust(final=turn + 1 == self._config.passes)
 
     def _near(self, index: int) -> list[int]:
         """Return the finished submaps near a node that it does not stand in, nearest first."""
@@ -187,14 +189,18 @@ class GlobalSlam:
             self._tied_at[constraint.submap] = constraint.node
             self._new = True
 
-    def _adjust(self) -> None:
+    def _adjust(self, final: bool = False) -> None:
         """Adjust all poses; drop INTER constraints that end far off and adjust again."""
         while True:
             graph = self._graph()
             result = adjust(graph, self._config.adjustment)
             self._set_poses(result.poses)
-            distances = np.sqrt(graph.with_poses(result.poses).squared_distances()[: len(self.constraints)])
-            bad = distances > self._config.reject_beyond
+            adjusted, count = graph.with_poses(result.poses), len(self.constraints)
+            bad = np.sqrt(adjusted.squared_distances()[:count]) > self._config.reject_beyond
+            if final:
+                error = adjusted.errors()[:count]
+                bad |= np.hypot(error[:, 0], error[:, 1]) > self._config.final_residual[0]
+                bad |= np.abs(error[:, 2]) > self._config.final_residual[1]
             bad &= np.array([c.kind is Kind.INTER for c in self.constraints])
             self.constraints = [c for c, wrong in zip(self.constraints, bad, strict=True) if not wrong]
             self.rejected += int(bad.sum())

@@ -181,13 +181,14 @@ def refine_many(
     weight: float,
     reach: int,
     angles: int,
+    sure_score: float,
     min_score: float,
 ) -> tuple[Array, Array, Array]:
     """Return poses (n, 3), curvatures (n, 3, 3) and scores (n,) of n scans on one submap.
 
     Scan k has the points firsts[k] .. firsts[k + 1] of `points` and starts at starts[k], which holds it weakly. First
-    it is searched for within `reach` cells and `angles` steps of heading; where that scores below `min_score` it is
-    left there.
+    it is searched for within `reach` cells and `angles` steps of heading, unless it scores `sure_score` already; where
+    it scores below `min_score` then, it is left there.
     """
     n = len(starts)
     poses, curvatures, scores = starts.copy(), np.zeros((n, 3, 3)), np.zeros(n)
@@ -195,13 +196,14 @@ def refine_many(
     for k in range(n):
         scan = points[firsts[k] : firsts[k + 1]]
         size = max(len(scan), 1)
-        if reach > 0:
+        scores[k] = 1.0 - linearize(field, corner, resolution, scan, starts[k], H, g) / size
+        if reach > 0 and scores[k] < sure_score:
             step = resolution / max(1.0, _far(scan))
             stride = max(1, size // 60)
             poses[k] = correlate(
                 field, corner, resolution, scan[::stride], starts[k], hold, weight * stride, reach, angles, step
             )[0]
-        scores[k] = 1.0 - linearize(field, corner, resolution, scan, poses[k], H, g) / size
+            scores[k] = 1.0 - linearize(field, corner, resolution, scan, poses[k], H, g) / size
         if scores[k] >= min_score:
             pose, curvature, rest, _ = refine_pose(
                 field, corner, resolution, scan, poses[k], starts[k], hold, weight, 12

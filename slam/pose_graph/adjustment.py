@@ -1,7 +1,8 @@
 """Sparse pose adjustment: Levenberg-Marquardt over all poses of a graph (Konolige et al. 2010).
 
-Why scipy: on the sizes of buildings its sparse LU with an order of minimum degree on the poses takes as long as gtsam
-(see docs and the benchmark), and gtsam is a wheel of 110 MB.
+Why scipy: with an order of minimum degree on the poses its sparse LU takes 166 to 600 ms for the 3500 poses and 5453
+edges of M3500b, gtsam 4.3 took 230 to 300 ms on the same busy machine, from the same start to the same optimum; and
+gtsam is a wheel of 110 MB.
 """
 
 from dataclasses import dataclass
