@@ -183,7 +183,16 @@ def test_an_interrupted_run_writes_nothing(log, tmp_path, fake, capsys):
 
 def test_ctrl_c_leaves_no_half_files(tmp_path):
     write_carmen(tmp_path / "long.log.gz", square_room_drive(3000))
-    words = ["slam", str(tmp_path / "long.log.gz"), "--out", str(tmp_path / "out"), "--set", "linear_update=0.01"]
+    words = [
+        "slam",
+        str(tmp_path / "long.log.gz"),
+        "--out",
+        str(tmp_path / "out"),
+        "--set",
+        "linear_update=0.01",
+        "--set",
+        "particles=400",
+    ]
     process = subprocess.Popen(
         [sys.executable, "-m", "tagalong", *words], stderr=subprocess.PIPE, text=True, env=dict(os.environ)
     )
