@@ -10,8 +10,8 @@ from ..perception.legs.detector import LegDetector, LegDetectorConfig
 from ..perception.legs.forest import LegForest
 from ..perception.tracking.leader import LeaderSelector
 from ..perception.tracking.tracker import PeopleTracker
-from ..slam.engine import make_slam
 from ..slam.errors import unknown_name
+from ..slam.gmapping.engine import GMapping
 from .follow_config import FollowConfig
 from .interface import FollowInterface
 from .lidar import LidarConfig
@@ -103,4 +103,4 @@ class MindFactory:
             return NoMapper()
         if self._config.slam == "truth":
             return TrueMapper(world)
-        return EngineMapper(make_slam(self._config.slam, seed=seed))
+        return EngineMapper(GMapping(seed=seed))

@@ -66,26 +66,32 @@ class GrowingMap:
         return self._map
 
 
-class EngineMapper:
-    """A SLAM engine and the map along its best path."""
+class ParticleEngine(SlamEngine, Protocol):
+    """A SLAM engine whose best particle carries a map that is ready at any time."""
 
-    def __init__(self, engine: SlamEngine) -> None:
+    def particle_map(self) -> OccupancyMap:
+        """Return that map."""
+        ...
+
+
+class EngineMapper:
+    """A SLAM engine and its best particle's map: what is drawn already, since drawing anew would stop the robot."""
+
+    def __init__(self, engine: ParticleEngine) -> None:
         self.engine = engine
-        self._growing = GrowingMap()
-        self._rows: list[int] = []
-        self._scans = 0
+        self._map: OccupancyMap | None = None
 
     def update(self, odometry: Array, scan: LaserScan) -> None:
         """Take one people-free scan and its odometry pose (3,)."""
         if self.engine.update(odometry, scan).integrated:
-            self._rows.append(self._scans)
-            self._growing.add(scan, self.engine.trajectory()[self._rows])
-        self._scans += 1
+            self._map = None
 
     @property
     def map(self) -> OccupancyMap:
         """The map so far; not to be written to."""
-        return self._growing.map
+        if self._map is None:
+            self._map = self.engine.particle_map()
+        return self._map
 
     @property
     def pose(self) -> Array:
