@@ -27,7 +27,7 @@ class TrainConfig:
     """Drives to score that forest on."""
     test_scans: int = 500
     """Simulated scans with, and as many without people, to score a forest on."""
-    false_legs_recorded: float = 1.0
+    false_legs_recorded: float = 0.5
     """False legs a recorded people-free scan at gamma, for the forest `real`."""
     false_legs_driven: float = 0.2
     """False legs a scan of a drive in the environment at gamma, for the forest `simulation`."""
