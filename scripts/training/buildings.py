@@ -4,7 +4,7 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from .outlines import Outlines, turned
+from .outlines import Outlines, cast, turned
 
 
 def draw_building(rng: Generator, centre_size: float) -> Outlines:
@@ -22,6 +22,33 @@ def draw_building(rng: Generator, centre_size: float) -> Outlines:
     if rng.random() < 0.15:
         _railing(rng, outlines)
     return outlines
+
+
+def draw_decoys(rng: Generator, building: Outlines, reach: float, heading: float) -> Outlines:
+    """Draw things of about the size of legs where the laser sees them, as people stand: bins, wheels, bags, feet."""
+    decoys = Outlines()
+    pieces = (_low_box, _low_box, _round, _wheel, _pole, _chair, _swivel_chair, _cart, _rubble)
+    for _ in range(rng.poisson(2.0)):
+        direction = heading + rng.uniform(-2.2, 2.2)
+        seen, _ = cast(np.zeros((1, 2)), np.array([direction]), reach, *building.arrays())
+        distance = rng.uniform(0.4, max(min(seen[0], reach) - 0.1, 0.5))
+        place = distance * np.array([np.cos(direction), np.sin(direction)])
+        pieces[rng.integers(len(pieces))](rng, place, rng.uniform(-np.pi, np.pi), decoys)
+    return decoys
+
+
+def _low_box(rng: Generator, place: NDArray[np.float64], angle: float, out: Outlines) -> None:
+    """A box or bag with rounded edges."""
+    length, width = rng.uniform(0.15, 0.5), rng.uniform(0.08, 0.4)
+    bevel = rng.uniform(0.0, 0.45) * min(length, width)
+    x, y = np.array([length, length - 2 * bevel]) / 2, np.array([width - 2 * bevel, width]) / 2
+    quarter = np.stack((x, y), axis=1)
+    half = np.concatenate((quarter, quarter[::-1] * (-1.0, 1.0)))
+    out.polygon(place + turned(np.concatenate((half, -half)), angle))
+
+
+def _wheel(rng: Generator, place: NDArray[np.float64], angle: float, out: Outlines) -> None:
+    out.ellipse(place, rng.uniform(0.05, 0.3), rng.uniform(0.01, 0.04), angle)
 
 
 def draw_screens(rng: Generator, heading: float) -> Outlines:
@@ -203,8 +230,8 @@ def _cart(rng: Generator, place: NDArray[np.float64], angle: float, out: Outline
 
 def _rubble(rng: Generator, place: NDArray[np.float64], angle: float, out: Outlines) -> None:
     """Short crooked pieces: bags, cables, the edge of things that the plane of the laser just touches."""
-    for _ in range(int(rng.integers(1, 5))):
-        steps = rng.normal(0.0, rng.uniform(0.03, 0.15), (int(rng.integers(2, 6)), 2))
+    for _ in range(int(rng.integers(1, 4))):
+        steps = rng.normal(0.0, rng.uniform(0.03, 0.2), (int(rng.integers(1, 4)), 2))
         out.polygon(place + np.cumsum(steps, axis=0) + rng.normal(0.0, 0.3, 2), rng.uniform(0, 0.4), closed=False)
 
 

@@ -7,12 +7,12 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from ...slam.scan import LaserScan
-from .buildings import draw_building, draw_screens
+from .buildings import draw_building, draw_decoys, draw_screens
 from .outlines import LEG, STATIC, Outlines, cast
 from .pedestrians import draw_people
 
 SCREENED = 0.35  # share of scans with things close before the laser
-FARTHEST_PERSON = 6.0  # so that the odd few points far away are rather called furniture [m]
+FARTHEST_PERSON = 5.0  # so that the odd few points far away are rather called furniture [m]
 FAR = 1e3  # stands for nothing met [m]
 
 
@@ -79,13 +79,13 @@ def draw_scanner(rng: Generator) -> Scanner:
         bearings=np.linspace(-half, half, beams),
         range_min=0.03,
         range_max=reach,
-        noise=float(rng.choice([0.002, 0.005, 0.01, 0.02], p=[0.25, 0.35, 0.3, 0.1])) * rng.uniform(0.7, 1.3),
+        noise=float(rng.choice([0.002, 0.005, 0.01, 0.02], p=[0.35, 0.35, 0.22, 0.08])) * rng.uniform(0.7, 1.3),
         quantum=float(rng.choice([0.001, 0.01], p=[0.85, 0.15])),
         mixed=rng.uniform(0.0, 1.0),
-        divergence=np.radians(rng.uniform(0.05, 1.0) * max(spacing, 0.3)),
+        divergence=np.radians(rng.choice([0.1, 0.5, 1.0, 2.0]) * max(spacing, 0.3)),
         lost=float(rng.choice([0.0, 0.003, 0.02], p=[0.6, 0.3, 0.1])),
-        smoothing=int(rng.choice([0, 1, 3, 6], p=[0.4, 0.2, 0.25, 0.15])),
-        grazing=np.tan(np.radians(rng.uniform(50.0, 88.0))),
+        smoothing=int(rng.choice([0, 1, 3, 6], p=[0.3, 0.2, 0.3, 0.2])),
+        grazing=np.tan(np.radians(rng.uniform(60.0, 88.0))),
         dark=float(rng.choice([0.0, 0.2, 0.5])),
         nothing=float(rng.choice([np.inf, 0.0])),
     )
@@ -98,8 +98,10 @@ def draw_scan(rng: Generator, people: bool = True) -> LabelledScan:
     heading = rng.uniform(-np.pi, np.pi)
     if rng.random() < SCREENED:
         building = building.add(draw_screens(rng, heading + rng.uniform(-1.5, 1.5)))
+    reach = min(scanner.range_max, FARTHEST_PERSON)
+    building = building.add(draw_decoys(rng, building, reach, heading))
     if people:
-        building = building.add(draw_people(rng, building, min(scanner.range_max, FARTHEST_PERSON), heading))
+        building = building.add(draw_people(rng, building, reach, heading))
     return take_scan(rng, scanner, building, heading, speed=rng.uniform(0.0, 1.0) * (rng.random() < 0.5))
 
 
@@ -158,7 +160,8 @@ def _mix(
     """Return the ranges with mixed pixels where the outer rays differ, and where a range is far from its surface."""
     near, far = np.minimum(left, right), np.maximum(left, right)
     mixed = (far > near + 0.03) & (far < FAR) & (rng.random(len(middle)) < chance)
-    ranges = np.where(mixed, near + rng.random(len(middle)) * (far - near), middle)
+    closed = (middle > far + 0.03) & (far < near + 0.4) & (rng.random(len(middle)) < chance)  # a gap too narrow to see
+    ranges = np.where(mixed | closed, near + rng.random(len(middle)) * (far - near), middle)
     return ranges, np.abs(ranges - middle) > 0.06
 
 
