@@ -21,9 +21,9 @@ class TrainConfig:
 
     scans: int = 6000
     """Simulated scans."""
-    drives: int = 60
+    drives: int = 120
     """Drives of half a minute in the environment's buildings, for the forest `simulation`."""
-    test_drives: int = 8
+    test_drives: int = 16
     """Drives to score that forest on."""
     test_scans: int = 500
     """Simulated scans with, and as many without people, to score a forest on."""
@@ -33,7 +33,7 @@ class TrainConfig:
     """False legs a scan of a drive in the environment at gamma, for the forest `simulation`."""
     trees: int = 40
     """Trees of a forest."""
-    depth: int = 16
+    depth: int = 14
     """Deepest leaf."""
     leaf: int = 5
     """Fewest samples in a leaf."""
