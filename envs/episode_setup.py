@@ -87,9 +87,7 @@ class MindFactory:
     def make(self, world: World, rng: np.random.Generator) -> Mind:
         """Return a mind that knows nothing yet."""
         seed = int(rng.integers(2**31))
-        return Mind(
-            self._people(world), LeaderSelector(self._perception), self._mapper(world, seed), self._perception.zeta
-        )
+        return Mind(self._people(world), LeaderSelector(self._perception), self._mapper(world, seed), self._perception)
 
     def _people(self, world: World) -> PeopleSource:
         if self._forest is None:
