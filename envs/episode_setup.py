@@ -94,7 +94,7 @@ class MindFactory:
             return TruePeopleSource(world)
         p = self._perception
         detector = LegDetector(self._forest, LegDetectorConfig(alpha=p.alpha, beta=p.beta, gamma=p.gamma))
-        return TrackedPeopleSource(PeopleTracker(p, detector))
+        return TrackedPeopleSource(PeopleTracker(p, detector), p.suspect_confidence)
 
     def _mapper(self, world: World, seed: int) -> Mapper:
         if self._config.slam is None:

@@ -35,8 +35,8 @@ class PeopleSource(Protocol):
 class TrackedPeopleSource:
     """People found in the scans by the leg tracker."""
 
-    def __init__(self, tracker: PeopleTracker) -> None:
-        self._tracker = tracker
+    def __init__(self, tracker: PeopleTracker, suspect_confidence: float) -> None:
+        self._tracker, self._suspect_confidence = tracker, suspect_confidence
         self._detections: Detections | None = None
 
     def update(self, scan: LaserScan, odometry: Array) -> People:
@@ -47,7 +47,9 @@ class TrackedPeopleSource:
 
     def suspects_lidar(self, scan: LaserScan) -> Array:
         """Return (n, 2) what looks like legs in the last scan, in the laser frame [m]."""
-        return np.empty((0, 2)) if self._detections is None else suspect_points_lidar(self._detections, scan)
+        if self._detections is None:
+            return np.empty((0, 2))
+        return suspect_points_lidar(self._detections, scan, self._suspect_confidence)
 
 
 @dataclass(frozen=True, eq=False)

@@ -28,13 +28,13 @@ def filter_people(scan: LaserScan, people_points_lidar: ArrayLike, zeta: float) 
     return scan.without(near_points(scan, people_points_lidar, zeta))
 
 
-def suspect_points_lidar(detections: Detections, scan: LaserScan) -> NDArray[np.float64]:
-    """Return (n, 2) the centres of all clusters that look like a leg, in the laser frame [m].
+def suspect_points_lidar(detections: Detections, scan: LaserScan, confidence: float) -> NDArray[np.float64]:
+    """Return (n, 2) the centres of all clusters of at least `confidence`, in the laser frame [m].
 
     A person counts as one only after moving; until then these keep their legs out of a map, at the price of a chair leg
     now and then, which other scans draw.
     """
-    return transform_points(inverse(scan.T_robot_lidar), detections.positions[detections.human])
+    return transform_points(inverse(scan.T_robot_lidar), detections.positions[detections.confidence >= confidence])
 
 
 def people_points_lidar(people: People, odometry: ArrayLike, scan: LaserScan) -> NDArray[np.float64]:
