@@ -87,16 +87,14 @@ class MindFactory:
     def make(self, world: World, rng: np.random.Generator) -> Mind:
         """Return a mind that knows nothing yet."""
         seed = int(rng.integers(2**31))
-        return Mind(
-            self._people(world), LeaderSelector(self._perception), self._mapper(world, seed), self._perception.zeta
-        )
+        return Mind(self._people(world), LeaderSelector(self._perception), self._mapper(world, seed), self._perception)
 
     def _people(self, world: World) -> PeopleSource:
         if self._forest is None:
             return TruePeopleSource(world)
         p = self._perception
         detector = LegDetector(self._forest, LegDetectorConfig(alpha=p.alpha, beta=p.beta, gamma=p.gamma))
-        return TrackedPeopleSource(PeopleTracker(p, detector))
+        return TrackedPeopleSource(PeopleTracker(p, detector), p.suspect_confidence)
 
     def _mapper(self, world: World, seed: int) -> Mapper:
         if self._config.slam is None:

@@ -6,7 +6,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..perception.people_filter import filter_people, people_points_lidar
+from ..perception.config import PerceptionConfig
+from ..perception.legs.detector import Detections
+from ..perception.people_filter import filter_people, people_points_lidar, suspect_points_lidar
 from ..perception.tracking.leader import Leader, LeaderSelector
 from ..perception.tracking.people import People
 from ..perception.tracking.tracker import PeopleTracker
@@ -25,16 +27,29 @@ class PeopleSource(Protocol):
         """Take one scan with its odometry pose (3,); return the people in the odometry frame."""
         ...
 
+    def suspects_lidar(self, scan: LaserScan) -> Array:
+        """Return (n, 2) places in the last scan, in the laser frame [m], that may be legs of people not known yet."""
+        ...
+
 
 class TrackedPeopleSource:
     """People found in the scans by the leg tracker."""
 
-    def __init__(self, tracker: PeopleTracker) -> None:
-        self._tracker = tracker
+    def __init__(self, tracker: PeopleTracker, suspect_confidence: float) -> None:
+        self._tracker, self._suspect_confidence = tracker, suspect_confidence
+        self._detections: Detections | None = None
 
     def update(self, scan: LaserScan, odometry: Array) -> People:
         """Take one scan with its odometry pose (3,); return the people in the odometry frame."""
-        return self._tracker.update(scan, odometry).people
+        update = self._tracker.update(scan, odometry)
+        self._detections = update.detections
+        return update.people
+
+    def suspects_lidar(self, scan: LaserScan) -> Array:
+        """Return (n, 2) what looks like legs in the last scan, in the laser frame [m]."""
+        if self._detections is None:
+            return np.empty((0, 2))
+        return suspect_points_lidar(self._detections, scan, self._suspect_confidence)
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,11 +96,13 @@ class Mind:
         people: Where the knowledge of people comes from.
         selector: Chooses and keeps the leader.
         mapper: Builds the map from people-free scans.
-        zeta: Returns nearer than this to a person are dropped [m].
+        config: How near to people, and to what may be people, returns are dropped.
     """
 
-    def __init__(self, people: PeopleSource, selector: LeaderSelector, mapper: Mapper, zeta: float) -> None:
-        self._people, self._selector, self._mapper, self._zeta = people, selector, mapper, zeta
+    def __init__(
+        self, people: PeopleSource, selector: LeaderSelector, mapper: Mapper, config: PerceptionConfig
+    ) -> None:
+        self._people, self._selector, self._mapper, self._config = people, selector, mapper, config
         self._last: tuple[float, Array] | None = None
         self._velocity = np.zeros(3)
 
@@ -94,7 +111,8 @@ class Mind:
         self._measure_velocity(scan.time_s, odometry)
         people = self._people.update(scan, odometry)
         leader = self._selector.update(people, odometry)
-        filtered = filter_people(scan, people_points_lidar(people, odometry, scan), self._zeta)
+        filtered = filter_people(scan, people_points_lidar(people, odometry, scan), self._config.zeta)
+        filtered = filter_people(filtered, self._people.suspects_lidar(scan), self._config.suspect_radius)
         self._mapper.update(odometry, filtered)
         return Belief(
             scan=scan,

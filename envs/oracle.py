@@ -52,6 +52,10 @@ class TruePeopleSource:
             age_s=np.full(len(near), truth.time_s),
         )
 
+    def suspects_lidar(self, scan: LaserScan) -> Array:
+        """Return (0, 2): everybody is known."""
+        return np.empty((0, 2))
+
 
 class TrueMapper:
     """Mapping with known poses: what any SLAM engine could draw at best. The map frame is the robot's first pose."""

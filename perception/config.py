@@ -20,6 +20,9 @@ class PerceptionConfig:
         delta: Both legs must have moved this far before they start a person [m].
         epsilon: A track ends when the first element of its covariance exceeds this [m^2].
         zeta: The filter drops points this close to a person or one of its legs [m].
+        suspect_radius: So does the environment with points this close to what looks like a leg and may be that of
+            somebody who has not moved delta yet; 0 writes them into the map, as the paper does [m].
+        suspect_confidence: From this confidence a cluster looks like a leg for that.
         c_min: A track ends when its confidence falls below this, in [0, 1].
         q: Process noise, Q = q I per reference period [m^2, (m/s)^2].
         r: Measurement noise, R = r I [m^2].
@@ -68,6 +71,8 @@ class PerceptionConfig:
     delta: float = 0.5
     epsilon: float = 0.9
     zeta: float = 0.35
+    suspect_radius: float = 0.1
+    suspect_confidence: float = 0.5
     c_min: float = 0.1
     q: float = 0.05
     r: float = 0.1

@@ -5,6 +5,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..slam.geometry import inverse, transform_points
 from ..slam.scan import LaserScan
+from .legs.detector import Detections
 from .tracking.people import People
 
 
@@ -25,6 +26,15 @@ def filter_people(scan: LaserScan, people_points_lidar: ArrayLike, zeta: float) 
         zeta: Distance within which a return is a person's [m].
     """
     return scan.without(near_points(scan, people_points_lidar, zeta))
+
+
+def suspect_points_lidar(detections: Detections, scan: LaserScan, confidence: float) -> NDArray[np.float64]:
+    """Return (n, 2) the centres of all clusters of at least `confidence`, in the laser frame [m].
+
+    A person counts as one only after moving; until then these keep their legs out of a map, at the price of a chair leg
+    now and then, which other scans draw.
+    """
+    return transform_points(inverse(scan.T_robot_lidar), detections.positions[detections.confidence >= confidence])
 
 
 def people_points_lidar(people: People, odometry: ArrayLike, scan: LaserScan) -> NDArray[np.float64]:

@@ -1,6 +1,6 @@
 """How well people are tracked and kept out of scans in simulated drives.
 
-Command: python -m tagalong.scripts.evaluation.people --scene corridor --seeds 10 --people 4
+Command: python -m tagalong.scripts.experiments.people --scene corridor --seeds 10 --people 4
 """
 
 import argparse

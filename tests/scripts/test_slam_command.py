@@ -6,6 +6,7 @@ import subprocess
 import sys
 import time
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import pytest
@@ -194,7 +195,11 @@ def test_ctrl_c_leaves_no_half_files(tmp_path):
         "particles=400",
     ]
     process = subprocess.Popen(
-        [sys.executable, "-m", "tagalong", *words], stderr=subprocess.PIPE, text=True, env=dict(os.environ)
+        [sys.executable, "-m", "tagalong", *words],
+        stderr=subprocess.PIPE,
+        text=True,
+        env=dict(os.environ),
+        preexec_fn=partial(signal.signal, signal.SIGINT, signal.SIG_DFL),  # a background shell has it ignored
     )
     deadline = time.monotonic() + 60
     while not (tmp_path / "out").exists() and time.monotonic() < deadline:
