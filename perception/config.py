@@ -135,14 +135,15 @@ class PerceptionConfig:
 
 PRESETS: dict[str, PerceptionConfig] = {
     "table2": PerceptionConfig(),
-    "outdoor": PerceptionConfig(delta=0.2, epsilon=2.0, memory_s=60.0, memory_distance=6.0),
+    "outdoor": PerceptionConfig(delta=0.25, gamma=0.35, epsilon=2.0, memory_s=60.0, memory_distance=6.0),
 }
 """Named configurations.
 
 `table2`: the paper's numbers.
 `outdoor`: a robot without odometry that follows one person. Its frame moves with it: the person ahead hardly leaves the
 place, only the feet swing (`delta`); a turn of the robot throws the person across the view (`memory_distance`) and out
-of it (`memory_s`); thin legs in coarse beams are missed for longer (`epsilon`).
+of it (`memory_s`); thin legs in coarse beams are missed for longer (`epsilon`); since less movement starts a person, more
+confidence is asked of a leg (`gamma`).
 """
 
 
