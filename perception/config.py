@@ -141,9 +141,9 @@ PRESETS: dict[str, PerceptionConfig] = {
 
 `table2`: the paper's numbers.
 `outdoor`: a robot without odometry that follows one person. Its frame moves with it: the person ahead hardly leaves the
-place, only the feet swing (`delta`); a turn of the robot throws the person across the view (`memory_distance`) and out
-of it (`memory_s`); thin legs in coarse beams are missed for longer (`epsilon`); since less movement starts a person, more
-confidence is asked of a leg (`gamma`).
+place, only the feet swing (`delta`), and since less movement starts a person, more confidence is asked of a leg
+(`gamma`); a turn of the robot throws the person across the view (`memory_distance`) and out of it (`memory_s`); thin
+legs in coarse beams are missed for longer (`epsilon`).
 """
 
 

@@ -21,7 +21,7 @@ EXTRAS: Mapping[str, tuple[str, ...]] = {
     "learn": ("torch", "stable-baselines3", "sb3-contrib"),
     "viz": ("matplotlib", "moviepy"),
     "ros": ("rosbags",),
-    "cluster": ("ray",),
+    "cluster": ("ray", "distributed"),
     "dev": ("build", "basedpyright", "evo", "hypothesis", "pysocialforce", "pytest", "pytest-xdist", "ruff"),
 }
 """Distributions that each extra brings."""

@@ -1,0 +1,54 @@
+"""`tagalong reproduce EXPERIMENT`: repeats a published experiment and sets our figures beside the paper's."""
+
+import argparse
+import os
+from pathlib import Path
+
+from ...slam.errors import InputError
+from ..experiments.backends import BACKENDS
+from ..reproduce.experiment import EXPERIMENTS, load_experiment
+from ..tables import format_table
+
+EPILOG = """\
+Writes results.json, timing.json, figures as PNG and one report.html. Everything is computed in cells that are stored
+as they are done: interrupt or kill it at any time and run the same command again. Options of each experiment:
+tagalong reproduce EXPERIMENT --help
+
+example:
+  tagalong reproduce {example} --quick --jobs 2 --out out/{example}
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the experiments, each with its own options."""
+    parser.epilog = EPILOG.format(example=next(iter(EXPERIMENTS)))
+    experiments = parser.add_subparsers(dest="experiment", metavar="EXPERIMENT", required=True)
+    for name, summary in EXPERIMENTS.items():
+        sub = experiments.add_parser(
+            name, help=summary, description=summary, formatter_class=argparse.RawDescriptionHelpFormatter
+        )
+        sub.add_argument("--out", type=Path, required=True, metavar="DIR", help="where everything is written")
+        sub.add_argument("--quick", action="store_true", help="the same on fewer repeats")
+        sub.add_argument("--jobs", type=int, default=1, metavar="N", help="processes (default: %(default)s)")
+        sub.add_argument("--backend", choices=BACKENDS, default="loky", help="who runs them (default: %(default)s)")
+        sub.add_argument("--data", type=Path, metavar="DIR", help="recorded data (default: TAGALONG_DATA)")
+        load_experiment(name).add_arguments(sub)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the experiment and say where its report is."""
+    from ..reproduce.run import run_experiment
+
+    if options.jobs < 1:
+        raise InputError(f"--jobs must be at least 1, got {options.jobs}")
+    variable = os.environ.get("TAGALONG_DATA")
+    options.data = options.data or (Path(variable) if variable else None)
+    if options.data is not None and not options.data.is_dir():
+        raise InputError(f"--data: {options.data} is not a folder")
+    report = run_experiment(load_experiment(options.experiment), options)
+    print(f"\n{report.title}\n\n{report.lead}\n")
+    for section in report.sections:
+        for table in section.tables:
+            print(f"{table.title}\n{format_table(table.columns, table.rows)}\n")
+    print(f"written to {options.out}: report.html, results.json, timing.json, figures/")
+    return 0
