@@ -17,7 +17,8 @@ class FollowConfig:
     Attributes:
         scene: Building: "corridor", "meeting_room" or "plain_corridor".
         people: How people reach the robot's mind: "tracker" from the scans, "truth" from the simulator.
-        slam: Who builds the map: "gmapping", "cartographer", "truth" (known poses, an upper bound), None for no map at all.
+        slam: Who builds the map: "gmapping", "cartographer", "truth" (known poses, an upper bound), None for no
+            map at all.
         people_count: People in the building, the leader included.
         standing: Further people who come to stand still beside the route.
         leader_style: Manner of the leader: "steady", "hurried", "waits"; None draws one from the seed.

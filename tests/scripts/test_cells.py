@@ -51,3 +51,20 @@ def test_a_failing_cell_leaves_the_finished_ones_and_no_file_of_its_own(tmp_path
         run_cells([*cells(log, (1,)), *cells(log, (5,), broken)], tmp_path)
     assert (tmp_path / "part/1.json").exists()
     assert not (tmp_path / "part/5.json").exists()
+
+
+def write_number(value, files):
+    (files / "number.txt").write_text(str(value))
+    return {}
+
+
+def add_numbers(inputs):
+    return {"sum": sum(int((folder / "number.txt").read_text()) for folder in inputs)}
+
+
+def test_a_cell_finds_the_files_of_those_that_it_needs(tmp_path):
+    numbers = [Cell(name=f"n/{v}", function=write_number, arguments={"value": v}, keeps_files=True) for v in (3, 4)]
+    total = Cell(name="sum", function=add_numbers, arguments={}, needs=("n/3", "n/4"))
+    assert run_cells([*numbers, total], tmp_path, jobs=2)["sum"] == {"sum": 7}
+    (tmp_path / "sum.json").unlink()
+    assert run_cells([*numbers, total], tmp_path)["sum"] == {"sum": 7}
