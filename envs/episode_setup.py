@@ -12,10 +12,11 @@ from ..perception.tracking.leader import LeaderSelector
 from ..perception.tracking.tracker import PeopleTracker
 from ..slam.errors import unknown_name
 from ..slam.gmapping.engine import GMapping
+from ..slam.graph.engine import Cartographer
 from .follow_config import FollowConfig
 from .interface import FollowInterface
 from .lidar import LidarConfig
-from .mappers import EngineMapper, Mapper, NoMapper
+from .mappers import EngineMapper, GraphMapper, Mapper, NoMapper
 from .mind import Mind, PeopleSource, TrackedPeopleSource
 from .oracle import TrueMapper, TruePeopleSource
 from .robot import RobotConfig
@@ -101,4 +102,6 @@ class MindFactory:
             return NoMapper()
         if self._config.slam == "truth":
             return TrueMapper(world)
+        if self._config.slam == "cartographer":
+            return GraphMapper(Cartographer())
         return EngineMapper(GMapping(seed=seed))

@@ -7,7 +7,7 @@ from typing import Any
 from ..slam.errors import InputError, unknown_name
 
 PEOPLE_SOURCES = ("tracker", "truth")
-SLAM_SOURCES = ("gmapping", "truth", None)
+SLAM_SOURCES = ("gmapping", "cartographer", "truth", None)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -15,9 +15,10 @@ class FollowConfig:
     """Everything that defines an environment; its fields are the keyword arguments of `FollowEnv`.
 
     Attributes:
-        scene: Building, "corridor" or "meeting_room".
+        scene: Building: "corridor", "meeting_room" or "plain_corridor".
         people: How people reach the robot's mind: "tracker" from the scans, "truth" from the simulator.
-        slam: Who builds the map: "gmapping", "truth" (known poses, an upper bound), None for no map at all.
+        slam: Who builds the map: "gmapping", "cartographer", "truth" (known poses, an upper bound), None for no
+            map at all.
         people_count: People in the building, the leader included.
         standing: Further people who come to stand still beside the route.
         leader_style: Manner of the leader: "steady", "hurried", "waits"; None draws one from the seed.

@@ -46,10 +46,11 @@ class FollowEnv(gym.Env[Any, Any]):
     ## Description
 
     A robot like the Clearpath Dingo stands behind a person, who soon sets off on a tour of the building: `corridor`
-    (40 x 2.4 m with a bend and 10 m more) or `meeting_room` (10 x 7 m), sizes and clutter drawn from the seed. The
-    task is to stay 1.3 m behind (centre to centre), without touching anybody or anything, to the tour's end. What the
-    robot knows comes from its planar laser scanner and its wheels alone: leg tracker, leader selection and SLAM run
-    inside the environment, on scans from which people were removed. A step lasts 1 / `control_hz`, 0.1 s by default.
+    (40 x 2.4 m with a bend and 10 m more), `meeting_room` (10 x 7 m) or `plain_corridor` (30 x 2.2 m, smooth walls),
+    sizes and clutter drawn from the seed. The task is to stay 1.3 m behind (centre to centre), without touching
+    anybody or anything, to the tour's end. What the robot knows comes from its planar laser scanner and its wheels
+    alone: leg tracker, leader selection and SLAM run inside the environment, on scans from which people were removed.
+    A step lasts 1 / `control_hz`, 0.1 s by default.
 
     ## Action
 
@@ -101,7 +102,7 @@ class FollowEnv(gym.Env[Any, Any]):
 
     | option | meaning |
     |---|---|
-    | `scene` | "corridor", "meeting_room" |
+    | `scene` | "corridor", "meeting_room", "plain_corridor" |
     | `route` | name of one of the scene's tours |
     | `people` | number of walking people, the leader included |
     | `standing` | number of further people who come to stand still for 25 s |

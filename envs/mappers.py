@@ -99,6 +99,38 @@ class EngineMapper:
         return self.engine.pose
 
 
+class GraphEngine(SlamEngine, Protocol):
+    """A SLAM engine that keeps the poses of the scans in its map."""
+
+    @property
+    def node_poses(self) -> Array:
+        """(k, 3) T_map_robot of the integrated scans, by what is known now."""
+        ...
+
+
+class GraphMapper:
+    """A graph SLAM engine, and the map that its scans draw where it believes them now."""
+
+    def __init__(self, engine: GraphEngine) -> None:
+        self.engine = engine
+        self._growing = GrowingMap()
+
+    def update(self, odometry: Array, scan: LaserScan) -> None:
+        """Take one people-free scan and its odometry pose (3,)."""
+        if self.engine.update(odometry, scan).integrated:
+            self._growing.add(scan, self.engine.node_poses)
+
+    @property
+    def map(self) -> OccupancyMap:
+        """The map so far; not to be written to."""
+        return self._growing.map
+
+    @property
+    def pose(self) -> Array:
+        """(3,) T_map_robot."""
+        return self.engine.pose
+
+
 class NoMapper:
     """Builds nothing."""
 

@@ -2,7 +2,11 @@
 
 import gymnasium as gym
 
-IDS = {"tagalong/Corridor-v0": "corridor", "tagalong/MeetingRoom-v0": "meeting_room"}
+IDS = {
+    "tagalong/Corridor-v0": "corridor",
+    "tagalong/MeetingRoom-v0": "meeting_room",
+    "tagalong/PlainCorridor-v0": "plain_corridor",
+}
 """Id -> scene."""
 MAX_EPISODE_STEPS = 3000
 """Steps after which an episode is truncated: five minutes at 10 Hz, longer than any tour."""

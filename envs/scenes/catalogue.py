@@ -7,11 +7,13 @@ import numpy as np
 from ...slam.errors import unknown_name
 from .corridor import corridor
 from .meeting_room import meeting_room
+from .plain_corridor import plain_corridor
 from .scene import Scene
 
 SCENES: dict[str, Callable[[np.random.Generator, str | None], Scene]] = {
     "corridor": corridor,
     "meeting_room": meeting_room,
+    "plain_corridor": plain_corridor,
 }
 """Name -> function of (rng, route name or None)."""
 
@@ -20,7 +22,7 @@ def make_scene(name: str, rng: np.random.Generator, route: str | None = None) ->
     """Return a building of the kind `name`, its sizes and clutter drawn from `rng`.
 
     Args:
-        name: "corridor" or "meeting_room".
+        name: A key of `SCENES`.
         rng: Source of all draws.
         route: Name of one of the scene's tours; None draws one.
 

@@ -71,7 +71,7 @@ def corridor(rng: np.random.Generator, route: str | None = None) -> Scene:
         half_width=half - 0.2,
         standing_places=np.zeros((0, 2)),
     )
-    return _with_standing_places(drawn, half, rng)
+    return with_standing_places(drawn, half, rng)
 
 
 def _routes(length: float, bend: float, width: float, turn: float) -> dict[str, Array]:
@@ -138,8 +138,14 @@ def _clutter(
     return solids
 
 
-def _with_standing_places(scene: Scene, half: float, rng: np.random.Generator) -> Scene:
-    """Return `scene` with the places beside its route where a person fits between the walls and the robot's lane."""
+def with_standing_places(scene: Scene, half: float, rng: np.random.Generator) -> Scene:
+    """Return `scene` with the places beside its route where a person fits between the walls and the robot's lane.
+
+    Args:
+        scene: A corridor; its route runs along its middle.
+        half: Half its width [m].
+        rng: Draws the side of each place.
+    """
     points = resample(scene.route, 0.1)
     directions = tangents(points)
     arcs = np.arange(len(points)) * 0.1

@@ -5,16 +5,16 @@ most the cells that were running. A file that was made with other arguments is m
 """
 
 import json
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import joblib
 from tqdm import tqdm
 
 from ...slam.files import write_json
-from .backends import parallel_backend
+from .backends import parallel_backend, results_of
 
 TIMING = "timing"
 """The key of a result, at any depth, under which stands what depends on the clock; nothing else may."""
@@ -29,12 +29,14 @@ class Cell:
         function: A module-level function that returns a dict that JSON can hold.
         arguments: Its keyword arguments; numbers, strings, lists and None only.
         keeps_files: The function takes `files`, too: a folder of its own for what JSON cannot hold.
+        needs: Names of cells that come first; the function takes `inputs`, too: their folders of files, in this order.
     """
 
     name: str
     function: Callable[..., Mapping[str, Any]]
     arguments: Mapping[str, Any]
     keeps_files: bool = False
+    needs: tuple[str, ...] = ()
 
     def stored(self, folder: Path) -> dict[str, Any] | None:
         """Return the result in `folder`, or None where there is none for these arguments."""
@@ -49,19 +51,17 @@ class Cell:
 
     def run(self, folder: Path) -> dict[str, Any]:
         """Compute the result, store it in `folder` and return it as it was stored."""
-        more = {}
+        more: dict[str, Any] = {}
         if self.keeps_files:
-            more["files"] = self.files(folder)
+            more["files"] = files_of(self.name, folder)
             more["files"].mkdir(parents=True, exist_ok=True)
+        if self.needs:
+            more["inputs"] = [files_of(name, folder) for name in self.needs]
         result = dict(self.function(**self.arguments, **more))
         write_json(self._path(folder), {"arguments": self._plain_arguments, "result": result})
         stored = self.stored(folder)
         assert stored is not None
         return stored
-
-    def files(self, folder: Path) -> Path:
-        """Return the folder of what this cell keeps beside its result."""
-        return folder / f"{self.name}.files"
 
     def _path(self, folder: Path) -> Path:
         return folder / f"{self.name}.json"
@@ -71,13 +71,19 @@ class Cell:
         return json.loads(json.dumps(dict(self.arguments)))
 
 
+def files_of(name: str, folder: Path) -> Path:
+    """Return the folder of what the cell `name` keeps beside its result in `folder`."""
+    return folder / f"{name}.files"
+
+
 def run_cells(
     cells: Sequence[Cell], folder: str | Path, *, jobs: int = 1, label: str = "cells", backend: str = "loky"
 ) -> dict[str, Any]:
     """Run the cells that have no result in `folder` yet and return all results by name, in the order of `cells`.
 
     Args:
-        cells: What to run; their order decides nothing but the order of the answer.
+        cells: What to run; their order decides nothing but the order of the answer. A cell that others need stands
+            before them.
         folder: Where the result files are.
         jobs: How many processes.
         label: Name beside the progress bar.
@@ -90,12 +96,25 @@ def run_cells(
     target = Path(folder)
     results = {cell.name: cell.stored(target) for cell in cells}
     missing = [cell for cell in cells if results[cell.name] is None]
-    tasks = (joblib.delayed(_run_cell)(cell, target) for cell in missing)
-    with parallel_backend(backend, jobs):
-        done = cast(Iterable[Any], joblib.Parallel(n_jobs=jobs, return_as="generator_unordered")(tasks))
-        for name, result in tqdm(done, total=len(cells), initial=len(cells) - len(missing), desc=label, unit="cell"):
-            results[name] = result
+    with (
+        parallel_backend(backend, jobs),
+        tqdm(total=len(cells), initial=len(cells) - len(missing), desc=label, unit="cell") as progress,
+    ):
+        for wave in _waves(missing):
+            for name, result in results_of([joblib.delayed(_run_cell)(cell, target) for cell in wave], jobs):
+                results[name] = result
+                progress.update()
     return results
+
+
+def _waves(cells: Sequence[Cell]) -> list[list[Cell]]:
+    """Return the cells in groups; each needs only cells of groups before it, or none of `cells`."""
+    depth: dict[str, int] = {}
+    for cell in cells:
+        depth[cell.name] = 1 + max((depth.get(name, -1) for name in cell.needs), default=-1)
+    return [
+        [cell for cell in cells if depth[cell.name] == level] for level in range(max(depth.values(), default=-1) + 1)
+    ]
 
 
 def without_timing(value: Any) -> Any:

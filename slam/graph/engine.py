@@ -114,6 +114,13 @@ class Cartographer:
         return self._global.rejected if self._global else 0
 
     @property
+    def node_poses(self) -> Array:
+        """(k, 3) T_map_robot of the inserted scans by what is known now, at no cost: nothing is optimised for it."""
+        if self._global:
+            return self._global.node_poses.reshape(-1, 3)
+        return self.local_trajectory()[self._inserted]
+
+    @property
     def node_scans(self) -> list[int]:
         """The scan that each node of the graph is, in order."""
         return list(self._inserted)
