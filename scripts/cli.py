@@ -18,6 +18,7 @@ COMMANDS: dict[str, str] = {
     "doctor": "say what is installed and what works here",
     "evaluate": "drive a follower through many episodes",
     "results": "measure what the README states",
+    "reproduce": "repeat a published experiment",
     "bench": "measure speed",
     "perceive": "find legs and track people in recorded scans (CARMEN log or .npz)",
 }
