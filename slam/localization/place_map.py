@@ -70,20 +70,20 @@ class PlaceMap:
         factor = max(1, round(config.resolution / grid.resolution))
         self.resolution = grid.resolution * factor
         low, shape = _window(grid.known, factor)
-        self.outer_corner = np.array(grid.origin) + low[::-1] * grid.resolution
+        self.outer_corner = np.array(grid.origin, dtype=np.float64) + low[::-1] * grid.resolution
         occupied, free = _cut(occupied, low, shape), _cut(free, low, shape)
         self.states = np.zeros((shape[0] // factor, shape[1] // factor), np.uint8)
         self.states[_any(free, factor)] = FREE
         self.states[_any(occupied, factor)] = OCCUPIED
-        fine = distance_transform_edt(~occupied) * grid.resolution
-        self.distances = _centres(np.asarray(fine), factor).astype(np.float32)
+        fine = np.asarray(distance_transform_edt(~occupied), dtype=np.float64) * grid.resolution
+        self.distances = _centres(fine, factor).astype(np.float32)
         sigma = max(config.wall_sigma, 0.7 * self.resolution)
         self.field = np.exp(-0.5 * (self.distances / sigma) ** 2).astype(np.float32)
 
     @property
     def corner(self) -> Array:
         """(2,) centre of cell [0, 0], map frame [m]."""
-        return self.outer_corner + 0.5 * self.resolution
+        return np.asarray(self.outer_corner + 0.5 * self.resolution, dtype=np.float64)
 
     @cached_property
     def coarse_field(self) -> NDArray[np.float32]:
@@ -143,7 +143,7 @@ def _cut(cells: NDArray[np.bool_], low: NDArray[np.int64], shape: tuple[int, int
 
 def _any(cells: NDArray[np.bool_], factor: int) -> NDArray[np.bool_]:
     rows, cols = cells.shape
-    return cells.reshape(rows // factor, factor, cols // factor, factor).any(axis=(1, 3))
+    return np.any(cells.reshape(rows // factor, factor, cols // factor, factor), axis=(1, 3))
 
 
 def _centres(values: NDArray[np.floating], factor: int) -> NDArray[np.floating]:
