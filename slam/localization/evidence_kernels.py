@@ -14,6 +14,21 @@ UNSEEN = 0.3
 
 
 @njit(cache=True, nogil=True)
+def is_blocked(states: NDArray[np.uint8], x0: float, y0: float, x1: float, y1: float, slack: float) -> bool:
+    """Return whether a ray meets an occupied cell more than `slack` before its end, looked at once a cell's side.
+
+    All lengths in cells, from the outer corner of cell [0, 0].
+    """
+    length = np.sqrt((x1 - x0) ** 2 + (y1 - y0) ** 2)
+    for step in range(1, int(length - slack) + 1):
+        share = step / length
+        i, j = int(np.floor(y0 + share * (y1 - y0))), int(np.floor(x0 + share * (x1 - x0)))
+        if 0 <= i < states.shape[0] and 0 <= j < states.shape[1] and states[i, j] == OCCUPIED:
+            return True
+    return False
+
+
+@njit(cache=True, nogil=True)
 def beam_likelihoods(
     states: NDArray[np.uint8],
     distances: NDArray[np.float32],
@@ -51,15 +66,9 @@ def beam_likelihoods(
         for n in range(len(points)):
             x1 = (poses[k, 0] + c * points[n, 0] - s * points[n, 1] - corner[0]) / resolution
             y1 = (poses[k, 1] + s * points[n, 0] + c * points[n, 1] - corner[1]) / resolution
-            length = np.sqrt((x1 - x0) ** 2 + (y1 - y0) ** 2)
-            steps = int(length - slack / resolution)
-            blocked = False
-            for step in range(1, steps + 1):
-                share = step / length
-                i, j = int(np.floor(y0 + share * (y1 - y0))), int(np.floor(x0 + share * (x1 - x0)))
-                if 0 <= i < rows and 0 <= j < cols and states[i, j] == OCCUPIED:
-                    blocked = True
-                    break
+            if is_blocked(states, x0, y0, x1, y1, slack / resolution):
+                likelihoods[k, n] = FLOOR
+                continue
             i, j = int(np.floor(y1)), int(np.floor(x1))
             value = UNSEEN
             if 0 <= i < rows and 0 <= j < cols:
@@ -67,4 +76,4 @@ def beam_likelihoods(
                 value = FLOOR + (1.0 - FLOOR) * np.exp(-0.5 * distance * distance / (sigma * sigma))
                 if states[i, j] == UNKNOWN:
                     value = max(value, UNSEEN)
-            likelihoods[k, n] = FLOOR if blocked else value
+            likelihoods[k, n] = value
