@@ -13,14 +13,16 @@ from .building import build
 from .lidar import Lidar, LidarConfig
 from .mj import mujoco
 from .odometry import QUALITIES, OdometryConfig, WheelOdometry, odometry_quality
-from .people.casting import cast_people
+from .people.casting import MOST_ON_ROUTE, cast_people
 from .people.crowd import Casting, Crowd, CrowdState
 from .people.leader import STYLES
 from .people.social_force import SocialForceConfig
 from .people.terrain import Terrain
 from .people.walking import locate
+from .people.wanderers import MOST_DRAWN, cast_wanderers
 from .robot import Robot, RobotConfig
 from .scenes.catalogue import SCENES, make_scene
+from .scenes.request import SceneRequest
 from .scenes.scene import Scene
 from .truth import TruePeople, TrueState
 
@@ -37,7 +39,10 @@ class WorldConfig:
     Attributes:
         scene: Name of the building, see `SCENES`.
         route: Name of the tour, None draws one.
-        people: Number of walking people, the leader included.
+        split: Of which half offices are drawn: "train" or "test".
+        floor_plan: File `map.yaml` for the scene "floor_plan"; None takes the built-in plan.
+        people: Number of walking people, the leader included; None draws 0 to 12 beside the leader where people have
+            ways of their own, as in offices, else 0 to 3.
         leader: Whether the first of the people leads the robot. Without, all are bystanders: the same as with a
             leader and one person more.
         leader_style: "steady", "hurried" or "waits" (when the robot lags); None draws one.
@@ -53,7 +58,9 @@ class WorldConfig:
 
     scene: str = "corridor"
     route: str | None = None
-    people: int = 2
+    split: str = "train"
+    floor_plan: str | None = None
+    people: int | None = 2
     leader: bool = True
     leader_style: str | None = None
     standing: int = 0
@@ -71,9 +78,10 @@ class WorldConfig:
             raise unknown_name("leader style", self.leader_style, tuple(STYLES))
         if isinstance(self.odometry, str) and self.odometry not in QUALITIES:
             raise unknown_name("odometry quality", self.odometry, tuple(QUALITIES))
+        SceneRequest(split=self.split)
         for name in ("people", "standing"):
             value = getattr(self, name)
-            if not isinstance(value, int) or value < 0:
+            if (name, value) != ("people", None) and (not isinstance(value, int) or value < 0):
                 raise InputError(f"`{name}` must be a whole number of at least 0, got {value!r}")
         _whole_ratio("the control period 1 / `control_hz`", 1.0 / self.control_hz, TICK)
         _whole_ratio("the laser's period 1 / `rate_hz`", 1.0 / self.lidar.rate_hz, TICK)
@@ -130,16 +138,18 @@ class World:
         children = np.random.SeedSequence(entropy).spawn(len(names))
         streams = {name: np.random.default_rng(child) for name, child in zip(names, children, strict=True)}
         self.config = config
-        self.scene: Scene = make_scene(config.scene, streams["scene"], config.route)
+        self.scene: Scene = make_scene(config.scene, streams["scene"], request=_request(config))
         self.start, start_arc = _draw_start(self.scene, streams["scene"])
         terrain = Terrain(self.scene)
-        casting, people = cast_people(
+        cast = cast_wanderers if self.scene.walks else cast_people
+        count = _how_many(config, self.scene, streams["people"])
+        casting, people = cast(
             self.scene,
             terrain,
-            config.people,
+            count,
             config.standing,
             config.leader_style,
-            config.leader and config.people > 0,
+            config.leader and count > 0,
             start_arc,
             streams["leader"],
             streams["people"],
@@ -199,8 +209,8 @@ class World:
                 self._take_scan()
                 scans.append(self._scans[-1])
         self._scans = tuple(scans) or self._scans[-1:]
-        arc = np.array([self._progress])
-        locate(self.data.qpos[None, :2], arc, self._crowd.terrain.path, self._crowd.terrain.tangent)
+        arc, ways = np.array([self._progress]), self._crowd.terrain
+        locate(self.data.qpos[None, :2], arc, ways.paths, ways.tangents, ways.first[:1], ways.count[:1])
         self._progress = float(arc[0])
 
     def scan(self) -> LaserScan:
@@ -320,6 +330,17 @@ class World:
     def _take_scan(self) -> None:
         exact, self._labels = self._lidar.cast(self.data, self.data.qpos[:3])
         self._scans = (self._lidar.measure(exact, self._streams["lidar"], self.time_s),)
+
+
+def _request(config: WorldConfig) -> SceneRequest:
+    return SceneRequest(route=config.route, split=config.split, floor_plan=config.floor_plan)
+
+
+def _how_many(config: WorldConfig, scene: Scene, rng: np.random.Generator) -> int:
+    if config.people is not None:
+        return config.people
+    bystanders = int(rng.integers(0, 1 + (MOST_DRAWN if scene.walks else MOST_ON_ROUTE)))
+    return bystanders + int(config.leader)
 
 
 def _draw_start(scene: Scene, rng: np.random.Generator) -> tuple[Array, float]:
