@@ -22,7 +22,7 @@ from .sweeps import timed_odometry
 from .truth import TrueState
 from .world import World, WorldState
 
-Observation = dict[str, NDArray[np.float32]]
+Observation = dict[str, NDArray[Any]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,8 +46,9 @@ class FollowEnv(gym.Env[Any, Any]):
     ## Description
 
     A robot like the Clearpath Dingo stands behind a person, who soon sets off on a tour of the building: `corridor`
-    (40 x 2.4 m with a bend and 10 m more), `meeting_room` (10 x 7 m) or `plain_corridor` (30 x 2.2 m, smooth walls),
-    sizes and clutter drawn from the seed. The task is to stay 1.3 m behind (centre to centre), without touching
+    (40 x 2.4 m with a bend and 10 m more), `meeting_room` (10 x 7 m), `plain_corridor` (30 x 2.2 m, smooth walls) or
+    `lab` (9 x 7 m with a hinged door to a passage, and four scripted people more), sizes and clutter drawn from the
+    seed. The task is to stay 1.3 m behind (centre to centre), without touching
     anybody or anything, to the tour's end. What the robot knows comes from its planar laser scanner and its wheels
     alone: leg tracker, leader selection and SLAM run inside the environment, on scans from which people were removed.
     A step lasts 1 / `control_hz`, 0.1 s by default.
@@ -65,7 +66,7 @@ class FollowEnv(gym.Env[Any, Any]):
 
     ## Observation
 
-    `Dict`, all float32, in the robot frame (x forward, y left), in m, m/s, rad/s; new arrays in every step.
+    `Dict`, float32, in the robot frame (x forward, y left), in m, m/s, rad/s; new arrays in every step.
 
     | key | shape | meaning | range |
     |---|---|---|---|
@@ -74,6 +75,13 @@ class FollowEnv(gym.Env[Any, Any]):
     | `people` | (people_slots, 6) | other people, nearest first: x, y, vx, vy, confidence, present (mask) | as above |
     | `velocity` | (2,) or (3,) | own forward speed, speed to the left if holonomic, turn rate, by odometry | 3, 3, 6 |
     | `map` | (map_cells, map_cells) | cells around the robot: 0 free, 0.5 unknown, 1 occupied | 0 .. 1 |
+
+    With `sensors={"lidar", "rgbd"}` there are two entries more, of a camera like the Kinect V2, 1 m above the floor:
+
+    | key | shape, type | meaning | range |
+    |---|---|---|---|
+    | `rgb` | (106, 128, 3) uint8 | red, green, blue | 0 .. 255 |
+    | `depth` | (106, 128) float32 | depth along the camera's axis over 8 m; 0: nothing measured | 0 .. 1 |
 
     The leader is chosen by the robot: the tracked person closest to it at onset. While it is lost, `leader` holds its
     predicted place with visible = 0; before one was chosen it is zero. Cell [i, j] of `map` lies at
@@ -102,7 +110,7 @@ class FollowEnv(gym.Env[Any, Any]):
 
     | option | meaning |
     |---|---|
-    | `scene` | "corridor", "meeting_room", "plain_corridor" |
+    | `scene` | "corridor", "lab", "meeting_room", "plain_corridor" |
     | `route` | name of one of the scene's tours |
     | `people` | number of walking people, the leader included |
     | `standing` | number of further people who come to stand still for 25 s |
@@ -119,7 +127,7 @@ class FollowEnv(gym.Env[Any, Any]):
 
     `gymnasium.make("tagalong/Corridor-v0", people="truth", slam=None, ...)`: the fields of `FollowConfig` with their
     defaults (scene, people, slam, people_count, standing, leader_style, odometry, drive, top_turn_rate, beams,
-    lidar_hz, control_hz, people_slots, map_cells, map_resolution, lost_limit_s), and
+    lidar_hz, sensors, camera_pixels, camera_hz, control_hz, people_slots, map_cells, map_resolution, lost_limit_s), and
 
     - `render_mode`: None, "rgb_array", "human" (MuJoCo's viewer; needs a display).
     - `render_backend`: of "rgb_array": "topview" (needs no OpenGL), "mujoco" (camera; needs OpenGL).
@@ -181,7 +189,7 @@ class FollowEnv(gym.Env[Any, Any]):
         self._trail = [self._truth.robot_pose[:2]]
         if self.render_mode == "human":
             self.render()
-        return self._observer.observe(self._belief), self._info(self._facts(0.0), Ending(), {})
+        return self._observer.observe(self._belief, world.frames), self._info(self._facts(0.0), Ending(), {})
 
     def step(self, action: ArrayLike) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Drive for one control period; see the class."""
@@ -194,7 +202,13 @@ class FollowEnv(gym.Env[Any, Any]):
         if self.render_mode == "human":
             self.render()
         info = self._info(facts, ending, terms)
-        return self._observer.observe(self._belief), sum(terms.values()), ending.terminated, False, info
+        return (
+            self._observer.observe(self._belief, self.world.frames),
+            sum(terms.values()),
+            ending.terminated,
+            False,
+            info,
+        )
 
     def render(self) -> NDArray[np.uint8] | None:  # pyright: ignore[reportIncompatibleMethodOverride]
         """Return a picture (height, width, 3) uint8 for "rgb_array"; None for "human" and without a render mode."""

@@ -4,6 +4,7 @@ import gymnasium as gym
 
 IDS = {
     "tagalong/Corridor-v0": "corridor",
+    "tagalong/Lab-v0": "lab",
     "tagalong/MeetingRoom-v0": "meeting_room",
     "tagalong/PlainCorridor-v0": "plain_corridor",
 }

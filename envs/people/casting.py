@@ -37,11 +37,15 @@ def cast_people(
         leader_rng: Source of the leader's draws.
         rng: Source of all other draws.
 
+    The scripted people of the scene come last.
+
     Raises:
         InputError: If the building is too small for so many.
     """
     roles = [Role.WALKER] * people + [Role.STANDER] * standing
-    roles[: 2 if with_leader else 0] = [Role.LEADER, Role.COMPANION][: min(people, 2) if with_leader else 0]
+    roles += [Role.SCRIPTED] * len(scene.errands)
+    led = min(people, 2) if with_leader else 0
+    roles[:led] = [Role.LEADER, Role.COMPANION][:led]
     count = len(roles)
     leader = draw_leader(leader_rng, style, start_arc, scene.tour_length) if with_leader and people else None
     leader_physique = draw_physique(leader_rng)
@@ -55,6 +59,7 @@ def cast_people(
         side=rng.uniform(-0.1, 0.1, count),
         gap=rng.uniform(1.1, 1.6, count),
         window=np.zeros((count, 2)),
+        errands=scene.errands,
     )
     arc, sense = _places(scene, casting, start_arc + leader_rng.uniform(1.2, 1.5), rng)
     return casting, _standing_still(terrain, casting, arc, sense, leader)
@@ -67,6 +72,8 @@ def _places(scene: Scene, casting: Casting, leader_arc: float, rng: np.random.Ge
     for person, role in enumerate(casting.roles):
         if role == Role.LEADER:
             arc[person] = leader_arc
+        elif role == Role.SCRIPTED:
+            continue
         elif role == Role.COMPANION:
             arc[person] = leader_arc + casting.gap[person]
             casting.side[person] *= 10.0 * max(0.0, min(0.3, scene.half_width - 0.5))
@@ -111,10 +118,12 @@ def _standing_still(terrain: Terrain, casting: Casting, arc: Array, sense: Array
     for person, role in enumerate(casting.roles):
         if role == Role.WALKER and not terrain.lap:
             lateral[person] = -sense[person] * terrain.passing
-        if role != Role.STANDER:
+        if role not in (Role.STANDER, Role.SCRIPTED):
             lateral[person] = terrain.within_free(arc[person], lateral[person])
     position = np.array([terrain.place(a, side) for a, side in zip(arc, lateral, strict=True)]).reshape(-1, 2)
     heading = np.array([terrain.ahead(a) for a in arc]) + np.where(sense < 0.0, np.pi, 0.0)
+    for person, errand in enumerate(casting.errands, start=count - len(casting.errands)):
+        position[person], heading[person], lateral[person] = errand.places[0][:2], errand.face, 0.0
     stance = np.array([p.stance_half_width for p in casting.physiques])
     left = stance[:, None] * np.stack((-np.sin(heading), np.cos(heading)), axis=-1)
     return CrowdState(
@@ -133,5 +142,6 @@ def _standing_still(terrain: Terrain, casting: Casting, arc: Array, sense: Array
         wish=np.zeros(count),
         face=np.full(count, np.nan),
         timer=np.zeros(count),
+        errand=np.zeros(count, dtype=np.int64),
         leader=leader,
     )

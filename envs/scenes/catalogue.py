@@ -6,12 +6,14 @@ import numpy as np
 
 from ...slam.errors import unknown_name
 from .corridor import corridor
+from .lab import lab
 from .meeting_room import meeting_room
 from .plain_corridor import plain_corridor
 from .scene import Scene
 
 SCENES: dict[str, Callable[[np.random.Generator, str | None], Scene]] = {
     "corridor": corridor,
+    "lab": lab,
     "meeting_room": meeting_room,
     "plain_corridor": plain_corridor,
 }
