@@ -18,7 +18,7 @@ from .follow_config import FollowConfig
 from .interface import FollowInterface
 from .lidar import LidarConfig
 from .mappers import EngineMapper, GraphMapper, Mapper, NoMapper
-from .mind import Mind, PeopleSource, TrackedPeopleSource
+from .mind import Mind, NobodyLeads, PeopleSource, TrackedPeopleSource
 from .oracle import TrueMapper, TruePeopleSource
 from .robot import RobotConfig
 from .world import World, WorldConfig
@@ -47,6 +47,7 @@ def world_config(config: FollowConfig, options: Mapping[str, Any] | None) -> Wor
     fields: dict[str, Any] = {
         "scene": config.scene,
         "people": config.people_count,
+        "leader": config.leader,
         "standing": config.standing,
         "leader_style": config.leader_style,
         "odometry": config.odometry,
@@ -98,7 +99,8 @@ class MindFactory:
     def make(self, world: World, rng: np.random.Generator) -> Mind:
         """Return a mind that knows nothing yet."""
         seed = int(rng.integers(2**31))
-        return Mind(self._people(world), LeaderSelector(self._perception), self._mapper(world, seed), self._perception)
+        selector = LeaderSelector(self._perception) if self._config.leader else NobodyLeads()
+        return Mind(self._people(world), selector, self._mapper(world, seed), self._perception)
 
     def _people(self, world: World) -> PeopleSource:
         if self._forest is None:

@@ -20,7 +20,8 @@ class FollowConfig:
         people: How people reach the robot's mind: "tracker" from the scans, "truth" from the simulator.
         slam: Who builds the map: "gmapping", "cartographer", "truth" (known poses, an upper bound), None for no
             map at all.
-        people_count: People in the building, the leader included.
+        leader: Whether somebody leads the robot; else it explores, and the episode is about coverage.
+        people_count: Walking people in the building, the leader included; may be 0 without one.
         standing: Further people who come to stand still beside the route.
         leader_style: Manner of the leader: "steady", "hurried", "waits"; None draws one from the seed.
         odometry: Quality of the wheel odometry: "good", "typical", "slipping".
@@ -36,11 +37,15 @@ class FollowConfig:
         map_cells: Side of observation `map` [cells].
         map_resolution: Side of a cell of observation `map` [m].
         lost_limit_s: The episode ends when the leader was not followed for this long [s].
+        coverage: Whether the share of the floor that was seen is measured behind a leader, too.
+        coverage_goal: Without a leader, the episode ends when this share of the floor was seen [0 .. 1].
+        ends_on_contact: Whether the episode ends when the robot touches a person or a thing.
     """
 
     scene: str = "corridor"
     people: str = "tracker"
     slam: str | None = "gmapping"
+    leader: bool = True
     people_count: int = 2
     standing: int = 0
     leader_style: str | None = None
@@ -57,6 +62,9 @@ class FollowConfig:
     map_cells: int = 64
     map_resolution: float = 0.1
     lost_limit_s: float = 20.0
+    coverage: bool = False
+    coverage_goal: float = 0.99
+    ends_on_contact: bool = True
 
     def __post_init__(self) -> None:
         if self.people not in PEOPLE_SOURCES:
@@ -72,9 +80,11 @@ class FollowConfig:
                 raise unknown_name("sensor", name, SENSORS)
         if "lidar" not in self.sensors:
             raise InputError(f'`sensors` must hold "lidar", which the robot cannot do without, got {self.sensors}')
-        for name in ("people_slots", "map_cells", "people_count"):
-            if getattr(self, name) < 1:
-                raise InputError(f"`{name}` must be at least 1, got {getattr(self, name)}")
+        for name, least in (("people_slots", 1), ("map_cells", 1), ("people_count", int(self.leader))):
+            if getattr(self, name) < least:
+                raise InputError(f"`{name}` must be at least {least}, got {getattr(self, name)}")
+        if not 0.0 < self.coverage_goal <= 1.0:
+            raise InputError(f"`coverage_goal` must be in (0, 1], got {self.coverage_goal}")
         for name in ("map_resolution", "lost_limit_s", "top_turn_rate", "control_hz", "lidar_hz", "camera_hz"):
             if not getattr(self, name) > 0.0:
                 raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")

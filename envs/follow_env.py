@@ -1,7 +1,7 @@
 """The environment: a robot that follows a person through a building and maps it on the way."""
 
 import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import gymnasium as gym
@@ -10,14 +10,16 @@ from gymnasium import spaces
 from numpy.typing import ArrayLike, NDArray
 
 from ..slam.errors import InputError
+from .coverage import Coverage, NoCoverage
 from .endings import Ending, EndingRule
 from .episode_setup import MindFactory, check_options, interface, world_config
 from .follow_config import make_config
+from .interface import OwnMap
 from .mind import Belief, Mind
 from .observation import Observer, observation_space
 from .oracle import step_facts
 from .rendering import has_display, make_renderer
-from .rewards import StepFacts, reward_terms
+from .rewards import StepFacts, exploration_terms, reward_terms
 from .sweeps import timed_odometry
 from .truth import TrueState
 from .world import World, WorldState
@@ -86,7 +88,12 @@ class FollowEnv(gym.Env[Any, Any]):
     The leader is chosen by the robot: the tracked person closest to it at onset. While it is lost, `leader` holds its
     predicted place with visible = 0; before one was chosen it is zero. Cell [i, j] of `map` lies at
     ((i + 0.5 - map_cells / 2) * map_resolution, likewise j) ahead and to the left. With `slam=None` nothing builds a
-    map and there is no entry `map`: an entry that never changed would only slow learning down.
+    map and there is no entry `map`: an entry that never changed would only slow learning down. Who plans ahead finds
+    the robot's whole map, and its pose in it, at `env.unwrapped.interface.own_map()`.
+
+    With `leader=False` nobody leads: the robot explores among the bystanders of the same seed (of `people_count` one
+    more) until it has seen `coverage_goal` of the floor, and there is no entry `leader`. `tagalong.envs.coverage` says
+    what counts as seen.
 
     ## Rewards
 
@@ -102,6 +109,14 @@ class FollowEnv(gym.Env[Any, Any]):
     | `lost` | -0.2 s while the robot sees no leader or takes somebody else for it | search actively |
     | `collision` | -20 on a contact | safety |
     | `tour` | +20 at the tour's end without contact | finish |
+
+    Without a leader:
+
+    | term | formula | why |
+    |---|---|---|
+    | `coverage` | 100 times the share of the floor newly seen | the task |
+    | `personal_space`, `smoothness`, `collision` | as above | |
+    | `covered` | +20 when the goal is reached without contact | finish |
 
     ## Starting state
 
@@ -119,15 +134,17 @@ class FollowEnv(gym.Env[Any, Any]):
 
     ## Episode end
 
-    Terminated: the robot touches a person or a thing; the leader has not been followed for `lost_limit_s`; the tour is
-    done (the leader has stopped for good and the robot is within 2 m). Truncated: by the registered ids after
+    Terminated: the robot touches a person or a thing (unless `ends_on_contact=False`); the leader has not been followed
+    for `lost_limit_s`; the tour is done (the leader has stopped for good and the robot is within 2 m); without a
+    leader, `coverage_goal` of the floor was seen. Truncated: by the registered ids after
     `max_episode_steps` = 3000 steps (Gymnasium's TimeLimit).
 
     ## Arguments
 
     `gymnasium.make("tagalong/Corridor-v0", people="truth", slam=None, ...)`: the fields of `FollowConfig` with their
-    defaults (scene, people, slam, people_count, standing, leader_style, odometry, drive, top_turn_rate, beams,
-    lidar_hz, sensors, camera_pixels, camera_hz, control_hz, people_slots, map_cells, map_resolution, lost_limit_s), and
+    defaults (scene, people, slam, leader, people_count, standing, leader_style, odometry, drive, top_turn_rate, beams,
+    lidar_hz, sensors, camera_pixels, camera_hz, control_hz, people_slots, map_cells, map_resolution, lost_limit_s,
+    coverage, coverage_goal, ends_on_contact), and
 
     - `render_mode`: None, "rgb_array", "human" (MuJoCo's viewer; needs a display).
     - `render_backend`: of "rgb_array": "topview" (needs no OpenGL), "mujoco" (camera; needs OpenGL).
@@ -138,15 +155,16 @@ class FollowEnv(gym.Env[Any, Any]):
     |---|---|
     | `time_s` | simulated time [s] |
     | `reward_terms` | the terms above by name; empty after `reset` |
-    | `ending` | "", or why the episode ended: "collision_person", "collision_static", "leader_lost", "tour_done" |
-    | `is_success` | whether the tour was done without a contact |
-    | `leader_distance` | true distance from the leader, centre to centre [m] |
+    | `ending` | "" or why it ended: "collision_person", "collision_static", "leader_lost", "tour_done", "covered" |
+    | `is_success` | whether the tour was done, or the goal of coverage reached |
+    | `leader_distance` | true distance from the leader, centre to centre [m]; like the next three only with one |
     | `following_leader` | whether the robot sees a leader and it is truly the one |
     | `lost_s` | for how long it has not [s] |
     | `leader_id` | identity of the track taken for the leader, -1 for none |
     | `tracked_people` | how many people the robot tracks |
     | `odometry` | (3,) T_odom_robot |
     | `robot_pose` | (3,) true T_world_robot |
+    | `coverage` | share of the floor seen; without a leader, or with `coverage=True` |
     | `map_pose` | (3,) T_map_robot by SLAM; the map frame is the robot's first pose. Only with SLAM |
 
     ## Version history
@@ -163,7 +181,7 @@ class FollowEnv(gym.Env[Any, Any]):
             "render_modes": [mode for mode in type(self).metadata["render_modes"] if mode != "human" or has_display()],
             "render_fps": round(self.config.control_hz),
         }
-        self.interface = interface(self.config)
+        self.interface = replace(interface(self.config), own_map=self.own_map if self.config.slam else None)
         self.observation_space: spaces.Space[Any] = observation_space(self.config)
         self.action_space = spaces.Box(-1.0, 1.0, (3 if self.interface.holonomic else 2,), np.float32)
         top = [self.interface.max_speed] * (2 if self.interface.holonomic else 1)
@@ -182,10 +200,14 @@ class FollowEnv(gym.Env[Any, Any]):
         world = World(world_config(self.config, options), self.np_random)
         self._world = world
         self._mind: Mind = self._minds.make(world, self.np_random)
-        self._endings = EndingRule(self.config.lost_limit_s)
+        self._endings = EndingRule(self.config)
+        measured = self.config.coverage or not self.config.leader
+        self.coverage = Coverage(world.scene, world.config.robot.size[1]) if measured else NoCoverage()
         self._action = np.zeros(len(self._top))
         self._belief: Belief = self._mind.update(world.scan(), world.odometry)
         self._truth: TrueState = world.truth
+        self.coverage.update(self._belief.filtered, self._truth.robot_pose)
+        self._covered = self.coverage.share
         self._trail = [self._truth.robot_pose[:2]]
         if self.render_mode == "human":
             self.render()
@@ -196,8 +218,8 @@ class FollowEnv(gym.Env[Any, Any]):
         wanted = self._checked(action)
         self._advance(wanted)
         facts = self._facts(float(np.linalg.norm(wanted - self._action)))
-        self._action = wanted
-        terms = reward_terms(facts)
+        self._action, self._covered = wanted, facts.coverage
+        terms = reward_terms(facts) if self.config.leader else exploration_terms(facts, self.config.coverage_goal)
         ending = self._endings.update(self._truth, facts)
         if self.render_mode == "human":
             self.render()
@@ -239,6 +261,10 @@ class FollowEnv(gym.Env[Any, Any]):
         """What the robot believes, now."""
         return self._belief
 
+    def own_map(self) -> OwnMap:
+        """Return the robot's own map and its pose in it, as its SLAM knows them now."""
+        return OwnMap(self._belief.map, self._belief.map_pose)
+
     def save_state(self) -> EnvState:
         """Return a snapshot: `restore_state` of it continues with the same bytes."""
         return EnvState(self.world, self.world.save_state(), self._copied(self._memory(), self.world, self.world))
@@ -253,7 +279,7 @@ class FollowEnv(gym.Env[Any, Any]):
 
     def _memory(self) -> dict[str, Any]:
         names = ("_mind", "_endings", "_action", "_belief", "_truth", "_trail", "_np_random", "_np_random_seed")
-        return {name: getattr(self, name) for name in names}
+        return {name: getattr(self, name) for name in (*names, "coverage", "_covered")}
 
     def _copied(self, memory: dict[str, Any], old_world: World, new_world: World) -> dict[str, Any]:
         """Copy `memory` deeply, but for the world and the leg detector's forest, which it may point to."""
@@ -266,6 +292,7 @@ class FollowEnv(gym.Env[Any, Any]):
         for scan, odometry in timed_odometry(world.scans, start_s, before, world.time_s, world.odometry):
             self._belief = self._mind.update(scan, odometry)
         self._truth = world.truth
+        self.coverage.update(self._belief.filtered, self._truth.robot_pose)
         self._trail.append(self._truth.robot_pose[:2])
 
     def _checked(self, action: ArrayLike) -> NDArray[np.float64]:
@@ -276,7 +303,8 @@ class FollowEnv(gym.Env[Any, Any]):
 
     def _facts(self, action_change: float) -> StepFacts:
         radius, step_s = self.world.config.robot.radius, 1.0 / self.config.control_hz
-        return step_facts(self._truth, self._belief, radius, action_change, step_s)
+        covered = (self._covered, self.coverage.share)
+        return step_facts(self._truth, self._belief, radius, action_change, step_s, covered)
 
     def _info(self, facts: StepFacts, ending: Ending, terms: dict[str, float]) -> dict[str, Any]:
         belief = self._belief
@@ -284,15 +312,18 @@ class FollowEnv(gym.Env[Any, Any]):
             "time_s": self._truth.time_s,
             "reward_terms": terms,
             "ending": ending.reason,
-            "is_success": ending.reason == "tour_done",
-            "leader_distance": facts.distance,
-            "following_leader": facts.following_leader,
-            "lost_s": ending.lost_s,
-            "leader_id": belief.leader_id,
+            "is_success": ending.reason in ("tour_done", "covered"),
             "tracked_people": len(belief.people),
             "odometry": belief.odometry.copy(),
             "robot_pose": self._truth.robot_pose.copy(),
         }
+        if self.config.leader:
+            info["leader_distance"] = facts.distance
+            info["following_leader"] = facts.following_leader
+            info["lost_s"] = ending.lost_s
+            info["leader_id"] = belief.leader_id
+        if not np.isnan(facts.coverage):
+            info["coverage"] = facts.coverage
         if self.config.slam is not None:
             info["map_pose"] = belief.map_pose.copy()
         return info

@@ -29,13 +29,12 @@ _HIGH = np.array([FARTHEST_M, FARTHEST_M, FASTEST_MPS, FASTEST_MPS, 1.0, 1.0], d
 
 
 def observation_space(config: FollowConfig) -> spaces.Dict:
-    """Return the observation space; `map` is there only where something builds a map."""
+    """Return the observation space; `map` is there only where something builds a map, `leader` only with a leader."""
     slots = config.people_slots
     top = [FASTEST_MPS] * (2 if config.drive == "holonomic" else 1) + [FASTEST_TURN]
     fastest = np.array(top, dtype=np.float32)
     entries: dict[str, spaces.Space] = {
         "scan": spaces.Box(0.0, 1.0, (config.beams,), np.float32),
-        "leader": spaces.Box(_LOW, _HIGH, (len(LEADER_COLUMNS),), np.float32),
         "people": spaces.Box(np.tile(_LOW, (slots, 1)), np.tile(_HIGH, (slots, 1)), (slots, len(PERSON_COLUMNS))),
         "velocity": spaces.Box(-fastest, fastest, fastest.shape, np.float32),
     }
@@ -43,6 +42,8 @@ def observation_space(config: FollowConfig) -> spaces.Dict:
         width, height = config.camera_pixels
         entries["rgb"] = spaces.Box(0, 255, (height, width, 3), np.uint8)
         entries["depth"] = spaces.Box(0.0, 1.0, (height, width), np.float32)
+    if config.leader:
+        entries["leader"] = spaces.Box(_LOW, _HIGH, (len(LEADER_COLUMNS),), np.float32)
     if config.slam is not None:
         entries["map"] = spaces.Box(0.0, 1.0, (config.map_cells, config.map_cells), np.float32)
     return spaces.Dict(entries)
@@ -53,6 +54,7 @@ class Observer:
 
     def __init__(self, config: FollowConfig) -> None:
         self._slots = config.people_slots
+        self._leader = config.leader
         self._planar = config.drive == "holonomic"
         self._farthest = RgbdConfig().range_max
         self._patch = MapPatch(config.map_cells, config.map_resolution) if config.slam is not None else None
@@ -61,10 +63,11 @@ class Observer:
         """Return the observation of `belief` and of the last of the camera's `frames`, if there are any."""
         observation: dict[str, NDArray[Any]] = {
             "scan": scan_entry(belief.scan),
-            "leader": leader_entry(belief),
             "people": people_entry(belief.people_robot, belief.leader_id, self._slots),
             "velocity": self._velocity_entry(belief.velocity),
         }
+        if self._leader:
+            observation["leader"] = leader_entry(belief)
         if self._patch is not None:
             observation["map"] = self._patch.around(belief.map, belief.map_pose)
         if frames:

@@ -23,7 +23,8 @@ class WorldConfig:
         scene: Name of the building, see `SCENES`.
         route: Name of the tour, None draws one.
         people: Number of walking people, the leader included.
-        leader: Whether the first of the people leads the robot.
+        leader: Whether the first of the people leads the robot. Without, all are bystanders: the same as with a
+            leader and one person more.
         leader_style: "steady", "hurried" or "waits" (when the robot lags); None draws one.
         standing: Number of further people who walk to and fro beside the route and stand still for 25 s once the
             robot has come near.

@@ -32,7 +32,8 @@ def cast_people(
         people: How many walk, the leader included; the second of them walks ahead of the robot with the leader.
         standing: How many more walk to and fro beside the route and stand when the robot comes.
         style: The leader's, None draws one.
-        with_leader: Whether the first of the people leads; else all are on their own.
+        with_leader: Whether the first of the people leads; else all are on their own: the same people in the same
+            places as behind a leader, one more being asked for there.
         start_arc: Where along the route the robot starts [m].
         leader_rng: Source of the leader's draws.
         rng: Source of all other draws.
@@ -42,16 +43,16 @@ def cast_people(
     Raises:
         InputError: If the building is too small for so many.
     """
-    roles = [Role.WALKER] * people + [Role.STANDER] * standing
+    if not with_leader:
+        led = cast_people(scene, terrain, people + 1, standing, style, True, start_arc, leader_rng, rng)
+        return _without_leader(*led)
+    roles = [Role.LEADER, Role.COMPANION][:people] + [Role.WALKER] * (people - 2) + [Role.STANDER] * standing
     roles += [Role.SCRIPTED] * len(scene.errands)
-    led = min(people, 2) if with_leader else 0
-    roles[:led] = [Role.LEADER, Role.COMPANION][:led]
     count = len(roles)
-    leader = draw_leader(leader_rng, style, start_arc, scene.tour_length) if with_leader and people else None
+    leader = draw_leader(leader_rng, style, start_arc, scene.tour_length)
     leader_physique = draw_physique(leader_rng)
     physiques = [draw_physique(rng) for _ in range(count)]
-    if leader is not None:
-        physiques[0] = leader_physique
+    physiques[0] = leader_physique
     casting = Casting(
         roles=np.array(roles, dtype=np.int64),
         physiques=tuple(physiques),
@@ -63,6 +64,15 @@ def cast_people(
     )
     arc, sense = _places(scene, casting, start_arc + leader_rng.uniform(1.2, 1.5), rng)
     return casting, _standing_still(terrain, casting, arc, sense, leader)
+
+
+def _without_leader(casting: Casting, state: CrowdState) -> tuple[Casting, CrowdState]:
+    """Return the same people without the first of them; who walked with the leader is on their own."""
+    roles = np.where(casting.roles == Role.COMPANION, Role.WALKER, casting.roles)[1:]
+    rows = {name: getattr(casting, name)[1:] for name in ("pace", "side", "gap", "window")}
+    people = {name: value[1:] for name, value in vars(state).items() if name != "leader"}
+    kept = Casting(roles=roles, physiques=casting.physiques[1:], **rows, errands=casting.errands)
+    return kept, CrowdState(**people, leader=None)
 
 
 def _places(scene: Scene, casting: Casting, leader_arc: float, rng: np.random.Generator) -> tuple[Array, Array]:

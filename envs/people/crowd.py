@@ -252,7 +252,7 @@ class Crowd:
         if 0.0 <= behind < 2.5:
             return 0.3 * pace if behind > 1.5 else 0.0
         if 0.0 <= ahead < 2.5:
-            return max(pace, float(state.wish[0]) + 0.3)
+            return max(pace, float(state.wish[0]) + 0.3) if self._in_group else pace
         return pace
 
     def _stand(self, person: int, dt: float, away: float) -> float:
