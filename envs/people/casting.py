@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from ...slam.errors import InputError
 from ..scenes.scene import Scene
-from .body import draw_physique
+from .body import Physique, draw_physique
 from .crowd import Casting, CrowdState, Role
 from .leader import Leader, draw_leader
 from .terrain import Terrain
@@ -53,17 +53,22 @@ def cast_people(
     leader_physique = draw_physique(leader_rng)
     physiques = [draw_physique(rng) for _ in range(count)]
     physiques[0] = leader_physique
-    casting = Casting(
-        roles=np.array(roles, dtype=np.int64),
+    casting = _cast(np.array(roles, dtype=np.int64), physiques, scene, rng)
+    arc, sense = _places(scene, casting, start_arc + leader_rng.uniform(1.2, 1.5), rng)
+    return casting, _standing_still(terrain, casting, arc, sense, leader)
+
+
+def _cast(roles: NDArray[np.int64], physiques: list[Physique], scene: Scene, rng: np.random.Generator) -> Casting:
+    count = len(roles)
+    return Casting(
+        roles=roles,
         physiques=tuple(physiques),
-        pace=np.where(np.array(roles) == Role.STANDER, rng.uniform(0.5, 0.8, count), rng.uniform(0.7, 1.15, count)),
+        pace=np.where(roles == Role.STANDER, rng.uniform(0.5, 0.8, count), rng.uniform(0.7, 1.15, count)),
         side=rng.uniform(-0.1, 0.1, count),
         gap=rng.uniform(1.1, 1.6, count),
         window=np.zeros((count, 2)),
         errands=scene.errands,
     )
-    arc, sense = _places(scene, casting, start_arc + leader_rng.uniform(1.2, 1.5), rng)
-    return casting, _standing_still(terrain, casting, arc, sense, leader)
 
 
 def _without_leader(casting: Casting, state: CrowdState) -> tuple[Casting, CrowdState]:
