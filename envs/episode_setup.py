@@ -13,6 +13,7 @@ from ..perception.tracking.tracker import PeopleTracker
 from ..slam.errors import unknown_name
 from ..slam.gmapping.engine import GMapping
 from ..slam.graph.engine import Cartographer
+from .camera.config import RgbdConfig
 from .follow_config import FollowConfig
 from .interface import FollowInterface
 from .lidar import LidarConfig
@@ -56,9 +57,18 @@ def world_config(config: FollowConfig, options: Mapping[str, Any] | None) -> Wor
     return WorldConfig(
         **{**fields, **(options or {})},
         lidar=LidarConfig(beams=config.beams, rate_hz=config.lidar_hz),
+        camera=camera_config(config),
         robot=RobotConfig(drive=config.drive),
         control_hz=config.control_hz,
     )
+
+
+def camera_config(config: FollowConfig) -> RgbdConfig | None:
+    """Return the camera's configuration, None without a camera."""
+    if "rgbd" not in config.sensors:
+        return None
+    width, height = config.camera_pixels
+    return RgbdConfig(width=width, height=height, rate_hz=config.camera_hz)
 
 
 def interface(config: FollowConfig) -> FollowInterface:

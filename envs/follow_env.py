@@ -24,7 +24,7 @@ from .sweeps import timed_odometry
 from .truth import TrueState
 from .world import World, WorldState
 
-Observation = dict[str, NDArray[np.float32]]
+Observation = dict[str, NDArray[Any]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,12 +49,13 @@ class FollowEnv(gym.Env[Any, Any]):
 
     A robot like the Clearpath Dingo stands behind a person, who soon sets off on a tour of the building: `corridor`
     (40 x 2.4 m with a bend and 10 m more), `meeting_room` (10 x 7 m), `office` (20 x 12 m of rooms along corridors;
-    other kinds of floors for `split="test"` than for training), `floor_plan` (any ROS map, `floor_plan="map.yaml"`) or
-    `plain_corridor` (30 x 2.2 m, smooth walls); sizes, clutter and tours drawn from the seed. In offices and floor
-    plans bystanders of several temperaments walk on ways of their own, and turn round when held up. The task is to stay
-    1.3 m behind (centre to centre), without touching anybody or anything, to the tour's end. What the robot knows comes
-    from its planar laser scanner and its wheels alone: leg tracker, leader selection and SLAM run inside the
-    environment, on scans from which people were removed. A step lasts 1 / `control_hz`, 0.1 s by default.
+    other kinds of floors for `split="test"` than for training), `floor_plan` (any ROS map, `floor_plan="map.yaml"`),
+    `plain_corridor` (30 x 2.2 m, smooth walls) or `lab` (9 x 7 m with a hinged door to a passage, and four scripted
+    people more); sizes, clutter and tours drawn from the seed. In offices and floor plans bystanders of several
+    temperaments walk on ways of their own, and turn round when held up. The task is to stay 1.3 m behind (centre to
+    centre), without touching anybody or anything, to the tour's end. What the robot knows comes from its planar laser
+    scanner and its wheels alone: leg tracker, leader selection and SLAM run inside the environment, on scans from which
+    people were removed. A step lasts 1 / `control_hz`, 0.1 s by default.
 
     ## Action
 
@@ -69,7 +70,7 @@ class FollowEnv(gym.Env[Any, Any]):
 
     ## Observation
 
-    `Dict`, all float32, in the robot frame (x forward, y left), in m, m/s, rad/s; new arrays in every step.
+    `Dict`, float32, in the robot frame (x forward, y left), in m, m/s, rad/s; new arrays in every step.
 
     | key | shape | meaning | range |
     |---|---|---|---|
@@ -78,6 +79,13 @@ class FollowEnv(gym.Env[Any, Any]):
     | `people` | (people_slots, 6) | other people, nearest first: x, y, vx, vy, confidence, present (mask) | as above |
     | `velocity` | (2,) or (3,) | own forward speed, speed to the left if holonomic, turn rate, by odometry | 3, 3, 6 |
     | `map` | (map_cells, map_cells) | cells around the robot: 0 free, 0.5 unknown, 1 occupied | 0 .. 1 |
+
+    With `sensors={"lidar", "rgbd"}` there are two entries more, of a camera like the Kinect V2, 1 m above the floor:
+
+    | key | shape, type | meaning | range |
+    |---|---|---|---|
+    | `rgb` | (106, 128, 3) uint8 | red, green, blue | 0 .. 255 |
+    | `depth` | (106, 128) float32 | depth along the camera's axis over 8 m; 0: nothing measured | 0 .. 1 |
 
     The leader is chosen by the robot: the tracked person closest to it at onset. While it is lost, `leader` holds its
     predicted place with visible = 0; before one was chosen it is zero. Cell [i, j] of `map` lies at
@@ -119,7 +127,7 @@ class FollowEnv(gym.Env[Any, Any]):
 
     | option | meaning |
     |---|---|
-    | `scene` | "corridor", "floor_plan", "meeting_room", "office", "plain_corridor" |
+    | `scene` | "corridor", "floor_plan", "lab", "meeting_room", "office", "plain_corridor" |
     | `split` | "train", "test": of which half offices are drawn |
     | `route` | name of one of the scene's tours |
     | `people` | number of walking people, the leader included |
@@ -138,9 +146,8 @@ class FollowEnv(gym.Env[Any, Any]):
 
     `gymnasium.make("tagalong/Corridor-v0", people="truth", slam=None, ...)`: the fields of `FollowConfig` with their
     defaults (scene, split, floor_plan, people, slam, leader, people_count, standing, leader_style, odometry, drive,
-    top_turn_rate, beams,
-    lidar_hz, control_hz, people_slots, map_cells, map_resolution, lost_limit_s, coverage, coverage_goal,
-    ends_on_contact), and
+    top_turn_rate, beams, lidar_hz, sensors, camera_pixels, camera_hz, control_hz, people_slots, map_cells,
+    map_resolution, lost_limit_s, coverage, coverage_goal, ends_on_contact), and
 
     - `render_mode`: None, "rgb_array", "human" (MuJoCo's viewer; needs a display).
     - `render_backend`: of "rgb_array": "topview" (needs no OpenGL), "mujoco" (camera; needs OpenGL).
@@ -207,7 +214,7 @@ class FollowEnv(gym.Env[Any, Any]):
         self._trail = [self._truth.robot_pose[:2]]
         if self.render_mode == "human":
             self.render()
-        return self._observer.observe(self._belief), self._info(self._facts(0.0), Ending(), {})
+        return self._observer.observe(self._belief, world.frames), self._info(self._facts(0.0), Ending(), {})
 
     def step(self, action: ArrayLike) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Drive for one control period; see the class."""
@@ -220,7 +227,13 @@ class FollowEnv(gym.Env[Any, Any]):
         if self.render_mode == "human":
             self.render()
         info = self._info(facts, ending, terms)
-        return self._observer.observe(self._belief), sum(terms.values()), ending.terminated, False, info
+        return (
+            self._observer.observe(self._belief, self.world.frames),
+            sum(terms.values()),
+            ending.terminated,
+            False,
+            info,
+        )
 
     def render(self) -> NDArray[np.uint8] | None:  # pyright: ignore[reportIncompatibleMethodOverride]
         """Return a picture (height, width, 3) uint8 for "rgb_array"; None for "human" and without a render mode."""

@@ -7,6 +7,7 @@ import gymnasium as gym
 IDS: dict[str, dict[str, Any]] = {
     "tagalong/Corridor-v0": {"scene": "corridor"},
     "tagalong/FloorPlan-v0": {"scene": "floor_plan", "people_count": None},
+    "tagalong/Lab-v0": {"scene": "lab"},
     "tagalong/MeetingRoom-v0": {"scene": "meeting_room"},
     "tagalong/Office-v0": {"scene": "office", "people_count": None},
     "tagalong/PlainCorridor-v0": {"scene": "plain_corridor"},

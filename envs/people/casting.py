@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ...slam.errors import InputError
 from ..scenes.scene import Scene
-from .body import draw_physique
+from .body import Physique, draw_physique
 from .crowd import Casting, CrowdState, Role
 from .leader import Leader, draw_leader
 from .terrain import Terrain
@@ -43,6 +43,8 @@ def cast_people(
         leader_rng: Source of the leader's draws.
         rng: Source of all other draws.
 
+    The scripted people of the scene come last.
+
     Raises:
         InputError: If the building is too small for so many.
     """
@@ -50,22 +52,29 @@ def cast_people(
         led = cast_people(scene, terrain, people + 1, standing, style, True, start_arc, leader_rng, rng)
         return without_leader(*led)
     roles = [Role.LEADER, Role.COMPANION][:people] + [Role.WALKER] * (people - 2) + [Role.STANDER] * standing
+    roles += [Role.SCRIPTED] * len(scene.errands)
     count = len(roles)
     leader = draw_leader(leader_rng, style, start_arc, scene.tour_length)
     leader_physique = draw_physique(leader_rng)
     physiques = [draw_physique(rng) for _ in range(count)]
     physiques[0] = leader_physique
-    casting = Casting(
-        roles=np.array(roles, dtype=np.int64),
+    casting = _cast(np.array(roles, dtype=np.int64), physiques, scene, rng)
+    arc, sense = _places(scene, casting, start_arc + leader_rng.uniform(1.2, 1.5), rng)
+    return casting, standing_still(terrain, casting, arc, sense, leader)
+
+
+def _cast(roles: NDArray[np.int64], physiques: list[Physique], scene: Scene, rng: np.random.Generator) -> Casting:
+    count = len(roles)
+    return Casting(
+        roles=roles,
         physiques=tuple(physiques),
-        pace=np.where(np.array(roles) == Role.STANDER, rng.uniform(0.5, 0.8, count), rng.uniform(0.7, 1.15, count)),
+        pace=np.where(roles == Role.STANDER, rng.uniform(0.5, 0.8, count), rng.uniform(0.7, 1.15, count)),
         side=rng.uniform(-0.1, 0.1, count),
         gap=rng.uniform(1.1, 1.6, count),
         window=np.zeros((count, 2)),
         **nobody_wanders(count),
+        errands=scene.errands,
     )
-    arc, sense = _places(scene, casting, start_arc + leader_rng.uniform(1.2, 1.5), rng)
-    return casting, standing_still(terrain, casting, arc, sense, leader)
 
 
 def nobody_wanders(count: int) -> dict[str, Any]:
@@ -84,7 +93,8 @@ def without_leader(casting: Casting, state: CrowdState) -> tuple[Casting, CrowdS
     names = ("pace", "side", "gap", "window", "path", "patience", "rest", "gives_way")
     rows = {name: getattr(casting, name)[1:] for name in names}
     people = {name: value[1:] for name, value in vars(state).items() if name != "leader"}
-    return Casting(roles=roles, physiques=casting.physiques[1:], **rows), CrowdState(**people, leader=None)
+    kept = Casting(roles=roles, physiques=casting.physiques[1:], **rows, errands=casting.errands)
+    return kept, CrowdState(**people, leader=None)
 
 
 def _places(scene: Scene, casting: Casting, leader_arc: float, rng: np.random.Generator) -> tuple[Array, Array]:
@@ -94,6 +104,8 @@ def _places(scene: Scene, casting: Casting, leader_arc: float, rng: np.random.Ge
     for person, role in enumerate(casting.roles):
         if role == Role.LEADER:
             arc[person] = leader_arc
+        elif role == Role.SCRIPTED:
+            continue
         elif role == Role.COMPANION:
             arc[person] = leader_arc + casting.gap[person]
             casting.side[person] *= 10.0 * max(0.0, min(0.3, scene.half_width - 0.5))
@@ -140,11 +152,13 @@ def standing_still(terrain: Terrain, casting: Casting, arc: Array, sense: Array,
             lateral[person] = -sense[person] * terrain.passing
         if role == Role.WANDERER:
             lateral[person] = -sense[person] * lateral[person]
-        if role != Role.STANDER:
+        if role not in (Role.STANDER, Role.SCRIPTED):
             lateral[person] = terrain.within_free(arc[person], lateral[person], int(casting.path[person]))
     places = [(float(a), float(side), int(path)) for a, side, path in zip(arc, lateral, casting.path, strict=True)]
     position = np.array([terrain.place(*place) for place in places]).reshape(-1, 2)
     heading = np.array([terrain.ahead(a, path) for a, _, path in places]) + np.where(sense < 0.0, np.pi, 0.0)
+    for person, errand in enumerate(casting.errands, start=count - len(casting.errands)):
+        position[person], heading[person], lateral[person] = errand.places[0][:2], errand.face, 0.0
     stance = np.array([p.stance_half_width for p in casting.physiques])
     left = stance[:, None] * np.stack((-np.sin(heading), np.cos(heading)), axis=-1)
     return CrowdState(
@@ -163,5 +177,6 @@ def standing_still(terrain: Terrain, casting: Casting, arc: Array, sense: Array,
         wish=np.zeros(count),
         face=np.full(count, np.nan),
         timer=np.zeros(count),
+        errand=np.zeros(count, dtype=np.int64),
         leader=leader,
     )

@@ -7,6 +7,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from ..scenes.scene import Errand
 from .body import PARTS, Physique
 from .gait import advance_gait, pose_bodies
 from .leader import Leader
@@ -18,6 +19,7 @@ Array = NDArray[np.float64]
 
 _SPEED_UP, _SLOW_DOWN = 0.7, 1.0
 _SIDESTEP = 0.4
+_ARRIVED, _PASSED = 0.15, 0.35
 
 
 class Role(IntEnum):
@@ -27,7 +29,8 @@ class Role(IntEnum):
     COMPANION = 1
     WALKER = 2
     STANDER = 3
-    WANDERER = 4
+    SCRIPTED = 4
+    WANDERER = 5
 
 
 @dataclass
@@ -51,6 +54,7 @@ class CrowdState:
         face: (n,) where to look while standing [rad]; NaN: anywhere.
         timer: (n,) seconds that standers have walked in sight, or wanderers have been held up (> 0), or that both still
             have to stand (< 0).
+        errand: (n,) number of the place that scripted people go to, or wait at.
         leader: The leader's mind; None without a leader.
     """
 
@@ -69,6 +73,7 @@ class CrowdState:
     wish: Array
     face: Array
     timer: Array
+    errand: NDArray[np.int64]
     leader: Leader | None
 
 
@@ -87,6 +92,7 @@ class Casting:
         patience: (n,) how long wanderers stand held up before they turn round [s].
         rest: (n,) how long wanderers stay at the ends of their walks [s].
         gives_way: (n,) whether wanderers stop for the group.
+        errands: What the scripted people do; they are the last of the n.
     """
 
     roles: NDArray[np.int64]
@@ -99,6 +105,7 @@ class Casting:
     patience: Array
     rest: Array
     gives_way: NDArray[np.bool_]
+    errands: tuple[Errand, ...] = ()
 
 
 class Crowd:
@@ -148,6 +155,8 @@ class Crowd:
                 wish = self._stroll(person, robot_arc)
             elif role == Role.WANDERER:
                 wish = self._wander(person, dt, robot)
+            elif role == Role.SCRIPTED:
+                wish = self._run_errand(person, dt)
             else:
                 wish = self._stand(person, dt, float(away[person]))
             change = min(max(wish - state.wish[person], -_SLOW_DOWN * dt), _SPEED_UP * dt)
@@ -160,6 +169,7 @@ class Crowd:
         s, terrain = self.state, self.terrain
         ways = (terrain.paths, terrain.tangents, self._first, self._count)
         wanted_directions(s.position, s.arc, s.sense, s.lateral, *ways, self._direction)
+        self._go_straight()
         advance_bodies(
             dt,
             s.position,
@@ -306,6 +316,34 @@ class Crowd:
                 return True
         return False
 
+    def _run_errand(self, person: int, dt: float) -> float:
+        """Return the speed of somebody who goes from place to place: 0 while they wait, and at the last one."""
+        state, errand = self.state, self._errand(person)
+        state.face[person] = errand.face
+        x, y, wait = errand.places[state.errand[person]]
+        away = math.hypot(x - state.position[person, 0], y - state.position[person, 1])
+        last = state.errand[person] + 1 == len(errand.places)
+        if away > (_ARRIVED if last else _PASSED) and state.timer[person] == 0.0:
+            return min(errand.pace, 0.25 + 0.8 * away)
+        if state.timer[person] < wait:
+            state.timer[person] += dt
+            return 0.0
+        if not last:
+            state.errand[person] += 1
+            state.timer[person] = 0.0
+        return 0.0
+
+    def _errand(self, person: int) -> Errand:
+        return self.casting.errands[person - len(self) + len(self.casting.errands)]
+
+    def _go_straight(self) -> None:
+        """Point the scripted people to the places that they go to."""
+        for person in range(len(self) - len(self.casting.errands), len(self)):
+            x, y, _ = self._errand(person).places[self.state.errand[person]]
+            dx, dy = x - self.state.position[person, 0], y - self.state.position[person, 1]
+            away = max(math.hypot(dx, dy), 1e-6)
+            self._direction[person] = (dx / away, dy / away)
+
     def _side(self, person: int) -> float:
         """Return the wanted offset from the path [m]: walkers keep right, and the group turns out for whom it meets.
 
@@ -313,6 +351,8 @@ class Crowd:
         """
         state, role = self.state, self._roles[person]
         arc, side = float(state.arc[person]), float(self.casting.side[person])
+        if role == Role.SCRIPTED:
+            return 0.0
         if role == Role.STANDER or self.terrain.lap > 0.0:
             return side
         if role == Role.WANDERER:

@@ -7,6 +7,7 @@ import numpy as np
 from ...slam.errors import unknown_name
 from .corridor import corridor
 from .floor_plan import floor_plan
+from .lab import lab
 from .meeting_room import meeting_room
 from .office import office
 from .plain_corridor import plain_corridor
@@ -16,6 +17,7 @@ from .scene import Scene
 SCENES: dict[str, Callable[[np.random.Generator, SceneRequest], Scene]] = {
     "corridor": lambda rng, request: corridor(rng, request.route),
     "floor_plan": floor_plan,
+    "lab": lambda rng, request: lab(rng, request.route),
     "meeting_room": lambda rng, request: meeting_room(rng, request.route),
     "office": office,
     "plain_corridor": lambda rng, request: plain_corridor(rng, request.route),

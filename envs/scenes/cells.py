@@ -31,8 +31,8 @@ class FreeSpace:
     def clearance(self) -> Array:
         """(rows, cols) distance [m] from each cell's centre to the nearest edge of a cell that is not free."""
         padded = np.pad(self.free, 1)
-        away: Array = np.asarray(ndimage.distance_transform_edt(padded), dtype=np.float64)[1:-1, 1:-1]
-        return (away - 0.5) * self.resolution
+        away = np.asarray(ndimage.distance_transform_edt(padded))[1:-1, 1:-1]
+        return np.asarray((away - 0.5) * self.resolution, dtype=np.float64)
 
     def index(self, points: ArrayLike) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Return row and column (n,) of the cells at `points` (n, 2) [m]; those outside get the nearest cell."""

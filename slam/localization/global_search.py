@@ -24,6 +24,7 @@ class GlobalSearchConfig:
         angular_step: Step between the headings that are tried [rad].
         maxima: A search keeps at most so many distinct maxima.
         separation: When two maxima are distinct, and how much worse than the best a maximum may score.
+        least_score: Mean worth of a point, in [0, 1], below which nothing is found.
         points: A search uses about so many points ...
         voxel: ... of the last views together, one in each voxel of this side [m].
         views: So many views are remembered.
@@ -31,7 +32,9 @@ class GlobalSearchConfig:
         fresh: Views are independent when the robot moves so far between them, or turns by as many radians [m, rad].
         independent_beams: A view counts as so many independent beams, however many it has.
         sure_ratio: The best hypothesis must be so many times as likely as the best distinct rival.
-        least_explained: And so large a share of the beams must end at walls of the map there.
+        well_explained: That suffices where so large a share of the beams ends at walls of the map; for each tenth less
+            it must be `sure_ratio` times more likely still.
+        least_explained: A hypothesis that explains a smaller share is never sure.
         same: Hypotheses nearer than this are one [m, rad].
         hopeless: Hypotheses less likely than the best by this factor are forgotten.
     """
@@ -39,6 +42,7 @@ class GlobalSearchConfig:
     angular_step: float = float(np.radians(2.5))
     maxima: int = 20
     separation: Separation = field(default_factory=lambda: Separation(linear=0.5, angular=0.35, least_share=0.75))
+    least_score: float = 0.5
     points: int = 120
     voxel: float = 0.15
     views: int = 20
@@ -46,7 +50,8 @@ class GlobalSearchConfig:
     fresh: float = 0.5
     independent_beams: float = 12.0
     sure_ratio: float = 20.0
-    least_explained: float = 0.7
+    well_explained: float = 0.8
+    least_explained: float = 0.5
     same: tuple[float, float] = (0.25, 0.1)
     hopeless: float = 1e8
 
@@ -167,7 +172,9 @@ class GlobalSearch:
         totals, explained = self._totals()
         ratios = totals - totals[0]
         config = self._config
-        clear = len(ratios) < 2 or -ratios[1] > np.log(config.sure_ratio)
+        missing = max(0.0, config.well_explained - float(explained[0]))
+        needed = np.log(config.sure_ratio) * (1.0 + 10.0 * missing)
+        clear = len(ratios) < 2 or -ratios[1] > needed
         sure = bool(clear and explained[0] >= config.least_explained)
         return Belief(self._poses.copy(), ratios, explained, sure)
 
@@ -184,8 +191,9 @@ class GlobalSearch:
         window = SearchWindow(linear=place.half_side, angular=np.pi, angular_step=config.angular_step)
         centre = np.append(place.centre, 0.0)
         found = branch_and_bound(
-            place.pyramid, thinned, centre, window, maxima=config.maxima, separation=config.separation
-        )
+            place.pyramid, thinned, centre, window,
+            min_score=config.least_score, maxima=config.maxima, separation=config.separation,
+        )  # fmt: skip
         poses = np.array([maximum.pose for maximum in found.maxima]).reshape(-1, 3)
         poses = self._evidence.refine(points, poses, coarse=True)
         return self._evidence.refine(last.points, poses)

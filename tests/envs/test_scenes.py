@@ -57,7 +57,7 @@ def test_laps_of_the_meeting_room_close():
 
 
 def test_unknown_names_are_answered_with_the_known_ones():
-    with pytest.raises(InputError, match="corridor, floor_plan, meeting_room, office, plain_corridor"):
+    with pytest.raises(InputError, match="corridor, floor_plan, lab, meeting_room, office, plain_corridor"):
         make_scene("plasa", np.random.default_rng(0))
     with pytest.raises(InputError, match="back, forward"):
         make_scene("corridor", np.random.default_rng(0), "sideways")
