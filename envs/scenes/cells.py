@@ -31,8 +31,9 @@ class FreeSpace:
     def clearance(self) -> Array:
         """(rows, cols) distance [m] from each cell's centre to the nearest edge of a cell that is not free."""
         padded = np.pad(self.free, 1)
-        away = np.asarray(ndimage.distance_transform_edt(padded))[1:-1, 1:-1]
-        return np.asarray((away - 0.5) * self.resolution, dtype=np.float64)
+        cells: Array = np.empty(padded.shape)
+        ndimage.distance_transform_edt(padded, distances=cells)
+        return (cells[1:-1, 1:-1] - 0.5) * self.resolution
 
     def index(self, points: ArrayLike) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Return row and column (n,) of the cells at `points` (n, 2) [m]; those outside get the nearest cell."""
