@@ -33,7 +33,7 @@ class FreeSpace:
         padded = np.pad(self.free, 1)
         cells: Array = np.empty(padded.shape)
         ndimage.distance_transform_edt(padded, distances=cells)
-        return (cells[1:-1, 1:-1] - 0.5) * self.resolution
+        return ((cells[1:-1, 1:-1] - 0.5) * self.resolution).astype(np.float64)
 
     def index(self, points: ArrayLike) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Return row and column (n,) of the cells at `points` (n, 2) [m]; those outside get the nearest cell."""
