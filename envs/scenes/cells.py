@@ -45,11 +45,6 @@ class FreeSpace:
         """Return (n,) the clearance [m] of the cells at `points` (n, 2) [m]."""
         return self.clearance[self.index(points)]
 
-    def centres(self, mask: Cells) -> Array:
-        """Return (k, 2) the centres [m] of the cells where `mask` is true, row by row."""
-        rows, cols = np.nonzero(mask)
-        return (np.stack((cols, rows), axis=-1) + 0.5) * self.resolution + np.asarray(self.origin)
-
     def without(self, solids: tuple[Solid, ...]) -> "FreeSpace":
         """Return this space less the cells that people or the robot would meet `solids` in."""
         free = self.free.copy()
