@@ -1,3 +1,4 @@
+import importlib.util
 import json
 import subprocess
 import sys
@@ -6,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from tagalong.scripts.experiments.cells import Cell, run_cells
+from tagalong.slam.errors import MissingExtraError
 
 
 def square(value, log):
@@ -77,6 +79,7 @@ _KILLED = """
 import sys, time
 from pathlib import Path
 from tagalong.scripts.experiments.cells import Cell, run_cells
+from tagalong.slam.errors import MissingExtraError
 
 def slow(value):
     time.sleep(0.05)
@@ -99,3 +102,17 @@ def test_an_experiment_killed_at_any_moment_resumes_to_the_same_results(tmp_path
     stored = [{p.name: p.read_bytes() for p in (tmp_path / n / "c").glob("[!.]*.json")} for n in ("a", "b")]
     assert stored[0] == stored[1]
     assert len(stored[0]) == 12
+
+
+@pytest.mark.parametrize(("backend", "package"), [("ray", "ray"), ("dask", "distributed")])
+def test_a_local_cluster_gives_the_same_results(tmp_path, log, backend, package):
+    pytest.importorskip(package, reason=f"{package} is not installed (extra cluster)")
+    assert run_cells(cells(log), tmp_path / "a", jobs=2, backend=backend) == run_cells(cells(log), tmp_path / "b")
+
+
+@pytest.mark.parametrize(("backend", "package"), [("ray", "ray"), ("dask", "distributed")])
+def test_a_missing_cluster_package_is_answered_with_the_pip_command(tmp_path, log, backend, package):
+    if importlib.util.find_spec(package):
+        pytest.skip(f"{package} is installed")
+    with pytest.raises(MissingExtraError, match=r"pip install \"tagalong\[cluster\]\""):
+        run_cells(cells(log), tmp_path, jobs=2, backend=backend)
