@@ -187,8 +187,8 @@ def draw_pairs(answers: Answers, folder: Path) -> Figure:
     file = save_figure(folder / "real-pairs.png", figure)
     caption = (
         "Real pairs of scans, success within 0.20 m and 2 deg of the corrected poses. Left: turned by less than 45 "
-        "deg, the matcher is told that the robot stood still. Right: views up to 2 m apart, the guess up to 1 m off in x "
-        "and y, with any heading."
+        "deg, the matcher is told that the robot stood still. Right: views up to 2 m apart, the guess up to 1 m off in "
+        "x and y, with any heading."
     )
     return Figure(file=file, caption=caption)
 

@@ -56,7 +56,7 @@ def claims_table(claims: Sequence[Claim]) -> Table:
         rows=[(c.text, c.paper, c.ours, c.verdict) for c in claims],
         note=f'A share "about p" is confirmed where our interval meets p +- {NEAR:.0%}; a ratio below '
         f"{SIGNIFICANT:.0%} is not significant; costs are compared where the pre-alignment succeeds {LEVEL:.0%} of the "
-        f"time; ratios within {EQUAL:.0%} are equal; iterations are reduced where the intervals of the means are apart.",
+        f"time; ratios within {EQUAL:.0%} are equal; iterations are reduced where intervals of means are apart.",
     )
 
 
