@@ -13,6 +13,7 @@ from ..slam.errors import InputError, MissingExtraError
 COMMANDS: dict[str, str] = {
     "demo": "follow a person, map raw and filtered, compare: the main job",
     "slam": "map a recorded drive (CARMEN log)",
+    "localize": "find a recorded drive on a finished map",
     "score": "judge a trajectory or a map by a reference",
     "train": "train the leg forests",
     "doctor": "say what is installed and what works here",

@@ -13,7 +13,7 @@ from typing import Any
 import joblib
 from tqdm import tqdm
 
-from ...slam.files import write_json
+from ...slam.files import made_folder, write_json
 from .backends import parallel_backend, results_of
 
 TIMING = "timing"
@@ -53,8 +53,7 @@ class Cell:
         """Compute the result, store it in `folder` and return it as it was stored."""
         more: dict[str, Any] = {}
         if self.keeps_files:
-            more["files"] = files_of(self.name, folder)
-            more["files"].mkdir(parents=True, exist_ok=True)
+            more["files"] = made_folder(files_of(self.name, folder))
         if self.needs:
             more["inputs"] = [files_of(name, folder) for name in self.needs]
         result = dict(self.function(**self.arguments, **more))
