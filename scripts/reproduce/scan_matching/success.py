@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -43,35 +44,57 @@ def success(
         seed: Of the trials; equal for all matchers, so that they answer the same questions.
     """
     tool = make_contestant(matcher)
-    angle = np.nan if rotation is None else np.radians(rotation)
-    errors, searched, matches, times, by_source = [], [], [], [], {}
+    angle = float("nan") if rotation is None else float(np.radians(rotation))
+    answers: list[Answer] = []
+    by_source = {}
     for source, count in zip(sources, spread(trials, len(sources)), strict=True):
-        first = len(errors)
-        asked = split_trials(
-            scans_of(folder, source), count, translation, float(angle), seed, noise=noise, people=people
-        )
-        for trial in asked:
-            match, spent = timed_match(tool, trial)
-            errors.append(between(trial.truth, match.pose))
-            matches.append(match)
-            times.append(spent)
-            if match.searched is not None:
-                searched.append(between(trial.truth, match.searched))
-        by_source[source] = share(is_success(np.array(errors[first:])).tolist()).to_dict()
-    good = is_success(np.array(errors))
-    iterations = np.array([match.iterations for match in matches])
+        scans = scans_of(folder, source)
+        asked = split_trials(scans, count, translation, angle, seed, noise=noise, people=people)
+        given = [timed_match(tool, trial) for trial in asked]
+        by_source[source] = share([answer.good for answer in given]).to_dict()
+        answers += given
+    return {"by_source": by_source, **_summary(answers)}
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """A match, and what it took.
+
+    Attributes:
+        match: The match.
+        error: (3,) of its pose.
+        searched: (3,) error of the search before the refinement; None where there is none.
+        table_ms: Process time of the lookup table, 0 where there is none.
+        match_ms: Process time of all the rest.
+    """
+
+    match: Match
+    error: NDArray[np.float64]
+    searched: NDArray[np.float64] | None
+    table_ms: float
+    match_ms: float
+
+    @property
+    def good(self) -> bool:
+        """Whether the pose is in the paper's ellipsoid."""
+        return bool(is_success(self.error))
+
+
+def _summary(answers: Sequence[Answer]) -> dict[str, Any]:
+    good = [answer.good for answer in answers]
+    iterations = np.array([answer.match.iterations for answer in answers])
+    searched = [answer.searched for answer in answers if answer.searched is not None]
+    before = is_success(np.array(searched), PRE_LINEAR, PRE_ANGULAR).tolist() if searched else None
     return {
-        "success": share(good.tolist()).to_dict(),
-        "by_source": by_source,
-        "prealigned": _prealigned(searched),
-        **converged_errors(np.array(errors)[good]),
+        "success": share(good).to_dict(),
+        "prealigned": share(before).to_dict() if before is not None else None,
+        **converged_errors(np.array([answer.error for answer in answers])[good]),
         "iterations": bootstrap_mean(iterations).to_dict(),
-        "iterations_of_successes": bootstrap_mean(iterations[good]).to_dict(),
-        "believed": share([match.converged for match in matches]).to_dict(),
-        "right_of_believed": share([bool(g) for g, m in zip(good, matches, strict=True) if m.converged]).to_dict(),
+        "believed": share([answer.match.converged for answer in answers]).to_dict(),
+        "right_of_believed": share([answer.good for answer in answers if answer.match.converged]).to_dict(),
         "timing": {
-            "table_ms": quantiles([spent[0] for spent in times]),
-            "total_ms": quantiles([sum(spent) for spent in times]),
+            "table_ms": quantiles([answer.table_ms for answer in answers]),
+            "total_ms": quantiles([answer.table_ms + answer.match_ms for answer in answers]),
         },
     }
 
@@ -110,14 +133,17 @@ def corridor(
     }
 
 
-def timed_match(tool: Matcher, trial: Trial) -> tuple[Match, tuple[float, float]]:
-    """Return the match and the times [ms] of the lookup table (0 where there is none) and of all the rest."""
+def timed_match(tool: Matcher, trial: Trial) -> Answer:
+    """Return the answer to a trial, with times."""
     start = time.process_time()
     if isinstance(tool, HybridMatcher):
         tool.table(trial.reference)
     middle = time.process_time()
     match = tool.match(trial.reference, trial.new, trial.guess)
-    return match, (1e3 * (middle - start), 1e3 * (time.process_time() - middle))
+    end = time.process_time()
+    searched = None if match.searched is None else between(trial.truth, match.searched)
+    error = between(trial.truth, match.pose)
+    return Answer(match, error, searched, 1e3 * (middle - start), 1e3 * (end - middle))
 
 
 def converged_errors(errors: NDArray[np.float64]) -> dict[str, Any]:
@@ -126,9 +152,3 @@ def converged_errors(errors: NDArray[np.float64]) -> dict[str, Any]:
         "error_mm": quantiles(np.hypot(errors[:, 0], errors[:, 1]) * 1e3),
         "error_deg": quantiles(np.degrees(np.abs(errors[:, 2]))),
     }
-
-
-def _prealigned(errors: list[NDArray[np.float64]]) -> dict[str, float] | None:
-    if not errors:
-        return None
-    return share(is_success(np.array(errors), PRE_LINEAR, PRE_ANGULAR).tolist()).to_dict()
