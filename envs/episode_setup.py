@@ -10,6 +10,7 @@ from ..perception.legs.detector import LegDetector, LegDetectorConfig
 from ..perception.legs.forest import LegForest
 from ..perception.tracking.leader import LeaderSelector
 from ..perception.tracking.tracker import PeopleTracker
+from ..slam.ekf.engine import EkfSlam
 from ..slam.errors import unknown_name
 from ..slam.gmapping.engine import GMapping
 from ..slam.graph.engine import Cartographer
@@ -119,4 +120,6 @@ class MindFactory:
             return TrueMapper(world)
         if self._config.slam == "cartographer":
             return GraphMapper(Cartographer())
+        if self._config.slam == "ekf":
+            return GraphMapper(EkfSlam())
         return EngineMapper(GMapping(seed=seed))

@@ -8,7 +8,7 @@ from ..slam.errors import InputError, unknown_name
 
 PEOPLE_SOURCES = ("tracker", "truth")
 SENSORS = ("lidar", "rgbd")
-SLAM_SOURCES = ("gmapping", "cartographer", "truth", None)
+SLAM_SOURCES = ("gmapping", "cartographer", "ekf", "truth", None)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,8 +22,8 @@ class FollowConfig:
         walking_paths: File of recorded walks (`frame id x y` or the `obsmat` form of the ETH and UCY recordings, plain
             or gzip); bystanders walk as in it. None leaves them to the scene.
         people: How people reach the robot's mind: "tracker" from the scans, "truth" from the simulator.
-        slam: Who builds the map: "gmapping", "cartographer", "truth" (known poses, an upper bound), None for no
-            map at all.
+        slam: Who builds the map: "gmapping", "cartographer", "ekf" (round landmarks; posts of 0.1 m radius), "truth"
+            (known poses, an upper bound), None for no map at all.
         leader: Whether somebody leads the robot; else it explores, and the episode is about coverage.
         people_count: Walking people in the building, the leader included; may be 0 without one.
         standing: Further people who come to stand still beside the route.

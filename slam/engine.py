@@ -64,14 +64,18 @@ class SlamEngine(Protocol):
         ...
 
 
-_ENGINES = {"gmapping": ("gmapping.engine", "GMapping"), "cartographer": ("graph.engine", "Cartographer")}
+_ENGINES = {
+    "gmapping": ("gmapping.engine", "GMapping"),
+    "cartographer": ("graph.engine", "Cartographer"),
+    "ekf": ("ekf.engine", "EkfSlam"),
+}
 
 
 def make_slam(name: str, **config: Any) -> SlamEngine:
     """Return a new SLAM engine.
 
     Args:
-        name: "gmapping" or "cartographer".
+        name: "gmapping", "cartographer" or "ekf" (landmarks).
         config: Fields of the engine's configuration, e.g. `particles=30, seed=0`.
 
     Raises:

@@ -129,7 +129,7 @@ def test_known_poses_map_as_well():
     assert np.isfinite(infos[-1][3]["map_pose"]).all()
 
 
-@pytest.mark.parametrize("slam", [None, "gmapping", "cartographer"])
+@pytest.mark.parametrize("slam", [None, "gmapping", "cartographer", "ekf"])
 def test_a_restored_snapshot_continues_with_the_same_bytes(slam):
     env = make(slam=slam)
     seen, _ = drive(env, 30)

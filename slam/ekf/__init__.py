@@ -1,0 +1,1 @@
+"""Extended Kalman filters over landmarks: localization on a map of objects, and EKF-SLAM."""

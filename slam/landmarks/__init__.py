@@ -1,0 +1,1 @@
+"""Objects in laser scans: four ways to cluster points, and mean, covariance and ellipse of each cluster."""
