@@ -5,10 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .groups import GROUP_ABOVE, GROUP_HIDDEN, GROUP_SEEN
+from .doors import add_door
+from .groups import GROUP_ABOVE, GROUP_CEILING, GROUP_HIDDEN, GROUP_SEEN
 from .lidar import LidarConfig
 from .mj import MjModel, MjSpec, mujoco
-from .people.body import Physique, add_person
+from .people.body import PARTS, Physique, add_person
 from .robot import RobotConfig, add_robot
 from .scenes.scene import Scene
 from .scenes.solids import Solid
@@ -20,6 +21,9 @@ _COLOURS = {
     "platform": (0.6, 0.55, 0.5),
     "table": (0.7, 0.5, 0.3),
     "cabinet": (0.5, 0.45, 0.4),
+    "chair": (0.25, 0.28, 0.33),
+    "screen": (0.35, 0.45, 0.6),
+    "carton": (0.66, 0.52, 0.34),
 }
 
 
@@ -28,7 +32,7 @@ class Building:
     """A compiled world.
 
     Attributes:
-        model: MuJoCo's model; the robot owns qpos[:3], people own the mocap bodies in order.
+        model: MuJoCo's model; the robot owns qpos[:3], people own the mocap bodies in order, doors those behind them.
         labels: (geoms,) index of the person whose leg a geom is, -1 for everything else.
         contact_of: (geoms,) index of the person whose body a geom is in contacts, -1 for everything else.
     """
@@ -48,19 +52,22 @@ def build(
     spec.option.gravity = [0.0, 0.0, 0.0]
     spec.visual.global_.offwidth, spec.visual.global_.offheight = 1280, 960
     _add_light_and_floor(spec, scene)
+    _add_ceiling(spec, scene)
     for solid in scene.solids:
         _add_solid(spec, solid, lidar.height)
     add_robot(spec, robot, lidar.height, lidar.mount[:2])
     for index, physique in enumerate(physiques):
         add_person(spec, index, physique)
+    for index, door in enumerate(scene.doors):
+        add_door(spec, index, door)
     model = spec.compile()
     labels = np.full(model.ngeom, -1, dtype=np.int32)
     contact_of = np.full(model.ngeom, -1, dtype=np.int32)
     for geom in range(model.ngeom):
         mocap = int(model.body_mocapid[model.geom_bodyid[geom]])
-        if mocap >= 0:
+        if 0 <= mocap < len(PARTS) * len(physiques):
             hidden = model.geom_group[geom] == GROUP_HIDDEN
-            (contact_of if hidden else labels)[geom] = mocap // 6
+            (contact_of if hidden else labels)[geom] = mocap // len(PARTS)
     return Building(model, labels, contact_of)
 
 
@@ -83,6 +90,22 @@ def _add_light_and_floor(spec: MjSpec, scene: Scene) -> None:
     )
     spec.worldbody.add_camera(
         name="top", pos=[*middle, 1.3 * max(x1 - x0, y1 - y0)], fovy=45.0, quat=[1.0, 0.0, 0.0, 0.0]
+    )
+
+
+def _add_ceiling(spec: MjSpec, scene: Scene) -> None:
+    if scene.ceiling is None:
+        return
+    x0, y0, x1, y1 = scene.bounds
+    spec.worldbody.add_geom(
+        name="ceiling",
+        type=mujoco.mjtGeom.mjGEOM_BOX,
+        size=[(x1 - x0) / 2.0, (y1 - y0) / 2.0, 0.05],
+        pos=[(x0 + x1) / 2.0, (y0 + y1) / 2.0, scene.ceiling + 0.05],
+        rgba=[0.85, 0.85, 0.83, 1.0],
+        contype=0,
+        conaffinity=0,
+        group=GROUP_CEILING,
     )
 
 

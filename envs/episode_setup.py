@@ -13,16 +13,17 @@ from ..perception.tracking.tracker import PeopleTracker
 from ..slam.errors import unknown_name
 from ..slam.gmapping.engine import GMapping
 from ..slam.graph.engine import Cartographer
+from .camera.config import RgbdConfig
 from .follow_config import FollowConfig
 from .interface import FollowInterface
 from .lidar import LidarConfig
 from .mappers import EngineMapper, GraphMapper, Mapper, NoMapper
-from .mind import Mind, PeopleSource, TrackedPeopleSource
+from .mind import Mind, NobodyLeads, PeopleSource, TrackedPeopleSource
 from .oracle import TrueMapper, TruePeopleSource
 from .robot import RobotConfig
 from .world import World, WorldConfig
 
-OPTIONS = ("scene", "route", "people", "standing", "leader_style", "odometry")
+OPTIONS = ("scene", "split", "route", "people", "standing", "leader_style", "odometry")
 """Options of `reset`: fields of `WorldConfig` that they set for one episode."""
 
 
@@ -45,7 +46,10 @@ def world_config(config: FollowConfig, options: Mapping[str, Any] | None) -> Wor
     """
     fields: dict[str, Any] = {
         "scene": config.scene,
+        "split": config.split,
+        "floor_plan": config.floor_plan,
         "people": config.people_count,
+        "leader": config.leader,
         "standing": config.standing,
         "leader_style": config.leader_style,
         "odometry": config.odometry,
@@ -53,9 +57,18 @@ def world_config(config: FollowConfig, options: Mapping[str, Any] | None) -> Wor
     return WorldConfig(
         **{**fields, **(options or {})},
         lidar=LidarConfig(beams=config.beams, rate_hz=config.lidar_hz),
+        camera=camera_config(config),
         robot=RobotConfig(drive=config.drive),
         control_hz=config.control_hz,
     )
+
+
+def camera_config(config: FollowConfig) -> RgbdConfig | None:
+    """Return the camera's configuration, None without a camera."""
+    if "rgbd" not in config.sensors:
+        return None
+    width, height = config.camera_pixels
+    return RgbdConfig(width=width, height=height, rate_hz=config.camera_hz)
 
 
 def interface(config: FollowConfig) -> FollowInterface:
@@ -88,7 +101,8 @@ class MindFactory:
     def make(self, world: World, rng: np.random.Generator) -> Mind:
         """Return a mind that knows nothing yet."""
         seed = int(rng.integers(2**31))
-        return Mind(self._people(world), LeaderSelector(self._perception), self._mapper(world, seed), self._perception)
+        selector = LeaderSelector(self._perception) if self._config.leader else NobodyLeads()
+        return Mind(self._people(world), selector, self._mapper(world, seed), self._perception)
 
     def _people(self, world: World) -> PeopleSource:
         if self._forest is None:

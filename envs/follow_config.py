@@ -1,12 +1,13 @@
 """The configuration of a follow environment."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
 from ..slam.errors import InputError, unknown_name
 
 PEOPLE_SOURCES = ("tracker", "truth")
+SENSORS = ("lidar", "rgbd")
 SLAM_SOURCES = ("gmapping", "cartographer", "truth", None)
 
 
@@ -15,11 +16,14 @@ class FollowConfig:
     """Everything that defines an environment; its fields are the keyword arguments of `FollowEnv`.
 
     Attributes:
-        scene: Building: "corridor", "meeting_room" or "plain_corridor".
+        scene: Building: "corridor", "floor_plan", "lab", "meeting_room", "office" or "plain_corridor".
+        split: Of which half offices are drawn: "train" or "test"; no building of one is ever in the other.
+        floor_plan: File `map.yaml` of a ROS map for the scene "floor_plan"; None takes a built-in plan.
         people: How people reach the robot's mind: "tracker" from the scans, "truth" from the simulator.
         slam: Who builds the map: "gmapping", "cartographer", "truth" (known poses, an upper bound), None for no
             map at all.
-        people_count: People in the building, the leader included.
+        leader: Whether somebody leads the robot; else it explores, and the episode is about coverage.
+        people_count: Walking people in the building, the leader included; may be 0 without one.
         standing: Further people who come to stand still beside the route.
         leader_style: Manner of the leader: "steady", "hurried", "waits"; None draws one from the seed.
         odometry: Quality of the wheel odometry: "good", "typical", "slipping".
@@ -27,17 +31,26 @@ class FollowConfig:
         top_turn_rate: Turn rate at action +1 [rad/s]; forward speed at action +1 is the robot's 1.3 m/s.
         beams: Beams of the laser over 270 degrees.
         lidar_hz: Scans a second [1/s]; a multiple of `control_hz`.
+        sensors: Which sensors there are: "lidar" always, and "rgbd" for the camera and its observations.
+        camera_pixels: Columns and rows of the camera.
+        camera_hz: Frames a second [1/s]; a multiple of `control_hz`.
         control_hz: Steps a second [1/s].
         people_slots: Most people in observation `people`; the nearest are kept.
         map_cells: Side of observation `map` [cells].
         map_resolution: Side of a cell of observation `map` [m].
         lost_limit_s: The episode ends when the leader was not followed for this long [s].
+        coverage: Whether the share of the floor that was seen is measured behind a leader, too.
+        coverage_goal: Without a leader, the episode ends when this share of the floor was seen [0 .. 1].
+        ends_on_contact: Whether the episode ends when the robot touches a person or a thing.
     """
 
     scene: str = "corridor"
+    split: str = "train"
+    floor_plan: str | None = None
     people: str = "tracker"
     slam: str | None = "gmapping"
-    people_count: int = 2
+    leader: bool = True
+    people_count: int | None = 2
     standing: int = 0
     leader_style: str | None = None
     odometry: str = "typical"
@@ -45,11 +58,17 @@ class FollowConfig:
     top_turn_rate: float = 2.0
     beams: int = 1081
     lidar_hz: float = 10.0
+    sensors: Collection[str] = ("lidar",)
+    camera_pixels: tuple[int, int] = (128, 106)
+    camera_hz: float = 10.0
     control_hz: float = 10.0
     people_slots: int = 6
     map_cells: int = 64
     map_resolution: float = 0.1
     lost_limit_s: float = 20.0
+    coverage: bool = False
+    coverage_goal: float = 0.99
+    ends_on_contact: bool = True
 
     def __post_init__(self) -> None:
         if self.people not in PEOPLE_SOURCES:
@@ -59,10 +78,19 @@ class FollowConfig:
             )
         if self.slam not in SLAM_SOURCES:
             raise unknown_name("slam source", self.slam, tuple(str(name) for name in SLAM_SOURCES))
-        for name in ("people_slots", "map_cells", "people_count"):
-            if getattr(self, name) < 1:
-                raise InputError(f"`{name}` must be at least 1, got {getattr(self, name)}")
-        for name in ("map_resolution", "lost_limit_s", "top_turn_rate", "control_hz", "lidar_hz"):
+        object.__setattr__(self, "sensors", tuple(sorted(set(self.sensors))))
+        for name in self.sensors:
+            if name not in SENSORS:
+                raise unknown_name("sensor", name, SENSORS)
+        if "lidar" not in self.sensors:
+            raise InputError(f'`sensors` must hold "lidar", which the robot cannot do without, got {self.sensors}')
+        for name, least in (("people_slots", 1), ("map_cells", 1), ("people_count", int(self.leader))):
+            value = getattr(self, name)
+            if value is not None and value < least:
+                raise InputError(f"`{name}` must be at least {least}, got {value}")
+        if not 0.0 < self.coverage_goal <= 1.0:
+            raise InputError(f"`coverage_goal` must be in (0, 1], got {self.coverage_goal}")
+        for name in ("map_resolution", "lost_limit_s", "top_turn_rate", "control_hz", "lidar_hz", "camera_hz"):
             if not getattr(self, name) > 0.0:
                 raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
 

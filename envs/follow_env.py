@@ -1,7 +1,7 @@
 """The environment: a robot that follows a person through a building and maps it on the way."""
 
 import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import gymnasium as gym
@@ -10,19 +10,21 @@ from gymnasium import spaces
 from numpy.typing import ArrayLike, NDArray
 
 from ..slam.errors import InputError
+from .coverage import Coverage, NoCoverage
 from .endings import Ending, EndingRule
 from .episode_setup import MindFactory, check_options, interface, world_config
 from .follow_config import make_config
+from .interface import OwnMap
 from .mind import Belief, Mind
 from .observation import Observer, observation_space
 from .oracle import step_facts
 from .rendering import has_display, make_renderer
-from .rewards import StepFacts, reward_terms
+from .rewards import StepFacts, exploration_terms, reward_terms
 from .sweeps import timed_odometry
 from .truth import TrueState
 from .world import World, WorldState
 
-Observation = dict[str, NDArray[np.float32]]
+Observation = dict[str, NDArray[Any]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,11 +48,14 @@ class FollowEnv(gym.Env[Any, Any]):
     ## Description
 
     A robot like the Clearpath Dingo stands behind a person, who soon sets off on a tour of the building: `corridor`
-    (40 x 2.4 m with a bend and 10 m more), `meeting_room` (10 x 7 m) or `plain_corridor` (30 x 2.2 m, smooth walls),
-    sizes and clutter drawn from the seed. The task is to stay 1.3 m behind (centre to centre), without touching
-    anybody or anything, to the tour's end. What the robot knows comes from its planar laser scanner and its wheels
-    alone: leg tracker, leader selection and SLAM run inside the environment, on scans from which people were removed.
-    A step lasts 1 / `control_hz`, 0.1 s by default.
+    (40 x 2.4 m with a bend and 10 m more), `meeting_room` (10 x 7 m), `office` (20 x 12 m of rooms along corridors;
+    other kinds of floors for `split="test"` than for training), `floor_plan` (any ROS map, `floor_plan="map.yaml"`),
+    `plain_corridor` (30 x 2.2 m, smooth walls) or `lab` (9 x 7 m with a hinged door to a passage, and four scripted
+    people more); sizes, clutter and tours drawn from the seed. In offices and floor plans bystanders of several
+    temperaments walk on ways of their own, and turn round when held up. The task is to stay 1.3 m behind (centre to
+    centre), without touching anybody or anything, to the tour's end. What the robot knows comes from its planar laser
+    scanner and its wheels alone: leg tracker, leader selection and SLAM run inside the environment, on scans from which
+    people were removed. A step lasts 1 / `control_hz`, 0.1 s by default.
 
     ## Action
 
@@ -65,7 +70,7 @@ class FollowEnv(gym.Env[Any, Any]):
 
     ## Observation
 
-    `Dict`, all float32, in the robot frame (x forward, y left), in m, m/s, rad/s; new arrays in every step.
+    `Dict`, float32, in the robot frame (x forward, y left), in m, m/s, rad/s; new arrays in every step.
 
     | key | shape | meaning | range |
     |---|---|---|---|
@@ -75,10 +80,22 @@ class FollowEnv(gym.Env[Any, Any]):
     | `velocity` | (2,) or (3,) | own forward speed, speed to the left if holonomic, turn rate, by odometry | 3, 3, 6 |
     | `map` | (map_cells, map_cells) | cells around the robot: 0 free, 0.5 unknown, 1 occupied | 0 .. 1 |
 
+    With `sensors={"lidar", "rgbd"}` there are two entries more, of a camera like the Kinect V2, 1 m above the floor:
+
+    | key | shape, type | meaning | range |
+    |---|---|---|---|
+    | `rgb` | (106, 128, 3) uint8 | red, green, blue | 0 .. 255 |
+    | `depth` | (106, 128) float32 | depth along the camera's axis over 8 m; 0: nothing measured | 0 .. 1 |
+
     The leader is chosen by the robot: the tracked person closest to it at onset. While it is lost, `leader` holds its
     predicted place with visible = 0; before one was chosen it is zero. Cell [i, j] of `map` lies at
     ((i + 0.5 - map_cells / 2) * map_resolution, likewise j) ahead and to the left. With `slam=None` nothing builds a
-    map and there is no entry `map`: an entry that never changed would only slow learning down.
+    map and there is no entry `map`: an entry that never changed would only slow learning down. Who plans ahead finds
+    the robot's whole map, and its pose in it, at `env.unwrapped.interface.own_map()`.
+
+    With `leader=False` nobody leads: the robot explores among the bystanders of the same seed (of `people_count` one
+    more) until it has seen `coverage_goal` of the floor, and there is no entry `leader`. `tagalong.envs.coverage` says
+    what counts as seen.
 
     ## Rewards
 
@@ -95,6 +112,14 @@ class FollowEnv(gym.Env[Any, Any]):
     | `collision` | -20 on a contact | safety |
     | `tour` | +20 at the tour's end without contact | finish |
 
+    Without a leader:
+
+    | term | formula | why |
+    |---|---|---|
+    | `coverage` | 100 times the share of the floor newly seen | the task |
+    | `personal_space`, `smoothness`, `collision` | as above | |
+    | `covered` | +20 when the goal is reached without contact | finish |
+
     ## Starting state
 
     Building, robot pose (up to 0.5 m along the route, 0.1 m aside, 7 degrees turned), bodies, gaits, the leader's style
@@ -102,7 +127,8 @@ class FollowEnv(gym.Env[Any, Any]):
 
     | option | meaning |
     |---|---|
-    | `scene` | "corridor", "meeting_room", "plain_corridor" |
+    | `scene` | "corridor", "floor_plan", "lab", "meeting_room", "office", "plain_corridor" |
+    | `split` | "train", "test": of which half offices are drawn |
     | `route` | name of one of the scene's tours |
     | `people` | number of walking people, the leader included |
     | `standing` | number of further people who come to stand still for 25 s |
@@ -111,15 +137,17 @@ class FollowEnv(gym.Env[Any, Any]):
 
     ## Episode end
 
-    Terminated: the robot touches a person or a thing; the leader has not been followed for `lost_limit_s`; the tour is
-    done (the leader has stopped for good and the robot is within 2 m). Truncated: by the registered ids after
+    Terminated: the robot touches a person or a thing (unless `ends_on_contact=False`); the leader has not been followed
+    for `lost_limit_s`; the tour is done (the leader has stopped for good and the robot is within 2 m); without a
+    leader, `coverage_goal` of the floor was seen. Truncated: by the registered ids after
     `max_episode_steps` = 3000 steps (Gymnasium's TimeLimit).
 
     ## Arguments
 
     `gymnasium.make("tagalong/Corridor-v0", people="truth", slam=None, ...)`: the fields of `FollowConfig` with their
-    defaults (scene, people, slam, people_count, standing, leader_style, odometry, drive, top_turn_rate, beams,
-    lidar_hz, control_hz, people_slots, map_cells, map_resolution, lost_limit_s), and
+    defaults (scene, split, floor_plan, people, slam, leader, people_count, standing, leader_style, odometry, drive,
+    top_turn_rate, beams, lidar_hz, sensors, camera_pixels, camera_hz, control_hz, people_slots, map_cells,
+    map_resolution, lost_limit_s, coverage, coverage_goal, ends_on_contact), and
 
     - `render_mode`: None, "rgb_array", "human" (MuJoCo's viewer; needs a display).
     - `render_backend`: of "rgb_array": "topview" (needs no OpenGL), "mujoco" (camera; needs OpenGL).
@@ -130,15 +158,16 @@ class FollowEnv(gym.Env[Any, Any]):
     |---|---|
     | `time_s` | simulated time [s] |
     | `reward_terms` | the terms above by name; empty after `reset` |
-    | `ending` | "", or why the episode ended: "collision_person", "collision_static", "leader_lost", "tour_done" |
-    | `is_success` | whether the tour was done without a contact |
-    | `leader_distance` | true distance from the leader, centre to centre [m] |
+    | `ending` | "" or why it ended: "collision_person", "collision_static", "leader_lost", "tour_done", "covered" |
+    | `is_success` | whether the tour was done, or the goal of coverage reached |
+    | `leader_distance` | true distance from the leader, centre to centre [m]; like the next three only with one |
     | `following_leader` | whether the robot sees a leader and it is truly the one |
     | `lost_s` | for how long it has not [s] |
     | `leader_id` | identity of the track taken for the leader, -1 for none |
     | `tracked_people` | how many people the robot tracks |
     | `odometry` | (3,) T_odom_robot |
     | `robot_pose` | (3,) true T_world_robot |
+    | `coverage` | share of the floor seen; without a leader, or with `coverage=True` |
     | `map_pose` | (3,) T_map_robot by SLAM; the map frame is the robot's first pose. Only with SLAM |
 
     ## Version history
@@ -155,7 +184,7 @@ class FollowEnv(gym.Env[Any, Any]):
             "render_modes": [mode for mode in type(self).metadata["render_modes"] if mode != "human" or has_display()],
             "render_fps": round(self.config.control_hz),
         }
-        self.interface = interface(self.config)
+        self.interface = replace(interface(self.config), own_map=self.own_map if self.config.slam else None)
         self.observation_space: spaces.Space[Any] = observation_space(self.config)
         self.action_space = spaces.Box(-1.0, 1.0, (3 if self.interface.holonomic else 2,), np.float32)
         top = [self.interface.max_speed] * (2 if self.interface.holonomic else 1)
@@ -174,27 +203,37 @@ class FollowEnv(gym.Env[Any, Any]):
         world = World(world_config(self.config, options), self.np_random)
         self._world = world
         self._mind: Mind = self._minds.make(world, self.np_random)
-        self._endings = EndingRule(self.config.lost_limit_s)
+        self._endings = EndingRule(self.config)
+        measured = self.config.coverage or not self.config.leader
+        self.coverage = Coverage(world.scene, world.config.robot.size[1]) if measured else NoCoverage()
         self._action = np.zeros(len(self._top))
         self._belief: Belief = self._mind.update(world.scan(), world.odometry)
         self._truth: TrueState = world.truth
+        self.coverage.update(self._belief.filtered, self._truth.robot_pose)
+        self._covered = self.coverage.share
         self._trail = [self._truth.robot_pose[:2]]
         if self.render_mode == "human":
             self.render()
-        return self._observer.observe(self._belief), self._info(self._facts(0.0), Ending(), {})
+        return self._observer.observe(self._belief, world.frames), self._info(self._facts(0.0), Ending(), {})
 
     def step(self, action: ArrayLike) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Drive for one control period; see the class."""
         wanted = self._checked(action)
         self._advance(wanted)
         facts = self._facts(float(np.linalg.norm(wanted - self._action)))
-        self._action = wanted
-        terms = reward_terms(facts)
+        self._action, self._covered = wanted, facts.coverage
+        terms = reward_terms(facts) if self.config.leader else exploration_terms(facts, self.config.coverage_goal)
         ending = self._endings.update(self._truth, facts)
         if self.render_mode == "human":
             self.render()
         info = self._info(facts, ending, terms)
-        return self._observer.observe(self._belief), sum(terms.values()), ending.terminated, False, info
+        return (
+            self._observer.observe(self._belief, self.world.frames),
+            sum(terms.values()),
+            ending.terminated,
+            False,
+            info,
+        )
 
     def render(self) -> NDArray[np.uint8] | None:  # pyright: ignore[reportIncompatibleMethodOverride]
         """Return a picture (height, width, 3) uint8 for "rgb_array"; None for "human" and without a render mode."""
@@ -225,6 +264,10 @@ class FollowEnv(gym.Env[Any, Any]):
         """What the robot believes, now."""
         return self._belief
 
+    def own_map(self) -> OwnMap:
+        """Return the robot's own map and its pose in it, as its SLAM knows them now."""
+        return OwnMap(self._belief.map, self._belief.map_pose)
+
     def save_state(self) -> EnvState:
         """Return a snapshot: `restore_state` of it continues with the same bytes."""
         return EnvState(self.world, self.world.save_state(), self._copied(self._memory(), self.world, self.world))
@@ -239,7 +282,7 @@ class FollowEnv(gym.Env[Any, Any]):
 
     def _memory(self) -> dict[str, Any]:
         names = ("_mind", "_endings", "_action", "_belief", "_truth", "_trail", "_np_random", "_np_random_seed")
-        return {name: getattr(self, name) for name in names}
+        return {name: getattr(self, name) for name in (*names, "coverage", "_covered")}
 
     def _copied(self, memory: dict[str, Any], old_world: World, new_world: World) -> dict[str, Any]:
         """Copy `memory` deeply, but for the world and the leg detector's forest, which it may point to."""
@@ -252,6 +295,7 @@ class FollowEnv(gym.Env[Any, Any]):
         for scan, odometry in timed_odometry(world.scans, start_s, before, world.time_s, world.odometry):
             self._belief = self._mind.update(scan, odometry)
         self._truth = world.truth
+        self.coverage.update(self._belief.filtered, self._truth.robot_pose)
         self._trail.append(self._truth.robot_pose[:2])
 
     def _checked(self, action: ArrayLike) -> NDArray[np.float64]:
@@ -262,7 +306,8 @@ class FollowEnv(gym.Env[Any, Any]):
 
     def _facts(self, action_change: float) -> StepFacts:
         radius, step_s = self.world.config.robot.radius, 1.0 / self.config.control_hz
-        return step_facts(self._truth, self._belief, radius, action_change, step_s)
+        covered = (self._covered, self.coverage.share)
+        return step_facts(self._truth, self._belief, radius, action_change, step_s, covered)
 
     def _info(self, facts: StepFacts, ending: Ending, terms: dict[str, float]) -> dict[str, Any]:
         belief = self._belief
@@ -270,15 +315,18 @@ class FollowEnv(gym.Env[Any, Any]):
             "time_s": self._truth.time_s,
             "reward_terms": terms,
             "ending": ending.reason,
-            "is_success": ending.reason == "tour_done",
-            "leader_distance": facts.distance,
-            "following_leader": facts.following_leader,
-            "lost_s": ending.lost_s,
-            "leader_id": belief.leader_id,
+            "is_success": ending.reason in ("tour_done", "covered"),
             "tracked_people": len(belief.people),
             "odometry": belief.odometry.copy(),
             "robot_pose": self._truth.robot_pose.copy(),
         }
+        if self.config.leader:
+            info["leader_distance"] = facts.distance
+            info["following_leader"] = facts.following_leader
+            info["lost_s"] = ending.lost_s
+            info["leader_id"] = belief.leader_id
+        if not np.isnan(facts.coverage):
+            info["coverage"] = facts.coverage
         if self.config.slam is not None:
             info["map_pose"] = belief.map_pose.copy()
         return info

@@ -8,3 +8,5 @@ GROUP_ROBOT = 2
 """The robot, which never sees itself."""
 GROUP_HIDDEN = 3
 """Bodies of people for contacts only; viewers hide this group."""
+GROUP_CEILING = 4
+"""The ceiling: cameras below it see it, the view from above does not; viewers hide this group."""

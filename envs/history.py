@@ -1,7 +1,7 @@
 """What happened in an episode, row by row; everything that is measured is measured on this, never on the simulator."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,8 +38,9 @@ class History:
         tour_done: (n,) whether the leader's tour is over.
         person_radius: (p,) radii of the bodies [m].
         robot_radius: Radius of the robot's enclosing circle [m].
-        leader_index: Which person leads.
+        leader_index: Which person leads; -1 for nobody.
         static_clearance: (n,) from the robot's centre to the nearest thing that it could hit [m].
+        coverage: (n,) share of the floor seen so far; NaN where it was not measured.
     """
 
     time_s: Array
@@ -64,10 +65,11 @@ class History:
     robot_radius: float
     leader_index: int
     static_clearance: Array
+    coverage: Array = field(default_factory=lambda: np.full(1, np.nan))
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            value = getattr(self, field.name)
+        for entry in fields(self):
+            value = getattr(self, entry.name)
             if isinstance(value, np.ndarray):
                 value.setflags(write=False)
 
@@ -81,13 +83,13 @@ class History:
 
     @property
     def leader_position(self) -> Array:
-        """(n, 2) true position of the leader [m]."""
+        """(n, 2) true position of the leader [m]; there must be one."""
         return self.person_position[:, self.leader_index]
 
     @property
     def bystanders(self) -> NDArray[np.int64]:
         """Indices of the people who do not lead."""
-        return np.delete(np.arange(self.person_position.shape[1]), self.leader_index)
+        return np.setdiff1d(np.arange(self.person_position.shape[1]), self.leader_index)
 
     @property
     def surface_distance(self) -> Array:

@@ -1,9 +1,12 @@
 """What stands where in an observation and an action: all that a follower has to know about its environment."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
+
+from ..slam.occupancy_map import OccupancyMap
 
 LEADER_COLUMNS = ("x", "y", "vx", "vy", "confidence", "visible")
 """Entries of observation `leader` [m, m, m/s, m/s, -, -], in the robot frame; velocities over ground."""
@@ -13,6 +16,19 @@ PERSON_COLUMNS = ("x", "y", "vx", "vy", "confidence", "present")
 
 def _default_bearings() -> NDArray[np.float64]:
     return np.deg2rad(np.linspace(-135.0, 135.0, 1081))
+
+
+@dataclass(frozen=True, eq=False)
+class OwnMap:
+    """What the robot itself knows of the building and of its place in it: the work of its SLAM, not the truth.
+
+    Attributes:
+        map: The map so far, without people; not to be written to.
+        pose: (3,) T_map_robot.
+    """
+
+    map: OccupancyMap
+    pose: NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -27,6 +43,8 @@ class FollowInterface:
         bearings: (N,) directions of the beams of `scan` in the laser frame [rad].
         range_max: Distance that reads 1 in `scan` [m].
         T_robot_lidar: Pose of the laser in the robot frame [m, m, rad].
+        own_map: Asks for the robot's whole map, for those who plan ahead; None where nothing builds one. (Observation
+            `map` shows what is around.)
     """
 
     max_speed: float = 1.3
@@ -36,3 +54,4 @@ class FollowInterface:
     bearings: NDArray[np.float64] = field(default_factory=_default_bearings)
     range_max: float = 30.0
     T_robot_lidar: tuple[float, float, float] = (0.1, 0.0, 0.0)
+    own_map: Callable[[], OwnMap] | None = None

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from ..perception.config import PerceptionConfig
 from ..perception.legs.detector import Detections
 from ..perception.people_filter import filter_people, people_points_lidar, suspect_points_lidar
-from ..perception.tracking.leader import Leader, LeaderSelector
+from ..perception.tracking.leader import Leader
 from ..perception.tracking.people import People
 from ..perception.tracking.tracker import PeopleTracker
 from ..slam.geometry import between, inverse, transform_points
@@ -50,6 +50,21 @@ class TrackedPeopleSource:
         if self._detections is None:
             return np.empty((0, 2))
         return suspect_points_lidar(self._detections, scan, self._suspect_confidence)
+
+
+class Selector(Protocol):
+    """Chooses and keeps the leader."""
+
+    def update(self, people: People, robot_pose: Array) -> Leader | None:
+        """Return the leader among `people` (odometry frame), seen from the robot's pose (3,); None for none."""
+        ...
+
+
+class NobodyLeads:
+    """There is no leader to choose."""
+
+    def update(self, people: People, robot_pose: Array) -> None:
+        """Choose nobody."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,9 +114,7 @@ class Mind:
         config: How near to people, and to what may be people, returns are dropped.
     """
 
-    def __init__(
-        self, people: PeopleSource, selector: LeaderSelector, mapper: Mapper, config: PerceptionConfig
-    ) -> None:
+    def __init__(self, people: PeopleSource, selector: Selector, mapper: Mapper, config: PerceptionConfig) -> None:
         self._people, self._selector, self._mapper, self._config = people, selector, mapper, config
         self._last: tuple[float, Array] | None = None
         self._velocity = np.zeros(3)

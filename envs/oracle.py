@@ -96,22 +96,43 @@ def leader_gap(truth: TrueState, belief: Belief) -> float:
     return float(gap[truth.leader_index]) if int(gap.argmin()) == truth.leader_index else float("inf")
 
 
-def step_facts(truth: TrueState, belief: Belief, robot_radius: float, action_change: float, step_s: float) -> StepFacts:
-    """Return what truly happened in the step that led to `truth`, for the rewards."""
+def step_facts(
+    truth: TrueState,
+    belief: Belief,
+    robot_radius: float,
+    action_change: float,
+    step_s: float,
+    coverage: tuple[float, float],
+) -> StepFacts:
+    """Return what truly happened in the step that led to `truth`, for the rewards.
+
+    Args:
+        truth: The present state.
+        belief: What the robot believes of it.
+        robot_radius: Of the robot's enclosing circle [m].
+        action_change: Norm of the change of the action.
+        step_s: Length of the step [s].
+        coverage: Share of the floor seen before the step and after it; NaN where it is not measured.
+    """
     x, y, theta = truth.robot_pose.tolist()
     offset = truth.people.positions - (x, y)
-    distance = np.hypot(offset[:, 0], offset[:, 1])
-    space = distance - truth.people.radii - robot_radius
-    space[truth.leader_index] = np.inf
-    dx, dy = offset[truth.leader_index]
-    bearing = (np.arctan2(dy, dx) - theta + np.pi) % (2.0 * np.pi) - np.pi
+    centre = np.hypot(offset[:, 0], offset[:, 1])
+    space = centre - truth.people.radii - robot_radius
+    distance = bearing = float("nan")
+    if truth.leader_index >= 0:
+        space[truth.leader_index] = np.inf
+        dx, dy = offset[truth.leader_index]
+        distance = float(centre[truth.leader_index])
+        bearing = float((np.arctan2(dy, dx) - theta + np.pi) % (2.0 * np.pi) - np.pi)
     return StepFacts(
-        distance=float(distance[truth.leader_index]),
-        bearing=float(bearing),
-        bystander_space=float(space.min()),
+        distance=distance,
+        bearing=bearing,
+        bystander_space=float(space.min(initial=np.inf)),
         action_change=action_change,
         following_leader=leader_gap(truth, belief) <= SAME_PERSON_M,
         collided=truth.contact_person or truth.contact_static,
         tour_done=truth.tour_done,
         step_s=step_s,
+        coverage=coverage[1],
+        newly_covered=coverage[1] - coverage[0],
     )

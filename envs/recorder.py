@@ -52,6 +52,7 @@ class Recorder:
                 "leader_estimate": leader,
                 "tracked_people": len(belief.people),
                 "tour_done": truth.tour_done,
+                "coverage": self._env.coverage.share,
             }
         )
 

@@ -178,16 +178,14 @@ def snapshot(world: World, truth: TrueState, belief: Belief, trail: list[NDArray
 
 
 def _captions(truth: TrueState, belief: Belief) -> tuple[tuple[str, str], ...]:
+    always = (("speed", f"{truth.robot_velocity[0]:.2f} m/s"), ("people tracked", f"{len(belief.people)}"))
+    if truth.leader_index < 0:
+        return (("leader", "nobody"), *always)
     gap = float(np.hypot(*(truth.people.positions[truth.leader_index] - truth.robot_pose[:2])))
     leader = "not chosen yet"
     if belief.leader is not None:
         leader = f"track {belief.leader_id}, seen" if belief.sees_leader else "lost, predicted"
-    return (
-        ("distance to leader", f"{gap:.2f} m"),
-        ("leader", leader),
-        ("speed", f"{truth.robot_velocity[0]:.2f} m/s"),
-        ("people tracked", f"{len(belief.people)}"),
-    )
+    return (("distance to leader", f"{gap:.2f} m"), ("leader", leader), *always)
 
 
 def _open_renderer(world: World) -> Any:

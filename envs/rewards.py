@@ -17,14 +17,16 @@ class StepFacts:
     """What truly happened in one step.
 
     Attributes:
-        distance: Centre distance from the true leader [m].
-        bearing: Direction of the true leader in the robot frame [rad].
+        distance: Centre distance from the true leader [m]; NaN without one.
+        bearing: Direction of the true leader in the robot frame [rad]; NaN without one.
         bystander_space: Free space to the nearest bystander [m]; inf without one.
         action_change: Euclidean norm of the change of the action since the last step.
         following_leader: Whether the robot sees a person as its leader who truly is.
         collided: Whether the robot touched a person or thing.
         tour_done: Whether the leader's tour is over.
         step_s: Length of the step [s].
+        coverage: Share of the floor seen so far; NaN where it is not measured.
+        newly_covered: What this step added to it.
     """
 
     distance: float
@@ -35,6 +37,8 @@ class StepFacts:
     collided: bool
     tour_done: bool
     step_s: float
+    coverage: float = float("nan")
+    newly_covered: float = 0.0
 
 
 def reward_terms(facts: StepFacts) -> dict[str, float]:
@@ -48,6 +52,18 @@ def reward_terms(facts: StepFacts) -> dict[str, float]:
         "lost": 0.0 if facts.following_leader else -0.2 * share,
         "collision": -20.0 if facts.collided else 0.0,
         "tour": 20.0 if facts.tour_done and not facts.collided else 0.0,
+    }
+
+
+def exploration_terms(facts: StepFacts, goal: float) -> dict[str, float]:
+    """Return each term of an episode without a leader by name; `goal` is the share of the floor to be seen."""
+    share = facts.step_s * 10.0
+    return {
+        "coverage": 100.0 * facts.newly_covered,
+        "personal_space": -share * intrusion(facts.bystander_space),
+        "smoothness": -0.1 * facts.action_change,
+        "collision": -20.0 if facts.collided else 0.0,
+        "covered": 20.0 if facts.coverage >= goal and not facts.collided else 0.0,
     }
 
 

@@ -35,7 +35,8 @@ class Episode:
 
     Attributes:
         history: What happened, row by row.
-        ending: Why it ended: "collision_person", "collision_static", "leader_lost", "tour_done"; "" if it was cut.
+        ending: Why it ended: "collision_person", "collision_static", "leader_lost", "tour_done", "covered"; "" if it
+            was cut.
         seed: The seed it was started with.
         config: The environment's configuration.
         options: The options of its `reset`.

@@ -1,89 +1,36 @@
 """One episode's simulator: the building, its people, the robot and its sensors, without Gymnasium."""
 
 import copy
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..slam.errors import InputError, unknown_name
+from ..perception.rgbd.frame import RgbdFrame
 from ..slam.scan import LaserScan
 from .building import build
-from .lidar import Lidar, LidarConfig
+from .camera.looks import dress
+from .camera.rgbd import RgbdCamera
+from .doors import Doors
+from .lidar import Lidar
 from .mj import mujoco
-from .odometry import QUALITIES, OdometryConfig, WheelOdometry, odometry_quality
-from .people.casting import cast_people
+from .odometry import WheelOdometry, odometry_quality
+from .people.body import PARTS
+from .people.casting import MOST_ON_ROUTE, cast_people
 from .people.crowd import Casting, Crowd, CrowdState
-from .people.leader import STYLES
-from .people.social_force import SocialForceConfig
 from .people.terrain import Terrain
 from .people.walking import locate
-from .robot import Robot, RobotConfig
-from .scenes.catalogue import SCENES, make_scene
+from .people.wanderers import MOST_DRAWN, cast_wanderers
+from .robot import Robot
+from .scenes.catalogue import make_scene
 from .scenes.scene import Scene
 from .truth import TruePeople, TrueState
+from .world_config import TICK, WorldConfig, whole_ratio
 
 Array = NDArray[np.float64]
 
-TICK = 0.025
-"""Time between two updates of people, odometry and laser [s]; control and laser periods are multiples of it."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class WorldConfig:
-    """What to simulate.
-
-    Attributes:
-        scene: Name of the building, see `SCENES`.
-        route: Name of the tour, None draws one.
-        people: Number of walking people, the leader included.
-        leader: Whether the first of the people leads the robot.
-        leader_style: "steady", "hurried" or "waits" (when the robot lags); None draws one.
-        standing: Number of further people who walk to and fro beside the route and stand still for 25 s once the
-            robot has come near.
-        odometry: Name of a quality, see `QUALITIES`, or a configuration.
-        lidar: The laser scanner.
-        robot: The robot.
-        force: The social force between people.
-        control_hz: Commands per second [Hz].
-        physics_dt: Time step of the physics [s].
-    """
-
-    scene: str = "corridor"
-    route: str | None = None
-    people: int = 2
-    leader: bool = True
-    leader_style: str | None = None
-    standing: int = 0
-    odometry: str | OdometryConfig = "typical"
-    lidar: LidarConfig = field(default_factory=LidarConfig)
-    robot: RobotConfig = field(default_factory=RobotConfig)
-    force: SocialForceConfig = field(default_factory=SocialForceConfig)
-    control_hz: float = 10.0
-    physics_dt: float = 0.0125
-
-    def __post_init__(self) -> None:
-        if self.scene not in SCENES:
-            raise unknown_name("scene", self.scene, tuple(SCENES))
-        if self.leader_style is not None and self.leader_style not in STYLES:
-            raise unknown_name("leader style", self.leader_style, tuple(STYLES))
-        if isinstance(self.odometry, str) and self.odometry not in QUALITIES:
-            raise unknown_name("odometry quality", self.odometry, tuple(QUALITIES))
-        for name in ("people", "standing"):
-            value = getattr(self, name)
-            if not isinstance(value, int) or value < 0:
-                raise InputError(f"`{name}` must be a whole number of at least 0, got {value!r}")
-        _whole_ratio("the control period 1 / `control_hz`", 1.0 / self.control_hz, TICK)
-        _whole_ratio("the laser's period 1 / `rate_hz`", 1.0 / self.lidar.rate_hz, TICK)
-        _whole_ratio("the simulation's tick", TICK, self.physics_dt)
-
-
-def _whole_ratio(what: str, long: float, short: float) -> int:
-    ratio = round(long / short) if short > 0.0 else 0
-    if ratio < 1 or abs(ratio * short - long) > 1e-9:
-        raise InputError(f"{what} must be a whole multiple of {short} s, got {long} s")
-    return ratio
+_KEPT = ("config", "scene", "start", "_streams", "_looks_seed")
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,6 +45,9 @@ class WorldState:
         generators: State of each random generator.
         scans: The scans of the last control period.
         labels: What the beams of the latest one met.
+        frames: The frames of the last control period.
+        geoms: What the pixels of the latest one met.
+        doors: (d,) how far each door is open.
         counters: Ticks since the start, way of the robot along the route, contacts.
     """
 
@@ -108,6 +58,9 @@ class WorldState:
     generators: dict[str, Any]
     scans: tuple[LaserScan, ...]
     labels: NDArray[np.int32]
+    frames: tuple[RgbdFrame, ...]
+    geoms: NDArray[np.int32]
+    doors: Array
     counters: tuple[int, float, bool, bool]
 
 
@@ -125,28 +78,32 @@ class World:
 
     def __init__(self, config: WorldConfig, rng: np.random.Generator) -> None:
         entropy = [int(word) for word in rng.integers(0, 2**63, 4)]
-        names = ("scene", "leader", "people", "odometry", "lidar")
+        names = ("scene", "leader", "people", "odometry", "lidar", "camera", "looks")
         children = np.random.SeedSequence(entropy).spawn(len(names))
         streams = {name: np.random.default_rng(child) for name, child in zip(names, children, strict=True)}
         self.config = config
-        self.scene: Scene = make_scene(config.scene, streams["scene"], config.route)
+        self.scene: Scene = make_scene(config.scene, streams["scene"], request=config.request())
         self.start, start_arc = _draw_start(self.scene, streams["scene"])
         terrain = Terrain(self.scene)
-        casting, people = cast_people(
+        cast = cast_wanderers if self.scene.walks else cast_people
+        count = _how_many(config, self.scene, streams["people"])
+        casting, people = cast(
             self.scene,
             terrain,
-            config.people,
+            count,
             config.standing,
             config.leader_style,
-            config.leader and config.people > 0,
+            config.leader and count > 0,
             start_arc,
             streams["leader"],
             streams["people"],
         )
-        self._streams = {name: streams[name] for name in ("odometry", "lidar")}
+        self._streams = {name: streams[name] for name in ("odometry", "lidar", "camera")}
+        self._looks_seed = int(streams["looks"].integers(2**63))
         self._assemble(terrain, casting, people)
         self._progress = start_arc
         self._take_scan()
+        self._take_frame()
 
     def _assemble(self, terrain: Terrain, casting: Casting, people: CrowdState) -> None:
         config = self.config
@@ -155,19 +112,27 @@ class World:
         self.data = mujoco.MjData(self.model)
         self.data.qpos[:3] = self.start
         self._crowd = Crowd(terrain, casting, people, config.force)
-        self._crowd.pose(config.lidar.height, self.data.mocap_pos, self.data.mocap_quat)
+        self._doors = Doors(self.scene.doors)
+        self._camera = self._ticks_per_frame = None
+        if config.camera is not None:
+            looks = dress(self.model, np.random.default_rng(self._looks_seed))
+            self._camera = RgbdCamera(config.camera, self.model, looks)
+            self._ticks_per_frame = whole_ratio("camera", 1.0 / config.camera.rate_hz, TICK)
+        self._pose_movers()
         mujoco.mj_forward(self.model, self.data)
         self._robot = Robot(config.robot)
         quality = odometry_quality(config.odometry) if isinstance(config.odometry, str) else config.odometry
         self._odometry = WheelOdometry(quality, self._streams["odometry"], self.start)
         self._lidar = Lidar(config.lidar, self.model, self._building.labels)
-        self._ticks_per_step = _whole_ratio("control", 1.0 / config.control_hz, TICK)
-        self._ticks_per_scan = _whole_ratio("laser", 1.0 / config.lidar.rate_hz, TICK)
-        self._substeps = _whole_ratio("tick", TICK, config.physics_dt)
+        self._ticks_per_step = whole_ratio("control", 1.0 / config.control_hz, TICK)
+        self._ticks_per_scan = whole_ratio("laser", 1.0 / config.lidar.rate_hz, TICK)
+        self._substeps = whole_ratio("tick", TICK, config.physics_dt)
         self._ticks = 0
         self._contact_person = self._contact_static = False
         self._scans: tuple[LaserScan, ...] = ()
         self._labels = np.zeros(0, dtype=np.int32)
+        self._frames: tuple[RgbdFrame, ...] = ()
+        self._geoms = np.zeros((0, 0), dtype=np.int32)
 
     def step(self, command: ArrayLike) -> None:
         """Advance one control period.
@@ -182,12 +147,14 @@ class World:
         wanted = self._robot.command(command)
         self._contact_person = self._contact_static = False
         scans: list[LaserScan] = []
+        frames: list[RgbdFrame] = []
         self._crowd.decide(self._ticks_per_step * TICK, self._robot_row(), self._progress)
         for _ in range(self._ticks_per_step):
             self.data.ctrl[:] = self._robot.ramp(wanted, TICK)
             if len(self._crowd):
                 self._crowd.advance(TICK, self._robot_row())
-                self._crowd.pose(self.config.lidar.height, self.data.mocap_pos, self.data.mocap_quat)
+                self._doors.advance(TICK, self._crowd.state.position)
+                self._pose_movers()
             for _ in range(self._substeps):
                 mujoco.mj_step(self.model, self.data)
                 if self.data.ncon:
@@ -197,9 +164,13 @@ class World:
             if self._ticks % self._ticks_per_scan == 0:
                 self._take_scan()
                 scans.append(self._scans[-1])
+            if self._ticks_per_frame and self._ticks % self._ticks_per_frame == 0:
+                self._take_frame()
+                frames.append(self._frames[-1])
         self._scans = tuple(scans) or self._scans[-1:]
-        arc = np.array([self._progress])
-        locate(self.data.qpos[None, :2], arc, self._crowd.terrain.path, self._crowd.terrain.tangent)
+        self._frames = tuple(frames) or self._frames[-1:]
+        arc, ways = np.array([self._progress]), self._crowd.terrain
+        locate(self.data.qpos[None, :2], arc, ways.paths, ways.tangents, ways.first[:1], ways.count[:1])
         self._progress = float(arc[0])
 
     def scan(self) -> LaserScan:
@@ -214,6 +185,28 @@ class World:
     def scan_labels(self) -> NDArray[np.int32]:
         """Return (beams,) what each beam of the latest sweep really met: -1 static or nothing, else the person."""
         return self._labels.copy()
+
+    @property
+    def frames(self) -> tuple[RgbdFrame, ...]:
+        """All frames of the last control period, oldest first; the latest older one where there was none; () without
+        a camera.
+        """
+        return self._frames
+
+    def frame_geoms(self) -> NDArray[np.int32]:
+        """Return (height, width) the geom that each pixel of the latest frame really met, -1 for none."""
+        return self._geoms.copy()
+
+    def people_of(self, geoms: NDArray[np.int32]) -> NDArray[np.int32]:
+        """Return, for geoms (...,) as in `frame_geoms`, the person that each belongs to; -1 for none."""
+        mocap = self.model.body_mocapid[self.model.geom_bodyid[np.maximum(geoms, 0)]]
+        person = np.where((geoms >= 0) & (mocap >= 0), mocap // len(PARTS), -1)
+        return np.where(person < len(self._crowd), person, -1).astype(np.int32)
+
+    @property
+    def doors_open(self) -> Array:
+        """(d,) how far each door is open, from 0 to 1."""
+        return self._doors.angle.copy()
 
     @property
     def odometry(self) -> Array:
@@ -273,6 +266,9 @@ class World:
             generators={name: stream.bit_generator.state for name, stream in self._streams.items()},
             scans=self._scans,
             labels=self._labels.copy(),
+            frames=self._frames,
+            geoms=self._geoms.copy(),
+            doors=self._doors.angle.copy(),
             counters=(self._ticks, self._progress, self._contact_person, self._contact_static),
         )
 
@@ -287,14 +283,16 @@ class World:
         for name, stream in self._streams.items():
             stream.bit_generator.state = state.generators[name]
         self._scans, self._labels = state.scans, state.labels.copy()
+        self._frames, self._geoms = state.frames, state.geoms.copy()
+        self._doors.angle = state.doors.copy()
         self._ticks, self._progress, self._contact_person, self._contact_static = state.counters
 
     def __getstate__(self) -> dict[str, Any]:
-        kept = {name: getattr(self, name) for name in ("config", "scene", "start", "_streams")}
+        kept = {name: getattr(self, name) for name in _KEPT}
         return {**kept, "casting": self._crowd.casting, "state": self.save_state()}
 
     def __setstate__(self, kept: dict[str, Any]) -> None:
-        for name in ("config", "scene", "start", "_streams"):
+        for name in _KEPT:
             setattr(self, name, kept[name])
         self._assemble(Terrain(self.scene), kept["casting"], copy.deepcopy(kept["state"].crowd))
         self.restore_state(kept["state"])
@@ -316,9 +314,27 @@ class World:
             else:
                 self._contact_static = True
 
+    def _pose_movers(self) -> None:
+        self._crowd.pose(self.config.lidar.height, self.data.mocap_pos, self.data.mocap_quat)
+        if len(self._doors.angle):
+            self._doors.pose(self.data.mocap_quat[-len(self._doors.angle) :])
+
     def _take_scan(self) -> None:
         exact, self._labels = self._lidar.cast(self.data, self.data.qpos[:3])
         self._scans = (self._lidar.measure(exact, self._streams["lidar"], self.time_s),)
+
+    def _take_frame(self) -> None:
+        if self._camera is None:
+            return
+        frame, self._geoms = self._camera.take(self.data, self.data.qpos[:3], self._streams["camera"], self.time_s)
+        self._frames = (frame,)
+
+
+def _how_many(config: WorldConfig, scene: Scene, rng: np.random.Generator) -> int:
+    if config.people is not None:
+        return config.people
+    bystanders = int(rng.integers(0, 1 + (MOST_DRAWN if scene.walks else MOST_ON_ROUTE)))
+    return bystanders + int(config.leader)
 
 
 def _draw_start(scene: Scene, rng: np.random.Generator) -> tuple[Array, float]:

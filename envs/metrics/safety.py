@@ -32,7 +32,8 @@ def safety_metrics(history: History) -> dict[str, float]:
     """
     surface = history.surface_distance
     to_bystander = surface[:, history.bystanders].min(axis=1, initial=np.inf)
-    to_leader = surface[:, history.leader_index]
+    nobody = np.full(len(history), np.nan)
+    to_leader = surface[:, history.leader_index] if history.leader_index >= 0 else nobody
     speed = np.linalg.norm(history.robot_velocity[:, :2], axis=1)
     near = to_bystander < NEAR_PEOPLE_M
     people, static = run_lengths(history.contact_person), run_lengths(history.contact_static)
@@ -46,7 +47,9 @@ def safety_metrics(history: History) -> dict[str, float]:
         "min_distance_static_m": float(history.static_clearance.min() - history.robot_radius),
         "near_misses": float(len(run_lengths((to_bystander > 0.0) & (to_bystander < NEAR_MISS_M)))),
         "personal_space_compliance": float("nan") if alone else float(np.mean(to_bystander >= PERSONAL_SPACE_M)),
-        "personal_space_compliance_leader": float(np.mean(to_leader >= PERSONAL_SPACE_M)),
+        "personal_space_compliance_leader": float(
+            np.mean(np.where(np.isnan(to_leader), np.nan, to_leader >= PERSONAL_SPACE_M))
+        ),
         "speed_near_people_mps": float(np.mean(speed[near])) if near.any() else float("nan"),
         **_ttc_figures(history),
     }

@@ -1,12 +1,13 @@
 """A building as the simulator, the top view and the metrics see it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...slam.errors import unknown_name
+from .polyline import arc_lengths
 from .solids import Solid
 
 Array = NDArray[np.float64]
@@ -32,6 +33,84 @@ class Outline:
     top: float
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Walk:
+    """A way on which a bystander walks to and fro.
+
+    Attributes:
+        points: (k, 2) world frame [m].
+        speed: (k,) at which somebody was recorded there [m/s]; None: whoever walks there has a pace of their own.
+    """
+
+    points: Array
+    speed: Array | None = None
+
+    def speeds(self, spacing: float) -> Array:
+        """Return the speed at the points that `resample` gives for `spacing` [m], NaN where there is none [m/s]."""
+        arcs = arc_lengths(self.points)
+        wanted = np.arange(0.0, arcs[-1] + 1e-9, spacing)
+        return np.full(len(wanted), np.nan) if self.speed is None else np.interp(wanted, arcs, self.speed)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Door:
+    """A hinged door that is closed until somebody on foot comes near, and stays open then.
+
+    Attributes:
+        hinge: (x, y) of its hinge [m].
+        yaw: Direction from the hinge along the closed leaf [rad].
+        swing: Angle of the open leaf against the closed one, counter-clockwise positive [rad].
+        width: Width of the leaf [m].
+        top: Height of the leaf [m].
+        opens_at: Distance of a person from its middle at which it opens [m].
+    """
+
+    hinge: tuple[float, float]
+    yaw: float
+    swing: float
+    width: float
+    top: float = 2.05
+    opens_at: float = 1.3
+
+    @property
+    def middle(self) -> tuple[float, float]:
+        """(x, y) of the middle of the closed leaf [m]."""
+        half = self.width / 2.0
+        return self.hinge[0] + half * float(np.cos(self.yaw)), self.hinge[1] + half * float(np.sin(self.yaw))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Errand:
+    """What a scripted person does: goes straight from place to place, and waits at each.
+
+    Attributes:
+        name: What it is called in reports.
+        places: (x, y, wait) [m, m, s] in their order; the person begins at the first and stays at the last.
+        pace: Walking speed [m/s].
+        face: Direction to look to while standing [rad].
+    """
+
+    name: str
+    places: tuple[tuple[float, float, float], ...]
+    pace: float = 0.9
+    face: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class OperatorPlan:
+    """How a person with a joystick would drive the robot; scripted, not recorded from a human.
+
+    Attributes:
+        route: Name of the tour that is driven.
+        speed: Speed on straight pieces [m/s].
+        waits: (arc length, time): the robot stops at each arc length [m] until that time of the episode [s].
+    """
+
+    route: str
+    speed: float
+    waits: tuple[tuple[float, float], ...] = ()
+
+
 @dataclass(frozen=True, kw_only=True)
 class Scene:
     """One drawn building. World frame: x and y along the walls.
@@ -46,6 +125,12 @@ class Scene:
         half_width: Clear space to both sides of the route [m].
         standing_places: (m, 2) arc length along the route and lateral offset (left positive) of places where somebody
             can stand without blocking the robot [m].
+        walks: Ways of bystanders who do not walk on the tour; () where all walk on the tour.
+        ceiling: Height of the ceiling [m]; None where there is none.
+        doors: Hinged doors.
+        errands: One for each scripted person; they are there in every episode.
+        operator: How an operator would drive the robot; None where nobody has said so.
+        marks: Places that reports speak of: (k, 2) polygons by name [m].
     """
 
     name: str
@@ -56,6 +141,12 @@ class Scene:
     lap: float
     half_width: float
     standing_places: Array
+    walks: tuple[Walk, ...] = ()
+    ceiling: float | None = None
+    doors: tuple[Door, ...] = ()
+    errands: tuple[Errand, ...] = ()
+    operator: OperatorPlan | None = None
+    marks: dict[str, Array] = field(default_factory=dict)
 
     @property
     def route(self) -> Array:
@@ -76,8 +167,9 @@ class Scene:
 
     @cached_property
     def outlines(self) -> tuple[Outline, ...]:
-        """All objects as polygons with heights, for the top view."""
-        return tuple(Outline(solid.outline(), solid.kind, solid.bottom, solid.top) for solid in self.solids)
+        """All objects that begin below 2 m as polygons with heights, for the top view."""
+        low = (solid for solid in self.solids if solid.bottom < 2.0)
+        return tuple(Outline(solid.outline(), solid.kind, solid.bottom, solid.top) for solid in low)
 
     def clearance(self, points: ArrayLike, *, of_people: bool = False) -> Array:
         """Return (...,) distances [m] from `points` (..., 2) to the nearest solid.

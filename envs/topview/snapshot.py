@@ -42,7 +42,7 @@ class Snapshot:
         person_positions: (p, 2) true centres [m].
         person_headings: (p,) [rad].
         person_feet: (p, 2, 2) [m].
-        leader_index: Which person leads.
+        leader_index: Which person leads; -1 for nobody.
         scan_points: (n, 2) returns of the latest scan [m].
         scan_dropped: (n,) whether the people filter dropped the return.
         tracks: People as perceived.

@@ -44,8 +44,9 @@ class TopView:
         return np.array(picture)
 
     def _camera(self, shot: Snapshot) -> Camera:
-        """Look at the robot and its leader; never far beyond the building."""
-        offset = shot.person_positions[shot.leader_index] - shot.robot_pose[:2]
+        """Look at the robot and its leader, if it has one; never far beyond the building."""
+        leader = shot.person_positions[shot.leader_index] if shot.leader_index >= 0 else shot.robot_pose[:2]
+        offset = leader - shot.robot_pose[:2]
         centre = shot.robot_pose[:2] + offset / max(1.0, float(np.hypot(*offset)) / 0.8) * 0.5
         view = np.array(self._window) / self._scale
         low = np.array(self._bounds[:2]) - BORDER_M / 2 + view / 2

@@ -5,16 +5,16 @@ most the cells that were running. A file that was made with other arguments is m
 """
 
 import json
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import joblib
 from tqdm import tqdm
 
-from ...slam.files import write_json
-from .backends import parallel_backend
+from ...slam.files import made_folder, write_json
+from .backends import parallel_backend, results_of
 
 TIMING = "timing"
 """The key of a result, at any depth, under which stands what depends on the clock; nothing else may."""
@@ -53,8 +53,7 @@ class Cell:
         """Compute the result, store it in `folder` and return it as it was stored."""
         more: dict[str, Any] = {}
         if self.keeps_files:
-            more["files"] = files_of(self.name, folder)
-            more["files"].mkdir(parents=True, exist_ok=True)
+            more["files"] = made_folder(files_of(self.name, folder))
         if self.needs:
             more["inputs"] = [files_of(name, folder) for name in self.needs]
         result = dict(self.function(**self.arguments, **more))
@@ -101,9 +100,7 @@ def run_cells(
         tqdm(total=len(cells), initial=len(cells) - len(missing), desc=label, unit="cell") as progress,
     ):
         for wave in _waves(missing):
-            tasks = (joblib.delayed(_run_cell)(cell, target) for cell in wave)
-            done = cast(Iterable[Any], joblib.Parallel(n_jobs=jobs, return_as="generator_unordered")(tasks))
-            for name, result in done:
+            for name, result in results_of([joblib.delayed(_run_cell)(cell, target) for cell in wave], jobs):
                 results[name] = result
                 progress.update()
     return results

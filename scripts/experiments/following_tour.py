@@ -10,14 +10,15 @@ from numpy.typing import NDArray
 
 from ...agents import make_follower
 from ...envs.follow_env import FollowEnv
+from ...envs.registration import IDS
 from ...envs.rollout import Episode, rollout
-from ...slam.errors import InputError
+from ...slam.errors import unknown_name
 from ...slam.logs.drive import RecordedDrive
 from ...slam.logs.drive_folder import SimulatedDrive
 from ...slam.scan import LaserScan
 
 SCENES = {"corridor": "tagalong/Corridor-v0", "meeting_room": "tagalong/MeetingRoom-v0"}
-"""Environment ids by scene."""
+"""Environment ids of the paper's two scenes."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,6 +29,7 @@ class TourConfig:
         scene: Name of the building.
         people: Number of walking people, the leader included.
         standing: Number of further people who come to stand still.
+        odometry: Quality of the wheel odometry.
         follower: Name of the follower.
         seed: Seed of the episode.
         slam: Engine that runs during the drive, for the picture; None for none.
@@ -36,6 +38,7 @@ class TourConfig:
     scene: str = "corridor"
     people: int = 2
     standing: int = 0
+    odometry: str = "typical"
     follower: str = "pid"
     seed: int = 0
     slam: str | None = None
@@ -104,9 +107,10 @@ def following_tour(
     Raises:
         InputError: If a name is unknown.
     """
-    if config.scene not in SCENES:
-        raise InputError(f"unknown scene {config.scene!r}; scenes: {', '.join(SCENES)}")
-    env = gym.make(SCENES[config.scene], slam=config.slam, **env_options)
+    ids = {str(fields["scene"]): name for name, fields in IDS.items()}
+    if config.scene not in ids:
+        raise unknown_name("scene", config.scene, tuple(ids))
+    env = gym.make(ids[config.scene], slam=config.slam, **env_options)
     log = _Log()
 
     def after_step(inner: FollowEnv) -> None:
@@ -117,7 +121,7 @@ def following_tour(
     inner = env.unwrapped
     assert isinstance(inner, FollowEnv)
     follower = make_follower(config.follower, inner.interface)
-    options = {"people": config.people, "standing": config.standing}
+    options = {"people": config.people, "standing": config.standing, "odometry": config.odometry}
     episode = rollout(env, follower, seed=config.seed, options=options, after_step=after_step)
     env.close()
     return FollowingTour(log.drive(config.name), log.filtered, log.people, episode)

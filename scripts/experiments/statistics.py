@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.stats import binomtest
+from scipy.stats import binomtest, t
 
 
 @dataclass(frozen=True)
@@ -43,6 +43,19 @@ def bootstrap_mean(values: ArrayLike, *, resamples: int = 2000, seed: int = 0) -
     picks = np.random.default_rng(seed).integers(len(sample), size=(resamples, len(sample)))
     low, high = np.quantile(sample[picks].mean(axis=1), [0.025, 0.975])
     return Estimate(float(sample.mean()), float(low), float(high), len(sample))
+
+
+def t_mean(values: ArrayLike) -> Estimate:
+    """Return the mean of `values` (n,) with Student's interval, honest for few values; NaN are left out.
+
+    With one value the ends of the interval are NaN.
+    """
+    sample = np.asarray(values, dtype=np.float64)
+    sample = sample[np.isfinite(sample)]
+    if len(sample) < 2:
+        return Estimate(float(sample.mean()) if len(sample) else np.nan, np.nan, np.nan, len(sample))
+    half = float(t.ppf(0.975, len(sample) - 1) * sample.std(ddof=1) / np.sqrt(len(sample)))
+    return Estimate(float(sample.mean()), float(sample.mean()) - half, float(sample.mean()) + half, len(sample))
 
 
 def share(successes: Sequence[bool]) -> Estimate:

@@ -10,7 +10,9 @@ from ...slam.errors import unknown_name
 from ..experiments.cells import Cell
 from .report import Report
 
-EXPERIMENTS: dict[str, str] = {}
+EXPERIMENTS: dict[str, str] = {
+    "following": "mapping behind a leader, raw against filtered scans (Ye et al. 2021)",
+}
 """Name -> what it reproduces; the module `tagalong.scripts.reproduce.NAME` (`-` as `_`) holds its `EXPERIMENT`."""
 
 

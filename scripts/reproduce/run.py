@@ -6,7 +6,7 @@ from datetime import date
 from pathlib import Path
 from typing import Any
 
-from ...slam.files import write_json, write_text
+from ...slam.files import made_folder, write_json, write_text
 from ..experiments.cells import TIMING, run_cells, without_timing
 from ..experiments.hardware import describe_machine
 from .experiment import Experiment
@@ -33,13 +33,12 @@ def run_experiment(experiment: Experiment, options: argparse.Namespace) -> Repor
         options: `out` (folder), `jobs`, `backend`, `quick`, `data` and the experiment's own.
 
     Raises:
-        InputError: If an option is wrong.
+        InputError: If an option is wrong, or nothing can be written into `out`.
     """
-    out: Path = options.out
+    out: Path = made_folder(options.out)
     cells = experiment.cells(options)
     results = run_cells(cells, out / "cells", jobs=options.jobs, label=experiment.name, backend=options.backend)
-    figures = out / "figures"
-    figures.mkdir(parents=True, exist_ok=True)
+    figures = made_folder(out / "figures")
     report = experiment.report(results, options, figures)
     machine = describe_machine()
     content = {

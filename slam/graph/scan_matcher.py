@@ -1,6 +1,7 @@
 """Scan-to-submap matching: correlative search where odometry leaves much open, then non-linear least squares."""
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +11,6 @@ from ..geometry import wrap_angle
 from .correlative import correlate
 from .extrapolator import Prediction
 from .refine_kernels import refine_pose
-from .submap import Submap
 
 Array = NDArray[np.float64]
 
@@ -71,6 +71,23 @@ class Match:
     searched: bool
 
 
+class Walls(Protocol):
+    """What a scan can be matched on: a submap, or a finished map."""
+
+    field: NDArray[np.float32]
+    """(rows, cols) occupancy of each cell in [0, 1]; 0 where nothing is known."""
+
+    @property
+    def corner(self) -> Array:
+        """(2,) centre of cell [0, 0] [m]."""
+        ...
+
+    @property
+    def resolution(self) -> float:
+        """Side of a cell [m]."""
+        ...
+
+
 class ScanMatcher:
     """Finds the pose of a scan in a submap's frame, near where odometry expects it.
 
@@ -85,7 +102,7 @@ class ScanMatcher:
         self._config = config
         self._typical_score = 0.0
 
-    def match(self, submap: Submap, points: Array, prediction: Prediction) -> Match | None:
+    def match(self, submap: Walls, points: Array, prediction: Prediction) -> Match | None:
         """Return the match of `points` (N, 2), robot frame [m]; None: there are too few points."""
         config = self._config
         if len(points) < config.min_points:
@@ -99,11 +116,11 @@ class ScanMatcher:
         self._typical_score += _SCORE_MEMORY * (match.score - self._typical_score)
         return match
 
-    def _match(self, submap: Submap, points: Array, prediction: Prediction) -> Match:
+    def _match(self, submap: Walls, points: Array, prediction: Prediction) -> Match:
         config = self._config
-        reach, angles, step = self._window(submap.config.resolution, points, prediction)
+        reach, angles, step = self._window(submap.resolution, points, prediction)
         prior, information = prediction.pose, prediction.information
-        place = (submap.field, submap.corner, submap.config.resolution)
+        place = (submap.field, submap.corner, submap.resolution)
         start = prior
         if reach or angles:
             thinned = points[:: max(1, len(points) // config.search_points)]

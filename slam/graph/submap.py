@@ -90,6 +90,11 @@ class Submap:
         )
 
     @property
+    def resolution(self) -> float:
+        """Side of a cell [m]."""
+        return self.config.resolution
+
+    @property
     def known(self) -> NDArray[np.bool_]:
         """(rows, cols) whether any scan saw the cell."""
         return self._visits > 0.0

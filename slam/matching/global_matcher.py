@@ -1,7 +1,9 @@
 """The matcher with a guarantee: the best pose of the whole window by branch and bound, then robust refinement.
 
 The window is searched exactly on the lookup table of GLASM-g, so no population can miss its maximum; a few further
-maxima are refined too, and the one wins that explains both scans best, free space included.
+maxima are refined too, and the one wins that explains both scans best, free space included. Where even that one
+explains them badly, as for views that share little, a second exact search scores free space as well: a point where the
+reference saw nothing is worth most of a hit, a point where it saw free space nothing.
 """
 
 from dataclasses import dataclass, field, replace
@@ -13,16 +15,17 @@ from ..errors import InputError
 from ..geometry import compose, inverse, wrap_angle
 from ..scan import LaserScan
 from ..search.branch_and_bound import SearchResult, SearchWindow, Separation, branch_and_bound
-from ..search.score_pyramid import ScorePyramid, build_pyramid
+from ..search.score_pyramid import ScoreGrid, ScorePyramid, build_pyramid
 from .iterative import PLICP, IterativeConfig, IterativeMatcher, Refined
 from .lookup import LookupConfig, build_lookup
 from .match import Match
 from .surfaces import SurfaceConfig, Surfaces, find_surfaces, near_points
-from .visibility import agreement
+from .visibility import agreement, mark_unseen
 
 # The whole circle and the large space of HGLASM-g.
 _WINDOW = SearchWindow(linear=2.0, angular=np.pi, angular_step=np.radians(2.0))
 _SEPARATION = Separation(linear=0.4, angular=0.2, least_share=0.85)
+_SECOND_SEPARATION = Separation(linear=0.3, angular=0.2, least_share=0.5)
 # Lines of both scans count, so fewer neighbours agreeing better serve: 7 mm is what a SICK's noise leaves.
 _REFINEMENT = replace(
     PLICP,
@@ -49,6 +52,11 @@ class GlobalConfig:
         margin: How much nearer than the seen surface a point must be to contradict it [m].
         free_space: What a contradiction counts against a hit.
         rival: Another pose that reaches this share of the best final score makes the match ambiguous.
+        sure: A final score that makes the second search needless. For views that share little 0.86 is better, and slow.
+        unseen: Worth in the second search of a point where the reference saw nothing, in [0, 1].
+        beyond: How far beyond the reference's table such points count [m].
+        second_maxima: How many maxima of the second search are refined at most; 0: there is none.
+        second_separation: When a further maximum of the second search counts.
         refinement: PL-ICP with the lines of both scans, from each maximum.
     """
 
@@ -58,15 +66,22 @@ class GlobalConfig:
     maxima: int = 3
     separation: Separation = _SEPARATION
     points: int = 180
-    sigma: float = 0.03
+    sigma: float = 0.05
     margin: float = 0.3
-    free_space: float = 1.0
+    free_space: float = 0.5
     rival: float = 0.95
+    sure: float = 0.8
+    unseen: float = 0.78
+    beyond: float = 4.0
+    second_maxima: int = 16
+    second_separation: Separation = _SECOND_SEPARATION
     refinement: IterativeConfig = _REFINEMENT
 
     def __post_init__(self) -> None:
         if not (self.maxima >= 1 and self.points >= 1 and self.sigma > 0.0 and self.margin >= 0.0):
             raise InputError(f"need `maxima`, `points` >= 1, `sigma` > 0, `margin` >= 0, got {self}")
+        if not (0.0 <= self.unseen <= 1.0 and self.beyond >= 0.0 and self.second_maxima >= 0):
+            raise InputError(f"need `unseen` in [0, 1], `beyond` [m], `second_maxima` >= 0, got {self}")
 
 
 class GlobalMatcher:
@@ -87,8 +102,12 @@ class GlobalMatcher:
         found = self.search(reference, points, centre)
         if not found.maxima or len(surfaces) < 3:
             return self._refinement.judge(reference, points, Refined(centre, 0, False))
-        refined = [self._refinement.refine_both(reference, surfaces_new, maximum.pose) for maximum in found.maxima]
-        scores = [self._explains(surfaces, surfaces_new, candidate.pose) for candidate in refined]
+        refined, scores = self._refine(reference, surfaces_new, found)
+        looked_at = found.looked_at
+        if config.second_maxima > 0 and max(scores) < config.sure:
+            second = self.search_views(reference, points, centre)
+            more, more_scores = self._refine(reference, surfaces_new, second)
+            refined, scores, looked_at = refined + more, scores + more_scores, looked_at + second.looked_at
         order = np.argsort(-np.array(scores), kind="stable")
         best = refined[order[0]]
         others = [refined[k].pose for k in order[1:] if self._rivals(best, refined[k], scores[order[0]], scores[k])]
@@ -96,34 +115,64 @@ class GlobalMatcher:
         return replace(
             match,
             converged=match.converged and not others,
-            evaluations=found.looked_at,
+            evaluations=looked_at,
             ambiguous=bool(others),
             alternatives=np.array(others).reshape(-1, 3),
         )
 
     def search(self, reference: LaserScan, points_new: NDArray[np.float64], guess: ArrayLike) -> SearchResult:
         """Return the maxima of the window around `guess` (3,) for points (N, 2) of the new scan."""
+        return self._search(self.pyramid(reference), points_new, guess, self.config.maxima, self.config.separation)
+
+    def search_views(self, reference: LaserScan, points_new: NDArray[np.float64], guess: ArrayLike) -> SearchResult:
+        """Return the same of the second search, which scores free space as well."""
         config = self.config
-        if len(points_new) > config.points:
-            points_new = points_new[np.linspace(0, len(points_new) - 1, config.points).astype(np.int64)]
-        return branch_and_bound(
-            self.pyramid(reference),
-            points_new,
-            guess,
-            config.window,
-            maxima=config.maxima,
-            separation=config.separation,
-        )
+        pyramid = self._pyramid_over(self.views_table(reference))
+        return self._search(pyramid, points_new, guess, config.second_maxima, config.second_separation)
 
     def pyramid(self, reference: LaserScan) -> ScorePyramid:
         """Return the pyramid over the reference's table, that of the last call if it is the same object."""
         if self._pyramid is None or self._reference is not reference:
             config = self.config
             grid = build_lookup(near_points(reference, config.refinement.surfaces.range_limit), config.lookup)
-            margin = config.window.reach(config.lookup.cell) + (1 << config.top_level)
-            self._pyramid = build_pyramid(grid, top_level=config.top_level, margin=margin)
+            self._pyramid = self._pyramid_over(grid)
             self._reference = reference
         return self._pyramid
+
+    def views_table(self, reference: LaserScan) -> ScoreGrid:
+        """Return the reference's table, wider, in which what it did not see has a worth."""
+        config, seen = self.config, self._refinement.surfaces(reference)
+        grid = build_lookup(seen.points, config.lookup)
+        border = int(np.ceil(config.beyond / grid.resolution))
+        values = np.pad(grid.values, border)
+        x0, y0 = (start - border * grid.resolution for start in grid.origin)
+        worth = np.uint8(round(255.0 * config.unseen))
+        mark_unseen(seen.points, seen.rays, seen.first, x0, y0, grid.resolution, config.margin, worth, values)
+        return ScoreGrid(values, (x0, y0), grid.resolution)
+
+    def _pyramid_over(self, grid: ScoreGrid) -> ScorePyramid:
+        config = self.config
+        margin = config.window.reach(grid.resolution) + (1 << config.top_level)
+        return build_pyramid(grid, top_level=config.top_level, margin=margin)
+
+    def _search(
+        self,
+        pyramid: ScorePyramid,
+        points_new: NDArray[np.float64],
+        guess: ArrayLike,
+        maxima: int,
+        separation: Separation,
+    ) -> SearchResult:
+        config = self.config
+        if len(points_new) > config.points:
+            points_new = points_new[np.linspace(0, len(points_new) - 1, config.points).astype(np.int64)]
+        return branch_and_bound(pyramid, points_new, guess, config.window, maxima=maxima, separation=separation)
+
+    def _refine(self, reference: LaserScan, new: Surfaces, found: SearchResult) -> tuple[list[Refined], list[float]]:
+        """Return the refined maxima and how well each explains both scans."""
+        refined = [self._refinement.refine_both(reference, new, maximum.pose) for maximum in found.maxima]
+        seen = self._refinement.surfaces(reference)
+        return refined, [self._explains(seen, new, candidate.pose) for candidate in refined]
 
     def _explains(self, reference: Surfaces, new: Surfaces, pose: NDArray[np.float64]) -> float:
         """Return the share of hits among what both scans could see of each other: hits and contradictions.

@@ -65,7 +65,16 @@ class IterativeConfig:
 
 ICP = IterativeConfig(kind="point", kept=0.9, last_reach=0.3, last_scale=0.1)
 PLICP = IterativeConfig(kind="line")
-MBICP = IterativeConfig(kind="metric", kept=0.95, last_reach=0.5, last_scale=0.2, rest=2e-4)
+MBICP = IterativeConfig(
+    kind="metric",
+    kept=0.95,
+    first_reach=1.5,
+    last_reach=0.5,
+    first_scale=1.5,
+    last_scale=0.2,
+    factor=0.8,
+    rest=2e-4,
+)
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,9 +30,9 @@ def range_ahead(x, y, points, rays, first):  # pragma: no cover
 def agreement(points, pose, reference, rays, feet, normals, first, sigma, margin):  # pragma: no cover
     """Return (sum of hits, sum of contradictions) of `points` (N, 2), at `pose`, with a reference scan's surfaces.
 
-    A hit counts exp(-e^2 / 2 sigma^2), e the distance from the line of the nearest return [m]. A point that misses, and
-    lies nearer than the reference's return in that direction by more than `margin` [m], stands where the reference
-    saw free space: a contradiction.
+    A hit counts exp(-e^2 / 2 sigma^2), e the distance from the line of the nearest return [m]. A point that lies nearer
+    than the reference's return in that direction stands where the reference saw free space: it contradicts by how much
+    nearer it is [m], at most 1, and by 1 more where that exceeds `margin` [m].
     """
     hits, contradictions = 0.0, 0.0
     cos, sin = np.cos(pose[2]), np.sin(pose[2])
@@ -45,6 +45,22 @@ def agreement(points, pose, reference, rays, feet, normals, first, sigma, margin
                 error = normals[j, 0] * (feet[j, 0] - x) + normals[j, 1] * (feet[j, 1] - y)
                 square = error * error
             hits += np.exp(-0.5 * square / (sigma * sigma))
-        elif range_ahead(x, y, reference, rays, first) > np.sqrt(x * x + y * y) + margin:
-            contradictions += 1.0
+        gap = range_ahead(x, y, reference, rays, first) - np.sqrt(x * x + y * y)
+        if gap > 0.0:
+            contradictions += min(gap, 1.0) + (1.0 if gap > margin else 0.0)
     return hits, contradictions
+
+
+@numba.njit(cache=True, nogil=True)
+def mark_unseen(points, rays, first, x0, y0, cell, margin, worth, values):  # pragma: no cover
+    """Raise the cells of `values` (rows, cols) uint8 that the reference did not see to be free to `worth`.
+
+    Free is what lies nearer than the reference's return in that direction by more than `margin` [m].
+    """
+    rows, cols = values.shape
+    for row in range(rows):
+        y = y0 + (row + 0.5) * cell
+        for col in range(cols):
+            x = x0 + (col + 0.5) * cell
+            if range_ahead(x, y, points, rays, first) <= np.sqrt(x * x + y * y) + margin:
+                values[row, col] = max(values[row, col], worth)

@@ -21,7 +21,7 @@ def test_a_robot_can_drive_every_route(name):
             assert scene.clearance(resample(route, 0.1)).min() > 0.45
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", sorted(set(NAMES) - {"floor_plan"}))
 def test_sizes_and_clutter_come_from_the_seed(name):
     scene, again, other = (make_scene(name, np.random.default_rng(seed)) for seed in (1, 1, 2))
     assert scene.solids == again.solids
@@ -57,7 +57,7 @@ def test_laps_of_the_meeting_room_close():
 
 
 def test_unknown_names_are_answered_with_the_known_ones():
-    with pytest.raises(InputError, match="corridor, meeting_room, plain_corridor"):
+    with pytest.raises(InputError, match="corridor, floor_plan, lab, meeting_room, office, plain_corridor"):
         make_scene("plasa", np.random.default_rng(0))
     with pytest.raises(InputError, match="back, forward"):
         make_scene("corridor", np.random.default_rng(0), "sideways")

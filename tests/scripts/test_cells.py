@@ -1,8 +1,13 @@
+import importlib.util
 import json
+import subprocess
+import sys
+import time
 from pathlib import Path
 
 import pytest
 from tagalong.scripts.experiments.cells import Cell, run_cells
+from tagalong.slam.errors import MissingExtraError
 
 
 def square(value, log):
@@ -68,3 +73,46 @@ def test_a_cell_finds_the_files_of_those_that_it_needs(tmp_path):
     assert run_cells([*numbers, total], tmp_path, jobs=2)["sum"] == {"sum": 7}
     (tmp_path / "sum.json").unlink()
     assert run_cells([*numbers, total], tmp_path)["sum"] == {"sum": 7}
+
+
+_KILLED = """
+import sys, time
+from pathlib import Path
+from tagalong.scripts.experiments.cells import Cell, run_cells
+from tagalong.slam.errors import MissingExtraError
+
+def slow(value):
+    time.sleep(0.05)
+    return {"square": value * value}
+
+run_cells([Cell(name=f"c/{v}", function=slow, arguments={"value": v}) for v in range(12)], sys.argv[1])
+"""
+
+
+def test_an_experiment_killed_at_any_moment_resumes_to_the_same_results(tmp_path):
+    for wait in (0.05, 0.15, 0.25):
+        child = subprocess.Popen([sys.executable, "-c", _KILLED, str(tmp_path / "a")], stderr=subprocess.DEVNULL)
+        while child.poll() is None and not list((tmp_path / "a").rglob("*.json")):
+            time.sleep(0.02)
+        time.sleep(wait)
+        child.kill()
+        child.wait()
+    for name in ("a", "b"):
+        subprocess.run([sys.executable, "-c", _KILLED, str(tmp_path / name)], check=True, stderr=subprocess.DEVNULL)
+    stored = [{p.name: p.read_bytes() for p in (tmp_path / n / "c").glob("[!.]*.json")} for n in ("a", "b")]
+    assert stored[0] == stored[1]
+    assert len(stored[0]) == 12
+
+
+@pytest.mark.parametrize(("backend", "package"), [("ray", "ray"), ("dask", "distributed")])
+def test_a_local_cluster_gives_the_same_results(tmp_path, log, backend, package):
+    pytest.importorskip(package, reason=f"{package} is not installed (extra cluster)")
+    assert run_cells(cells(log), tmp_path / "a", jobs=2, backend=backend) == run_cells(cells(log), tmp_path / "b")
+
+
+@pytest.mark.parametrize(("backend", "package"), [("ray", "ray"), ("dask", "distributed")])
+def test_a_missing_cluster_package_is_answered_with_the_pip_command(tmp_path, log, backend, package):
+    if importlib.util.find_spec(package):
+        pytest.skip(f"{package} is installed")
+    with pytest.raises(MissingExtraError, match=r"pip install \"tagalong\[cluster\]\""):
+        run_cells(cells(log), tmp_path, jobs=2, backend=backend)

@@ -112,3 +112,10 @@ def test_every_experiment_declares_quick_cells_with_unique_names(name, options):
     assert names
     assert len(set(names)) == len(names)
     assert not any(Path(name).is_absolute() for name in names)
+
+
+def test_a_folder_that_cannot_be_written_is_named(options, tmp_path):
+    (tmp_path / "file").write_text("")
+    options.out = tmp_path / "file" / "out"
+    with pytest.raises(InputError, match=r"file/out: cannot be made"):
+        run_experiment(Dice(), options)

@@ -1,5 +1,5 @@
 import numpy as np
-from tagalong.scripts.experiments.statistics import bootstrap_mean, share
+from tagalong.scripts.experiments.statistics import bootstrap_mean, share, t_mean
 
 
 def test_the_bootstrap_interval_of_a_mean_covers_it_about_as_often_as_it_says():
@@ -22,3 +22,15 @@ def test_a_share_of_all_successes_has_an_upper_end_of_one_and_an_honest_lower_en
     assert estimate.mean == 1.0
     assert estimate.high > 0.999
     assert 0.85 < estimate.low < 0.9
+
+
+def test_students_interval_of_few_values_covers_the_mean_as_often_as_it_says():
+    rng = np.random.default_rng(2)
+    estimates = [t_mean(rng.normal(3.0, 1.0, 4)) for _ in range(400)]
+    assert 0.92 <= np.mean([e.low <= 3.0 <= e.high for e in estimates]) <= 0.98
+
+
+def test_one_value_has_no_interval():
+    estimate = t_mean([2.0, np.nan])
+    assert (estimate.mean, estimate.n) == (2.0, 1)
+    assert np.isnan(estimate.low)

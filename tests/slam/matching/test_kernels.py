@@ -14,6 +14,7 @@ from tagalong.slam.matching.nearest import nearest_point, nearest_point_referenc
 from tagalong.slam.matching.registration import LINE, METRIC, POINT, correspond, normal_equations
 from tagalong.slam.matching.surfaces import SurfaceConfig, find_surfaces
 from tagalong.slam.matching.symmetric import inverse_pose
+from tagalong.slam.matching.visibility import agreement, mark_unseen
 from tagalong.slam.scan import LaserScan
 
 
@@ -102,3 +103,44 @@ def test_the_inverse_pose_and_its_derivative():
     np.testing.assert_allclose(compose(pose, inverted), 0.0, atol=1e-12)
     numeric = [(inverse(pose + d) - inverse(pose - d)) / 2e-6 for d in np.eye(3) * 1e-6]
     np.testing.assert_allclose(jacobian, np.array(numeric).T, atol=1e-6)
+
+
+def ring(radius, pillars=()):
+    """What a laser in the middle of a round room sees, with `pillars` = (bearing, range) one beam wide."""
+    bearings = np.radians(np.arange(-180.0, 180.0))
+    ranges = np.full(360, radius)
+    for bearing, distance in pillars:
+        ranges[int(bearing) + 180] = distance
+    return find_surfaces(LaserScan(ranges, bearings, 0.05, 20.0), SurfaceConfig())
+
+
+def test_points_in_seen_free_space_contradict_by_how_far_they_stand_in_it():
+    seen = ring(4.0)
+    arrays = (seen.points, seen.rays, seen.feet, seen.normals, seen.first)
+    for distance, expected in (
+        (4.0, (1.0, 0.0)),
+        (3.75, (0.04, 0.25)),
+        (3.5, (0.0, 1.5)),
+        (1.0, (0.0, 2.0)),
+        (6.0, (0, 0)),
+    ):
+        points = transform_points([0.0, 0.0, 0.3], seen.points * (distance / 4.0))
+        hits, contradictions = agreement(points, np.array([0.0, 0.0, -0.3]), *arrays, 0.1, 0.3)
+        np.testing.assert_allclose((hits / 360, contradictions / 360), expected, atol=0.02)
+
+
+def test_only_what_the_reference_saw_to_be_free_stays_worth_nothing():
+    seen = ring(3.0)
+    keep = seen.points[:, 1] < 1e-9  # nothing is known of the upper half
+    half = find_surfaces(LaserScan(np.full(181, 3.0), np.radians(np.arange(-180.0, 1.0)), 0.05, 20.0), SurfaceConfig())
+    assert keep.sum() == len(half)
+    values = np.zeros((100, 100), dtype=np.uint8)
+    values[0, 0] = 255
+    mark_unseen(half.points, half.rays, half.first, -5.0, -5.0, 0.1, 0.3, np.uint8(200), values)
+    x, y = np.meshgrid(*(np.arange(-4.95, 5.0, 0.1),) * 2)
+    distance, angle = np.hypot(x, y), np.degrees(np.arctan2(y, x))
+    assert values[0, 0] == 255
+    assert (values[(distance < 2.65) & (angle < -3) & (angle > -177)] == 0).all()
+    unseen = (distance > 2.75) | ((angle > 6) & (angle < 174))
+    unseen[0, 0] = False
+    assert (values[unseen] == 200).all()

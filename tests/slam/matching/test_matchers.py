@@ -5,7 +5,11 @@ import pytest
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between, compose
 from tagalong.slam.matching import MATCHERS, make_matcher
+from tagalong.slam.matching.global_matcher import GlobalConfig, GlobalMatcher
+from tagalong.slam.matching.lookup import LookupConfig, build_lookup
+from tagalong.slam.matching.surfaces import near_points
 from tagalong.slam.scan import LaserScan
+from tagalong.slam.search.exhaustive import exhaustive_search
 
 BEARINGS = np.radians(np.arange(-90.0, 90.0))
 FULL = np.radians(np.arange(-180.0, 180.0))
@@ -156,3 +160,40 @@ def test_bad_names_and_fields_are_named():
         make_matcher("plicp", wibble=1)
     with pytest.raises(InputError, match="kept"):
         make_matcher("icp", kept=1.5)
+
+
+def test_both_searches_of_global_are_those_of_the_exhaustive_search():
+    rng = np.random.default_rng(6)
+    matcher = GlobalMatcher(GlobalConfig())
+    for _ in range(2):
+        at = np.array([*rng.uniform(-0.6, 0.6, 2), rng.uniform(-3, 3)])
+        reference, new = (scan_of(ROOM, pose, noise=0.01, rng=rng) for pose in (at, compose(at, [0.3, 0.2, 0.7])))
+        points, guess = near_points(new, 30.0), rng.uniform(-1, 1, 3)
+        for found, grid in (
+            (matcher.search(reference, points, guess), build_lookup(near_points(reference, 30.0), LookupConfig())),
+            (matcher.search_views(reference, points, guess), matcher.views_table(reference)),
+        ):
+            assert found.best == exhaustive_search(grid, points, guess, matcher.config.window).best
+
+
+# A hall, a door 1 m wide, a room behind it.
+HALL = np.array(
+    [
+        [-6, 0, 6, 0], [6, 0, 6, 2.4], [6, 2.4, 0.5, 2.4], [-0.5, 2.4, -6, 2.4], [-6, 2.4, -6, 0],
+        [-0.5, 2.4, -0.5, 2.6], [0.5, 2.4, 0.5, 2.6], [-0.5, 2.6, -2, 2.6], [0.5, 2.6, 3.1, 2.6],
+        [-2, 2.6, -2, 7], [3.1, 2.6, 3.1, 7], [-2, 7, 3.1, 7], [1.2, 5, 2, 5], [1.2, 5, 1.2, 5.8],
+    ],
+    dtype=float,
+)  # fmt: skip
+
+
+def test_views_that_share_little_are_told_by_free_space():
+    rng = np.random.default_rng(7)
+    at, moved = np.array([0.2, 1.3, 1.5]), np.array([0.1, 2.8, 1.6])
+    scans = [scan_of(HALL, pose, noise=0.01, rng=rng) for pose in (at, moved)]
+    truth = between(at, moved)
+    guess = truth + np.array([0.7, -0.8, 2.0])
+    endpoints = make_matcher("global", second_maxima=0).match(*scans, guess)
+    both = make_matcher("global").match(*scans, guess)
+    assert np.abs(between(truth, endpoints.pose)).max() > 0.3
+    np.testing.assert_allclose(between(truth, both.pose), 0.0, atol=0.03)

@@ -1,0 +1,134 @@
+"""What things look like: paint, wood, clothing, skin, and the light in the room.
+
+A geom's look is one colour, or two in a pattern. Patterns are solid: they are cut out of a field that fills the space
+of the geom, so that no texture has to be laid on any shape.
+"""
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..mj import MjModel
+from ..people.body import PARTS
+
+Array = NDArray[np.float64]
+
+
+class Pattern(IntEnum):
+    """How the two colours of a geom alternate."""
+
+    PLAIN = 0
+    STRIPES = 1
+    CHECKS = 2
+    GRAIN = 3
+    HEAD = 4
+
+
+@dataclass(frozen=True, eq=False)
+class Looks:
+    """Colours of g geoms; red, green, blue in [0, 1].
+
+    Attributes:
+        first: (g, 3) colour.
+        second: (g, 3) the other colour of a pattern.
+        pattern: (g,) `Pattern`.
+        period: (g,) how often the pattern repeats [m].
+    """
+
+    first: Array
+    second: Array
+    pattern: NDArray[np.int64]
+    period: Array
+
+
+_SKINS = np.array([(0.94, 0.78, 0.67), (0.86, 0.66, 0.52), (0.71, 0.50, 0.36), (0.50, 0.33, 0.23), (0.33, 0.22, 0.16)])
+_HAIR = np.array([(0.08, 0.07, 0.06), (0.25, 0.16, 0.09), (0.45, 0.30, 0.16), (0.75, 0.62, 0.38), (0.6, 0.6, 0.6)])
+_CLOTH = (Pattern.PLAIN, Pattern.PLAIN, Pattern.STRIPES, Pattern.CHECKS, Pattern.GRAIN)
+
+
+def dress(model: MjModel, rng: np.random.Generator) -> Looks:
+    """Draw paint for the building and clothing for its people, light the room, and write both into `model`.
+
+    OpenGL then shows the first colours; patterns are seen by the ray caster alone.
+
+    Args:
+        model: The compiled world; its geoms' colours are where the drawing starts.
+        rng: Source of all draws.
+    """
+    count = model.ngeom
+    first = np.array(model.geom_rgba[:, :3], dtype=np.float64)
+    first = np.clip(first * rng.uniform(0.8, 1.15, (count, 1)) + rng.normal(0.0, 0.03, (count, 3)), 0.03, 0.97)
+    looks = Looks(first, first.copy(), np.zeros(count, dtype=np.int64), np.full(count, 0.3))
+    for geom in np.flatnonzero(rng.random(count) < 0.4).tolist():
+        _pattern(looks, geom, Pattern.GRAIN, first[geom] * rng.uniform(0.7, 0.9), rng.uniform(0.3, 0.9))
+    people = [body for body in range(model.nbody) if model.body(body).name.startswith("person")]
+    for start in range(0, len(people), len(PARTS)):
+        _dress_person(model, people[start : start + len(PARTS)], looks, rng)
+    model.geom_rgba[:, :3] = looks.first
+    _light(model, rng)
+    return looks
+
+
+def _pattern(looks: Looks, geom: int, pattern: Pattern, second: Array, period: float) -> None:
+    looks.pattern[geom], looks.second[geom], looks.period[geom] = pattern, second, period
+
+
+def _dress_person(model: MjModel, bodies: list[int], looks: Looks, rng: np.random.Generator) -> None:
+    """Dress one person: shirt with a pattern, trousers, shoes, skin, hair."""
+    skin = _SKINS[rng.integers(len(_SKINS))] * rng.uniform(0.92, 1.05)
+    hair = _HAIR[rng.integers(len(_HAIR))] * rng.uniform(0.8, 1.2)
+    shirt, other, trousers = rng.uniform(0.05, 0.95, (3, 3))
+    trousers = trousers * rng.uniform(0.3, 0.9)
+    shoes = np.full(3, rng.uniform(0.05, 0.5))
+    pattern, period = _CLOTH[rng.integers(len(_CLOTH))], rng.uniform(0.05, 0.25)
+    for part, body in zip(PARTS, bodies, strict=True):
+        geoms = np.arange(model.ngeom)[model.geom_bodyid == body]
+        for number, geom in enumerate(geoms):
+            if part == "head":
+                looks.first[geom] = np.clip(skin, 0.0, 1.0)
+                _pattern(looks, geom, Pattern.HEAD, np.clip(hair, 0.0, 1.0), 1.0)
+            elif part == "torso":
+                looks.first[geom] = shirt
+                _pattern(looks, geom, pattern, other, period)
+            else:
+                looks.first[geom] = shoes if number == 1 else trousers
+                looks.pattern[geom] = Pattern.PLAIN
+
+
+def _light(model: MjModel, rng: np.random.Generator) -> None:
+    """Set the strength and the direction of the room's light; nothing shines or casts a shadow."""
+    ambient = rng.uniform(0.3, 0.5)
+    model.vis.headlight.ambient[:] = ambient
+    model.vis.headlight.diffuse[:] = rng.uniform(0.1, 0.35)
+    model.vis.headlight.specular[:] = 0.0
+    tint = rng.uniform(0.9, 1.0, 3)
+    for light in range(model.nlight):
+        tilt, turn = rng.uniform(0.1, 0.9), rng.uniform(-np.pi, np.pi)
+        model.light_dir[light] = (np.sin(tilt) * np.cos(turn), np.sin(tilt) * np.sin(turn), -np.cos(tilt))
+        model.light_diffuse[light] = rng.uniform(0.3, 0.6) * tint
+        model.light_ambient[light] = 0.0
+        model.light_specular[light] = 0.0
+        model.light_castshadow[light] = False
+
+
+def colours(looks: Looks, geom: NDArray[np.int32], local: Array) -> Array:
+    """Return (k, 3) the colour of k points.
+
+    Args:
+        looks: Colours of all geoms.
+        geom: (k,) the geom of each point.
+        local: (k, 3) the points in their geoms' own frames [m].
+    """
+    pattern, period = looks.pattern[geom], looks.period[geom]
+    share = np.zeros(len(geom))
+    cells = np.floor(local / period[:, None] * 2.0).astype(np.int64)
+    share = np.where(pattern == Pattern.STRIPES, cells[:, 2] % 2, share)
+    share = np.where(pattern == Pattern.CHECKS, cells.sum(axis=1) % 2, share)
+    scaled = local / period[:, None]
+    grain = np.sin(9.0 * scaled[:, 0] + 4.0 * np.sin(5.0 * scaled[:, 1])) * np.sin(7.0 * scaled[:, 2] + scaled[:, 1])
+    share = np.where(pattern == Pattern.GRAIN, 0.5 + 0.5 * grain, share)
+    haired = (local[:, 2] > 0.05) | (local[:, 0] < 0.02 * np.sign(local[:, 2]))
+    share = np.where(pattern == Pattern.HEAD, haired & (local[:, 2] > -0.06), share)
+    return looks.first[geom] + share[:, None] * (looks.second[geom] - looks.first[geom])

@@ -1,0 +1,92 @@
+"""The configuration of one episode's simulator."""
+
+from dataclasses import dataclass, field
+
+from ..slam.errors import InputError, unknown_name
+from .camera.config import RgbdConfig
+from .lidar import LidarConfig
+from .odometry import QUALITIES, OdometryConfig
+from .people.leader import STYLES
+from .people.social_force import SocialForceConfig
+from .robot import RobotConfig
+from .scenes.catalogue import SCENES
+from .scenes.request import SceneRequest
+
+TICK = 0.025
+"""Time between two updates of people, odometry and laser [s]; control and laser periods are multiples of it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class WorldConfig:
+    """What to simulate.
+
+    Attributes:
+        scene: Name of the building, see `SCENES`.
+        route: Name of the tour, None draws one.
+        split: Of which half offices are drawn: "train" or "test".
+        floor_plan: File `map.yaml` for the scene "floor_plan"; None takes the built-in plan.
+        people: Number of walking people, the leader included; None draws 0 to 12 beside the leader where people have
+            ways of their own, as in offices, else 0 to 3.
+        leader: Whether the first of the people leads the robot. Without, all are bystanders: the same as with a
+            leader and one person more.
+        leader_style: "steady", "hurried" or "waits" (when the robot lags); None draws one.
+        standing: Number of further people who walk to and fro beside the route and stand still for 25 s once the
+            robot has come near.
+        odometry: Name of a quality, see `QUALITIES`, or a configuration.
+        lidar: The laser scanner.
+        camera: The RGB-D camera; None for none. With one, clothing, paint and light are drawn too.
+        robot: The robot.
+        force: The social force between people.
+        control_hz: Commands per second [Hz].
+        physics_dt: Time step of the physics [s].
+    """
+
+    scene: str = "corridor"
+    route: str | None = None
+    split: str = "train"
+    floor_plan: str | None = None
+    people: int | None = 2
+    leader: bool = True
+    leader_style: str | None = None
+    standing: int = 0
+    odometry: str | OdometryConfig = "typical"
+    lidar: LidarConfig = field(default_factory=LidarConfig)
+    camera: RgbdConfig | None = None
+    robot: RobotConfig = field(default_factory=RobotConfig)
+    force: SocialForceConfig = field(default_factory=SocialForceConfig)
+    control_hz: float = 10.0
+    physics_dt: float = 0.0125
+
+    def __post_init__(self) -> None:
+        if self.scene not in SCENES:
+            raise unknown_name("scene", self.scene, tuple(SCENES))
+        if self.leader_style is not None and self.leader_style not in STYLES:
+            raise unknown_name("leader style", self.leader_style, tuple(STYLES))
+        if isinstance(self.odometry, str) and self.odometry not in QUALITIES:
+            raise unknown_name("odometry quality", self.odometry, tuple(QUALITIES))
+        self.request()
+        for name in ("people", "standing"):
+            value = getattr(self, name)
+            if (name, value) != ("people", None) and (not isinstance(value, int) or value < 0):
+                raise InputError(f"`{name}` must be a whole number of at least 0, got {value!r}")
+        whole_ratio("the control period 1 / `control_hz`", 1.0 / self.control_hz, TICK)
+        whole_ratio("the laser's period 1 / `rate_hz`", 1.0 / self.lidar.rate_hz, TICK)
+        if self.camera is not None:
+            whole_ratio("the camera's period 1 / `rate_hz`", 1.0 / self.camera.rate_hz, TICK)
+        whole_ratio("the simulation's tick", TICK, self.physics_dt)
+
+    def request(self) -> SceneRequest:
+        """Return what is asked of the scene."""
+        return SceneRequest(route=self.route, split=self.split, floor_plan=self.floor_plan)
+
+
+def whole_ratio(what: str, long: float, short: float) -> int:
+    """Return `long` / `short`, both in seconds.
+
+    Raises:
+        InputError: If that is not a whole number of at least 1; `what` names `long`.
+    """
+    ratio = round(long / short) if short > 0.0 else 0
+    if ratio < 1 or abs(ratio * short - long) > 1e-9:
+        raise InputError(f"{what} must be a whole multiple of {short} s, got {long} s")
+    return ratio

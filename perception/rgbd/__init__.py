@@ -1,0 +1,1 @@
+"""What an RGB-D camera on the robot sees: frames, planes, objects."""

@@ -1,0 +1,103 @@
+"""`tagalong localize`: where on a finished map a recorded drive went."""
+
+import argparse
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...slam.errors import InputError
+from ...slam.localization.localizer import Localizer
+from ...slam.logs.beesoft import is_beesoft_log, is_beesoft_map, read_beesoft_log, read_beesoft_map
+from ...slam.logs.carmen import read_carmen
+from ...slam.logs.drive import RecordedDrive
+from ...slam.logs.ros_map import read_ros_map
+from ...slam.occupancy_map import OccupancyMap
+from ..localize_run import LocalizeRun, run_localizer, write_localize_run
+from ..slam_run import prepare_folder
+from ..tables import format_table
+
+EPILOG = """\
+The whole map is searched first, and again whenever the scans contradict the map. Where several places fit about as
+well (a symmetric room, a smooth corridor) it is "not sure": such scans have no pose.
+
+writes into DIR:
+  trajectory.tum         the scans with a pose: t x y z qx qy qz qw
+                         (t: the number of the scan where the log has no usable times)
+  map.png                the path on the map, to look at
+  metrics.json           share of sure and matched scans, how often the robot was lost, how much the map explains
+  timing.json            speed and memory; the only file that differs between two runs
+
+example:
+  tagalong slam drive.log.gz --out out/map
+  tagalong localize drive.log.gz --map out/map/map.yaml --out out/localized
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.epilog = EPILOG
+    parser.add_argument(
+        "log", type=Path, metavar="LOG", help="CARMEN log, or BeeSoft log (lines L and O); plain or .gz"
+    )
+    parser.add_argument(
+        "--map", type=Path, required=True, metavar="MAP", help="map.yaml of ROS map_server, or a BeeSoft map (.dat)"
+    )
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="where the results go")
+    parser.add_argument(
+        "--start", type=float, nargs=3, metavar=("X", "Y", "DEG"), help="pose on the map at the first scan [m, m, deg]"
+    )
+    parser.add_argument("--quiet", action="store_true", help="no progress bar")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Localize the log, write the results, print a table."""
+    grid, start = _read_map(options.map), _start(options.start)
+    try:
+        localizer = Localizer(grid, start=start)
+    except InputError as error:
+        raise InputError(f"{options.map}: {error}") from error
+    drive = _read_log(options.log)
+    prepare_folder(options.out)
+    result = run_localizer(localizer, drive, progress=not options.quiet)
+    settings = {
+        "map": options.map.name,
+        "start": None if start is None else start.tolist(),
+        "config": asdict(localizer.config),
+    }
+    metrics = write_localize_run(options.out, drive, result, grid, settings)
+    print(format_table(("quantity", "value", "unit"), _rows(metrics, result)))
+    print(f"written to {options.out}")
+    return 0
+
+
+def _read_map(path: Path) -> OccupancyMap:
+    return read_beesoft_map(path) if is_beesoft_map(path) else read_ros_map(path)
+
+
+def _read_log(path: Path) -> RecordedDrive:
+    return read_beesoft_log(path) if is_beesoft_log(path) else read_carmen(path)
+
+
+def _start(words: list[float] | None) -> NDArray[np.float64] | None:
+    if words is None:
+        return None
+    if not np.isfinite(words).all():
+        raise InputError(f"--start needs three finite numbers X Y DEG, got {words}")
+    return np.array([words[0], words[1], np.radians(words[2])])
+
+
+def _rows(metrics: dict[str, Any], result: LocalizeRun) -> list[tuple[str, str, str]]:
+    first, explained = metrics["first_sure_scan"], metrics["explained_median"]
+    return [
+        ("scans", str(metrics["scans"]), ""),
+        ("first sure scan", "never" if first is None else str(first), ""),
+        ("sure", f"{100 * metrics['sure_share']:.1f}", "%"),
+        ("matched", f"{100 * metrics['matched_share']:.1f}", "%"),
+        ("lost", str(metrics["lost"]), "times"),
+        ("beams explained", "-" if explained is None else f"{100 * explained:.0f}", "%"),
+        ("path", f"{metrics['path_m']:.1f}", "m"),
+        ("time", f"{result.wall_s.sum():.2f}", "s"),
+    ]

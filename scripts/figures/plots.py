@@ -1,0 +1,41 @@
+"""Plots by matplotlib (extra `viz`), without a display: made by `new_figure`, written whole by `save_figure`."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ...slam.errors import MissingExtraError
+from ...slam.files import replacing
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def require_matplotlib() -> None:
+    """Check early that plots can be drawn later.
+
+    Raises:
+        MissingExtraError: If matplotlib is not installed.
+    """
+    try:
+        import matplotlib  # noqa: F401
+    except ImportError:
+        raise MissingExtraError("plots", "viz") from None
+
+
+def new_figure(width: float, height: float) -> "Figure":
+    """Return an empty figure of this size [inches], laid out by itself.
+
+    Raises:
+        MissingExtraError: If matplotlib is not installed.
+    """
+    require_matplotlib()
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(width, height), layout="constrained")
+
+
+def save_figure(path: Path, figure: "Figure") -> Path:
+    """Write a figure as PNG, whole or not at all; equal figures give equal bytes."""
+    with replacing(path) as temporary:
+        figure.savefig(temporary, dpi=120, metadata={"Software": None})
+    return path

@@ -1,0 +1,91 @@
+"""How well views fit a map at given poses: what hypotheses are weighed by and what tracking is judged by."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from ..graph.refine_kernels import refine_pose
+from .evidence_kernels import beam_likelihoods
+from .place_map import PlaceMap
+from .view import View
+
+Array = NDArray[np.float64]
+
+_EXPLAINED = 0.5  # likelihood from which a beam counts as explained
+
+
+@dataclass(frozen=True, kw_only=True)
+class EvidenceConfig:
+    """Settings of `Evidence`.
+
+    Attributes:
+        sigma: How far from a wall the end of a beam may lie [m].
+        slack: A wall that a beam came through contradicts it only if it stands more than this before its end [m].
+        hold: Information with which a pose is held where it is refined from [1/m^2, 1/rad^2].
+        weight: Weight of a point's `1 - occupancy` beside that.
+        iterations: Most steps of a refinement.
+    """
+
+    sigma: float = 0.12
+    slack: float = 0.4
+    hold: float = 1.0
+    weight: float = 1.5
+    iterations: int = 12
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if not value > 0:
+                raise InputError(f"`{name}` must be positive, got {value}")
+
+
+class Evidence:
+    """Judges poses on one map.
+
+    Args:
+        place: The map.
+        config: Settings.
+    """
+
+    def __init__(self, place: PlaceMap, config: EvidenceConfig) -> None:
+        self._place, self._config = place, config
+        self._sigma = max(config.sigma, place.resolution)
+
+    def judge(self, view: View, poses: Array) -> tuple[Array, Array]:
+        """Return (k,) mean log-likelihoods of the beams of a view at `poses` (k, 3), and (k,) shares explained."""
+        likelihoods = np.empty((len(poses), len(view.points)), np.float32)
+        place = self._place
+        beam_likelihoods(
+            place.states, place.distances, place.outer_corner, place.resolution, view.foot, view.points,
+            np.ascontiguousarray(poses), self._sigma, self._config.slack, likelihoods,
+        )  # fmt: skip
+        if not len(view.points):
+            return np.zeros(len(poses)), np.zeros(len(poses))
+        return np.log(likelihoods).mean(axis=1, dtype=np.float64), (likelihoods > _EXPLAINED).mean(axis=1)
+
+    def refine(self, points: Array, poses: Array, coarse: bool = False) -> Array:
+        """Return `poses` (k, 3), each moved to where `points` (N, 2) of the robot frame fit the walls best nearby.
+
+        Args:
+            points: Robot frame [m].
+            poses: T_map_robot.
+            coarse: Whether the poses may be off by more than a wall's width; costs twice as much.
+        """
+        return np.array([self._refined(points, pose, coarse)[0] for pose in poses]).reshape(-1, 3)
+
+    def blind_direction(self, points: Array, pose: Array) -> Array:
+        """Return (2,) the unit vector, map frame, along which `points` (N, 2) hold a pose (3,) least."""
+        _, curvature = self._refined(points, pose, False)
+        # What is left of the translation's information when the heading is free, too.
+        across = curvature[:2, 2:] @ curvature[2:, :2] / (curvature[2, 2] + 1e-9)
+        return np.linalg.eigh(curvature[:2, :2] - across)[1][:, 0]
+
+    def _refined(self, points: Array, pose: Array, coarse: bool) -> tuple[Array, Array]:
+        place, config, curvature = self._place, self._config, np.eye(3)
+        for walls in (place.coarse_field, place.field) if coarse else (place.field,):
+            pose, curvature, _, _ = refine_pose(
+                walls, place.corner, place.resolution, points, pose, pose, config.hold * np.eye(3), config.weight,
+                config.iterations,
+            )  # fmt: skip
+        return pose, curvature

@@ -1,0 +1,233 @@
+"""Where on the map the robot may be, by all that it has seen lately: hypotheses that live until one stands out."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from ..geometry import between, compose, transform_points, wrap_angle
+from ..graph.voxel_filter import voxel_first
+from ..search.branch_and_bound import SearchWindow, Separation, branch_and_bound
+from .evidence import Evidence
+from .place_map import PlaceMap
+from .view import View
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class GlobalSearchConfig:
+    """Settings of `GlobalSearch`.
+
+    Attributes:
+        angular_step: Step between the headings that are tried [rad].
+        maxima: A search keeps at most so many distinct maxima.
+        separation: When two maxima are distinct, and how much worse than the best a maximum may score.
+        least_score: Mean worth of a point, in [0, 1], below which nothing is found.
+        points: A search uses about so many points ...
+        voxel: ... of the last views together, one in each voxel of this side [m].
+        views: So many views are remembered.
+        search_every: A search for each so many metres, or half as many radians, of motion.
+        fresh: Views are independent when the robot moves so far between them, or turns by as many radians [m, rad].
+        independent_beams: A view counts as so many independent beams, however many it has.
+        sure_ratio: The best hypothesis must be so many times as likely as the best distinct rival.
+        well_explained: That suffices where so large a share of the beams ends at walls of the map; for each tenth less
+            it must be `sure_ratio` times more likely still.
+        least_explained: A hypothesis that explains a smaller share is never sure.
+        same: Hypotheses nearer than this are one [m, rad].
+        hopeless: Hypotheses less likely than the best by this factor are forgotten.
+    """
+
+    angular_step: float = float(np.radians(2.5))
+    maxima: int = 20
+    separation: Separation = field(default_factory=lambda: Separation(linear=0.5, angular=0.35, least_share=0.75))
+    least_score: float = 0.5
+    points: int = 120
+    voxel: float = 0.15
+    views: int = 20
+    search_every: float = 0.25
+    fresh: float = 0.5
+    independent_beams: float = 12.0
+    sure_ratio: float = 20.0
+    well_explained: float = 0.8
+    least_explained: float = 0.5
+    same: tuple[float, float] = (0.25, 0.1)
+    hopeless: float = 1e8
+
+    def __post_init__(self) -> None:
+        for name in ("maxima", "points", "voxel", "views", "search_every", "fresh", "independent_beams"):
+            if not getattr(self, name) > 0:
+                raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
+        if not self.hopeless > self.sure_ratio > 1.0:
+            raise InputError(f"need `hopeless` > `sure_ratio` > 1, got {self.hopeless} and {self.sure_ratio}")
+
+
+@dataclass(frozen=True, eq=False)
+class Belief:
+    """Where the robot may be.
+
+    Attributes:
+        poses: (k, 3) T_map_robot now, distinct, the likeliest first.
+        log_ratios: (k,) logarithm of each one's likelihood over the first's, 0 and below.
+        explained: (k,) share of the beams that end at walls of the map.
+        sure: Whether the first stands out.
+    """
+
+    poses: Array
+    log_ratios: Array
+    explained: Array
+    sure: bool
+
+    @property
+    def ratio(self) -> float:
+        """How many times likelier the best hypothesis is than the best rival; 0 without any, `inf` without a rival."""
+        if not len(self.poses):
+            return 0.0
+        return float(np.exp(min(-self.log_ratios[1], 700.0))) if len(self.poses) > 1 else float("inf")
+
+
+_NOTHING = Belief(np.empty((0, 3)), np.empty(0), np.empty(0), False)
+
+
+class GlobalSearch:
+    """Searches the whole map and weighs what it finds over the last views.
+
+    Each view adds to the logarithm of a hypothesis' likelihood the mean of its beams, times `independent_beams` and how
+    fresh the view is. A hypothesis that is found late is carried back through the remembered views, so that all are
+    judged by the same.
+
+    Args:
+        place: The map.
+        evidence: Judge of poses on it.
+        config: Settings.
+    """
+
+    def __init__(self, place: PlaceMap, evidence: Evidence, config: GlobalSearchConfig) -> None:
+        self._place, self._evidence, self._config = place, evidence, config
+        self.forget()
+
+    def forget(self) -> None:
+        """Drop all views and hypotheses."""
+        self._views: list[View] = []
+        self._freshness: list[float] = []
+        self._poses = np.empty((0, 3))
+        self._tables = np.empty((0, 0, 2))  # hypotheses x views x (mean log-likelihood, share explained)
+        self._since_search = np.inf
+
+    def remember(self, view: View) -> None:
+        """Take a view without a search; hypotheses are carried on by the odometry and judged."""
+        freshness = 1.0
+        if self._views:
+            motion = between(self._views[-1].odometry, view.odometry)
+            moved = float(np.hypot(motion[0], motion[1])) + abs(float(motion[2]))
+            freshness = min(1.0, moved / self._config.fresh)
+            self._since_search += float(np.hypot(motion[0], motion[1])) + 0.5 * abs(float(motion[2]))
+            self._poses = self._evidence.refine(view.points, compose(self._poses, motion))
+        self._views.append(view)
+        self._freshness.append(freshness)
+        judged = np.stack(self._evidence.judge(view, self._poses), axis=-1)
+        self._tables = np.concatenate((self._tables, judged[:, None]), axis=1)
+        if len(self._views) > self._config.views:
+            del self._views[0], self._freshness[0]
+            self._freshness[0] = 1.0
+            self._tables = self._tables[:, 1:]
+
+    def propose(self, poses: Array) -> None:
+        """Add hypotheses T_map_robot (k, 3), carried back through the remembered views."""
+        poses = poses[~self._known(poses)]
+        if not len(poses):
+            return
+        table = np.empty((len(poses), len(self._views), 2))
+        now, then = self._views[-1], poses
+        for k in range(len(self._views) - 1, -1, -1):
+            view = self._views[k]
+            if view is not now:
+                then = self._evidence.refine(view.points, compose(then, between(now.odometry, view.odometry)))
+                now = view
+            table[:, k] = np.stack(self._evidence.judge(view, then), axis=-1)
+        self._poses = np.concatenate((self._poses, poses))
+        self._tables = np.concatenate((self._tables, table))
+        self._settle()
+
+    def update(self, view: View) -> Belief:
+        """Take a view, search the map if the robot has moved, and return what is believed now."""
+        self.remember(view)
+        return self.look()
+
+    def look(self) -> Belief:
+        """Search the map if the robot has moved since the last search, and return what is believed now."""
+        self._settle()
+        if self._since_search >= self._config.search_every:
+            self._since_search = 0.0
+            self.propose(self._search())
+        if len(self._poses):
+            self.propose(self._slid(self._poses[0]))
+        return self.belief()
+
+    def belief(self) -> Belief:
+        """Return what is believed now."""
+        if not len(self._poses):
+            return _NOTHING
+        totals, explained = self._totals()
+        ratios = totals - totals[0]
+        config = self._config
+        missing = max(0.0, config.well_explained - float(explained[0]))
+        needed = np.log(config.sure_ratio) * (1.0 + 10.0 * missing)
+        clear = len(ratios) < 2 or -ratios[1] > needed
+        sure = bool(clear and explained[0] >= config.least_explained)
+        return Belief(self._poses.copy(), ratios, explained, sure)
+
+    def _search(self) -> Array:
+        """Return (k, 3) refined maxima of the whole map for the last views together."""
+        place, config = self._place, self._config
+        last = self._views[-1]
+        points = np.concatenate(
+            [last.points]
+            + [transform_points(between(last.odometry, v.odometry), v.points) for v in self._views[-2::-1]]
+        )
+        points = points[voxel_first(points, config.voxel)]
+        thinned = points[np.linspace(0, len(points) - 1, min(config.points, len(points))).astype(np.int64)]
+        window = SearchWindow(linear=place.half_side, angular=np.pi, angular_step=config.angular_step)
+        centre = np.append(place.centre, 0.0)
+        found = branch_and_bound(
+            place.pyramid, thinned, centre, window,
+            min_score=config.least_score, maxima=config.maxima, separation=config.separation,
+        )  # fmt: skip
+        poses = np.array([maximum.pose for maximum in found.maxima]).reshape(-1, 3)
+        poses = self._evidence.refine(points, poses, coarse=True)
+        return self._evidence.refine(last.points, poses)
+
+    def _slid(self, pose: Array) -> Array:
+        """Return (2, 3) `pose` moved to both sides along what the view holds least: a corridor shows as rivals."""
+        points = self._views[-1].points
+        way = 1.5 * self._config.same[0] * self._evidence.blind_direction(points, pose)
+        moved = pose + np.array([[*way, 0.0], [*-way, 0.0]])
+        return self._evidence.refine(points, moved, coarse=True)
+
+    def _totals(self) -> tuple[Array, Array]:
+        """Return (k,) log-likelihoods and (k,) shares explained, over the remembered views."""
+        weights = np.array(self._freshness)
+        totals = self._config.independent_beams * self._tables[:, :, 0] @ weights
+        return totals, self._tables[:, :, 1] @ weights / weights.sum()
+
+    def _settle(self) -> None:
+        """Sort the hypotheses, join equal ones, drop hopeless ones and those that stand in walls or the unknown."""
+        stand = self._place.is_free(self._poses[:, :2])
+        self._poses, self._tables = self._poses[stand], self._tables[stand]
+        totals, _ = self._totals()
+        kept: list[int] = []
+        for k in np.argsort(-totals, kind="stable").tolist():
+            if totals[k] < totals[kept[0] if kept else k] - np.log(self._config.hopeless):
+                break
+            if not kept or not self._same(self._poses[kept], self._poses[k]).any():
+                kept.append(k)
+        self._poses, self._tables = self._poses[kept], self._tables[kept]
+
+    def _known(self, poses: Array) -> NDArray[np.bool_]:
+        return np.array([self._same(self._poses, pose).any() for pose in poses], dtype=np.bool_)
+
+    def _same(self, poses: Array, pose: Array) -> NDArray[np.bool_]:
+        linear, angular = self._config.same
+        near = np.hypot(*(poses[:, :2] - pose[:2]).T) <= linear
+        return near & (np.abs(wrap_angle(poses[:, 2] - pose[2])) <= angular)

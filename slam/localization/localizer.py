@@ -1,0 +1,197 @@
+"""Localization against a finished map: a pose where the robot is sure of it, else none."""
+
+from dataclasses import dataclass, field
+from enum import Enum
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..errors import InputError
+from ..graph.extrapolator import ExtrapolatorConfig, OdometryExtrapolator, Prediction
+from ..graph.scan_matcher import ScanMatcher, ScanMatcherConfig
+from ..graph.voxel_filter import AdaptiveVoxelConfig
+from ..occupancy_map import OccupancyMap
+from ..scan import LaserScan
+from .evidence import Evidence, EvidenceConfig
+from .global_search import Belief, GlobalSearch, GlobalSearchConfig
+from .place_map import PlaceMap, PlaceMapConfig
+from .view import View, ViewMaker
+
+Array = NDArray[np.float64]
+
+_START_SIGMA = np.array([0.2, 0.1])  # [m, rad] how well a given start is known
+_MEMORY = 0.05  # share of the newest scan in the typical share explained
+
+
+class State(Enum):
+    """SEARCHING: not sure where the robot is, there is no pose. TRACKING: sure."""
+
+    SEARCHING = "searching"
+    TRACKING = "tracking"
+
+
+@dataclass(frozen=True, kw_only=True)
+class LocalizerConfig:
+    """Settings of `Localizer`.
+
+    Attributes:
+        place: How the map is made ready.
+        evidence: How poses are judged.
+        search: How the robot is searched for on the whole map.
+        voxel_filter: Which points of a scan are used.
+        extrapolator: Error model of the odometry.
+        matcher: How scans are matched while tracking.
+        min_points: A scan with fewer points says nothing.
+        doubt: A scan is doubtful when it explains less of its beams than so much of what is usual ...
+        doubt_below: ... or less than this.
+        patience: After so many doubtful scans in a row the robot counts as lost.
+        blind_way: After so many metres without a scan that says anything it counts as lost, too [m].
+    """
+
+    place: PlaceMapConfig = field(default_factory=PlaceMapConfig)
+    evidence: EvidenceConfig = field(default_factory=EvidenceConfig)
+    search: GlobalSearchConfig = field(default_factory=GlobalSearchConfig)
+    voxel_filter: AdaptiveVoxelConfig = field(default_factory=AdaptiveVoxelConfig)
+    extrapolator: ExtrapolatorConfig = field(default_factory=ExtrapolatorConfig)
+    matcher: ScanMatcherConfig = field(default_factory=ScanMatcherConfig)
+    min_points: int = 20
+    doubt: float = 0.8
+    doubt_below: float = 0.5
+    patience: int = 3
+    blind_way: float = 5.0
+
+    def __post_init__(self) -> None:
+        for name in ("min_points", "doubt", "doubt_below", "patience", "blind_way"):
+            if not getattr(self, name) > 0:
+                raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
+
+
+@dataclass(frozen=True, eq=False)
+class LocalizationUpdate:
+    """What localization made of one scan.
+
+    Attributes:
+        pose: (3,) T_map_robot [m, m, rad]; None: not sure where the robot is (never a guess among several).
+        state: SEARCHING exactly where `pose` is None.
+        matched: Whether this scan was matched on the map; if not, a pose is carried on by the odometry.
+        explained: Share of the scan's beams that end at walls of the map, at the pose or the best hypothesis; None
+            where the scan has too few returns to say, or no hypothesis is left.
+        belief: The hypotheses while the robot is searched for, and at the scan that found it; None while tracking.
+    """
+
+    pose: Array | None
+    state: State
+    matched: bool
+    explained: float | None
+    belief: Belief | None
+
+
+class Localizer:
+    """Finds the robot on a finished map and keeps track of it; says when it is not sure.
+
+    Without a start pose, and whenever several informative scans in a row contradict the tracked pose, the whole map is
+    searched. There is a pose again when one hypothesis is `sure_ratio` times as likely as any other.
+
+    Args:
+        grid: The map.
+        config: Settings.
+        start: (3,) T_map_robot at the first scan [m, m, rad], within about 0.5 m and 15 degrees; None: it is searched.
+
+    Raises:
+        InputError: If the map has no walls or no free space, or the start is not a finite pose.
+    """
+
+    def __init__(
+        self, grid: OccupancyMap, config: LocalizerConfig | None = None, start: ArrayLike | None = None
+    ) -> None:
+        self.config = config or LocalizerConfig()
+        self.place = PlaceMap(grid, self.config.place)
+        self._evidence = Evidence(self.place, self.config.evidence)
+        self._search = GlobalSearch(self.place, self._evidence, self.config.search)
+        self._views = ViewMaker(self.config.voxel_filter)
+        self._start = None if start is None else _pose(start, "start")
+        self._tracker: OdometryExtrapolator | None = None
+        self._updates: list[Array | None] = []
+        self.lost = 0
+
+    @property
+    def pose(self) -> Array | None:
+        """(3,) T_map_robot at the last scan; None: not sure."""
+        last = self._updates[-1] if self._updates else None
+        return None if last is None else last.copy()
+
+    def trajectory(self) -> Array:
+        """Return (n, 3) T_map_robot as `update` returned them; NaN where it was not sure."""
+        nowhere = np.full(3, np.nan)
+        return np.array([nowhere if pose is None else pose for pose in self._updates]).reshape(-1, 3)
+
+    def update(self, odometry: ArrayLike, scan: LaserScan) -> LocalizationUpdate:
+        """Take one scan and the robot's odometry pose T_odom_robot (3,) at that time."""
+        view = self._views.view(_pose(odometry, "odometry"), scan)
+        if self._start is not None:
+            self._track_from(view.odometry, self._start)
+        result = self._search_for(view) if self._tracker is None else self._track(self._tracker, view)
+        self._start = None
+        self._updates.append(result.pose)
+        return result
+
+    def _search_for(self, view: View) -> LocalizationUpdate:
+        if len(view.points) < self.config.min_points:
+            return LocalizationUpdate(None, State.SEARCHING, False, None, None)
+        return self._concluded(self._search.update(view), view)
+
+    def _concluded(self, belief: Belief, view: View) -> LocalizationUpdate:
+        """Return what a belief means; if it is sure, tracking begins."""
+        explained = float(belief.explained[0]) if len(belief.explained) else None
+        if not belief.sure:
+            return LocalizationUpdate(None, State.SEARCHING, False, explained, belief)
+        self._search.forget()
+        self._track_from(view.odometry, belief.poses[0])
+        return LocalizationUpdate(belief.poses[0], State.TRACKING, True, explained, belief)
+
+    def _track_from(self, odometry: Array, pose: Array) -> None:
+        self._tracker = OdometryExtrapolator(self.config.extrapolator, odometry)
+        self._tracker.correct(odometry, pose)
+        self._matcher = ScanMatcher(self.config.matcher)
+        self._doubtful, self._usual, self._blind_from = 0, 0.0, pose
+
+    def _track(self, tracker: OdometryExtrapolator, view: View) -> LocalizationUpdate:
+        prediction = tracker.predict(view.odometry)
+        if self._start is not None:
+            prediction = Prediction(self._start, _START_SIGMA)
+        way = float(np.hypot(*(prediction.pose[:2] - self._blind_from[:2])))
+        if len(view.points) < self.config.min_points:
+            if way > self.config.blind_way:
+                return self._give_up(view, prediction.pose)
+            return LocalizationUpdate(prediction.pose, State.TRACKING, False, None, None)
+        match = self._matcher.match(self.place, view.points, prediction)
+        assert match is not None  # there are enough points
+        explained = float(self._evidence.judge(view, match.pose[None])[1][0])
+        if explained < max(self.config.doubt * self._usual, self.config.doubt_below):
+            self._search.remember(view)
+            self._doubtful += 1
+            if self._doubtful >= self.config.patience:
+                return self._give_up(view, match.pose)
+            return LocalizationUpdate(prediction.pose, State.TRACKING, False, explained, None)
+        if self._doubtful:
+            self._search.forget()
+        self._usual = explained if self._usual == 0.0 else self._usual + _MEMORY * (explained - self._usual)
+        self._doubtful, self._blind_from = 0, match.pose
+        tracker.correct(view.odometry, match.pose)
+        return LocalizationUpdate(match.pose, State.TRACKING, True, explained, None)
+
+    def _give_up(self, view: View, pose: Array) -> LocalizationUpdate:
+        """Stop tracking; the map is searched, and the last pose is one hypothesis among others."""
+        self._tracker = None
+        self.lost += 1
+        if len(view.points) < self.config.min_points:
+            return LocalizationUpdate(None, State.SEARCHING, False, None, None)
+        self._search.propose(pose[None])
+        return self._concluded(self._search.look(), view)
+
+
+def _pose(value: ArrayLike, name: str) -> Array:
+    pose = np.array(value, dtype=np.float64)
+    if pose.shape != (3,) or not np.isfinite(pose).all():
+        raise InputError(f"`{name}` must be a finite pose of shape (3,), got {pose}")
+    return pose

@@ -1,0 +1,155 @@
+"""A finished map, made ready: a field to match scans on, distances and states to judge them by, a pyramid to search."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt
+
+from ..errors import InputError
+from ..occupancy_map import OccupancyMap
+from ..search.score_pyramid import ScoreGrid, ScorePyramid, build_pyramid
+from .evidence_kernels import FREE, OCCUPIED
+
+Array = NDArray[np.float64]
+
+_LEAST_WALL_CELLS = 20
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlaceMapConfig:
+    """Settings of `PlaceMap`.
+
+    Attributes:
+        resolution: Side of the cells for matching [m]; finer maps are made coarser, coarser ones stay.
+        search_resolution: Side of the cells of the global search [m], likewise.
+        wall_sigma: Width of a wall on the field that scans are matched on [m].
+        search_sigma: Width of a wall on the grid of the global search [m].
+        top_level: The global search starts from blocks of 2^top_level cells.
+    """
+
+    resolution: float = 0.05
+    search_resolution: float = 0.1
+    wall_sigma: float = 0.05
+    search_sigma: float = 0.15
+    top_level: int = 3
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if not value > 0:
+                raise InputError(f"`{name}` must be positive, got {value}")
+
+
+class PlaceMap:
+    """What localization needs of an occupancy map, cut to what is known and a margin.
+
+    Args:
+        grid: The map, of any resolution.
+        config: Settings.
+
+    Attributes:
+        states: (rows, cols) uint8, UNKNOWN, FREE or OCCUPIED.
+        distances: (rows, cols) float32, to the nearest occupied cell [m].
+        field: (rows, cols) float32 in [0, 1], a wall's occupancy, smooth across it.
+        resolution: Side of a cell [m].
+        outer_corner: (2,) outer corner of cell [0, 0], map frame [m].
+
+    Raises:
+        InputError: If the map has hardly any wall or no free space.
+    """
+
+    def __init__(self, grid: OccupancyMap, config: PlaceMapConfig | None = None) -> None:
+        self.config = config = config or PlaceMapConfig()
+        occupied, free = grid.occupied, grid.free
+        if occupied.sum() < _LEAST_WALL_CELLS or not free.any():
+            raise InputError(
+                f"a map to localize on needs walls ({_LEAST_WALL_CELLS} occupied cells) and free space, got "
+                f"{occupied.sum()} occupied and {free.sum()} free cells"
+            )
+        factor = max(1, round(config.resolution / grid.resolution))
+        self.resolution = grid.resolution * factor
+        low, shape = _window(grid.known, factor)
+        self.outer_corner = np.array(grid.origin, dtype=np.float64) + low[::-1] * grid.resolution
+        occupied, free = _cut(occupied, low, shape), _cut(free, low, shape)
+        self.states = np.zeros((shape[0] // factor, shape[1] // factor), np.uint8)
+        self.states[_any(free, factor)] = FREE
+        self.states[_any(occupied, factor)] = OCCUPIED
+        fine = np.asarray(distance_transform_edt(~occupied), dtype=np.float64) * grid.resolution
+        self.distances = _centres(fine, factor).astype(np.float32)
+        sigma = max(config.wall_sigma, 0.7 * self.resolution)
+        self.field = np.exp(-0.5 * (self.distances / sigma) ** 2).astype(np.float32)
+
+    @property
+    def corner(self) -> Array:
+        """(2,) centre of cell [0, 0], map frame [m]."""
+        return np.asarray(self.outer_corner + 0.5 * self.resolution, dtype=np.float64)
+
+    @cached_property
+    def coarse_field(self) -> NDArray[np.float32]:
+        """(rows, cols) as `field`, with walls as wide as in the global search: catches poses from farther away."""
+        sigma = max(self.config.search_sigma, self.resolution)
+        return np.exp(-0.5 * (self.distances / sigma) ** 2).astype(np.float32)
+
+    @cached_property
+    def pyramid(self) -> ScorePyramid:
+        """The scores of the global search."""
+        factor = max(1, round(self.config.search_resolution / self.resolution))
+        cell = factor * self.resolution
+        sigma = max(self.config.search_sigma, cell)
+        likelihood = np.exp(-0.5 * (_centres(self.distances, factor) / sigma) ** 2)
+        corner = (float(self.outer_corner[0]), float(self.outer_corner[1]))
+        return build_pyramid(ScoreGrid.from_likelihood(likelihood, corner, cell), top_level=self.config.top_level)
+
+    @property
+    def centre(self) -> Array:
+        """(2,) middle of the map [m]."""
+        return self.outer_corner + 0.5 * self.resolution * np.array(self.states.shape[::-1])
+
+    @property
+    def half_side(self) -> float:
+        """Half the longer side of the map [m]."""
+        return 0.5 * self.resolution * max(self.states.shape)
+
+    def is_free(self, places: Array) -> NDArray[np.bool_]:
+        """Return (k,) whether the places (k, 2) [m] lie in free cells or beside one."""
+        cells = np.floor((places - self.outer_corner) / self.resolution).astype(np.int64)
+        rows, cols = self.states.shape
+        result = np.zeros(len(cells), dtype=np.bool_)
+        for dy in (-1, 0, 1):
+            for dx in (-1, 0, 1):
+                x, y = cells[:, 0] + dx, cells[:, 1] + dy
+                inside = (x >= 0) & (y >= 0) & (x < cols) & (y < rows)
+                result |= inside & (self.states[np.clip(y, 0, rows - 1), np.clip(x, 0, cols - 1)] == FREE)
+        return result
+
+
+def _window(known: NDArray[np.bool_], factor: int) -> tuple[NDArray[np.int64], tuple[int, int]]:
+    """Return the lowest (row, column) of a window around all that is known, and its shape, a multiple of `factor`."""
+    spans = [np.flatnonzero(known.any(axis=axis)) for axis in (1, 0)]
+    margin = 4 * factor  # the spline of the matching reads two cells around
+    low = np.array([span[0] - margin for span in spans])
+    size = [-(-(int(span[-1] - span[0]) + 1 + 2 * margin) // factor) * factor for span in spans]
+    return low, (size[0], size[1])
+
+
+def _cut(cells: NDArray[np.bool_], low: NDArray[np.int64], shape: tuple[int, int]) -> NDArray[np.bool_]:
+    result = np.zeros(shape, dtype=np.bool_)
+    first, last = np.maximum(low, 0), np.minimum(low + shape, cells.shape)
+    into = tuple(slice(a - b, c - b) for a, b, c in zip(first, low, last, strict=True))
+    result[into] = cells[first[0] : last[0], first[1] : last[1]]
+    return result
+
+
+def _any(cells: NDArray[np.bool_], factor: int) -> NDArray[np.bool_]:
+    rows, cols = cells.shape
+    return np.any(cells.reshape(rows // factor, factor, cols // factor, factor), axis=(1, 3))
+
+
+def _centres(values: NDArray[np.floating], factor: int) -> NDArray[np.floating]:
+    """Return `values` at the middles of blocks of `factor` cells: of even blocks the mean of the middle four."""
+    rows, cols = (-(-size // factor) * factor for size in values.shape)
+    padded = np.pad(values, ((0, rows - values.shape[0]), (0, cols - values.shape[1])), mode="edge")
+    first, second = (factor - 1) // 2, factor // 2
+    corners = [padded[a::factor, b::factor] for a in (first, second) for b in (first, second)]
+    return np.mean(corners, axis=0)

@@ -1,0 +1,114 @@
+"""Reads what BeeSoft-style robots of CMU recorded: `L` and `O` lines of a drive, and maps after `global_map[0]:`.
+
+Layouts (centimetres and radians):
+    L x y theta laser_x laser_y laser_theta r1..r180 time     odometry pose, the laser's pose there, ranges
+    O x y theta time                                          odometry alone
+    robot_specifications->resolution 10                       side of a cell of the map
+    global_map[0]: nx ny                                      then nx lines of ny values, one line for each x
+The 180 ranges go from the right to the left, one degree apart. A value of a map is the probability that a cell is free,
+-1 where nothing is known.
+"""
+
+import os
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from ..geometry import between, wrap_angle
+from ..occupancy_map import OccupancyMap
+from ..scan import LaserScan
+from .drive import RecordedDrive
+from .text import numbered_lines, numbers
+
+_BEAMS = 180
+_BEARINGS = np.radians(np.arange(_BEAMS) - 89.5)
+_RANGE_MAX = 81.0  # [m] a SICK's; it writes 81.83 where nothing came back
+_CM = 0.01
+_GRID = "global_map[0]:"
+_RESOLUTION = "robot_specifications->resolution"
+
+
+def is_beesoft_log(path: str | os.PathLike[str]) -> bool:
+    """Return whether the first line that says anything is an `L` or `O` line.
+
+    Raises:
+        InputError: If the file cannot be read.
+    """
+    first = next((line.split() for _, line in numbered_lines(path) if line.strip()), [""])
+    return first[0] in ("L", "O")
+
+
+def is_beesoft_map(path: str | os.PathLike[str]) -> bool:
+    """Return whether the first line that says anything belongs to a BeeSoft map.
+
+    Raises:
+        InputError: If the file cannot be read.
+    """
+    first = next((line for _, line in numbered_lines(path) if line.strip()), "")
+    return first.startswith(("robot_specifications->", _GRID))
+
+
+def read_beesoft_log(path: str | os.PathLike[str]) -> RecordedDrive:
+    """Return the drive of the `L` lines; `O` lines are checked, and skipped.
+
+    Raises:
+        InputError: If the file cannot be read, a line is cut, not numeric or of another kind (with its number), or
+            there is no scan.
+    """
+    file, odometry, scans = Path(path), [], []
+    for number, line in numbered_lines(file):
+        words = line.split()
+        if not words:
+            continue
+        where = f"{file}:{number}"
+        count = {"L": 6 + _BEAMS + 1, "O": 4}.get(words[0])
+        if count is None:
+            raise InputError(f"{where}: expected a line that begins with L or O, got {words[0][:20]!r}")
+        if len(words) != count + 1:
+            raise InputError(f"{where}: needs {count} numbers after {words[0]}, got {len(words) - 1}")
+        values = np.array(numbers(words[1:], where, "a number"))
+        if not np.isfinite(values[:6]).all():
+            raise InputError(f"{where}: expected finite poses, got {words[1:7]}")
+        if words[0] == "L":
+            pose, laser = values[:3] * [_CM, _CM, 1.0], values[3:6] * [_CM, _CM, 1.0]
+            odometry.append([*pose[:2], float(wrap_angle(pose[2]))])
+            scans.append(_scan(values[6:-1] * _CM, np.round(between(pose, laser), 3) + 0.0, float(values[-1])))
+    if not scans:
+        raise InputError(f"{file}: no laser scan found; expected lines that begin with L")
+    return RecordedDrive(np.array(odometry), scans, None, file.name.split(".")[0])
+
+
+def _scan(ranges: NDArray[np.float64], mount: NDArray[np.float64], time_s: float) -> LaserScan:
+    ranges = np.where(ranges > 0.0, ranges, np.nan)
+    x, y, theta = mount.tolist()
+    return LaserScan(np.where(ranges >= _RANGE_MAX, np.inf, ranges), _BEARINGS, 0.0, _RANGE_MAX, time_s, (x, y, theta))
+
+
+def read_beesoft_map(path: str | os.PathLike[str]) -> OccupancyMap:
+    """Read a map; its frame begins at the outer corner of the first cell.
+
+    Raises:
+        InputError: If the file cannot be read, has no resolution or no grid, or the grid is cut or not numeric.
+    """
+    file, resolution, shape, lines = Path(path), 0.0, None, []
+    for number, line in numbered_lines(file):
+        where, words = f"{file}:{number}", line.split()
+        if shape is None and words[:1] == [_GRID]:
+            shape = tuple(int(n) for n in numbers(words[1:3], where, "the size of the grid"))
+            if len(shape) != 2 or min(shape) < 1:
+                raise InputError(f"{where}: the size of the grid needs two positive numbers, got {words[1:]}")
+        elif shape is None:
+            if words[:1] == [_RESOLUTION]:
+                resolution = _CM * numbers(words[1:2], where, "the side of a cell [cm]")[0] if words[1:] else 0.0
+        elif words and len(lines) < shape[0]:
+            if len(words) != shape[1]:
+                raise InputError(f"{where}: needs {shape[1]} values, got {len(words)}")
+            lines.append(numbers(words, where, "a probability or -1"))
+    if shape is None or not resolution > 0.0:
+        raise InputError(f"{file}: no map found; expected `{_RESOLUTION} CM` and `{_GRID} NX NY`")
+    if len(lines) < shape[0]:
+        raise InputError(f"{file}: the grid is cut: needs {shape[0]} lines, got {len(lines)}")
+    free = np.array(lines, dtype=np.float32).T
+    return OccupancyMap(np.where(free < 0.0, np.nan, 1.0 - free).astype(np.float32), resolution, (0.0, 0.0))

@@ -1,0 +1,97 @@
+"""`tagalong localize` on a synthetic building, and what it says of bad input."""
+
+import json
+
+import numpy as np
+import pytest
+from tagalong.scripts import cli
+from tagalong.slam.geometry import between, compose
+from tagalong.slam.grid import GridConfig, render_map
+from tagalong.slam.logs.carmen_writer import write_carmen
+from tagalong.slam.logs.drive import RecordedDrive
+from tagalong.slam.logs.ros_map import write_ros_map
+from tagalong.slam.logs.tum import read_tum
+from tagalong.slam.scan import LaserScan
+
+BEARINGS = np.radians(np.arange(-90.0, 90.0))
+CORNERS = np.array(
+    [(-3.0, -2.0), (4.0, -2.0), (4.0, 0.5), (2.0, 0.5), (2.0, 3.0), (-1.0, 3.0), (-1.0, 1.0), (-3.0, 1.0)]
+)
+
+
+def cast(pose, time_s=0.0):
+    angles = BEARINGS + pose[2]
+    d = np.stack((np.cos(angles), np.sin(angles)), axis=-1)[:, None]
+    a, e = CORNERS[None] - pose[:2], (np.roll(CORNERS, -1, axis=0) - CORNERS)[None]
+    cross = d[..., 0] * e[..., 1] - d[..., 1] * e[..., 0]
+    t = (a[..., 0] * e[..., 1] - a[..., 1] * e[..., 0]) / cross
+    u = (a[..., 0] * d[..., 1] - a[..., 1] * d[..., 0]) / cross
+    ranges = np.where((t > 0.0) & (u >= 0.0) & (u <= 1.0), t, np.inf).min(axis=1)
+    return LaserScan(ranges, BEARINGS, 0.0, 20.0, time_s)
+
+
+@pytest.fixture(scope="module")
+def building(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("building")
+    places = np.array(
+        [[x, y, h] for x, y in ((-2.0, -0.5), (0.5, 0.0), (3.0, -1.0), (0.5, 2.0)) for h in (0.1, 2.2, -2.0)]
+    )
+    write_ros_map(folder / "map", render_map(places, [cast(p) for p in places], GridConfig(resolution=0.05)))
+    truth = [np.array([-2.0, -0.8, 0.1])]
+    for _ in range(29):
+        truth.append(compose(truth[-1], (0.1, 0.0, 0.01)))
+    scans = [cast(pose, 0.1 * k) for k, pose in enumerate(truth)]
+    odometry = between(truth[0], np.array(truth))
+    write_carmen(folder / "drive.log", RecordedDrive(odometry, scans, None, "drive"))
+    return folder, np.array(truth)
+
+
+def test_a_drive_is_found_on_a_map_and_written_out(building, tmp_path, capsys):
+    folder, truth = building
+    words = ["localize", str(folder / "drive.log"), "--map", str(folder / "map.yaml"), "--quiet", "--out"]
+    for name in ("a", "b"):
+        assert cli.main([*words, str(tmp_path / name)]) == 0
+    assert "first sure scan" in capsys.readouterr().out
+    written = sorted(path.name for path in (tmp_path / "a").iterdir())
+    assert written == ["map.png", "metrics.json", "timing.json", "trajectory.tum"]
+    metrics = json.loads((tmp_path / "a" / "metrics.json").read_text())
+    assert metrics["sure_share"] > 0.9
+    assert metrics["lost"] == 0
+    first = metrics["first_sure_scan"]
+    error = between(truth[first:], read_tum(tmp_path / "a" / "trajectory.tum").poses)
+    assert np.hypot(error[:, 0], error[:, 1]).max() < 0.06
+    for name in written:
+        if name != "timing.json":
+            assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
+
+
+def test_a_start_may_be_given(building, tmp_path):
+    folder, _ = building
+    words = ["localize", str(folder / "drive.log"), "--map", str(folder / "map.yaml"), "--quiet"]
+    assert cli.main([*words, "--out", str(tmp_path), "--start", "-1.9", "-0.7", "8"]) == 0
+    assert json.loads((tmp_path / "metrics.json").read_text())["first_sure_scan"] == 0
+
+
+@pytest.mark.parametrize(
+    ("change", "complaint"),
+    [
+        ({"--map": "nowhere.yaml"}, "nowhere.yaml: cannot be read"),
+        ({"--map": "cut.yaml"}, "cut.pgm: the image is cut"),
+        ({"--map": "empty.yaml"}, "empty.yaml: a map to localize on needs walls"),
+        ({"log": "nowhere.log"}, "nowhere.log: cannot be read"),
+        ({"log": "cut.log"}, "cut.log, line 4: ROBOTLASER1"),
+    ],
+)
+def test_bad_input_is_one_line_and_status_2(building, tmp_path, capsys, change, complaint):
+    folder, _ = building
+    yaml, image = (folder / "map.yaml").read_text(), (folder / "map.pgm").read_bytes()
+    (folder / "cut.yaml").write_text(yaml.replace("map.pgm", "cut.pgm"))
+    (folder / "cut.pgm").write_bytes(image[:1000])
+    (folder / "empty.yaml").write_text(yaml.replace("map.pgm", "empty.pgm"))
+    (folder / "empty.pgm").write_bytes(image[:-100].replace(b"\x00", b"\xcd") + image[-100:])
+    (folder / "cut.log").write_text("\n".join((folder / "drive.log").read_text().splitlines()[:4])[:-200])
+    log, plan = folder / change.get("log", "drive.log"), folder / change.get("--map", "map.yaml")
+    assert cli.main(["localize", str(log), "--map", str(plan), "--quiet", "--out", str(tmp_path)]) == 2
+    message = capsys.readouterr().err
+    assert complaint in message
+    assert message.count("\n") == 1

@@ -1,0 +1,207 @@
+"""Localization on maps of synthetic buildings: found where it can be, "not sure" where it cannot."""
+
+import numpy as np
+import pytest
+from tagalong.slam.errors import InputError
+from tagalong.slam.geometry import between, compose
+from tagalong.slam.grid import GridConfig, render_map
+from tagalong.slam.localization import reference
+from tagalong.slam.localization.evidence_kernels import beam_likelihoods
+from tagalong.slam.localization.localizer import Localizer, LocalizerConfig, State
+from tagalong.slam.localization.place_map import PlaceMap
+from tagalong.slam.occupancy_map import OccupancyMap
+from tagalong.slam.scan import LaserScan
+
+BEARINGS = np.deg2rad(np.arange(-135.0, 135.0, 1.0))
+
+
+def walls(*corners, closed=True):
+    ends = [*corners[1:], corners[0]] if closed else corners[1:]
+    return [(*a, *b) for a, b in zip(corners, ends, strict=False)]
+
+
+OUTLINE = walls((-4.0, -3.0), (4.0, -3.0), (4.0, 3.0), (-4.0, 3.0))
+SYMMETRIC = np.array(
+    OUTLINE
+    + walls((1.0, 1.5), (2.2, 1.5), (2.2, 2.3), (1.0, 2.3))
+    + walls((-1.0, -1.5), (-2.2, -1.5), (-2.2, -2.3), (-1.0, -2.3))
+)
+ROOM = np.array(
+    walls((-4.0, -3.0), (4.0, -3.0), (4.0, 1.0), (2.5, 1.0), (2.5, 3.0), (-4.0, 3.0))
+    + walls((1.0, 1.2), (1.8, 1.2), (1.8, 2.0), (1.0, 2.0))
+    + walls((-3.0, 1.5), (-2.0, 1.5), (-2.6, 2.5))
+)
+CORRIDOR = np.array(walls((-30.0, -1.0), (30.0, -1.0), (30.0, 1.0), (-30.0, 1.0)))
+
+
+def cast(lines, pose, rng, reach=20.0):
+    """Return the scan of a laser at `pose` (3,) among `lines` (k, 4)."""
+    angles = BEARINGS + pose[2]
+    d = np.stack((np.cos(angles), np.sin(angles)), axis=-1)[:, None]
+    a, e = lines[None, :, :2] - pose[:2], (lines[:, 2:] - lines[:, :2])[None]
+    cross = d[..., 0] * e[..., 1] - d[..., 1] * e[..., 0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        t = (a[..., 0] * e[..., 1] - a[..., 1] * e[..., 0]) / cross
+        u = (a[..., 0] * d[..., 1] - a[..., 1] * d[..., 0]) / cross
+    ranges = np.where((t > 0.0) & (u >= 0.0) & (u <= 1.0), t, np.inf).min(axis=1)
+    ranges += rng.normal(0.0, 0.01, len(ranges))
+    return LaserScan(np.where(ranges > reach, np.inf, ranges), BEARINGS, 0.05, reach)
+
+
+def drawn(lines, poses, resolution=0.05, reach=20.0):
+    """Return the map that scans from all `poses`, turned to all sides, draw."""
+    rng = np.random.default_rng(1)
+    turned = np.array([[x, y, heading] for x, y in poses for heading in (0.0, 1.6, 3.1, -1.6)])
+    scans = [cast(lines, pose, rng, reach) for pose in turned]
+    return render_map(turned, scans, GridConfig(resolution=resolution))
+
+
+PLACES = [(x, y) for x in np.arange(-3.0, 3.1, 1.5) for y in (-0.8, 0.0, 0.8)]
+
+
+@pytest.fixture(scope="module")
+def room():
+    return drawn(ROOM, PLACES)
+
+
+def driven(localizer, lines, start, motion, count, rng, reach=20.0, odometry=(0.0, 0.0, 0.0)):
+    """Return the updates and true poses of a drive from `start` with `motion` a scan."""
+    pose, odometry, updates, poses = np.array(start), np.array(odometry), [], []
+    for _ in range(count):
+        updates.append(localizer.update(odometry, cast(lines, pose, rng, reach)))
+        poses.append(pose)
+        pose = compose(pose, motion)
+        odometry = compose(odometry, np.array(motion) * 1.03)
+    return updates, poses
+
+
+def error(update, pose):
+    moved = between(pose, update.pose)
+    return np.hypot(moved[0], moved[1]), abs(moved[2])
+
+
+def test_a_robot_that_knows_nothing_is_found_and_tracked(room):
+    rng = np.random.default_rng(0)
+    for start in ((-2.8, -0.5, 0.4), (0.2, 0.7, -2.9), (2.9, -1.0, 1.7), (0.0, -2.0, 3.0)):
+        updates, poses = driven(Localizer(room), ROOM, start, (0.05, 0.0, 0.05), 15, rng)
+        sure = [u.state is State.TRACKING for u in updates]
+        assert True in sure[:3]
+        assert all(sure[sure.index(True) :])
+        for update, pose in zip(updates[2:], poses[2:], strict=True):
+            distance, turn = error(update, pose)
+            assert distance < 0.05
+            assert turn < np.deg2rad(1.0)
+
+
+def test_a_given_start_needs_no_search_even_in_a_symmetric_room():
+    rng = np.random.default_rng(0)
+    start = np.array([-2.0, 0.0, 0.3])
+    localizer = Localizer(drawn(SYMMETRIC, PLACES), start=start + np.array([0.15, -0.1, 0.05]))
+    updates, poses = driven(localizer, SYMMETRIC, start, (0.05, 0.0, 0.03), 8, rng)
+    assert all(u.belief is None and u.matched for u in updates)
+    assert max(error(u, pose)[0] for u, pose in zip(updates, poses, strict=True)) < 0.05
+
+
+def test_in_a_room_that_looks_the_same_when_turned_there_is_never_a_pose():
+    rng = np.random.default_rng(0)
+    localizer = Localizer(drawn(SYMMETRIC, PLACES))
+    updates, poses = driven(localizer, SYMMETRIC, (-2.0, 0.0, 0.3), (0.1, 0.0, 0.04), 25, rng)
+    for update, pose in zip(updates, poses, strict=True):
+        assert update.pose is None
+        assert update.state is State.SEARCHING
+        assert update.belief is not None
+        assert update.belief.ratio < 20.0
+        there = [np.hypot(*between(pose, q)[:2]) < 0.1 for q in update.belief.poses[:2]]
+        mirrored = [np.hypot(*(pose[:2] + q[:2])) < 0.1 for q in update.belief.poses[:2]]
+        assert sorted(there) == sorted(mirrored) == [False, True]
+    assert np.isnan(localizer.trajectory()).all()
+    assert localizer.pose is None
+
+
+def test_in_the_middle_of_a_smooth_corridor_it_is_not_sure_but_at_an_end_with_a_door_it_is():
+    rng = np.random.default_rng(0)
+    doors = np.array(CORRIDOR.tolist() + walls((28.0, 1.0), (28.0, 0.4), (29.0, 0.4), closed=False))
+    grid = drawn(doors, [(x, 0.0) for x in np.arange(-29.0, 29.0, 2.0)], reach=8.0)
+    updates, _ = driven(Localizer(grid), doors, (-5.0, 0.1, 0.02), (0.1, 0.0, 0.0), 20, rng, reach=8.0)
+    assert all(update.pose is None for update in updates)
+    updates, poses = driven(Localizer(grid), doors, (24.0, 0.1, 0.02), (0.2, 0.0, 0.0), 10, rng, reach=8.0)
+    assert updates[-1].pose is not None
+    assert error(updates[-1], poses[-1])[0] < 0.1
+
+
+def test_after_a_jump_it_says_that_it_is_lost_and_finds_itself_within_ten_scans(room):
+    rng = np.random.default_rng(0)
+    localizer = Localizer(room, start=(-2.8, -0.5, 0.4))
+    before, _ = driven(localizer, ROOM, (-2.8, -0.5, 0.4), (0.05, 0.0, 0.0), 6, rng)
+    assert all(update.matched for update in before)
+    here = (0.31, 0.0, 0.0)
+    updates, poses = driven(localizer, ROOM, (2.8, 0.8, -2.0), (0.05, 0.0, 0.02), 10, rng, odometry=here)
+    assert localizer.lost == 1
+    assert updates[-1].pose is not None
+    assert error(updates[-1], poses[-1])[0] < 0.05
+
+
+def test_scans_of_another_building_are_never_given_a_pose(room):
+    rng = np.random.default_rng(0)
+    other = np.array(
+        walls((-9.0, -1.0), (2.0, -1.0), (2.0, -6.0), (4.0, -6.0), (4.0, 5.0), (2.0, 5.0), (2.0, 1.0), (-9.0, 1.0))
+    )
+    updates, _ = driven(Localizer(room), other, (-4.0, 0.0, 0.0), (0.1, 0.0, 0.0), 12, rng)
+    assert all(update.pose is None for update in updates)
+
+
+def test_scans_that_say_nothing_lose_the_robot_only_after_some_way(room):
+    blank = LaserScan(np.full(len(BEARINGS), np.inf), BEARINGS, 0.05, 20.0)
+    broken = LaserScan(np.full(len(BEARINGS), np.nan), BEARINGS, 0.05, 20.0)
+    localizer = Localizer(room, start=(-2.8, -0.5, 0.0))
+    for x in np.arange(0.0, 5.0, 0.5):
+        update = localizer.update((x, 0.0, 0.0), broken if x else blank)
+        assert update.pose is not None
+        assert not update.matched
+        assert update.explained is None
+        np.testing.assert_allclose(update.pose, (-2.8 + x, -0.5, 0.0))
+    assert localizer.update((9.0, 0.0, 0.0), blank).pose is None
+    assert localizer.update((9.5, 0.0, 0.0), blank).state is State.SEARCHING
+
+
+@pytest.mark.parametrize("resolution", [0.02, 0.1])
+def test_the_maps_resolution_does_not_matter(resolution):
+    rng = np.random.default_rng(0)
+    updates, poses = driven(
+        Localizer(drawn(ROOM, PLACES, resolution)), ROOM, (-2.8, -0.5, 0.4), (0.05, 0.0, 0.05), 5, rng
+    )
+    assert updates[-1].pose is not None
+    assert error(updates[-1], poses[-1])[0] < 0.06
+
+
+def test_two_runs_are_equal_to_the_byte(room):
+    paths = []
+    for _ in range(2):
+        localizer = Localizer(room)
+        driven(localizer, ROOM, (0.2, 0.7, -2.9), (0.05, 0.0, 0.05), 6, np.random.default_rng(3))
+        paths.append(localizer.trajectory().tobytes())
+    assert paths[0] == paths[1]
+
+
+def test_the_kernel_of_the_evidence_equals_its_reference(room):
+    rng = np.random.default_rng(0)
+    place = PlaceMap(room)
+    points, foot = rng.uniform(-5.0, 5.0, (60, 2)), np.array([0.2, 0.05])
+    poses = np.column_stack((rng.uniform(-5.0, 5.0, (20, 2)), rng.uniform(-3.0, 3.0, 20)))
+    fast = np.empty((20, 60), np.float32)
+    setting = (place.states, place.distances, place.outer_corner, place.resolution, foot, points, poses, 0.12, 0.4)
+    beam_likelihoods(*setting, fast)
+    slow = reference.beam_likelihoods(*setting)
+    assert (np.abs(fast - slow) > 1e-5).mean() < 0.002  # a beam through a corner may pass on either side
+    assert 0.05 < (slow > 0.06).mean() < 0.95
+
+
+def test_a_map_without_walls_and_a_start_that_is_no_pose_are_refused(room):
+    with pytest.raises(InputError, match="occupied"):
+        Localizer(OccupancyMap(np.zeros((50, 50), np.float32), 0.05, (0.0, 0.0)))
+    with pytest.raises(InputError, match="start"):
+        Localizer(room, start=(0.0, np.nan, 0.0))
+    with pytest.raises(InputError, match="odometry"):
+        Localizer(room).update((0.0, 0.0), cast(ROOM, np.zeros(3), np.random.default_rng(0)))
+    with pytest.raises(InputError, match="patience"):
+        LocalizerConfig(patience=0)
