@@ -93,6 +93,21 @@ def find_surfaces(scan: LaserScan, config: SurfaceConfig) -> Surfaces:
     return Surfaces(points, rays, feet, normals, tilt_variance, linked, first)
 
 
+def noise_of(surfaces: Surfaces) -> float:
+    """Return the standard deviation of a scan's points from straight lines [m], 0 where there are too few of them.
+
+    From the distance of each point from the line of its two neighbours, by their median: corners do not count.
+    """
+    middle = np.flatnonzero(surfaces.linked[:-2] & surfaces.linked[1:-1]) + 1
+    if len(middle) < 5:
+        return 0.0
+    chord = surfaces.points[middle + 1] - surfaces.points[middle - 1]
+    aside = surfaces.points[middle] - surfaces.points[middle - 1]
+    errors = np.abs(chord[:, 0] * aside[:, 1] - chord[:, 1] * aside[:, 0]) / np.maximum(np.hypot(*chord.T), 1e-9)
+    # 0.6745: from the median to the deviation of a Gaussian; 1.5: the variance of the three points together.
+    return float(np.median(errors) / (0.6745 * np.sqrt(1.5)))
+
+
 @numba.njit(cache=True, nogil=True)
 def link_points(points, ranges, bearings, gap, obliquity):  # pragma: no cover
     """Return (M,) whether each point and the next lie on one surface."""
