@@ -105,7 +105,9 @@ class FrameTree:
         common = next((name for name in up_frame if name in up_base), None)
         if common is None:
             return None
-        return np.linalg.solve(self._product(up_base, common), self._product(up_frame, common))
+        return np.asarray(
+            np.linalg.solve(self._product(up_base, common), self._product(up_frame, common)), dtype=np.float64
+        )
 
     def _product(self, names: list[str], top: str) -> Array:
         product = np.eye(4)
