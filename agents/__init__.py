@@ -9,6 +9,7 @@ from .follower import Follower
 from .pid import PIDConfig, PIDFollower
 from .pure_pursuit import PurePursuitConfig, PurePursuitFollower
 from .random_walk import RandomWalk, RandomWalkConfig
+from .user import load_follower
 
 FOLLOWERS: dict[str, Callable[[FollowInterface], Follower]] = {
     "pid": PIDFollower,
@@ -47,12 +48,15 @@ def make_follower(name: str, interface: FollowInterface | None = None) -> Follow
     """Return a new follower or explorer.
 
     Args:
-        name: "pid", "pure_pursuit", "dwa" (behind a leader); "random", "frontier" (without).
+        name: "pid", "pure_pursuit", "dwa" (behind a leader); "random", "frontier" (without); or your own class, as
+            "module:name".
         interface: Scales of the environment it will act in, `env.unwrapped.interface`; the defaults if None.
 
     Raises:
         InputError: If the name is unknown, or "frontier" finds no map.
     """
+    if ":" in name:
+        return load_follower(name, interface or FollowInterface())
     everybody = {**FOLLOWERS, **EXPLORERS}
     if name not in everybody:
         raise unknown_name("follower", name, tuple(everybody))

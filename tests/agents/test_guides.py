@@ -226,3 +226,14 @@ def test_a_holonomic_robot_gets_three_numbers(name):
     assert action.shape == (3,)
     assert action[0] > 0.0
     assert action[1] == 0.0
+
+
+@pytest.mark.parametrize("path", ["nowhere:Bold", "math:nothing", "math:pi", "collections:Counter", ":"])
+def test_a_follower_of_ones_own_that_is_none_is_refused(path):
+    with pytest.raises(InputError):
+        make_follower(path, INTERFACE)
+
+
+def test_a_follower_of_ones_own_may_ask_for_the_interface():
+    follower = make_follower("tagalong.agents.pid:PIDFollower", INTERFACE)
+    assert follower.interface is INTERFACE
