@@ -33,7 +33,7 @@ class WatchConfig:
     """
 
     poor: float = 0.6
-    contradicted: float = 0.15
+    contradicted: float = 0.2
     slack: float = 0.4
     patience: int = 3
 
