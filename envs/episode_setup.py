@@ -48,6 +48,7 @@ def world_config(config: FollowConfig, options: Mapping[str, Any] | None) -> Wor
         "scene": config.scene,
         "split": config.split,
         "floor_plan": config.floor_plan,
+        "walking_paths": config.walking_paths,
         "people": config.people_count,
         "leader": config.leader,
         "standing": config.standing,

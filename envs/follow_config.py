@@ -19,6 +19,8 @@ class FollowConfig:
         scene: Building: "corridor", "floor_plan", "lab", "meeting_room", "office" or "plain_corridor".
         split: Of which half offices are drawn: "train" or "test"; no building of one is ever in the other.
         floor_plan: File `map.yaml` of a ROS map for the scene "floor_plan"; None takes a built-in plan.
+        walking_paths: File of recorded walks (`frame id x y` or the `obsmat` form of the ETH and UCY recordings, plain
+            or gzip); bystanders walk as in it. None leaves them to the scene.
         people: How people reach the robot's mind: "tracker" from the scans, "truth" from the simulator.
         slam: Who builds the map: "gmapping", "cartographer", "truth" (known poses, an upper bound), None for no
             map at all.
@@ -47,6 +49,7 @@ class FollowConfig:
     scene: str = "corridor"
     split: str = "train"
     floor_plan: str | None = None
+    walking_paths: str | None = None
     people: str = "tracker"
     slam: str | None = "gmapping"
     leader: bool = True

@@ -127,7 +127,7 @@ class FollowEnv(gym.Env[Any, Any]):
 
     | option | meaning |
     |---|---|
-    | `scene` | "corridor", "floor_plan", "lab", "meeting_room", "office", "plain_corridor" |
+    | `scene` | name of a building, the four of Follow-Bench among them: "narrow_corridor", "doorway", ... |
     | `split` | "train", "test": of which half offices are drawn |
     | `route` | name of one of the scene's tours |
     | `people` | number of walking people, the leader included |
@@ -145,9 +145,9 @@ class FollowEnv(gym.Env[Any, Any]):
     ## Arguments
 
     `gymnasium.make("tagalong/Corridor-v0", people="truth", slam=None, ...)`: the fields of `FollowConfig` with their
-    defaults (scene, split, floor_plan, people, slam, leader, people_count, standing, leader_style, odometry, drive,
-    top_turn_rate, beams, lidar_hz, sensors, camera_pixels, camera_hz, control_hz, people_slots, map_cells,
-    map_resolution, lost_limit_s, coverage, coverage_goal, ends_on_contact), and
+    defaults (scene, split, floor_plan, walking_paths, people, slam, leader, people_count, standing, leader_style,
+    odometry, drive, top_turn_rate, beams, lidar_hz, sensors, camera_pixels, camera_hz, control_hz, people_slots,
+    map_cells, map_resolution, lost_limit_s, coverage, coverage_goal, ends_on_contact), and
 
     - `render_mode`: None, "rgb_array", "human" (MuJoCo's viewer; needs a display).
     - `render_backend`: of "rgb_array": "topview" (needs no OpenGL), "mujoco" (camera; needs OpenGL).

@@ -24,6 +24,7 @@ from .people.walking import locate
 from .people.wanderers import MOST_DRAWN, cast_wanderers
 from .robot import Robot
 from .scenes.catalogue import make_scene
+from .scenes.recorded_walks import with_recorded_walks
 from .scenes.scene import Scene
 from .truth import TruePeople, TrueState
 from .world_config import TICK, WorldConfig, whole_ratio
@@ -83,6 +84,8 @@ class World:
         streams = {name: np.random.default_rng(child) for name, child in zip(names, children, strict=True)}
         self.config = config
         self.scene: Scene = make_scene(config.scene, streams["scene"], request=config.request())
+        if config.walking_paths is not None:
+            self.scene = with_recorded_walks(self.scene, config.walking_paths, streams["scene"])
         self.start, start_arc = _draw_start(self.scene, streams["scene"])
         terrain = Terrain(self.scene)
         cast = cast_wanderers if self.scene.walks else cast_people

@@ -25,6 +25,8 @@ class WorldConfig:
         route: Name of the tour, None draws one.
         split: Of which half offices are drawn: "train" or "test".
         floor_plan: File `map.yaml` for the scene "floor_plan"; None takes the built-in plan.
+        walking_paths: File of recorded walks in the form of the ETH and UCY recordings; bystanders walk as in it. None
+            leaves them to the scene.
         people: Number of walking people, the leader included; None draws 0 to 12 beside the leader where people have
             ways of their own, as in offices, else 0 to 3.
         leader: Whether the first of the people leads the robot. Without, all are bystanders: the same as with a
@@ -45,6 +47,7 @@ class WorldConfig:
     route: str | None = None
     split: str = "train"
     floor_plan: str | None = None
+    walking_paths: str | None = None
     people: int | None = 2
     leader: bool = True
     leader_style: str | None = None

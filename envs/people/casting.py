@@ -131,6 +131,8 @@ def _apart(low: float, high: float, taken: Array, rng: np.random.Generator) -> f
 def stander_window(scene: Scene, taken: Array, rng: np.random.Generator) -> tuple[float, float, float]:
     """Return a stretch (from, to, lateral) beside the route on which a stander can walk to and fro."""
     places = scene.standing_places
+    if len(places) == 0:
+        raise InputError(f"nobody can stand beside the route of this {scene.name}: `standing` must be 0")
     limit = 0.6 * (scene.lap or scene.tour_length) + 4.0
     for attempt in range(900):
         length, beside = ((1.6, 1.0), (1.0, 1.0), (0.5, 0.4))[attempt // 300]

@@ -224,7 +224,8 @@ class Crowd:
     def _close_laps(self) -> None:
         lap = self.terrain.lap
         if lap > 0.0:
-            ahead = (self.casting.roles >= Role.WALKER) & (self.state.arc > self.terrain.length - 1.5)
+            free = (self.casting.roles >= Role.WALKER) & (self.casting.path == 0)
+            ahead = free & (self.state.arc > self.terrain.length - 1.5)
             self.state.arc[ahead] -= lap
 
     def _lead(self, person: int, dt: float, robot: Array, away: float) -> float:
@@ -353,10 +354,10 @@ class Crowd:
         arc, side = float(state.arc[person]), float(self.casting.side[person])
         if role == Role.SCRIPTED:
             return 0.0
-        if role == Role.STANDER or self.terrain.lap > 0.0:
-            return side
         if role == Role.WANDERER:
             return self.terrain.within_free(arc, -float(state.sense[person]) * side, int(self.casting.path[person]))
+        if role == Role.STANDER or self.terrain.lap > 0.0:
+            return side
         if role == Role.WALKER:
             return self.terrain.within_free(arc, -float(state.sense[person]) * self.terrain.passing)
         if self.terrain.in_bend(arc):

@@ -7,6 +7,7 @@ import numpy as np
 from ...slam.errors import unknown_name
 from .corridor import corridor
 from .floor_plan import floor_plan
+from .follow_bench import clutter, doorway, intersection, narrow_corridor
 from .lab import lab
 from .meeting_room import meeting_room
 from .office import office
@@ -15,10 +16,14 @@ from .request import SceneRequest
 from .scene import Scene
 
 SCENES: dict[str, Callable[[np.random.Generator, SceneRequest], Scene]] = {
+    "clutter": clutter,
     "corridor": lambda rng, request: corridor(rng, request.route),
+    "doorway": doorway,
     "floor_plan": floor_plan,
+    "intersection": intersection,
     "lab": lambda rng, request: lab(rng, request.route),
     "meeting_room": lambda rng, request: meeting_room(rng, request.route),
+    "narrow_corridor": narrow_corridor,
     "office": office,
     "plain_corridor": lambda rng, request: plain_corridor(rng, request.route),
 }

@@ -41,16 +41,21 @@ class FloorPlan:
 
 
 def toured(
-    plan: FloorPlan, tour: Way, rng: np.random.Generator, route: str | None, walks: int, planner: WayPlanner
+    plan: FloorPlan,
+    tour: Way,
+    rng: np.random.Generator,
+    route: str | None,
+    walks: int | tuple[Walk, ...],
+    planner: WayPlanner,
 ) -> Scene:
-    """Return the scene of `plan` with `tour` and `walks` drawn walks of bystanders.
+    """Return the scene of `plan` with `tour` and walks of bystanders.
 
     Args:
         plan: The floor.
         tour: The leader's way.
         rng: Source of all draws.
         route: "tour", or "back": the same the other way; None draws one.
-        walks: How many ways bystanders walk on.
+        walks: Ways of bystanders, or how many to draw.
         planner: Plans them, with `PERSON_CLEARANCE`.
 
     Raises:
@@ -70,7 +75,7 @@ def toured(
         lap=0.0,
         half_width=plan.half_width,
         standing_places=_beside(routes[name], plan.space),
-        walks=tuple(_walks(planner, rng, walks)),
+        walks=tuple(_walks(planner, rng, walks)) if isinstance(walks, int) else walks,
     )
 
 
