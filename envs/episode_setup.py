@@ -23,7 +23,7 @@ from .oracle import TrueMapper, TruePeopleSource
 from .robot import RobotConfig
 from .world import World, WorldConfig
 
-OPTIONS = ("scene", "route", "people", "standing", "leader_style", "odometry")
+OPTIONS = ("scene", "split", "route", "people", "standing", "leader_style", "odometry")
 """Options of `reset`: fields of `WorldConfig` that they set for one episode."""
 
 
@@ -46,6 +46,9 @@ def world_config(config: FollowConfig, options: Mapping[str, Any] | None) -> Wor
     """
     fields: dict[str, Any] = {
         "scene": config.scene,
+        "split": config.split,
+        "floor_plan": config.floor_plan,
+        "walking_paths": config.walking_paths,
         "people": config.people_count,
         "leader": config.leader,
         "standing": config.standing,

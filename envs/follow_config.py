@@ -16,7 +16,11 @@ class FollowConfig:
     """Everything that defines an environment; its fields are the keyword arguments of `FollowEnv`.
 
     Attributes:
-        scene: Building: "corridor", "lab", "meeting_room" or "plain_corridor".
+        scene: Building: "corridor", "floor_plan", "lab", "meeting_room", "office" or "plain_corridor".
+        split: Of which half offices are drawn: "train" or "test"; no building of one is ever in the other.
+        floor_plan: File `map.yaml` of a ROS map for the scene "floor_plan"; None takes a built-in plan.
+        walking_paths: File of recorded walks (`frame id x y` or the `obsmat` form of the ETH and UCY recordings, plain
+            or gzip); bystanders walk as in it. None leaves them to the scene.
         people: How people reach the robot's mind: "tracker" from the scans, "truth" from the simulator.
         slam: Who builds the map: "gmapping", "cartographer", "truth" (known poses, an upper bound), None for no
             map at all.
@@ -43,10 +47,13 @@ class FollowConfig:
     """
 
     scene: str = "corridor"
+    split: str = "train"
+    floor_plan: str | None = None
+    walking_paths: str | None = None
     people: str = "tracker"
     slam: str | None = "gmapping"
     leader: bool = True
-    people_count: int = 2
+    people_count: int | None = 2
     standing: int = 0
     leader_style: str | None = None
     odometry: str = "typical"
@@ -81,8 +88,9 @@ class FollowConfig:
         if "lidar" not in self.sensors:
             raise InputError(f'`sensors` must hold "lidar", which the robot cannot do without, got {self.sensors}')
         for name, least in (("people_slots", 1), ("map_cells", 1), ("people_count", int(self.leader))):
-            if getattr(self, name) < least:
-                raise InputError(f"`{name}` must be at least {least}, got {getattr(self, name)}")
+            value = getattr(self, name)
+            if value is not None and value < least:
+                raise InputError(f"`{name}` must be at least {least}, got {value}")
         if not 0.0 < self.coverage_goal <= 1.0:
             raise InputError(f"`coverage_goal` must be in (0, 1], got {self.coverage_goal}")
         for name in ("map_resolution", "lost_limit_s", "top_turn_rate", "control_hz", "lidar_hz", "camera_hz"):

@@ -1,25 +1,30 @@
 """The environments that `import tagalong` makes known to Gymnasium; their code loads when one is made."""
 
+from typing import Any
+
 import gymnasium as gym
 
-IDS = {
-    "tagalong/Corridor-v0": "corridor",
-    "tagalong/Lab-v0": "lab",
-    "tagalong/MeetingRoom-v0": "meeting_room",
-    "tagalong/PlainCorridor-v0": "plain_corridor",
+IDS: dict[str, dict[str, Any]] = {
+    "tagalong/Corridor-v0": {"scene": "corridor"},
+    "tagalong/FloorPlan-v0": {"scene": "floor_plan", "people_count": None},
+    "tagalong/Lab-v0": {"scene": "lab"},
+    "tagalong/MeetingRoom-v0": {"scene": "meeting_room"},
+    "tagalong/Office-v0": {"scene": "office", "people_count": None},
+    "tagalong/PlainCorridor-v0": {"scene": "plain_corridor"},
 }
-"""Id -> scene."""
+"""Id -> the keyword arguments of `FollowEnv` that make it."""
 MAX_EPISODE_STEPS = 3000
 """Steps after which an episode is truncated: five minutes at 10 Hz, longer than any tour."""
 
 
 def register_environments() -> None:
     """Register every id that is not registered yet."""
-    for name, scene in IDS.items():
+    for name, arguments in IDS.items():
         if name not in gym.registry:
             gym.register(
                 id=name,
                 entry_point="tagalong.envs.follow_env:FollowEnv",
+                vector_entry_point="tagalong.envs.vector_env:FollowVectorEnv",
                 max_episode_steps=MAX_EPISODE_STEPS,
-                kwargs={"scene": scene},
+                kwargs=arguments,
             )

@@ -17,12 +17,14 @@ from .lidar import Lidar
 from .mj import mujoco
 from .odometry import WheelOdometry, odometry_quality
 from .people.body import PARTS
-from .people.casting import cast_people
+from .people.casting import MOST_ON_ROUTE, cast_people
 from .people.crowd import Casting, Crowd, CrowdState
 from .people.terrain import Terrain
 from .people.walking import locate
+from .people.wanderers import MOST_DRAWN, cast_wanderers
 from .robot import Robot
 from .scenes.catalogue import make_scene
+from .scenes.recorded_walks import with_recorded_walks
 from .scenes.scene import Scene
 from .truth import TruePeople, TrueState
 from .world_config import TICK, WorldConfig, whole_ratio
@@ -81,16 +83,20 @@ class World:
         children = np.random.SeedSequence(entropy).spawn(len(names))
         streams = {name: np.random.default_rng(child) for name, child in zip(names, children, strict=True)}
         self.config = config
-        self.scene: Scene = make_scene(config.scene, streams["scene"], config.route)
+        self.scene: Scene = make_scene(config.scene, streams["scene"], request=config.request())
+        if config.walking_paths is not None:
+            self.scene = with_recorded_walks(self.scene, config.walking_paths, streams["scene"])
         self.start, start_arc = _draw_start(self.scene, streams["scene"])
         terrain = Terrain(self.scene)
-        casting, people = cast_people(
+        cast = cast_wanderers if self.scene.walks else cast_people
+        count = _how_many(config, self.scene, streams["people"])
+        casting, people = cast(
             self.scene,
             terrain,
-            config.people,
+            count,
             config.standing,
             config.leader_style,
-            config.leader and config.people > 0,
+            config.leader and count > 0,
             start_arc,
             streams["leader"],
             streams["people"],
@@ -166,8 +172,8 @@ class World:
                 frames.append(self._frames[-1])
         self._scans = tuple(scans) or self._scans[-1:]
         self._frames = tuple(frames) or self._frames[-1:]
-        arc = np.array([self._progress])
-        locate(self.data.qpos[None, :2], arc, self._crowd.terrain.path, self._crowd.terrain.tangent)
+        arc, ways = np.array([self._progress]), self._crowd.terrain
+        locate(self.data.qpos[None, :2], arc, ways.paths, ways.tangents, ways.first[:1], ways.count[:1])
         self._progress = float(arc[0])
 
     def scan(self) -> LaserScan:
@@ -325,6 +331,13 @@ class World:
             return
         frame, self._geoms = self._camera.take(self.data, self.data.qpos[:3], self._streams["camera"], self.time_s)
         self._frames = (frame,)
+
+
+def _how_many(config: WorldConfig, scene: Scene, rng: np.random.Generator) -> int:
+    if config.people is not None:
+        return config.people
+    bystanders = int(rng.integers(0, 1 + (MOST_DRAWN if scene.walks else MOST_ON_ROUTE)))
+    return bystanders + int(config.leader)
 
 
 def _draw_start(scene: Scene, rng: np.random.Generator) -> tuple[Array, float]:

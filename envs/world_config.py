@@ -10,6 +10,7 @@ from .people.leader import STYLES
 from .people.social_force import SocialForceConfig
 from .robot import RobotConfig
 from .scenes.catalogue import SCENES
+from .scenes.request import SceneRequest
 
 TICK = 0.025
 """Time between two updates of people, odometry and laser [s]; control and laser periods are multiples of it."""
@@ -22,7 +23,12 @@ class WorldConfig:
     Attributes:
         scene: Name of the building, see `SCENES`.
         route: Name of the tour, None draws one.
-        people: Number of walking people, the leader included.
+        split: Of which half offices are drawn: "train" or "test".
+        floor_plan: File `map.yaml` for the scene "floor_plan"; None takes the built-in plan.
+        walking_paths: File of recorded walks in the form of the ETH and UCY recordings; bystanders walk as in it. None
+            leaves them to the scene.
+        people: Number of walking people, the leader included; None draws 0 to 12 beside the leader where people have
+            ways of their own, as in offices, else 0 to 3.
         leader: Whether the first of the people leads the robot. Without, all are bystanders: the same as with a
             leader and one person more.
         leader_style: "steady", "hurried" or "waits" (when the robot lags); None draws one.
@@ -39,7 +45,10 @@ class WorldConfig:
 
     scene: str = "corridor"
     route: str | None = None
-    people: int = 2
+    split: str = "train"
+    floor_plan: str | None = None
+    walking_paths: str | None = None
+    people: int | None = 2
     leader: bool = True
     leader_style: str | None = None
     standing: int = 0
@@ -58,15 +67,20 @@ class WorldConfig:
             raise unknown_name("leader style", self.leader_style, tuple(STYLES))
         if isinstance(self.odometry, str) and self.odometry not in QUALITIES:
             raise unknown_name("odometry quality", self.odometry, tuple(QUALITIES))
+        self.request()
         for name in ("people", "standing"):
             value = getattr(self, name)
-            if not isinstance(value, int) or value < 0:
+            if (name, value) != ("people", None) and (not isinstance(value, int) or value < 0):
                 raise InputError(f"`{name}` must be a whole number of at least 0, got {value!r}")
         whole_ratio("the control period 1 / `control_hz`", 1.0 / self.control_hz, TICK)
         whole_ratio("the laser's period 1 / `rate_hz`", 1.0 / self.lidar.rate_hz, TICK)
         if self.camera is not None:
             whole_ratio("the camera's period 1 / `rate_hz`", 1.0 / self.camera.rate_hz, TICK)
         whole_ratio("the simulation's tick", TICK, self.physics_dt)
+
+    def request(self) -> SceneRequest:
+        """Return what is asked of the scene."""
+        return SceneRequest(route=self.route, split=self.split, floor_plan=self.floor_plan)
 
 
 def whole_ratio(what: str, long: float, short: float) -> int:

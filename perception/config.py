@@ -16,8 +16,9 @@ class PerceptionConfig:
     Attributes:
         alpha: Largest gap between neighbouring points of one cluster [m].
         beta: Fewest points of a cluster.
-        gamma: A cluster is a leg detection from this forest confidence on, in [0, 1].
-        delta: Both legs must have moved this far before they start a person [m].
+        gamma: A cluster is a leg detection from this forest confidence on, and a leg track starts a person only from
+            this confidence (eq. 6) on, in [0, 1].
+        delta: Both legs must have moved this far, in the mean of the two, before they start a person [m].
         epsilon: A track ends when the first element of its covariance exceeds this [m^2].
         zeta: The filter drops points this close to a person or one of its legs [m].
         suspect_radius: So does the environment with points this close to what looks like a leg and may be that of
@@ -39,6 +40,9 @@ class PerceptionConfig:
         reach: Largest distance between a person's predicted centre and one of its legs [m].
         left_behind: Nothing may stand any more within this distance of where a leg that moved began [m].
         one_leg_variance: Added to `r` where one leg measures the centre [m^2].
+        sure_confidence: Two leg tracks of at least this confidence (eq. 6) start a person when they moved `delta` in
+            sum: one leg has stepped past the other. Between two things that a forest takes for legs less surely, such
+            a step can be a confusion. One such leg alone starts a person when it moved twice `delta`, for both.
         start_unseen_s: A leg may be unseen for this long when its person starts [s].
         both_legs_from: A cluster wider than this can be both legs of a person known to be there [m].
         both_legs_to: And narrower than this [m].
@@ -87,6 +91,7 @@ class PerceptionConfig:
     reach: float = 0.8
     left_behind: float = 0.12
     one_leg_variance: float = 0.1
+    sure_confidence: float = 0.5
     start_unseen_s: float = 0.3
     both_legs_from: float = 0.15
     both_legs_to: float = 0.6
@@ -116,7 +121,7 @@ class PerceptionConfig:
             value = getattr(self, field.name)
             if not value > 0:
                 raise InputError(f"`{field.name}` must be positive, got {value}")
-        for name in ("gamma", "c_min", "confidence_gain"):
+        for name in ("gamma", "c_min", "confidence_gain", "sure_confidence"):
             if getattr(self, name) >= 1.0:
                 raise InputError(f"`{name}` must be below 1, got {getattr(self, name)}")
 
@@ -135,15 +140,14 @@ class PerceptionConfig:
 
 PRESETS: dict[str, PerceptionConfig] = {
     "table2": PerceptionConfig(),
-    "outdoor": PerceptionConfig(delta=0.25, gamma=0.35, epsilon=2.0, memory_s=60.0, memory_distance=6.0),
+    "outdoor": PerceptionConfig(gamma=0.35, epsilon=2.0, memory_s=60.0, memory_distance=6.0),
 }
 """Named configurations.
 
 `table2`: the paper's numbers.
-`outdoor`: a robot without odometry that follows one person. Its frame moves with it: the person ahead hardly leaves the
-place, only the feet swing (`delta`), and since less movement starts a person, more confidence is asked of a leg
-(`gamma`); a turn of the robot throws the person across the view (`memory_distance`) and out of it (`memory_s`); thin
-legs in coarse beams are missed for longer (`epsilon`).
+`outdoor`: a robot without odometry that follows one person. Its frame moves with it, so that what stands moves too, and
+more confidence is asked of a leg (`gamma`); a turn of the robot throws the person across the view (`memory_distance`)
+and out of it (`memory_s`); thin legs in coarse beams are missed for longer (`epsilon`).
 """
 
 

@@ -1,5 +1,7 @@
 """Who is in the building at the start, and where."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,6 +13,9 @@ from .leader import Leader, draw_leader
 from .terrain import Terrain
 
 Array = NDArray[np.float64]
+
+MOST_ON_ROUTE = 3
+"""Most bystanders where their number is drawn and all walk on the leader's way."""
 
 
 def cast_people(
@@ -45,7 +50,7 @@ def cast_people(
     """
     if not with_leader:
         led = cast_people(scene, terrain, people + 1, standing, style, True, start_arc, leader_rng, rng)
-        return _without_leader(*led)
+        return without_leader(*led)
     roles = [Role.LEADER, Role.COMPANION][:people] + [Role.WALKER] * (people - 2) + [Role.STANDER] * standing
     roles += [Role.SCRIPTED] * len(scene.errands)
     count = len(roles)
@@ -55,7 +60,7 @@ def cast_people(
     physiques[0] = leader_physique
     casting = _cast(np.array(roles, dtype=np.int64), physiques, scene, rng)
     arc, sense = _places(scene, casting, start_arc + leader_rng.uniform(1.2, 1.5), rng)
-    return casting, _standing_still(terrain, casting, arc, sense, leader)
+    return casting, standing_still(terrain, casting, arc, sense, leader)
 
 
 def _cast(roles: NDArray[np.int64], physiques: list[Physique], scene: Scene, rng: np.random.Generator) -> Casting:
@@ -67,14 +72,26 @@ def _cast(roles: NDArray[np.int64], physiques: list[Physique], scene: Scene, rng
         side=rng.uniform(-0.1, 0.1, count),
         gap=rng.uniform(1.1, 1.6, count),
         window=np.zeros((count, 2)),
+        **nobody_wanders(count),
         errands=scene.errands,
     )
 
 
-def _without_leader(casting: Casting, state: CrowdState) -> tuple[Casting, CrowdState]:
+def nobody_wanders(count: int) -> dict[str, Any]:
+    """Return the fields of a `Casting` of `count` people that only wanderers need."""
+    return {
+        "path": np.zeros(count, dtype=np.int64),
+        "patience": np.zeros(count),
+        "rest": np.zeros(count),
+        "gives_way": np.zeros(count, dtype=bool),
+    }
+
+
+def without_leader(casting: Casting, state: CrowdState) -> tuple[Casting, CrowdState]:
     """Return the same people without the first of them; who walked with the leader is on their own."""
     roles = np.where(casting.roles == Role.COMPANION, Role.WALKER, casting.roles)[1:]
-    rows = {name: getattr(casting, name)[1:] for name in ("pace", "side", "gap", "window")}
+    names = ("pace", "side", "gap", "window", "path", "patience", "rest", "gives_way")
+    rows = {name: getattr(casting, name)[1:] for name in names}
     people = {name: value[1:] for name, value in vars(state).items() if name != "leader"}
     kept = Casting(roles=roles, physiques=casting.physiques[1:], **rows, errands=casting.errands)
     return kept, CrowdState(**people, leader=None)
@@ -97,7 +114,7 @@ def _places(scene: Scene, casting: Casting, leader_arc: float, rng: np.random.Ge
             arc[person] = _apart(low + leader_arc, min(high + leader_arc, length), arc[:person], rng)
             sense[person] = 1.0 if scene.lap else rng.choice([-1.0, 1.0])
         else:
-            place = _window(scene, arc[:person], rng)
+            place = stander_window(scene, arc[:person], rng)
             arc[person], casting.side[person] = place[0] + 0.1, place[2]
             casting.window[person] = place[:2]
     return arc, sense
@@ -111,9 +128,11 @@ def _apart(low: float, high: float, taken: Array, rng: np.random.Generator) -> f
     raise InputError(f"no room for so many people on {high - low:.0f} m of route: at most {int((high - low) / 3)} fit")
 
 
-def _window(scene: Scene, taken: Array, rng: np.random.Generator) -> tuple[float, float, float]:
+def stander_window(scene: Scene, taken: Array, rng: np.random.Generator) -> tuple[float, float, float]:
     """Return a stretch (from, to, lateral) beside the route on which a stander can walk to and fro."""
     places = scene.standing_places
+    if len(places) == 0:
+        raise InputError(f"nobody can stand beside the route of this {scene.name}: `standing` must be 0")
     limit = 0.6 * (scene.lap or scene.tour_length) + 4.0
     for attempt in range(900):
         length, beside = ((1.6, 1.0), (1.0, 1.0), (0.5, 0.4))[attempt // 300]
@@ -126,17 +145,20 @@ def _window(scene: Scene, taken: Array, rng: np.random.Generator) -> tuple[float
     raise InputError(f"no room for another standing person in this {scene.name}")
 
 
-def _standing_still(terrain: Terrain, casting: Casting, arc: Array, sense: Array, leader: Leader | None) -> CrowdState:
+def standing_still(terrain: Terrain, casting: Casting, arc: Array, sense: Array, leader: Leader | None) -> CrowdState:
     """Return the state in which everybody stands on both feet at their place, looking along their way."""
     count = len(arc)
     lateral = casting.side.copy()
     for person, role in enumerate(casting.roles):
         if role == Role.WALKER and not terrain.lap:
             lateral[person] = -sense[person] * terrain.passing
+        if role == Role.WANDERER:
+            lateral[person] = -sense[person] * lateral[person]
         if role not in (Role.STANDER, Role.SCRIPTED):
-            lateral[person] = terrain.within_free(arc[person], lateral[person])
-    position = np.array([terrain.place(a, side) for a, side in zip(arc, lateral, strict=True)]).reshape(-1, 2)
-    heading = np.array([terrain.ahead(a) for a in arc]) + np.where(sense < 0.0, np.pi, 0.0)
+            lateral[person] = terrain.within_free(arc[person], lateral[person], int(casting.path[person]))
+    places = [(float(a), float(side), int(path)) for a, side, path in zip(arc, lateral, casting.path, strict=True)]
+    position = np.array([terrain.place(*place) for place in places]).reshape(-1, 2)
+    heading = np.array([terrain.ahead(a, path) for a, _, path in places]) + np.where(sense < 0.0, np.pi, 0.0)
     for person, errand in enumerate(casting.errands, start=count - len(casting.errands)):
         position[person], heading[person], lateral[person] = errand.places[0][:2], errand.face, 0.0
     stance = np.array([p.stance_half_width for p in casting.physiques])

@@ -13,7 +13,7 @@ from .gait import advance_gait, pose_bodies
 from .leader import Leader
 from .social_force import SocialForceConfig
 from .terrain import Terrain
-from .walking import advance_bodies, locate, turn_bodies, wanted_directions
+from .walking import SPACING, advance_bodies, locate, turn_bodies, wanted_directions
 
 Array = NDArray[np.float64]
 
@@ -30,6 +30,7 @@ class Role(IntEnum):
     WALKER = 2
     STANDER = 3
     SCRIPTED = 4
+    WANDERER = 5
 
 
 @dataclass
@@ -51,7 +52,8 @@ class CrowdState:
         lateral: (n,) present wanted offset from the path [m].
         wish: (n,) present wanted speed [m/s].
         face: (n,) where to look while standing [rad]; NaN: anywhere.
-        timer: (n,) seconds that standers have walked in sight (> 0), or still have to stand (< 0).
+        timer: (n,) seconds that standers have walked in sight, or wanderers have been held up (> 0), or that both still
+            have to stand (< 0).
         errand: (n,) number of the place that scripted people go to, or wait at.
         leader: The leader's mind; None without a leader.
     """
@@ -86,6 +88,10 @@ class Casting:
         side: (n,) preferred offset from the path, left positive [m].
         gap: (n,) how far companions walk ahead of the leader [m].
         window: (n, 2) arc lengths between which standers walk [m].
+        path: (n,) which path of the terrain each walks on; 0 is the route.
+        patience: (n,) how long wanderers stand held up before they turn round [s].
+        rest: (n,) how long wanderers stay at the ends of their walks [s].
+        gives_way: (n,) whether wanderers stop for the group.
         errands: What the scripted people do; they are the last of the n.
     """
 
@@ -95,6 +101,10 @@ class Casting:
     side: Array
     gap: Array
     window: Array
+    path: NDArray[np.int64]
+    patience: Array
+    rest: Array
+    gives_way: NDArray[np.bool_]
     errands: tuple[Errand, ...] = ()
 
 
@@ -121,6 +131,7 @@ class Crowd:
         self._roles = [Role(int(role)) for role in casting.roles]
         self._in_group = sum(role <= Role.COMPANION for role in self._roles)
         self._direction = np.zeros((len(casting.roles), 2))
+        self._first, self._count = terrain.first[casting.path], terrain.count[casting.path]
 
     def __len__(self) -> int:
         return len(self.casting.roles)
@@ -142,6 +153,8 @@ class Crowd:
                 wish = self._accompany(person, robot_arc)
             elif role == Role.WALKER:
                 wish = self._stroll(person, robot_arc)
+            elif role == Role.WANDERER:
+                wish = self._wander(person, dt, robot)
             elif role == Role.SCRIPTED:
                 wish = self._run_errand(person, dt)
             else:
@@ -154,7 +167,8 @@ class Crowd:
     def advance(self, dt: float, robot: Array) -> None:
         """Move everybody for `dt` seconds; `robot` as in `advance_bodies`."""
         s, terrain = self.state, self.terrain
-        wanted_directions(s.position, s.arc, s.sense, s.lateral, terrain.path, terrain.tangent, self._direction)
+        ways = (terrain.paths, terrain.tangents, self._first, self._count)
+        wanted_directions(s.position, s.arc, s.sense, s.lateral, *ways, self._direction)
         self._go_straight()
         advance_bodies(
             dt,
@@ -170,7 +184,7 @@ class Crowd:
             self._force,
         )
         self._close_laps()
-        locate(s.position, s.arc, terrain.path, terrain.tangent)
+        locate(s.position, s.arc, *ways)
         turn_bodies(dt, s.velocity, self._direction, s.wish, s.face, s.heading)
         advance_gait(
             dt,
@@ -210,7 +224,8 @@ class Crowd:
     def _close_laps(self) -> None:
         lap = self.terrain.lap
         if lap > 0.0:
-            ahead = (self.casting.roles >= Role.WALKER) & (self.state.arc > self.terrain.length - 1.5)
+            free = (self.casting.roles >= Role.WALKER) & (self.casting.path == 0)
+            ahead = free & (self.state.arc > self.terrain.length - 1.5)
             self.state.arc[ahead] -= lap
 
     def _lead(self, person: int, dt: float, robot: Array, away: float) -> float:
@@ -271,6 +286,37 @@ class Crowd:
             timer[person] = -25.0
         return float(self.casting.pace[person])
 
+    def _wander(self, person: int, dt: float, robot: Array) -> float:
+        """Return the speed of somebody who walks to and fro on a way of their own, and turns round when held up."""
+        state, path = self.state, int(self.casting.path[person])
+        arc, length = float(state.arc[person]), float(self._count[person] - 1) * SPACING
+        if (arc > length - 0.5 and state.sense[person] > 0.0) or (arc < 0.5 and state.sense[person] < 0.0):
+            state.sense[person] *= -1.0
+            state.timer[person] = -self.casting.rest[person]
+        if state.timer[person] < 0.0:
+            state.timer[person] = min(0.0, state.timer[person] + dt)
+            return 0.0
+        held_up = state.wish[person] > 0.3 and math.hypot(*state.velocity[person].tolist()) < 0.15
+        state.timer[person] = state.timer[person] + dt if held_up else max(0.0, state.timer[person] - dt)
+        if state.timer[person] > self.casting.patience[person]:
+            state.sense[person] *= -1.0
+            state.timer[person] = 0.0
+        if self.casting.gives_way[person] and self._group_comes(person, robot):
+            return 0.0
+        recorded = self.terrain.recorded_speed(arc, path)
+        return float(self.casting.pace[person]) if math.isnan(recorded) else recorded
+
+    def _group_comes(self, person: int, robot: Array) -> bool:
+        """Return whether the robot or one of the group is within 2 m before a wanderer, walking."""
+        state = self.state
+        for other in range(-1, self._in_group):
+            x, y = (robot[:2] if other < 0 else state.position[other]) - state.position[person]
+            moves = robot[4:6] if other < 0 else state.velocity[other]
+            ahead = x * self._direction[person, 0] + y * self._direction[person, 1]
+            if ahead > 0.0 and x * x + y * y < 4.0 and moves[0] * x + moves[1] * y < -0.1:
+                return True
+        return False
+
     def _run_errand(self, person: int, dt: float) -> float:
         """Return the speed of somebody who goes from place to place: 0 while they wait, and at the last one."""
         state, errand = self.state, self._errand(person)
@@ -308,6 +354,8 @@ class Crowd:
         arc, side = float(state.arc[person]), float(self.casting.side[person])
         if role == Role.SCRIPTED:
             return 0.0
+        if role == Role.WANDERER:
+            return self.terrain.within_free(arc, -float(state.sense[person]) * side, int(self.casting.path[person]))
         if role == Role.STANDER or self.terrain.lap > 0.0:
             return side
         if role == Role.WALKER:
@@ -315,7 +363,20 @@ class Crowd:
         if self.terrain.in_bend(arc):
             return 0.0
         for other in range(self._in_group, len(self)):
-            comes = state.sense[other] < 0.0 or self._roles[other] == Role.STANDER
-            if comes and -1.0 < state.arc[other] - arc < 6.0:
+            if self._roles[other] == Role.WANDERER:
+                meets = self._meets(person, other)
+            else:
+                comes = state.sense[other] < 0.0 or self._roles[other] == Role.STANDER
+                meets = comes and -1.0 < state.arc[other] - arc < 6.0
+            if meets:
                 return self.terrain.within_free(arc, math.copysign(self.terrain.turn_out, -state.lateral[other]))
         return self.terrain.within_free(arc, side)
+
+    def _meets(self, person: int, other: int) -> bool:
+        """Return whether a wanderer within 5 m comes towards one of the group."""
+        state = self.state
+        x, y = state.position[other] - state.position[person]
+        ahead_x, ahead_y = self._direction[person]
+        ahead, aside = x * ahead_x + y * ahead_y, abs(y * ahead_x - x * ahead_y)
+        comes = state.velocity[other, 0] * ahead_x + state.velocity[other, 1] * ahead_y < -0.2
+        return bool(comes and -0.5 < ahead < 5.0 and aside < 1.0)

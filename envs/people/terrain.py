@@ -22,17 +22,25 @@ class Terrain:
 
     Attributes:
         path: (m, 2) the route, points `SPACING` apart [m].
-        tangent: (m, 2) unit vectors along it.
+        paths: (m + ..., 2) the route and, after it, the scene's walks, one after the other [m].
+        tangents: As `paths`: unit vectors along them.
+        first: (p,) row of `paths` at which each of them begins; path 0 is the route.
+        count: (p,) how many rows each has.
+        speed: As `paths`: recorded speed of whoever walked there [m/s]; NaN where nobody did.
         boxes: (b, 6) walls and furniture, see `nearest_of_box`.
         circles: (c, 3) x, y, radius of round furniture [m].
         lap: Length of one lap where the route is a closed lap, else 0 [m].
         half_width: Clear space to both sides of the route [m].
-        length: Length of the path [m].
+        length: Length of the route [m].
     """
 
     def __init__(self, scene: Scene) -> None:
         self.path = resample(scene.route, SPACING)
-        self.tangent = tangents(self.path)
+        each = [self.path, *(resample(walk.points, SPACING) for walk in scene.walks)]
+        self.paths, self.tangents = np.concatenate(each), np.concatenate([tangents(points) for points in each])
+        self.count = np.array([len(points) for points in each])
+        self.first = np.cumsum(self.count) - self.count
+        self.speed = np.concatenate([np.full(len(self.path), np.nan), *(walk.speeds(SPACING) for walk in scene.walks)])
         self.lap, self.half_width = scene.lap, scene.half_width
         self.length = (len(self.path) - 1) * SPACING
         solids = [solid for solid in scene.solids if solid.blocks_people]
@@ -40,21 +48,22 @@ class Terrain:
             [(s.x, s.y, np.cos(s.yaw), np.sin(s.yaw), s.half_length, s.half_width) for s in solids if not s.is_round]
         ).reshape(-1, 6)
         self.circles = np.array([(s.x, s.y, s.radius) for s in solids if s.is_round]).reshape(-1, 3)
-        free = free_sides(self.path, self.tangent, self.boxes, self.circles, _CLEARANCE, _FURTHEST)
-        self._free = _narrowest(free)
+        free = free_sides(self.paths, self.tangents, self.boxes, self.circles, _CLEARANCE, _FURTHEST)
+        self._free = np.concatenate([_narrowest(part) for part in np.split(free, self.first[1:])])
         index = np.arange(len(self.path))
         before, after = np.maximum(index - int(2.0 / SPACING), 0), np.minimum(index + int(2.5 / SPACING), index[-1])
-        self._bend = (self.tangent[before] * self.tangent[after]).sum(axis=1) < 0.9
-        self._wide = ~self._bend & (self._free[:, 0] > self.passing - 0.1)
+        tangent = self.tangents[: len(self.path)]
+        self._bend = (tangent[before] * tangent[after]).sum(axis=1) < 0.9
+        self._wide = ~self._bend & (self._free[: len(self.path), 0] > self.passing - 0.1)
 
-    def within_free(self, arc: float, lateral: float) -> float:
-        """Return the offset nearest to `lateral` [m] at which nothing stands beside the path at `arc` [m]."""
-        left, right = self._free[self._index(arc)]
+    def within_free(self, arc: float, lateral: float, path: int = 0) -> float:
+        """Return the offset nearest to `lateral` [m] at which nothing stands beside a path at `arc` [m]."""
+        left, right = self._free[self._row(arc, path)]
         return float(min(max(lateral, -right), left))
 
-    def ahead(self, arc: float) -> float:
-        """Return the direction of the path at `arc` [m], in radians."""
-        tangent = self.tangent[self._index(arc)]
+    def ahead(self, arc: float, path: int = 0) -> float:
+        """Return the direction of a path at `arc` [m], in radians."""
+        tangent = self.tangents[self._row(arc, path)]
         return float(np.arctan2(tangent[1], tangent[0]))
 
     @property
@@ -80,11 +89,18 @@ class Terrain:
         low = max(self._index(arc - 2.5), self._index(front), 0)
         return bool(self._wide[here]) and not self._wide[low:here].all()
 
-    def place(self, arc: float, lateral: float) -> Array:
-        """Return the point (2,) at `arc` along the path and `lateral` to its left [m]."""
-        index = self._index(arc)
-        tangent = self.tangent[index]
-        return self.path[index] + lateral * np.array([-tangent[1], tangent[0]])
+    def place(self, arc: float, lateral: float, path: int = 0) -> Array:
+        """Return the point (2,) at `arc` along a path and `lateral` to its left [m]."""
+        row = self._row(arc, path)
+        tangent = self.tangents[row]
+        return self.paths[row] + lateral * np.array([-tangent[1], tangent[0]])
+
+    def recorded_speed(self, arc: float, path: int) -> float:
+        """Return the speed [m/s] at which somebody walked at `arc` along a path; NaN where it is no recorded one."""
+        return float(self.speed[self._row(arc, path)])
+
+    def _row(self, arc: float, path: int) -> int:
+        return int(self.first[path]) + min(max(int(arc / SPACING), 0), int(self.count[path]) - 1)
 
     def _index(self, arc: float) -> int:
         return min(max(int(arc / SPACING), 0), len(self.path) - 1)

@@ -8,6 +8,7 @@ from .obstacles import is_clear, keep_clear, nearest_of_box
 from .social_force import pair_force
 
 Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 SPACING = 0.1
 """Distance of the points of a walker's path [m]."""
@@ -19,18 +20,27 @@ _UNMOVED = 1.5
 
 
 @njit(cache=True, nogil=True)
-def locate(position: Array, arc: Array, path: Array, tangent: Array) -> None:
-    """Update `arc` (n,), the way of each person along `path` (m, 2) [m], by a search near its last value."""
-    last = len(path) - 1
+def locate(position: Array, arc: Array, path: Array, tangent: Array, first: Ints, count: Ints) -> None:
+    """Update `arc` (n,), the way of each person along their path [m], by a search near its last value.
+
+    Args:
+        position: (n, 2) [m].
+        arc: (n,) updated.
+        path: (m, 2) points of all paths, one path after the other, `SPACING` apart [m].
+        tangent: (m, 2) unit vectors along them.
+        first: (n,) row of `path` at which the path of each person begins.
+        count: (n,) how many rows it has.
+    """
     for i in range(len(arc)):
+        last, base = count[i] - 1, first[i]
         middle = int(arc[i] / SPACING)
         best, found = np.inf, middle
         for k in range(max(0, middle - 6), min(last, middle + 7) + 1):
-            away = (position[i, 0] - path[k, 0]) ** 2 + (position[i, 1] - path[k, 1]) ** 2
+            away = (position[i, 0] - path[base + k, 0]) ** 2 + (position[i, 1] - path[base + k, 1]) ** 2
             if away < best:
                 best, found = away, k
-        along = (position[i, 0] - path[found, 0]) * tangent[found, 0]
-        along += (position[i, 1] - path[found, 1]) * tangent[found, 1]
+        along = (position[i, 0] - path[base + found, 0]) * tangent[base + found, 0]
+        along += (position[i, 1] - path[base + found, 1]) * tangent[base + found, 1]
         arc[i] = min(max(found * SPACING + min(max(along, -SPACING), SPACING), 0.0), last * SPACING)
 
 
@@ -48,14 +58,21 @@ def free_sides(path: Array, tangent: Array, boxes: Array, circles: Array, cleara
     """
     step = 0.05
     found = np.zeros((len(path), 2))
+    near, reach = np.empty((len(boxes), 6)), furthest + 2.0 * clearance + step
     for k in range(len(path)):
+        close = 0
+        for b in range(len(boxes)):
+            aside = abs(boxes[b, 0] - path[k, 0]) + abs(boxes[b, 1] - path[k, 1])
+            if aside < boxes[b, 4] + boxes[b, 5] + 1.5 * reach:
+                near[close] = boxes[b]
+                close += 1
         for side in range(2):
             sign = 1.0 if side == 0 else -1.0
             free = 0.0
             while free < furthest:
                 x = path[k, 0] - sign * (free + step) * tangent[k, 1]
                 y = path[k, 1] + sign * (free + step) * tangent[k, 0]
-                if not is_clear(x, y, boxes, circles, clearance):
+                if not is_clear(x, y, near[:close], circles, clearance):
                     break
                 free += step
             found[k, side] = free
@@ -64,26 +81,37 @@ def free_sides(path: Array, tangent: Array, boxes: Array, circles: Array, cleara
 
 @njit(cache=True, nogil=True)
 def wanted_directions(
-    position: Array, arc: Array, sense: Array, lateral: Array, path: Array, tangent: Array, direction: Array
+    position: Array,
+    arc: Array,
+    sense: Array,
+    lateral: Array,
+    path: Array,
+    tangent: Array,
+    first: Ints,
+    count: Ints,
+    direction: Array,
 ) -> None:
-    """Write the unit vector `direction` (n, 2) towards the point a little further along the path.
+    """Write the unit vector `direction` (n, 2) towards the point a little further along each person's path.
 
     Args:
         position: (n, 2) [m].
         arc: (n,) way along the path [m].
         sense: (n,) +1 along the path, -1 against it.
         lateral: (n,) wanted offset from the path, left of its direction positive [m].
-        path: (m, 2) points `SPACING` apart [m].
-        tangent: (m, 2) unit vectors along it.
+        path: (m, 2) points of all paths, see `locate`.
+        tangent: (m, 2) unit vectors along them.
+        first: (n,) where each person's path begins in `path`.
+        count: (n,) how many rows it has.
         direction: (n, 2) written.
     """
-    last = len(path) - 1
     for i in range(len(arc)):
+        last = count[i] - 1
         at = (arc[i] + sense[i] * _LOOK_AHEAD) / SPACING
         beyond = at - min(max(at, 0.0), float(last))
         at -= beyond
         k = min(int(at), last - 1)
         part = at - k
+        k += first[i]
         tx, ty = tangent[k, 0], tangent[k, 1]
         x = path[k, 0] + part * (path[k + 1, 0] - path[k, 0]) + beyond * SPACING * tx - lateral[i] * ty - position[i, 0]
         y = path[k, 1] + part * (path[k + 1, 1] - path[k, 1]) + beyond * SPACING * ty + lateral[i] * tx - position[i, 1]

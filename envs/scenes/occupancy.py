@@ -7,6 +7,7 @@ from scipy import ndimage
 from ...slam.geometry import transform_points
 from ...slam.occupancy_map import OccupancyMap
 from .scene import Scene
+from .solids import Solid
 
 
 def true_map(
@@ -28,11 +29,10 @@ def true_map(
     cols, rows = np.ceil((high - low) / resolution).astype(int)
     x, y = np.meshgrid((np.arange(cols) + 0.5) * resolution, (np.arange(rows) + 0.5) * resolution)
     centres = transform_points(T_world_map, (np.stack((x, y), axis=-1) + low).reshape(-1, 2))
-    nearest = np.full(len(centres), np.inf)
+    solid_cells = np.zeros((rows, cols), dtype=bool)
     for solid in scene.solids:
         if solid.at_height(laser_height):
-            nearest = np.minimum(nearest, solid.distance(centres))
-    solid_cells = (nearest <= resolution / 2.0).reshape(rows, cols)
+            _mark(solid_cells, solid, centres.reshape(rows, cols, 2), low, T_world_map, resolution)
     start = ((_into_map(T_world_map, scene.route[:1]) - low) / resolution).astype(int)[0]
     here = np.zeros_like(solid_cells)
     here[start[1], start[0]] = True
@@ -40,6 +40,18 @@ def true_map(
     occupied = solid_cells & np.asarray(ndimage.binary_dilation(free, np.ones((3, 3))), dtype=bool)
     probability = np.where(occupied, 1.0, np.where(free, 0.0, np.nan)).astype(np.float32)
     return OccupancyMap(probability, resolution, (float(low[0]), float(low[1])))
+
+
+def _mark(
+    cells: np.ndarray, solid: Solid, centres: np.ndarray, low: np.ndarray, T_world_map: ArrayLike, resolution: float
+) -> None:
+    """Make those `cells` true whose `centres` (rows, cols, 2) lie in `solid` or within half a cell of it."""
+    reach = float(np.hypot(solid.half_length, solid.half_width)) + solid.radius + 2.0 * resolution
+    middle = _into_map(T_world_map, np.array([[solid.x, solid.y]]))[0] - low
+    first = np.maximum(((middle - reach) / resolution).astype(int), 0)
+    last = np.maximum(((middle + reach) / resolution).astype(int) + 1, 0)
+    window = (slice(first[1], last[1]), slice(first[0], last[0]))
+    cells[window] |= solid.distance(centres[window]) <= resolution / 2.0
 
 
 def _into_map(T_world_map: ArrayLike, points_world: np.ndarray) -> np.ndarray:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...slam.errors import unknown_name
+from .polyline import arc_lengths
 from .solids import Solid
 
 Array = NDArray[np.float64]
@@ -30,6 +31,25 @@ class Outline:
     kind: str
     bottom: float
     top: float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Walk:
+    """A way on which a bystander walks to and fro.
+
+    Attributes:
+        points: (k, 2) world frame [m].
+        speed: (k,) at which somebody was recorded there [m/s]; None: whoever walks there has a pace of their own.
+    """
+
+    points: Array
+    speed: Array | None = None
+
+    def speeds(self, spacing: float) -> Array:
+        """Return the speed at the points that `resample` gives for `spacing` [m], NaN where there is none [m/s]."""
+        arcs = arc_lengths(self.points)
+        wanted = np.arange(0.0, arcs[-1] + 1e-9, spacing)
+        return np.full(len(wanted), np.nan) if self.speed is None else np.interp(wanted, arcs, self.speed)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,6 +127,7 @@ class Scene:
         half_width: Clear space to both sides of the route [m].
         standing_places: (m, 2) arc length along the route and lateral offset (left positive) of places where somebody
             can stand without blocking the robot [m].
+        walks: Ways of bystanders who do not walk on the tour; () where all walk on the tour.
         ceiling: Height of the ceiling [m]; None where there is none.
         doors: Hinged doors.
         errands: One for each scripted person; they are there in every episode.
@@ -122,6 +143,7 @@ class Scene:
     lap: float
     half_width: float
     standing_places: Array
+    walks: tuple[Walk, ...] = ()
     ceiling: float | None = None
     doors: tuple[Door, ...] = ()
     errands: tuple[Errand, ...] = ()

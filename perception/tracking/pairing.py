@@ -10,16 +10,13 @@ Array = NDArray[np.float64]
 Pairs = NDArray[np.intp]
 
 
-def mutual_pairs(spread: Array, able: NDArray[np.bool_], limit: float) -> Pairs:
-    """Return (k, 2) pairs that are each other's nearest by `spread` (n, n), at most `limit`, both `able` (n,).
-
-    Legs that are not able take part in the question who is nearest: a leg waits for its partner.
-    """
+def mutual_pairs(spread: Array, limit: float) -> Pairs:
+    """Return (k, 2) pairs that are each other's nearest by `spread` (n, n), at most `limit`."""
     spread = spread.copy()
     np.fill_diagonal(spread, np.inf)
     partner = spread.argmin(axis=1)
     first = np.arange(len(partner))
-    real = (partner[partner] == first) & (first < partner) & able & able[partner] & (spread[first, partner] <= limit)
+    real = (partner[partner] == first) & (first < partner) & (spread[first, partner] <= limit)
     return np.stack((first[real], partner[real]), axis=1)
 
 

@@ -225,24 +225,54 @@ class PeopleTracker:
         self._legs.begin(z[fresh], d[fresh])
 
     def _start_people(self, points: Array, time_s: float) -> None:
-        """Start a person from each pair of lone tracks that moved, are confident, stand on free cells and belong
-        together: each the other's nearest confident track in the mean over a stride, moved or not."""
+        """Start a person from each pair of lone tracks that have moved enough, are leg-like (gamma) in the mean over
+        time, stand on free cells and belong together: each the other's nearest in the mean over a stride."""
         owned = 2 * len(self._people)
         lone, config = self._legs.rows[owned:], self._config
         alive = owned + np.flatnonzero(
             (lone["confidence"] > config.c_min) & (lone["unseen_s"] <= config.start_unseen_s)
         )
-        able = self._legs.moved[alive] >= config.delta
-        again = self._may_be_met_again(alive)
-        if not (able | again).any():
+        moved, again = self._legs.moved[alive], self._may_be_met_again(alive)
+        if not (again | (moved >= config.delta / 2.0)).any():
             return
-        able[able] = self._left_their_place(alive[able], points, time_s)
-        able |= again
-        able[able] = self._grid.is_free(self._legs.positions[alive[able]], time_s)
         spread = self._legs.spread()[np.ix_(alive, alive)]
         spread[distances(self._legs.positions[alive], self._legs.positions[alive]) > config.pair_distance] = np.inf
-        self._found(alive[mutual_pairs(spread, able, config.pair_width)])
-        self._meet_by_one_leg(time_s)
+        pairs = mutual_pairs(spread, config.pair_width)
+        confidence = self._legs.rows["confidence"][alive]
+        pairs = pairs[confidence[pairs].min(axis=1) >= config.gamma]
+        sure = confidence >= config.sure_confidence
+        pairs = pairs[self._moved_together(alive, moved, again, sure, pairs, points, time_s)]
+        free = self._grid.is_free(self._legs.positions[alive[pairs.ravel()]], time_s).reshape(-1, 2)
+        self._found(alive[pairs[free.all(axis=1)]])
+        self._start_by_one_leg(points, time_s)
+
+    def _moved_together(
+        self,
+        tracks: NDArray[np.intp],
+        moved: Array,
+        again: NDArray[np.bool_],
+        sure: NDArray[np.bool_],
+        pairs: NDArray[np.intp],
+        points: Array,
+        time_s: float,
+    ) -> NDArray[np.bool_]:
+        """Return (k,) whether both legs of each of `pairs` (k, 2) of `tracks` moved `delta` in the mean.
+
+        So the longer way of one leg makes up for the other, whose track was renewed on the way. Two `sure` legs need
+        half as much, and one of them may stand while the other swings past it. Who is met `again` has moved before.
+        """
+        config = self._config
+        goes = moved > config.left_behind
+        ways = np.where(again, np.maximum(moved, config.delta), moved)[pairs].sum(axis=1)
+        both_sure = sure[pairs].all(axis=1)
+        enough = ways >= np.where(both_sure, config.delta, 2.0 * config.delta)
+        asked = np.zeros(len(tracks), dtype=bool)
+        asked[pairs[enough]] = True
+        asked &= goes & ~again
+        left = np.ones(len(tracks), dtype=bool)
+        left[asked] = self._left_their_place(tracks[asked], points, time_s)
+        went = again | (goes & left)
+        return enough & left[pairs].all(axis=1) & (both_sure | went[pairs].all(axis=1))
 
     def _found(self, rows: NDArray[np.intp]) -> None:
         """Make people of the pairs of lone tracks `rows` (k, 2)."""
@@ -251,16 +281,25 @@ class PeopleTracker:
         rest = np.setdiff1d(np.arange(owned, len(self._legs)), rows)
         self._legs.take(np.concatenate((np.arange(owned), rows.ravel(), rest)))
 
-    def _meet_by_one_leg(self, time_s: float) -> None:
-        """Take up a lost person of whom one leg is seen again, on a free cell; the other leg counts as hidden by it."""
-        lone = np.arange(2 * len(self._people), len(self._legs))
-        lone = lone[self._may_be_met_again(lone) & (self._legs.rows["unseen_s"][lone] == 0.0)]
-        lone = lone[self._grid.is_free(self._legs.positions[lone], time_s)]
-        lone = lone[self._legs.rows["age_s"][lone] >= self._config.meet_alone_s]
+    def _start_by_one_leg(self, points: Array, time_s: float) -> None:
+        """Take up a lost person of whom one leg is seen again, or start one from a sure leg that moved for both.
+
+        It stands on a free cell; the other leg counts as hidden by it, or by what stands before it.
+        """
+        config, legs = self._config, self._legs
+        lone = np.arange(2 * len(self._people), len(legs))
+        lone = lone[(legs.rows["unseen_s"][lone] == 0.0) & (legs.rows["age_s"][lone] >= config.meet_alone_s)]
+        fit = self._may_be_met_again(lone)
+        far = ~fit & (legs.moved[lone] >= 2.0 * config.delta)
+        far &= legs.rows["confidence"][lone] >= config.sure_confidence
+        far[far] = self._left_their_place(lone[far], points, time_s)
+        lone = lone[fit | far]
+        lone = lone[self._grid.is_free(legs.positions[lone], time_s)]
         if len(lone):
-            nearest = lone[distances(self._legs.positions[lone], self._lost.positions).min(axis=1).argmin()]
-            self._legs.take(np.append(np.arange(len(self._legs)), nearest))
-            self._found(np.array([[nearest, len(self._legs) - 1]]))
+            apart = distances(legs.positions[lone], self._lost.positions).min(axis=1, initial=np.inf)
+            chosen = lone[apart.argmin()]
+            legs.take(np.append(np.arange(len(legs)), chosen))
+            self._found(np.array([[chosen, len(legs) - 1]]))
 
     def _may_be_met_again(self, tracks: NDArray[np.intp]) -> NDArray[np.bool_]:
         """Return (k,) whether `tracks` (k,) stand where a lost person, who moved before, must be by now."""

@@ -107,7 +107,7 @@ def following_tour(
     Raises:
         InputError: If a name is unknown.
     """
-    ids = {scene: name for name, scene in IDS.items()}
+    ids = {str(fields["scene"]): name for name, fields in IDS.items()}
     if config.scene not in ids:
         raise unknown_name("scene", config.scene, tuple(ids))
     env = gym.make(ids[config.scene], slam=config.slam, **env_options)

@@ -47,13 +47,24 @@ class ActiveSubmaps:
     def __init__(self, config: ActiveSubmapsConfig) -> None:
         self._config = config
         self.submaps: list[Submap] = []
+        self._first = 0  # of the submaps of this piece of the drive
         self._travelled = 0.0
         self._last: Array | None = None
 
     @property
     def front(self) -> Submap:
         """The submap that scans are matched against."""
-        return self.submaps[max(len(self.submaps) - 2, 0)]
+        return self.submaps[max(len(self.submaps) - 2, self._first)]
+
+    @property
+    def begun(self) -> bool:
+        """Whether there is a submap to match against."""
+        return len(self.submaps) > self._first
+
+    def restart(self) -> None:
+        """Finish the active submaps: the next scan begins a new one, apart from all before."""
+        self._first = len(self.submaps)
+        self._last = None
 
     def insert(self, pose: Array, origin: Array, surface: Array, returns: int, free_ends: Array) -> tuple[int, ...]:
         """Insert a scan at `pose` (3,) T_local_robot; return the indices of the submaps that it stands in.
@@ -68,10 +79,10 @@ class ActiveSubmaps:
         if self._last is not None:
             self._travelled += float(np.hypot(*(pose[:2] - self._last[:2])))
         self._last = pose
-        if not self.submaps or self._full(self.submaps[-1]):
+        if not self.begun or self._full(self.submaps[-1]):
             self.submaps.append(Submap(self._config.submap, pose))
             self._travelled = 0.0
-        first = max(len(self.submaps) - 2, 0)
+        first = max(len(self.submaps) - 2, self._first)
         for submap in self.submaps[first:]:
             submap.insert(origin, surface, returns, free_ends)
         return tuple(range(first, len(self.submaps)))

@@ -14,9 +14,13 @@ from ..occupancy_map import OccupancyMap
 from ..scan import LaserScan
 from .constraints import Constraint
 from .global_slam import GlobalSlam, GlobalSlamConfig
-from .local_slam import LocalSlam, LocalSlamConfig
+from .local_slam import LocalResult, LocalSlam, LocalSlamConfig
+from .relocalization import Relocalization
+from .watch import Watch, WatchConfig
 
 Array = NDArray[np.float64]
+
+_COARSE = 0.05  # [m] cells of the map on which a lost robot is searched for
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,11 +30,13 @@ class CartographerConfig:
     Attributes:
         local: Settings of local SLAM.
         global_: Settings of global SLAM; None: no loop is closed.
+        watch: When the robot counts as lost; None, or without `global_`: never.
         resolution: Side of a cell of the map that `map` returns [m].
     """
 
     local: LocalSlamConfig = field(default_factory=LocalSlamConfig)
     global_: GlobalSlamConfig | None = field(default_factory=GlobalSlamConfig)
+    watch: WatchConfig | None = field(default_factory=WatchConfig)
     resolution: float = 0.05
 
     def __post_init__(self) -> None:
@@ -41,20 +47,33 @@ class CartographerConfig:
 class Cartographer:
     """Graph SLAM of Cartographer's kind (Hess, Kohler, Rapp, Andor 2016); a `SlamEngine`.
 
+    Where several scans in a row contradict the submap, the robot was carried away (or slipped far): a new piece of the
+    drive begins, apart from the map, and is joined to it once the robot has been found on the map again.
+
     `SlamUpdate.diagnostics`: `score` (mean occupancy of the submap under the scan's points, 0 .. 1).
 
     Args:
         config: Settings.
+
+    Attributes:
+        losses: How often the robot was lost.
+        relocalizations: How often it was found again.
     """
 
     def __init__(self, config: CartographerConfig | None = None) -> None:
         self.config = config or CartographerConfig()
-        self._local = LocalSlam(self.config.local)
+        watched = self.config.watch if self.config.global_ else None
+        self._watch = Watch(watched) if watched else None
+        self._local = LocalSlam(self.config.local, self._watch)
         self._global = GlobalSlam(self.config.global_, self._local.submaps) if self.config.global_ else None
         self._online: list[Array] = []
         self._poses_local: list[Array] = []
         self._inserted: list[int] = []
         self._scans: list[LaserScan] = []
+        self._doubtful: list[tuple[Array, LaserScan]] = []
+        self._breaks: list[int] = []
+        self._search: Relocalization | None = None
+        self.losses = self.relocalizations = 0
 
     @classmethod
     def from_options(cls, seed: int = 0, **options: Any) -> Self:
@@ -72,16 +91,40 @@ class Cartographer:
         if odometry.shape != (3,) or not np.isfinite(odometry).all():
             raise InputError(f"`odometry` must be a finite pose of shape (3,), got {odometry}")
         result = self._local.update(odometry, scan)
+        self._doubtful = [*self._doubtful, (odometry, scan)] if result.doubtful else []
+        if self._watch and self._watch.lost and self._global:
+            result = self._lose(self._global, odometry, scan)
         if result.insertion:
             self._inserted.append(len(self._poses_local))
             self._scans.append(scan)
             if self._global:
                 self._global.add_node(result.pose, result.insertion)
+        self._find(odometry, scan, result.pose)
         self._poses_local.append(result.pose)
         bridge = self._global.local_to_global if self._global else np.zeros(3)
         self._online.append(compose(bridge, result.pose))
         diagnostics = {"score": result.match.score} if result.match else {}
-        return SlamUpdate(self.pose, result.insertion is not None, diagnostics)
+        return SlamUpdate(self.pose, result.insertion is not None, diagnostics, self._search is None)
+
+    def _lose(self, graph: GlobalSlam, odometry: Array, scan: LaserScan) -> LocalResult:
+        """Begin a new piece of the drive with this scan, and the search on the map without it."""
+        self.losses += 1
+        placed = np.flatnonzero(graph.placed)
+        grid = render_map(graph.node_poses[placed], [self._scans[k] for k in placed], GridConfig(resolution=_COARSE))
+        self._search = Relocalization(grid, self._doubtful[:-1])
+        self._breaks.append(len(self._poses_local) + 1 - len(self._doubtful))
+        self._doubtful = []
+        graph.begin_piece()
+        self._local.restart()
+        return self._local.update(odometry, scan)
+
+    def _find(self, odometry: Array, scan: LaserScan, pose_local: Array) -> None:
+        """Go on with the search, if there is one; when it succeeds, join the new piece of the drive to the map."""
+        found = self._search.update(odometry, scan) if self._search else None
+        if found is not None and self._global:
+            self._global.place_piece(found, pose_local)
+            self._search = None
+            self.relocalizations += 1
 
     @property
     def pose(self) -> Array:
@@ -93,7 +136,7 @@ class Cartographer:
         if not self._global or not self._inserted:
             return self.local_trajectory()
         self._global.finish()
-        return _between_nodes(self.local_trajectory(), np.array(self._inserted), self._global.node_poses)
+        return _between_nodes(self.local_trajectory(), np.array(self._inserted), self._global.node_poses, self._breaks)
 
     def local_trajectory(self) -> Array:
         """Return (n, 3) T_local_robot of every scan, continuous and without loop closure."""
@@ -130,24 +173,32 @@ class Cartographer:
         return self.map_at(self.config.resolution)
 
     def map_at(self, resolution: float) -> OccupancyMap:
-        """Return the map with cells of `resolution` [m], drawn anew from the inserted scans."""
+        """Return the map with cells of `resolution` [m], drawn anew from the inserted scans whose place is known."""
         poses = self.trajectory()[self._inserted]
-        return render_map(poses, self._scans, GridConfig(resolution=resolution))
+        placed = np.flatnonzero(self._global.placed) if self._global else range(len(poses))
+        scans = [self._scans[k] for k in placed]
+        return render_map(poses[placed], scans, GridConfig(resolution=resolution))
 
 
-def _between_nodes(local: Array, inserted: NDArray[np.int64], nodes: Array) -> Array:
+def _between_nodes(local: Array, inserted: NDArray[np.int64], nodes: Array, breaks: list[int]) -> Array:
     """Return (n, 3) global poses of all scans: carried from the nodes before and after by the local trajectory, mixed.
 
     Args:
         local: (n, 3) T_local_robot of all scans.
         inserted: (k,) ascending, the scans that are nodes.
         nodes: (k, 3) T_global_robot of the nodes.
+        breaks: First scans of pieces of the drive; across such a break nothing is mixed.
     """
     every = np.arange(len(local))
     after = np.minimum(np.searchsorted(inserted, every), len(inserted) - 1)
     before = np.maximum(np.searchsorted(inserted, every, side="right") - 1, 0)
     gap = np.maximum(inserted[after] - inserted[before], 1)
     share = np.clip((every - inserted[before]) / gap, 0.0, 1.0)[:, None]
+    piece = np.searchsorted(breaks, every, side="right")
+    apart = np.searchsorted(breaks, inserted[before], side="right") != np.searchsorted(
+        breaks, inserted[after], side="right"
+    )
+    share[apart, 0] = piece[apart] == np.searchsorted(breaks, inserted[after[apart]], side="right")
     first = compose(nodes[before], between(local[inserted[before]], local))
     second = compose(nodes[after], between(local[inserted[after]], local))
     difference = second - first

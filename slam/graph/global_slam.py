@@ -1,6 +1,6 @@
 """Global SLAM: nodes and submaps tied by constraints, adjusted so that loops close (Hess et al. 2016)."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,9 @@ from .local_slam import Insertion
 from .submap import Submap
 
 Array = NDArray[np.float64]
+
+_LOOSE = np.array([30.0, 3.0])  # [m, rad] how badly the odometry ties a piece of the drive that has no place yet
+_PLACED = np.array([0.1, 0.05])  # [m, rad] how well relocalization does
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,12 +102,17 @@ class GlobalSlam:
         self._travelled = np.inf
         self._new = False
         self._finished_nodes = 0
+        # A piece of the drive begins where the robot got lost; `_placed` says for each whether its place is known.
+        self._placed = [True]
+        self._bridge = np.zeros(3)
+        self._piece_of_node: list[int] = []
+        self._piece_of_submap: list[int] = []
 
     @property
     def local_to_global(self) -> Array:
         """(3,) T_global_local now: the only bridge between the drifting and the loop-closed frame."""
-        if not self.nodes:
-            return np.zeros(3)
+        if not self.nodes or self._piece_of_node[-1] != len(self._placed) - 1:
+            return self._bridge
         return compose(self._node_poses[-1], inverse(self.nodes[-1].pose_local))
 
     @property
@@ -112,13 +120,48 @@ class GlobalSlam:
         """(n, 3) T_global_robot of every node."""
         return np.array(self._node_poses).reshape(-1, 3)
 
+    @property
+    def placed(self) -> NDArray[np.bool_]:
+        """(n,) whether the place of each node on the map is known: not so for pieces after a kidnapping."""
+        return np.array([self._placed[piece] for piece in self._piece_of_node], dtype=np.bool_)
+
+    def begin_piece(self) -> None:
+        """The robot is lost: nodes from now on are a piece of their own, tied to nothing until it is placed."""
+        self._bridge = self.local_to_global
+        self._placed.append(False)
+
+    def place_piece(self, pose: Array, pose_local: Array) -> None:
+        """Say where the newest piece lies: `pose` (3,) T_global_robot belongs to `pose_local` (3,) T_local_robot."""
+        piece = len(self._placed) - 1
+        self._placed[piece] = True
+        self._bridge = compose(pose, inverse(pose_local))
+        for s, of in enumerate(self._piece_of_submap):
+            if of == piece:
+                self._submap_poses[s] = compose(self._bridge, self._submaps[s].pose_local)
+        nodes = [k for k, of in enumerate(self._piece_of_node) if of == piece]
+        for k in nodes:
+            self._node_poses[k] = compose(self._bridge, self.nodes[k].pose_local)
+        if nodes and nodes[0] > 0:
+            tie = between(self._node_poses[nodes[0] - 1], self._node_poses[nodes[0]])
+            self.nodes[nodes[0]] = replace(self.nodes[nodes[0]], motion=Prediction(tie, _PLACED))
+        for k in nodes[-1:]:
+            for s in self._near(k)[: self._config.nearest]:
+                self._tied_at[s] = k
+                self._track(s, nodes, True)
+
     def add_node(self, pose_local: Array, insertion: Insertion) -> None:
         """Add a scan that local SLAM inserted, match it against older submaps, adjust the graph when it is due."""
         bridge = self.local_to_global
         index = len(self.nodes)
         for submap in self._submaps[len(self._submap_poses) :]:
             self._submap_poses.append(compose(bridge, submap.pose_local))
-        self.nodes.append(Node(pose_local, insertion.points, insertion.submaps, insertion.motion))
+            self._piece_of_submap.append(len(self._placed) - 1)
+        motion = insertion.motion
+        if self.nodes and self._piece_of_node[-1] != len(self._placed) - 1:
+            sigma = _PLACED if self._placed[-1] else _LOOSE
+            motion = Prediction(between(self._node_poses[-1], compose(bridge, pose_local)), sigma)
+        self._piece_of_node.append(len(self._placed) - 1)
+        self.nodes.append(Node(pose_local, insertion.points, insertion.submaps, motion))
         self._node_poses.append(compose(bridge, pose_local))
         curvature = insertion.match.information if insertion.match else None
         if insertion.match:
@@ -156,7 +199,12 @@ class GlobalSlam:
         distance = np.hypot(*(centres - self._node_poses[index][:2]).T)
         order = np.argsort(distance, kind="stable")
         inside = self.nodes[index].submaps
-        return [int(s) for s in order if distance[s] <= self._config.max_distance and s not in inside]
+        near = [int(s) for s in order if distance[s] <= self._config.max_distance and s not in inside]
+        return [s for s in near if self._related(self._piece_of_submap[s], self._piece_of_node[index])]
+
+    def _related(self, one: int, other: int) -> bool:
+        """Return whether it is known how two pieces of the drive lie to each other."""
+        return one == other or (self._placed[one] and self._placed[other])
 
     def _close_loops(self, index: int) -> None:
         """Track the nearest submaps whose place is known, search for the one that waits longest."""

@@ -15,6 +15,7 @@ from .scan_matcher import Match, ScanMatcher, ScanMatcherConfig
 from .submap import Submap
 from .surface import surface_points
 from .voxel_filter import AdaptiveVoxelConfig, AdaptiveVoxelFilter
+from .watch import Watch
 
 Array = NDArray[np.float64]
 
@@ -68,12 +69,14 @@ class LocalResult:
     Attributes:
         pose: (3,) T_local_robot [m, m, rad].
         match: How the scan fits on the submap; None: it was not matched, the pose is that of the odometry.
-        insertion: What was inserted; None: the motion filter dropped the scan.
+        insertion: What was inserted; None: the motion filter dropped the scan, or it is doubtful.
+        doubtful: Whether the scan contradicts the submap: the pose is that of the odometry.
     """
 
     pose: Array
     match: Match | None
     insertion: Insertion | None
+    doubtful: bool = False
 
 
 class LocalSlam:
@@ -81,10 +84,12 @@ class LocalSlam:
 
     Args:
         config: Settings.
+        watch: Who notices that matching has failed; None: nobody does, every match is believed.
     """
 
-    def __init__(self, config: LocalSlamConfig) -> None:
+    def __init__(self, config: LocalSlamConfig, watch: Watch | None = None) -> None:
         self._config = config
+        self._watch = watch
         self._extrapolator: OdometryExtrapolator | None = None
         self._inserted_at: Array | None = None
         self._motion_filter = MotionFilter(config.motion_filter)
@@ -97,15 +102,27 @@ class LocalSlam:
         """Every submap so far; the last two are still growing."""
         return self._active.submaps
 
+    def restart(self) -> None:
+        """Begin a new piece of the drive: submaps anew, from where the odometry says the robot is."""
+        self._active.restart()
+        self._motion_filter = MotionFilter(self._config.motion_filter)
+        self._matcher = ScanMatcher(self._config.matcher)
+        if self._watch:
+            self._watch.restart()
+
     def update(self, odometry: Array, scan: LaserScan) -> LocalResult:
         """Take one scan and the odometry pose T_odom_robot (3,) at that time."""
         if self._extrapolator is None:
             self._extrapolator = OdometryExtrapolator(self._config.extrapolator, odometry)
         prediction = self._extrapolator.predict(odometry)
         points = self._voxel_filter.apply(scan.points_robot)
-        match = self._matcher.match(self._active.front, points, prediction) if self.submaps else None
+        match = self._matcher.match(self._active.front, points, prediction) if self._active.begun else None
+        if match and self._watch:
+            foot = np.array(scan.T_robot_lidar[:2], dtype=np.float64)
+            if self._watch.doubts(self._active.front, points, foot, match.pose, match.score):
+                return LocalResult(prediction.pose, match, None, True)
         pose = match.pose if match else prediction.pose
-        if match or not self.submaps:
+        if match or not self._active.begun:
             self._extrapolator.correct(odometry, pose)
         insertion = None
         if len(points) >= self._config.matcher.min_points and self._motion_filter.passes(pose):

@@ -21,7 +21,7 @@ class EvidenceConfig:
     """Settings of `Evidence`.
 
     Attributes:
-        sigma: How far from a wall the end of a beam may lie [m].
+        sigma: How far from a wall the end of a beam may lie [m]; at least two cells of the map.
         slack: A wall that a beam came through contradicts it only if it stands more than this before its end [m].
         hold: Information with which a pose is held where it is refined from [1/m^2, 1/rad^2].
         weight: Weight of a point's `1 - occupancy` beside that.
@@ -50,7 +50,7 @@ class Evidence:
 
     def __init__(self, place: PlaceMap, config: EvidenceConfig) -> None:
         self._place, self._config = place, config
-        self._sigma = max(config.sigma, place.resolution)
+        self._sigma = max(config.sigma, 2.0 * place.resolution)
 
     def judge(self, view: View, poses: Array) -> tuple[Array, Array]:
         """Return (k,) mean log-likelihoods of the beams of a view at `poses` (k, 3), and (k,) shares explained."""

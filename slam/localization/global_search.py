@@ -15,6 +15,8 @@ from .view import View
 
 Array = NDArray[np.float64]
 
+_FINE = 0.05  # [m] side of cells from which a view counts in full
+
 
 @dataclass(frozen=True, kw_only=True)
 class GlobalSearchConfig:
@@ -30,10 +32,13 @@ class GlobalSearchConfig:
         views: So many views are remembered.
         search_every: A search for each so many metres, or half as many radians, of motion.
         fresh: Views are independent when the robot moves so far between them, or turns by as many radians [m, rad].
-        independent_beams: A view counts as so many independent beams, however many it has.
+        independent_beams: A view counts as so many independent beams, however many it has; fewer where the cells of
+            the map are larger than 5 cm, as they tell places apart less well.
+        independent_views: All remembered views count as no more independent ones than this: what is wrong about the
+            map is so in all of them.
         sure_ratio: The best hypothesis must be so many times as likely as the best distinct rival.
-        well_explained: That suffices where so large a share of the beams ends at walls of the map; for each tenth less
-            it must be `sure_ratio` times more likely still.
+        well_explained: That suffices where so large a share of the beams ends at walls of the map; for each tenth
+            less it must be `sure_ratio` times more likely still.
         least_explained: A hypothesis that explains a smaller share is never sure.
         same: Hypotheses nearer than this are one [m, rad].
         hopeless: Hypotheses less likely than the best by this factor are forgotten.
@@ -49,8 +54,9 @@ class GlobalSearchConfig:
     search_every: float = 0.25
     fresh: float = 0.5
     independent_beams: float = 12.0
+    independent_views: float = 3.0
     sure_ratio: float = 20.0
-    well_explained: float = 0.8
+    well_explained: float = 0.85
     least_explained: float = 0.5
     same: tuple[float, float] = (0.25, 0.1)
     hopeless: float = 1e8
@@ -112,6 +118,7 @@ class GlobalSearch:
         self._views: list[View] = []
         self._freshness: list[float] = []
         self._poses = np.empty((0, 3))
+        self._priors = np.empty(0)  # log-likelihoods before any view
         self._tables = np.empty((0, 0, 2))  # hypotheses x views x (mean log-likelihood, share explained)
         self._since_search = np.inf
 
@@ -133,8 +140,13 @@ class GlobalSearch:
             self._freshness[0] = 1.0
             self._tables = self._tables[:, 1:]
 
-    def propose(self, poses: Array) -> None:
-        """Add hypotheses T_map_robot (k, 3), carried back through the remembered views."""
+    def propose(self, poses: Array, prior: float = 1.0) -> None:
+        """Add hypotheses T_map_robot (k, 3), carried back through the remembered views.
+
+        Args:
+            poses: The hypotheses.
+            prior: How many times likelier each is than any other place before the views are looked at.
+        """
         poses = poses[~self._known(poses)]
         if not len(poses):
             return
@@ -147,6 +159,7 @@ class GlobalSearch:
                 now = view
             table[:, k] = np.stack(self._evidence.judge(view, then), axis=-1)
         self._poses = np.concatenate((self._poses, poses))
+        self._priors = np.concatenate((self._priors, np.full(len(poses), np.log(prior))))
         self._tables = np.concatenate((self._tables, table))
         self._settle()
 
@@ -208,13 +221,15 @@ class GlobalSearch:
     def _totals(self) -> tuple[Array, Array]:
         """Return (k,) log-likelihoods and (k,) shares explained, over the remembered views."""
         weights = np.array(self._freshness)
-        totals = self._config.independent_beams * self._tables[:, :, 0] @ weights
-        return totals, self._tables[:, :, 1] @ weights / weights.sum()
+        means = np.einsum("kvc,v->kc", self._tables, weights / weights.sum())
+        beams = self._config.independent_beams * min(1.0, _FINE / self._place.resolution)
+        count = beams * min(float(weights.sum()), self._config.independent_views)
+        return self._priors + count * means[:, 0], means[:, 1]
 
     def _settle(self) -> None:
         """Sort the hypotheses, join equal ones, drop hopeless ones and those that stand in walls or the unknown."""
         stand = self._place.is_free(self._poses[:, :2])
-        self._poses, self._tables = self._poses[stand], self._tables[stand]
+        self._poses, self._priors, self._tables = self._poses[stand], self._priors[stand], self._tables[stand]
         totals, _ = self._totals()
         kept: list[int] = []
         for k in np.argsort(-totals, kind="stable").tolist():
@@ -222,7 +237,7 @@ class GlobalSearch:
                 break
             if not kept or not self._same(self._poses[kept], self._poses[k]).any():
                 kept.append(k)
-        self._poses, self._tables = self._poses[kept], self._tables[kept]
+        self._poses, self._priors, self._tables = self._poses[kept], self._priors[kept], self._tables[kept]
 
     def _known(self, poses: Array) -> NDArray[np.bool_]:
         return np.array([self._same(self._poses, pose).any() for pose in poses], dtype=np.bool_)

@@ -45,6 +45,7 @@ class LocalizerConfig:
         doubt: A scan is doubtful when it explains less of its beams than so much of what is usual ...
         doubt_below: ... or less than this.
         patience: After so many doubtful scans in a row the robot counts as lost.
+        trust: Then the tracked pose still counts as so many times likelier than any other before the map is searched.
         blind_way: After so many metres without a scan that says anything it counts as lost, too [m].
     """
 
@@ -55,13 +56,14 @@ class LocalizerConfig:
     extrapolator: ExtrapolatorConfig = field(default_factory=ExtrapolatorConfig)
     matcher: ScanMatcherConfig = field(default_factory=ScanMatcherConfig)
     min_points: int = 20
-    doubt: float = 0.8
+    doubt: float = 0.85
     doubt_below: float = 0.5
     patience: int = 3
+    trust: float = 150.0
     blind_way: float = 5.0
 
     def __post_init__(self) -> None:
-        for name in ("min_points", "doubt", "doubt_below", "patience", "blind_way"):
+        for name in ("min_points", "doubt", "doubt_below", "patience", "trust", "blind_way"):
             if not getattr(self, name) > 0:
                 raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
 
@@ -186,7 +188,7 @@ class Localizer:
         self.lost += 1
         if len(view.points) < self.config.min_points:
             return LocalizationUpdate(None, State.SEARCHING, False, None, None)
-        self._search.propose(pose[None])
+        self._search.propose(pose[None], self.config.trust)
         return self._concluded(self._search.look(), view)
 
 

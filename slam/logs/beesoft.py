@@ -26,6 +26,7 @@ _BEAMS = 180
 _BEARINGS = np.radians(np.arange(_BEAMS) - 89.5)
 _RANGE_MAX = 81.0  # [m] a SICK's; it writes 81.83 where nothing came back
 _CM = 0.01
+_OCCUPIED_ABOVE, _FREE_BELOW = 0.65, 0.196  # as ROS; much that no beam reached stands at 0.27 to 0.42
 _GRID = "global_map[0]:"
 _RESOLUTION = "robot_specifications->resolution"
 
@@ -111,4 +112,5 @@ def read_beesoft_map(path: str | os.PathLike[str]) -> OccupancyMap:
     if len(lines) < shape[0]:
         raise InputError(f"{file}: the grid is cut: needs {shape[0]} lines, got {len(lines)}")
     free = np.array(lines, dtype=np.float32).T
-    return OccupancyMap(np.where(free < 0.0, np.nan, 1.0 - free).astype(np.float32), resolution, (0.0, 0.0))
+    occupancy = np.where(free < 0.0, np.nan, 1.0 - free).astype(np.float32)
+    return OccupancyMap(occupancy, resolution, (0.0, 0.0), _OCCUPIED_ABOVE, _FREE_BELOW)

@@ -10,7 +10,7 @@ from ..errors import InputError
 from .nearest import nearest_point
 from .surfaces import SurfaceConfig, Surfaces
 
-_LONG_LINES = SurfaceConfig(neighbours=10, tolerance=0.06, even=True)
+LONG_LINES = SurfaceConfig(neighbours=10, tolerance=0.06, even=True)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,7 +24,8 @@ class ConfidenceConfig:
         noise: Least standard deviation of a point from a line [m].
         blind_sigma: Standard deviation of what nothing is known about [m, rad].
         caution: How many times the knowledge that noisy normals feign is taken off.
-        surfaces: Lines of the reference that serve here, longer than those that the matchers use.
+        surfaces: Lines of the reference that serve here, longer than those that the matchers use; which points are of
+            one surface is the matcher's.
     """
 
     near: float = 0.1
@@ -33,7 +34,7 @@ class ConfidenceConfig:
     noise: float = 0.01
     blind_sigma: float = 3.0
     caution: float = 3.0
-    surfaces: SurfaceConfig = _LONG_LINES
+    surfaces: SurfaceConfig = LONG_LINES
 
     def __post_init__(self) -> None:
         if not min(self.near, self.least_points, self.noise, self.blind_sigma, self.caution) > 0.0:

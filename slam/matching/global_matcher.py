@@ -19,7 +19,7 @@ from ..search.score_pyramid import ScoreGrid, ScorePyramid, build_pyramid
 from .iterative import PLICP, IterativeConfig, IterativeMatcher, Refined
 from .lookup import LookupConfig, build_lookup
 from .match import Match
-from .surfaces import SurfaceConfig, Surfaces, find_surfaces, near_points
+from .surfaces import SurfaceConfig, Surfaces, find_surfaces, near_points, noise_of
 from .visibility import agreement, mark_unseen
 
 # The whole circle and the large space of HGLASM-g.
@@ -35,6 +35,9 @@ _REFINEMENT = replace(
     last_scale=0.02,
     surfaces=SurfaceConfig(tolerance=0.007),
 )
+
+
+_LEVELS = 4  # of noise: 1, 2, 4 and 8 times that of a SICK
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,6 +60,9 @@ class GlobalConfig:
         beyond: How far beyond the reference's table such points count [m].
         second_maxima: How many maxima of the second search are refined at most; 0: there is none.
         second_separation: When a further maximum of the second search counts.
+        beside: Poses within this (m, rad) are one answer.
+        noise: Of the points that `refinement` is made for [m]. Where theirs is 2, 4, 8 times that, its tolerance,
+            its last scale and `sigma` are larger.
         refinement: PL-ICP with the lines of both scans, from each maximum.
     """
 
@@ -75,11 +81,13 @@ class GlobalConfig:
     beyond: float = 4.0
     second_maxima: int = 16
     second_separation: Separation = _SECOND_SEPARATION
+    beside: tuple[float, float] = (0.2, 0.04)
+    noise: float = 0.007
     refinement: IterativeConfig = _REFINEMENT
 
     def __post_init__(self) -> None:
-        if not (self.maxima >= 1 and self.points >= 1 and self.sigma > 0.0 and self.margin >= 0.0):
-            raise InputError(f"need `maxima`, `points` >= 1, `sigma` > 0, `margin` >= 0, got {self}")
+        if not (self.maxima >= 1 and self.points >= 1 and min(self.sigma, self.noise) > 0.0 and self.margin >= 0.0):
+            raise InputError(f"need `maxima`, `points` >= 1, `sigma`, `noise` > 0, `margin` >= 0, got {self}")
         if not (0.0 <= self.unseen <= 1.0 and self.beyond >= 0.0 and self.second_maxima >= 0):
             raise InputError(f"need `unseen` in [0, 1], `beyond` [m], `second_maxima` >= 0, got {self}")
 
@@ -89,35 +97,37 @@ class GlobalMatcher:
 
     def __init__(self, config: GlobalConfig) -> None:
         self.config = config
-        self._refinement = IterativeMatcher(config.refinement)
+        self._refinements = [IterativeMatcher(_coarser(config.refinement, 2**k)) for k in range(_LEVELS)]
         self._reference: LaserScan | None = None
         self._pyramid: ScorePyramid | None = None
 
     def match(self, reference: LaserScan, new: LaserScan, guess: ArrayLike) -> Match:
         """Return the pose of `new` in the frame of `reference`, from `guess` (3,) (see `Matcher`)."""
         config = self.config
-        surfaces_new = find_surfaces(new, config.refinement.surfaces)
+        tool, surfaces_new = self._tool(reference, new)
         points, centre = surfaces_new.points, np.array(guess, dtype=np.float64)
-        surfaces = self._refinement.surfaces(reference)
         found = self.search(reference, points, centre)
-        if not found.maxima or len(surfaces) < 3:
-            return self._refinement.judge(reference, points, Refined(centre, 0, False))
-        refined, scores = self._refine(reference, surfaces_new, found)
-        looked_at = found.looked_at
+        if not found.maxima or len(tool.surfaces(reference)) < 3:
+            return tool.judge(reference, points, Refined(centre, 0, False))
+        refined, scores = self._refine(tool, reference, surfaces_new, found)
+        maxima, looked_at = found.maxima, found.looked_at
         if config.second_maxima > 0 and max(scores) < config.sure:
             second = self.search_views(reference, points, centre)
-            more, more_scores = self._refine(reference, surfaces_new, second)
-            refined, scores, looked_at = refined + more, scores + more_scores, looked_at + second.looked_at
+            more, more_scores = self._refine(tool, reference, surfaces_new, second)
+            refined, scores = refined + more, scores + more_scores
+            maxima, looked_at = maxima + second.maxima, looked_at + second.looked_at
+        first = self._choose(refined, scores)
+        best = refined[first]
         order = np.argsort(-np.array(scores), kind="stable")
-        best = refined[order[0]]
-        others = [refined[k].pose for k in order[1:] if self._rivals(best, refined[k], scores[order[0]], scores[k])]
-        match = self._refinement.judge(reference, points, best)
+        others = [refined[k].pose for k in order if self._rivals(best, refined[k], scores[first], scores[k])]
+        match = tool.judge(reference, points, best)
         return replace(
             match,
             converged=match.converged and not others,
             evaluations=looked_at,
             ambiguous=bool(others),
             alternatives=np.array(others).reshape(-1, 3),
+            searched=np.array(maxima[first].pose),
         )
 
     def search(self, reference: LaserScan, points_new: NDArray[np.float64], guess: ArrayLike) -> SearchResult:
@@ -141,7 +151,7 @@ class GlobalMatcher:
 
     def views_table(self, reference: LaserScan) -> ScoreGrid:
         """Return the reference's table, wider, in which what it did not see has a worth."""
-        config, seen = self.config, self._refinement.surfaces(reference)
+        config, seen = self.config, self._refinements[0].surfaces(reference)
         grid = build_lookup(seen.points, config.lookup)
         border = int(np.ceil(config.beyond / grid.resolution))
         values = np.pad(grid.values, border)
@@ -168,26 +178,52 @@ class GlobalMatcher:
             points_new = points_new[np.linspace(0, len(points_new) - 1, config.points).astype(np.int64)]
         return branch_and_bound(pyramid, points_new, guess, config.window, maxima=maxima, separation=separation)
 
-    def _refine(self, reference: LaserScan, new: Surfaces, found: SearchResult) -> tuple[list[Refined], list[float]]:
-        """Return the refined maxima and how well each explains both scans."""
-        refined = [self._refinement.refine_both(reference, new, maximum.pose) for maximum in found.maxima]
-        seen = self._refinement.surfaces(reference)
-        return refined, [self._explains(seen, new, candidate.pose) for candidate in refined]
+    def _tool(self, reference: LaserScan, new: LaserScan) -> tuple[IterativeMatcher, Surfaces]:
+        """Return the refinement made for the noise of these scans, and the surfaces of the new one as it takes them."""
+        finest, surfaces = self._refinements[0], find_surfaces(new, self.config.refinement.surfaces)
+        noise = 0.5 * (noise_of(finest.surfaces(reference)) + noise_of(surfaces))
+        level = min(round(np.log2(max(noise / self.config.noise, 1.0))), _LEVELS - 1)
+        if level == 0:
+            return finest, surfaces
+        tool = self._refinements[level]
+        return tool, find_surfaces(new, tool.config.surfaces)
 
-    def _explains(self, reference: Surfaces, new: Surfaces, pose: NDArray[np.float64]) -> float:
+    def _refine(
+        self, tool: IterativeMatcher, reference: LaserScan, new: Surfaces, found: SearchResult
+    ) -> tuple[list[Refined], list[float]]:
+        """Return the refined maxima and how well each explains both scans."""
+        refined = [tool.refine_both(reference, new, maximum.pose) for maximum in found.maxima]
+        seen = tool.surfaces(reference)
+        return refined, [self._explains(tool, seen, new, candidate.pose) for candidate in refined]
+
+    def _explains(self, tool: IterativeMatcher, reference: Surfaces, new: Surfaces, pose: NDArray[np.float64]) -> float:
         """Return the share of hits among what both scans could see of each other: hits and contradictions.
 
         A fifth of the reference's points is added below, so that a few hits at the rim do not win.
         """
         config = self.config
-        hits, against = 0.0, 0.0
+        hits, against, sigma = 0.0, 0.0, max(config.sigma, 2.0 * tool.config.last_scale)
         for points, T, seen in ((new, pose, reference), (reference, inverse(pose), new)):
             met, contradicted = agreement(
                 points.points, T, seen.points, seen.rays, seen.feet, seen.normals, seen.first,
-                config.sigma, config.margin,
+                sigma, config.margin,
             )  # fmt: skip
             hits, against = hits + met, against + contradicted
         return float(hits / (hits + config.free_space * against + 0.2 * len(reference)))
+
+    def _choose(self, refined: list[Refined], scores: list[float]) -> int:
+        """Return the index of the pose that explains the scans best; of those beside it, that of the highest maximum.
+
+        Between poses a hand's breadth apart the share of explained points decides little: sparse points like to meet
+        one beam aside.
+        """
+        best = int(np.argmax(scores))
+        linear, angular = self.config.beside
+        for k in range(best):
+            apart = compose(inverse(refined[best].pose), refined[k].pose)
+            if np.hypot(apart[0], apart[1]) <= linear and abs(wrap_angle(apart[2])) <= angular:
+                return k
+        return best
 
     def _rivals(self, best: Refined, other: Refined, best_score: float, score: float) -> bool:
         """Return whether `other` is a different pose that is about as good."""
@@ -195,3 +231,9 @@ class GlobalMatcher:
         separation = self.config.separation
         far = np.hypot(apart[0], apart[1]) > separation.linear or abs(wrap_angle(apart[2])) > separation.angular
         return bool(far and score >= self.config.rival * best_score)
+
+
+def _coarser(config: IterativeConfig, factor: float) -> IterativeConfig:
+    """Return the refinement for `factor` times the noise."""
+    last, surfaces = min(factor * config.last_scale, config.first_scale), config.surfaces
+    return replace(config, last_scale=last, surfaces=replace(surfaces, tolerance=factor * surfaces.tolerance))

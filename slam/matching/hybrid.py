@@ -17,6 +17,9 @@ from .surfaces import near_points
 
 _POLISHING = replace(PLICP, first_reach=0.5, first_scale=0.2)
 
+_COARSE = (0.1, 0.1, 0.035)  # standard deviation of a search that nothing refines: a cell of the table [m, m, rad]
+_BLIND = 0.5  # standard deviation of a direction that the scans say nothing about [m]
+
 
 @dataclass(frozen=True, kw_only=True)
 class HybridConfig:
@@ -91,7 +94,19 @@ class HybridMatcher:
             refined = self._polishing.refine(reference, points, coarse.pose)
             refined = replace(refined, iterations=refined.iterations + coarse.iterations)
         match = self._refinement.judge(reference, points, refined)
-        return replace(match, evaluations=found.evaluations)
+        covariance = match.covariance
+        if not (self.config.refine or self.config.polish):
+            covariance = covariance + np.diag(np.square(_COARSE))
+        # What constrains one direction only, as a corridor, looks the same from behind.
+        turnable = self.config.genetic.angular > 0.5 * np.pi and covariance[:2, :2].trace() > _BLIND**2
+        return replace(
+            match,
+            covariance=covariance,
+            converged=match.converged and not turnable,
+            ambiguous=turnable,
+            evaluations=found.evaluations,
+            searched=found.pose,
+        )
 
     def search(self, reference: LaserScan, points_new: NDArray[np.float64], guess: ArrayLike) -> Search:
         """Return the best individual of the search around `guess` (3,) for points (N, 2) of the new scan."""

@@ -23,6 +23,7 @@ class Match:
         evaluations: Poses scored by the search before it; 0 where there is none.
         ambiguous: Whether another pose, elsewhere, explains the scan about as well (only a search can tell).
         alternatives: (m, 3) such other poses, best first.
+        searched: (3,) where the search before the refinement ended; None where there is none.
     """
 
     pose: NDArray[np.float64]
@@ -33,6 +34,7 @@ class Match:
     evaluations: int = 0
     ambiguous: bool = False
     alternatives: NDArray[np.float64] | None = None
+    searched: NDArray[np.float64] | None = None
 
 
 class Matcher(Protocol):

@@ -49,3 +49,39 @@ def test_a_leader_found_as_another_track_keeps_its_number_in_the_table(stage):
     again = replace(leader, id=7, track_id=int(people.ids[0]))
     assert numbered_by_leader(people, again).ids.tolist() == [7]
     assert numbered_by_leader(people, replace(again, track_id=-1)).ids.tolist() == people.ids.tolist()
+
+
+def people_at(template, time_s, positions, unseen_s):
+    """People numbered 0, 1, ... at `positions` (n, 2), each unseen for `unseen_s` (n,)."""
+    count = len(positions)
+    return replace(
+        template,
+        time_s=time_s,
+        ids=np.arange(count),
+        positions=np.array(positions),
+        velocities=np.zeros((count, 2)),
+        confidence=np.full(count, 0.8),
+        legs=np.repeat(np.array(positions)[:, None], 2, axis=1),
+        variance=np.full(count, 0.05),
+        unseen_s=np.array(unseen_s),
+        age_s=np.full(count, time_s),
+    )
+
+
+def test_a_second_track_on_the_leader_takes_over_when_the_leaders_own_is_unseen(stage):
+    template = stage.show(np.zeros((0, 2)))
+    for apart, track in ((0.3, 1), (0.6, 0)):  # no two bodies are 0.3 m apart, but two people may be 0.6 m
+        selector = LeaderSelector(stage.config)
+        places = [[1.5, 0.0], [1.5 + apart, 0.0]]
+        for k in range(15):
+            leader = selector.update(people_at(template, 0.1 * k, places, [0.0, 0.0]), ORIGIN)
+        assert leader is not None
+        assert leader.track_id == 0
+        numbers = []
+        for k in range(1, 8):
+            leader = selector.update(people_at(template, 1.4 + 0.1 * k, places, [0.1 * k, 0.0]), ORIGIN)
+            assert leader is not None
+            assert leader.id == 0
+            numbers.append(leader.track_id)
+        assert numbers[:2] == [0, 0]  # patience
+        assert numbers[-1] == track

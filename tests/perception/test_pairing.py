@@ -12,8 +12,9 @@ def spread_of(places):
 
 def test_a_leg_waits_for_its_partner_rather_than_take_a_strangers():
     spread = spread_of([0.0, 0.2, 0.6, 0.8])  # two people side by side
-    assert mutual_pairs(spread, np.array([True, True, True, True]), 0.5).tolist() == [[0, 1], [2, 3]]
-    assert mutual_pairs(spread, np.array([False, True, True, False]), 0.5).tolist() == []
+    assert mutual_pairs(spread, 0.5).tolist() == [[0, 1], [2, 3]]
+    assert mutual_pairs(spread_of([0.0, 0.2, 0.3]), 0.5).tolist() == [[1, 2]]
+    assert mutual_pairs(spread, 0.1).tolist() == []
 
 
 def test_people_who_took_each_others_legs_exchange_them():

@@ -26,10 +26,49 @@ def test_a_walker_becomes_one_person_at_the_true_place(make_stage, rate_hz):
     assert [len(people) for people in history[: round(0.2 * rate_hz)]] == [0] * round(0.2 * rate_hz)
     assert all(list(people.ids) == [0] for people in history[round(1.5 * rate_hz) :])
     errors = np.array([p.positions[0] - t[0] for p, t in zip(history, truth, strict=True) if len(p)])
-    errors = errors[round(rate_hz) :]  # the velocity, zero at first, takes a second to be right
+    errors = errors[2 * round(rate_hz) :]  # known from its first step on, when one foot stands: the velocity follows
     assert np.abs(errors.mean(axis=0)).max() < 0.03
     assert np.hypot(*errors.T).max() < 0.15
     assert history[-1].velocities[0] == pytest.approx([0.0, 1.2], abs=0.25)
+
+
+def first_step(stage, confidence):
+    """The people after each scan of one foot that swings 0.6 m past the other, which stands."""
+    ways = np.concatenate((np.zeros(5), np.linspace(0.0, 0.6, 6), np.full(10, 0.6)))
+    return [stage.show([[1.5, 0.0], [1.7, -0.3 + way]], confidence=confidence) for way in ways]
+
+
+def test_two_sure_legs_are_a_person_from_the_first_step_and_doubtful_ones_wait_for_the_second(make_stage):
+    sure, doubtful = first_step(make_stage(), 0.8), first_step(make_stage(), 0.4)
+    assert len(sure[4]) == 0
+    assert list(sure[-1].ids) == [0]
+    assert sure[-1].positions[0] == pytest.approx([1.6, 0.15], abs=0.1)
+    assert all(len(people) == 0 for people in doubtful)
+
+
+def test_two_sure_things_of_which_one_is_mistaken_for_another_are_nobody(stage):
+    table = np.array([[1.5, 0.0], [1.7, -0.3], [1.7, 0.25]])
+    for k in range(100):  # the third leg looks human where the second did before
+        human = np.array([True, k % 40 < 20, k % 40 >= 20])
+        assert len(stage.show(table[human], table[~human])) == 0
+
+
+def test_the_way_of_one_leg_makes_up_for_the_other_whose_track_began_late(make_stage):
+    for late_way, started in ((0.3, True), (0.05, False)):
+        stage = make_stage()
+        for way in np.linspace(0.0, 0.9, 13):  # only one leg shows, doubtful
+            assert len(stage.show([[1.5, way]], confidence=0.4)) == 0
+        for k in range(8):
+            people = stage.show([[1.5, 0.9], [1.7, 0.7 + min(1.0, k / 4) * late_way]], confidence=0.4)
+        assert (len(people) == 1) == started
+
+
+def test_a_sure_leg_alone_starts_a_person_when_it_moved_for_both_and_a_doubtful_one_never(make_stage):
+    for confidence, started in ((0.8, True), (0.4, False)):
+        stage = make_stage()
+        counts = [len(stage.show([[1.5, y]], confidence=confidence)) for y in np.linspace(-1.0, 0.5, 25)]
+        assert counts[:14] == [0] * 14  # 0.8 m
+        assert (counts[-1] == 1) == started
 
 
 @pytest.mark.parametrize("rate_hz", [10.0, 40.0])

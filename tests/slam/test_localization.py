@@ -120,7 +120,7 @@ def test_in_a_room_that_looks_the_same_when_turned_there_is_never_a_pose():
 
 def test_in_the_middle_of_a_smooth_corridor_it_is_not_sure_but_at_an_end_with_a_door_it_is():
     rng = np.random.default_rng(0)
-    doors = np.array(CORRIDOR.tolist() + walls((28.0, 1.0), (28.0, 0.4), (29.0, 0.4), closed=False))
+    doors = np.array(CORRIDOR.tolist() + walls((28.0, 1.0), (28.0, 0.0), (29.0, 0.0), closed=False))
     grid = drawn(doors, [(x, 0.0) for x in np.arange(-29.0, 29.0, 2.0)], reach=8.0)
     updates, _ = driven(Localizer(grid), doors, (-5.0, 0.1, 0.02), (0.1, 0.0, 0.0), 20, rng, reach=8.0)
     assert all(update.pose is None for update in updates)

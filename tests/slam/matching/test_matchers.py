@@ -110,13 +110,14 @@ def test_along_a_corridor_the_covariance_is_metres_wide_and_across_it_centimetre
     match = make_matcher(name).match(*scans, between(at, moved) + np.array([0.05, 0.02, 0.02]))
     along, across = np.array([np.cos(-0.2), np.sin(-0.2), 0.0]), np.array([-np.sin(-0.2), np.cos(-0.2), 0.0])
     assert np.sqrt(along @ match.covariance @ along) > 0.5
-    assert np.sqrt(across @ match.covariance @ across) < 0.05
+    assert np.sqrt(across @ match.covariance @ across) < (0.15 if name in COARSE else 0.05)
     error = between(between(at, moved), match.pose)
     # A corridor looks the same from behind: what searches the whole circle may turn round.
     if name not in COARSE and abs(error[2]) < 1.0:
         assert abs(across @ error) < 0.05
     assert abs(error[2]) < 1.0 or name in ("pga", "glasm", "glasm-g", "hglasm-g-large", "global")
-    assert name != "global" or not match.converged
+    # Whoever searches the whole circle does not believe in either way round.
+    assert name not in (*COARSE, "hglasm-g-large", "global") or not match.converged
 
 
 @pytest.mark.parametrize("name", ["plicp", "global"])

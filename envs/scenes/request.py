@@ -1,0 +1,27 @@
+"""What is asked of a scene beyond its kind."""
+
+from dataclasses import dataclass
+
+from ...slam.errors import unknown_name
+
+SPLITS = ("train", "test")
+"""Halves of the drawn buildings: no building of one is ever in the other."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SceneRequest:
+    """What is asked of a scene; kinds of scenes without such a choice ignore it.
+
+    Attributes:
+        route: Name of the tour; None draws one.
+        split: Of which half offices are drawn: "train" or "test".
+        floor_plan: File `map.yaml` of a ROS map for the scene "floor_plan"; None takes the built-in plan.
+    """
+
+    route: str | None = None
+    split: str = "train"
+    floor_plan: str | None = None
+
+    def __post_init__(self) -> None:
+        if self.split not in SPLITS:
+            raise unknown_name("split", self.split, SPLITS)

@@ -1,0 +1,138 @@
+"""Ways through a floor: short, in the middle of doors, round rather than angular."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .cells import FreeSpace, regions
+from .polyline import resample
+from .way_kernel import search, smooth
+
+Array = NDArray[np.float64]
+
+STEP = 0.1
+"""Distance of the points of a way [m]."""
+_COMFORT = 1.0
+_SMOOTHING = 80
+_REMEMBERED = 40
+
+
+@dataclass(frozen=True, eq=False)
+class Way:
+    """A planned way.
+
+    Attributes:
+        points: (n, 2), `STEP` apart [m].
+        stops: (k,) way along it [m] at which it passes the places it was planned through.
+    """
+
+    points: Array
+    stops: Array
+
+    @property
+    def length(self) -> float:
+        """Length [m]."""
+        return (len(self.points) - 1) * STEP
+
+
+class WayPlanner:
+    """Plans ways that keep `clearance` from everything.
+
+    Args:
+        space: The floor.
+        clearance: Least distance of a way from what is not free [m].
+    """
+
+    def __init__(self, space: FreeSpace, clearance: float) -> None:
+        self.space, self.clearance = space, clearance
+        every = max(1, round(STEP / space.resolution))
+        self._coarse = space.clearance[::every, ::every]
+        offset = 0.5 * space.resolution
+        self._side = every * space.resolution
+        self._origin = np.asarray(space.origin) + offset
+        narrow = np.clip((_COMFORT - self._coarse) / _COMFORT, 0.0, 1.0)
+        self._cost = np.where(self._coarse >= clearance, 1.0 + 3.0 * narrow**2, np.inf)
+        self._searches: dict[tuple[int, int], tuple[Array, NDArray[np.int64]]] = {}
+
+    @cached_property
+    def regions(self) -> NDArray[np.int64]:
+        """(rows, cols) number of the connected region of each coarse cell, 0 where no way can be."""
+        return regions(np.isfinite(self._cost))
+
+    @cached_property
+    def places(self) -> Array:
+        """(k, 2) all places [m] in the largest connected region."""
+        sizes = np.bincount(self.regions.ravel())
+        sizes[0] = 0
+        rows, cols = np.nonzero(self.regions == int(sizes.argmax())) if sizes.any() else (np.zeros(0), np.zeros(0))
+        return np.stack((cols, rows), axis=-1) * self._side + self._origin
+
+    @property
+    def area(self) -> float:
+        """Area of the largest connected region [m^2]."""
+        return len(self.places) * self._side**2
+
+    def nearest(self, point: ArrayLike) -> Array | None:
+        """Return the place (2,) [m] nearest to `point` (2,); None where nothing is free."""
+        if len(self.places) == 0:
+            return None
+        return self.places[int(np.hypot(*(self.places - np.asarray(point)).T).argmin())]
+
+    def distances(self, start: ArrayLike) -> Array:
+        """Return (k,) the price of the way from `start` (2,) to each of `places`; about metres where there is room."""
+        rows, cols = self._cells(self.places)
+        return self._search(start)[0][rows, cols] * self._side
+
+    def way(self, through: ArrayLike) -> Way | None:
+        """Return the way through the places `through` (m, 2) in order [m]; None if one cannot be reached."""
+        places = np.asarray(through, dtype=np.float64)
+        legs = [self._leg(start, goal) for start, goal in pairwise(places)]
+        joined = [leg for leg in legs if leg is not None and len(leg) > 1]
+        if len(joined) < len(legs) or not joined:
+            return None
+        rough = np.concatenate([joined[0], *(leg[1:] for leg in joined[1:])])
+        space = self.space
+        smoothed = smooth(rough, space.clearance, *space.origin, space.resolution, self.clearance, _SMOOTHING)
+        points = resample(smoothed, STEP)
+        away = np.hypot(*(points[:, None] - places[None]).transpose(2, 0, 1))
+        return Way(points, away.argmin(axis=0) * STEP) if len(points) > 2 else None
+
+    def _cells(self, points: ArrayLike) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        cells = np.rint((np.asarray(points, dtype=np.float64) - self._origin) / self._side).astype(np.int64)
+        rows, cols = self._cost.shape
+        return np.clip(cells[..., 1], 0, rows - 1), np.clip(cells[..., 0], 0, cols - 1)
+
+    def _search(self, start: ArrayLike) -> tuple[Array, NDArray[np.int64]]:
+        row, col = (int(value) for value in self._cells(start))
+        if len(self._searches) > _REMEMBERED:
+            self._searches.clear()
+        if (row, col) not in self._searches:
+            self._searches[row, col] = search(self._cost, row, col)
+        return self._searches[row, col]
+
+    def _leg(self, start: Array, goal: Array) -> Array | None:
+        """Return (n, 2) the cheapest way, cell by cell."""
+        price, before = self._search(start)
+        row, col = (int(value) for value in self._cells(goal))
+        if not np.isfinite(price[row, col]):
+            return None
+        flat, cells = row * price.shape[1] + col, []
+        while flat >= 0:
+            cells.append(flat)
+            flat = int(before.flat[flat])
+        found = np.array(cells[::-1])
+        return np.stack((found % price.shape[1], found // price.shape[1]), axis=-1) * self._side + self._origin
+
+
+def folds(points: Array, apart: float = 0.8) -> bool:
+    """Return whether a way (n, 2) turns on the spot: comes within `apart` [m] of where it was 2 to 3.5 m before.
+
+    A robot that follows 1.3 m behind would meet its leader there.
+    """
+    for steps in (round(2.0 / STEP), round(2.75 / STEP), round(3.5 / STEP)):
+        if len(points) > steps and np.hypot(*(points[steps:] - points[:-steps]).T).min() < apart:
+            return True
+    return False

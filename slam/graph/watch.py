@@ -1,0 +1,128 @@
+"""Notices that local matching has failed: the scan contradicts the submap it should fit on.
+
+A low score alone says little: a robot that comes into a new room sees walls that no submap has. But a beam that goes
+through a wall, or ends where others saw free space, says that the pose is wrong (or that people are about).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from .submap import Submap
+
+Array = NDArray[np.float64]
+
+_MEMORY = 0.05  # share of the newest score in the usual one
+_WALL = 0.5  # occupancy from which a cell stops a beam
+_TRACE = 0.15  # occupancy from which a cell near the end of a beam explains it
+_NEAR = 3  # cells around an end that are looked at
+
+
+@dataclass(frozen=True, kw_only=True)
+class WatchConfig:
+    """Settings of `Watch`.
+
+    Attributes:
+        poor: A score below so much of the usual one makes it look closer ...
+        contradicted: ... and if more than this share of the beams contradicts the submap, the scan is doubtful.
+        slack: A wall must stand so far before the end of a beam to contradict it [m].
+        patience: So many doubtful scans in a row: the robot is lost.
+    """
+
+    poor: float = 0.6
+    contradicted: float = 0.2
+    slack: float = 0.4
+    patience: int = 3
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if not value > 0:
+                raise InputError(f"`{name}` must be positive, got {value}")
+
+
+class Watch:
+    """Judges matches of local SLAM.
+
+    Args:
+        config: Settings.
+
+    Attributes:
+        in_doubt: How many scans in a row were doubtful.
+    """
+
+    def __init__(self, config: WatchConfig) -> None:
+        self._config = config
+        self._usual = 0.0
+        self.in_doubt = 0
+
+    @property
+    def lost(self) -> bool:
+        """Whether so many scans in a row were doubtful that the robot is lost."""
+        return self.in_doubt >= self._config.patience
+
+    def restart(self) -> None:
+        """Begin anew with another submap; what is usual stays."""
+        self.in_doubt = 0
+
+    def doubts(self, submap: Submap, points: Array, foot: Array, pose: Array, score: float) -> bool:
+        """Return whether a match is doubtful.
+
+        Args:
+            submap: What the scan was matched on.
+            points: (N, 2) its thinned returns, robot frame [m].
+            foot: (2,) the laser, robot frame [m].
+            pose: (3,) T_local_robot of the match.
+            score: Of the match.
+        """
+        config = self._config
+        if score < config.poor * self._usual:
+            place = submap.field, submap.known, submap.corner, submap.resolution
+            if contradictions(*place, foot, points, pose, config.slack) > config.contradicted * len(points):
+                self.in_doubt += 1
+                return True
+        self._usual = score if self._usual == 0.0 else self._usual + _MEMORY * (score - self._usual)
+        self.in_doubt = 0
+        return False
+
+
+@njit(cache=True, nogil=True)
+def contradictions(
+    field: NDArray[np.float32],
+    known: NDArray[np.bool_],
+    corner: Array,
+    resolution: float,
+    foot: Array,
+    points: Array,
+    pose: Array,
+    slack: float,
+) -> int:
+    """Return how many of the beams that end at `points` (N, 2) contradict a submap, the robot at `pose` (3,).
+
+    A beam contradicts it that comes through a cell of a wall more than `slack` [m] before its end, or that ends in a
+    cell that is known, without any trace of a wall in the cells around.
+    """
+    rows, cols = field.shape
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    x0 = (pose[0] + c * foot[0] - s * foot[1] - corner[0]) / resolution + 0.5
+    y0 = (pose[1] + s * foot[0] + c * foot[1] - corner[1]) / resolution + 0.5
+    count = 0
+    for n in range(len(points)):
+        x1 = (pose[0] + c * points[n, 0] - s * points[n, 1] - corner[0]) / resolution + 0.5
+        y1 = (pose[1] + s * points[n, 0] + c * points[n, 1] - corner[1]) / resolution + 0.5
+        length = np.sqrt((x1 - x0) ** 2 + (y1 - y0) ** 2)
+        contradicts = False
+        for step in range(1, int(length - slack / resolution) + 1):
+            i = int(np.floor(y0 + step / length * (y1 - y0)))
+            j = int(np.floor(x0 + step / length * (x1 - x0)))
+            if 0 <= i < rows and 0 <= j < cols and field[i, j] > _WALL:
+                contradicts = True
+                break
+        i, j = int(np.floor(y1)), int(np.floor(x1))
+        if not contradicts and 0 <= i < rows and 0 <= j < cols and known[i, j]:
+            around = field[max(i - _NEAR, 0) : i + _NEAR + 1, max(j - _NEAR, 0) : j + _NEAR + 1]
+            contradicts = around.max() < _TRACE
+        count += contradicts
+    return count

@@ -1,0 +1,75 @@
+"""Suites, the situations of Follow-Bench, and its figures."""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import gymnasium as gym
+import numpy as np
+import pytest
+from tagalong.agents import make_follower
+from tagalong.envs.metrics.follow_bench import follow_bench_metrics
+from tagalong.envs.rollout import rollout
+from tagalong.envs.suites import SUITES, suite
+from tagalong.scripts.cli import main
+from tagalong.slam.errors import InputError
+
+
+@pytest.mark.parametrize("name", sorted(SUITES))
+def test_every_scenario_of_a_suite_can_be_driven(name):
+    for scenario in {each.env + str(each.arguments): each for each in suite(name)}.values():
+        env = gym.make(scenario.env, slam=None, beams=61, **scenario.arguments)
+        env.reset(seed=1_000_000, options=scenario.options)
+        env.step(np.zeros(2))
+
+
+def test_an_unknown_suite_is_answered_with_the_known_ones():
+    with pytest.raises(InputError, match="corridor, crowd, floor_plan"):
+        suite("ofice")
+
+
+@pytest.fixture(scope="module")
+def episode():
+    env = gym.make("tagalong/Office-v0", scene="doorway", people="truth", slam=None, beams=181)
+    return rollout(env, make_follower("pid", env.unwrapped.interface), seed=3, steps=80, options={"people": 3})
+
+
+def test_the_figures_of_follow_bench_are_what_they_say(episode):
+    history = episode.history
+    figures = follow_bench_metrics(history)
+    poses = history.robot_pose[:, :2]
+    assert figures["fb_path_m"] == pytest.approx(sum(np.hypot(*(b - a)) for a, b in pairwise(poses)))
+    gap = np.hypot(*(history.person_position[:, 0] - poses).T) - history.robot_radius - history.person_radius[0]
+    assert figures["fb_personal_s"] == pytest.approx(0.1 * sum(0.45 <= d <= 1.2 for d in gap))
+    assert figures["fb_success"] == 0.0
+    still = replace(history, robot_velocity=np.tile([0.5, 0.0, 0.0], (81, 1)), robot_pose=np.zeros((81, 3)))
+    constant = follow_bench_metrics(still)
+    assert constant["fb_speed_mps"] == pytest.approx(0.5)
+    assert constant["fb_acceleration_mps2"] == constant["fb_jerk_mps3"] == constant["fb_path_m"] == 0.0
+
+
+def test_success_needs_the_tour_no_contact_and_recovered_losses(episode):
+    rows = len(episode.history)
+    seen, done = np.ones(rows, dtype=bool), np.ones(rows, dtype=bool)
+    nothing = np.zeros(rows, dtype=bool)
+    fine = replace(episode.history, leader_visible=seen, tour_done=done, contact_person=nothing, contact_static=nothing)
+    assert follow_bench_metrics(fine)["fb_success"] == 1.0
+    touched = nothing.copy()
+    touched[10] = True
+    assert follow_bench_metrics(replace(fine, contact_person=touched))["fb_success"] == 0.0
+    for lost, success in ((40, 1.0), (60, 0.0)):
+        visible = seen.copy()
+        visible[10 : 10 + lost] = False
+        figures = follow_bench_metrics(replace(fine, leader_visible=visible))
+        assert figures["fb_success"] == success
+        assert figures["fb_search_s"] == pytest.approx(0.1 * lost)
+
+
+def test_the_command_evaluates_a_suite(tmp_path, capsys):
+    words = ["evaluate", "pid", "--suite", "follow-bench", "--episodes", "4", "--perception", "truth", "--beams", "91"]
+    assert main([*words, "--out", str(tmp_path)]) == 0
+    printed = capsys.readouterr().out
+    for name in ("narrow_corridor", "doorway", "intersection", "clutter", "fb_private_s"):
+        assert name in printed
+    assert (tmp_path / "evaluation.json").exists()
+    assert main([*words, "--people", "3"]) == 2
+    assert "its own numbers" in capsys.readouterr().err

@@ -1,0 +1,159 @@
+"""A robot that is carried away while it maps: SLAM notices, says so, and joins the rest of the drive to its map."""
+
+import numpy as np
+import pytest
+from tagalong.slam.engine import make_slam
+from tagalong.slam.geometry import between, compose, transform_points
+from tagalong.slam.graph.engine import Cartographer, CartographerConfig
+from tagalong.slam.graph.watch import WatchConfig, contradictions
+from tagalong.slam.matching import make_matcher
+from tagalong.slam.scan import LaserScan
+
+BEARINGS = np.deg2rad(np.arange(-135.0, 135.0, 1.0))
+
+
+def ring(*corners):
+    return [(*a, *b) for a, b in zip(corners, [*corners[1:], corners[0]], strict=True)]
+
+
+WALLS = np.array(
+    ring((-5.0, -3.0), (6.0, -3.0), (6.0, 1.0), (3.0, 1.0), (3.0, 4.0), (-1.0, 4.0), (-1.0, 2.0), (-5.0, 2.0))
+    + ring((-3.0, -0.5), (-2.0, -0.5), (-2.0, 0.3), (-3.0, 0.3))
+    + ring((1.0, 0.5), (1.6, 0.5), (1.6, 1.1))
+)
+ELSEWHERE = np.array(
+    ring((-9.0, -1.0), (2.0, -1.0), (2.0, -6.0), (4.0, -6.0), (4.0, 5.0), (2.0, 5.0), (2.0, 1.0), (-9.0, 1.0))
+)
+
+
+def cast(pose, rng, lines=WALLS):
+    angles = BEARINGS + pose[2]
+    d = np.stack((np.cos(angles), np.sin(angles)), axis=-1)[:, None]
+    a, e = lines[None, :, :2] - pose[:2], (lines[:, 2:] - lines[:, :2])[None]
+    cross = d[..., 0] * e[..., 1] - d[..., 1] * e[..., 0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        t = (a[..., 0] * e[..., 1] - a[..., 1] * e[..., 0]) / cross
+        u = (a[..., 0] * d[..., 1] - a[..., 1] * d[..., 0]) / cross
+    ranges = np.where((t > 0.0) & (u >= 0.0) & (u <= 1.0), t, np.inf).min(axis=1)
+    return LaserScan(ranges + rng.normal(0.0, 0.01, len(ranges)), BEARINGS, 0.05, 20.0)
+
+
+def ahead(start, motion, count):
+    poses = [np.array(start)]
+    for _ in range(count - 1):
+        poses.append(compose(poses[-1], motion))
+    return poses
+
+
+def tour():
+    """Return true poses of a loop through the building."""
+    phase = np.linspace(0.0, 2.0 * np.pi, 90)
+    x, y = 0.5 + 4.0 * np.cos(phase), -1.6 + 0.7 * np.sin(phase)
+    return np.stack((x, y, np.arctan2(0.7 * np.cos(phase), -4.0 * np.sin(phase))), axis=-1)
+
+
+def fed(engine, poses, odometry, rng, lines=WALLS):
+    """Feed scans at true `poses`; the odometry goes on from `odometry` by their motions. Return updates, odometry."""
+    updates = []
+    for k, pose in enumerate(poses):
+        if k:
+            odometry = compose(odometry, between(poses[k - 1], pose) * [1.02, 1.02, 1.01])
+        updates.append(engine.update(odometry, cast(pose, rng, lines)))
+    return updates, odometry
+
+
+@pytest.fixture
+def mapped():
+    """Return an engine that has mapped the building, the odometry and the true pose there; the map frame is true."""
+    rng, engine, poses = np.random.default_rng(0), make_slam("cartographer"), tour()
+    updates, odometry = fed(engine, poses, poses[0], rng)
+    assert all(update.located for update in updates)
+    assert isinstance(engine, Cartographer)
+    assert (engine.losses, engine.relocalizations) == (0, 0)
+    return engine, odometry, poses[-1], rng
+
+
+def distance(a, b):
+    return float(np.hypot(*between(a, b)[:2]))
+
+
+def test_slam_finds_a_carried_robot_on_its_map_within_ten_scans(mapped):
+    engine, odometry, _, rng = mapped
+    after = ahead((-3.8, 0.9, -1.2), (0.1, 0.0, 0.03), 40)
+    updates, _ = fed(engine, after, odometry, rng)
+    located = [update.located for update in updates]
+    assert (engine.losses, engine.relocalizations) == (1, 1)
+    assert all(located[9:])
+    for update, pose in zip(updates[9:], after[9:], strict=True):
+        assert distance(update.pose, pose) < 0.1
+    final = engine.trajectory()
+    assert max(distance(a, b) for a, b in zip(final[-40:], after, strict=True)) < 0.1
+    assert max(distance(a, b) for a, b in zip(final[:90], tour(), strict=True)) < 0.1
+
+
+def test_where_slam_recovers_icp_from_the_last_scan_does_not(mapped):
+    engine, odometry, last, rng = mapped
+    after = ahead((-3.8, 0.9, -1.2), (0.1, 0.0, 0.03), 12)
+    reference, new = cast(last, rng), cast(after[0], rng)
+    match = make_matcher("icp").match(reference, new, (0.0, 0.0, 0.0))
+    assert distance(compose(last, match.pose), after[0]) > 1.0
+    updates, _ = fed(engine, after, odometry, rng)
+    assert distance(updates[-1].pose, after[-1]) < 0.1
+
+
+def test_the_map_stays_clean_of_what_was_seen_before_the_robot_was_found(mapped):
+    engine, odometry, _, rng = mapped
+    before = engine.map().occupied.sum()
+    fed(engine, ahead((-3.8, 0.9, -1.2), (0.1, 0.0, 0.03), 30), odometry, rng)
+    occupied = engine.map().occupied_points
+    a, e = WALLS[:, :2], WALLS[:, 2:] - WALLS[:, :2]
+    share = np.clip(((occupied[:, None] - a) * e).sum(-1) / (e**2).sum(-1), 0.0, 1.0)
+    off = np.linalg.norm(occupied[:, None] - (a + share[..., None] * e), axis=-1).min(axis=1)
+    assert (off > 0.15).mean() < 0.01
+    assert len(occupied) >= before
+
+
+def test_carried_into_another_building_it_is_not_located_and_its_map_stays(mapped):
+    engine, odometry, _, rng = mapped
+    before = engine.map().occupied.sum()
+    updates, _ = fed(engine, ahead((-4.0, 0.0, 0.0), (0.15, 0.0, 0.0), 25), odometry, rng, ELSEWHERE)
+    assert not any(update.located for update in updates[5:])
+    assert engine.relocalizations == 0
+    assert abs(engine.map().occupied.sum() - before) < 20
+    assert len(engine.trajectory()) == 115
+
+
+def test_without_a_watch_or_a_graph_nobody_notices():
+    for settings in ({"watch": None}, {"global_": None}):
+        engine = Cartographer(CartographerConfig(**settings))
+        rng, poses = np.random.default_rng(0), tour()
+        _, odometry = fed(engine, poses, poses[0], rng)
+        updates, _ = fed(engine, ahead((-3.8, 0.9, -1.2), (0.1, 0.0, 0.03), 12), odometry, rng)
+        assert all(update.located for update in updates)
+        assert engine.losses == 0
+
+
+def test_the_kernel_of_the_watch_counts_beams_through_walls_and_ends_in_seen_free_space():
+    rng = np.random.default_rng(0)
+    field = np.where(rng.random((60, 80)) < 0.03, rng.uniform(0.3, 1.0, (60, 80)), 0.0).astype(np.float32)
+    known, corner, foot = rng.random((60, 80)) < 0.8, np.array([-2.0, -1.5]), np.array([0.1, 0.0])
+    for _ in range(20):
+        points, pose = rng.uniform(-2.5, 2.5, (30, 2)), rng.uniform(-1.0, 1.0, 3)
+        start = (transform_points(pose, foot[None])[0] - corner) / 0.05 + 0.5
+        expected = 0
+        for end in (transform_points(pose, points) - corner) / 0.05 + 0.5:
+            length = np.hypot(*(end - start))
+            steps = np.arange(1, int(length - 0.4 / 0.05) + 1)
+            x, y = np.floor(start + (steps / length)[:, None] * (end - start)).astype(int).T
+            inside = (x >= 0) & (y >= 0) & (x < 80) & (y < 60)
+            blocked = bool((field[y[inside], x[inside]] > 0.5).any())
+            j, i = np.floor(end).astype(int)
+            if not blocked and 0 <= i < 60 and 0 <= j < 80 and known[i, j]:
+                blocked = bool(field[max(i - 3, 0) : i + 4, max(j - 3, 0) : j + 4].max() < 0.15)
+            expected += blocked
+        assert contradictions(field, known, corner, 0.05, foot, points, pose, 0.4) == expected
+
+
+def test_a_watch_without_sense_is_refused():
+    with pytest.raises(ValueError, match="patience"):
+        WatchConfig(patience=0)
