@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from tagalong.slam.geometry import between, compose, inverse, transform_points, wrap_angle
@@ -31,6 +31,7 @@ def test_between_undoes_compose(a, b):
     assert_same_pose(between(a, compose(a, b)), compose(np.zeros(3), b))
 
 
+@settings(deadline=None)  # the kernel may have to be compiled first
 @given(poses, poses)
 def test_transforming_twice_is_transforming_by_the_composition(a, b):
     points = np.array([[1.0, 2.0], [-3.0, 0.5]])
