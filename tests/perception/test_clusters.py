@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from tagalong.perception.legs.clusters import cluster_scan, split_by_distance, split_by_distance_reference
@@ -70,6 +70,7 @@ def test_far_away_as_many_points_are_enough_as_a_leg_gets_beams():
         cluster_scan(scan_of([1.0]), far_width=-0.1)
 
 
+@settings(deadline=None)  # the kernel may have to be compiled first
 @given(
     arrays(float, st.tuples(st.integers(0, 40), st.just(2)), elements=st.floats(-1.0, 1.0)),
     st.integers(1, 4),
