@@ -3,7 +3,7 @@
 The operator stands in the building, sees the robot and the people, knows the way, and steers for a point ahead on it:
 with a delay of reaction, holding the stick for a while before correcting, in steps of the stick, with too much
 correction, with errors that grow with the movement, and with a thumb that moves only so fast. How fast the thumb moves
-and how much too much is given are fitted to real robots under a joystick (`scripts/experiments/joystick_calibration`;
+and how much too much is given are fitted to real robots under a joystick (`tagalong teleop --calibrate`;
 velocities over 0.4 s, RMS while moving):
 
 | drive | 95 % of speed [m/s] | 99 % of turn rate [rad/s] | acceleration [m/s^2] | turn acceleration [rad/s^2] |

@@ -37,8 +37,9 @@ def record_drive(
     operator: Callable[[FollowEnv, int], Stick] = model_operator,
     made_by: str = MODEL,
     watch: Watch | None = None,
+    render_mode: str | None = None,
 ) -> JoystickLog:
-    """Drive one episode by stick, to the tour's end or the episode's, and return the log.
+    """Drive one episode by stick, to the tour's end, the episode's, or the operator's `EOFError`; return the log.
 
     Args:
         env_id: Environment.
@@ -46,9 +47,10 @@ def record_drive(
         seed: Of the episode and of the operator's draws.
         operator: Makes who holds the stick, of the environment after its reset and the seed.
         made_by: For the log's header.
-        watch: Called after the reset and after each step.
+        watch: Called before each step.
+        render_mode: "human" shows MuJoCo's viewer.
     """
-    env = gym.make(env_id, **kwargs)
+    env = gym.make(env_id, render_mode=render_mode, **kwargs)
     inner = env.unwrapped
     assert isinstance(inner, FollowEnv)
     env.reset(seed=seed)
@@ -59,7 +61,10 @@ def record_drive(
             watch(inner)
         truth = inner.truth
         sight = Sight(truth.robot_pose, truth.robot_progress, truth.people.positions)
-        action = np.round(np.clip(stick.act(sight) / top, -1.0, 1.0), 4).astype(np.float32)
+        try:
+            action = np.round(np.clip(stick.act(sight) / top, -1.0, 1.0), 4).astype(np.float32)
+        except EOFError:
+            break
         actions.append(action)
         _, _, terminated, truncated, _ = env.step(action)
         done = terminated or truncated
