@@ -17,6 +17,7 @@ COMMANDS: dict[str, str] = {
     "score": "judge a trajectory or a map by a reference",
     "train": "train the leg forests",
     "doctor": "say what is installed and what works here",
+    "teleop": "drive by stick, record it, replay it",
     "evaluate": "drive a follower through many episodes",
     "results": "measure what the README states",
     "reproduce": "repeat a published experiment",
