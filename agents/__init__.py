@@ -1,27 +1,63 @@
-"""Followers. Importing this needs neither torch nor mujoco."""
+"""Who drives: followers of a leader, and explorers without one. Importing this needs neither torch nor mujoco."""
 
 from collections.abc import Callable
 
 from ..envs.interface import FollowInterface
 from ..slam.errors import unknown_name
+from .dwa import DWAConfig, DWAFollower
 from .follower import Follower
 from .pid import PIDConfig, PIDFollower
+from .pure_pursuit import PurePursuitConfig, PurePursuitFollower
+from .random_walk import RandomWalk, RandomWalkConfig
+from .user import load_follower
 
-FOLLOWERS: dict[str, Callable[[FollowInterface], Follower]] = {"pid": PIDFollower}
+FOLLOWERS: dict[str, Callable[[FollowInterface], Follower]] = {
+    "pid": PIDFollower,
+    "pure_pursuit": PurePursuitFollower,
+    "dwa": DWAFollower,
+}
+"""Who needs a leader."""
 
-__all__ = ["FOLLOWERS", "Follower", "PIDConfig", "PIDFollower", "make_follower"]
+
+def _frontier(interface: FollowInterface) -> Follower:
+    from .frontier import FrontierExplorer  # imported late: its kernels need numba
+
+    return FrontierExplorer(interface)
+
+
+EXPLORERS: dict[str, Callable[[FollowInterface], Follower]] = {"random": RandomWalk, "frontier": _frontier}
+"""Who needs none: for environments with `leader=False`; "frontier" for those that build a map."""
+
+__all__ = [
+    "EXPLORERS",
+    "FOLLOWERS",
+    "DWAConfig",
+    "DWAFollower",
+    "Follower",
+    "PIDConfig",
+    "PIDFollower",
+    "PurePursuitConfig",
+    "PurePursuitFollower",
+    "RandomWalk",
+    "RandomWalkConfig",
+    "make_follower",
+]
 
 
 def make_follower(name: str, interface: FollowInterface | None = None) -> Follower:
-    """Return a new follower.
+    """Return a new follower or explorer.
 
     Args:
-        name: "pid".
+        name: "pid", "pure_pursuit", "dwa" (behind a leader); "random", "frontier" (without); or your own class, as
+            "module:name".
         interface: Scales of the environment it will act in, `env.unwrapped.interface`; the defaults if None.
 
     Raises:
-        InputError: If the name is unknown.
+        InputError: If the name is unknown, or "frontier" finds no map.
     """
-    if name not in FOLLOWERS:
-        raise unknown_name("follower", name, tuple(FOLLOWERS))
-    return FOLLOWERS[name](interface or FollowInterface())
+    if ":" in name:
+        return load_follower(name, interface or FollowInterface())
+    everybody = {**FOLLOWERS, **EXPLORERS}
+    if name not in everybody:
+        raise unknown_name("follower", name, tuple(everybody))
+    return everybody[name](interface or FollowInterface())

@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 
 from ..envs.interface import FollowInterface
 from ..slam.errors import InputError
-from ..slam.geometry import transform_points
 from .avoidance import AvoidanceConfig, free_heading
 from .follower import Observation
 from .memory import Goal, LeaderMemory, MemoryConfig, Mode
 from .pid_axis import Axis, AxisConfig
+from .scan_points import ScanPoints, as_action, own_velocity, without
 
 Array = NDArray[np.float64]
 
@@ -70,10 +70,7 @@ class PIDFollower:
         self._linear = Axis(self.config.linear, self._step_s)
         self._angular = Axis(self.config.angular, self._step_s)
         self._memory = LeaderMemory(self.config.memory, self._step_s)
-        stride = max(1, len(self.interface.bearings) // 360)
-        self._beams = slice(None, None, stride)
-        bearings = self.interface.bearings[self._beams]
-        self._directions = np.stack((np.cos(bearings), np.sin(bearings)), axis=1)
+        self._points = ScanPoints(self.interface)
         self.reset()
 
     def reset(self) -> None:
@@ -85,8 +82,7 @@ class PIDFollower:
 
     def act(self, observation: Observation) -> NDArray[np.float32]:
         """Return the action (forward, turn), or (forward, 0, turn) for a holonomic robot, each in [-1, 1]."""
-        own = [float(v) for v in observation["velocity"]]
-        velocity = (own[0], own[1] if len(own) == 3 else 0.0, own[-1])
+        velocity = own_velocity(observation)
         goal = self._memory.update([float(v) for v in observation["leader"]], velocity)
         if goal.mode is Mode.WAIT:
             return self._command(0.0, 0.0)
@@ -119,15 +115,11 @@ class PIDFollower:
         top, top_turn = self.interface.max_speed, self.interface.max_turn_rate
         self._speed = min(max(speed, self._speed - less, -top), self._speed + more, top)
         self._turn = min(max(turn, self._turn - most_turn, -top_turn), self._turn + most_turn, top_turn)
-        action = [self._speed / top, self._turn / top_turn]
-        return np.array([action[0], 0.0, action[1]] if self.interface.holonomic else action, dtype=np.float32)
+        return as_action(self._speed, self._turn, self.interface)
 
     def _obstacles(self, observation: Observation, goal: Goal) -> Array:
         """Return (n, 2) returns in the robot frame that are near and not the leader's [m]."""
-        ranges = observation["scan"][self._beams].astype(np.float64) * self.interface.range_max
-        near = ranges < self.config.avoidance.horizon + 1.0
-        points = transform_points(self.interface.T_robot_lidar, ranges[near, None] * self._directions[near])
+        points = self._points.near(observation, self.config.avoidance.horizon + 1.0)
         if observation["leader"][5] < 0.5:
             return points
-        own = np.hypot(points[:, 0] - goal.x, points[:, 1] - goal.y) < self.config.leader_clearance
-        return points[~own]
+        return without(points, np.array([[goal.x, goal.y]]), self.config.leader_clearance)

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..perception.config import PerceptionConfig
-from ..perception.legs.detector import LegDetector, LegDetectorConfig
+from ..perception.legs.detector import LegDetector
 from ..perception.legs.forest import LegForest
 from ..perception.tracking.leader import LeaderSelector
 from ..perception.tracking.tracker import PeopleTracker
@@ -26,6 +26,10 @@ from .world import World, WorldConfig
 
 OPTIONS = ("scene", "split", "route", "people", "standing", "leader_style", "odometry")
 """Options of `reset`: fields of `WorldConfig` that they set for one episode."""
+
+FAR_WIDTH_M = 0.12
+"""A cluster needs as many points as a leg of this width gets beams, 2 or 3, by distance and spacing of the beams: 2
+from 3.1 m on with 360 beams, from 9.2 m on with 1081. What that gains: `scripts/experiments/recall_by_distance.py`."""
 
 
 def check_options(options: Mapping[str, Any] | None) -> None:
@@ -92,7 +96,7 @@ class MindFactory:
 
     def __init__(self, config: FollowConfig) -> None:
         self._config = config
-        self._perception = PerceptionConfig()
+        self._perception = PerceptionConfig(far_width=FAR_WIDTH_M)
         self._forest = LegForest.load("simulation") if config.people == "tracker" else None
 
     @property
@@ -110,7 +114,7 @@ class MindFactory:
         if self._forest is None:
             return TruePeopleSource(world)
         p = self._perception
-        detector = LegDetector(self._forest, LegDetectorConfig(alpha=p.alpha, beta=p.beta, gamma=p.gamma))
+        detector = LegDetector(self._forest, p.detector())
         return TrackedPeopleSource(PeopleTracker(p, detector), p.suspect_confidence)
 
     def _mapper(self, world: World, seed: int) -> Mapper:

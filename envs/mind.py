@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ..perception.config import PerceptionConfig
 from ..perception.legs.detector import Detections
-from ..perception.people_filter import filter_people, people_points_lidar, suspect_points_lidar
+from ..perception.people_filter import near_points, people_points_lidar, suspect_points_lidar
 from ..perception.tracking.leader import Leader
 from ..perception.tracking.people import People
 from ..perception.tracking.tracker import PeopleTracker
@@ -124,8 +124,9 @@ class Mind:
         self._measure_velocity(scan.time_s, odometry)
         people = self._people.update(scan, odometry)
         leader = self._selector.update(people, odometry)
-        filtered = filter_people(scan, people_points_lidar(people, odometry, scan), self._config.zeta)
-        filtered = filter_people(filtered, self._people.suspects_lidar(scan), self._config.suspect_radius)
+        near = near_points(scan, people_points_lidar(people, odometry, scan), self._config.zeta)
+        near |= near_points(scan, self._people.suspects_lidar(scan), self._config.suspect_radius)
+        filtered = scan.without(near)
         self._mapper.update(odometry, filtered)
         return Belief(
             scan=scan,

@@ -16,6 +16,8 @@ class PerceptionConfig:
     Attributes:
         alpha: Largest gap between neighbouring points of one cluster [m].
         beta: Fewest points of a cluster.
+        far_width: Where a leg of this width gets fewer than `beta` beams, as many as it gets are enough, but at least
+            2; 0 asks for `beta` at any distance, as the paper does [m].
         gamma: A cluster is a leg detection from this forest confidence on, and a leg track starts a person only from
             this confidence (eq. 6) on, in [0, 1].
         delta: Both legs must have moved this far, in the mean of the two, before they start a person [m].
@@ -71,6 +73,7 @@ class PerceptionConfig:
 
     alpha: float = 0.13
     beta: int = 3
+    far_width: float = 0.0
     gamma: float = 0.3
     delta: float = 0.5
     epsilon: float = 0.9
@@ -119,7 +122,7 @@ class PerceptionConfig:
     def __post_init__(self) -> None:
         for field in fields(self):
             value = getattr(self, field.name)
-            if not value > 0:
+            if not (value > 0 or (field.name == "far_width" and value == 0)):
                 raise InputError(f"`{field.name}` must be positive, got {value}")
         for name in ("gamma", "c_min", "confidence_gain", "sure_confidence"):
             if getattr(self, name) >= 1.0:
@@ -127,7 +130,7 @@ class PerceptionConfig:
 
     def detector(self) -> LegDetectorConfig:
         """Return the numbers of the leg detector among these."""
-        return LegDetectorConfig(alpha=self.alpha, beta=self.beta, gamma=self.gamma)
+        return LegDetectorConfig(alpha=self.alpha, beta=self.beta, gamma=self.gamma, far_width=self.far_width)
 
     def process_variance(self, dt: float) -> float:
         """Return the diagonal of Q for `dt` seconds: q at the reference rate, proportional to time."""

@@ -6,15 +6,14 @@ from numpy.typing import ArrayLike, NDArray
 from ..slam.geometry import inverse, transform_points
 from ..slam.scan import LaserScan
 from .legs.detector import Detections
+from .nearness_kernel import near_any
 from .tracking.people import People
 
 
 def near_points(scan: LaserScan, people_points_lidar: ArrayLike, zeta: float) -> NDArray[np.bool_]:
     """Return (N,) the beams whose return is within `zeta` [m] of any of the points (n, 2) in the laser frame."""
-    near = np.zeros(len(scan), dtype=bool)
-    for x, y in np.asarray(people_points_lidar, dtype=np.float64).reshape(-1, 2):
-        near |= np.hypot(scan.beam_points[:, 0] - x, scan.beam_points[:, 1] - y) <= zeta
-    return near
+    points = np.ascontiguousarray(people_points_lidar, dtype=np.float64).reshape(-1, 2)
+    return near_any(scan.beam_points, points, zeta)
 
 
 def filter_people(scan: LaserScan, people_points_lidar: ArrayLike, zeta: float) -> LaserScan:

@@ -9,6 +9,8 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .rigid_kernel import move_points
+
 Array = NDArray[np.float64]
 
 
@@ -64,10 +66,8 @@ def transform_points(T_a_b: ArrayLike, points_b: ArrayLike) -> Array:
     pose, points = np.asarray(T_a_b, dtype=np.float64), np.asarray(points_b, dtype=np.float64)
     if pose.ndim == 1 and points.ndim == 2:
         tx, ty, theta = pose.tolist()
-        cos, sin = math.cos(theta), math.sin(theta)
         moved = np.empty(points.shape)
-        moved[:, 0] = tx + cos * points[:, 0] - sin * points[:, 1]
-        moved[:, 1] = ty + sin * points[:, 0] + cos * points[:, 1]
+        move_points(tx, ty, math.cos(theta), math.sin(theta), np.ascontiguousarray(points), moved)
         return moved
     cos, sin = np.cos(pose[..., 2, None]), np.sin(pose[..., 2, None])
     x, y = points[..., 0], points[..., 1]

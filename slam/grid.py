@@ -68,6 +68,8 @@ class OccupancyGrid:
         config: Parameters.
     """
 
+    _layers = ("_log_odds", "_stamps")
+
     def __init__(self, config: GridConfig | None = None) -> None:
         self.config = config or GridConfig()
         self._corner = np.zeros(2, dtype=np.int64)  # column and row, in the map, of the cell [0, 0]
@@ -101,13 +103,16 @@ class OccupancyGrid:
 
     def to_map(self) -> OccupancyMap:
         """Return the grid as it is now, cut to what is known; cells that no ray met are NaN."""
+        return self._cut((1.0 / (1.0 + np.exp(-self._log_odds))).astype(np.float32))
+
+    def _cut(self, probability: NDArray[np.float32]) -> OccupancyMap:
+        """Return `probability` (rows, cols) of all cells as a map, cut to what is known."""
         known = self._stamps > 0
         if not known.any():
             return OccupancyMap(np.full((1, 1), np.nan, dtype=np.float32), self.config.resolution, (0.0, 0.0))
         rows, cols = np.flatnonzero(known.any(axis=1)), np.flatnonzero(known.any(axis=0))
         window = (slice(rows[0], rows[-1] + 1), slice(cols[0], cols[-1] + 1))
-        probability = (1.0 / (1.0 + np.exp(-self._log_odds[window]))).astype(np.float32)
-        probability[~known[window]] = np.nan
+        probability = np.where(known[window], probability[window], np.float32(np.nan))
         x, y = (self._corner + np.array([cols[0], rows[0]])) * self.config.resolution
         return OccupancyMap(probability, self.config.resolution, (float(x), float(y)))
 
@@ -125,7 +130,7 @@ class OccupancyGrid:
             width, height = (upper - lower) * self.config.resolution
             raise InputError(f"the map would grow to {width:.0f} x {height:.0f} m; a pose or a range is wrong")
         col, row = self._corner - lower if size.all() else (0, 0)
-        for name in ("_log_odds", "_stamps"):
+        for name in self._layers:
             old = getattr(self, name)
             grown = np.zeros((upper - lower)[::-1], dtype=old.dtype)
             grown[row : row + old.shape[0], col : col + old.shape[1]] = old

@@ -37,7 +37,19 @@ def test_the_readme_shows_programs():
 def test_a_program_of_the_readme_runs(program, folder):
     done = subprocess.run([sys.executable, "-c", program], cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    assert done.stdout.strip()
+    assert done.stdout.strip() or "class Bold" in program
+
+
+def test_a_follower_of_ones_own_takes_15_lines_and_is_evaluated_by_the_same_command(tmp_path):
+    (bold,) = [program for program in PROGRAMS if "class Bold" in program]
+    assert len(bold.splitlines()) <= 15
+    assert "tagalong evaluate my_module:Bold" in README
+    (tmp_path / "my_module.py").write_text(bold)
+    command = [sys.executable, "-m", "tagalong", "evaluate", "my_module:Bold", "--episodes", "1", "--beams", "361"]
+    done = subprocess.run([*command, "--out", "out"], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "distance error RMS" in done.stdout
+    assert (tmp_path / "out" / "evaluation.json").exists()
 
 
 def test_slam_takes_at_most_ten_lines_of_python():

@@ -57,9 +57,7 @@ def lab(rng: np.random.Generator, route: str | None = None) -> Scene:
         ceiling=CEILING,
         doors=(Door(hinge=(door + _DOOR / 2.0, -_WALL), yaw=np.pi, swing=2.85, width=_DOOR),),
         errands=errands,
-        operator=OperatorPlan(
-            route="operator", speed=0.19, waits=((_room_length(routes["operator"], door) - 2.2, LEAVES_AT + 14.0),)
-        ),
+        operator=_operator(routes["operator"], door),
         marks=_marks(length, depth, door, errands),
     )
     return scene
@@ -162,6 +160,14 @@ def _routes(lanes: tuple[float, float, float, float], door: float) -> dict[str, 
     once = rounded([start, *lap, *out], radius=0.5)
     twice = rounded([start, *lap, *lap, *out], radius=0.5)
     return {"tour": once, "operator": twice}
+
+
+def _operator(route: Array, door: float) -> OperatorPlan:
+    """Return a slow drive that looks at the desks in the middle on the first lap, and waits for the open door."""
+    lap = (_room_length(route, door) - 2.0) / 2.0
+    looks = [(share * lap, 1.1) for share in (0.02, 0.27, 0.45, 0.62, 0.8)]
+    waits = ((_room_length(route, door) - 2.2, LEAVES_AT + 14.0),)
+    return OperatorPlan(route="operator", speed=0.21, waits=waits, looks=tuple(looks))
 
 
 def _room_length(route: Array, door: float) -> float:

@@ -104,11 +104,13 @@ class OperatorPlan:
         route: Name of the tour that is driven.
         speed: Speed on straight pieces [m/s].
         waits: (arc length, time): the robot stops at each arc length [m] until that time of the episode [s].
+        looks: (arc length, angle): at each arc length [m] the robot turns by an angle and back [rad].
     """
 
     route: str
     speed: float
     waits: tuple[tuple[float, float], ...] = ()
+    looks: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)

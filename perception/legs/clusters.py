@@ -49,7 +49,13 @@ class Clusters:
         return self.points[self.start[cluster] : self.end[cluster]]
 
 
-def cluster_scan(scan: LaserScan, alpha: float = DEFAULT_ALPHA, beta: int = DEFAULT_BETA) -> Clusters:
+LEAST_POINTS = 2
+"""No cluster has fewer points, however far: one point has no shape."""
+
+
+def cluster_scan(
+    scan: LaserScan, alpha: float = DEFAULT_ALPHA, beta: int = DEFAULT_BETA, far_width: float = 0.0
+) -> Clusters:
     """Split the returns of `scan` where two consecutive ones are more than `alpha` apart; drop the small pieces.
 
     Beams without a return between two returns do not separate them: only the distance does.
@@ -58,20 +64,29 @@ def cluster_scan(scan: LaserScan, alpha: float = DEFAULT_ALPHA, beta: int = DEFA
         scan: One sweep, of any number of beams.
         alpha: Largest distance between neighbours in a cluster [m].
         beta: Smallest number of points of a cluster.
+        far_width: Where a leg of this width gets fewer than `beta` beams, as many as it gets are enough, but at least
+            2; 0 asks for `beta` at any distance [m].
 
     Raises:
-        InputError: If `alpha` or `beta` is not positive.
+        InputError: If `alpha` or `beta` is not positive, or `far_width` is negative.
     """
-    if not alpha > 0.0 or beta < 1:
-        raise InputError(f"need `alpha` > 0 [m] and `beta` >= 1 points, got {alpha} and {beta}")
+    if not alpha > 0.0 or beta < 1 or far_width < 0.0:
+        raise InputError(
+            f"need `alpha` > 0 [m], `beta` >= 1 points, `far_width` >= 0 [m], got {alpha}, {beta}, {far_width}"
+        )
     points = scan.points
-    start, end = split_by_distance(points, alpha, beta)
+    spacing = (scan.bearings[-1] - scan.bearings[0]) / max(len(scan) - 1, 1) if len(scan) else 1.0
+    start, end = split_by_distance(points, alpha, beta, far_width / spacing if spacing > 0.0 else 0.0)
     return Clusters(points, np.flatnonzero(scan.is_return), start, end)
 
 
 @njit(cache=True, nogil=True)
-def split_by_distance(points, alpha, beta):
-    """Return `start` and `end` (m,) of the runs of `points` (k, 2) with steps <= `alpha` and >= `beta` points."""
+def split_by_distance(points, alpha, beta, beams_at_1m=0.0):
+    """Return `start` and `end` (m,) of the runs of `points` (k, 2) with steps <= `alpha` and >= `beta` points.
+
+    At a distance r [m], min(`beta`, max(`LEAST_POINTS`, floor(`beams_at_1m` / r))) points are enough, where
+    `beams_at_1m` is not 0.
+    """
     count = len(points)
     start = np.empty(count, np.int64)
     end = np.empty(count, np.int64)
@@ -83,7 +98,11 @@ def split_by_distance(points, alpha, beta):
             dy = points[i, 1] - points[i - 1, 1]
             if dx * dx + dy * dy <= alpha * alpha:
                 continue
-        if i - first >= beta:
+        enough = beta
+        if beams_at_1m > 0.0 and LEAST_POINTS <= i - first < beta:
+            away = np.hypot(points[first, 0], points[first, 1])
+            enough = min(beta, max(LEAST_POINTS, int(beams_at_1m / max(away, 1e-6))))
+        if i - first >= enough:
             start[found] = first
             end[found] = i
             found += 1
@@ -92,7 +111,7 @@ def split_by_distance(points, alpha, beta):
 
 
 def split_by_distance_reference(
-    points: NDArray[np.float64], alpha: float, beta: int
+    points: NDArray[np.float64], alpha: float, beta: int, beams_at_1m: float = 0.0
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Return what `split_by_distance` returns, in plain numpy."""
     if len(points) == 0:
@@ -100,5 +119,9 @@ def split_by_distance_reference(
     breaks = np.flatnonzero(np.sum(np.diff(points, axis=0) ** 2, axis=1) > alpha * alpha) + 1
     start = np.concatenate(([0], breaks))
     end = np.concatenate((breaks, [len(points)]))
-    large = end - start >= beta
+    enough = np.full(len(start), beta)
+    if beams_at_1m > 0.0:
+        away = np.maximum(np.hypot(points[start, 0], points[start, 1]), 1e-6)
+        enough = np.minimum(beta, np.maximum(LEAST_POINTS, (beams_at_1m / away).astype(np.int64)))
+    large = end - start >= enough
     return start[large], end[large]

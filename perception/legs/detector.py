@@ -25,10 +25,14 @@ class LegDetectorConfig:
     """Smallest number of points of a cluster."""
     gamma: float = 0.3
     """Clusters with less confidence are not human."""
+    far_width: float = 0.0
+    """Where a leg of this width gets fewer than `beta` beams, as many are enough, but at least 2; 0: never [m]."""
 
     def __post_init__(self) -> None:
-        if not (self.alpha > 0.0 and self.beta >= 1 and 0.0 <= self.gamma <= 1.0):
-            raise InputError(f"need `alpha` > 0 [m], `beta` >= 1 and `gamma` in [0, 1], got {self}")
+        if not (self.alpha > 0.0 and self.beta >= 1 and 0.0 <= self.gamma <= 1.0 and self.far_width >= 0.0):
+            raise InputError(
+                f"need `alpha` > 0 [m], `beta` >= 1, `gamma` in [0, 1] and `far_width` >= 0 [m], got {self}"
+            )
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +64,7 @@ class LegDetector:
 
     def detect(self, scan: LaserScan) -> Detections:
         """Return the clusters of `scan` with their confidence and leg centres."""
-        clusters = cluster_scan(scan, self.config.alpha, self.config.beta)
+        clusters = cluster_scan(scan, self.config.alpha, self.config.beta, self.config.far_width)
         confidence = self.forest.confidence(scan, clusters)
         positions = transform_points(scan.T_robot_lidar, leg_centres(clusters))
         return Detections(positions, confidence, confidence >= self.config.gamma, clusters)

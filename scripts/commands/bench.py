@@ -23,6 +23,8 @@ ENVIRONMENTS = {
     "1081 beams, tracker, 4 people": {"beams": 1081, "slam": None},
     "1081 beams, tracker, 4 people, gmapping": {"beams": 1081, "slam": "gmapping"},
 }
+BENCHMARK_S = 10
+"""Duration of each of Gymnasium's benchmarks [s]."""
 SCANS = {"180 beams": (180, np.pi), "361 beams": (361, np.pi), "1081 beams": (1081, 1.5 * np.pi)}
 
 
@@ -48,6 +50,9 @@ def run(options: argparse.Namespace) -> int:
         for name, row in environments.items()
     ]
     print(format_table(("one environment step, laser at 10 Hz", "steps/s", "x real time", "mean ms", "p95 ms"), rows))
+    throughput = speed.gymnasium_speed(BENCHMARK_S, vector_envs=8, workers=2)
+    title = "Gymnasium's benchmarks: office, 5 people, 360 beams, tracker"
+    print("\n" + format_table((title, "steps/s"), [(name, f"{rate:.0f}") for name, rate in throughput.items()]))
     stages = {
         f"{name}, {beams} beams": stage
         for beams in (360, 1081)
@@ -65,6 +70,7 @@ def run(options: argparse.Namespace) -> int:
     content = {
         "machine": machine,
         "environment": environments,
+        "gymnasium_benchmarks": throughput,
         "stages": {name: asdict(stage) for name, stage in stages.items()},
         "gmapping_processed_scan": {name: asdict(stage) for name, stage in scans.items()},
     }

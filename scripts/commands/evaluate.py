@@ -7,7 +7,7 @@ from typing import Any
 import gymnasium as gym
 from tqdm import tqdm
 
-from ...agents import FOLLOWERS, make_follower
+from ...agents import EXPLORERS, FOLLOWERS, make_follower
 from ...envs.metrics.follow_bench import follow_bench_metrics
 from ...envs.registration import IDS
 from ...envs.rollout import Episode, rollout
@@ -22,6 +22,10 @@ EPILOG = """\
 Every episode has its own seed: --seed, --seed + 1, ... Intervals are 95 %: Wilson for shares, bootstrap for means.
 A tour counts as done when its leader was followed to the end without touching anybody or anything.
 
+Besides the shipped followers ({followers}), give your own: module:class, e.g. my_module:Bold for class Bold
+with reset() and act(observation) in my_module.py of the current folder or anywhere that Python finds it.
+Explorers ({explorers}) drive without a leader, among the same bystanders, until 99 % of the floor was seen.
+
 A suite is a fixed set of unseen episodes (offices of the test half; seeds from 1000000 on, its scenarios in turn):
 corridor, meeting_room, office, floor_plan, crowd (8 to 12 bystanders), follow-bench (its four situations with 8
 bystanders, and its own figures beside ours).
@@ -30,7 +34,8 @@ examples:
   tagalong evaluate pid --env tagalong/Corridor-v0 --episodes 30 --people 2
   tagalong evaluate pid --env tagalong/MeetingRoom-v0 --perception truth --out out/pid-truth
   tagalong evaluate pid --suite office --episodes 100
-"""
+  tagalong evaluate my_module:Bold --episodes 10
+""".format(followers=", ".join(FOLLOWERS), explorers=", ".join(EXPLORERS))
 
 MEANS = {
     "distance_error_rms_m": "distance error RMS [m]",
@@ -47,13 +52,24 @@ MEANS = {
     "duration_s": "duration [s]",
 }
 """Metric -> its name in the table."""
+EXPLORATION_MEANS = {
+    "coverage": "floor seen",
+    "time_to_90_s": "time to 90 % of it [s]",
+    **{
+        name: title
+        for name, title in MEANS.items()
+        if "leader" not in name and "error" not in name and name != "losses"
+    },
+}
+"""The same without a leader."""
 _ASKED = ("follower", "env", "suite", "episodes", "people", "seed", "perception", "beams")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.epilog = EPILOG
-    parser.add_argument("follower", choices=sorted(FOLLOWERS), help="who drives")
+    names = ", ".join((*FOLLOWERS, *EXPLORERS))
+    parser.add_argument("follower", metavar="WHO", help=f"who drives: {names}, or module:class")
     parser.add_argument("--env", choices=sorted(IDS), default="tagalong/Corridor-v0", help="where (%(default)s)")
     parser.add_argument("--episodes", type=int, default=30, metavar="N", help="how many (%(default)s)")
     parser.add_argument("--suite", choices=sorted(SUITES), help="a set of unseen episodes, instead of --env")
@@ -92,13 +108,16 @@ def _drive(options: argparse.Namespace) -> list[dict[str, Any]]:
     """Return one row of figures for each episode."""
     if options.suite is None:
         options.people = 2 if options.people is None else options.people
-        scenarios = (Scenario(name=options.env, env=options.env, arguments={"people_count": options.people}),)
+        walking = options.people - (options.follower in EXPLORERS)
+        scenarios = (Scenario(name=options.env, env=options.env, arguments={"people_count": walking}),)
     elif options.people is not None:
         raise InputError(f"the suite {options.suite} has its own numbers of people: leave out --people")
     else:
         scenarios = suite(options.suite)
     first = options.seed if options.seed is not None else 0 if options.suite is None else FIRST_SEED
-    common = {"people": options.perception, "slam": None, "beams": options.beams}
+    common: dict[str, Any] = {"people": options.perception, "slam": None, "beams": options.beams}
+    if options.follower in EXPLORERS:
+        common |= _alone(options)
     envs = [gym.make(scenario.env, **{**common, **scenario.arguments}) for scenario in scenarios]
     rows = []
     for k in tqdm(range(options.episodes), unit="episode", leave=False):
@@ -110,6 +129,13 @@ def _drive(options: argparse.Namespace) -> list[dict[str, Any]]:
     for env in envs:
         env.close()
     return rows
+
+
+def _alone(options: argparse.Namespace) -> dict[str, Any]:
+    """Return what an environment without a leader is asked for."""
+    if options.suite is not None:
+        raise InputError(f"suites have leaders; {options.follower} explores without one: give --env")
+    return {"leader": False, "slam": "cartographer" if options.follower == "frontier" else None}
 
 
 def _by_scenario(rows: list[dict[str, Any]]) -> str:
@@ -128,6 +154,9 @@ def _by_scenario(rows: list[dict[str, Any]]) -> str:
 
 def summary(rows: list[dict[str, Any]]) -> dict[str, Estimate]:
     """Return the figures over all episodes by name."""
+    if "leader_choices" not in rows[0]:
+        means = {title: bootstrap_mean([row[name] for row in rows]) for name, title in EXPLORATION_MEANS.items()}
+        return {"floor seen to 99 %": share([row["is_success"] for row in rows]), **means}
     choices = int(sum(row["leader_choices"] for row in rows))
     right = int(sum(row["leader_choices_right"] for row in rows))
     return {
@@ -139,7 +168,7 @@ def summary(rows: list[dict[str, Any]]) -> dict[str, Estimate]:
 
 
 def _row(episode: Episode) -> dict[str, Any]:
-    done = episode.ending == "tour_done"
+    done = episode.ending in ("tour_done", "covered")
     return {"seed": episode.seed, "ending": episode.ending, "is_success": done, **episode.metrics}
 
 

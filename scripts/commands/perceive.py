@@ -18,9 +18,10 @@ from ...perception.tracking.people import People
 from ...perception.tracking.tracker import PeopleTracker, TrackerUpdate
 from ...slam.errors import InputError
 from ...slam.files import write_json, write_text
-from ...slam.logs.carmen import read_carmen
+from ...slam.logs.log import read_log
 from ...slam.logs.scans_npz import read_scans_npz
 from ...slam.scan import LaserScan
+from ..log_options import add_topics
 
 LEGS_HEADER, PEOPLE_HEADER = "scan,x,y,confidence", "scan,id,x,y,vx,vy,confidence"
 
@@ -28,14 +29,16 @@ LEGS_HEADER, PEOPLE_HEADER = "scan,x,y,confidence", "scan,id,x,y,vx,vy,confidenc
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments of the command."""
     parser.description = (
-        "Finds legs and tracks people in recorded scans. SCANS is a CARMEN log (.log, .clf, plain or .gz) or an .npz\n"
+        "Finds legs and tracks people in recorded scans. SCANS is a CARMEN log (.log, .clf, plain or .gz), a ROS bag\n"
+        "(ROS 1: a file, ROS 2: a folder; without odometry in it the laser counts as standing), or an .npz\n"
         "with ranges (scans, beams), angle_min, angle_increment, range_min, range_max and bag_time or stamp.\n"
         "Writes legs.csv (scan, x, y, confidence: clusters of at least --min-confidence; the tracker takes those of\n"
         "gamma = 0.3 and more), people.csv (scan, id, x, y, vx, vy, confidence) and config.json. Scans count from 0.\n"
         "Whoever is nearest at first is the leader: looked for when lost, and kept under one id."
     )
     parser.epilog = "example: tagalong perceive person_following_outdoor_1.npz --out out/people --preset outdoor"
-    parser.add_argument("scans", metavar="SCANS", type=Path, help="recorded scans: CARMEN log or .npz")
+    parser.add_argument("scans", metavar="SCANS", type=Path, help="recorded scans: CARMEN log, ROS bag or .npz")
+    add_topics(parser)
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the results")
     parser.add_argument("--preset", default="table2", help=f"numbers of the tracker: {', '.join(PRESETS)}")
     parser.add_argument("--forest", default="real", help='leg forest: "real", "simulation" or a file (default: real)')
@@ -59,7 +62,7 @@ def run(options: argparse.Namespace) -> int:
     """Read the scans, track people through them, write the tables."""
     config = perception_preset(options.preset)
     detector = LegDetector(LegForest.load(options.forest), config.detector())
-    scans, odometry = _read(options.scans, options.odometry == "log")
+    scans, odometry = _read(options)
     scans = _timed(scans, options.rate, options.scans)
     tracker, selector = PeopleTracker(config, detector), LeaderSelector(config)
     legs, people, ids = [LEGS_HEADER], [PEOPLE_HEADER], set[int]()
@@ -78,14 +81,15 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _read(path: Path, with_odometry: bool) -> tuple[list[LaserScan], NDArray[np.float64]]:
-    if not path.is_file():
-        raise InputError(f"no file {path}; give a CARMEN log or an .npz of scans")
+def _read(options: argparse.Namespace) -> tuple[list[LaserScan], NDArray[np.float64]]:
+    path = options.scans
+    if not path.exists():
+        raise InputError(f"no file {path}; give a CARMEN log, a ROS bag or an .npz of scans")
     if path.suffix == ".npz" or is_zipfile(path):
         scans = read_scans_npz(path)
         return scans, np.zeros((len(scans), 3))
-    drive = read_carmen(path)
-    return drive.scans, drive.odometry if with_odometry else np.zeros((len(drive), 3))
+    drive = read_log(path, options.scan_topic, options.odometry_topic)
+    return drive.scans, drive.odometry if options.odometry == "log" else np.zeros((len(drive), 3))
 
 
 def _timed(scans: list[LaserScan], rate_hz: float | None, path: Path) -> list[LaserScan]:

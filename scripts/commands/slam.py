@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from ...slam.engine import make_slam
 from ...slam.errors import InputError
-from ...slam.logs.carmen import read_carmen
 from ...slam.logs.drive import RecordedDrive
 from ...slam.logs.tum import read_tum
+from ..log_options import add_topics, read_with_odometry
 from ..slam_run import prepare_folder, run_slam, write_run
 from ..tables import format_table
 
@@ -29,13 +29,17 @@ writes into DIR:
 
 example:
   tagalong slam aces.log.gz --out out/aces --seed 1 --set particles=50
+  tagalong slam drive.bag --out out/drive --method cartographer --scan-topic /front/scan
 """
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.epilog = EPILOG
-    parser.add_argument("log", type=Path, metavar="LOG", help="CARMEN log (.log, .clf; plain or .gz)")
+    parser.add_argument(
+        "log", type=Path, metavar="LOG", help="CARMEN log (.log, .clf; plain or .gz), ROS 1 bag or ROS 2 bag folder"
+    )
+    add_topics(parser)
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="where the results go")
     parser.add_argument("--method", default="gmapping", help="SLAM engine (default: %(default)s)")
     parser.add_argument("--seed", type=int, default=0, help="seed of all random draws (default: %(default)s)")
@@ -56,7 +60,7 @@ def run(options: argparse.Namespace) -> int:
     if options.resolution is not None and not 0.001 <= options.resolution <= 10.0:
         raise InputError(f"--resolution must lie in [0.001, 10] m, got {options.resolution}")
     engine = make_slam(options.method, seed=options.seed, **_settings(options.settings))
-    drive = read_carmen(options.log)
+    drive = read_with_odometry(options.log, options.scan_topic, options.odometry_topic)
     reference = _reference(options.log, drive)
     prepare_folder(options.out)
     result = run_slam(engine, drive, options.resolution, progress=not options.quiet)

@@ -5,6 +5,7 @@ The maps are our own: of people-free drives through the simulated scenes, and of
 Run: python -m tagalong.scripts.experiments.kidnapping LOGS OUT [TRIALS] [JOBS]
 """
 
+import copy
 import sys
 import time
 from collections.abc import Mapping, Sequence
@@ -12,20 +13,22 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...envs.world import WorldConfig
-from ...slam.engine import make_slam
+from ...slam.engine import SlamEngine, make_slam
 from ...slam.files import write_json
 from ...slam.geometry import between
 from ...slam.grid import GridConfig, render_map
 from ...slam.localization.localizer import Localizer
 from ...slam.logs.carmen import read_carmen
+from ...slam.logs.drive import RecordedDrive
 from ...slam.occupancy_map import OccupancyMap
 from ...slam.quality.trajectory import absolute_error
 from ..tables import format_table
 from .cells import TIMING, Cell, run_cells
 from .hardware import describe_machine
-from .kidnapped_legs import LegSource, RecordedLegs, SimulatedLegs
+from .kidnapped_legs import Leg, LegSource, RecordedLegs, SimulatedLegs
 from .scan_pairs import LOGS
 from .slow_tour import slow_tour
 from .statistics import share
@@ -33,6 +36,7 @@ from .statistics import share
 SCENES = ("corridor", "meeting_room")
 PEOPLE = 2
 BLOCK = 10  # trials of one cell
+SLAM_BLOCK = 50  # likewise, where a cell maps the whole drive first
 SCANS = 10  # in which the robot must be found
 BEFORE = 6  # scans of a tracked robot before it is carried away
 LINEAR, ANGULAR = 0.3, np.radians(5.0)
@@ -43,9 +47,7 @@ _BUILDING = 0  # seed of the scenes
 def map_scene(scene: str, files: Path) -> dict[str, Any]:
     """Map a scene by a slow drive without people; keep the map and where it lies in the world."""
     drive = slow_tour(WorldConfig(scene=scene), _BUILDING)
-    engine = make_slam("cartographer")
-    for odometry, scan in zip(drive.recording.odometry, drive.recording.scans, strict=True):
-        engine.update(odometry, scan)
+    engine = _mapped(drive.recording)
     placed = absolute_error(engine.trajectory(), drive.truth)
     _keep(files, engine.map_at(_RESOLUTION), T_world_map=placed.T_ref_est)
     return {"scans": len(drive.recording), "ate_m": placed.translation.rmse}
@@ -54,9 +56,7 @@ def map_scene(scene: str, files: Path) -> dict[str, Any]:
 def map_log(folder: str, building: str, files: Path) -> dict[str, Any]:
     """Map every second scan of a log at the poses that SLAM of all scans found; keep the map and the poses."""
     drive = read_carmen(Path(folder) / LOGS[building])
-    engine = make_slam("cartographer")
-    for odometry, scan in zip(drive.odometry, drive.scans, strict=True):
-        engine.update(odometry, scan)
+    engine = _mapped(drive)
     poses = engine.trajectory()
     _keep(files, render_map(poses[::2], drive.scans[::2], GridConfig(resolution=_RESOLUTION)), truth=poses)
     return {"scans": len(drive)}
@@ -88,6 +88,35 @@ def awake(
     return {**result, TIMING: {"median_ms": 1e3 * np.median(times), "longest_ms": 1e3 * max(times)}}
 
 
+def carried_while_mapping(
+    building: str, folder: str | None, people: int, first: int, trials: int, inputs: Sequence[Path]
+) -> dict[str, Any]:
+    """Return what became of trials in which SLAM has mapped the whole drive when the robot is carried away.
+
+    A pose counts only where SLAM says that it is located. Arguments as of `awake`; of a log, the legs are of scans
+    that were mapped, too.
+    """
+    kept = np.load(inputs[0] / "map.npz")
+    grid = OccupancyMap(kept["probability"], float(kept["resolution"]), tuple(kept["origin"].tolist()))
+    if folder is None:
+        drive = slow_tour(WorldConfig(scene=building), _BUILDING).recording
+        legs = _legs(building, None, people, grid, kept)
+    else:
+        drive = read_carmen(Path(folder) / LOGS[building])
+        legs = RecordedLegs(drive, kept["truth"], np.ones(len(drive), dtype=np.bool_))
+    engine = _mapped(drive)
+    engine.trajectory()  # the graph is adjusted now, not in each trial
+    result: dict[str, Any] = {"found_at": [], "error_m": [], "error_deg": [], "wrong": [], "noticed_at": []}
+    last = Leg(drive.odometry[-1:], drive.scans[-1:], drive.odometry[-1:])
+    for trial in range(first, first + trials):
+        rng = np.random.default_rng([trial, 2, people])
+        robot, leg = copy.deepcopy(engine), legs.draw(SCANS, rng).after(last)
+        updates = [robot.update(odometry, scan) for odometry, scan in zip(leg.odometry, leg.scans, strict=True)]
+        for key, value in _judged([u.pose if u.located else None for u in updates], leg.truth).items():
+            result[key].append(value)
+    return result
+
+
 def cells(folder: Path | None, trials: int) -> list[Cell]:
     """Return all cells: the maps, and blocks of trials; without a folder of logs only those of the scenes."""
     made = [
@@ -107,6 +136,15 @@ def cells(folder: Path | None, trials: int) -> list[Cell]:
                 }  # fmt: skip
                 name = f"{building}/{people}p/{'carried' if carried else 'awake'}/{first}"
                 made.append(Cell(name=name, function=awake, arguments=arguments, needs=(f"map/{building}",)))
+        for first in range(0, trials, SLAM_BLOCK):
+            arguments = {
+                "building": building, "folder": logs, "people": people,
+                "first": first, "trials": min(SLAM_BLOCK, trials - first),
+            }  # fmt: skip
+            name = f"{building}/{people}p/slam/{first}"
+            made.append(
+                Cell(name=name, function=carried_while_mapping, arguments=arguments, needs=(f"map/{building}",))
+            )
     return made
 
 
@@ -148,7 +186,11 @@ def _trial(
         start = time.perf_counter()
         poses.append(localizer.update(odometry, scan).pose)
         times.append(time.perf_counter() - start)
-    errors = [None if pose is None else between(truth, pose) for truth, pose in zip(leg.truth, poses, strict=True)]
+    return _judged(poses, leg.truth)
+
+
+def _judged(poses: Sequence[NDArray[np.float64] | None], truth: NDArray[np.float64]) -> dict[str, Any]:
+    errors = [None if pose is None else between(true, pose) for true, pose in zip(truth, poses, strict=True)]
     good = [e is not None and bool(np.hypot(e[0], e[1]) <= LINEAR and abs(e[2]) <= ANGULAR) for e in errors]
     last = errors[-1]
     found = SCANS - next((k for k, fine in enumerate(reversed(good)) if not fine), SCANS)
@@ -159,6 +201,13 @@ def _trial(
         "wrong": last is not None and not good[-1],
         "noticed_at": next((k + 1 for k, error in enumerate(errors) if error is None), None),
     }
+
+
+def _mapped(drive: RecordedDrive) -> SlamEngine:
+    engine = make_slam("cartographer")
+    for odometry, scan in zip(drive.odometry, drive.scans, strict=True):
+        engine.update(odometry, scan)
+    return engine
 
 
 def _legs(building: str, folder: str | None, people: int, grid: OccupancyMap, kept: Mapping[str, Any]) -> LegSource:

@@ -7,6 +7,7 @@ from typing import Any, TypeVar
 
 import gymnasium as gym
 import numpy as np
+from gymnasium.utils.performance import benchmark_step, benchmark_vector_step
 from numpy.typing import NDArray
 
 from ...agents import make_follower
@@ -80,6 +81,36 @@ def environment_speed(steps: int, **fields: Any) -> dict[str, float]:
         "mean_ms": stage.mean_ms,
         "p95_ms": stage.p95_ms,
     }
+
+
+def gymnasium_speed(seconds: int, *, vector_envs: int, workers: int) -> dict[str, float]:
+    """Return steps a second of a single and of a vector environment by Gymnasium's own benchmark functions.
+
+    The office with 5 people, 360 beams and the tracker, random actions, resets included; contacts and lost leaders do
+    not end episodes there, since random actions would end them at once.
+
+    Args:
+        seconds: Duration of each of the two measurements [s].
+        vector_envs: Environments of the vector environment.
+        workers: Its processes.
+    """
+    fields = {"beams": 360, "slam": None, "people_count": 5, "ends_on_contact": False, "lost_limit_s": 1e6}
+    single = gym.make("tagalong/Office-v0", disable_env_checker=True, **fields)
+    vector = gym.make_vec(
+        "tagalong/Office-v0",
+        num_envs=vector_envs,
+        vectorization_mode="vector_entry_point",
+        workers=workers,
+        **fields,
+    )
+    benchmark_step(single, 1, seed=0)
+    benchmark_vector_step(vector, 1, seed=0)
+    rates = {
+        "single environment": benchmark_step(single, seconds, seed=1),
+        f"vector environment, {workers} processes": benchmark_vector_step(vector, seconds, seed=1),
+    }
+    vector.close()
+    return rates
 
 
 def stage_latencies(steps: int, beams: int, people: int) -> dict[str, Latency]:

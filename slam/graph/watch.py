@@ -32,8 +32,8 @@ class WatchConfig:
         patience: So many doubtful scans in a row: the robot is lost.
     """
 
-    poor: float = 0.7
-    contradicted: float = 0.3
+    poor: float = 0.6
+    contradicted: float = 0.2
     slack: float = 0.4
     patience: int = 3
 

@@ -20,6 +20,8 @@ class RecordedDrive:
         reference: (n, 3) T_map_robot of each scan, corrected poses that the log carries beside its odometry, or None
             where it carries none.
         name: Name of the drive, for tables and titles.
+        has_odometry: Whether the log said how the robot moved; if not, `odometry` is all zeros.
+        notes: What the reader had to assume or leave out, a sentence each.
 
     Raises:
         InputError: If the numbers of poses and scans differ, or a pose is not finite.
@@ -29,6 +31,8 @@ class RecordedDrive:
     scans: list[LaserScan]
     reference: NDArray[np.float64] | None
     name: str
+    has_odometry: bool = True
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         for field, poses in (("odometry", self.odometry), ("reference", self.reference)):

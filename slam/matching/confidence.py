@@ -24,7 +24,8 @@ class ConfidenceConfig:
         noise: Least standard deviation of a point from a line [m].
         blind_sigma: Standard deviation of what nothing is known about [m, rad].
         caution: How many times the knowledge that noisy normals feign is taken off.
-        surfaces: Lines of the reference that serve here, longer than those that the matchers use.
+        surfaces: Lines of the reference that serve here, longer than those that the matchers use; which points are of
+            one surface is the matcher's.
     """
 
     near: float = 0.1

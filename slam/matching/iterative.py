@@ -12,7 +12,7 @@ from ..scan import LaserScan
 from .confidence import ConfidenceConfig, assess
 from .match import Match
 from .registration import LINE, METRIC, POINT, register
-from .surfaces import SurfaceConfig, Surfaces, find_surfaces, near_points
+from .surfaces import SurfaceConfig, Surfaces, find_surfaces, near_points, relined
 from .symmetric import register_both
 
 _KINDS = {"point": POINT, "line": LINE, "metric": METRIC}
@@ -153,7 +153,7 @@ class IterativeMatcher:
         """Return the match of a refined pose, with its covariance and whether it is believed."""
         confidence = self.config.confidence
         if self._long_lines is None or self._judged is not reference:
-            self._judged, self._long_lines = reference, find_surfaces(reference, confidence.surfaces)
+            self._judged, self._long_lines = reference, relined(self.surfaces(reference), confidence.surfaces)
         sure = assess(points_new, refined.pose, self._long_lines, confidence)
         return Match(
             pose=refined.pose,

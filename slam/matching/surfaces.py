@@ -1,6 +1,6 @@
 """A scan as a chain of points with normals, the form in which the iterative matchers hold their reference."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numba
 import numpy as np
@@ -88,9 +88,26 @@ def find_surfaces(scan: LaserScan, config: SurfaceConfig) -> Surfaces:
     points = rays * ranges[:, None]
     linked = link_points(points, ranges, bearings, config.gap, config.obliquity)
     feet, normals, tilt_variance = fit_lines(points, linked, config.neighbours, config.tolerance, config.even)
-    edges = np.linspace(-np.pi, np.pi, BINS, endpoint=False)
-    first = np.searchsorted(bearings, edges).astype(np.int32)
-    return Surfaces(points, rays, feet, normals, tilt_variance, linked, first)
+    return Surfaces(points, rays, feet, normals, tilt_variance, linked, first_points(bearings))
+
+
+def relined(surfaces: Surfaces, config: SurfaceConfig) -> Surfaces:
+    """Return the same points on the same surfaces, other lines fitted to them (`neighbours`, `tolerance`, `even`)."""
+    lines = fit_lines(surfaces.points, surfaces.linked, config.neighbours, config.tolerance, config.even)
+    return replace(surfaces, feet=lines[0], normals=lines[1], tilt_variance=lines[2])
+
+
+@numba.njit(cache=True, nogil=True)
+def first_points(bearings):  # pragma: no cover
+    """Return (BINS,) int32: how many of the ascending `bearings` lie below the lower edge of each bin from -pi."""
+    first = np.empty(BINS, dtype=np.int32)
+    below = 0
+    for b in range(BINS):
+        edge = -np.pi + b * (2.0 * np.pi / BINS)
+        while below < len(bearings) and bearings[below] < edge:
+            below += 1
+        first[b] = below
+    return first
 
 
 def noise_of(surfaces: Surfaces) -> float:

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from tagalong.perception.legs.clusters import cluster_scan, split_by_distance, split_by_distance_reference
@@ -56,10 +56,28 @@ def test_a_distance_or_a_count_that_is_not_positive_is_refused():
         cluster_scan(scan_of([1.0]), beta=0)
 
 
-@given(arrays(float, st.tuples(st.integers(0, 40), st.just(2)), elements=st.floats(-1.0, 1.0)), st.integers(1, 4))
-def test_the_kernel_splits_as_the_reference_does(points, beta):
+def test_far_away_as_many_points_are_enough_as_a_leg_gets_beams():
+    """At 1 degree a leg of 12 cm gets 3 beams up to 2.3 m, and 2 beyond."""
+    for distance, beta_3, by_spacing in ((1.5, 0, 0), (2.6, 0, 1), (8.0, 0, 1)):
+        ranges = np.full(20, np.inf)
+        ranges[5:7] = distance
+        wide = scan_of(ranges)
+        assert len(cluster_scan(wide, alpha=0.3)) == beta_3
+        assert len(cluster_scan(wide, alpha=0.3, far_width=0.12)) == by_spacing
+    ranges[6] = np.inf
+    assert len(cluster_scan(scan_of(ranges), alpha=0.3, far_width=0.12)) == 0
+    with pytest.raises(InputError, match="far_width"):
+        cluster_scan(scan_of([1.0]), far_width=-0.1)
+
+
+@settings(deadline=None)  # the kernel may have to be compiled first
+@given(
+    arrays(float, st.tuples(st.integers(0, 40), st.just(2)), elements=st.floats(-1.0, 1.0)),
+    st.integers(1, 4),
+    st.sampled_from([0.0, 1.5, 2.5]),
+)
+def test_the_kernel_splits_as_the_reference_does(points, beta, beams_at_1m):
     points = np.ascontiguousarray(np.round(points, 2))
-    for found, expected in zip(
-        split_by_distance(points, 0.3, beta), split_by_distance_reference(points, 0.3, beta), strict=True
-    ):
+    arguments = (points, 0.3, beta, beams_at_1m)
+    for found, expected in zip(split_by_distance(*arguments), split_by_distance_reference(*arguments), strict=True):
         np.testing.assert_array_equal(found, expected)

@@ -95,7 +95,8 @@ def test_no_matcher_is_confidently_wrong_about_scans_that_say_little(matcher):
 
 def test_verdicts_follow_the_interval():
     assert about(Estimate(0.91, 0.88, 0.93, 500), 0.90) == "confirmed"
-    assert about(Estimate(0.99, 0.98, 1.0, 500), 0.85).startswith("not so: higher")
+    assert about(Estimate(0.99, 0.98, 1.0, 500), 0.85) == "confirmed and better, 99%"
+    assert about(Estimate(0.99, 0.98, 1.0, 500), 0.20, merit=False).startswith("not so: higher")
     assert about(Estimate(0.70, 0.66, 0.74, 500), 0.85).startswith("not so: lower")
 
 

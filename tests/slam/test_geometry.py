@@ -1,5 +1,6 @@
 import numpy as np
-from hypothesis import given
+import pytest
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from tagalong.slam.geometry import between, compose, inverse, transform_points, wrap_angle
@@ -30,6 +31,7 @@ def test_between_undoes_compose(a, b):
     assert_same_pose(between(a, compose(a, b)), compose(np.zeros(3), b))
 
 
+@settings(deadline=None)  # the kernel may have to be compiled first
 @given(poses, poses)
 def test_transforming_twice_is_transforming_by_the_composition(a, b):
     points = np.array([[1.0, 2.0], [-3.0, 0.5]])
@@ -43,3 +45,14 @@ def test_functions_broadcast_over_leading_axes():
     assert compose(many, [1.0, 2.0, 3.0]).shape == (4, 5, 3)
     assert inverse(many).shape == (4, 5, 3)
     assert transform_points(many[0], np.zeros((5, 7, 2))).shape == (5, 7, 2)
+
+
+@pytest.mark.parametrize("count", [0, 1, 17])
+def test_the_kernel_for_one_pose_says_the_same_as_numpy_for_many(count):
+    rng = np.random.default_rng(count)
+    pose, points = rng.normal(size=3) * 3.0, rng.normal(size=(count, 2))
+    assert transform_points(pose, points) == pytest.approx(transform_points(pose[None], points[None])[0], abs=1e-14)
+    strided = np.zeros((count, 5))
+    strided[:, 1:4:2] = points
+    strided.setflags(write=False)
+    assert np.array_equal(transform_points(pose, strided[:, 1:4:2]), transform_points(pose, points))

@@ -5,7 +5,7 @@ from typing import Any
 
 from ...experiments.statistics import Estimate
 from .answers import Answers, estimate
-from .contestants import PLAIN
+from .contestants import FAMILY, PLAIN
 from .plan import PATH, POINTS, corridor_name
 
 NEAR = 0.05
@@ -39,10 +39,13 @@ class Claim:
         return asdict(self)
 
 
-def about(ours: Estimate, paper: float, near: float = NEAR) -> str:
-    """Return the verdict on a share: confirmed if its interval meets `paper` +- `near`, else higher or lower."""
+def about(ours: Estimate, paper: float, *, merit: bool = True, near: float = NEAR) -> str:
+    """Return the verdict on a share: confirmed if its interval meets `paper` +- `near`, else higher or lower.
+
+    A claim of `merit` is confirmed by what is higher, too.
+    """
     if ours.low > paper + near:
-        return f"not so: higher, {ours.mean:.0%}"
+        return f"confirmed and better, {ours.mean:.0%}" if merit else f"not so: higher, {ours.mean:.0%}"
     if ours.high < paper - near:
         return f"not so: lower, {ours.mean:.0%}"
     return "confirmed"
@@ -102,7 +105,12 @@ def _shares(answers: Answers) -> list[Claim]:
     for text, matcher, at, paper in asked:
         ours = estimate(answers.at_point(matcher, at)["success"])
         claims.append(
-            Claim(text=text, paper=f"about {paper:.0%}", ours=ours.text(100.0, 1) + " %", verdict=about(ours, paper))
+            Claim(
+                text=text,
+                paper=f"about {paper:.0%}",
+                ours=ours.text(100.0, 1) + " %",
+                verdict=about(ours, paper, merit=matcher in FAMILY),
+            )
         )
     extent = answers.plan.extent
     grid = [(t, r) for t in extent.translations for r in extent.rotations]

@@ -148,7 +148,7 @@ def _speed(answers: Answers) -> Section:
 
 
 def _lead(answers: Answers, claims: Sequence[Claim], asked: Sequence[Row]) -> str:
-    confirmed = sum(claim.verdict == "confirmed" for claim in claims)
+    confirmed = sum(claim.verdict.startswith("confirmed") for claim in claims)
     near, far = (
         [estimate(answers.at_point(m, at)["success"]).mean for m in ("hglasm-g-large", "global")] for at in POINTS
     )

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _BLUE, _GREEN, _RED, _GREY = "#1f57d6", "#148c46", "#d62728", "#969ba3"
+_SHOWN = 9.0  # points farther from the reference's laser are outside of the picture [m]
 SIZE_COLOURS = {"small": _GREEN, "medium": "#eb7000", "large": _RED}
 
 
@@ -74,7 +75,8 @@ def draw_example(found: Mapping[str, Any], folder: Path) -> Figure:
     """Draw Fig. 4 from the result of the cell `example`."""
     figure = new_figure(12.0, 7.6)
     reference, new = np.array(found["reference"]), np.array(found["new"])
-    low, high = reference.min(axis=0) - 1.5, reference.max(axis=0) + 1.5
+    near = reference[np.hypot(*reference.T) < _SHOWN]
+    low, high = near.min(axis=0) - 1.5, near.max(axis=0) + 1.5
     panels: list[tuple[str, NDArray[np.float64], NDArray[np.float64] | None]] = [
         ("the guess (green) and the reference (blue)", np.array(found["guess"]), None)
     ]

@@ -218,7 +218,7 @@ class Plan:
         for source in sources:
             arguments = {"folder": folder, "source": source, "trials": extent.exact_trials // len(sources)}
             made.append(Cell(name=f"exact/{source}", function=exact, arguments=arguments))
-        shown = {"folder": folder, "source": sources[0], "scan": 400, "guess": [1.2, -0.9, 1.9]}
+        shown = {"folder": folder, "source": sources[0], "scan": 2000, "guess": [1.2, -0.9, 1.9]}
         made.append(Cell(name="example", function=example, arguments=shown))
         for source in sources if folder is not None else ():
             for matcher in ("plicp", "mbicp"):

@@ -12,7 +12,7 @@ from tagalong.slam.matching.fitness import (
 from tagalong.slam.matching.lookup import LookupConfig, build_lookup
 from tagalong.slam.matching.nearest import nearest_point, nearest_point_reference
 from tagalong.slam.matching.registration import LINE, METRIC, POINT, correspond, normal_equations
-from tagalong.slam.matching.surfaces import SurfaceConfig, find_surfaces
+from tagalong.slam.matching.surfaces import SurfaceConfig, find_surfaces, relined
 from tagalong.slam.matching.symmetric import inverse_pose
 from tagalong.slam.matching.visibility import agreement, mark_unseen
 from tagalong.slam.scan import LaserScan
@@ -144,3 +144,14 @@ def test_only_what_the_reference_saw_to_be_free_stays_worth_nothing():
     unseen = (distance > 2.75) | ((angle > 6) & (angle < 174))
     unseen[0, 0] = False
     assert (values[unseen] == 200).all()
+
+
+def test_lines_fitted_anew_are_those_of_a_new_chain_of_points():
+    scan = LaserScan(3.0 + np.sin(np.arange(200) / 9.0), np.linspace(-3.1, 3.0, 200), 0.1, 10.0)
+    config = SurfaceConfig(neighbours=10, tolerance=0.06, even=True)
+    again, new = relined(find_surfaces(scan, SurfaceConfig()), config), find_surfaces(scan, config)
+    for one, other in zip(again.arrays, new.arrays, strict=True):
+        np.testing.assert_array_equal(one, other)
+    np.testing.assert_array_equal(again.tilt_variance, new.tilt_variance)
+    edges = np.linspace(-np.pi, np.pi, len(new.first), endpoint=False)
+    np.testing.assert_array_equal(new.first, np.searchsorted(scan.bearings, edges))

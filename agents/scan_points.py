@@ -1,0 +1,55 @@
+"""What the laser of an observation met, as points around the robot."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..envs.interface import FollowInterface
+from ..slam.geometry import transform_points
+from .follower import Observation
+
+Array = NDArray[np.float64]
+
+MOST_BEAMS = 360
+"""Of a finer scan, only so many beams are looked at."""
+
+
+class ScanPoints:
+    """Turns observation `scan` into points.
+
+    Args:
+        interface: Directions and scale of the beams, and where the laser sits.
+    """
+
+    def __init__(self, interface: FollowInterface) -> None:
+        self._interface = interface
+        stride = max(1, len(interface.bearings) // MOST_BEAMS)
+        self._beams = slice(None, None, stride)
+        bearings = interface.bearings[self._beams]
+        self._directions = np.stack((np.cos(bearings), np.sin(bearings)), axis=1)
+
+    def near(self, observation: Observation, within: float) -> Array:
+        """Return (n, 2) returns in the robot frame that lie nearer to the laser than `within` [m]."""
+        ranges = observation["scan"][self._beams].astype(np.float64) * self._interface.range_max
+        near = ranges < within
+        return transform_points(self._interface.T_robot_lidar, ranges[near, None] * self._directions[near])
+
+
+def without(points: Array, places: Array, radius: float) -> Array:
+    """Return the `points` (n, 2) that are farther than `radius` [m] from each of `places` (k, 2)."""
+    if not len(places) or not len(points):
+        return points
+    gap = np.hypot(*(points[:, None] - places[None]).transpose(2, 0, 1)).min(axis=1)
+    return points[gap > radius]
+
+
+def own_velocity(observation: Observation) -> tuple[float, float, float]:
+    """Return the robot's own (forward, left, turn) of an observation [m/s, m/s, rad/s]."""
+    own = [float(v) for v in observation["velocity"]]
+    return own[0], own[1] if len(own) == 3 else 0.0, own[-1]
+
+
+def as_action(speed: float, turn: float, interface: FollowInterface) -> NDArray[np.float32]:
+    """Return the action for a forward speed [m/s] and a turn rate [rad/s]: (2,), or (3,) for a holonomic robot."""
+    forward = min(max(speed / interface.max_speed, -1.0), 1.0)
+    turning = min(max(turn / interface.max_turn_rate, -1.0), 1.0)
+    return np.array([forward, 0.0, turning] if interface.holonomic else [forward, turning], dtype=np.float32)

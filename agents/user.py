@@ -1,0 +1,36 @@
+"""A follower of one's own, by the name of its module and class."""
+
+import os
+import sys
+from importlib import import_module
+from inspect import signature
+from typing import Any
+
+from ..envs.interface import FollowInterface
+from ..slam.errors import InputError
+from .follower import Follower
+
+
+def load_follower(path: str, interface: FollowInterface) -> Follower:
+    """Return a new follower of the class, or from the function, at `path`.
+
+    Args:
+        path: "module:name" or "package.module:name"; modules in the current folder are found, too.
+        interface: Scales of the environment; handed over if there is a parameter called `interface`.
+
+    Raises:
+        InputError: If there is no such module or name, or what it makes cannot `reset` and `act`.
+    """
+    module_name, _, name = path.partition(":")
+    if os.getcwd() not in sys.path:
+        sys.path.insert(0, os.getcwd())
+    try:
+        make = getattr(import_module(module_name), name)
+    except (ImportError, AttributeError, ValueError) as error:
+        raise InputError(f"a follower of your own is named as module:class, got {path!r} ({error})") from error
+    if not callable(make):
+        raise InputError(f"a follower of your own is a class or a function that makes one, got {path!r}: {make!r}")
+    follower: Any = make(interface=interface) if "interface" in signature(make).parameters else make()
+    if not (callable(getattr(follower, "reset", None)) and callable(getattr(follower, "act", None))):
+        raise InputError(f"a follower has `reset()` and `act(observation)`; {path} has not")
+    return follower

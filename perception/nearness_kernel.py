@@ -1,0 +1,25 @@
+"""Which points are near to any of some others."""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+
+@njit(cache=True, nogil=True)
+def near_any(points: NDArray[np.float64], others: NDArray[np.float64], distance: float) -> NDArray[np.bool_]:
+    """Return (n,) whether `points` (n, 2) are within `distance` of any of `others` (k, 2); NaN is near to nothing."""
+    near = np.zeros(len(points), dtype=np.bool_)
+    for i in range(len(points)):
+        for k in range(len(others)):
+            if np.hypot(points[i, 0] - others[k, 0], points[i, 1] - others[k, 1]) <= distance:
+                near[i] = True
+                break
+    return near
+
+
+def near_any_reference(points: NDArray[np.float64], others: NDArray[np.float64], distance: float) -> NDArray[np.bool_]:
+    """Return what `near_any` returns, in plain numpy."""
+    near = np.zeros(len(points), dtype=bool)
+    for x, y in others:
+        near |= np.hypot(points[:, 0] - x, points[:, 1] - y) <= distance
+    return near

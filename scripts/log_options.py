@@ -1,0 +1,38 @@
+"""Options of commands that read recorded drives, and the reading itself."""
+
+import argparse
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+from ..slam.laser_odometry import laser_odometry
+from ..slam.logs.drive import RecordedDrive
+from ..slam.logs.log import read_log
+
+
+def add_topics(parser: argparse.ArgumentParser) -> None:
+    """Declare the options that choose the topics of a ROS bag."""
+    parser.add_argument("--scan-topic", metavar="NAME", help="of a ROS bag with several topics of laser scans")
+    parser.add_argument("--odometry-topic", metavar="NAME", help="of a ROS bag with several topics of odometry")
+
+
+def read_with_odometry(path: Path, scan_topic: str | None, odometry_topic: str | None) -> RecordedDrive:
+    """Return the drive in a log; where it has no odometry, with one made from its scans.
+
+    What was assumed is said on stderr.
+
+    Args:
+        path: CARMEN log or ROS bag.
+        scan_topic: Of a bag, the topic of the scans; None: the only one.
+        odometry_topic: Of a bag, the topic of the odometry; None: the only one.
+    """
+    drive = read_log(path, scan_topic, odometry_topic)
+    for note in drive.notes:
+        print(f"tagalong: {path}: {note}", file=sys.stderr)
+    if drive.has_odometry:
+        return drive
+    made = laser_odometry(drive.scans)
+    lost = int((~made.matched).sum())
+    said = f"odometry is made from the scans; {lost} of {len(drive)} could not be matched with one before"
+    print(f"tagalong: {said}", file=sys.stderr)
+    return replace(drive, odometry=made.poses)

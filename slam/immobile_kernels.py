@@ -1,0 +1,67 @@
+"""Kernel of the immobile-area grid, and its plain numpy reference. Lengths are in cells."""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from .rays import ray_cells, ray_start
+
+
+@njit(cache=True, nogil=True)
+def write_observation(x0, y0, ends, log_beta, miss, limit, stamp, log_odds, stamps):
+    """Update each cell that the rays met once: by the first hit in it, else by `miss` where a ray passed.
+
+    Args:
+        x0, y0: Where the rays begin.
+        ends: (n, 2) x, y of their ends; where two hit the same cell the earlier one counts.
+        log_beta: (n,) what a hit adds to the log-odds; NaN where the ray ends in the open.
+        miss: What a ray adds to a cell that it passes.
+        limit: Log-odds stay within +-limit.
+        stamp: Number of this observation, from 1; another one for each.
+        log_odds: (rows, cols) float32, changed.
+        stamps: (rows, cols) int32, the last observation that updated a cell, 0 if none; changed.
+    """
+    for k in range(len(ends)):
+        row, col = int(np.floor(ends[k, 1])), int(np.floor(ends[k, 0]))
+        if not np.isnan(log_beta[k]) and stamps[row, col] != stamp:
+            stamps[row, col] = stamp
+            log_odds[row, col] = max(min(log_odds[row, col] + log_beta[k], limit), -limit)
+    for k in range(len(ends)):
+        row, col, row_step, col_step, next_y, next_x, y_stride, x_stride, steps = ray_start(
+            x0, y0, ends[k, 0], ends[k, 1]
+        )
+        for _ in range(steps):
+            if stamps[row, col] != stamp:
+                stamps[row, col] = stamp
+                log_odds[row, col] = max(min(log_odds[row, col] + miss, limit), -limit)
+            if next_x < next_y:
+                next_x += x_stride
+                col += col_step
+            else:
+                next_y += y_stride
+                row += row_step
+
+
+def write_observation_reference(
+    x0: float,
+    y0: float,
+    ends: NDArray[np.float64],
+    log_beta: NDArray[np.float64],
+    miss: float,
+    limit: float,
+    stamp: int,
+    log_odds: NDArray[np.float32],
+    stamps: NDArray[np.int32],
+) -> None:
+    """Do what `write_observation` does, in numpy."""
+    change = np.full(log_odds.shape, np.nan)
+    for (x, y), value in zip(np.floor(ends).astype(int), log_beta, strict=True):
+        if np.isnan(change[y, x]):
+            change[y, x] = value
+    for x, y in ends:
+        rows, cols = ray_cells(x0, y0, x, y)[:-1].T
+        free = np.isnan(change[rows, cols])
+        change[rows[free], cols[free]] = miss
+    met = ~np.isnan(change)
+    log_odds[met] = np.clip(log_odds[met] + change[met], -limit, limit)
+    stamps[met] = stamp

@@ -1,0 +1,109 @@
+"""Opens ROS 1 bags (a file) and ROS 2 bags (a folder) and hands out their messages by topic; pure Python."""
+
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from ..errors import InputError, MissingExtraError
+
+_MAGIC = b"#ROSBAG V"
+_NS = 1e-9
+
+
+class Message(NamedTuple):
+    """A message: the time at which it was recorded [s] and its content, as the field names of its type say."""
+
+    recorded_s: float
+    content: Any
+
+
+class Bag:
+    """An open bag.
+
+    Args:
+        reader: The library's reader, open.
+        path: For errors.
+    """
+
+    def __init__(self, reader: Any, path: Path) -> None:
+        self._reader = reader
+        self._path = path
+
+    @property
+    def topics(self) -> Mapping[str, str]:
+        """The type of each topic that has messages, e.g. {"/scan": "sensor_msgs/msg/LaserScan"}."""
+        return {each.topic: each.msgtype for each in self._reader.connections if each.msgcount}
+
+    def of_type(self, *types: str) -> list[str]:
+        """Return the topics of one of `types`, in order of name."""
+        return sorted(topic for topic, kind in self.topics.items() if kind in types)
+
+    def choose(self, wanted: str | None, kind: str, option: str) -> str | None:
+        """Return the one topic of type `kind`, or the `wanted` one; None: there is none.
+
+        Args:
+            wanted: Name that the user gave, or None.
+            kind: Type of its messages.
+            option: Option of the command line that gives the name, for errors.
+
+        Raises:
+            InputError: If the wanted topic is not there, or there are several and none is wanted.
+        """
+        topics = self.of_type(kind)
+        if wanted is None:
+            if len(topics) > 1:
+                raise InputError(
+                    f"{self._path}: several topics of type {kind}: {', '.join(topics)}; choose by {option}"
+                )
+            return topics[0] if topics else None
+        for topic in topics:
+            if topic.strip("/") == wanted.strip("/"):
+                return topic
+        raise InputError(f"{self._path}: no topic {wanted!r} of type {kind}; it has: {', '.join(topics) or 'none'}")
+
+    def messages(self, *topics: str) -> Iterator[Message]:
+        """Yield the messages of `topics` in the order of the recording."""
+        wanted = [each for each in self._reader.connections if each.topic in topics]
+        for connection, time_ns, raw in self._reader.messages(wanted) if wanted else ():
+            yield Message(time_ns * _NS, self._reader.deserialize(raw, connection.msgtype))
+
+
+def is_bag(path: str | os.PathLike[str]) -> bool:
+    """Return whether `path` is a ROS 1 bag (by its first bytes) or the folder or the one mcap file of a ROS 2 bag."""
+    path = Path(path)
+    if path.is_dir():
+        return (path / "metadata.yaml").is_file()
+    if path.suffix in (".bag", ".mcap"):
+        return path.is_file()
+    try:
+        with path.open("rb") as file:
+            return file.read(len(_MAGIC)) == _MAGIC
+    except OSError:
+        return False
+
+
+@contextmanager
+def open_bag(path: str | os.PathLike[str]) -> Iterator[Bag]:
+    """Open a bag; what is wrong with its bytes is said in one line.
+
+    Raises:
+        InputError: If it is no bag, or damaged.
+        MissingExtraError: If `rosbags` is not installed.
+    """
+    path = Path(path)
+    try:
+        from rosbags.highlevel import AnyReader
+        from rosbags.typesys import Stores, get_typestore
+    except ImportError:
+        raise MissingExtraError("ROS bags", "ros") from None
+    try:
+        with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
+            yield Bag(reader, path)
+    except (InputError, MissingExtraError, GeneratorExit):
+        raise
+    except Exception as error:  # damaged bytes raise whatever struct, lz4, sqlite and the library raise for them
+        raise InputError(
+            f"{path}: no readable ROS bag ({' '.join(str(error).split()) or type(error).__name__})"
+        ) from error

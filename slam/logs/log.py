@@ -1,0 +1,34 @@
+"""Reads a recorded drive of whatever kind: CARMEN log or ROS bag, told by content."""
+
+import os
+from pathlib import Path
+
+from ..errors import InputError
+from .bag_messages import is_bag
+from .carmen import read_carmen
+from .drive import RecordedDrive
+from .rosbag import read_rosbag
+
+
+def read_log(
+    path: str | os.PathLike[str], scan_topic: str | None = None, odometry_topic: str | None = None
+) -> RecordedDrive:
+    """Return the drive in a CARMEN log (plain or gzipped), a ROS 1 bag or a ROS 2 bag folder.
+
+    Args:
+        path: The log.
+        scan_topic: Of a bag with several topics of scans, the one to take.
+        odometry_topic: Likewise, of odometry.
+
+    Raises:
+        InputError: If it cannot be read, or a topic is named for a log that has none.
+        MissingExtraError: If it is a bag and `rosbags` is not installed.
+    """
+    path = Path(path)
+    if is_bag(path):
+        return read_rosbag(path, scan_topic, odometry_topic)
+    if path.is_dir():
+        raise InputError(f"{path}: a folder without metadata.yaml is no ROS 2 bag")
+    if scan_topic is not None or odometry_topic is not None:
+        raise InputError(f"{path}: only a ROS bag has topics to choose")
+    return read_carmen(path)

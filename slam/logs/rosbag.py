@@ -1,0 +1,164 @@
+"""Reads a drive from a ROS 1 or ROS 2 bag: laser scans, odometry and where the laser stands on the robot."""
+
+import os
+from dataclasses import dataclass, field
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from ..geometry import wrap_angle
+from ..scan import LaserScan
+from .bag_messages import Bag, open_bag
+from .drive import RecordedDrive
+from .ros_frames import FrameTree, frame_name, planar, rotation_matrix, stamp_s
+
+Array = NDArray[np.float64]
+Pose = tuple[float, float, float]
+
+SCAN, ODOMETRY = "sensor_msgs/msg/LaserScan", "nav_msgs/msg/Odometry"
+TRANSFORMS = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
+
+_BASES = ("base_link", "base_footprint", "base")  # REP 105, where the odometry does not name the robot's frame
+_LEVEL = 0.94  # cosine of the tilt from which on a laser is not called planar
+_CLOCKS_S = 0.5  # two clocks that differ by more are not the same
+_BEYOND_S = 0.2  # a scan so long before or after all odometry has none
+
+
+@dataclass(eq=False)
+class _Poses:
+    """Odometry: times by header and by recorder [s], poses (3,), name of the robot's frame and what told it."""
+
+    robot: str = ""
+    source: str = ""
+    times_s: list[float] = field(default_factory=list)
+    recorded_s: list[float] = field(default_factory=list)
+    poses: list[Array] = field(default_factory=list)
+
+
+def read_rosbag(
+    path: str | os.PathLike[str], scan_topic: str | None = None, odometry_topic: str | None = None
+) -> RecordedDrive:
+    """Return the drive in a bag: a ROS 1 file, or the folder (or mcap file) of a ROS 2 bag.
+
+    Topics are found by type: scans are `sensor_msgs/LaserScan`; odometry is `nav_msgs/Odometry`, or else what tf tells
+    of the laser's ancestor in a frame that is called odom; where there is neither, `has_odometry` is false. The pose of
+    the laser on the robot is that of tf; a laser that hangs upside down has its beams turned over. Odometry is
+    interpolated at the times of the scans; times are those of the message headers, or of the recorder where the headers
+    of scans and odometry disagree or stand still. What was assumed is told in `notes`.
+
+    Args:
+        path: The bag.
+        scan_topic: Name of the scans' topic, needed where there are several.
+        odometry_topic: Name of the odometry's topic, likewise.
+
+    Raises:
+        InputError: If it is no bag, damaged, without scans, ambiguous, or its laser does not stand level.
+        MissingExtraError: If `rosbags` is not installed.
+    """
+    path = Path(path)
+    if not path.exists():
+        raise InputError(f"{path}: cannot be read (no such file or folder)")
+    with open_bag(path) as bag:
+        topic = _scan_topic(bag, scan_topic, path)
+        messages = list(bag.messages(topic))
+        frame = frame_name(messages[0].content.header.frame_id)
+        tree = FrameTree(bag.messages(*bag.of_type(*TRANSFORMS)))
+        odometry = _odometry(bag, tree, frame, odometry_topic)
+    notes: list[str] = []
+    mount, flipped = _mount(tree, odometry.robot if odometry else None, frame, notes, path)
+    headers = np.array([stamp_s(message.content.header) for message in messages])
+    recorded = np.array([message.recorded_s for message in messages])
+    by_header = _headers_are_good(headers, recorded, odometry)
+    times = headers if by_header else recorded
+    where = f"{path}: {topic}"
+    scans = [_scan(each.content, float(t), mount, flipped, where) for each, t in zip(messages, times, strict=True)]
+    if odometry is None:
+        notes.append("no odometry in the bag")
+        return RecordedDrive(np.zeros((len(scans), 3)), scans, None, path.stem, has_odometry=False, notes=tuple(notes))
+    poses, inside = _at(times, np.array(odometry.times_s if by_header else odometry.recorded_s), odometry.poses)
+    if not inside.any():
+        raise InputError(f"{path}: no scan of {topic} within {_BEYOND_S} s of any odometry of {odometry.source}")
+    if not inside.all():
+        notes.append(f"{np.count_nonzero(~inside)} scans left out: no odometry at their time")
+    kept = [scan for scan, good in zip(scans, inside, strict=True) if good]
+    return RecordedDrive(poses[inside], kept, None, path.stem, notes=tuple(notes))
+
+
+def _scan_topic(bag: Bag, wanted: str | None, path: Path) -> str:
+    topic = bag.choose(wanted, SCAN, "--scan-topic")
+    if topic is None:
+        known = ", ".join(f"{name} ({kind})" for name, kind in sorted(bag.topics.items()))
+        raise InputError(f"{path}: no topic of type {SCAN}; it has: {known or 'no messages'}")
+    return topic
+
+
+def _odometry(bag: Bag, tree: FrameTree, laser: str, wanted: str | None) -> _Poses | None:
+    """Return the odometry of the robot that carries the frame `laser`; None: the bag says nothing of it."""
+    topic = bag.choose(wanted, ODOMETRY, "--odometry-topic")
+    if topic is not None:
+        result = _Poses(source=topic)
+        for recorded_s, content in bag.messages(topic):
+            result.robot = frame_name(content.child_frame_id)
+            result.times_s.append(stamp_s(content.header))
+            result.recorded_s.append(recorded_s)
+            pose = content.pose.pose
+            result.poses.append(planar(pose.position, rotation_matrix(pose.orientation)))
+        return result
+    names = tree.upwards(laser)
+    for child, parent in pairwise(names):
+        if "odom" in parent:
+            track = tree.track(child)
+            return _Poses(child, f"tf {parent} -> {child}", track.times_s, track.recorded_s, track.poses)
+    return None
+
+
+def _mount(tree: FrameTree, robot: str | None, laser: str, notes: list[str], path: Path) -> tuple[Pose, bool]:
+    """Return T_robot_lidar in the plane, and whether the laser hangs upside down."""
+    for base in (robot, *_BASES) if robot else _BASES:
+        matrix = tree.between(base, laser)
+        if matrix is None:
+            continue
+        up = matrix[2, 2]
+        if abs(up) < _LEVEL:
+            raise InputError(f"{path}: the laser {laser!r} must stand level on {base!r}, its axis has cosine {up:.2f}")
+        return (float(matrix[0, 3]), float(matrix[1, 3]), float(np.arctan2(matrix[1, 0], matrix[0, 0]))), up < 0.0
+    notes.append(f"no transform from the robot to {laser!r}: the laser counts as the robot's origin")
+    return (0.0, 0.0, 0.0), False
+
+
+def _headers_are_good(headers: Array, recorded: Array, odometry: _Poses | None) -> bool:
+    """Return whether the times in the headers are of use: they move on, and are of one clock."""
+    if len(headers) > 1 and not (np.diff(headers) > 0.0).all():
+        return False
+    if odometry is None:
+        return True
+    offset = np.median(np.array(odometry.times_s) - np.array(odometry.recorded_s))
+    return bool(abs(offset - np.median(headers - recorded)) < _CLOCKS_S)
+
+
+def _scan(message: Any, time_s: float, mount: Pose, flipped: bool, where: str) -> LaserScan:
+    """Return the scan of a message, its bearings ascending."""
+    ranges = np.asarray(message.ranges, dtype=np.float64)
+    bearings = message.angle_min + message.angle_increment * np.arange(len(ranges))
+    if flipped:
+        bearings = -bearings
+    if len(bearings) > 1 and bearings[1] < bearings[0]:
+        ranges, bearings = ranges[::-1], bearings[::-1]
+    try:
+        return LaserScan(ranges, bearings, message.range_min, message.range_max, time_s, mount)
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from error
+
+
+def _at(times_s: Array, known_s: Array, poses: list[Array]) -> tuple[Array, NDArray[np.bool_]]:
+    """Return poses (n, 3) at `times_s` (n,) between those known at `known_s`, and which of them are known (n,)."""
+    order = np.argsort(known_s, kind="stable")
+    known_s, known = known_s[order], np.array(poses)[order]
+    known[:, 2] = np.unwrap(known[:, 2])
+    result = np.stack([np.interp(times_s, known_s, column) for column in known.T], axis=-1)
+    result[:, 2] = wrap_angle(result[:, 2])
+    return result, (times_s >= known_s[0] - _BEYOND_S) & (times_s <= known_s[-1] + _BEYOND_S)

@@ -1,0 +1,239 @@
+"""Pure pursuit, dynamic window and exploration on ideal motion and drawn rooms; no simulator."""
+
+import math
+
+import numpy as np
+import pytest
+from tagalong.agents import EXPLORERS, FOLLOWERS, make_follower
+from tagalong.agents.dwa import DWAFollower
+from tagalong.agents.dynamic_window import DynamicWindow, DynamicWindowConfig, Surroundings, arcs
+from tagalong.agents.frontier import FrontierExplorer
+from tagalong.agents.frontier_plan import FrontierConfig, frontiers, place_ahead, plan_way
+from tagalong.agents.grid_field import way_field, way_field_reference
+from tagalong.agents.pure_pursuit import PurePursuitFollower
+from tagalong.agents.random_walk import RandomWalk
+from tagalong.envs.interface import FollowInterface, OwnMap
+from tagalong.slam.errors import InputError
+from tagalong.slam.occupancy_map import OccupancyMap
+
+BEAMS = 181
+BEARINGS = np.deg2rad(np.linspace(-135, 135, BEAMS))
+INTERFACE = FollowInterface(bearings=BEARINGS, T_robot_lidar=(0.0, 0.0, 0.0))
+NOTHING = Surroundings(np.empty((0, 2)), np.empty((0, 4)))
+
+
+def observation(leader=None, speed=0.0, turn=0.0, ranges=30.0, people=()):
+    table = np.zeros((6, 6), dtype=np.float32)
+    for row, person in enumerate(people):
+        table[row] = [*person, 0.9, 1.0]
+    return {
+        "scan": (np.broadcast_to(ranges, BEAMS) / 30.0).astype(np.float32),
+        "leader": np.array([0.0] * 6 if leader is None else [*leader, 0.9, 1.0], dtype=np.float32),
+        "people": table,
+        "velocity": np.array([speed, turn], dtype=np.float32),
+    }
+
+
+def drive(follower, leader_at, seconds):
+    """Run an ideal unicycle behind a leader; return rows of (robot x, y, leader x, y, speed)."""
+    x = y = theta = speed = turn = 0.0
+    rows = []
+    for t in np.arange(0.0, seconds, 0.1):
+        lx, ly = leader_at(t)
+        vx, vy = (np.array(leader_at(t + 1e-3)) - (lx, ly)) / 1e-3
+        cos, sin = math.cos(theta), math.sin(theta)
+        local = (cos * (lx - x) + sin * (ly - y), -sin * (lx - x) + cos * (ly - y))
+        action = follower.act(observation([*local, cos * vx + sin * vy, -sin * vx + cos * vy], speed, turn))
+        assert np.all(np.abs(action) <= 1.0)
+        speed, turn = action[0] * INTERFACE.max_speed, action[1] * INTERFACE.max_turn_rate
+        x, y, theta = x + speed * math.cos(theta) * 0.1, y + speed * math.sin(theta) * 0.1, theta + turn * 0.1
+        rows.append((x, y, lx, ly, speed))
+    return np.array(rows)
+
+
+@pytest.mark.parametrize("make", [PurePursuitFollower, DWAFollower])
+def test_the_distance_settles_near_1_3_m_behind_a_straight_leader(make):
+    rows = drive(make(INTERFACE), lambda t: (1.3 + 0.8 * t, 0.0), 15.0)
+    distance = np.hypot(rows[:, 2] - rows[:, 0], rows[:, 3] - rows[:, 1])
+    assert np.abs(distance[60:] - 1.3).max() < 0.4
+
+
+@pytest.mark.parametrize("make", [PurePursuitFollower, DWAFollower])
+def test_it_backs_away_from_a_leader_who_comes_near(make):
+    rows = drive(make(INTERFACE), lambda t: (max(0.7, 1.5 - 0.5 * t), 0.0), 8.0)
+    assert rows[-1, 2] - rows[-1, 0] > 1.0
+
+
+@pytest.mark.parametrize("name", ["pure_pursuit", "dwa"])
+def test_it_waits_until_a_leader_was_seen_and_looks_for_a_lost_one(name):
+    follower = make_follower(name, INTERFACE)
+    assert not follower.act(observation()).any()
+    follower.act(observation([1.3, 0.0, 0.0, 0.0]))
+    unseen = {**observation(), "leader": np.zeros(6, dtype=np.float32)}
+    turns = [follower.act(unseen)[1] for _ in range(200)]
+    assert np.abs(turns[-1]) > 0.1
+    follower.reset()
+    assert not follower.act(unseen).any()
+
+
+def test_pure_pursuit_goes_round_a_corner_where_the_leader_went():
+    def corner(t):
+        return (1.3 + 0.8 * t, 0.0) if t < 5.0 else (5.3, 0.8 * (t - 5.0))
+
+    rows = drive(PurePursuitFollower(INTERFACE), corner, 14.0)
+    off_trail = np.minimum(np.abs(rows[:, 1]), np.abs(rows[:, 0] - 5.3))
+    assert off_trail.max() < 0.45
+    assert rows[-1, 1] > 4.0
+
+
+def test_arcs_are_those_of_a_unicycle():
+    poses = arcs(np.array([1.0, 1.0]), np.array([0.0, math.pi / 2]), np.array([1.0]))
+    assert poses[0, 0] == pytest.approx([1.0, 0.0, 0.0])
+    assert poses[1, 0] == pytest.approx([2 / math.pi, 2 / math.pi, math.pi / 2])
+
+
+def run_window(around, target, seconds=6.0):
+    """Drive towards a fixed place among fixed things, on ideal motion; return the places (n, 2)."""
+    window, pose, places = DynamicWindow(DynamicWindowConfig(), 0.1), np.zeros(3), []
+    for _ in range(int(seconds * 10)):
+        cos, sin = math.cos(pose[2]), math.sin(pose[2])
+        into = np.array([[cos, -sin], [sin, cos]])
+        people = np.array([[*((p[:2] - pose[:2]) @ into), 0.0, 0.0] for p in around.people]).reshape(-1, 4)
+        local = Surroundings((around.obstacles - pose[:2]) @ into, people)
+        goal = (np.asarray(target) - pose[:2]) @ into
+        speed, turn = window.choose(goal, goal, local)
+        pose += np.array([speed * cos, speed * sin, turn]) * 0.1
+        places.append(pose[:2].copy())
+    return np.array(places)
+
+
+def test_the_window_drives_to_the_target_and_around_what_stands_in_the_way():
+    free = run_window(NOTHING, (3.0, 0.0))
+    assert free[-1] == pytest.approx([3.0, 0.0], abs=0.2)
+    post = np.stack((np.full(9, 1.5), np.linspace(0.1, 0.35, 9)), axis=-1)
+    places = run_window(Surroundings(post, np.empty((0, 4))), (3.5, 0.0), 10.0)
+    assert np.hypot(*(places[:, None] - post).transpose(2, 0, 1)).min() > 0.33
+    assert places[-1] == pytest.approx([3.5, 0.0], abs=0.3)
+
+
+def test_the_window_stops_in_front_of_a_wall():
+    wall = np.stack((np.full(61, 1.5), np.linspace(-3, 3, 61)), axis=-1)
+    places = run_window(Surroundings(wall, np.empty((0, 4))), (4.0, 0.0), 4.0)
+    assert places[:, 0].max() < 1.2
+
+
+def test_people_are_given_more_room_than_things():
+    beside = np.array([[1.5, 0.75]])
+    thing = run_window(Surroundings(beside, np.empty((0, 4))), (3.5, 0.0))
+    person = run_window(Surroundings(np.empty((0, 2)), np.array([[1.5, 0.75, 0.0, 0.0]])), (3.5, 0.0))
+    nearest = [np.hypot(*(places - beside).T).min() for places in (thing, person)]
+    assert nearest[1] > nearest[0] + 0.03
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_way_kernel_agrees_with_dijkstra(seed):
+    rng = np.random.default_rng(seed)
+    cost = np.where(rng.random((25, 40)) < 0.25, np.inf, rng.uniform(1.0, 3.0, (25, 40)))
+    cost[5, 7] = 1.0
+    field, parent = np.empty_like(cost), np.empty(cost.shape, dtype=np.int32)
+    way_field(cost, 5, 7, field, parent)
+    assert field == pytest.approx(way_field_reference(cost, 5, 7))
+    assert parent[5, 7] == -1
+    assert np.all((parent >= 0) == (np.isfinite(field) & (field > 0.0)))
+
+
+def half_known_room():
+    """A room of 6 x 3 m whose right half is not known yet; the robot stands in the left one."""
+    probability = np.full((60, 120), np.nan, dtype=np.float32)
+    probability[:, :60] = 0.1
+    probability[[0, 59], :60] = 0.9
+    probability[:, 0] = 0.9
+    return OccupancyMap(probability, 0.05, (0.0, 0.0))
+
+
+def test_the_frontier_is_where_the_known_floor_ends():
+    free = np.zeros((6, 8), dtype=bool)
+    free[1:5, 1:4] = True
+    occupied = np.zeros_like(free)
+    occupied[[0, 5], :5] = True
+    occupied[:, 0] = True
+    labels = frontiers(free, occupied)
+    assert set(map(tuple, np.argwhere(labels > 0))) == {(1, 3), (2, 3), (3, 3), (4, 3)}
+
+
+def test_the_way_leads_to_the_frontier_and_none_is_left_in_a_closed_room():
+    own = OwnMap(half_known_room(), np.array([1.0, 1.5, 0.0]))
+    way = plan_way(own, own.pose[None, :2], np.empty((0, 2)), FrontierConfig())
+    assert way is not None
+    assert way.places[0] == pytest.approx([1.05, 1.55], abs=0.11)
+    assert way.frontier[0] == pytest.approx(2.95, abs=0.15)
+    assert plan_way(own, own.pose[None, :2], way.frontier[None], FrontierConfig()) is None
+    closed = half_known_room().probability.copy()
+    closed[:, 59:] = 0.9
+    shut = OwnMap(OccupancyMap(closed, 0.05, (0.0, 0.0)), own.pose)
+    assert plan_way(shut, own.pose[None, :2], np.empty((0, 2)), FrontierConfig()) is None
+
+
+def test_the_place_ahead_lies_on_the_way():
+    places = np.stack((np.linspace(0.0, 5.0, 51), np.zeros(51)), axis=-1)
+    assert place_ahead(places, np.array([1.0, 0.2, np.pi / 2]), 1.0) == pytest.approx([-0.2, -1.0], abs=0.11)
+
+
+def test_the_frontier_explorer_drives_towards_the_unknown_and_then_is_done():
+    own = OwnMap(half_known_room(), np.array([1.0, 1.5, 0.0]))
+    explorer = FrontierExplorer(FollowInterface(bearings=BEARINGS, own_map=lambda: own))
+    actions = [explorer.act(observation()) for _ in range(10)]
+    assert actions[-1][0] > 0.3
+    assert not explorer.done
+    known = OwnMap(OccupancyMap(np.full((60, 120), 0.9, dtype=np.float32), 0.05, (0.0, 0.0)), own.pose)
+    nowhere = FrontierExplorer(FollowInterface(bearings=BEARINGS, own_map=lambda: known))
+    assert not nowhere.act(observation()).any()
+    assert nowhere.done
+
+
+def test_frontier_exploration_needs_a_map():
+    with pytest.raises(InputError, match="own map"):
+        make_follower("frontier", INTERFACE)
+
+
+def test_the_random_walk_goes_straight_turns_away_from_a_wall_and_repeats_itself():
+    walk = RandomWalk(INTERFACE)
+    straight = [walk.act(observation(speed=0.5)) for _ in range(10)]
+    assert straight[-1][0] > 0.5
+    assert abs(straight[-1][1]) < 0.05
+    wall = np.where(np.abs(BEARINGS) < 1.2, 0.7, 5.0)
+    turned = [walk.act(observation(ranges=wall)) for _ in range(15)]
+    assert max(abs(action[1]) for action in turned) > 0.1
+    walk.reset()
+    again = [walk.act(observation(speed=0.5)) for _ in range(10)]
+    again += [walk.act(observation(ranges=wall)) for _ in range(15)]
+    assert np.array_equal(again, straight + turned)
+
+
+def test_there_are_followers_and_explorers():
+    assert sorted(FOLLOWERS) == ["dwa", "pid", "pure_pursuit"]
+    assert sorted(EXPLORERS) == ["frontier", "random"]
+    with pytest.raises(InputError, match="pure_pursuit"):
+        make_follower("nobody")
+
+
+@pytest.mark.parametrize("name", ["pure_pursuit", "dwa", "random"])
+def test_a_holonomic_robot_gets_three_numbers(name):
+    follower = make_follower(name, FollowInterface(bearings=BEARINGS, holonomic=True))
+    sight = observation([2.0, 0.0, 0.0, 0.0])
+    sight["velocity"] = np.zeros(3, dtype=np.float32)
+    action = follower.act(sight)
+    assert action.shape == (3,)
+    assert action[0] > 0.0
+    assert action[1] == 0.0
+
+
+@pytest.mark.parametrize("path", ["nowhere:Bold", "math:nothing", "math:pi", "collections:Counter", ":"])
+def test_a_follower_of_ones_own_that_is_none_is_refused(path):
+    with pytest.raises(InputError):
+        make_follower(path, INTERFACE)
+
+
+def test_a_follower_of_ones_own_may_ask_for_the_interface():
+    follower = make_follower("tagalong.agents.pid:PIDFollower", INTERFACE)
+    assert follower.interface is INTERFACE

@@ -1,0 +1,142 @@
+"""Joystick logs and the operator model; no simulator but for one short replay."""
+
+import math
+
+import numpy as np
+import pytest
+from tagalong.agents.joystick import (
+    FIRST_LINE,
+    MODEL,
+    JoystickLog,
+    JoystickReplay,
+    read_joystick_log,
+    write_joystick_log,
+)
+from tagalong.agents.operator_model import OperatorConfig, OperatorModel, Sight
+from tagalong.scripts.experiments.joystick_calibration import driving_figures
+from tagalong.scripts.experiments.joystick_drive import record_drive, replay_drive
+from tagalong.slam.errors import InputError
+
+NOBODY = np.empty((0, 2))
+
+
+def some_log():
+    actions = np.zeros((10, 2), dtype=np.float32)
+    actions[2:7] = (0.5, 0.0)
+    actions[4:6] = (0.5, -0.25)
+    return JoystickLog("keyboard", "tagalong/Corridor-v0", {"leader": False, "people_count": 2}, 3, actions)
+
+
+def test_a_log_is_a_small_text_file_that_reads_back_equal(tmp_path):
+    write_joystick_log(tmp_path / "log.txt", some_log())
+    text = (tmp_path / "log.txt").read_text()
+    assert text.startswith(FIRST_LINE)
+    assert len(text.splitlines()) == 8 + 4
+    back = read_joystick_log(tmp_path / "log.txt")
+    assert np.array_equal(back.actions, some_log().actions)
+    assert (back.made_by, back.env, back.kwargs, back.seed) == (
+        "keyboard",
+        "tagalong/Corridor-v0",
+        some_log().kwargs,
+        3,
+    )
+
+
+def test_commands_and_active_seconds_are_counted():
+    assert some_log().changes.tolist() == [2, 4, 6, 7]
+    assert some_log().active_s == pytest.approx(0.5)
+
+
+def test_replay_acts_as_recorded_and_then_stands_still():
+    log = some_log()
+    replay = JoystickReplay(log, log.env, log.kwargs, log.seed)
+    first = [replay.act(None) for _ in range(12)]
+    assert np.array_equal(first[:10], log.actions)
+    assert not np.any(first[10:])
+    replay.reset()
+    assert np.array_equal([replay.act(None) for _ in range(10)], log.actions)
+
+
+@pytest.mark.parametrize(
+    ("env", "kwargs", "seed", "named"),
+    [
+        ("tagalong/Office-v0", {"leader": False, "people_count": 2}, 3, "environment"),
+        ("tagalong/Corridor-v0", {"leader": False, "people_count": 3}, 3, "arguments"),
+        ("tagalong/Corridor-v0", {"leader": False, "people_count": 2}, 4, "seed"),
+    ],
+)
+def test_replay_refuses_another_environment_other_arguments_or_another_seed(env, kwargs, seed, named):
+    with pytest.raises(InputError, match=named):
+        JoystickReplay(some_log(), env, kwargs, seed)
+
+
+@pytest.mark.parametrize("text", ["", "something else", f"{FIRST_LINE}\nseed: x\nstep forward turn\n"])
+def test_what_is_no_log_is_refused(tmp_path, text):
+    (tmp_path / "log.txt").write_text(text)
+    with pytest.raises(InputError, match=r"log\.txt"):
+        read_joystick_log(tmp_path / "log.txt")
+    with pytest.raises(InputError, match="nowhere"):
+        read_joystick_log(tmp_path / "nowhere.txt")
+
+
+def drive(route, seconds, people=NOBODY, config=None, start=(0.0, 0.0, 0.0)):
+    """Let the operator drive an ideal robot; return rows of (x, y, theta, speed, turn)."""
+    operator = OperatorModel(np.asarray(route, dtype=float), np.random.default_rng(0), config)
+    pose, rows = np.array(start), []
+    for _ in range(int(seconds * 10)):
+        speed, turn = operator.act(Sight(pose.copy(), float(pose[0]), people))
+        pose += np.array([speed * math.cos(pose[2]), speed * math.sin(pose[2]), turn]) * 0.1
+        rows.append((*pose, speed, turn))
+    return np.array(rows)
+
+
+def test_the_operator_follows_the_way_at_full_stick():
+    rows = drive([(0, 0), (30, 0)], 20.0)
+    assert rows[-1, 0] > 10.0
+    assert np.abs(rows[:, 1]).max() < 0.5
+    assert rows[:, 3].max() <= OperatorConfig().full_speed
+
+
+def test_the_operator_steers_in_steps_of_the_stick_and_too_much():
+    rows = drive([(0, 0), (30, 0)], 20.0, start=(0.0, 0.6, 0.4))
+    turns = rows[:, 4] / OperatorConfig().full_turn * OperatorConfig().levels
+    assert np.allclose(turns, np.round(turns))
+    signs = np.sign(turns[turns != 0.0])
+    assert np.sum(np.diff(signs) != 0) >= 2, "never corrected back"
+
+
+def test_the_operator_reacts_late():
+    config = OperatorConfig(reaction_s=0.5, hold_s=0.1)
+    operator = OperatorModel(np.array([(0.0, 0.0), (30.0, 0.0)]), np.random.default_rng(0), config)
+    for _ in range(30):
+        operator.act(Sight(np.zeros(3), 0.0, NOBODY))
+    turned = [operator.act(Sight(np.array([0.0, 0.0, 0.9]), 0.0, NOBODY))[1] for _ in range(12)]
+    assert not np.any(turned[:4])
+    assert turned[-1] < -0.4
+
+
+def test_the_operator_stops_for_somebody_in_front():
+    rows = drive([(0, 0), (30, 0)], 15.0, people=np.array([[4.0, 0.1]]))
+    assert 2.0 < rows[-1, 0] < 3.6
+    assert rows[-1, 3] == 0.0
+
+
+def test_figures_of_a_drive_of_known_acceleration():
+    time = np.arange(0.0, 20.0, 0.1)
+    speed = 0.5 + 0.3 * np.sin(time)
+    x = 0.5 * time + 0.3 * (1.0 - np.cos(time))
+    figures = driving_figures(time, np.stack((x, np.zeros_like(x), np.zeros_like(x)), axis=-1))
+    assert figures.acceleration_rms == pytest.approx(0.3 / math.sqrt(2.0), rel=0.1)
+    assert figures.speed_95 == pytest.approx(float(np.quantile(speed, 0.95)), rel=0.05)
+    assert figures.turn_acceleration_rms == 0.0
+
+
+def test_a_drive_recorded_in_the_closed_loop_is_the_same_in_the_open_loop():
+    kwargs = {"leader": False, "people_count": 1, "slam": None, "beams": 181, "max_episode_steps": 80}
+    poses = []
+    log = record_drive("tagalong/Corridor-v0", kwargs, 2, watch=lambda env: poses.append(env.truth.robot_pose))
+    assert log.made_by == MODEL
+    assert len(log.actions) == 80
+    episode = replay_drive(log)
+    assert np.array_equal(episode.history.robot_pose[:-1], poses)
+    assert episode.metrics["path_length_m"] > 1.0

@@ -1,0 +1,107 @@
+"""The vector environment: equal to single environments step by step, in every autoreset mode."""
+
+import gymnasium as gym
+import numpy as np
+import pytest
+import tagalong  # noqa: F401 (registers the ids)
+from gymnasium.vector import AutoresetMode, SyncVectorEnv
+from tagalong.slam.errors import InputError
+
+FIELDS = {"beams": 61, "slam": None, "people_count": 3}
+COUNT = 3
+
+
+def native(name="tagalong/Office-v0", **arguments):
+    return gym.make_vec(
+        name, num_envs=COUNT, vectorization_mode="vector_entry_point", **{"workers": 2, **FIELDS, **arguments}
+    )
+
+
+def one_by_one(mode, steps, name="tagalong/Office-v0"):
+    def make():
+        return gym.make(name, disable_env_checker=True, max_episode_steps=steps, **FIELDS)
+
+    return SyncVectorEnv([make] * COUNT, autoreset_mode=mode)
+
+
+def same(first, second):
+    """Assert that two nests of dicts and arrays are equal to the byte."""
+    assert type(first) is type(second)
+    if isinstance(first, dict):
+        assert sorted(first) == sorted(second)
+        for key in first:
+            same(first[key], second[key])
+    elif isinstance(first, np.ndarray) and first.dtype != object:
+        assert first.dtype == second.dtype
+        assert first.tobytes() == second.tobytes()
+    elif isinstance(first, tuple | np.ndarray):
+        for one, other in zip(first, second, strict=True):
+            same(one, other)
+    else:
+        assert first == second
+
+
+@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
+def test_it_is_equal_to_single_environments_step_by_step(mode):
+    ours, theirs = native(max_episode_steps=9, autoreset_mode=mode), one_by_one(mode, 9)
+    same(ours.reset(seed=5), theirs.reset(seed=5))
+    rng = np.random.default_rng(0)
+    ended = 0
+    for _ in range(24):
+        actions = rng.uniform(-1.0, 1.0, (COUNT, 2)).astype(np.float32)
+        got, wanted = ours.step(actions), theirs.step(actions)
+        for part, other in zip(got, wanted, strict=True):
+            same(part, other)
+        ended += int((got[2] | got[3]).sum())
+    assert ended >= 2 * COUNT
+    ours.close()
+    theirs.close()
+
+
+def test_the_limit_of_steps_is_that_of_the_id_and_the_spaces_are_batched():
+    env = native("tagalong/Corridor-v0")
+    assert env.spec is not None
+    assert env.spec.kwargs["max_episode_steps"] == 3000
+    observation, _ = env.reset(seed=0)
+    assert env.observation_space.contains(observation)
+    assert env.metadata["autoreset_mode"] == AutoresetMode.NEXT_STEP
+    env.close()
+
+
+def test_some_environments_can_be_reset_alone():
+    env = native("tagalong/Corridor-v0", autoreset_mode=AutoresetMode.DISABLED, max_episode_steps=2)
+    first, _ = env.reset(seed=0)
+    for _ in range(2):
+        env.step(np.zeros((COUNT, 2)))
+    with pytest.raises(InputError, match="reset it first"):
+        env.step(np.zeros((COUNT, 2)))
+    mask = np.array([True, False, True])
+    again, infos = env.reset(seed=0, options={"reset_mask": mask})
+    assert np.array_equal(again["scan"][mask], first["scan"][mask])
+    assert infos["_time_s"].tolist() == mask.tolist()
+    env.close()
+
+
+def test_what_is_wrong_is_said():
+    with pytest.raises(InputError, match="`workers`"):
+        native(workers=9)
+    with pytest.raises(InputError, match="unknown argument"):
+        native(pepole=3)
+    env = native("tagalong/Corridor-v0")
+    with pytest.raises(InputError, match="a seed for each"):
+        env.reset(seed=[1, 2])
+    with pytest.raises(InputError, match="unknown reset option"):
+        env.reset(seed=1, options={"peple": 2})
+    env.reset(seed=1)
+    with pytest.raises(InputError, match="an action for each"):
+        env.step(np.zeros((2, 2)))
+    env.close()
+
+
+def test_pictures_come_from_all():
+    env = native("tagalong/Corridor-v0", render_mode="rgb_array")
+    env.reset(seed=0)
+    pictures = env.render()
+    assert len(pictures) == COUNT
+    assert pictures[0].shape[2] == 3
+    env.close()

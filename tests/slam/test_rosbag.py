@@ -1,0 +1,228 @@
+"""Bags written by the library, read as drives."""
+
+import lzma
+import os
+import shutil
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tagalong.scripts.cli import main
+from tagalong.slam.errors import InputError
+from tagalong.slam.geometry import between
+from tagalong.slam.laser_odometry import laser_odometry
+from tagalong.slam.logs.log import read_log
+from tagalong.slam.logs.rosbag import read_rosbag
+
+rosbags = pytest.importorskip("rosbags")
+from rosbags.rosbag1 import Writer as Writer1  # noqa: E402
+from rosbags.rosbag2 import Writer as Writer2  # noqa: E402
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore  # noqa: E402
+
+LEGS = Path(os.environ.get("TAGALONG_DATA", "")) / "legs"
+TIMES = 1000.0 + 0.1 * np.arange(12)
+UPRIGHT, TURNED_OVER, ON_ITS_SIDE = (0.0, 0.0, 0.0, 1.0), (1.0, 0.0, 0.0, 0.0), (np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5))
+
+
+class BagWriter:
+    """Writes messages of a ROS 1 file or a ROS 2 folder."""
+
+    def __init__(self, path, ros2=False):
+        self.ros2, self.store = ros2, get_typestore(Stores.ROS2_HUMBLE if ros2 else Stores.ROS1_NOETIC)
+        if not ros2:
+            definition = "geometry_msgs/TransformStamped[] transforms"
+            self.store.register(get_types_from_msg(definition, "tf2_msgs/msg/TFMessage"))
+        self.writer = Writer2(path, version=9) if ros2 else Writer1(path)
+        self.connections = {}
+
+    def __enter__(self):
+        self.writer.open()
+        return self
+
+    def __exit__(self, *_):
+        self.writer.close()
+
+    def of(self, kind, **fields):
+        return self.store.types[kind](**fields)
+
+    def header(self, frame, time):
+        seconds = int(np.floor(time))
+        stamp = self.of("builtin_interfaces/msg/Time", sec=seconds, nanosec=round((time - seconds) * 1e9))
+        return self.of("std_msgs/msg/Header", stamp=stamp, frame_id=frame, **({} if self.ros2 else {"seq": 0}))
+
+    def write(self, topic, kind, time, message):
+        if topic not in self.connections:
+            self.connections[topic] = self.writer.add_connection(topic, kind, typestore=self.store)
+        serialize = self.store.serialize_cdr if self.ros2 else self.store.serialize_ros1
+        self.writer.write(self.connections[topic], round(time * 1e9), serialize(message, kind))
+
+    def scan(self, time, ranges, topic="/scan", late=0.0, increment=0.1):
+        fields = {"angle_min": -increment * 2, "angle_max": increment * 2, "angle_increment": increment,
+                  "time_increment": 0.0, "scan_time": 0.1, "range_min": 0.05, "range_max": 8.0}  # fmt: skip
+        message = self.of("sensor_msgs/msg/LaserScan", header=self.header("/laser", time), **fields,
+                          ranges=np.array(ranges, np.float32), intensities=np.zeros(0, np.float32))  # fmt: skip
+        self.write(topic, "sensor_msgs/msg/LaserScan", time + late, message)
+
+    def pose(self, x, y, theta):
+        return self.of(
+            "geometry_msgs/msg/Pose",
+            position=self.of("geometry_msgs/msg/Point", x=x, y=y, z=0.0),
+            orientation=self.turn(0.0, 0.0, np.sin(theta / 2), np.cos(theta / 2)),
+        )
+
+    def turn(self, x, y, z, w):
+        return self.of("geometry_msgs/msg/Quaternion", x=x, y=y, z=z, w=w)
+
+    def odometry(self, time, pose, topic="/odom"):
+        nothing = self.of("geometry_msgs/msg/Vector3", x=0.0, y=0.0, z=0.0)
+        twist = self.of("geometry_msgs/msg/Twist", linear=nothing, angular=nothing)
+        message = self.of(
+            "nav_msgs/msg/Odometry", header=self.header("odom", time), child_frame_id="base_link",
+            pose=self.of("geometry_msgs/msg/PoseWithCovariance", pose=self.pose(*pose), covariance=np.zeros(36)),
+            twist=self.of("geometry_msgs/msg/TwistWithCovariance", twist=twist, covariance=np.zeros(36)),
+        )  # fmt: skip
+        self.write(topic, "nav_msgs/msg/Odometry", time, message)
+
+    def transform(self, time, parent, child, place, turn, topic="/tf"):
+        x, y, z = place
+        moved = self.of(
+            "geometry_msgs/msg/Transform",
+            translation=self.of("geometry_msgs/msg/Vector3", x=x, y=y, z=z), rotation=self.turn(*turn),
+        )  # fmt: skip
+        stamped = self.of("geometry_msgs/msg/TransformStamped", header=self.header(parent, time), child_frame_id=child,
+                          transform=moved)  # fmt: skip
+        self.write(topic, "tf2_msgs/msg/TFMessage", time, self.of("tf2_msgs/msg/TFMessage", transforms=[stamped]))
+
+
+def moved(time):
+    return (2.0 * (time - 1000.0), 0.5, 3.0 + 0.4 * (time - 1000.0))
+
+
+def write_drive(path, ros2=False, by_tf=False, mounted=UPRIGHT, odometry_late=0.05):
+    with BagWriter(path, ros2) as bag:
+        bag.transform(1000.0, "base_link", "laser", (0.2, 0.1, 0.3), mounted, "/tf_static")
+        for time in TIMES:
+            for when in (time - odometry_late, time + odometry_late):
+                x, y, theta = moved(when)
+                if by_tf:
+                    bag.transform(
+                        when, "odom", "base_link", (x, y, 0.0), (0.0, 0.0, np.sin(theta / 2), np.cos(theta / 2))
+                    )
+                else:
+                    bag.odometry(when, (x, y, theta))
+            bag.scan(time, [1.0, 2.0, np.inf, 0.01, 9.0])
+    return path
+
+
+@pytest.mark.parametrize("ros2", [False, True])
+@pytest.mark.parametrize("by_tf", [False, True])
+def test_a_drive_comes_back_with_odometry_at_the_times_of_the_scans(tmp_path, ros2, by_tf):
+    drive = read_log(write_drive(tmp_path / ("folder" if ros2 else "drive.bag"), ros2, by_tf))
+    expected = np.array([moved(time) for time in TIMES])
+    np.testing.assert_allclose(between(expected, drive.odometry), 0.0, atol=1e-6)
+    np.testing.assert_allclose(drive.times_s, TIMES, atol=1e-6)
+    assert drive.scans[0].T_robot_lidar == pytest.approx((0.2, 0.1, 0.0))
+    assert drive.scans[0].is_return.tolist() == [True, True, False, False, False]
+    assert drive.scans[0].is_no_return.tolist() == [False, False, True, False, True]
+    assert drive.has_odometry
+    assert drive.notes == ()
+
+
+def test_a_laser_that_hangs_upside_down_has_its_beams_turned_over(tmp_path):
+    upright = read_rosbag(write_drive(tmp_path / "a.bag")).scans[0]
+    over = read_rosbag(write_drive(tmp_path / "b.bag", mounted=TURNED_OVER)).scans[0]
+    np.testing.assert_allclose(over.points[::-1], upright.points * [1.0, -1.0], atol=1e-6)
+    assert (np.diff(over.bearings) > 0.0).all()
+    with pytest.raises(InputError, match="must stand level"):
+        read_rosbag(write_drive(tmp_path / "c.bag", mounted=ON_ITS_SIDE))
+
+
+def test_a_scan_topic_is_chosen_by_name_and_needed_where_there_are_two(tmp_path, capsys):
+    with BagWriter(tmp_path / "two.bag") as bag:
+        for time in TIMES:
+            bag.scan(time, [1.0] * 5, "/front")
+            bag.scan(time, [2.0] * 5, "/back")
+    assert main(["slam", str(tmp_path / "two.bag"), "--out", str(tmp_path / "out")]) == 2
+    error = capsys.readouterr().err
+    assert "several topics of type sensor_msgs/msg/LaserScan: /back, /front; choose by --scan-topic" in error
+    assert error.count("\n") == 1
+    assert read_rosbag(tmp_path / "two.bag", "back").scans[0].ranges[0] == 2.0
+    with pytest.raises(InputError, match="no topic 'left'"):
+        read_rosbag(tmp_path / "two.bag", "left")
+
+
+def test_scans_before_all_odometry_are_left_out_and_told(tmp_path):
+    with BagWriter(tmp_path / "late.bag") as bag:
+        for time in TIMES:
+            bag.scan(time, [1.0] * 5)
+            if time > TIMES[4]:
+                bag.odometry(time, moved(time))
+    drive = read_rosbag(tmp_path / "late.bag")
+    assert len(drive) == 9
+    assert drive.notes[-1] == "3 scans left out: no odometry at their time"
+
+
+def test_headers_of_another_clock_give_way_to_the_times_of_the_recorder(tmp_path):
+    with BagWriter(tmp_path / "clocks.bag") as bag:
+        for time in TIMES:
+            bag.odometry(time, moved(time))
+            bag.scan(time + 130.0, [1.0] * 5, late=-130.0)
+    drive = read_rosbag(tmp_path / "clocks.bag")
+    np.testing.assert_allclose(between(np.array([moved(time) for time in TIMES]), drive.odometry), 0.0, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "words"),
+    [
+        ("cut.bag", b"#ROSBAG V2.0\nnonsense", "no readable ROS bag"),
+        ("empty.bag", b"", "no readable ROS bag"),
+        ("noise.bag", bytes(range(256)) * 40, "no readable ROS bag"),
+    ],
+)
+@pytest.mark.parametrize("command", ["slam", "perceive"])
+def test_broken_bags_end_with_one_line_and_status_two(tmp_path, capsys, name, content, words, command):
+    (tmp_path / name).write_bytes(content)
+    assert main([command, str(tmp_path / name), "--out", str(tmp_path / "out")]) == 2
+    error = capsys.readouterr().err
+    assert words in error
+    assert error.count("\n") == 1
+
+
+def test_a_folder_that_is_no_bag_and_a_bag_without_scans_are_named(tmp_path):
+    with pytest.raises(InputError, match=r"no ROS 2 bag"):
+        read_log(tmp_path)
+    with BagWriter(tmp_path / "odd.bag") as bag:
+        bag.odometry(1.0, (0.0, 0.0, 0.0))
+    with pytest.raises(InputError, match=r"no topic of type sensor_msgs/msg/LaserScan; it has: /odom"):
+        read_rosbag(tmp_path / "odd.bag")
+
+
+def test_without_the_library_the_command_that_installs_it_is_named(tmp_path, capsys, monkeypatch):
+    path = write_drive(tmp_path / "drive.bag")
+    monkeypatch.setitem(sys.modules, "rosbags.highlevel", None)
+    assert main(["slam", str(path), "--out", str(tmp_path / "out")]) == 2
+    assert capsys.readouterr().err == 'tagalong: ROS bags need the extra "ros": pip install "tagalong[ros]"\n'
+
+
+def unpacked(tmp_path, name):
+    if not (LEGS / f"{name}.bag.xz").is_file():
+        pytest.skip("needs TAGALONG_DATA with legs/")
+    with lzma.open(LEGS / f"{name}.bag.xz") as packed, (tmp_path / f"{name}.bag").open("wb") as file:
+        shutil.copyfileobj(packed, file)
+    return tmp_path / f"{name}.bag"
+
+
+def test_a_recorded_bag_equals_the_arrays_made_from_it(tmp_path):
+    drive = read_rosbag(unpacked(tmp_path, "positive_2"))
+    with np.load(LEGS / "positive_2_scans.npz") as arrays:
+        np.testing.assert_array_equal([scan.ranges for scan in drive.scans], arrays["ranges"].astype(np.float64))
+    assert not drive.has_odometry
+
+
+def test_a_robot_that_stands_among_walking_people_is_known_to_stand(tmp_path):
+    drive = read_rosbag(unpacked(tmp_path, "positive_2"))
+    made = laser_odometry(drive.scans[:120])
+    assert made.matched.mean() > 0.95
+    assert np.abs(made.poses[:, :2]).max() < 0.05
+    assert np.abs(made.poses[:, 2]).max() < np.deg2rad(1.0)
