@@ -20,6 +20,7 @@ MOST_DRAWN = 12
 """Most bystanders where their number is drawn."""
 _COMPANY = 0.25
 _APART, _FROM_ROBOT = 0.9, 1.8
+_LEADER_FIRST_S = 3.0  # wanderers stand this long at first: the robot takes for its leader who walks off before it
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,7 +89,9 @@ def cast_wanderers(
         gives_way=np.array([kind.gives_way for kind in temper]),
     )
     arc, sense = _places(scene, terrain, casting, start_arc, start_arc + leader_rng.uniform(1.2, 1.5), rng)
-    return casting, standing_still(terrain, casting, arc, sense, leader)
+    state = standing_still(terrain, casting, arc, sense, leader)
+    state.timer[casting.roles == Role.WANDERER] = -_LEADER_FIRST_S
+    return casting, state
 
 
 def _places(

@@ -14,6 +14,7 @@ from .growing import grow_regions, settle
 Array = NDArray[np.float64]
 
 _FEWEST = 14
+_REACH = 4
 
 
 class Surface(IntEnum):
@@ -48,7 +49,7 @@ class PlaneConfig:
 
     least_pixels: float = 0.0012
     turn: float = float(np.radians(22.0))
-    flat: float = 0.02
+    flat: float = 0.05
     ceiling_above: float = 2.0
     floor_within: float = 0.1
     level: float = float(np.radians(12.0))
@@ -132,7 +133,7 @@ class PlaneFinder:
         found = grow_regions(points, normals, seeds, least, np.cos(self.config.turn), region, planes)
         settled = np.empty_like(region)
         for _ in range(2):
-            settle(points, planes[:found], region, 2, settled)
+            settle(points, planes[:found], region, _REACH, settled)
             region, settled = settled, region
         return region, planes[:found].copy()
 
