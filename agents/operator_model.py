@@ -42,6 +42,8 @@ class OperatorConfig:
         slew: How fast the stick moves [full sticks/s].
         stop_m: Stops when somebody is nearer than this in front, centre to centre [m].
         slow_m: Drives at half speed when somebody is nearer than this in front [m].
+        stuck_s: Backs out when the robot has not moved for this long though the stick is forward [s].
+        back_s: For how long it is backed out, at half stick [s].
     """
 
     full_speed: float = 0.75
@@ -56,6 +58,8 @@ class OperatorConfig:
     slew: float = 0.8
     stop_m: float = 1.0
     slow_m: float = 1.8
+    stuck_s: float = 2.0
+    back_s: float = 2.0
 
     def __post_init__(self) -> None:
         for name in ("full_speed", "full_turn", "hold_s", "levels", "lookahead", "slew"):
@@ -96,10 +100,13 @@ class OperatorModel:
         self._route, self._rng, self._step_s = route, rng, step_s
         self._seen: deque[Sight] = deque(maxlen=round(self.config.reaction_s / step_s) + 1)
         self._stick, self._aim, self._hold_s = np.zeros(2), np.zeros(2), 0.0
+        self._still_s = self._back_s = 0.0
+        self._last = np.full(2, np.inf)
 
     def act(self, sight: Sight) -> Array:
         """Return (2,) forward speed [m/s] and turn rate [rad/s] that the stick asks for now."""
         self._seen.append(sight)
+        self._notice(self._seen[0])
         self._hold_s -= self._step_s
         if self._hold_s <= 0.0:
             self._aim = self._decide(self._seen[0])
@@ -113,6 +120,8 @@ class OperatorModel:
     def _decide(self, sight: Sight) -> Array:
         """Return (2,) where the stick shall go, each in [-1, 1]."""
         c = self.config
+        if self._back_s > 0.0:
+            return np.array((-0.5, 0.0))
         ahead = sight.progress + c.lookahead
         target = np.array([np.interp(ahead, self._arcs, axis) for axis in self._route.T])
         error = float(wrap_angle(np.arctan2(*(target - sight.pose[:2])[::-1]) - sight.pose[2]))
@@ -120,6 +129,15 @@ class OperatorModel:
         forward = max(0.0, np.cos(error)) ** 2 * self._care(sight)
         wanted = np.array((forward, turn))
         return np.clip(wanted * (1.0 + self._rng.normal(0.0, c.error, 2)), -1.0, 1.0)
+
+    def _notice(self, sight: Sight) -> None:
+        """Count for how long the robot has stood though the stick is forward."""
+        stands = float(np.hypot(*(sight.pose[:2] - self._last))) < 0.05 * self._step_s
+        self._last = sight.pose[:2].copy()
+        self._still_s = self._still_s + self._step_s if stands and self._stick[0] > 0.2 else 0.0
+        self._back_s = max(0.0, self._back_s - self._step_s)
+        if self._still_s > self.config.stuck_s:
+            self._still_s, self._back_s = 0.0, self.config.back_s
 
     def _care(self, sight: Sight) -> float:
         """Return how much of the speed people in front allow."""

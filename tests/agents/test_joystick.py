@@ -106,7 +106,7 @@ def test_the_operator_steers_in_steps_of_the_stick_and_too_much():
 
 
 def test_the_operator_reacts_late():
-    config = OperatorConfig(reaction_s=0.5, hold_s=0.1)
+    config = OperatorConfig(reaction_s=0.5, hold_s=0.1, stuck_s=100.0)
     operator = OperatorModel(np.array([(0.0, 0.0), (30.0, 0.0)]), np.random.default_rng(0), config)
     for _ in range(30):
         operator.act(Sight(np.zeros(3), 0.0, NOBODY))
@@ -140,3 +140,10 @@ def test_a_drive_recorded_in_the_closed_loop_is_the_same_in_the_open_loop():
     episode = replay_drive(log)
     assert np.array_equal(episode.history.robot_pose[:-1], poses)
     assert episode.metrics["path_length_m"] > 1.0
+
+
+def test_the_operator_backs_out_when_the_robot_is_stuck():
+    operator = OperatorModel(np.array([(0.0, 0.0), (30.0, 0.0)]), np.random.default_rng(0))
+    speeds = [operator.act(Sight(np.zeros(3), 0.0, NOBODY))[0] for _ in range(80)]
+    assert max(speeds[:20]) > 0.5
+    assert min(speeds) < -0.2
