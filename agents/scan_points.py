@@ -4,7 +4,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..envs.interface import FollowInterface
-from ..slam.geometry import transform_points
 from .follower import Observation
 
 Array = NDArray[np.float64]
@@ -24,14 +23,16 @@ class ScanPoints:
         self._interface = interface
         stride = max(1, len(interface.bearings) // MOST_BEAMS)
         self._beams = slice(None, None, stride)
-        bearings = interface.bearings[self._beams]
+        x, y, turn = interface.T_robot_lidar
+        bearings = interface.bearings[self._beams] + turn
+        self._origin = np.array((x, y))
         self._directions = np.stack((np.cos(bearings), np.sin(bearings)), axis=1)
 
     def near(self, observation: Observation, within: float) -> Array:
         """Return (n, 2) returns in the robot frame that lie nearer to the laser than `within` [m]."""
         ranges = observation["scan"][self._beams].astype(np.float64) * self._interface.range_max
         near = ranges < within
-        return transform_points(self._interface.T_robot_lidar, ranges[near, None] * self._directions[near])
+        return self._origin + ranges[near, None] * self._directions[near]
 
 
 def without(points: Array, places: Array, radius: float) -> Array:

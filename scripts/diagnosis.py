@@ -22,7 +22,7 @@ EXTRAS: Mapping[str, tuple[str, ...]] = {
     "viz": ("matplotlib", "moviepy"),
     "ros": ("rosbags",),
     "cluster": ("ray", "distributed"),
-    "dev": ("build", "basedpyright", "evo", "hypothesis", "pysocialforce", "pytest", "pytest-xdist", "ruff"),
+    "dev": ("build", "basedpyright", "evo", "hypothesis", "pysocialforce", "pytest", "pytest-xdist", "rosbags", "ruff"),
 }
 """Distributions that each extra brings."""
 
