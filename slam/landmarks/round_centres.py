@@ -17,7 +17,6 @@ Array = NDArray[np.float64]
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(9)
 _LEAST = 0.05
 """Least half width of what the bearing may be, in spacings of the beams: the radius and the ranges are not exact."""
-_ROUNDS = 2  # D decides the bounds, and they D; the second round changes it by less than its error
 
 
 def round_centres(
@@ -39,20 +38,38 @@ def round_centres(
     last = np.where(member > 0.0, bearings, -np.inf).max(axis=1)
     middle, half = 0.5 * (first + last), 0.5 * (last - first)
     D = member @ ranges / count + 0.25 * np.pi * radius
-    for _ in range(_ROUNDS):
-        width = np.arcsin(np.minimum(radius / D, 1.0))
-        free = np.maximum(np.minimum(width - half, half + spacing - width), _LEAST * spacing)
-        beta = middle[:, None] + free[:, None] * _NODES
-        d = bearings[:, None] - beta[label]
-        behind = np.sqrt(np.maximum(radius**2 - (D[label, None] * np.sin(d)) ** 2, 0.0))
-        each = (ranges[:, None] + behind) / np.maximum(np.cos(d), 0.1)
-        mean = member @ each / count[:, None]
-        misfit = member @ (each - mean[label]) ** 2 / sigma**2
-        weight = _WEIGHTS * np.exp(-0.5 * (misfit - misfit.min(axis=1, keepdims=True)))
-        weight /= weight.sum(axis=1, keepdims=True)
-        D = (weight * mean).sum(axis=1)
-    centre = (weight * beta).sum(axis=1)
-    off = np.stack((mean - D[:, None], beta - centre[:, None]), axis=1)
+    D = _posterior(D, ranges, bearings, label, member, middle, half, spacing, radius, sigma)[0]
+    D, centre, weight, off = _posterior(D, ranges, bearings, label, member, middle, half, spacing, radius, sigma)
     covariance = np.einsum("mj,maj,mbj->mab", weight, off, off)
     covariance[:, 0, 0] += sigma**2 / count
     return np.stack((D, centre), axis=-1), covariance
+
+
+def _posterior(
+    D: Array,
+    ranges: Array,
+    bearings: Array,
+    label: NDArray[np.int64],
+    member: Array,
+    middle: Array,
+    half: Array,
+    spacing: float,
+    radius: float,
+    sigma: float,
+) -> tuple[Array, Array, Array, Array]:
+    """Return mean D and beta (m,), the nodes' weights (m, 9), and how far the nodes are off the means (m, 2, 9).
+
+    `D` (m,) decides between which bounds beta lies: for a first guess of it call this twice.
+    """
+    width = np.arcsin(np.minimum(radius / D, 1.0))
+    free = np.maximum(np.minimum(width - half, half + spacing - width), _LEAST * spacing)
+    beta = middle[:, None] + free[:, None] * _NODES
+    d = bearings[:, None] - beta[label]
+    behind = np.sqrt(np.maximum(radius**2 - (D[label, None] * np.sin(d)) ** 2, 0.0))
+    each = (ranges[:, None] + behind) / np.maximum(np.cos(d), 0.1)
+    nodes = member @ each / member.sum(axis=1)[:, None]
+    misfit = member @ (each - nodes[label]) ** 2 / sigma**2
+    weight = _WEIGHTS * np.exp(-0.5 * (misfit - misfit.min(axis=1, keepdims=True)))
+    weight /= weight.sum(axis=1, keepdims=True)
+    mean_D, mean_beta = (weight * nodes).sum(axis=1), (weight * beta).sum(axis=1)
+    return mean_D, mean_beta, weight, np.stack((nodes - mean_D[:, None], beta - mean_beta[:, None]), axis=1)
