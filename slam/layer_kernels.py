@@ -1,0 +1,92 @@
+"""Kernel of the layered grid, and its plain numpy reference. Lengths along the plane are in cells, heights in m."""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+
+@njit(cache=True, nogil=True)
+def write_view(origin, ends, log_beta, above, near, edges, miss, limit, stamp, log_odds, stamps):
+    """Update each cell of each layer that the rays met once: by the first hit in it, else by `miss`.
+
+    A ray frees, in each cell that it passes, the one layer that holds its height there.
+
+    Args:
+        origin: (3,) where the rays begin: x, y [cells], height [m].
+        ends: (n, 3) where they end; where two hit the same cell the earlier one counts.
+        log_beta: (n,) what a hit adds to the log-odds; NaN where the ray ends in the open.
+        above: (n,) a ray frees nothing where it is lower than this [m]: it grazes what it ends on.
+        near: Nothing is freed nearer than this [cells].
+        edges: (b + 1,) heights between the layers [m]; the last layer has no upper end.
+        miss: What a ray adds to a cell that it passes.
+        limit: Log-odds stay within +-limit.
+        stamp: Number of this observation.
+        log_odds: (b, rows, cols) float32, changed.
+        stamps: (b, rows, cols) int32, changed.
+    """
+    layers = len(edges) - 1
+    for k in range(len(ends)):
+        if np.isnan(log_beta[k]) or ends[k, 2] < edges[0]:
+            continue
+        layer = 0
+        while layer < layers - 1 and ends[k, 2] >= edges[layer + 1]:
+            layer += 1
+        row, col = int(np.floor(ends[k, 1])), int(np.floor(ends[k, 0]))
+        if stamps[layer, row, col] != stamp:
+            stamps[layer, row, col] = stamp
+            log_odds[layer, row, col] = max(min(log_odds[layer, row, col] + log_beta[k], limit), -limit)
+    for k in range(len(ends)):
+        dx, dy, dz = ends[k, 0] - origin[0], ends[k, 1] - origin[1], ends[k, 2] - origin[2]
+        length = np.sqrt(dx * dx + dy * dy)
+        # a ray that hits something stops one cell before it
+        steps = int(length) if np.isnan(log_beta[k]) else int(length - 1.0)
+        layer = 0
+        for step in range(near, steps):
+            share = (step + 0.5) / length
+            height = origin[2] + share * dz
+            if height < edges[0] or height < above[k]:
+                break
+            while layer < layers - 1 and height >= edges[layer + 1]:
+                layer += 1
+            while height < edges[layer]:
+                layer -= 1
+            row, col = int(np.floor(origin[1] + share * dy)), int(np.floor(origin[0] + share * dx))
+            if stamps[layer, row, col] != stamp:
+                stamps[layer, row, col] = stamp
+                log_odds[layer, row, col] = max(min(log_odds[layer, row, col] + miss, limit), -limit)
+
+
+def write_view_reference(
+    origin: NDArray[np.float64],
+    ends: NDArray[np.float64],
+    log_beta: NDArray[np.float64],
+    above: NDArray[np.float64],
+    near: int,
+    edges: NDArray[np.float64],
+    miss: float,
+    limit: float,
+    stamp: int,
+    log_odds: NDArray[np.float32],
+    stamps: NDArray[np.int32],
+) -> None:
+    """Do what `write_view` does, in numpy."""
+    change = np.full(log_odds.shape, np.nan)
+    for (x, y, z), value in zip(ends, log_beta, strict=True):
+        layer = min(int(np.searchsorted(edges, z, side="right")) - 1, len(edges) - 2)
+        cell = (layer, int(np.floor(y)), int(np.floor(x)))
+        if layer >= 0 and np.isnan(change[cell]):
+            change[cell] = value
+    for end, value, lowest in zip(ends, log_beta, above, strict=True):
+        length = float(np.hypot(*(end - origin)[:2]))
+        steps = int(length) if np.isnan(value) else int(length - 1.0)
+        shares = (np.arange(near, max(near, steps)) + 0.5) / length
+        points = origin + shares[:, None] * (end - origin)
+        low = (points[:, 2] < edges[0]) | (points[:, 2] < lowest)
+        points = points[: int(np.argmax(low))] if low.any() else points
+        layer = np.minimum(np.searchsorted(edges, points[:, 2], side="right") - 1, len(edges) - 2)
+        col, row = np.floor(points[:, :2]).astype(int).T
+        free = np.isnan(change[layer, row, col])
+        change[layer[free], row[free], col[free]] = miss
+    met = ~np.isnan(change)
+    log_odds[met] = np.clip(log_odds[met] + change[met], -limit, limit)
+    stamps[met] = stamp
