@@ -22,8 +22,8 @@ def value_at(occupancy_map, x, y):
     return float(occupancy_map.probability[row, col])
 
 
-def wall_points(x, heights, y=np.arange(-0.5, 0.5, 0.02)):
-    return np.array([(x, side, height) for side in y for height in heights])
+def wall_points(x, heights):
+    return np.array([(x, side, height) for side in np.arange(-0.5, 0.5, 0.02) for height in heights])
 
 
 def look(grid, points, lam, times=1, graze=NOTHING_GRAZED):
@@ -126,7 +126,7 @@ def test_floor_and_ceiling_stand_in_nobodys_way():
     grid = ImmobileLayers()
     floor = np.array([(x, 0.02, 0.0) for x in np.arange(2.0, 4.0, 0.05)])
     look(grid, floor, np.nan, times=3)
-    look(grid, floor + (0.0, 0.0, 2.6), np.nan, times=3)
+    look(grid, floor + np.array([0.0, 0.0, 2.6]), np.nan, times=3)
     assert value_at(grid.to_map(), 3.02, 0.02) < 0.5
     assert not grid.to_map().occupied.any()
 
