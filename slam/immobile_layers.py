@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from .errors import InputError
 from .geometry import compose, transform_points
-from .grid import scan_rays
-from .immobile_grid import UNKNOWN, ImmobileConfig, ImmobileGrid
+from .grid import OccupancyGrid, scan_rays
+from .immobile_grid import UNKNOWN, ImmobileConfig
 from .immobile_kernels import write_observation
 from .layer_kernels import write_view
 from .occupancy_map import OccupancyMap
@@ -31,6 +31,7 @@ class LayersConfig(ImmobileConfig):
             counts only where nothing is known of the layers below it, as of a wall behind a screen; a lintel does not
             close its doorway.
         laser_height: Height of the laser's plane [m].
+        sure: What has at least this lambda was recognised for certain: walls, tops.
         nearest: The camera frees nothing nearer than this [m].
         overlooked: Log-odds of a free cell of which neither floor nor laser say that it is free: somebody has looked
             over it.
@@ -38,6 +39,7 @@ class LayersConfig(ImmobileConfig):
 
     edges: tuple[float, ...] = (0.06, 0.25, 0.40, 0.65, 0.80, 1.0, 1.3, 1.6, 2.0, 3.0)
     laser_height: float = 0.32
+    sure: float = 7.0
     nearest: float = 0.4
     overlooked: float = -0.4
 
@@ -56,7 +58,7 @@ class LayersConfig(ImmobileConfig):
         return int(np.searchsorted(self.edges, self.laser_height, side="right")) - 1
 
 
-class ImmobileLayers(ImmobileGrid):
+class ImmobileLayers(OccupancyGrid):
     """Log-odds of immobile area by layers of height.
 
     A thing that stood firmly in the laser's layer and has left is gone in all layers, as whatever stands there has a
@@ -67,7 +69,7 @@ class ImmobileLayers(ImmobileGrid):
     """
 
     config: LayersConfig
-    _layers = ("_log_odds", "_stamps", "_firm", "_left", "_mobile")
+    _layers = ("_log_odds", "_stamps", "_spans", "_firm", "_left", "_mobile")
 
     def __init__(self, config: LayersConfig | None = None) -> None:
         super().__init__(config or LayersConfig())
@@ -75,6 +77,7 @@ class ImmobileLayers(ImmobileGrid):
         self._edges = np.array(self.config.edges)
         self._log_odds = np.zeros((count, 0, 0), dtype=np.float32)
         self._stamps = np.zeros((count, 0, 0), dtype=np.int32)
+        self._spans = np.zeros((2, count, 0, 0), dtype=np.float32)
         self._firm, self._left, self._mobile = (np.zeros((0, 0), dtype=np.bool_) for _ in range(3))
 
     def write(self, T_map_robot: ArrayLike, scan: LaserScan, lambdas: ArrayLike = UNKNOWN) -> None:
@@ -133,6 +136,7 @@ class ImmobileLayers(ImmobileGrid):
             cells[1:],
             beta[order],
             lowest[order],
+            each[order] >= config.sure,
             near,
             self._edges,
             miss,
@@ -140,9 +144,41 @@ class ImmobileLayers(ImmobileGrid):
             self._scans,
             self._log_odds,
             self._stamps,
+            self._spans,
         )
         self._note_mobile(cells[1:], beta[order])
         self._firm |= self._log_odds[config.laser_layer] >= config.firm
+
+    def write_mobile(self, place: ArrayLike, radius: float, lam: float) -> None:
+        """Write what moves at a `place` (2,), map frame [m], into all cells within `radius` [m] of it, in all layers.
+
+        It may have been taken for a thing from another side. Cells of what was recognised as staying are left alone.
+        """
+        centre = np.asarray(place, dtype=np.float64)
+        reach = np.arange(-radius, radius + 1e-9, 0.5 * self.config.resolution)
+        disc = np.stack(np.meshgrid(reach, reach), axis=-1).reshape(-1, 2)
+        cells = self._cells(centre + disc[np.hypot(disc[:, 0], disc[:, 1]) <= radius])
+        col, row = np.unique(np.floor(cells).astype(int), axis=0).T
+        stays = self._recognised(row, col)
+        row, col = row[~stays], col[~stays]
+        before = self._log_odds[:, row, col]
+        after = np.maximum(before + np.float32(np.log(lam * self.config.hit)), -np.float32(self.config.limit))
+        self._log_odds[:, row, col] = np.where(before > 0.0, after, before)
+
+    def is_recognised(self, T_map_frame: ArrayLike, points: ArrayLike) -> NDArray[np.bool_]:
+        """Return (n,) whether something that stays was recognised, by the camera, in the cell of each of the `points`.
+
+        Args:
+            T_map_frame: (3,) pose of the points' frame.
+            points: (n, 2) places [m]; NaN for none.
+        """
+        where = transform_points(np.asarray(T_map_frame, dtype=np.float64), np.asarray(points, dtype=np.float64))
+        cells = np.nan_to_num(where / self.config.resolution - self._corner, nan=-1.0)
+        col, row = np.floor(cells).astype(int).T
+        found = np.zeros(len(col), dtype=np.bool_)
+        inside = (row >= 0) & (col >= 0) & (row < self._left.shape[0]) & (col < self._left.shape[1])
+        found[inside] = self._recognised(row[inside], col[inside])
+        return found
 
     def log_odds_around(self, T_map_frame: ArrayLike, points: ArrayLike, heights: ArrayLike) -> Array:
         """Return (n,) the highest log-odds of each point's cell and its eight neighbours in its layer; 0 if unknown.
@@ -175,6 +211,12 @@ class ImmobileLayers(ImmobileGrid):
         odds = np.where(self._seen_over(odds), np.maximum(odds, self.config.overlooked), odds)
         return self._cut((1.0 / (1.0 + np.exp(-odds))).astype(np.float32))
 
+    def laser_map(self) -> OccupancyMap:
+        """Return the laser's layer alone."""
+        layer = self.config.laser_layer
+        probability = (1.0 / (1.0 + np.exp(-self._log_odds[layer]))).astype(np.float32)
+        return self._cut_known(probability, self._stamps[layer] > 0)
+
     def overlooked(self) -> OccupancyMap:
         """Return 1 where a cell counts as free only because somebody looked over it, 0 elsewhere."""
         odds, known = self._low()
@@ -188,23 +230,28 @@ class ImmobileLayers(ImmobileGrid):
     def _low(self) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
         """Return (rows, cols) the highest log-odds of the layers below the last, and whether any of them is known."""
         seen = self._stamps[:-1] > 0
-        known = seen.any(axis=0)
+        known = np.asarray(seen.any(axis=0))
         highest = np.where(seen, self._log_odds[:-1], -np.inf).max(axis=0, initial=-np.inf)
         return np.where(known, highest, np.float32(0.0)), known
 
     def _seen_over(self, odds: NDArray[np.float32]) -> NDArray[np.bool_]:
         """Return (rows, cols) the free cells of which neither the floor's layer nor the laser's is known."""
         below = (self._stamps[: self.config.laser_layer + 1] > 0).any(axis=0)
-        return (self._stamps > 0).any(axis=0) & ~below & (odds < 0.0)
+        return np.asarray((self._stamps > 0).any(axis=0) & ~below & (odds < 0.0))
 
     def _cut(self, probability: NDArray[np.float32]) -> OccupancyMap:
-        return self._cut_known(probability, (self._stamps > 0).any(axis=0))
+        return self._cut_known(probability, np.asarray((self._stamps > 0).any(axis=0)))
 
     def _cells(self, points: Array) -> Array:
         """Return `points` (n, 2), map frame [m], as cells, after growing so that all are inside."""
         cells = points / self.config.resolution
         self._reach(cells)
         return cells - self._corner
+
+    def _recognised(self, row: NDArray[np.intp], col: NDArray[np.intp]) -> NDArray[np.bool_]:
+        """Return (n,) whether cells firmly hold what was recognised for certain, in any layer."""
+        firm = (self._spans[1][:, row, col] > 0.0) & (self._log_odds[:, row, col] >= self.config.firm)
+        return np.asarray(firm.any(axis=0))
 
     def _log_beta(self, lambdas: Array) -> Array:
         if not np.all(np.isnan(lambdas) | (lambdas > 0.0)):
@@ -227,4 +274,5 @@ class ImmobileLayers(ImmobileGrid):
             around = log_odds[max(row - 1, 0) : row + 2, max(col - 1, 0) : col + 2]
             if not (around > 0.0).any():
                 self._log_odds[:, row, col] = np.minimum(self._log_odds[:, row, col], np.float32(config.gone))
+                self._spans[:, :, row, col] = 0.0
                 self._left[row, col] = True

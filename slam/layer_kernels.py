@@ -4,18 +4,22 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+_SLACK = 0.01  # so much beyond where it was seen a thing may reach [m]
+
 
 @njit(cache=True, nogil=True)
-def write_view(origin, ends, log_beta, above, near, edges, miss, limit, stamp, log_odds, stamps):
+def write_view(origin, ends, log_beta, above, known, near, edges, miss, limit, stamp, log_odds, stamps, spans):
     """Update each cell of each layer that the rays met once: by the first hit in it, else by `miss`.
 
-    A ray frees, in each cell that it passes, the one layer that holds its height there.
+    A ray frees, in each cell that it passes, the one layer that holds its height there; but what was recognised there
+    only if it passes between the heights at which that was seen: a ray just above a desk does not free the desk.
 
     Args:
         origin: (3,) where the rays begin: x, y [cells], height [m].
         ends: (n, 3) where they end; where two hit the same cell the earlier one counts.
         log_beta: (n,) what a hit adds to the log-odds; NaN where the ray ends in the open.
         above: (n,) a ray frees nothing where it is lower than this [m]: it grazes what it ends on.
+        known: (n,) whether what it ends on was recognised as something that stays.
         near: Nothing is freed nearer than this [cells].
         edges: (b + 1,) heights between the layers [m]; the last layer has no upper end.
         miss: What a ray adds to a cell that it passes.
@@ -23,6 +27,7 @@ def write_view(origin, ends, log_beta, above, near, edges, miss, limit, stamp, l
         stamp: Number of this observation.
         log_odds: (b, rows, cols) float32, changed.
         stamps: (b, rows, cols) int32, changed.
+        spans: (2, b, rows, cols) float32, lowest and highest of what was recognised [m], 0 for nothing; changed.
     """
     layers = len(edges) - 1
     for k in range(len(ends)):
@@ -32,6 +37,10 @@ def write_view(origin, ends, log_beta, above, near, edges, miss, limit, stamp, l
         while layer < layers - 1 and ends[k, 2] >= edges[layer + 1]:
             layer += 1
         row, col = int(np.floor(ends[k, 1])), int(np.floor(ends[k, 0]))
+        if known[k]:
+            low, high = spans[0, layer, row, col], spans[1, layer, row, col]
+            spans[0, layer, row, col] = ends[k, 2] if high == 0.0 else min(low, ends[k, 2])
+            spans[1, layer, row, col] = max(high, ends[k, 2])
         if stamps[layer, row, col] != stamp:
             stamps[layer, row, col] = stamp
             log_odds[layer, row, col] = max(min(log_odds[layer, row, col] + log_beta[k], limit), -limit)
@@ -51,7 +60,8 @@ def write_view(origin, ends, log_beta, above, near, edges, miss, limit, stamp, l
             while height < edges[layer]:
                 layer -= 1
             row, col = int(np.floor(origin[1] + share * dy)), int(np.floor(origin[0] + share * dx))
-            if stamps[layer, row, col] != stamp:
+            low, high = spans[0, layer, row, col], spans[1, layer, row, col]
+            if stamps[layer, row, col] != stamp and (high == 0.0 or low - _SLACK <= height <= high + _SLACK):
                 stamps[layer, row, col] = stamp
                 log_odds[layer, row, col] = max(min(log_odds[layer, row, col] + miss, limit), -limit)
 
@@ -61,6 +71,7 @@ def write_view_reference(
     ends: NDArray[np.float64],
     log_beta: NDArray[np.float64],
     above: NDArray[np.float64],
+    known: NDArray[np.bool_],
     near: int,
     edges: NDArray[np.float64],
     miss: float,
@@ -68,13 +79,19 @@ def write_view_reference(
     stamp: int,
     log_odds: NDArray[np.float32],
     stamps: NDArray[np.int32],
+    spans: NDArray[np.float32],
 ) -> None:
     """Do what `write_view` does, in numpy."""
     change = np.full(log_odds.shape, np.nan)
-    for (x, y, z), value in zip(ends, log_beta, strict=True):
+    for (x, y, z), value, stays in zip(ends, log_beta, known, strict=True):
         layer = min(int(np.searchsorted(edges, z, side="right")) - 1, len(edges) - 2)
         cell = (layer, int(np.floor(y)), int(np.floor(x)))
-        if layer >= 0 and np.isnan(change[cell]):
+        if np.isnan(value) or layer < 0:
+            continue
+        if stays:
+            spans[(0, *cell)] = z if spans[(1, *cell)] == 0.0 else min(spans[(0, *cell)], z)
+            spans[(1, *cell)] = max(spans[(1, *cell)], z)
+        if np.isnan(change[cell]):
             change[cell] = value
     for end, value, lowest in zip(ends, log_beta, above, strict=True):
         length = float(np.hypot(*(end - origin)[:2]))
@@ -85,7 +102,9 @@ def write_view_reference(
         points = points[: int(np.argmax(low))] if low.any() else points
         layer = np.minimum(np.searchsorted(edges, points[:, 2], side="right") - 1, len(edges) - 2)
         col, row = np.floor(points[:, :2]).astype(int).T
-        free = np.isnan(change[layer, row, col])
+        low, high = spans[:, layer, row, col]
+        through = (high == 0.0) | ((low - _SLACK <= points[:, 2]) & (points[:, 2] <= high + _SLACK))
+        free = np.isnan(change[layer, row, col]) & through
         change[layer[free], row[free], col[free]] = miss
     met = ~np.isnan(change)
     log_odds[met] = np.clip(log_odds[met] + change[met], -limit, limit)

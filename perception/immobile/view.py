@@ -1,18 +1,20 @@
 """One camera frame, understood: points in space, each with the lambda of what was recognised there."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...slam.errors import InputError
 from ...slam.immobile_grid import UNKNOWN, moving_lambda, still_lambda
-from ..rgbd.clusters import find_clusters
+from ..rgbd.clusters import ObjectClusters, find_clusters
 from ..rgbd.frame import RgbdFrame
 from ..rgbd.people import NoPeopleFinder, RgbdPeople, RgbdPeopleFinder
 from ..rgbd.planes import PlaneFinder, Planes, Surface
 
 Array = NDArray[np.float64]
+
+_MOSTLY = 0.5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,7 +24,7 @@ class ViewConfig:
     Attributes:
         top: Likelihood that a horizontal plane is a thing that stays, such as a desk, in [0, 1].
         face: The same of an upright plane that is no wall: a box, a door, now and then a back.
-        graze: A ray to a horizontal plane frees nothing lower than this above it [m].
+        graze: A ray to a thing frees nothing lower than this above the point that it meets [m].
     """
 
     top: float = 1.0
@@ -102,14 +104,15 @@ def make_view(frame: RgbdFrame, planes: Planes, people: RgbdPeople, config: View
     objects = find_clusters(planes)
     alone = (planes.surface == Surface.OTHER) & (objects.label < 0) & (people.label < 0)
     chosen = (planes.surface != Surface.NOTHING) & ~alone
+    people = _whole_objects(people, objects)
     lambdas = _lambdas(planes, people, config)
-    top = (planes.surface == Surface.TOP) & (people.label < 0)
-    above = np.where(top, np.nan_to_num(planes.points[..., 2]) + config.graze, -np.inf)
+    thing = np.isin(planes.surface, (Surface.TOP, Surface.OTHER, Surface.FACE)) & (people.label < 0)
+    above = np.where(thing, np.nan_to_num(planes.points[..., 2]) + config.graze, -np.inf)
     return View(
         time_s=frame.time_s,
         T_robot_camera=frame.T_robot_camera,
         camera_height=frame.camera_height,
-        points=planes.points[chosen],
+        points=_flattened(planes)[chosen],
         surface=planes.surface[chosen],
         lambdas=lambdas[chosen],
         above=above[chosen],
@@ -118,6 +121,28 @@ def make_view(frame: RgbdFrame, planes: Planes, people: RgbdPeople, config: View
         people=people,
         planes=planes,
     )
+
+
+def _flattened(planes: Planes) -> Array:
+    """Return (h, w, 3) the points, those of a plane moved onto it: the noise of one pixel is not the plane's."""
+    inside = planes.region >= 0
+    points, region = planes.points.copy(), planes.region[inside]
+    normals = planes.normals[region]
+    away = (points[inside] * normals).sum(axis=1) - planes.offsets[region]
+    points[inside] -= away[:, None] * normals
+    return points
+
+
+def _whole_objects(people: RgbdPeople, objects: ObjectClusters) -> RgbdPeople:
+    """Return the people with all of an object that is mostly one of them: nothing of its ragged edge is left over."""
+    label = people.label.copy()
+    both = (label >= 0) & (objects.label >= 0)
+    if both.any():
+        counts = np.zeros((len(objects), len(people)), dtype=np.int64)
+        np.add.at(counts, (objects.label[both], label[both]), 1)
+        for k in np.flatnonzero(counts.max(axis=1) > _MOSTLY * objects.count):
+            label[(objects.label == k) & (label < 0)] = counts[k].argmax()
+    return replace(people, label=label)
 
 
 def _lambdas(planes: Planes, people: RgbdPeople, config: ViewConfig) -> Array:

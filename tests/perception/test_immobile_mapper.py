@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from tagalong.perception.immobile.mapper import ImmobileMapper, ImmobileMapperConfig
-from tagalong.perception.immobile.places import PeoplePlaces
+from tagalong.perception.immobile.places import Places
 from tagalong.perception.immobile.view import ViewConfig, make_view
 from tagalong.perception.rgbd.frame import Pinhole, RgbdFrame
 from tagalong.perception.rgbd.people import NoPeopleFinder, RgbdPeople, nobody
@@ -70,9 +70,9 @@ def test_somebody_who_stands_still_is_removed_once_the_camera_knows_them_and_sta
     for step in range(60, 260):
         mapper.add_scan(np.zeros(3), scan_of(post=standing, time_s=0.1 * step))
     assert not occupied_at(mapper.grid.to_map(), 1.87, 0.02)
-    assert len(mapper.people.places) == 1
+    assert len(mapper.people.moving(26.0)) == 1
     mapper.add_scan(np.zeros(3), scan_of(time_s=26.0))
-    assert len(mapper.people.places) == 0
+    assert len(mapper.people.moving(26.0)) == 0
 
 
 def test_what_comes_into_an_empty_place_is_moving_and_what_was_always_there_is_not():
@@ -87,6 +87,15 @@ def test_what_comes_into_an_empty_place_is_moving_and_what_was_always_there_is_n
     assert not occupied_at(grid, 1.87, 0.02)
     assert occupied_at(grid, 2.86, 0.97)
     assert occupied_at(grid, 4.02, -1.0)
+
+
+def test_what_has_come_and_then_stands_for_long_is_a_thing():
+    places = Places(0.35, settles_s=20.0)
+    for time_s in np.arange(0.0, 30.0, 0.1):
+        places.add(np.array([[2.0, 0.01 * (time_s % 1.0)]]), np.ones(1), time_s)
+        places.add(np.array([[5.0, 0.5 * time_s]]), np.ones(1), time_s)
+        assert len(places.moving(time_s)) == (2 if time_s < 19.95 else 1)
+    assert places.moving(29.9)[0, 0] == 5.0
 
 
 def test_a_view_that_comes_late_is_written_where_the_robot_was_at_the_exposure():
@@ -118,14 +127,14 @@ def test_legs_that_a_tracker_knows_do_not_enter():
 
 
 def test_places_are_kept_while_somebody_or_something_hides_them():
-    places = PeoplePlaces(0.35)
-    places.add(np.array([[3.0, 0.0]]), np.array([0.8]))
+    places = Places(0.35)
+    places.add(np.array([[3.0, 0.0]]), np.array([0.8]), 0.0)
     met = places.update(np.zeros(3), scan_of(post=(1.5, 0.0)))
     assert met.max() == 0.0
-    assert len(places.places) == 1
-    places.add(np.array([[3.1, 0.0]]), np.array([0.9]))
-    assert places.places.tolist() == [[3.1, 0.0]]
-    assert places.update(np.zeros(3), scan_of(post=(3.1, 0.0))).max() == 0.9
+    assert len(places.moving(0.1)) == 1
+    places.add(np.array([[3.2, 0.0]]), np.array([0.9]), 0.1)
+    assert places.moving(0.1).tolist() == [[3.2, 0.0]]
+    assert places.update(np.zeros(3), scan_of(post=(3.2, 0.0))).max() == 0.9
 
 
 def test_wrong_inputs_are_errors():

@@ -42,10 +42,14 @@ def test_the_kernel_does_what_its_reference_does():
     for kernel in (write_view, write_view_reference):
         log_odds = np.random.default_rng(1).normal(0.0, 2.0, (6, 40, 40)).astype(np.float32)
         stamps = np.zeros((6, 40, 40), np.int32)
-        kernel(np.array([20.3, 18.7, 1.0]), ends, beta, above, 3, edges, -0.4, 5.0, 1, log_odds, stamps)
-        results.append((log_odds, stamps))
+        spans = np.zeros((2, 6, 40, 40), np.float32)
+        spans[:, :, 10:20] = np.array([0.5, 0.6])[:, None, None, None]
+        origin, known = np.array([20.3, 18.7, 1.0]), beta > 0.0
+        kernel(origin, ends, beta, above, known, 3, edges, -0.4, 5.0, 1, log_odds, stamps, spans)
+        results.append((log_odds, stamps, spans))
     np.testing.assert_allclose(results[0][0], results[1][0], atol=1e-5)
     assert np.array_equal(results[0][1], results[1][1])
+    np.testing.assert_allclose(results[0][2], results[1][2])
     assert (results[0][1] > 0).sum() > 300
 
 
@@ -58,6 +62,34 @@ def test_a_desk_top_stays_in_the_map_while_the_laser_looks_below_it():
     assert value_at(grid.to_map(), 2.33, 0.02) > 0.9
     assert value_at(grid.to_map(), 1.52, 0.02) < 0.3
     assert value_at(grid.to_map(), 5.02, 0.02) > 0.9
+
+
+def test_rays_just_above_a_desk_do_not_free_it_and_rays_through_where_it_was_do():
+    grid = ImmobileLayers()
+    top = np.array([(x, y, 0.72) for x in np.arange(2.0, 2.6, 0.02) for y in np.arange(-0.3, 0.3, 0.02)])
+    look(grid, top, 10.0, graze=0.82)
+    look(grid, wall_points(5.02, (0.46, 0.5)), 10.0, times=40)  # they pass at 0.75 to 0.77 m
+    assert value_at(grid.to_map(), 2.33, 0.02) > 0.7
+    look(grid, wall_points(5.02, np.arange(0.26, 0.40, 0.002)), 10.0, times=40)
+    assert value_at(grid.to_map(), 2.33, 0.02) < 0.5
+
+
+def test_somebody_empties_all_cells_around_but_those_of_a_wall():
+    grid = ImmobileLayers()
+    for _ in range(20):
+        grid.write(ORIGIN, wall_scan(3.02))
+        grid.write(ORIGIN, wall_scan(2.87))
+    look(grid, wall_points(3.02, (0.5, 1.2)), 10.0, times=3)
+    for _ in range(10):
+        grid.write_mobile([2.87, 0.02], 0.25, 0.5)
+    assert value_at(grid.to_map(), 2.87, 0.02) < 0.5
+    assert value_at(grid.to_map(), 3.02, 0.02) > 0.9
+    assert grid.is_recognised(ORIGIN, [[3.02, 0.02], [2.87, 0.02], [np.nan, 0.0], [99.0, 0.0]]).tolist() == [
+        True,
+        False,
+        False,
+        False,
+    ]
 
 
 def test_a_low_box_stays_in_the_map_while_the_camera_looks_over_it():
