@@ -228,3 +228,43 @@ def any_moved(legs, first, least, c_min, unseen_s):
             if np.sqrt(width**2 + height**2) >= least:
                 return True
     return False
+
+
+@njit(cache=True, nogil=True)
+def any_sure_walker(legs, first, least, sure, age_s):
+    """Return whether any of `legs` from row `first` on, seen now and for `age_s`, is `sure` and moved `least` [m]."""
+    low, high, confidence = legs["low"], legs["high"], legs["confidence"]
+    unseen, age = legs["unseen_s"], legs["age_s"]
+    for i in range(first, len(legs)):
+        if unseen[i] == 0.0 and age[i] >= age_s and confidence[i] >= sure:
+            width, height = high[i, 0] - low[i, 0], high[i, 1] - low[i, 1]
+            if np.sqrt(width**2 + height**2) >= least:
+                return True
+    return False
+
+
+@njit(cache=True, nogil=True)
+def surviving(tracks, epsilon, c_min):
+    """Return (n,) which of `tracks` are certain enough of their place and believed in."""
+    p, confidence = tracks["p"], tracks["confidence"]
+    lives = np.empty(len(tracks), np.bool_)
+    for i in range(len(tracks)):
+        lives[i] = p[i, 0] <= epsilon and confidence[i] >= c_min
+    return lives
+
+
+@njit(cache=True, nogil=True)
+def spread_among(apart, x, rows, farthest):
+    """Return (k, k) lengths of the mean vectors `apart` (n, n, 2) between the tracks `rows` (k,) of states `x` (n, 4).
+
+    Infinite on the diagonal and between tracks that are now farther apart than `farthest`.
+    """
+    spread = np.empty((len(rows), len(rows)))
+    for i in range(len(rows)):
+        for j in range(len(rows)):
+            a, b = rows[i], rows[j]
+            if i == j or _distance(x[a, 0], x[a, 1], x[b, 0], x[b, 1]) > farthest:
+                spread[i, j] = np.inf
+            else:
+                spread[i, j] = np.sqrt(apart[a, b, 0] ** 2 + apart[a, b, 1] ** 2)
+    return spread

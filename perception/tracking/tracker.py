@@ -20,7 +20,7 @@ from .memory import LostPeople
 from .pairing import better_pairs, mutual_pairs
 from .people import People
 from .person_tracks import Sightings
-from .track_kernels import any_moved, any_wide, points_of_things
+from .track_kernels import any_moved, any_sure_walker, any_wide, points_of_things, spread_among, surviving
 
 Array = NDArray[np.float64]
 
@@ -210,12 +210,9 @@ class PeopleTracker:
         return still
 
     def _end_tracks(self) -> None:
-        def lives(tracks: NDArray[np.void]) -> NDArray[np.bool_]:
-            return (tracks["p"][:, 0] <= self._config.epsilon) & (tracks["confidence"] >= self._config.c_min)
-
-        alive = lives(self._people)
-        keep = lives(self._legs.rows)
-        keep[: 2 * len(alive)] = np.repeat(alive, 2)
+        bounds = self._config.epsilon, self._config.c_min
+        alive, keep = surviving(self._people, *bounds), surviving(self._legs.rows, *bounds)
+        keep[0 : 2 * len(alive) : 2] = keep[1 : 2 * len(alive) : 2] = alive
         if not alive.all():
             self._lost.remember(self._people[~alive])
             self._people = self._people[alive]
@@ -241,15 +238,15 @@ class PeopleTracker:
         moved, again = self._legs.moved[alive], self._may_be_met_again(alive)
         if not (again | (moved >= config.delta / 2.0)).any():
             return
-        spread = self._legs.spread()[np.ix_(alive, alive)]
-        spread[distances(self._legs.positions[alive], self._legs.positions[alive]) > config.pair_distance] = np.inf
+        spread = spread_among(self._legs.apart, self._legs.rows["x"], alive, config.pair_distance)
         pairs = mutual_pairs(spread, config.pair_width)
         confidence = self._legs.rows["confidence"][alive]
         pairs = pairs[confidence[pairs].min(axis=1) >= config.gamma]
         sure = confidence >= config.sure_confidence
-        pairs = pairs[self._moved_together(alive, moved, again, sure, pairs, points, time_s)]
-        free = self._grid.is_free(self._legs.positions[alive[pairs.ravel()]], time_s).reshape(-1, 2)
-        self._found(alive[pairs[free.all(axis=1)]])
+        if len(pairs):
+            pairs = pairs[self._moved_together(alive, moved, again, sure, pairs, points, time_s)]
+            free = self._grid.is_free(self._legs.positions[alive[pairs.ravel()]], time_s).reshape(-1, 2)
+            self._found(alive[pairs[free.all(axis=1)]])
         self._start_by_one_leg(points, time_s)
 
     def _moved_together(
@@ -293,6 +290,9 @@ class PeopleTracker:
         It stands on a free cell; the other leg counts as hidden by it, or by what stands before it.
         """
         config, legs = self._config, self._legs
+        bounds = 2.0 * config.delta, config.sure_confidence, config.meet_alone_s
+        if len(self._lost) == 0 and not any_sure_walker(legs.rows, 2 * len(self._people), *bounds):
+            return
         lone = np.arange(2 * len(self._people), len(legs))
         lone = lone[(legs.rows["unseen_s"][lone] == 0.0) & (legs.rows["age_s"][lone] >= config.meet_alone_s)]
         fit = self._may_be_met_again(lone)

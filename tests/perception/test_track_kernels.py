@@ -126,6 +126,27 @@ def test_whether_any_leg_moved(seed):
 
 
 @SEEDS
+def test_who_survives_and_who_walks_surely(seed):
+    legs = tracks(LEG, 6, np.random.default_rng(seed))
+    legs["unseen_s"][::2] = 0.0
+    size = np.hypot(*(legs["high"] - legs["low"]).T)
+    sure = (legs["unseen_s"] == 0.0) & (legs["age_s"] >= 0.5) & (legs["confidence"] >= 0.8) & (size >= 0.6)
+    assert track_kernels.any_sure_walker(legs, 1, 0.6, 0.8, 0.5) == sure[1:].any()
+    lives = (legs["p"][:, 0] <= 1.0) & (legs["confidence"] >= 0.7)
+    np.testing.assert_array_equal(track_kernels.surviving(legs, 1.0, 0.7), lives)
+
+
+@SEEDS
+def test_spread_among_some_tracks(seed):
+    rng = np.random.default_rng(seed)
+    x, apart, rows = rng.normal(size=(6, 4)), rng.normal(size=(6, 6, 2)), np.array([0, 2, 3, 5])
+    expected = np.linalg.norm(apart, axis=2)
+    expected[np.hypot(*(x[:, None, :2] - x[:, :2]).transpose(2, 0, 1)) > 1.2] = np.inf
+    np.fill_diagonal(expected, np.inf)
+    np.testing.assert_allclose(track_kernels.spread_among(apart, x, rows, 1.2), expected[np.ix_(rows, rows)])
+
+
+@SEEDS
 def test_centres_of_legs(seed):
     rng = np.random.default_rng(seed)
     points, start, end = rng.normal(size=(30, 2)), np.array([0, 8, 20]), np.array([5, 20, 30])
