@@ -29,41 +29,50 @@ def write_view(origin, ends, log_beta, above, known, near, edges, miss, limit, s
         stamps: (b, rows, cols) int32, changed.
         spans: (2, b, rows, cols) float32, lowest and highest of what was recognised [m], 0 for nothing; changed.
     """
-    layers = len(edges) - 1
     for k in range(len(ends)):
-        if np.isnan(log_beta[k]) or ends[k, 2] < edges[0]:
-            continue
-        layer = 0
-        while layer < layers - 1 and ends[k, 2] >= edges[layer + 1]:
+        if not np.isnan(log_beta[k]) and ends[k, 2] >= edges[0]:
+            _hit(ends[k], log_beta[k], known[k], edges, limit, stamp, log_odds, stamps, spans)
+    for k in range(len(ends)):
+        hits = not np.isnan(log_beta[k])
+        _free(origin, ends[k], hits, above[k], near, edges, miss, limit, stamp, log_odds, stamps, spans)
+
+
+@njit(cache=True, nogil=True)
+def _hit(end, log_beta, known, edges, limit, stamp, log_odds, stamps, spans):
+    """Write the hit of one ray."""
+    layer = 0
+    while layer < len(edges) - 2 and end[2] >= edges[layer + 1]:
+        layer += 1
+    row, col = int(np.floor(end[1])), int(np.floor(end[0]))
+    if known:
+        low, high = spans[0, layer, row, col], spans[1, layer, row, col]
+        spans[0, layer, row, col] = end[2] if high == 0.0 else min(low, end[2])
+        spans[1, layer, row, col] = max(high, end[2])
+    if stamps[layer, row, col] != stamp:
+        stamps[layer, row, col] = stamp
+        log_odds[layer, row, col] = max(min(log_odds[layer, row, col] + log_beta, limit), -limit)
+
+
+@njit(cache=True, nogil=True)
+def _free(origin, end, hits, above, near, edges, miss, limit, stamp, log_odds, stamps, spans):
+    """Free what one ray passes; a ray that hits something stops one cell before it."""
+    dx, dy, dz = end[0] - origin[0], end[1] - origin[1], end[2] - origin[2]
+    length = np.sqrt(dx * dx + dy * dy)
+    layer = 0
+    for step in range(near, int(length - 1.0) if hits else int(length)):
+        share = (step + 0.5) / length
+        height = origin[2] + share * dz
+        if height < edges[0] or height < above:
+            break
+        while layer < len(edges) - 2 and height >= edges[layer + 1]:
             layer += 1
-        row, col = int(np.floor(ends[k, 1])), int(np.floor(ends[k, 0]))
-        if known[k]:
-            low, high = spans[0, layer, row, col], spans[1, layer, row, col]
-            spans[0, layer, row, col] = ends[k, 2] if high == 0.0 else min(low, ends[k, 2])
-            spans[1, layer, row, col] = max(high, ends[k, 2])
-        if stamps[layer, row, col] != stamp:
+        while height < edges[layer]:
+            layer -= 1
+        row, col = int(np.floor(origin[1] + share * dy)), int(np.floor(origin[0] + share * dx))
+        low, high = spans[0, layer, row, col], spans[1, layer, row, col]
+        if stamps[layer, row, col] != stamp and (high == 0.0 or low - _SLACK <= height <= high + _SLACK):
             stamps[layer, row, col] = stamp
-            log_odds[layer, row, col] = max(min(log_odds[layer, row, col] + log_beta[k], limit), -limit)
-    for k in range(len(ends)):
-        dx, dy, dz = ends[k, 0] - origin[0], ends[k, 1] - origin[1], ends[k, 2] - origin[2]
-        length = np.sqrt(dx * dx + dy * dy)
-        # a ray that hits something stops one cell before it
-        steps = int(length) if np.isnan(log_beta[k]) else int(length - 1.0)
-        layer = 0
-        for step in range(near, steps):
-            share = (step + 0.5) / length
-            height = origin[2] + share * dz
-            if height < edges[0] or height < above[k]:
-                break
-            while layer < layers - 1 and height >= edges[layer + 1]:
-                layer += 1
-            while height < edges[layer]:
-                layer -= 1
-            row, col = int(np.floor(origin[1] + share * dy)), int(np.floor(origin[0] + share * dx))
-            low, high = spans[0, layer, row, col], spans[1, layer, row, col]
-            if stamps[layer, row, col] != stamp and (high == 0.0 or low - _SLACK <= height <= high + _SLACK):
-                stamps[layer, row, col] = stamp
-                log_odds[layer, row, col] = max(min(log_odds[layer, row, col] + miss, limit), -limit)
+            log_odds[layer, row, col] = max(min(log_odds[layer, row, col] + miss, limit), -limit)
 
 
 def write_view_reference(
