@@ -4,18 +4,19 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+Prices, Cells, Flags = NDArray[np.float64], NDArray[np.int64], NDArray[np.bool_]
+
 _ROW = np.array([0, 0, 1, -1, 1, 1, -1, -1])
 _COL = np.array([1, -1, 0, 0, 1, -1, 1, -1])
 
 
 @njit(cache=True, nogil=True)
 def explore(
-    cost: NDArray[np.float64],
-    price: NDArray[np.float64],
-    before: NDArray[np.int64],
-    settled: NDArray[np.bool_],
-    heap_prices: NDArray[np.float64],
-    heap_cells: NDArray[np.int64],
+    cost: Prices,
+    price: Prices,
+    before: Cells,
+    settled: Flags,
+    heap: tuple[Prices, Cells],
     size: int,
     goal: int,
     limit: float,
@@ -29,8 +30,7 @@ def explore(
         price: (rows, cols) price of the cheapest way known, inf without one.
         before: (rows, cols) flat index of the cell before on it, -1 at the start and where there is none.
         settled: (rows, cols) whether no cheaper way can be found.
-        heap_prices: (8 rows cols,) of the cells to be looked at, as a heap ordered by price, then by flat index.
-        heap_cells: (8 rows cols,) their flat indices.
+        heap: (8 rows cols,) prices of the cells to be looked at, lowest first, and (8 rows cols,) their flat indices.
         size: How many there are.
         goal: Flat index of a cell; -1 for none.
         limit: A price.
@@ -39,6 +39,7 @@ def explore(
         How many cells are left to be looked at.
     """
     rows, cols = cost.shape
+    heap_prices, heap_cells = heap
     if goal >= 0 and settled[goal // cols, goal % cols]:
         return size
     while size > 0 and heap_prices[0] <= limit:

@@ -62,7 +62,7 @@ class Search:
 
     def settle(self, goal: int = -1, limit: float = np.inf) -> None:
         """Settle the cell of the flat index `goal`, or all cells up to the price `limit`."""
-        state = self.price, self.before, self._settled, *self._heap, self._size
+        state = self.price, self.before, self._settled, self._heap, self._size
         self._size = explore(self._cost, *state, goal, limit)
 
 
