@@ -80,4 +80,6 @@ def _add_arms(torso: MjsBody, index: int, outfit: Outfit) -> None:
 
 
 def _add(body: MjsBody, name: str, shape: Any, **where: Any) -> None:
-    body.add_geom(name=name, type=shape, contype=0, conaffinity=0, group=GROUP_ABOVE, rgba=[0.5, 0.5, 0.5, 1.0], **where)
+    body.add_geom(
+        name=name, type=shape, contype=0, conaffinity=0, group=GROUP_ABOVE, rgba=[0.5, 0.5, 0.5, 1.0], **where
+    )

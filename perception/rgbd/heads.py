@@ -13,6 +13,7 @@ from .planes import Planes, Surface
 Array = NDArray[np.float64]
 
 _MOST_HEADS = 64
+_ALONE = 2
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,14 +92,18 @@ def find_candidates(planes: Planes, config: HeadConfig | None = None) -> Candida
 def _standing(planes: Planes, config: HeadConfig) -> NDArray[np.bool_]:
     """Return (h, w) the points that may be somebody's: neither floor nor ceiling nor wall.
 
-    A piece of wall that only the picture's edge makes one (`Planes.likelihood` below 1) must be wide to count as such.
+    Points alone in space are left out: at the edge of things a pixel's depth lies anywhere between two surfaces. A
+    piece of wall that only the picture's edge makes one (`Planes.likelihood` below 1) must be wide to count as such.
     """
     fixed = np.isin(planes.surface, (Surface.NOTHING, Surface.FLOOR, Surface.CEILING, Surface.WALL))
     for region in np.flatnonzero((planes.kinds == Surface.WALL) & (planes.likelihood < 1.0)):
         mine = planes.region == region
         if mine.any() and np.hypot(*np.ptp(planes.points[mine, :2], axis=0)) < config.thin_wall:
             fixed[mine] = False
-    return ~fixed & (np.nan_to_num(planes.points[..., 2], nan=np.inf) < config.highest)
+    chosen = ~fixed & (np.nan_to_num(planes.points[..., 2], nan=np.inf) < config.highest)
+    supported = np.empty_like(chosen)
+    with_neighbours(planes.points, _ALONE, supported)
+    return chosen & supported
 
 
 def _without_small(candidates: Candidates, kept: NDArray[np.bool_]) -> Candidates:
@@ -106,6 +111,25 @@ def _without_small(candidates: Candidates, kept: NDArray[np.bool_]) -> Candidate
     number[:-1][kept] = np.arange(np.count_nonzero(kept))
     label = number[candidates.label]
     return Candidates(label, candidates.heads[kept], candidates.pixels[kept], candidates.axes[kept])
+
+
+@njit(cache=True, nogil=True)
+def with_neighbours(points, least, supported):
+    """Write which points have at least `least` of their eight neighbours at about their own distance.
+
+    Args:
+        points: (h, w, 3) [m], NaN where nothing was measured.
+        least: How many.
+        supported: (h, w) bool, written.
+    """
+    height, width = supported.shape
+    for row in range(height):
+        for col in range(width):
+            x, beside = points[row, col, 0], 0
+            for i in range(max(0, row - 1), min(height, row + 2)):
+                for j in range(max(0, col - 1), min(width, col + 2)):
+                    beside += abs(points[i, j, 0] - x) < 0.02 + 0.015 * x
+            supported[row, col] = beside > least  # the point itself is one of those counted
 
 
 @njit(cache=True, nogil=True)

@@ -74,7 +74,7 @@ class PersonSvm:
         write_json(Path(path).with_suffix(".json"), card)
 
     def score(self, features: NDArray[np.float32]) -> Array:
-        """Return (n,) the distance of each row of `features` (n, LENGTH) from the plane that parts people from things."""
+        """Return (n,) how far each row of `features` (n, LENGTH) is on the side of people."""
         return features.astype(np.float64) @ self.weights.astype(np.float64) + self.bias
 
     def likelihood(self, windows: NDArray[np.float32]) -> Array:

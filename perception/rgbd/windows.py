@@ -45,7 +45,7 @@ def candidate_windows(frame: RgbdFrame, candidates: Candidates) -> NDArray[np.fl
 
 @njit(cache=True, nogil=True)
 def _sample(luma, depth, mine, middle, top, left, scale, window):
-    """Write brightness, relative depth and outline of a window with its corner at (top, left), by bilinear interpolation."""
+    """Write the channels of a window with its corner at (top, left), by bilinear interpolation."""
     height, width = luma.shape
     for i in range(ROWS):
         y = min(max(top + (i + 0.5) * scale, 0.0), height - 1.001)

@@ -41,6 +41,9 @@ def _tile(frame: RgbdFrame, people: RgbdPeople) -> NDArray[np.uint8]:
         if not len(rows):
             continue
         text = f"{people.likelihood[k]:.2f}  {np.hypot(*people.positions[k]):.1f} m"
-        at = (min(float(cols.mean()) * _SCALE - 25.0, large.shape[1] - 70.0), max(float(rows.min()) * _SCALE - 12.0, 0.0))
+        at = (
+            min(float(cols.mean()) * _SCALE - 25.0, large.shape[1] - 70.0),
+            max(float(rows.min()) * _SCALE - 12.0, 0.0),
+        )
         draw.text(at, text, fill=(255, 255, 0), stroke_width=1, stroke_fill=(0, 0, 0))
     return np.asarray(picture)

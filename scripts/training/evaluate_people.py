@@ -64,7 +64,7 @@ class PeopleScores:
         for b in range(_BINS):
             mine = which == b
             total += abs(float(self.likelihood[mine].sum()) - np.count_nonzero(self.right[mine]))
-        return total / max(1, len(which))
+        return float(total / max(1, len(which)))
 
     def figures(self) -> dict[str, Any]:
         """Return the numbers of a table."""

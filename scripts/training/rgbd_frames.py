@@ -61,7 +61,7 @@ def draw_frames(
         count: How many frames.
         camera: The camera; its wardrobe is not looked at.
     """
-    scene = make_scene(scenes[rng.integers(len(scenes))], rng)
+    scene = make_scene(scenes[int(rng.integers(len(scenes)))], rng)
     if scene.ceiling is None and rng.random() < 0.7:
         scene = replace(scene, ceiling=HEADROOM)
     spots = _spots(rng, scene, count)
@@ -109,7 +109,7 @@ def _place_people(rng: Generator, scene: Scene, spot: Array) -> Array:
         place = before(rng, scene, spot, 0.22)
         if k and rng.random() < 0.35:
             turn = rng.uniform(-np.pi, np.pi)
-            place = places[k - 1] + rng.uniform(0.5, 0.75) * np.array([np.cos(turn), np.sin(turn)])
+            place = places[k - 1] + float(rng.uniform(0.5, 0.75)) * np.array([np.cos(turn), np.sin(turn)])
         if place is None or scene.clearance(place, of_people=True) < 0.2:
             continue
         apart = np.hypot(*(places - place).T).min()
@@ -118,9 +118,7 @@ def _place_people(rng: Generator, scene: Scene, spot: Array) -> Array:
     return places
 
 
-def _pose(
-    rng: Generator, data: MjData, places: Array, physiques: tuple[Physique, ...], laser_height: float
-) -> None:
+def _pose(rng: Generator, data: MjData, places: Array, physiques: tuple[Physique, ...], laser_height: float) -> None:
     """Let everybody stand, or be somewhere in a step, looking anywhere."""
     count = len(places)
     heading = rng.uniform(-np.pi, np.pi, count)
@@ -134,6 +132,4 @@ def _pose(
     size = np.array([(p.thigh, p.shin, p.leg_radius, p.stance_half_width, p.walk_ratio) for p in physiques])
     parts = count * len(PARTS)
     legs = np.empty((count, 2, 2))
-    pose_bodies(
-        places, heading, size, feet, lift, laser_height, data.mocap_pos[:parts], data.mocap_quat[:parts], legs
-    )
+    pose_bodies(places, heading, size, feet, lift, laser_height, data.mocap_pos[:parts], data.mocap_quat[:parts], legs)

@@ -23,9 +23,7 @@ def _block(
 ) -> Solid:
     half_length, half_width = size
     yaw = float(rng.uniform(-np.pi, np.pi))
-    return Solid(
-        kind=kind, x=x, y=y, yaw=yaw, half_length=half_length, half_width=half_width, bottom=bottom, top=top
-    )
+    return Solid(kind=kind, x=x, y=y, yaw=yaw, half_length=half_length, half_width=half_width, bottom=bottom, top=top)
 
 
 def _lamp(rng: Generator, x: float, y: float) -> list[Solid]:

@@ -45,7 +45,7 @@ class PeopleTrainConfig:
     buildings: int = 240
     frames: int = 12
     test_buildings: int = 40
-    penalty: float = 0.01
+    penalty: float = 0.005
     folds: int = 5
 
 
@@ -108,13 +108,14 @@ def fit_people(samples: PeopleSamples, config: PeopleTrainConfig) -> PersonSvm:
         machine = _machine(config).fit(samples.features[fold != left_out], samples.is_person[fold != left_out])
         scores[fold == left_out] = machine.decision_function(samples.features[fold == left_out])
     platt = LogisticRegression(C=1e3).fit(scores[:, None], samples.is_person)
+    calibration = float(np.ravel(platt.coef_)[0]), float(np.ravel(platt.intercept_)[0])
     machine = _machine(config).fit(samples.features, samples.is_person)
     weights = machine.coef_[0].astype(np.float32)
-    return PersonSvm(weights, float(machine.intercept_[0]), float(platt.coef_[0, 0]), float(platt.intercept_[0]))
+    return PersonSvm(weights, float(np.ravel(machine.intercept_)[0]), *calibration)
 
 
 def _machine(config: PeopleTrainConfig) -> LinearSVC:
-    return LinearSVC(C=config.penalty, dual=False, tol=1e-3)
+    return LinearSVC(C=config.penalty, dual="auto", tol=1e-3, random_state=0)
 
 
 def train_people(config: PeopleTrainConfig, seed: int) -> tuple[PersonSvm, dict[str, Any], PeopleScores]:

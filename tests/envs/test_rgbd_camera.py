@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from tagalong.envs.camera.config import RgbdConfig
 from tagalong.envs.camera.looks import dress
-from tagalong.envs.camera.pattern import Pattern
 from tagalong.envs.camera.noise import depth_sigma, measure_depth, on_edge
+from tagalong.envs.camera.pattern import Pattern
 from tagalong.envs.lidar import LidarConfig
 from tagalong.envs.scenes.lab import CEILING
 from tagalong.envs.world import World, WorldConfig
