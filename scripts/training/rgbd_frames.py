@@ -104,9 +104,10 @@ def _spots(rng: Generator, scene: Scene, count: int) -> Array:
 
 def _place_people(rng: Generator, scene: Scene, spot: Array) -> Array:
     """Return (n, 2) places of people [m], most of them before the robot at `spot` (3,), some side by side."""
-    places: Array = np.stack((1000.0 + 3.0 * np.arange(_PEOPLE), np.zeros(_PEOPLE)), axis=-1)
+    places = np.zeros((_PEOPLE, 2))
+    places[:, 0] = 1000.0 + 3.0 * np.arange(_PEOPLE)
     for k in range(int(rng.integers(0, _PEOPLE + 1))):
-        place: Array | None = before(rng, scene, spot, 0.22)
+        place = before(rng, scene, spot, 0.22)
         if k and rng.random() < 0.35:
             turn = rng.uniform(-np.pi, np.pi)
             place = places[k - 1] + float(rng.uniform(0.5, 0.75)) * np.array([np.cos(turn), np.sin(turn)])
