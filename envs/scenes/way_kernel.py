@@ -38,7 +38,7 @@ def explore(
     Returns:
         How many cells are left to be looked at.
     """
-    rows, cols = cost.shape
+    cols = cost.shape[1]
     heap_prices, heap_cells = heap
     if goal >= 0 and settled[goal // cols, goal % cols]:
         return size
@@ -50,19 +50,37 @@ def explore(
         if settled[r, c]:
             continue
         settled[r, c] = True
-        for k in range(8):
-            i, j = r + _ROW[k], c + _COL[k]
-            if i < 0 or j < 0 or i >= rows or j >= cols or settled[i, j] or not np.isfinite(cost[i, j]):
-                continue
-            length = 1.0 if k < 4 else 1.4142135623730951
-            reached = now + length * 0.5 * (cost[r, c] + cost[i, j])
-            if reached < price[i, j]:
-                price[i, j] = reached
-                before[i, j] = flat
-                _rise(heap_prices, heap_cells, size, reached, i * cols + j)
-                size += 1
+        size = _look_around(cost, price, before, settled, heap, size, now, flat)
         if flat == goal:
             break
+    return size
+
+
+@njit(cache=True, nogil=True)
+def _look_around(
+    cost: Prices,
+    price: Prices,
+    before: Cells,
+    settled: Flags,
+    heap: tuple[Prices, Cells],
+    size: int,
+    now: float,
+    flat: int,
+) -> int:
+    """Offer ways through the cell `flat`, settled at the price `now`, to its neighbours; return the heap's new size."""
+    rows, cols = cost.shape
+    r, c = flat // cols, flat % cols
+    for k in range(8):
+        i, j = r + _ROW[k], c + _COL[k]
+        if i < 0 or j < 0 or i >= rows or j >= cols or settled[i, j] or not np.isfinite(cost[i, j]):
+            continue
+        length = 1.0 if k < 4 else 1.4142135623730951
+        reached = now + length * 0.5 * (cost[r, c] + cost[i, j])
+        if reached < price[i, j]:
+            price[i, j] = reached
+            before[i, j] = flat
+            _rise(heap[0], heap[1], size, reached, i * cols + j)
+            size += 1
     return size
 
 
