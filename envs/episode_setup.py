@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 
 from ..perception.config import PerceptionConfig
+from ..perception.immobile.view import ViewMaker
 from ..perception.legs.detector import LegDetector
 from ..perception.legs.forest import LegForest
-from ..perception.immobile.view import ViewMaker
 from ..perception.rgbd.people import NoPeopleFinder, RgbdPeopleFinder
 from ..perception.rgbd.people_finder import PeopleFinder
 from ..perception.tracking.leader import LeaderSelector

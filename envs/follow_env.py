@@ -87,8 +87,8 @@ class FollowEnv(gym.Env[Any, Any]):
     | `rgb` | (106, 128, 3) uint8 | red, green, blue | 0 .. 255 |
     | `depth` | (106, 128) float32 | depth along the camera's axis over 8 m; 0: nothing measured | 0 .. 1 |
 
-    With `mapping="immobile"` the map holds what never moves, by laser and, if there is one, camera: people, and what has
-    come, stay out of it, desk tops are in it; see `tagalong.perception.immobile`.
+    With `mapping="immobile"` the map holds what never moves, by laser and, if there is one, camera: people and what has
+    come stay out of it, desk tops are in it; see `tagalong.perception.immobile`.
 
     The leader is chosen by the robot: the tracked person closest to it at onset. While it is lost, `leader` holds its
     predicted place with visible = 0; before one was chosen it is zero. Cell [i, j] of `map` lies at
@@ -148,9 +148,10 @@ class FollowEnv(gym.Env[Any, Any]):
     ## Arguments
 
     `gymnasium.make("tagalong/Corridor-v0", people="truth", slam=None, ...)`: the fields of `FollowConfig` with their
-    defaults (scene, split, floor_plan, walking_paths, people, slam, mapping, leader, people_count, standing, leader_style,
-    odometry, drive, top_turn_rate, beams, field_of_view, laser_range, lidar_hz, sensors, camera_pixels, camera_hz,
-    control_hz, people_slots, map_cells, map_resolution, lost_limit_s, coverage, coverage_goal, ends_on_contact), and
+    defaults (scene, split, floor_plan, walking_paths, people, slam, mapping, leader, people_count, standing,
+    leader_style, odometry, drive, top_turn_rate, beams, field_of_view, laser_range, lidar_hz, sensors, camera_pixels,
+    camera_hz, control_hz, people_slots, map_cells, map_resolution, lost_limit_s, coverage, coverage_goal,
+    ends_on_contact), and
 
     - `render_mode`: None, "rgb_array", "human" (MuJoCo's viewer; needs a display).
     - `render_backend`: of "rgb_array": "topview" (needs no OpenGL), "mujoco" (camera; needs OpenGL).
