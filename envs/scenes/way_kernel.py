@@ -43,7 +43,7 @@ def explore(
     if goal >= 0 and settled[goal // cols, goal % cols]:
         return size
     while size > 0 and heap_prices[0] <= limit:
-        now, flat = heap_prices[0], heap_cells[0]
+        now, flat = float(heap_prices[0]), int(heap_cells[0])
         size -= 1
         _sink(heap_prices, heap_cells, size)
         r, c = flat // cols, flat % cols
@@ -75,7 +75,7 @@ def _look_around(
         if i < 0 or j < 0 or i >= rows or j >= cols or settled[i, j] or not np.isfinite(cost[i, j]):
             continue
         length = 1.0 if k < 4 else 1.4142135623730951
-        reached = now + length * 0.5 * (cost[r, c] + cost[i, j])
+        reached = float(now + length * 0.5 * (cost[r, c] + cost[i, j]))
         if reached < price[i, j]:
             price[i, j] = reached
             before[i, j] = flat
