@@ -70,6 +70,24 @@ def key_of(total, k, i, j, size, n_theta, side):  # pragma: no cover
 
 
 @numba.njit(cache=True, nogil=True)
+def top_heap(bounds, floor, stride, top_level, side):  # pragma: no cover
+    """Return (keys, items, size): the heap of the top blocks whose bound is at least `floor`, with room for more."""
+    n_theta, blocks, _ = bounds.shape
+    width, size = blocks * stride, 0
+    room = np.count_nonzero(bounds >= floor) + 1024
+    keys, items = np.empty(room, dtype=np.int64), np.empty(room, dtype=np.int64)
+    for k in range(n_theta):
+        for a in range(blocks):
+            for b in range(blocks):
+                if bounds[k, a, b] >= floor:
+                    keys[size] = key_of(bounds[k, a, b], k, a * stride, b * stride, stride, n_theta, side)
+                    items[size] = ((top_level * n_theta + k) * width + a * stride) * width + b * stride
+                    rise(keys, items, size)
+                    size += 1
+    return keys, items, size
+
+
+@numba.njit(cache=True, nogil=True)
 def best_leaves(levels, cells, bounds, side, maxima, reach, period, least, share):  # pragma: no cover
     """Return ((m, 4) int64 of (sum, k, i, j), blocks looked at): the best candidates, best first, each apart from those
     before it by more than `reach` = (headings, cells).
@@ -77,26 +95,15 @@ def best_leaves(levels, cells, bounds, side, maxima, reach, period, least, share
     None has a sum below `least`, nor below `share` of the first. Of equal sums the candidate nearest to the window's
     centre in steps is better, then the one of the lower (k, i, j).
     """
-    stride = 1 << (len(levels) - 1)
-    n_theta, blocks, _ = bounds.shape
+    stride, n_theta, blocks = 1 << (len(levels) - 1), bounds.shape[0], bounds.shape[1]
     found, taken, count = np.empty((maxima, 4), dtype=np.int64), np.empty((maxima, 3), dtype=np.int64), 0
     # A leaf that is surely there leaves few of the blocks to be looked at.
     highest, total, looked = dive(levels, cells, bounds, side)
     looked += n_theta * blocks * blocks
     if highest < least:
         return found[:0], looked
-    floor = max(least, np.int64(total if maxima == 1 else np.ceil(share * total)))
-    width = blocks * stride
-    room = np.count_nonzero(bounds >= floor) + 1024
-    keys, items, size = np.empty(room, dtype=np.int64), np.empty(room, dtype=np.int64), 0
-    for k in range(n_theta):
-        for a in range(blocks):
-            for b in range(blocks):
-                if bounds[k, a, b] >= floor:
-                    keys[size] = key_of(bounds[k, a, b], k, a * stride, b * stride, stride, n_theta, side)
-                    items[size] = (((len(levels) - 1) * n_theta + k) * width + a * stride) * width + b * stride
-                    rise(keys, items, size)
-                    size += 1
+    floor, width = max(least, np.int64(total if maxima == 1 else np.ceil(share * total))), blocks * stride
+    keys, items, size = top_heap(bounds, floor, stride, len(levels) - 1, side)
     while size > 0 and count < maxima:
         key, item = keys[0], items[0]
         size -= 1
