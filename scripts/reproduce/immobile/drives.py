@@ -43,6 +43,7 @@ MAPPERS = ("conventional", "laser", "immobile", "true people")
 by the simulator, an upper bound."""
 POSES = ("gmapping", "cartographer", "truth")
 _LONGEST_S = 420.0
+_SCANS_IN_2_S = round(2.0 * LASER.rate_hz)
 
 
 def lab_drive(
@@ -220,16 +221,17 @@ class _Drive:
                 }
                 for name, grid in maps.items()
             },
-            "door": {name: _delays(watch.delays()) for name, watch in self.doors.items()},
+            "door": {name: _delays(watch.delays(), watch.looks()) for name, watch in self.doors.items()},
         }
 
 
-def _delays(delays: Array) -> dict[str, Any]:
-    """Return how many cells there were and how many were cleared when."""
+def _delays(delays: Array, looks: NDArray[np.int64]) -> dict[str, Any]:
+    """Return how many cells there were and how many were cleared when, and after how many scans through them."""
     finite = delays[np.isfinite(delays)]
     return {
         "cells": len(delays),
         "within_2_s": int((delays <= 2.0 + 1e-9).sum()),
+        "within_2_s_of_looking": int((np.isfinite(delays) & (looks <= _SCANS_IN_2_S)).sum()),
         "never": int(np.isinf(delays).sum()),
         "median_s": float(np.median(finite)) if len(finite) else None,
         "longest_s": float(finite.max()) if len(finite) else None,
