@@ -160,7 +160,8 @@ class _Drive:
             people = finder.find(frame, planes)
             views[name] = make_view(frame, planes, replace(people, likelihood=self._spoiled(people.likelihood)))
         self._waiting.append((frame.time_s + self._delay_s, views))
-        self.exhibits.add_frame(frame, views["immobile"], scan, self._path[-1])
+        truly = int((views["true people"].people.label >= 0).sum())
+        self.exhibits.add_frame(frame, views["immobile"], scan, self._path[-1], truly)
         self.exhibits.add_view(views["immobile"], self._path[-1])
         kinds = self._kinds[self.world.frame_geoms()]
         T_map_camera = compose(true_pose, frame.T_robot_camera)

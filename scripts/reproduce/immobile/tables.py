@@ -21,7 +21,7 @@ def decision_table() -> Table:
         title="What lambda becomes (the paper's Fig. 2)",
         columns=("what was recognised", "likelihood 0", "0.5", "1"),
         rows=[*rows, ("nothing in particular", *[f"{UNKNOWN:g}"] * 3), ("a ray passed", *[f"{UNKNOWN:g}"] * 3)],
-        note="beta = lambda P(O); P(O) is 0.7 of a return and 0.35 where a ray passed.",
+        note="beta = lambda P(O); P(O) is 0.7 of a return and 0.4 where a ray passed.",
     )
 
 
