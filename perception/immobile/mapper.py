@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 
 _BODY = (0.5, 1.6)  # heights where a body would be seen [m]
 _LEAST_POINTS = 40
+_RELIABLE_M = 5.0  # farther away people are missed too often to say that nobody is there
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -147,7 +148,8 @@ class ImmobileMapper:
         points = transform_points(T_map_camera, view.points[body, :2])
         near = np.hypot(*(points[:, None] - places).transpose(2, 0, 1)) < self.config.body_radius
         nobody = ~(near & (view.person[body] >= 0)[:, None]).any(axis=0)
-        return places[nobody & (near.sum(axis=0) >= _LEAST_POINTS)]
+        close = np.hypot(*(places - T_map_camera[:2]).T) < _RELIABLE_M
+        return places[nobody & close & (near.sum(axis=0) >= _LEAST_POINTS)]
 
     def _is_small(self, points: Array) -> bool:
         return float(np.hypot(*np.ptp(points, axis=0))) <= self.config.largest
