@@ -119,7 +119,8 @@ def carried_while_mapping(
     last = Leg(drive.odometry[-1:], drive.scans[-1:], drive.odometry[-1:])
     for trial in range(first, first + trials):
         rng = np.random.default_rng([seed, trial, 2, people])
-        robot, leg = copy.deepcopy(engine), legs.draw(SCANS, rng).after(last)
+        kept_scans = {id(scan): scan for scan in drive.scans}  # they never change: no copy of them is needed
+        robot, leg = copy.deepcopy(engine, kept_scans), legs.draw(SCANS, rng).after(last)
         updates = [robot.update(odometry, scan) for odometry, scan in zip(leg.odometry, leg.scans, strict=True)]
         for key, value in _judged([u.pose if u.located else None for u in updates], leg.truth).items():
             result[key].append(value)

@@ -93,8 +93,9 @@ class Cartographer:
         result = self._local.update(odometry, scan)
         self._doubtful = [*self._doubtful, (odometry, scan)] if result.doubtful else []
         if self._watch and self._watch.alarmed and self._global:
-            if self._is_lost(self._watch, self._global, result):
-                self._lose(self._global)
+            search = self._relocalization(self._global)
+            if self._is_lost(self._watch, self._global, search, result):
+                self._lose(self._global, search)
             else:
                 self._watch.pardon()
             self._doubtful = []
@@ -112,28 +113,29 @@ class Cartographer:
         located = self._search is None and not result.doubtful
         return SlamUpdate(self.pose, result.insertion is not None, diagnostics, located)
 
-    def _is_lost(self, watch: Watch, graph: GlobalSlam, result: LocalResult) -> bool:
+    def _relocalization(self, graph: GlobalSlam) -> Relocalization:
+        """Return what looks for the doubtful scans on the map of all scans whose place is known."""
+        placed = np.flatnonzero(graph.placed)
+        grid = render_map(graph.node_poses[placed], [self._scans[k] for k in placed], GridConfig(resolution=_COARSE))
+        return Relocalization(grid, self._doubtful)
+
+    def _is_lost(self, watch: Watch, graph: GlobalSlam, search: Relocalization, result: LocalResult) -> bool:
         """Weigh the place where local SLAM has put a doubtful scan against the rest of the map."""
         if self._search or not result.match:
             return watch.plainly_lost
-        here = compose(graph.local_to_global, result.match.pose)
-        outcome = Relocalization(self._placed_map(graph), self._doubtful).contest(here)
+        outcome = search.contest(compose(graph.local_to_global, result.match.pose))
         if outcome is None:
             return watch.plainly_lost
         return outcome.moved or (watch.plainly_lost and not (outcome.stays and outcome.belief.sure))
 
-    def _lose(self, graph: GlobalSlam) -> None:
+    def _lose(self, graph: GlobalSlam, search: Relocalization) -> None:
         """Begin a new piece of the drive with the next update, and the search on the map without it."""
         self.losses += 1
-        self._search = Relocalization(self._placed_map(graph), self._doubtful)
-        self._search.begin()
+        self._search = search
+        search.begin()
         self._breaks.append(len(self._poses_local) + 1 - len(self._doubtful))
         graph.begin_piece()
         self._local.restart()
-
-    def _placed_map(self, graph: GlobalSlam) -> OccupancyMap:
-        placed = np.flatnonzero(graph.placed)
-        return render_map(graph.node_poses[placed], [self._scans[k] for k in placed], GridConfig(resolution=_COARSE))
 
     def _find(self, odometry: Array, scan: LaserScan, pose_local: Array) -> None:
         """Go on with the search, if there is one; when it succeeds, join the new piece of the drive to the map."""
