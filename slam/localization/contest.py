@@ -23,7 +23,7 @@ class Contest:
 
     Attributes:
         stays: Whether no other place is likelier; so, too, where the map knows nothing of the place.
-        moved: Whether another place stands out, and explains what was seen well.
+        moved: Whether another place is likelier and explains what was seen well.
         belief: What is believed of all places.
     """
 
@@ -61,4 +61,4 @@ def contest(
     off = between(here, belief.poses[0])
     stays = bool(np.hypot(off[0], off[1]) <= linear and abs(off[2]) <= angular)
     well = bool(belief.explained[0] >= config.search.well_explained)
-    return Contest(stays, belief.sure and well and not stays, belief)
+    return Contest(stays, well and not stays, belief)
