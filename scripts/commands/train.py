@@ -8,6 +8,7 @@ from ...slam.files import write_json
 from ..figures.leg_curve import save_leg_curve
 from ..tables import format_table
 from ..training.evaluate_legs import RATES
+from ..training.follower import add_follower_arguments, train_follower
 from ..training.leg_forests import GAMMA, TrainedLegs, figures, train_real, train_simulation, write
 from ..training.leg_recordings import read_leg_recordings
 from ..training.train_legs import TrainConfig
@@ -25,8 +26,9 @@ examples:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the models that can be trained, and their options."""
-    parser.epilog = "example: tagalong train legs --forest simulation --out out/legs"
+    parser.epilog = "examples:\n  tagalong train legs --forest simulation\n  tagalong train follower --max-minutes 90"
     models = parser.add_subparsers(dest="model", metavar="MODEL", required=True)
+    add_follower_arguments(models)
     summary = "the random forest that tells legs in laser scans"
     legs = models.add_parser(
         "legs",
@@ -56,7 +58,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Train, write the forest with its card, print how it scores."""
+    """Train, write the model with its card, print how it scores."""
+    if options.model == "follower":
+        return train_follower(options)
     if options.forest == "real" and options.data is None:
         raise InputError("--forest real needs --data DIR with the labelled recordings")
     counts = {name: getattr(options, name) for name in COUNTS}
