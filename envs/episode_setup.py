@@ -62,10 +62,20 @@ def world_config(config: FollowConfig, options: Mapping[str, Any] | None) -> Wor
     }
     return WorldConfig(
         **{**fields, **(options or {})},
-        lidar=LidarConfig(beams=config.beams, rate_hz=config.lidar_hz),
+        lidar=lidar_config(config),
         camera=camera_config(config),
         robot=RobotConfig(drive=config.drive),
         control_hz=config.control_hz,
+    )
+
+
+def lidar_config(config: FollowConfig) -> LidarConfig:
+    """Return the laser's configuration."""
+    return LidarConfig(
+        beams=config.beams,
+        field_of_view=config.field_of_view,
+        range_max=config.laser_range,
+        rate_hz=config.lidar_hz,
     )
 
 
@@ -79,7 +89,7 @@ def camera_config(config: FollowConfig) -> RgbdConfig | None:
 
 def interface(config: FollowConfig) -> FollowInterface:
     """Return the scales of the environment's observations and actions."""
-    lidar = LidarConfig(beams=config.beams)
+    lidar = lidar_config(config)
     return FollowInterface(
         max_speed=RobotConfig().max_speed,
         max_turn_rate=config.top_turn_rate,

@@ -1,5 +1,6 @@
 """The configuration of a follow environment."""
 
+import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, fields
 from typing import Any
@@ -16,7 +17,7 @@ class FollowConfig:
     """Everything that defines an environment; its fields are the keyword arguments of `FollowEnv`.
 
     Attributes:
-        scene: Building: "corridor", "floor_plan", "lab", "meeting_room", "office" or "plain_corridor".
+        scene: Building: "corridor", "floor_plan", "lab", "landmarks", "meeting_room", "office" or "plain_corridor".
         split: Of which half offices are drawn: "train" or "test"; no building of one is ever in the other.
         floor_plan: File `map.yaml` of a ROS map for the scene "floor_plan"; None takes a built-in plan.
         walking_paths: File of recorded walks (`frame id x y` or the `obsmat` form of the ETH and UCY recordings, plain
@@ -31,7 +32,9 @@ class FollowConfig:
         odometry: Quality of the wheel odometry: "good", "typical", "slipping".
         drive: "differential" or "holonomic".
         top_turn_rate: Turn rate at action +1 [rad/s]; forward speed at action +1 is the robot's 1.3 m/s.
-        beams: Beams of the laser over 270 degrees.
+        beams: Beams of the laser.
+        field_of_view: Angle between its first and its last beam [rad].
+        laser_range: Its range [m].
         lidar_hz: Scans a second [1/s]; a multiple of `control_hz`.
         sensors: Which sensors there are: "lidar" always, and "rgbd" for the camera and its observations.
         camera_pixels: Columns and rows of the camera.
@@ -60,6 +63,8 @@ class FollowConfig:
     drive: str = "differential"
     top_turn_rate: float = 2.0
     beams: int = 1081
+    field_of_view: float = math.radians(270.0)
+    laser_range: float = 30.0
     lidar_hz: float = 10.0
     sensors: Collection[str] = ("lidar",)
     camera_pixels: tuple[int, int] = (128, 106)

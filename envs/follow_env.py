@@ -50,12 +50,12 @@ class FollowEnv(gym.Env[Any, Any]):
     A robot like the Clearpath Dingo stands behind a person, who soon sets off on a tour of the building: `corridor`
     (40 x 2.4 m with a bend and 10 m more), `meeting_room` (10 x 7 m), `office` (20 x 12 m of rooms along corridors;
     other kinds of floors for `split="test"` than for training), `floor_plan` (any ROS map, `floor_plan="map.yaml"`),
-    `plain_corridor` (30 x 2.2 m, smooth walls) or `lab` (9 x 7 m with a hinged door to a passage, and four scripted
-    people more); sizes, clutter and tours drawn from the seed. In offices and floor plans bystanders of several
-    temperaments walk on ways of their own, and turn round when held up. The task is to stay 1.3 m behind (centre to
-    centre), without touching anybody or anything, to the tour's end. What the robot knows comes from its planar laser
-    scanner and its wheels alone: leg tracker, leader selection and SLAM run inside the environment, on scans from which
-    people were removed. A step lasts 1 / `control_hz`, 0.1 s by default.
+    `plain_corridor` (30 x 2.2 m, smooth walls), `landmarks` (round posts on open ground) or `lab` (9 x 7 m with a
+    hinged door to a passage, and four scripted people more); all drawn from the seed. In offices and floor plans
+    bystanders of several temperaments walk on ways of their own, and turn round when held up. The task is to stay 1.3 m
+    behind (centre to centre), without touching anybody or anything, to the tour's end. What the robot knows comes from
+    its planar laser scanner and its wheels alone: leg tracker, leader selection and SLAM run inside the environment, on
+    scans from which people were removed. A step lasts 1 / `control_hz`, 0.1 s by default.
 
     ## Action
 
@@ -74,7 +74,7 @@ class FollowEnv(gym.Env[Any, Any]):
 
     | key | shape | meaning | range |
     |---|---|---|---|
-    | `scan` | (beams,) | range over 30 m along each beam, right to left; 1: no return or no measurement | 0 .. 1 |
+    | `scan` | (beams,) | range over `laser_range`, right to left; 1: no return or no measurement | 0 .. 1 |
     | `leader` | (6,) | x, y, vx, vy (over ground), confidence, visible | 30 m, 3 m/s, 0 .. 1 |
     | `people` | (people_slots, 6) | other people, nearest first: x, y, vx, vy, confidence, present (mask) | as above |
     | `velocity` | (2,) or (3,) | own forward speed, speed to the left if holonomic, turn rate, by odometry | 3, 3, 6 |
@@ -146,8 +146,8 @@ class FollowEnv(gym.Env[Any, Any]):
 
     `gymnasium.make("tagalong/Corridor-v0", people="truth", slam=None, ...)`: the fields of `FollowConfig` with their
     defaults (scene, split, floor_plan, walking_paths, people, slam, leader, people_count, standing, leader_style,
-    odometry, drive, top_turn_rate, beams, lidar_hz, sensors, camera_pixels, camera_hz, control_hz, people_slots,
-    map_cells, map_resolution, lost_limit_s, coverage, coverage_goal, ends_on_contact), and
+    odometry, drive, top_turn_rate, beams, field_of_view, laser_range, lidar_hz, sensors, camera_pixels, camera_hz,
+    control_hz, people_slots, map_cells, map_resolution, lost_limit_s, coverage, coverage_goal, ends_on_contact), and
 
     - `render_mode`: None, "rgb_array", "human" (MuJoCo's viewer; needs a display).
     - `render_backend`: of "rgb_array": "topview" (needs no OpenGL), "mujoco" (camera; needs OpenGL).

@@ -1,5 +1,6 @@
 """The environments that `import tagalong` makes known to Gymnasium; their code loads when one is made."""
 
+import math
 from typing import Any
 
 import gymnasium as gym
@@ -8,6 +9,13 @@ IDS: dict[str, dict[str, Any]] = {
     "tagalong/Corridor-v0": {"scene": "corridor"},
     "tagalong/FloorPlan-v0": {"scene": "floor_plan", "people_count": None},
     "tagalong/Lab-v0": {"scene": "lab"},
+    "tagalong/Landmarks-v0": {
+        "scene": "landmarks",
+        "slam": "ekf",
+        "beams": 181,
+        "field_of_view": math.pi,
+        "laser_range": 8.0,
+    },
     "tagalong/MeetingRoom-v0": {"scene": "meeting_room"},
     "tagalong/Office-v0": {"scene": "office", "people_count": None},
     "tagalong/PlainCorridor-v0": {"scene": "plain_corridor"},

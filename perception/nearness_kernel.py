@@ -9,9 +9,12 @@ from numpy.typing import NDArray
 def near_any(points: NDArray[np.float64], others: NDArray[np.float64], distance: float) -> NDArray[np.bool_]:
     """Return (n,) whether `points` (n, 2) are within `distance` of any of `others` (k, 2); NaN is near to nothing."""
     near = np.zeros(len(points), dtype=np.bool_)
+    if len(others) == 0:
+        return near
     for i in range(len(points)):
         for k in range(len(others)):
-            if np.hypot(points[i, 0] - others[k, 0], points[i, 1] - others[k, 1]) <= distance:
+            dx, dy = points[i, 0] - others[k, 0], points[i, 1] - others[k, 1]
+            if dx * dx + dy * dy <= distance * distance:
                 near[i] = True
                 break
     return near
@@ -21,5 +24,5 @@ def near_any_reference(points: NDArray[np.float64], others: NDArray[np.float64],
     """Return what `near_any` returns, in plain numpy."""
     near = np.zeros(len(points), dtype=bool)
     for x, y in others:
-        near |= np.hypot(points[:, 0] - x, points[:, 1] - y) <= distance
+        near |= (points[:, 0] - x) ** 2 + (points[:, 1] - y) ** 2 <= distance**2
     return near

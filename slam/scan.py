@@ -1,13 +1,14 @@
 """One sweep of a planar laser scanner."""
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .errors import InputError
 from .geometry import transform_points
+from .scan_kernel import fill_beam_points
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,8 +66,9 @@ class LaserScan:
     @cached_property
     def beam_points(self) -> NDArray[np.float64]:
         """(N, 2) end points of all beams in the laser frame [m]; NaN where there is no return."""
-        ranges = np.where(self.is_return, self.ranges, np.nan)
-        return np.stack((ranges * np.cos(self.bearings), ranges * np.sin(self.bearings)), axis=-1)
+        points = np.empty((len(self.ranges), 2))
+        fill_beam_points(self.ranges, _directions(self.bearings.tobytes()), self.range_min, self.range_max, points)
+        return points
 
     @cached_property
     def points(self) -> NDArray[np.float64]:
@@ -81,3 +83,12 @@ class LaserScan:
     def without(self, dropped: NDArray[np.bool_]) -> "LaserScan":
         """Return this scan with the beams where `dropped` (N,) is true turned into "no measurement" (NaN)."""
         return replace(self, ranges=np.where(dropped, np.nan, self.ranges))
+
+
+@lru_cache(maxsize=16)
+def _directions(bearings: bytes) -> NDArray[np.float64]:
+    """Return (N, 2) unit vectors along `bearings` (N,) float64; sweep after sweep has the same."""
+    angles = np.frombuffer(bearings)
+    directions = np.stack((np.cos(angles), np.sin(angles)), axis=-1)
+    directions.flags.writeable = False
+    return directions

@@ -9,6 +9,7 @@ from .corridor import corridor
 from .floor_plan import floor_plan
 from .follow_bench import clutter, doorway, intersection, narrow_corridor
 from .lab import lab
+from .landmarks import landmarks
 from .meeting_room import meeting_room
 from .office import office
 from .plain_corridor import plain_corridor
@@ -22,6 +23,7 @@ SCENES: dict[str, Callable[[np.random.Generator, SceneRequest], Scene]] = {
     "floor_plan": floor_plan,
     "intersection": intersection,
     "lab": lambda rng, request: lab(rng, request.route),
+    "landmarks": lambda rng, request: landmarks(rng, request.route),
     "meeting_room": lambda rng, request: meeting_room(rng, request.route),
     "narrow_corridor": narrow_corridor,
     "office": office,

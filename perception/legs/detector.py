@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from ...slam.errors import InputError
 from ...slam.geometry import transform_points
 from ...slam.scan import LaserScan
+from .centres_kernel import move_to_centres
 from .clusters import DEFAULT_ALPHA, DEFAULT_BETA, Clusters, cluster_scan
 from .forest import LegForest
 
@@ -77,9 +78,6 @@ def leg_centres(clusters: Clusters) -> NDArray[np.float64]:
     to a beam spacing. Beams at equal angles meet a circle of radius r at a mean depth of pi/4 r before its centre.
     Clusters wider than one leg (both legs, a skirt) are moved as far as the widest single leg.
     """
-    means = clusters.centres
-    ends = clusters.points[clusters.end - 1] - clusters.points[clusters.start]
-    distance = np.maximum(np.hypot(means[:, 0], means[:, 1]), 1e-6)
-    sight = means / distance[:, None]
-    across = np.abs(ends[:, 0] * sight[:, 1] - ends[:, 1] * sight[:, 0])
-    return means + (MEAN_DEPTH_PER_WIDTH * np.minimum(across, WIDEST_SINGLE_LEG))[:, None] * sight
+    centres = np.empty((len(clusters), 2))
+    move_to_centres(clusters.points, clusters.start, clusters.end, WIDEST_SINGLE_LEG, MEAN_DEPTH_PER_WIDTH, centres)
+    return centres

@@ -3,6 +3,7 @@
 import json
 import os
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 from zipfile import BadZipFile
@@ -15,7 +16,7 @@ from ...slam.files import replacing, write_json
 from ...slam.scan import LaserScan
 from .clusters import Clusters
 from .features import FEATURE_NAMES, cluster_features, is_wide
-from .forest_kernel import is_sound, vote
+from .forest_kernel import is_sound, packed, vote
 
 MODELS = Path(__file__).resolve().parent.parent / "models"
 SHIPPED = ("real", "simulation")
@@ -73,7 +74,7 @@ class LegForest:
     def vote(self, features: NDArray[np.float32]) -> NDArray[np.float64]:
         """Return (m,) the share of legs in the leaves that `features` (m, F) fall into: sklearn's `predict_proba`."""
         share = np.empty(len(features))
-        vote(self.feature, self.value, self.right, self.roots, features, share)
+        vote(self._nodes, self.roots, features, share)
         return share
 
     def confidence(self, scan: LaserScan, clusters: Clusters) -> NDArray[np.float64]:
@@ -83,6 +84,10 @@ class LegForest:
         share = self.vote(cluster_features(scan, clusters)[narrow])
         confidence[narrow] = self.odds * share / (self.odds * share + 1.0 - share)
         return confidence
+
+    @cached_property
+    def _nodes(self) -> NDArray[np.void]:
+        return packed(self.feature, self.value, self.right)
 
     def _is_sound(self) -> bool:
         shapes = {self.feature.shape, self.value.shape, self.right.shape}

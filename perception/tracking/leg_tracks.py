@@ -4,8 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..config import PerceptionConfig
-from . import kalman
-from .association import distances
+from . import track_kernels as kernels
 
 Array = NDArray[np.float64]
 
@@ -60,18 +59,17 @@ class LegTracks:
     def predict(self, dt: float) -> None:
         """Move all tracks `dt` seconds ahead."""
         rows = self.rows
-        rows["x"], rows["p"] = kalman.predict(rows["x"], rows["p"], dt, self._config.process_variance(dt))
-        rows["age_s"] += dt
-        rows["unseen_s"] += dt
+        kernels.predict(rows["x"], rows["p"], rows["age_s"], rows["unseen_s"], dt, self._config.process_variance(dt))
 
-    def cost(self, z: Array) -> tuple[Array, Array]:
-        """Return (n, m) distances to detections `z` (m, 2), `inf` beyond a track's gate, and the gates (n,) [m]."""
-        config, unseen_s = self._config, self.rows["unseen_s"]
-        cost = distances(self.positions, z)
-        fresh = unseen_s <= config.gate_anchor_s
-        cost[fresh] = np.minimum(cost[fresh], distances(self.rows["seen"][fresh], z))
-        gates = np.minimum(config.gate + config.gate_speed * unseen_s, config.gate_most)
-        cost[cost >= gates[:, None]] = np.inf
+    def cost(self, z: Array, centres: Array) -> tuple[Array, Array]:
+        """Return (n, m) distances to detections `z` (m, 2), `inf` where they cannot be, and the gates (n,) [m].
+
+        The first 2 k tracks are legs of people at `centres` (k, 2), who reach no farther than the configuration says.
+        """
+        config = self._config
+        gates = np.minimum(config.gate + config.gate_speed * self.rows["unseen_s"], config.gate_most)
+        cost = np.empty((len(self.rows), len(z)))
+        kernels.leg_costs(self.rows, centres, z, config.reach, config.gate_anchor_s, gates, cost)
         return cost, gates
 
     def correct(self, match: NDArray[np.intp], z: Array, d: Array, dt: float) -> None:
@@ -79,37 +77,23 @@ class LegTracks:
 
         Tracks without a detection stay predicted; their scan counts as confidence 0 (eq. 6).
         """
-        rows, seen = self.rows, np.flatnonzero(match >= 0)
-        found = match[seen]
-        x, p = kalman.update(rows["x"][seen], rows["p"][seen], z[found], self._config.r)
-        rows["x"][seen], rows["p"][seen] = x, p
-        gain = self._config.confidence_weight(dt)
-        rows["confidence"] *= 1.0 - gain
-        rows["confidence"][seen] += gain * d[found]
-        rows["unseen_s"][seen] = 0.0
-        rows["seen"][seen] = z[found]
-        rows["low"][seen] = np.minimum(rows["low"][seen], z[found])
-        rows["high"][seen] = np.maximum(rows["high"][seen], z[found])
+        kernels.correct_legs(self.rows, match, z, d, self._config.r, self._config.confidence_weight(dt))
 
     def measure_apart(self, dt: float) -> None:
         """Take the present distances into their running means."""
-        together_s = np.minimum(self.rows["age_s"][:, None], self.rows["age_s"])
-        weight = np.maximum(dt / self._config.stride_time_s, dt / np.maximum(together_s, dt))
-        now = self.positions[:, None] - self.positions
-        self.apart += np.minimum(weight, 1.0)[..., None] * (now - self.apart)
+        kernels.average_apart(self.rows["x"], self.rows["age_s"], self.apart, dt, self._config.stride_time_s)
 
     def begin(self, positions: Array, confidence: Array) -> None:
         """Add tracks at `positions` (k, 2) with zero velocity (eq. 5) and the detections' `confidence` (k,)."""
+        if len(positions) == 0:
+            return
         fresh = np.zeros(len(positions), dtype=LEG)
         fresh["x"][:, :2] = positions
         fresh["seen"] = fresh["first"] = fresh["low"] = fresh["high"] = positions
         fresh["p"] = (self._config.initial_variance, 0.0, self._config.initial_variance)
         fresh["confidence"] = confidence
-        count = len(self.rows)
         self.rows = np.concatenate((self.rows, fresh))
-        apart = self.positions[:, None] - self.positions
-        apart[:count, :count] = self.apart
-        self.apart = apart
+        self.apart = kernels.with_fresh(self.apart, self.rows["x"])
 
     def restart_moving(self, index: NDArray[np.intp]) -> None:
         """Let the tracks `index` (k,) begin here, as if they had not moved yet."""
@@ -118,5 +102,7 @@ class LegTracks:
 
     def take(self, order: NDArray[np.intp]) -> None:
         """Keep the tracks `order` (k,), in that order."""
+        if len(order) == len(self.rows) and (order == np.arange(len(order))).all():
+            return
         self.rows = self.rows[order]
-        self.apart = self.apart[np.ix_(order, order)]
+        self.apart = kernels.taken(self.apart, order)

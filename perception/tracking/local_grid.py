@@ -35,22 +35,33 @@ class LocalGrid:
     def mark(self, points: Array, centre: Array, time_s: float, dt: float) -> None:
         """Add `dt` seconds of non-human `points` (k, 2) seen at `time_s` from `centre` (2,), in the odometry frame."""
         reach = (SIDE // 2 - 2) * self._resolution
-        near = points[np.abs(points - centre).max(axis=1, initial=0.0) < reach]
-        cells = np.floor(near / self._resolution).astype(np.int32)
-        _mark(self._cell, self._evidence, self._time, cells, time_s, dt / self._rise_s, self._fade_s)
+        place = points, centre, reach, self._resolution
+        _mark(self._cell, self._evidence, self._time, *place, time_s, dt / self._rise_s, self._fade_s)
 
     def is_free(self, points: Array, time_s: float) -> NDArray[np.bool_]:
         """Return (n,) whether the cells of `points` (n, 2) and the eight around each are free at `time_s`."""
-        cells = np.floor(points / self._resolution).astype(np.int32)
-        evidence = np.zeros(len(cells))
-        _strongest(self._cell, self._evidence, self._time, cells, time_s, self._fade_s, evidence)
+        evidence = np.zeros(len(points))
+        _strongest(self._cell, self._evidence, self._time, points, self._resolution, time_s, self._fade_s, evidence)
         return evidence < OCCUPIED
 
 
 @njit(cache=True, nogil=True)
-def _mark(cell: Any, evidence: Any, time: Any, cells: Any, now: float, rise: float, fade_s: float) -> None:
-    for k in range(len(cells)):
-        x, y = cells[k, 0], cells[k, 1]
+def _mark(
+    cell: Any,
+    evidence: Any,
+    time: Any,
+    points: Any,
+    centre: Any,
+    reach: float,
+    resolution: float,
+    now: float,
+    rise: float,
+    fade_s: float,
+) -> None:
+    for k in range(len(points)):
+        if not max(abs(points[k, 0] - centre[0]), abs(points[k, 1] - centre[1])) < reach:
+            continue
+        x, y = int(np.floor(points[k, 0] / resolution)), int(np.floor(points[k, 1] / resolution))
         slot = (x % SIDE) * SIDE + y % SIDE
         if cell[slot, 0] != x or cell[slot, 1] != y:
             cell[slot, 0], cell[slot, 1] = x, y
@@ -63,10 +74,13 @@ def _mark(cell: Any, evidence: Any, time: Any, cells: Any, now: float, rise: flo
 
 
 @njit(cache=True, nogil=True)
-def _strongest(cell: Any, evidence: Any, time: Any, cells: Any, now: float, fade_s: float, out: Any) -> None:
-    for k in range(len(cells)):
-        for x in range(cells[k, 0] - 1, cells[k, 0] + 2):
-            for y in range(cells[k, 1] - 1, cells[k, 1] + 2):
+def _strongest(
+    cell: Any, evidence: Any, time: Any, points: Any, resolution: float, now: float, fade_s: float, out: Any
+) -> None:
+    for k in range(len(points)):
+        i, j = int(np.floor(points[k, 0] / resolution)), int(np.floor(points[k, 1] / resolution))
+        for x in range(i - 1, i + 2):
+            for y in range(j - 1, j + 2):
                 slot = (x % SIDE) * SIDE + y % SIDE
                 if cell[slot, 0] == x and cell[slot, 1] == y:
                     out[k] = max(out[k], evidence[slot] * np.exp((time[slot] - now) / fade_s))

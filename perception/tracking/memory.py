@@ -22,6 +22,9 @@ class LostPeople:
         self._config = config
         self._people = np.zeros(0, dtype=PERSON)
 
+    def __len__(self) -> int:
+        return len(self._people)
+
     def predict(self, dt: float) -> None:
         """Move the lost `dt` seconds ahead; forget those unseen for too long."""
         lost, config = self._people, self._config

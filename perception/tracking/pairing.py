@@ -4,23 +4,42 @@
 """
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Pairs = NDArray[np.intp]
 
 
+@njit(cache=True, nogil=True)
 def mutual_pairs(spread: Array, limit: float) -> Pairs:
-    """Return (k, 2) pairs that are each other's nearest by `spread` (n, n), at most `limit`."""
-    spread = spread.copy()
-    np.fill_diagonal(spread, np.inf)
+    """Return (k, 2) pairs, each the other's nearest by `spread` (n, n), infinite on the diagonal, at most `limit`."""
+    count = len(spread)
+    partner = np.empty(count, np.int64)
+    for i in range(count):
+        partner[i] = spread[i].argmin()
+    pairs = np.empty((count // 2, 2), np.int64)
+    found = 0
+    for i in range(count):
+        j = partner[i]
+        if i < j and partner[j] == i and spread[i, j] <= limit:
+            pairs[found, 0], pairs[found, 1] = i, j
+            found += 1
+    return pairs[:found]
+
+
+def mutual_pairs_reference(spread: Array, limit: float) -> Pairs:
+    """Return what `mutual_pairs` returns, in plain numpy."""
+    if len(spread) == 0:
+        return np.zeros((0, 2), dtype=np.intp)
     partner = spread.argmin(axis=1)
     first = np.arange(len(partner))
     real = (partner[partner] == first) & (first < partner) & (spread[first, partner] <= limit)
     return np.stack((first[real], partner[real]), axis=1)
 
 
-def better_pairs(spread: Array, pairs: Pairs, owned_s: Array, lone: NDArray[np.intp], margin: float) -> Pairs:
+@njit(cache=True, nogil=True)
+def better_pairs(spread: Array, pairs: Pairs, owned_s: Array, lone: Pairs, margin: float) -> Pairs:
     """Return `pairs` (n, 2) after every exchange of a leg that narrows the pairs by more than `margin`.
 
     A person gives nobody's legs only for its newer leg, so the identity stays with the leg that had it first.
@@ -32,6 +51,39 @@ def better_pairs(spread: Array, pairs: Pairs, owned_s: Array, lone: NDArray[np.i
         lone: (k,) rows of nobody's legs that may be taken.
         margin: By how much a pair must become narrower [m].
     """
+    pairs, free = pairs.copy(), lone.copy()
+    wide = np.empty(len(pairs), np.bool_)
+    for i in range(len(pairs)):
+        wide[i] = spread[pairs[i, 0], pairs[i, 1]] > margin
+    for i in np.flatnonzero(wide):
+        here = spread[pairs[i, 0], pairs[i, 1]]
+        newer = 1 if owned_s[pairs[i, 1]] <= owned_s[pairs[i, 0]] else 0
+        best, side, other, k = margin, -1, -1, -1
+        for f in range(len(free)):
+            gain = here - spread[pairs[i, 1 - newer], free[f]]
+            if gain > margin and (gain, newer, -1, f) > (best, side, other, k):
+                best, side, other, k = gain, newer, -1, f
+        for j in range(len(pairs)):
+            if j == i:
+                continue
+            before = here + spread[pairs[j, 0], pairs[j, 1]]
+            for s in range(2):
+                for t in range(2):
+                    after = spread[pairs[i, 1 - s], pairs[j, t]]
+                    gain = before - after - spread[pairs[j, 1 - t], pairs[i, s]] - margin
+                    if gain > margin and (gain, s, j, t) > (best, side, other, k):
+                        best, side, other, k = gain, s, j, t
+        if side >= 0:
+            given = pairs[i, side]
+            if other < 0:
+                pairs[i, side], free[k] = free[k], given
+            else:
+                pairs[i, side], pairs[other, k] = pairs[other, k], given
+    return pairs
+
+
+def better_pairs_reference(spread: Array, pairs: Pairs, owned_s: Array, lone: Pairs, margin: float) -> Pairs:
+    """Return what `better_pairs` returns, in plain Python."""
     pairs, free = pairs.copy(), [int(row) for row in lone]
     for i in np.flatnonzero(spread[pairs[:, 0], pairs[:, 1]] > margin):
         newer = int(owned_s[pairs[i, 1]] <= owned_s[pairs[i, 0]])

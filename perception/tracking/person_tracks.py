@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..config import PerceptionConfig
-from . import kalman
+from . import track_kernels as kernels
 
 Array = NDArray[np.float64]
 
@@ -36,10 +36,9 @@ def new_people(pairs: NDArray[np.void]) -> NDArray[np.void]:
 
 def predict(people: NDArray[np.void], dt: float, config: PerceptionConfig) -> None:
     """Move `people` `dt` seconds ahead; what is believed of their legs' offsets fades."""
-    people["x"], people["p"] = kalman.predict(people["x"], people["p"], dt, config.process_variance(dt))
     people["offset"] *= np.exp(-dt / config.offset_time_s)
-    people["age_s"] += dt
-    people["unseen_s"] += dt
+    clocks = people["age_s"], people["unseen_s"]
+    kernels.predict(people["x"], people["p"], *clocks, dt, config.process_variance(dt))
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,27 +64,15 @@ def measure(people: NDArray[np.void], match: NDArray[np.intp], z: Array, d: Arra
     Two legs measure the centre by their middle (their offset is kept in `people`); one leg measures it less its
     believed offset, which fades to zero, so that a leg seen alone for long is the centre.
     """
-    seen = match >= 0
-    both, one = seen.all(axis=1), seen[:, 0] ^ seen[:, 1]
-    first, second = match[both].T
-    people["offset"][both] = (z[first] - z[second]) / 2.0
-    centre, confidence = np.zeros((len(people), 2)), np.zeros(len(people))
-    centre[both] = (z[first] + z[second]) / 2.0
-    confidence[both] = (d[first] + d[second]) / 2.0
-    alone = match[one].max(axis=1)
-    side = np.where(seen[one, 0], 1.0, -1.0)
-    centre[one] = z[alone] - side[:, None] * people["offset"][one]
-    confidence[one] = d[alone]
-    return Sightings(both | one, centre, confidence, one)
+    count = len(people)
+    sightings = Sightings(np.zeros(count, bool), np.zeros((count, 2)), np.zeros(count), np.zeros(count, bool))
+    parts = sightings.seen, sightings.one_leg, sightings.centre, sightings.confidence
+    kernels.measure_people(people["offset"], match, z, d, *parts)
+    return sightings
 
 
 def correct(people: NDArray[np.void], sightings: Sightings, dt: float, config: PerceptionConfig) -> None:
     """Correct `people` (n,) with what was seen of them; the others stay predicted."""
-    seen = sightings.seen
-    r = np.full(np.count_nonzero(seen), config.r)
-    r[sightings.one_leg[seen]] += config.one_leg_variance
-    people["x"][seen], people["p"][seen] = kalman.update(
-        people["x"][seen], people["p"][seen], sightings.centre[seen], r
-    )
-    people["confidence"] += config.confidence_weight(dt) * (sightings.confidence - people["confidence"])
-    people["unseen_s"][seen] = 0.0
+    variance = np.where(sightings.one_leg, config.r + config.one_leg_variance, config.r)
+    measured = sightings.seen, sightings.centre, sightings.confidence, variance
+    kernels.correct_people(people, *measured, config.confidence_weight(dt))

@@ -20,6 +20,7 @@ from .memory import LostPeople
 from .pairing import better_pairs, mutual_pairs
 from .people import People
 from .person_tracks import Sightings
+from .track_kernels import any_moved, any_sure_walker, any_wide, points_of_things, spread_among, surviving
 
 Array = NDArray[np.float64]
 
@@ -99,8 +100,9 @@ class PeopleTracker:
         self._end_tracks()
         self._begin_legs(match, z, d)
         T_odom_lidar = compose(pose, scan.T_robot_lidar)
-        self._start_people(transform_points(T_odom_lidar, detections.clusters.points), scan.time_s)
-        self._mark_grid(transform_points(T_odom_lidar, _points_of(detections.clusters, thing)), pose, scan.time_s, dt)
+        points = transform_points(T_odom_lidar, detections.clusters.points)
+        self._start_people(points, scan.time_s)
+        self._mark_grid(points, detections.clusters, thing, pose, scan.time_s, dt)
         return TrackerUpdate(self._result(scan.time_s), detections, pose)
 
     def _step(self, time_s: float) -> float:
@@ -114,10 +116,7 @@ class PeopleTracker:
 
     def _associate(self, z: Array) -> NDArray[np.intp]:
         """Return each leg track's detection or -1."""
-        cost, gates = self._legs.cost(z)
-        owned = 2 * len(self._people)
-        centre = np.repeat(distances(self._people["x"][:, :2], z), 2, axis=0)
-        cost[:owned][centre > self._config.reach] = np.inf
+        cost, gates = self._legs.cost(z, self._people["x"][:, :2])
         match = np.full(len(self._legs), -1)
         rows, columns = assign(cost, gates)
         match[rows] = columns
@@ -179,9 +178,11 @@ class PeopleTracker:
         owned = 2 * len(self._people)
         if owned == 0:
             return match
+        before = np.arange(owned).reshape(-1, 2)
+        if not any_wide(self._legs.apart, before, self._config.pair_margin):
+            return match
         rows = self._legs.rows[owned:]
         lone = owned + np.flatnonzero((rows["age_s"] > self._config.stride_time_s / 2.0) & (rows["unseen_s"] == 0.0))
-        before = np.arange(owned).reshape(-1, 2)
         pairs = better_pairs(self._legs.spread(), before, self._legs.rows["owned_s"], lone, self._config.pair_margin)
         changed = (pairs != before).any(axis=1)
         if not changed.any():
@@ -209,15 +210,14 @@ class PeopleTracker:
         return still
 
     def _end_tracks(self) -> None:
-        def lives(tracks: NDArray[np.void]) -> NDArray[np.bool_]:
-            return (tracks["p"][:, 0] <= self._config.epsilon) & (tracks["confidence"] >= self._config.c_min)
-
-        alive = lives(self._people)
-        keep = lives(self._legs.rows)
-        keep[: 2 * len(alive)] = np.repeat(alive, 2)
-        self._lost.remember(self._people[~alive])
-        self._people = self._people[alive]
-        self._legs.take(np.flatnonzero(keep))
+        bounds = self._config.epsilon, self._config.c_min
+        alive, keep = surviving(self._people, *bounds), surviving(self._legs.rows, *bounds)
+        keep[0 : 2 * len(alive) : 2] = keep[1 : 2 * len(alive) : 2] = alive
+        if not alive.all():
+            self._lost.remember(self._people[~alive])
+            self._people = self._people[alive]
+        if not keep.all():
+            self._legs.take(np.flatnonzero(keep))
 
     def _begin_legs(self, match: NDArray[np.intp], z: Array, d: Array) -> None:
         fresh = np.ones(len(z), dtype=bool)
@@ -227,23 +227,26 @@ class PeopleTracker:
     def _start_people(self, points: Array, time_s: float) -> None:
         """Start a person from each pair of lone tracks that have moved enough, are leg-like (gamma) in the mean over
         time, stand on free cells and belong together: each the other's nearest in the mean over a stride."""
-        owned = 2 * len(self._people)
-        lone, config = self._legs.rows[owned:], self._config
+        owned, config = 2 * len(self._people), self._config
+        bounds = config.delta / 2.0, config.c_min, config.start_unseen_s
+        if len(self._lost) == 0 and not any_moved(self._legs.rows, owned, *bounds):
+            return
+        lone = self._legs.rows[owned:]
         alive = owned + np.flatnonzero(
             (lone["confidence"] > config.c_min) & (lone["unseen_s"] <= config.start_unseen_s)
         )
         moved, again = self._legs.moved[alive], self._may_be_met_again(alive)
         if not (again | (moved >= config.delta / 2.0)).any():
             return
-        spread = self._legs.spread()[np.ix_(alive, alive)]
-        spread[distances(self._legs.positions[alive], self._legs.positions[alive]) > config.pair_distance] = np.inf
+        spread = spread_among(self._legs.apart, self._legs.rows["x"], alive, config.pair_distance)
         pairs = mutual_pairs(spread, config.pair_width)
         confidence = self._legs.rows["confidence"][alive]
         pairs = pairs[confidence[pairs].min(axis=1) >= config.gamma]
         sure = confidence >= config.sure_confidence
-        pairs = pairs[self._moved_together(alive, moved, again, sure, pairs, points, time_s)]
-        free = self._grid.is_free(self._legs.positions[alive[pairs.ravel()]], time_s).reshape(-1, 2)
-        self._found(alive[pairs[free.all(axis=1)]])
+        if len(pairs):
+            pairs = pairs[self._moved_together(alive, moved, again, sure, pairs, points, time_s)]
+            free = self._grid.is_free(self._legs.positions[alive[pairs.ravel()]], time_s).reshape(-1, 2)
+            self._found(alive[pairs[free.all(axis=1)]])
         self._start_by_one_leg(points, time_s)
 
     def _moved_together(
@@ -287,6 +290,9 @@ class PeopleTracker:
         It stands on a free cell; the other leg counts as hidden by it, or by what stands before it.
         """
         config, legs = self._config, self._legs
+        bounds = 2.0 * config.delta, config.sure_confidence, config.meet_alone_s
+        if len(self._lost) == 0 and not any_sure_walker(legs.rows, 2 * len(self._people), *bounds):
+            return
         lone = np.arange(2 * len(self._people), len(legs))
         lone = lone[(legs.rows["unseen_s"][lone] == 0.0) & (legs.rows["age_s"][lone] >= config.meet_alone_s)]
         fit = self._may_be_met_again(lone)
@@ -335,15 +341,16 @@ class PeopleTracker:
         """Return (n,) the time since a leg of each person was seen apart [s]."""
         return np.asarray(self._legs.rows["unseen_s"][: 2 * len(self._people)].reshape(-1, 2).min(axis=1))
 
-    def _mark_grid(self, points: Array, pose: Array, time_s: float, dt: float) -> None:
-        """Mark the non-human `points` (k, 2), but never where a person, or what may become one, stands."""
-        walkers = self._legs.positions[2 * len(self._people) :][
-            self._legs.moved[2 * len(self._people) :] >= self._config.delta / 2.0
-        ]
-        human = np.concatenate((self._result(time_s).points, walkers, self._lost.positions))
-        if len(human) and len(points):
-            points = points[distances(human, points).min(axis=0) > self._config.zeta]
-        self._grid.mark(points, pose[:2], time_s, dt)
+    def _mark_grid(
+        self, points: Array, clusters: Clusters, thing: NDArray[np.bool_], pose: Array, time_s: float, dt: float
+    ) -> None:
+        """Mark `points` (k, 2) of the clusters `thing`, but never where a person, or what may become one, stands."""
+        owned = 2 * len(self._people)
+        walkers = self._legs.positions[owned:][self._legs.moved[owned:] >= self._config.delta / 2.0]
+        legs = self._legs.positions[:owned]
+        human = np.concatenate((self._people["x"][:, :2], legs, walkers, self._lost.positions))
+        kept = points_of_things(points, clusters.start, clusters.end, thing, human, self._config.zeta)
+        self._grid.mark(kept, pose[:2], time_s, dt)
 
     def _result(self, time_s: float) -> People:
         people = self._people
@@ -358,11 +365,3 @@ class PeopleTracker:
             unseen_s=people["unseen_s"].copy(),
             age_s=people["age_s"].copy(),
         )
-
-
-def _points_of(clusters: Clusters, chosen: NDArray[np.bool_]) -> Array:
-    """Return (k, 2) all points of the chosen clusters."""
-    edges = np.zeros(len(clusters.points) + 1, dtype=np.int64)
-    np.add.at(edges, clusters.start[chosen], 1)
-    np.subtract.at(edges, clusters.end[chosen], 1)
-    return clusters.points[np.cumsum(edges[:-1]) > 0]

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from ..scan import LaserScan
 from .clustering import Clusterer
+from .round_centres import round_centres
 
 Array = NDArray[np.float64]
 
@@ -81,21 +82,19 @@ class SightingConfig:
     """Which objects serve as landmarks, and how well they are measured.
 
     Attributes:
-        radius: Radius of the round landmarks [m]; the mean of their visible points lies pi / 4 of it before the centre.
+        radius: Radius of the round landmarks [m].
         widest: Objects that extend further than this from their mean are no landmarks [m].
         border: Objects nearer than this to the end of the range may be seen in part only [m].
         sigma_range: Standard deviation of one range [m].
-        shape_share: Standard deviation of a measured centre through the shape, as a share of `radius`.
-        alike: Factor of all variances: views from neighbouring places err alike, so that each tells less than it would
-            alone. Chosen so that the filter of simulated drives is consistent.
+        sigma_shape: Standard deviation of a centre, in all directions, because objects are not quite round or of other
+            radii [m]; 0 for posts that are all alike.
     """
 
     radius: float = 0.1
     widest: float = 0.25
     border: float = 0.3
     sigma_range: float = 0.01
-    shape_share: float = 0.08
-    alike: float = 1.35
+    sigma_shape: float = 0.0
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
@@ -121,29 +120,41 @@ class Sightings:
 
 
 def see_landmarks(scan: LaserScan, clusterer: Clusterer, config: SightingConfig) -> Sightings:
-    """Return what a scan shows of landmarks.
+    """Return what a scan shows of landmarks, by `round_centres`.
 
     Left out are objects that are too wide, at the end of the range or of the field of view, or cut by something nearer.
-    Each side of an object is known to the spacing of the beams, so its middle has the variance spacing^2 / 24, whatever
-    the number of beams. A single beam that hits something round hits its middle.
     """
     labels = clusterer.fit_predict(scan.points)
     objects = describe_objects(scan.points_robot, labels)
     if not len(objects):
         return Sightings(np.zeros((0, 2)), np.zeros((0, 2, 2)), objects)
     usable = _whole(scan, labels, config) & (np.sqrt(np.trace(objects.covariances, axis1=1, axis2=2)) <= config.widest)
-    mount = np.asarray(scan.T_robot_lidar)
-    apart = objects.means[usable] - mount[:2]
-    distance = np.maximum(np.hypot(apart[:, 0], apart[:, 1]), 1e-9)
-    behind = config.radius * np.where(objects.counts[usable] == 1, 1.0, 0.25 * np.pi)
-    centres = mount[:2] + apart * (1.0 + behind / distance)[:, None]
+    if not usable.any():
+        return Sightings(np.zeros((0, 2)), np.zeros((0, 2, 2)), objects)
+    beams = np.flatnonzero(scan.is_return)
+    place = np.full(int(labels.max()) + 2, -1)
+    place[np.unique(labels[labels >= 0])[usable]] = np.arange(int(usable.sum()))
+    label = place[labels]
+    kept = label >= 0
     spacing = float(np.median(np.diff(scan.bearings))) if len(scan) > 1 else np.pi
-    R = np.zeros((len(centres), 2, 2))
-    R[:, 0, 0] = config.sigma_range**2 / objects.counts[usable] + (config.shape_share * config.radius) ** 2
-    R[:, 1, 1] = spacing**2 / 24.0 + (config.shape_share * config.radius / distance) ** 2
-    R *= config.alike
-    z = np.stack((np.hypot(centres[:, 0], centres[:, 1]), np.arctan2(centres[:, 1], centres[:, 0])), axis=-1)
+    polar, covariance = round_centres(
+        scan.ranges[beams[kept]], scan.bearings[beams[kept]], label[kept], spacing, config.radius, config.sigma_range
+    )
+    z, R = _from_robot(polar, covariance, np.asarray(scan.T_robot_lidar), config.sigma_shape)
     return Sightings(z, R, objects)
+
+
+def _from_robot(polar: Array, covariance: Array, T_robot_lidar: Array, sigma_shape: float) -> tuple[Array, Array]:
+    """Return range and bearing (m, 2) from the robot and their covariance (m, 2, 2), given those from the laser."""
+    D, angle = polar[:, 0], polar[:, 1] + T_robot_lidar[2]
+    cos, sin = np.cos(angle), np.sin(angle)
+    x, y = T_robot_lidar[0] + D * cos, T_robot_lidar[1] + D * sin
+    r = np.maximum(np.hypot(x, y), 1e-9)
+    by_polar = np.stack((np.stack((cos, -D * sin), -1), np.stack((sin, D * cos), -1)), -2)
+    by_place = np.stack((np.stack((x / r, y / r), -1), np.stack((-y / r**2, x / r**2), -1)), -2)
+    place = by_polar @ covariance @ by_polar.transpose(0, 2, 1) + sigma_shape**2 * np.eye(2)
+    R = by_place @ place @ by_place.transpose(0, 2, 1)
+    return np.stack((r, np.arctan2(y, x)), axis=-1), 0.5 * (R + R.transpose(0, 2, 1))
 
 
 def _whole(scan: LaserScan, labels: NDArray[np.int64], config: SightingConfig) -> NDArray[np.bool_]:

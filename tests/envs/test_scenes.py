@@ -58,7 +58,8 @@ def test_laps_of_the_meeting_room_close():
 
 def test_unknown_names_are_answered_with_the_known_ones():
     with pytest.raises(
-        InputError, match="corridor, doorway, floor_plan, intersection, lab, meeting_room, narrow_corridor, office"
+        InputError,
+        match="corridor, doorway, floor_plan, intersection, lab, landmarks, meeting_room, narrow_corridor, office",
     ):
         make_scene("plasa", np.random.default_rng(0))
     with pytest.raises(InputError, match="back, forward"):

@@ -165,7 +165,7 @@ def test_a_robot_alone_has_done_the_tour_at_its_end():
 
 def test_impossible_worlds_are_errors():
     for options, word in (
-        ({"scene": "plasa"}, "corridor, doorway, floor_plan, intersection, lab"),
+        ({"scene": "plasa"}, "corridor, doorway, floor_plan, intersection, lab, landmarks"),
         ({"people": -1}, "people"),
         ({"leader_style": "slow"}, "hurried, steady, waits"),
         ({"odometry": "superb"}, "slipping"),

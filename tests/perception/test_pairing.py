@@ -1,13 +1,30 @@
 import numpy as np
+import pytest
 from tagalong.perception.config import PerceptionConfig
 from tagalong.perception.tracking.memory import LostPeople
-from tagalong.perception.tracking.pairing import better_pairs, mutual_pairs
+from tagalong.perception.tracking.pairing import (
+    better_pairs,
+    better_pairs_reference,
+    mutual_pairs,
+    mutual_pairs_reference,
+)
 from tagalong.perception.tracking.person_tracks import PERSON
 
 
 def spread_of(places):
     places = np.asarray(places, dtype=float)
-    return np.abs(places[:, None] - places)
+    spread = np.abs(places[:, None] - places)
+    np.fill_diagonal(spread, np.inf)
+    return spread
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_kernels_do_what_plain_numpy_does(seed):
+    rng = np.random.default_rng(seed)
+    spread = spread_of(np.round(rng.uniform(0.0, 2.0, 11), 1))  # rounded: there are ties
+    np.testing.assert_array_equal(mutual_pairs(spread, 0.5), mutual_pairs_reference(spread, 0.5))
+    arguments = spread, rng.permutation(8).reshape(4, 2), rng.integers(0, 4, 11) / 2.0, np.array([8, 9, 10]), 0.15
+    np.testing.assert_array_equal(better_pairs(*arguments), better_pairs_reference(*arguments))
 
 
 def test_a_leg_waits_for_its_partner_rather_than_take_a_strangers():

@@ -75,6 +75,41 @@ def test_a_round_post_is_seen_at_its_centre():
     np.testing.assert_allclose(seen.z, [[3.0, 0.0]], atol=0.005)
 
 
+def post_seen(distance, bearing, rng, sigma=0.01, radius=0.1):
+    """Return the sighting of one post by beams a degree apart, its R, and the error of its range and bearing."""
+    bearings = np.linspace(-np.pi / 2, np.pi / 2, 181)
+    along, beside = distance * np.cos(bearings - bearing), distance * np.sin(bearings - bearing)
+    ranges = along - np.sqrt(np.maximum(radius**2 - beside**2, 0.0)) + sigma * rng.standard_normal(181)
+    scan = LaserScan(np.where(np.abs(beside) < radius, ranges, np.inf), bearings, 0.1, 8.0)
+    return see_landmarks(scan, Dbscan(), SightingConfig(radius=radius, sigma_range=sigma))
+
+
+@pytest.mark.parametrize("distance", [1.0, 2.0, 4.0, 5.5, 7.0])
+def test_centres_are_unbiased_and_their_covariance_is_that_of_their_errors(distance):
+    rng, errors, nis = np.random.default_rng(1), [], []
+    for _ in range(400):
+        truth = np.array([distance + rng.uniform(-0.2, 0.2), rng.uniform(-1.2, 1.2)])
+        seen = post_seen(*truth, rng)
+        errors.append(seen.z[0] - truth)
+        nis.append(errors[-1] @ np.linalg.solve(seen.R[0], errors[-1]))
+    spread = np.std(errors, axis=0)
+    assert (np.abs(np.mean(errors, axis=0)) < 4.0 * spread / np.sqrt(400.0)).all()
+    assert (spread < (0.012, 0.0025)).all()
+    assert 1.6 < np.mean(nis) < 2.4
+
+
+def test_a_laser_that_is_mounted_askew_sees_the_same_post():
+    bearings = np.linspace(-np.pi / 2, np.pi / 2, 1801)
+    ranges = 3.0 * np.cos(bearings) - np.sqrt(np.maximum(0.01 - 9.0 * np.sin(bearings) ** 2, 0.0))
+    ranges = np.where(np.abs(3.0 * np.sin(bearings)) < 0.1, ranges, np.inf)
+    scan = LaserScan(ranges, bearings, 0.1, 8.0, 0.0, (0.2, 0.1, 0.5))
+    seen = see_landmarks(scan, Dbscan(), SightingConfig(sigma_shape=0.02))
+    x, y = 0.2 + 3.0 * np.cos(0.5), 0.1 + 3.0 * np.sin(0.5)
+    np.testing.assert_allclose(seen.z, [[np.hypot(x, y), np.arctan2(y, x)]], atol=0.005)
+    assert np.linalg.eigvalsh(seen.R[0])[0] > 0.0
+    assert seen.R[0, 0, 0] > 0.02**2
+
+
 def test_objects_that_are_cut_by_a_nearer_one_or_by_the_edge_are_no_landmarks():
     bearings = np.linspace(-1.0, 1.0, 21)
     ranges = np.full(21, np.inf)

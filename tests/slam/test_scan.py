@@ -1,0 +1,17 @@
+"""Ends of beams, against plain numpy."""
+
+import numpy as np
+from tagalong.slam.scan import LaserScan
+from tagalong.slam.scan_kernel import fill_beam_points, fill_beam_points_reference
+
+
+def test_ends_of_beams_are_those_of_plain_numpy():
+    rng = np.random.default_rng(0)
+    ranges, angles = rng.uniform(-1.0, 12.0, 90), np.linspace(-2.0, 2.0, 90)
+    ranges[::7], ranges[::11] = np.nan, np.inf
+    directions = np.stack((np.cos(angles), np.sin(angles)), axis=-1)
+    ours, theirs = np.empty((90, 2)), np.empty((90, 2))
+    fill_beam_points(ranges, directions, 0.1, 10.0, ours)
+    fill_beam_points_reference(ranges, directions, 0.1, 10.0, theirs)
+    np.testing.assert_array_equal(ours, theirs)
+    np.testing.assert_array_equal(LaserScan(ranges, angles, 0.1, 10.0).beam_points, theirs)
