@@ -18,6 +18,7 @@ Names of the arrays:
 """
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -104,5 +105,5 @@ def _dense(x: Floats, layers: list[tuple[Floats, Floats]]) -> Floats:
     return x
 
 
-def _sigmoid(x: Floats) -> Floats:
-    return np.float32(1.0) / (np.float32(1.0) + np.exp(-x))
+def _sigmoid(x: NDArray[Any]) -> Floats:
+    return np.asarray(1.0 / (1.0 + np.exp(-x)), dtype=np.float32)

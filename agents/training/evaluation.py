@@ -28,7 +28,7 @@ class Evaluation:
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as a plain dict."""
-        return asdict(self)
+        return {**asdict(self), "returns": list(self.returns)}
 
 
 def evaluate(arrays: Arrays, preset: TrainingPreset, workers: int, after: str) -> Evaluation:

@@ -1,6 +1,7 @@
 """Our vector environment as stable-baselines3 wants it: features for observations, the network's output for actions."""
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import gymnasium as gym
@@ -10,6 +11,8 @@ from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvStepReturn
 
+from ...envs.episode_setup import interface
+from ...envs.follow_config import make_config
 from ...envs.registration import MAX_EPISODE_STEPS
 from ...envs.vector_env import FollowVectorEnv
 from ..learned.features import FeatureConfig
@@ -52,15 +55,16 @@ class FollowerVecEnv(VecEnv):
         curriculum: Curriculum,
         max_episode_steps: int = MAX_EPISODE_STEPS,
     ) -> None:
-        self._inner = FollowVectorEnv(
-            num_envs, workers=workers, max_episode_steps=max_episode_steps,
-            autoreset_mode=AutoresetMode.DISABLED,
-            context="forkserver", **env,
+        self._start = partial(
+            FollowVectorEnv, num_envs, workers=workers, max_episode_steps=max_episode_steps,
+            autoreset_mode=AutoresetMode.DISABLED, context="forkserver", **env,
         )  # fmt: skip
+        self._running: FollowVectorEnv | None = None
+        scales = interface(make_config(env))
         super().__init__(num_envs, input_space(pilot.features), spaces.Box(-1.0, 1.0, (2,), np.float32))
         self._curriculum = curriculum
-        self._pilots = [Pilot(pilot, self._inner.interface) for _ in range(num_envs)]
-        self._rewards = [TrainingReward(rewards, self._inner.interface) for _ in range(num_envs)]
+        self._pilots = [Pilot(pilot, scales) for _ in range(num_envs)]
+        self._rewards = [TrainingReward(rewards, scales) for _ in range(num_envs)]
         self._totals, self._lengths = np.zeros(num_envs), np.zeros(num_envs, dtype=int)
         self._actions = np.zeros((num_envs, 2))
 
@@ -98,7 +102,19 @@ class FollowerVecEnv(VecEnv):
 
     def close(self) -> None:
         """End the processes."""
-        self._inner.close()
+        if self._running is not None:
+            self._running.close()
+            self._running = None
+
+    @property
+    def _inner(self) -> FollowVectorEnv:
+        """The environments; their processes start when they are first needed.
+
+        They are no forks of this one, which would hold each other's pipes open, and so outlive a killed parent.
+        """
+        if self._running is None:
+            self._running = self._start()
+        return self._running
 
     def _begin(self, i: int) -> Inputs:
         drawn = self._curriculum.draw()

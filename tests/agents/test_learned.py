@@ -1,0 +1,188 @@
+"""Learned followers without torch: steering, what the network is told, the network in numpy, the shipped policy."""
+
+import json
+
+import gymnasium as gym
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from tagalong.agents import make_follower
+from tagalong.agents.learned.features import FeatureConfig, Features
+from tagalong.agents.learned.follower import SHIPPED, LearnedFollower, load_policy
+from tagalong.agents.learned.network import Network
+from tagalong.agents.learned.steering import REST, SteeringConfig, steer
+from tagalong.agents.learned.trail import Trail
+from tagalong.envs.interface import FollowInterface
+from tagalong.envs.rollout import rollout
+from tagalong.slam.errors import InputError
+
+CONFIG = SteeringConfig()
+wishes = st.lists(st.tuples(st.floats(-2.0, 2.0), st.floats(-2.0, 2.0)), min_size=1, max_size=40)
+
+
+def observation(beams=1081, leader=(1.5, 0.2, 0.6, 0.0, 0.9, 1.0), scan=0.1):
+    return {
+        "scan": np.full(beams, scan, dtype=np.float32),
+        "leader": np.array(leader, dtype=np.float32),
+        "people": np.zeros((6, 6), dtype=np.float32),
+        "velocity": np.array((0.5, 0.1), dtype=np.float32),
+    }
+
+
+def interface(beams=1081):
+    return FollowInterface(bearings=np.deg2rad(np.linspace(-135.0, 135.0, beams)))
+
+
+@given(st.floats(-0.4, 1.3), st.floats(-1.6, 1.6))
+def test_output_is_the_inverse_of_wish(speed, turn):
+    assert CONFIG.wish(CONFIG.output(speed, turn)) == pytest.approx((speed, turn), abs=1e-9)
+
+
+@given(wishes)
+def test_commands_keep_their_limits_whatever_is_wished(outputs):
+    state = REST
+    for output in outputs:
+        before, state = state, steer(state, *CONFIG.wish(output), 0.1, CONFIG)
+        assert -CONFIG.reverse_speed <= state[0] <= CONFIG.max_speed
+        assert abs(state[2]) <= CONFIG.max_turn_rate
+        assert abs(state[1]) <= CONFIG.braking + 1e-9
+        assert abs(state[1] - before[1]) <= CONFIG.brake_jerk * 0.1 + 1e-9
+        assert abs(state[0] - before[0]) <= CONFIG.braking * 0.1 + 1e-9
+
+
+def test_a_kept_wish_is_reached():
+    state = REST
+    for _ in range(60):
+        state = steer(state, 0.8, -0.5, 0.1, CONFIG)
+    assert state == pytest.approx((0.8, 0.0, -0.5, 0.0), abs=0.01)
+
+
+@settings(max_examples=20, deadline=None)
+@given(wishes)
+def test_the_teacher_thinks_ahead_with_the_very_steering_that_drives(outputs):
+    from tagalong.agents.training.teacher_kernel import steer_kernel
+
+    state, table = REST, np.array(CONFIG.as_tuple())
+    for speed, turn in outputs:
+        state = steer(state, speed, turn, 0.1, CONFIG)
+        # the kernel from the same state before gives the same state after
+    again = REST
+    for speed, turn in outputs:
+        again = steer_kernel(*again, speed, turn, 0.1, table)
+    assert again == pytest.approx(state, abs=1e-9)
+
+
+def test_the_trail_stays_where_the_leader_walked_while_the_robot_drives():
+    trail = Trail()
+    for k in range(20):
+        trail.update((0.5, 0.0, 0.0), 0.1, (1.0 + 0.05 * k, 0.0))  # leader at 1.0 m/s, robot at 0.5, straight on
+    assert trail.ahead(np.array([0.3])) == pytest.approx(
+        np.array([[0.3 + trail.ahead(np.zeros(1))[0, 0], 0.0]]), abs=0.02
+    )
+    trail.update((0.0, 0.0, np.pi / 2.0 / 0.1), 0.1, None)  # the robot turns left: the trail is on its right
+    assert trail.ahead(np.array([0.4]))[0] == pytest.approx(
+        (0.0, -1.0 * np.hypot(*trail.ahead(np.array([0.4]))[0])), abs=1e-6
+    )
+
+
+@pytest.mark.parametrize("beams", [360, 1081])
+def test_features_are_finite_and_of_the_shapes_that_are_promised(beams):
+    config = FeatureConfig()
+    features = Features(config, interface(beams))
+    told = features.update(observation(beams), REST)
+    assert {name: value.shape for name, value in told.items()} == config.shapes
+    assert all(np.isfinite(value).all() and value.dtype == np.float32 for value in told.values())
+    named = dict(zip(config.vector_names, told["vector"].tolist(), strict=True))
+    assert named["leader x"] == pytest.approx(0.5)
+    assert named["leader seen"] == 1.0
+    assert named["forward"] == pytest.approx(0.5)
+
+
+def test_a_sector_tells_its_nearest_return_whatever_the_number_of_beams():
+    for beams in (360, 1081):
+        scan = np.full(beams, 0.1, dtype=np.float32)
+        scan[beams // 2] = 0.02  # 0.6 m straight ahead
+        told = Features(FeatureConfig(), interface(beams)).update({**observation(beams), "scan": scan}, REST)["scan"]
+        assert told[0].argmin() in (44, 45)
+        assert told[0].min() == pytest.approx(0.6 / 6.0)
+
+
+def test_features_share_no_memory_between_steps():
+    features = Features(FeatureConfig(), interface())
+    first = features.update(observation(), REST)
+    kept = {name: value.copy() for name, value in first.items()}
+    features.update(observation(leader=(2.0, -0.4, 0.1, 0.2, 0.5, 1.0), scan=0.05), REST)
+    assert all((first[name] == kept[name]).all() for name in kept)
+
+
+def tiny_arrays(rng, recurrent=False):
+    shapes = {
+        "scan.mean": (2, 9), "scan.deviation": (2, 9), "vector.mean": (3,), "vector.deviation": (3,),
+        "scan.0.weight": (4, 2, 3), "scan.0.bias": (4,), "dense.0.weight": (5, 19), "dense.0.bias": (5,),
+        "output.weight": (2, 5), "output.bias": (2,),
+    }  # fmt: skip
+    if recurrent:
+        shapes |= {"lstm.input.weight": (20, 5), "lstm.hidden.weight": (20, 5)}
+        shapes |= {"lstm.input.bias": (20,), "lstm.hidden.bias": (20,)}
+    arrays = {name: rng.normal(size=shape).astype(np.float32) for name, shape in shapes.items()}
+    return {**arrays, "scan.deviation": np.ones((2, 9)), "vector.deviation": np.ones(3), "squash": np.zeros(())}
+
+
+def test_the_network_convolves_as_sums_by_hand_do():
+    rng = np.random.default_rng(0)
+    a = tiny_arrays(rng)
+    scan, vector = rng.normal(size=(2, 9)).astype(np.float32), rng.normal(size=3).astype(np.float32)
+    normal = scan - a["scan.mean"]
+    by_hand = np.zeros((4, 4))
+    for out in range(4):
+        for k in range(4):
+            by_hand[out, k] = (a["scan.0.weight"][out] * normal[:, 2 * k : 2 * k + 3]).sum() + a["scan.0.bias"][out]
+    joined = np.concatenate((np.maximum(by_hand, 0.0).ravel(), vector - a["vector.mean"]))
+    hidden = np.tanh(a["dense.0.weight"] @ joined + a["dense.0.bias"])
+    wanted = np.clip(a["output.weight"] @ hidden + a["output.bias"], -1.0, 1.0)
+    assert Network(a)({"scan": scan, "vector": vector}) == pytest.approx(wanted, abs=1e-5)
+
+
+def test_a_recurrent_network_remembers_until_reset():
+    rng = np.random.default_rng(1)
+    network = Network(tiny_arrays(rng, recurrent=True))
+    inputs = {"scan": np.ones((2, 9), dtype=np.float32), "vector": np.ones(3, dtype=np.float32)}
+    first, second = network(inputs), network(inputs)
+    assert not np.allclose(first, second)
+    network.reset()
+    assert (network(inputs) == first).all()
+
+
+def test_a_policy_that_is_not_there_or_does_not_fit_is_refused(tmp_path):
+    with pytest.raises(InputError, match="shipped one"):
+        LearnedFollower(policy="nobody")
+    (tmp_path / "policy.npz").write_bytes(b"nonsense")
+    (tmp_path / "policy.json").write_text("{}")
+    with pytest.raises(InputError, match="does not fit"):
+        make_follower(str(tmp_path))
+
+
+def test_the_shipped_policy_is_small_and_its_card_tells_what_a_user_must_know():
+    assert sum(file.stat().st_size for file in SHIPPED.glob("follower.*")) < 1_500_000
+    card = json.loads((SHIPPED / "follower.json").read_text())
+    assert {"data", "command", "seed", "suites", "limits", "pilot", "evaluation"} <= set(card)
+
+
+def test_the_shipped_policy_says_the_same_through_onnx():
+    runtime = pytest.importorskip("onnxruntime")
+    arrays, config = load_policy("follower")
+    session, network = runtime.InferenceSession(str(SHIPPED / "follower.onnx")), Network(arrays)
+    rng = np.random.default_rng(2)
+    for _ in range(50):
+        inputs = {name: rng.normal(size=shape).astype(np.float32) for name, shape in config.features.shapes.items()}
+        (batch,) = session.run(["action"], {name: value[None] for name, value in inputs.items()})
+        assert batch[0] == pytest.approx(network(inputs), abs=1e-5)
+
+
+def test_the_shipped_policy_follows_its_leader_through_the_corridor_more_smoothly_than_pid():
+    env = gym.make("tagalong/Corridor-v0", slam=None, beams=360, people_count=1)
+    episodes = {name: rollout(env, make_follower(name, env.unwrapped.interface), seed=3) for name in ("learned", "pid")}
+    assert episodes["learned"].ending == "tour_done"
+    jerk = {name: episode.metrics["jerk_rms_mps3"] for name, episode in episodes.items()}
+    assert jerk["learned"] < 0.5 * jerk["pid"]
