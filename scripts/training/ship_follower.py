@@ -16,13 +16,13 @@ from ...slam.files import made_folder, write_json
 NAME = "follower"
 DATA = (
     "simulated drives only: the training half of tagalong/Office-v0 with 0 to 12 bystanders, floor_plan, meeting_room "
-    "and corridor; seeds below 900000; leaders who walk steadily or wait; leg tracker inside, laser of 360 or 1081 beams"
+    "and corridor; seeds below 900000; leaders who walk steadily or wait; leg tracker inside; 360 or 1081 beams"
 )
 LIMITS = (
     "Trained in simulation alone; no real robot has driven it.",
     "It is told who leads by the tracker: when the tracker takes somebody else for the leader, it follows that person.",
-    "It is not told the map, and the laser sees nothing in the 90 degrees behind: it does not search rooms for a leader "
-    "who was lost for long.",
+    "It is not told the map, and the laser sees nothing in the 90 degrees behind: it does not search rooms for a "
+    "leader who was lost for long.",
     "For a robot of a Dingo's size (0.55 x 0.52 m) at up to 1.3 m/s with a laser of 270 degrees, 10 steps a second.",
 )
 

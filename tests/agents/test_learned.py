@@ -186,3 +186,39 @@ def test_the_shipped_policy_follows_its_leader_through_the_corridor_more_smoothl
     assert episodes["learned"].ending == "tour_done"
     jerk = {name: episode.metrics["jerk_rms_mps3"] for name, episode in episodes.items()}
     assert jerk["learned"] < 0.5 * jerk["pid"]
+
+
+def look(wishes, points=(), people=()):
+    from tagalong.agents.training.teacher_kernel import look_ahead
+
+    return look_ahead(
+        np.array(REST),
+        np.array(wishes, dtype=np.float64),
+        np.tile((1.0, 0.0), (10, 1)),
+        np.array(points, dtype=np.float64).reshape(-1, 2),
+        np.array(people, dtype=np.float64).reshape(-1, 6),
+        np.array(CONFIG.as_tuple()),
+        np.array((0.275, 0.26, 0.377)),
+        np.array((3.0, 0.0)),
+        np.array((1.0, 0.0, 0.0, 1.0, 0.2, 1.0, 0.0, 10.0)),
+        0.1,
+        7,
+    )
+
+
+def test_the_teacher_counts_the_way_to_its_place_things_and_people_as_sums_by_hand_do():
+    wish = (0.7, 0.0, 0.0)
+    state, path = REST, []
+    for _ in range(20):
+        state = steer(state, 0.7, 0.0, 0.1, CONFIG)
+        path.append(state[0] * 0.1 + (path[-1] if path else 0.0))
+    places = np.array(path[1::2])
+    later = 1.0 - 0.05 * np.arange(10)
+    far = np.abs(places - 1.0).mean()
+    assert look([wish])[0] == pytest.approx(far)
+    gap = np.clip(1.5 - places - 0.275, 0.0, 0.2)  # a thing straight ahead, 1.5 m away
+    thing = ((1.0 - gap / 0.2) ** 2 * later).max() + 10.0 * (later * (gap < 0.03)).max()
+    assert look([wish], points=[(1.5, 0.0)])[0] == pytest.approx(far + thing)
+    space = np.hypot(0.5 - places, 1.2) - 0.25 - 0.377  # somebody who stands beside the way
+    lack = (np.maximum(1.0 - space / 0.75, 0.0) * later).max()
+    assert look([wish], people=[(0.5, 1.2, 0.0, 0.0, 0.25, 0.75)])[0] == pytest.approx(far + lack)
