@@ -17,6 +17,7 @@ BEGIN, END = "<!-- results:begin -->", "<!-- results:end -->"
 SCENE_TITLES = {"corridor": "corridor", "meeting_room": "meeting room"}
 PAPER_ADNN_CM = {"corridor": 5.90, "meeting_room": 10.30}
 LOG_RIVALS = {"intel": "0.056 (0.043 by our scorer)", "belgioioso": "0.122", "aces": "0.95"}
+GRAPH_RIVALS = {"intel": "LaMa: 0.038", "belgioioso": "GMapping: 0.122", "aces": "LaMa: 0.095"}
 
 Row = tuple[str, str, str, str]
 
@@ -29,7 +30,10 @@ def result_rows(results: Mapping[str, dict[str, Any]]) -> list[Row]:
         rows += _map_rows(results, scene, title)
         rows += _tracking_rows(_group(results, f"tracking/{scene}/"), title)
     for log in LOG_RIVALS:
-        rows += _log_rows(_group(results, f"logs/{log}/"), log)
+        rival = f"original GMapping: {LOG_RIVALS[log]}"
+        rows += _log_rows(_group(results, f"logs/{log}/"), f"{log.capitalize()} log, GMapping", rival)
+        rival = f"best original, {GRAPH_RIVALS[log]}"
+        rows += _log_rows(_group(results, f"graph/{log}/"), f"{log.capitalize()} log, graph SLAM", rival)
     return rows
 
 
@@ -105,10 +109,9 @@ def _with_arrays(row: dict[str, Any]) -> dict[str, Any]:
     return {name: np.array(value) if isinstance(value, list) else value for name, value in row.items()}
 
 
-def _log_rows(runs: list[dict[str, Any]], log: str) -> list[Row]:
+def _log_rows(runs: list[dict[str, Any]], title: str, rival: str) -> list[Row]:
     if not runs:
         return []
     key, what = ("relation_m", "mean relation error") if "relation_m" in runs[0] else ("ate_rmse_m", "ATE rmse")
     error = bootstrap_mean(mean_of(runs, key))
-    rival = f"original GMapping: {LOG_RIVALS[log]}"
-    return [(f"{log.capitalize()} log, GMapping: {what} [m]", error.text(1, 3), rival, str(len(runs)))]
+    return [(f"{title}: {what} [m]", error.text(1, 3), rival, str(len(runs)))]

@@ -152,7 +152,7 @@ def processed_scan_latency(method: str, beams: int, fov: float, scans: int, **op
     drive = slow_tour(WorldConfig(), 0).recording
     engine, times = make_slam(method, **options), []
     for odometry, scan in zip(drive.odometry, drive.scans, strict=True):
-        part = _thinned(scan, beams, fov)
+        part = thinned(scan, beams, fov)
         start = perf_counter()
         update = engine.update(odometry, part)
         if update.integrated:
@@ -169,7 +169,7 @@ def _timed(times: list[float], call: Callable[[], T]) -> T:
     return result
 
 
-def _thinned(scan: LaserScan, beams: int, fov: float) -> LaserScan:
+def thinned(scan: LaserScan, beams: int, fov: float) -> LaserScan:
     """Return `beams` of the scan's beams, evenly spread over `fov` [rad]."""
     wanted = np.linspace(-fov / 2.0, fov / 2.0, beams)
     nearest: NDArray[np.intp] = np.abs(scan.bearings[None] - wanted[:, None]).argmin(axis=1)
