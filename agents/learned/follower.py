@@ -11,6 +11,7 @@ from ...envs.interface import FollowInterface
 from ...slam.errors import InputError
 from ..follower import Observation
 from .features import FeatureConfig
+from .guard import GuardConfig
 from .network import Network
 from .pilot import Pilot, PilotConfig
 from .steering import SteeringConfig
@@ -73,7 +74,9 @@ def load_policy(policy: str | Path) -> tuple[dict[str, NDArray[np.float32]], Pil
 
 def pilot_config(fields: dict[str, Any]) -> PilotConfig:
     """Return the configuration that `dataclasses.asdict` made `fields` of."""
+    guard = fields["guard"]
     return PilotConfig(
         features=FeatureConfig(**fields["features"]),
         steering=SteeringConfig(**fields["steering"]),
+        guard=None if guard is None else GuardConfig(**guard),
     )

@@ -1,4 +1,4 @@
-"""Between an environment and a network: features before it, steering behind it. One for each episode at a time."""
+"""Between an environment and a network: features before it, guard and steering behind; one episode at a time."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -10,6 +10,7 @@ from ...envs.interface import FollowInterface
 from ..follower import Observation
 from ..scan_points import as_action
 from .features import FeatureConfig, Features
+from .guard import Guard, GuardConfig, NoGuard
 from .steering import REST, SteeringConfig, steer
 
 Floats = NDArray[np.float32]
@@ -22,36 +23,42 @@ class PilotConfig:
     Attributes:
         features: What it is told.
         steering: How its wishes are driven.
+        guard: What is not driven whatever is wished; None for no guard.
     """
 
     features: FeatureConfig = field(default_factory=FeatureConfig)
     steering: SteeringConfig = field(default_factory=SteeringConfig)
+    guard: GuardConfig | None = field(default_factory=GuardConfig)
 
 
 class Pilot:
-    """Features and steering of one episode; training and driving use the same.
+    """Features, guard and steering of one episode; training and driving use the same.
 
     Args:
-        config: Both.
+        config: All three.
         interface: Scales of the environment.
     """
 
     def __init__(self, config: PilotConfig, interface: FollowInterface) -> None:
         self.config, self._interface = config, interface
         self._features = Features(config.features, interface)
+        self._guard = Guard(config.guard, config.steering, interface) if config.guard is not None else NoGuard()
         self.reset()
 
     def reset(self) -> None:
         """Forget the last episode; stand."""
         self._features.reset()
+        self._guard.reset()
         self.commanded = REST
 
     def inputs(self, observation: Observation) -> dict[str, Floats]:
         """Return the inputs of the network for an observation; once a step."""
+        self._guard.look(observation)
         return self._features.update(observation, self.commanded)
 
     def drive(self, output: Sequence[float] | Floats) -> Floats:
         """Return the environment's action for an output (2,) of the network in [-1, 1]; once a step."""
-        speed, turn = self.config.steering.wish((float(output[0]), float(output[1])))
+        wish = self.config.steering.wish((float(output[0]), float(output[1])))
+        speed, turn = self._guard.allow(self.commanded, wish)
         self.commanded = steer(self.commanded, speed, turn, 1.0 / self._interface.control_hz, self.config.steering)
         return as_action(self.commanded[0], self.commanded[2], self._interface)

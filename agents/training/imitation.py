@@ -1,6 +1,7 @@
 """Imitation: the policy learns to wish what the teacher wishes, on the ways that the policy itself comes to."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +22,8 @@ Table = dict[str, NDArray[np.floating]]
 
 class Imitation:
     """DAgger, round by round: drive, let the teacher say what it would have done, fit to all that was said so far.
+
+    The drives have no guard, so that the policy comes to see, and learns to leave, what the guard will keep it from.
 
     Args:
         preset: What is driven and fitted.
@@ -57,7 +60,7 @@ class Imitation:
             DriveTask(
                 drawn=draw_episode(rng, preset.curriculum, most[-1] if number else most[0]),
                 env={**preset.env, **preset.fine} if k % 2 else preset.env,
-                pilot=preset.pilot,
+                pilot=replace(preset.pilot, guard=None),
                 policy=arrays_of(model) if number else None,
                 teacher_share=config.teacher_share * 0.5**number,
                 noise=config.noise,

@@ -112,7 +112,7 @@ class TrainingPreset:
 def _office(algo: str) -> TrainingPreset:
     if algo == "ppo":
         return TrainingPreset(
-            imitation=ImitationConfig(rounds=12), reinforcement=ReinforcementConfig(critic_rollouts=6)
+            imitation=ImitationConfig(rounds=10), reinforcement=ReinforcementConfig(critic_rollouts=6)
         )
     return TrainingPreset(algo=algo)
 

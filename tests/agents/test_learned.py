@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 from tagalong.agents import make_follower
 from tagalong.agents.learned.features import FeatureConfig, Features
 from tagalong.agents.learned.follower import SHIPPED, LearnedFollower, load_policy
+from tagalong.agents.learned.guard import Guard, GuardConfig
 from tagalong.agents.learned.network import Network
-from tagalong.agents.learned.steering import REST, SteeringConfig, steer
+from tagalong.agents.learned.steering import REST, SteeringConfig, steer, steer_many
 from tagalong.agents.learned.trail import Trail
 from tagalong.envs.interface import FollowInterface
 from tagalong.envs.rollout import rollout
@@ -222,3 +223,56 @@ def test_the_teacher_counts_the_way_to_its_place_things_and_people_as_sums_by_ha
     space = np.hypot(0.5 - places, 1.2) - 0.25 - 0.377  # somebody who stands beside the way
     lack = (np.maximum(1.0 - space / 0.75, 0.0) * later).max()
     assert look([wish], people=[(0.5, 1.2, 0.0, 0.0, 0.25, 0.75)])[0] == pytest.approx(far + lack)
+
+
+@given(wishes)
+def test_many_are_steered_as_one_is(outputs):
+    states = [steer(REST, *CONFIG.wish(output), 0.1, CONFIG) for output in outputs]
+    targets = np.array([CONFIG.wish(output) for output in reversed(outputs)])
+    many = steer_many(np.array(states), targets, 0.1, CONFIG)
+    ones = [steer(state, *target, 0.1, CONFIG) for state, target in zip(states, targets.tolist(), strict=True)]
+    assert many == pytest.approx(np.array(ones), abs=1e-12)
+
+
+def scan_of_wall(pose, wall_x):
+    """What the laser measures of a wall at x = wall_x, from a robot at `pose` (x, y, theta)."""
+    scales = interface(360)
+    bearings = scales.bearings + pose[2]
+    x = pose[0] + 0.1 * np.cos(pose[2])
+    with np.errstate(divide="ignore"):
+        ranges = np.where(np.cos(bearings) > 1e-3, (wall_x - x) / np.cos(bearings), np.inf)
+    return {**observation(360), "scan": np.minimum(ranges / 30.0, 1.0).astype(np.float32)}
+
+
+@pytest.mark.parametrize("wish", [(1.3, 0.0), (1.0, 0.4), (0.6, -1.2), (-0.4, 1.6)])
+def test_whoever_wishes_into_a_wall_is_stopped_before_it(wish):
+    guard, pose, state, nearest = Guard(GuardConfig(), CONFIG, interface(360)), np.zeros(3), REST, np.inf
+    corners = np.array([(x, y) for x in (-0.275, 0.275) for y in (-0.259, 0.259)])
+    for _ in range(80):
+        velocity = np.array((state[0], state[2]), dtype=np.float32)
+        guard.look({**scan_of_wall(pose, 1.6), "velocity": velocity})
+        state = steer(state, *guard.allow(state, wish), 0.1, CONFIG)
+        pose = pose + 0.1 * np.array((state[0] * np.cos(pose[2]), state[0] * np.sin(pose[2]), state[2]))
+        reach = pose[0] + (corners * (np.cos(pose[2]), -np.sin(pose[2]))).sum(axis=1)
+        nearest = min(nearest, 1.6 - reach.max())
+    assert nearest > 0.0
+
+
+def test_the_guard_leaves_a_wish_alone_where_nothing_is_near():
+    guard = Guard(GuardConfig(), CONFIG, interface())
+    guard.look(observation(scan=0.5))
+    assert guard.allow((1.0, 0.0, 0.3, 0.0), (1.3, -0.7)) == (1.3, -0.7)
+
+
+def test_the_guard_remembers_what_the_laser_has_lost_behind_it():
+    scan = np.ones(1081, dtype=np.float32)
+    scan[10:40] = 0.4 / 30.0  # a post aft on the right
+    guard = Guard(GuardConfig(), CONFIG, interface())
+    still = {**observation(), "velocity": np.zeros(2, dtype=np.float32)}
+    guard.look({**still, "scan": scan})
+    turned = {**observation(), "velocity": np.array((0.0, 6.0), dtype=np.float32)}
+    guard.look({**turned, "scan": np.ones(1081, dtype=np.float32)})  # 0.6 rad to the left: the post is out of sight
+    assert guard.allow(REST, (-0.4, 0.0)) != (-0.4, 0.0)
+    guard.reset()
+    guard.look({**still, "scan": np.ones(1081, dtype=np.float32)})
+    assert guard.allow(REST, (-0.4, 0.0)) == (-0.4, 0.0)
