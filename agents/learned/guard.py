@@ -26,17 +26,19 @@ class GuardConfig:
     Attributes:
         half_length: Half of the robot's length [m].
         half_width: Half of its width [m].
-        margin: Gap kept to every return [m].
+        margin: Gap kept to every return, several times the laser's noise; who is nearer may not come nearer [m].
         reach: Returns farther than this from the laser do not matter [m].
         brake_steps: Steps that braking is followed, at most.
+        kept_s: How old returns in the field of view may be: the nearest of some scans counts, as one is noisy [s].
         remembered_s: For how long returns are remembered that the laser, looking forward, has lost behind it [s].
     """
 
     half_length: float = 0.275
     half_width: float = 0.259
-    margin: float = 0.04
+    margin: float = 0.06
     reach: float = 1.4
     brake_steps: int = 12
+    kept_s: float = 0.25
     remembered_s: float = 3.0
 
     def __post_init__(self) -> None:
@@ -46,9 +48,9 @@ class GuardConfig:
 
 _SPEEDS = (1.0, 0.7, 0.45, 0.2, 0.0)
 """Shares of the wished speed that are tried instead."""
-_TURNS = (1.0, 0.6, 0.2, -0.3)
+_TURNS = (1.0, 0.5, 0.0)
 """Shares of the wished turn rate."""
-_BACK_MPS = -0.15
+_BACK_MPS, _ASIDE_RPS = -0.15, 0.6
 
 
 class Guard:
@@ -72,20 +74,21 @@ class Guard:
     def reset(self) -> None:
         """Forget everything."""
         self._points = np.zeros((0, 2))
-        self._behind = np.zeros((0, 3))  # x, y [m], age [s]
+        self._kept = np.zeros((0, 3))  # x, y [m], age [s]
 
     def look(self, observation: Observation) -> None:
         """Take the returns of an observation; once a step, before `allow`."""
         before, self._points = self._points, self._scan.near(observation, self.config.reach)
         dx, dy, turned = (value * self._step_s for value in own_velocity(observation))
-        old = np.vstack((self._behind, np.column_stack((before, np.zeros(len(before))))))
+        old = np.vstack((self._kept, np.column_stack((before, np.zeros(len(before))))))
         x, y = old[:, 0] - dx, old[:, 1] - dy
         cos, sin = np.cos(turned), np.sin(turned)
         moved = np.column_stack((cos * x + sin * y, cos * y - sin * x, old[:, 2] + self._step_s))
         bearing = np.arctan2(moved[:, 1] - self._laser[1], moved[:, 0] - self._laser[0])
         unseen = (bearing < self._sides[0]) | (bearing > self._sides[1])
         near = np.hypot(moved[:, 0], moved[:, 1]) < 0.8
-        self._behind = moved[unseen & near & (moved[:, 2] < self.config.remembered_s)]
+        limit = np.where(unseen & near, self.config.remembered_s, self.config.kept_s)
+        self._kept = moved[moved[:, 2] < limit]
 
     def allow(self, state: State, wish: tuple[float, float]) -> tuple[float, float]:
         """Return `wish`, or the nearest one that can be braked without a touch; standing still if there is none.
@@ -94,16 +97,17 @@ class Guard:
             state: What is commanded now.
             wish: Speed [m/s] and turn rate [rad/s].
         """
-        things = np.vstack((self._points, self._behind[:, :2]))
+        things = np.vstack((self._points, self._kept[:, :2]))
         now = float(self._gaps(np.zeros((1, 3)), things).min(initial=np.inf))
         speed = abs(state[0])
         if now > 0.2 + 0.45 * speed + speed**2 / 3.0:
             return wish
-        bound = min(self.config.margin, now - 0.003)
+        bound = min(self.config.margin, now - 1e-4)
         if self._gap_while_braking(state, np.array([wish]), things)[0] >= bound:
             return wish
         speeds = np.append(np.array(_SPEEDS) * wish[0], _BACK_MPS)
-        tried = np.stack(np.meshgrid(speeds, np.array(_TURNS) * wish[1], indexing="ij"), axis=-1).reshape(-1, 2)
+        turns = np.append(np.array(_TURNS) * wish[1], (-_ASIDE_RPS, _ASIDE_RPS))
+        tried = np.stack(np.meshgrid(speeds, turns, indexing="ij"), axis=-1).reshape(-1, 2)
         safe = self._gap_while_braking(state, tried, things) >= bound
         if not safe.any():
             return 0.0, 0.0
