@@ -26,7 +26,13 @@ Array = NDArray[np.float64]
 class LayersConfig(ImmobileConfig):
     """Parameters of `ImmobileLayers`; those of `ImmobileConfig` and these.
 
+    A ray frees as gently as in `OccupancyGrid`, since unknown returns weigh less here than there; the lower limit lets
+    a door go in time.
+
     Attributes:
+        miss: P(O) of a cell through which a ray passed.
+        limit: Log-odds stay within +-limit.
+        gone: Log-odds below which a cell that was firm counts as left.
         edges: Heights between the layers [m]; below the first is floor. The last layer is what hangs overhead: it
             counts only where nothing is known of the layers below it, as of a wall behind a screen; a lintel does not
             close its doorway.
@@ -37,6 +43,9 @@ class LayersConfig(ImmobileConfig):
             over it.
     """
 
+    miss: float = 0.4
+    limit: float = 3.5
+    gone: float = -0.5
     edges: tuple[float, ...] = (0.06, 0.25, 0.40, 0.65, 0.80, 1.0, 1.3, 1.6, 2.0, 3.0)
     laser_height: float = 0.32
     sure: float = 7.0

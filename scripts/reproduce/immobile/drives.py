@@ -20,7 +20,8 @@ from ....perception.legs.detector import LegDetector
 from ....perception.legs.forest import LegForest
 from ....perception.people_filter import near_points
 from ....perception.rgbd.frame import RgbdFrame
-from ....perception.rgbd.people import NoPeopleFinder, RgbdPeopleFinder
+from ....perception.rgbd.people import RgbdPeopleFinder
+from ....perception.rgbd.people_finder import PeopleFinder
 from ....perception.rgbd.planes import PlaneFinder, Planes
 from ....perception.tracking.tracker import PeopleTracker
 from ....slam.engine import make_slam
@@ -98,7 +99,7 @@ class _Drive:
         self._tracker = PeopleTracker(perception, LegDetector(LegForest.load("simulation"), perception.detector()))
         self._planes = PlaneFinder()
         self._finders: dict[str, RgbdPeopleFinder] = {
-            "immobile": NoPeopleFinder(),
+            "immobile": PeopleFinder.load(),
             "true people": TrueRgbdPeopleFinder(world),
         }
         self.conventional = OccupancyGrid(GridConfig(max_range=LASER.range_max))
