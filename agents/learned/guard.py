@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ...envs.interface import FollowInterface
 from ...slam.errors import InputError
 from ..follower import Observation
-from ..scan_points import ScanPoints, own_velocity
+from ..scan_points import ScanPoints, own_velocity, without
 from .steering import State, SteeringConfig, steer_many
 
 Array = NDArray[np.float64]
@@ -28,6 +28,8 @@ class GuardConfig:
         half_width: Half of its width [m].
         margin: Gap kept to every return, several times the laser's noise; who is nearer may not come nearer [m].
         reach: Returns farther than this from the laser do not matter [m].
+        leader_near: A leader farther than this is no thing to be touched: it walks on [m].
+        leader_body: Returns nearer to it than this are the leader [m].
         brake_steps: Steps that braking is followed, at most.
         kept_s: How old returns in the field of view may be: the nearest of some scans counts, as one is noisy [s].
         remembered_s: For how long returns are remembered that the laser, looking forward, has lost behind it [s].
@@ -37,7 +39,9 @@ class GuardConfig:
     half_width: float = 0.259
     margin: float = 0.06
     reach: float = 1.4
-    brake_steps: int = 12
+    leader_near: float = 0.9
+    leader_body: float = 0.45
+    brake_steps: int = 16
     kept_s: float = 0.25
     remembered_s: float = 3.0
 
@@ -78,7 +82,7 @@ class Guard:
 
     def look(self, observation: Observation) -> None:
         """Take the returns of an observation; once a step, before `allow`."""
-        before, self._points = self._points, self._scan.near(observation, self.config.reach)
+        before, self._points = self._points, self._things(observation)
         dx, dy, turned = (value * self._step_s for value in own_velocity(observation))
         old = np.vstack((self._kept, np.column_stack((before, np.zeros(len(before))))))
         x, y = old[:, 0] - dx, old[:, 1] - dy
@@ -89,6 +93,13 @@ class Guard:
         near = np.hypot(moved[:, 0], moved[:, 1]) < 0.8
         limit = np.where(unseen & near, self.config.remembered_s, self.config.kept_s)
         self._kept = moved[moved[:, 2] < limit]
+
+    def _things(self, observation: Observation) -> Array:
+        """Return (n, 2) what is near, without a leader who walks ahead: it will not be there when the robot is."""
+        points, leader = self._scan.near(observation, self.config.reach), observation["leader"]
+        if leader[5] < 0.5 or np.hypot(leader[0], leader[1]) < self.config.leader_near:
+            return points
+        return without(points, leader[None, :2].astype(np.float64), self.config.leader_body)
 
     def allow(self, state: State, wish: tuple[float, float]) -> tuple[float, float]:
         """Return `wish`, or the nearest one that can be braked without a touch; standing still if there is none.

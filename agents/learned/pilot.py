@@ -50,6 +50,7 @@ class Pilot:
         self._features.reset()
         self._guard.reset()
         self.commanded = REST
+        self._wish = (0.0, 0.0)
 
     def inputs(self, observation: Observation) -> dict[str, Floats]:
         """Return the inputs of the network for an observation; once a step."""
@@ -58,7 +59,13 @@ class Pilot:
 
     def drive(self, output: Sequence[float] | Floats) -> Floats:
         """Return the environment's action for an output (2,) of the network in [-1, 1]; once a step."""
-        wish = self.config.steering.wish((float(output[0]), float(output[1])))
-        speed, turn = self._guard.allow(self.commanded, wish)
-        self.commanded = steer(self.commanded, speed, turn, 1.0 / self._interface.control_hz, self.config.steering)
+        steering, step_s = self.config.steering, 1.0 / self._interface.control_hz
+        wish = steering.wish((float(output[0]), float(output[1])))
+        part = step_s / (step_s + steering.wish_s)
+        self._wish = (
+            self._wish[0] + part * (wish[0] - self._wish[0]),
+            self._wish[1] + part * (wish[1] - self._wish[1]),
+        )
+        speed, turn = self._guard.allow(self.commanded, self._wish)
+        self.commanded = steer(self.commanded, speed, turn, step_s, steering)
         return as_action(self.commanded[0], self.commanded[2], self._interface)

@@ -34,23 +34,25 @@ class SteeringConfig:
         jerk: Largest change of the acceleration [m/s^3].
         brake_jerk: The same towards braking [m/s^3].
         turn_jerk: The same of the turn [rad/s^3].
+        wish_s: Time constant with which what the network wishes is smoothed first; 0: not at all [s].
     """
 
     max_speed: float = 1.3
     reverse_speed: float = 0.4
     max_turn_rate: float = 1.6
-    settle_s: float = 0.35
+    settle_s: float = 0.45
     turn_settle_s: float = 0.25
     acceleration: float = 1.2
     braking: float = 1.8
     turn_acceleration: float = 3.0
-    jerk: float = 4.0
-    brake_jerk: float = 8.0
+    jerk: float = 2.2
+    brake_jerk: float = 4.5
     turn_jerk: float = 16.0
+    wish_s: float = 0.25
 
     def __post_init__(self) -> None:
         for name, value in self.__dict__.items():
-            if not value > 0.0:
+            if not (value > 0.0 or (name == "wish_s" and value == 0.0)):
                 raise InputError(f"`{name}` of the steering must be positive, got {value}")
 
     def as_tuple(self) -> tuple[float, ...]:

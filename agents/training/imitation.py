@@ -23,7 +23,7 @@ Table = dict[str, NDArray[np.floating]]
 class Imitation:
     """DAgger, round by round: drive, let the teacher say what it would have done, fit to all that was said so far.
 
-    The drives have no guard, so that the policy comes to see, and learns to leave, what the guard will keep it from.
+    The drives have no guard and a brisker steering: the policy comes to see, and learns to leave, what both prevent.
 
     Args:
         preset: What is driven and fitted.
@@ -60,7 +60,7 @@ class Imitation:
             DriveTask(
                 drawn=draw_episode(rng, preset.curriculum, most[-1] if number else most[0]),
                 env={**preset.env, **preset.fine} if k % 2 else preset.env,
-                pilot=replace(preset.pilot, guard=None),
+                pilot=replace(preset.pilot, guard=None, steering=config.steering),
                 policy=arrays_of(model) if number else None,
                 teacher_share=config.teacher_share * 0.5**number,
                 noise=config.noise,

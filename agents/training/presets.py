@@ -6,6 +6,7 @@ from typing import Any
 from ...slam.errors import InputError, unknown_name
 from ..learned.features import FeatureConfig
 from ..learned.pilot import PilotConfig
+from ..learned.steering import SteeringConfig
 from .curriculum import CurriculumConfig
 from .rewards import RewardWeights
 
@@ -28,6 +29,7 @@ class ImitationConfig:
         last_epochs: The same after the last round.
         batch: Steps in a batch.
         learning_rate: Of Adam; falls to a tenth within each round's fit.
+        steering: Of the drives.
         lost_weight: What a step counts while the leader is not seen: the teacher knows where it is, the policy cannot.
     """
 
@@ -40,6 +42,9 @@ class ImitationConfig:
     last_epochs: int = 12
     batch: int = 512
     learning_rate: float = 1e-3
+    steering: SteeringConfig = field(
+        default_factory=lambda: SteeringConfig(settle_s=0.35, jerk=4.0, brake_jerk=8.0, wish_s=0.0)
+    )
     lost_weight: float = 0.4
 
     def __post_init__(self) -> None:

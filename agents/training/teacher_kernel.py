@@ -11,7 +11,7 @@ Array = NDArray[np.float64]
 def steer_kernel(
     v: float, a: float, w: float, b: float, speed: float, turn: float, dt: float, c: Array
 ) -> tuple[float, float, float, float]:
-    """Do as `learned.steering.steer` does; `c` (11,) is `SteeringConfig.as_tuple()`."""
+    """Do as `learned.steering.steer` does; `c` (12,) is `SteeringConfig.as_tuple()`."""
     brakes = (speed - v) * v < 0.0
     most = c[6] if brakes else c[5]
     change = (c[9] if brakes else c[8]) * dt
@@ -123,7 +123,7 @@ def look_ahead(
         reference: (t, 2) where to be after 2, 4, ... steps, robot frame [m].
         points: (m, 2) things that must not be touched, robot frame [m].
         people: (k, 6) x, y, vx, vy, radius, wanted space; robot frame [m, m/s].
-        steering: (11,) as `steer_kernel` takes it.
+        steering: (12,) as `steer_kernel` takes it.
         box: (3,) half length, half width, radius of the robot's circle [m].
         look_at: (2,) place to face in the end, robot frame [m].
         weights: (8,) of: tracking, end, facing, clearance, its reach [m], people, change, touching.
