@@ -7,6 +7,23 @@ from numba import njit
 
 
 @njit(cache=True, nogil=True)
+def _fit(ranges, bearings, label, m, beta, distance, radius):
+    """Return the mean distance of object `m` at bearing `beta` that its returns imply, and their squared misfit."""
+    number, total, squares = 0, 0.0, 0.0
+    for k in range(len(ranges)):
+        if label[k] == m:
+            off = bearings[k] - beta
+            across = distance * math.sin(off)
+            behind = math.sqrt(max(radius * radius - across * across, 0.0))
+            each = (ranges[k] + behind) / max(math.cos(off), 0.1)
+            number += 1
+            step = each - total
+            total += step / number
+            squares += step * (each - total)
+    return total, squares
+
+
+@njit(cache=True, nogil=True)
 def posterior_of_centres(ranges, bearings, label, count, spacing, radius, sigma, least, nodes, weights, polar, P):
     """Write distance and bearing (count, 2) into `polar` and their covariances (count, 2, 2) into `P`.
 
@@ -14,7 +31,6 @@ def posterior_of_centres(ranges, bearings, label, count, spacing, radius, sigma,
     """
     means, betas = np.empty(len(nodes)), np.empty(len(nodes))
     misfits = np.empty(len(nodes))
-    each = np.empty(len(ranges))
     for m in range(count):
         number, total, first, last = 0, 0.0, math.inf, -math.inf
         for k in range(len(ranges)):
@@ -30,19 +46,7 @@ def posterior_of_centres(ranges, bearings, label, count, spacing, radius, sigma,
             free = max(min(width - half, half + spacing - width), least * spacing)
             for j in range(len(nodes)):
                 betas[j] = middle + free * nodes[j]
-                total = 0.0
-                for k in range(len(ranges)):
-                    if label[k] == m:
-                        off = bearings[k] - betas[j]
-                        across = distance * math.sin(off)
-                        behind = math.sqrt(max(radius * radius - across * across, 0.0))
-                        each[k] = (ranges[k] + behind) / max(math.cos(off), 0.1)
-                        total += each[k]
-                means[j] = total / number
-                misfits[j] = 0.0
-                for k in range(len(ranges)):
-                    if label[k] == m:
-                        misfits[j] += (each[k] - means[j]) ** 2
+                means[j], misfits[j] = _fit(ranges, bearings, label, m, betas[j], distance, radius)
             lowest, norm = misfits.min(), 0.0
             distance, beta = 0.0, 0.0
             for j in range(len(nodes)):
