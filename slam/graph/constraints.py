@@ -19,7 +19,7 @@ from .submap import Submap
 Array = NDArray[np.float64]
 
 _LEAST_INFORMATION = 1e-3  # [1/m^2, 1/rad^2] keeps blind directions invertible
-_TRACK_ANGLES = 8  # steps of heading to each side
+_TRACK_ANGLES = 4  # steps of heading to each side
 _INDEPENDENT = 0.02  # share of a scan's points that count as independent of each other
 _CERTAIN = 1e9  # [1/m^2, 1/rad^2] of a node that defines its submap
 

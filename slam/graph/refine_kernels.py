@@ -10,6 +10,9 @@ from .spline_kernels import expand, linearize
 Grid = NDArray[np.float32]
 Array = NDArray[np.float64]
 
+FINE = 5e-5  # [m] last step of a match that carries the trajectory on
+COARSE = 1e-3  # [m] of one among thousands of constraints, whose standard deviations are ten times as much
+
 
 @njit(cache=True, nogil=True)
 def _with_prior(H, g, cost, weight, pose, prior, prior_information):  # type: ignore[no-untyped-def]
@@ -53,11 +56,12 @@ def refine_pose(
     prior_information: Array,
     weight: float,
     iterations: int,
+    tolerance: float = FINE,
 ) -> tuple[Array, Array, float, int]:
     """Return (pose (3,), information (3, 3) of the scan alone, sum of 1 - M, iterations) of the least-squares pose.
 
-    Damped Newton steps on weight * sum (1 - M) + 1/2 the Mahalanobis distance to the prior; it ends when a step is
-    shorter than 0.05 mm and 0.0005 degrees.
+    Damped Newton steps on weight * sum (1 - M) + 1/2 the Mahalanobis distance to the prior; it ends after a step
+    that is shorter than `tolerance` [m] and turns by less than a fifth of it [rad].
     """
     pose, trial = start.copy(), np.empty(3)
     H, g, step = np.empty((3, 3)), np.empty(3), np.empty(3)
@@ -78,7 +82,7 @@ def refine_pose(
             g, g_trial = g_trial, g
             total, scan_cost = trial_total, trial_cost
             damping = max(damping * 0.1, 1e-6)
-            if abs(step[0]) + abs(step[1]) < 5e-5 and abs(step[2]) < 1e-5:
+            if abs(step[0]) + abs(step[1]) < tolerance and abs(step[2]) < 0.2 * tolerance:
                 break
         else:
             damping = max(damping, 1e-2) * 8.0
@@ -117,7 +121,7 @@ def refine_many(
         size = max(len(scan), 1)
         scores[k] = 1.0 - linearize(field, corner, resolution, scan, starts[k], H, g) / size
         if reach > 0 and scores[k] < sure_score:
-            step = resolution / max(1.0, _far(scan))
+            step = 2.0 * resolution / max(1.0, _far(scan))
             stride = max(1, size // 60)
             poses[k] = correlate(
                 field, corner, resolution, scan[::stride], starts[k], hold, weight * stride, reach, angles, step
@@ -125,7 +129,7 @@ def refine_many(
             scores[k] = 1.0 - linearize(field, corner, resolution, scan, poses[k], H, g) / size
         if scores[k] >= min_score:
             pose, curvature, rest, _ = refine_pose(
-                field, corner, resolution, scan, poses[k], starts[k], hold, weight, 12
+                field, corner, resolution, scan, poses[k], starts[k], hold, weight, 12, COARSE
             )
             poses[k] = pose
             curvatures[k] = weight * curvature
