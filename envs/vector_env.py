@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ..slam.errors import InputError
 from .episode_setup import interface
 from .follow_env import FollowEnv
-from .vector_worker import work
+from .vector_worker import Rows, joined, split, stacked, work
 
 Flags = NDArray[np.bool_]
 
@@ -99,36 +99,51 @@ class FollowVectorEnv(VectorEnv[Any, Any, Any]):
         if mask.shape != (self.num_envs,) or mask.dtype != bool:
             raise InputError(f"`reset_mask` must be boolean of shape ({self.num_envs},), got {mask.dtype} {mask.shape}")
         tasks = [([seeds[i] for i in part], wanted, [bool(mask[i]) for i in part]) for part in self._shares]
-        results = self._ask("reset", tasks)
+        results = [result for results in self._ask("reset", tasks) for result in results]
         infos: dict[str, Any] = {}
         for i, result in enumerate(results):
             if result is not None:
                 infos = self._add_info(infos, result[1], i)
-        if mask.all():
-            self._last = [result[0] for result in results]
-        else:
-            self._last = [old if new is None else new[0] for old, new in zip(self._last, results, strict=True)]
-        return self._batch(self._last), infos
+        fresh = stacked([result[0] for result in results if result is not None])
+        if not mask.all():
+            fresh = {key: self._place(self._last[key], values, mask) for key, values in fresh.items()}
+        self._last = fresh
+        return {key: values.copy() for key, values in fresh.items()}, infos
 
     def step(self, actions: Any) -> tuple[Any, NDArray[np.float64], Flags, Flags, dict[str, Any]]:
         """Drive all environments for one control period; `actions` (num_envs, a)."""
         actions = np.asarray(actions)
         if len(actions) != self.num_envs:
             raise InputError(f"needs an action for each of the {self.num_envs} environments, got {len(actions)}")
-        rows = self._ask("step", [(actions[part],) for part in self._shares])
-        infos: dict[str, Any] = {}
-        for i, row in enumerate(rows):
-            if row[6] is not None:
-                infos = self._add_info(infos, {"final_obs": row[5], "final_info": row[6]}, i)
-            infos = self._add_info(infos, row[4], i)
-        self._last = [row[0] for row in rows]
-        rewards = np.array([row[1] for row in rows], dtype=np.float64)
-        terminated, truncated = (np.array([row[k] for row in rows], dtype=bool) for k in (2, 3))
-        return self._batch(self._last), rewards, terminated, truncated, infos
+        shares: list[Rows] = self._ask("step", [(actions[part],) for part in self._shares])
+        self._last = {
+            key: np.concatenate([share.observations[key] for share in shares]) for key in shares[0].observations
+        }
+        rewards, terminated, truncated = (
+            np.concatenate([getattr(share, name) for share in shares])
+            for name in ("rewards", "terminated", "truncated")
+        )
+        observations = {key: values.copy() for key, values in self._last.items()}
+        return observations, rewards, terminated, truncated, self._infos(shares)
+
+    def _infos(self, shares: list[Rows]) -> dict[str, Any]:
+        """Return the infos of all environments as Gymnasium batches them."""
+        tables = [share.columns for share in shares if share.columns is not None]
+        infos = joined(tables, self.num_envs) if len(tables) == len(shares) else None
+        if infos is not None:
+            return infos
+        infos, i = {}, 0
+        for share in shares:
+            for info, last, last_info in share.infos or [(row, None, None) for row in split(share.columns or {})]:
+                if last_info is not None:
+                    infos = self._add_info(infos, {"final_obs": last, "final_info": last_info}, i)
+                infos = self._add_info(infos, info, i)
+                i += 1
+        return infos
 
     def render(self) -> tuple[Any, ...]:
         """Return a picture of each environment; None of each without a render mode."""
-        return tuple(self._ask("render", [()] * len(self._shares)))
+        return tuple(image for images in self._ask("render", [()] * len(self._shares)) for image in images)
 
     def close_extras(self, **kwargs: Any) -> None:
         """End the processes."""
@@ -140,14 +155,18 @@ class FollowVectorEnv(VectorEnv[Any, Any, Any]):
             process.join()
 
     def _ask(self, name: str, tasks: list[tuple[Any, ...]]) -> list[Any]:
-        """Let every process do its part at the same time; return the results in the order of the environments."""
+        """Let every process do its part at the same time; return their results in the order of the shares."""
         for pipe, task in zip(self._pipes, tasks, strict=True):
             pipe.send((name, task))
         answers = [pipe.recv() for pipe in self._pipes]
         for _, error in answers:
             if error is not None:
                 raise error
-        return [result for results, _ in answers for result in results]
+        return [result for result, _ in answers]
 
-    def _batch(self, observations: list[dict[str, NDArray[Any]]]) -> dict[str, NDArray[Any]]:
-        return {key: np.stack([observation[key] for observation in observations]) for key in observations[0]}
+    @staticmethod
+    def _place(old: NDArray[Any], fresh: NDArray[Any], mask: Flags) -> NDArray[Any]:
+        """Return `old` (num_envs, ...) with the rows of `mask` replaced by `fresh`."""
+        placed = old.copy()
+        placed[mask] = fresh
+        return placed

@@ -1,11 +1,13 @@
 """One process's share of a vector environment."""
 
+from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from typing import Any
 
 import numpy as np
 from gymnasium.vector import AutoresetMode
 from gymnasium.wrappers import TimeLimit
+from numpy.typing import NDArray
 
 from ..slam.errors import InputError
 from .follow_env import FollowEnv
@@ -13,6 +15,84 @@ from .follow_env import FollowEnv
 Row = tuple[Any, float, bool, bool, dict[str, Any], Any, dict[str, Any] | None]
 """Observation, reward, terminated, truncated, info, and of an episode that ended in this step its last observation and
 info where the next one has begun already."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """One step of a share, batched where it was computed: the process that asks for it has less to do.
+
+    Attributes:
+        observations: Of k environments, by name.
+        rewards: (k,).
+        terminated: (k,).
+        truncated: (k,).
+        columns: Their infos by name, see `columns`; None where they differ in kind.
+        infos: Their infos one by one, and what ended in this step; empty where `columns` says all.
+    """
+
+    observations: dict[str, NDArray[Any]]
+    rewards: NDArray[np.float64]
+    terminated: NDArray[np.bool_]
+    truncated: NDArray[np.bool_]
+    columns: dict[str, Any] | None
+    infos: list[tuple[dict[str, Any], Any, dict[str, Any] | None]]
+
+
+def stacked(observations: list[dict[str, NDArray[Any]]]) -> dict[str, NDArray[Any]]:
+    """Return the batch of `observations`, by name."""
+    return {key: np.stack([observation[key] for observation in observations]) for key in observations[0]}
+
+
+def columns(infos: list[dict[str, Any]]) -> dict[str, Any] | None:
+    """Return arrays (k, ...) of the entries of k `infos` as Gymnasium batches them; None where their names differ."""
+    names = infos[0].keys()
+    if any(info.keys() != names for info in infos):
+        return None
+    table: dict[str, Any] = {}
+    for name in names:
+        values = [info[name] for info in infos]
+        first = values[0]
+        if isinstance(first, dict):
+            table[name] = columns(values)
+            if table[name] is None:
+                return None
+        elif isinstance(first, np.ndarray):
+            table[name] = np.stack(values)
+        elif isinstance(first, int | float | np.number):
+            table[name] = np.array(values, dtype=type(first))
+        else:
+            table[name] = np.empty(len(values), dtype=object)
+            table[name][:] = values
+    return table
+
+
+def split(table: dict[str, Any]) -> list[dict[str, Any]]:
+    """Return the k infos that `columns` made `table` of."""
+    rows: list[dict[str, Any]] = []
+    for name, values in table.items():
+        each = split(values) if isinstance(values, dict) else values
+        rows = rows or [{} for _ in each]
+        for row, value in zip(rows, each, strict=True):
+            row[name] = value
+    return rows
+
+
+def joined(tables: list[dict[str, Any]], count: int) -> dict[str, Any] | None:
+    """Return the infos of `count` environments, with masks, from the `columns` of shares; None where they differ."""
+    names = tables[0].keys()
+    if any(table.keys() != names for table in tables):
+        return None
+    infos: dict[str, Any] = {}
+    for name in names:
+        parts = [table[name] for table in tables]
+        if isinstance(parts[0], dict):
+            infos[name] = joined(parts, count)
+            if infos[name] is None:
+                return None
+        else:
+            infos[name] = np.concatenate(parts, dtype=parts[0].dtype, casting="unsafe")
+        infos[f"_{name}"] = np.ones(count, dtype=bool)
+    return infos
 
 
 class Share:
@@ -39,9 +119,18 @@ class Share:
             results.append(env.reset(seed=seed, options=options) if wanted else None)
         return results
 
-    def step(self, actions: Any) -> list[Row]:
+    def step(self, actions: Any) -> Rows:
         """Return what became of each environment under `actions` (count, ...)."""
-        return [self._step(i, env, actions[i]) for i, env in enumerate(self._envs)]
+        rows = [self._step(i, env, actions[i]) for i, env in enumerate(self._envs)]
+        alike = None if any(row[6] is not None for row in rows) else columns([row[4] for row in rows])
+        return Rows(
+            observations=stacked([row[0] for row in rows]),
+            rewards=np.array([row[1] for row in rows], dtype=np.float64),
+            terminated=np.array([row[2] for row in rows], dtype=bool),
+            truncated=np.array([row[3] for row in rows], dtype=bool),
+            columns=alike,
+            infos=[] if alike is not None else [row[4:] for row in rows],
+        )
 
     def render(self) -> list[Any]:
         """Return a picture of each environment."""

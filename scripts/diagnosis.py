@@ -18,11 +18,14 @@ CORE = ("gymnasium", "mujoco", "numpy", "scipy", "scikit-learn", "filterpy", "nu
 """Distributions that the package cannot do without."""
 
 EXTRAS: Mapping[str, tuple[str, ...]] = {
-    "learn": ("torch", "stable-baselines3", "sb3-contrib"),
+    "learn": ("torch", "stable-baselines3", "sb3-contrib", "tensorboard", "safetensors", "onnx", "onnxruntime"),
     "viz": ("matplotlib", "moviepy"),
     "ros": ("rosbags",),
     "cluster": ("ray", "distributed"),
-    "dev": ("build", "basedpyright", "evo", "hypothesis", "pysocialforce", "pytest", "pytest-xdist", "rosbags", "ruff"),
+    "dev": (
+        *("build", "basedpyright", "evo", "hypothesis", "pysocialforce", "pytest", "pytest-xdist", "rosbags", "ruff"),
+        "scikit-image",
+    ),
 }
 """Distributions that each extra brings."""
 
