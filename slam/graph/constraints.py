@@ -13,12 +13,13 @@ from ..geometry import between, compose
 from ..search.branch_and_bound import SearchWindow, branch_and_bound
 from ..search.score_pyramid import ScoreGrid, ScorePyramid, build_pyramid
 from .refine_kernels import refine_many, refine_pose
+from .scan_matcher import far_radius
 from .submap import Submap
 
 Array = NDArray[np.float64]
 
 _LEAST_INFORMATION = 1e-3  # [1/m^2, 1/rad^2] keeps blind directions invertible
-_TRACK_ANGLES = 8  # steps of heading to each side
+_TRACK_ANGLES = 4  # steps of heading to each side
 _INDEPENDENT = 0.02  # share of a scan's points that count as independent of each other
 _CERTAIN = 1e9  # [1/m^2, 1/rad^2] of a node that defines its submap
 
@@ -158,8 +159,7 @@ class ConstraintBuilder:
         if len(points) < config.min_points:
             return None
         thinned = points[:: max(1, len(points) // config.search_points)]
-        far = float(np.sqrt(np.quantile(np.einsum("ij,ij->i", points, points), 0.8)))
-        step = 1.5 * submap.config.resolution / max(far, 1.0)
+        step = 1.5 * submap.config.resolution / max(far_radius(points), 1.0)
         window = SearchWindow(linear=config.search_linear, angular=config.search_angular, angular_step=step)
         found = branch_and_bound(
             self._pyramid(index, submap), thinned, compose(submap.pose_local, guess), window, min_score=config.bound

@@ -1,5 +1,6 @@
 """Where the robot must be by its odometry, and how far that is to be trusted."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,7 +39,8 @@ class ExtrapolatorConfig:
 
     def sigma(self, motion: Array) -> Array:
         """Return (2,) standard deviations of translation [m] and rotation [rad] of a `motion` (3,) of the odometry."""
-        metres, radians = float(np.hypot(motion[0], motion[1])), abs(float(motion[2]))
+        x, y, turn = motion.tolist()
+        metres, radians = math.hypot(x, y), abs(turn)
         translation = (
             self.translation_floor + self.translation_per_metre * metres + self.translation_per_radian * radians
         )
@@ -61,7 +63,11 @@ class Prediction:
     @property
     def information(self) -> Array:
         """(3, 3) inverse covariance, the same in both directions of translation."""
-        return np.diag(1.0 / self.sigma[[0, 0, 1]] ** 2)
+        translation, rotation = self.sigma.tolist()
+        information = np.zeros((3, 3))
+        information[0, 0] = information[1, 1] = translation**-2
+        information[2, 2] = rotation**-2
+        return information
 
 
 class OdometryExtrapolator:

@@ -36,6 +36,7 @@ class GlobalSlamConfig:
         nearest: A node is matched with at most so many known submaps.
         search_every: One global search for each so many metres travelled [m].
         final_residual: INTER constraints that the finished graph misses by more are dropped [m, rad].
+        settled: A match that the adjusted graph meets as well as this is not made anew in a later round [m, rad].
         passes: Rounds of matching every node with every near submap, and adjustment, when a trajectory is asked for.
     """
 
@@ -48,6 +49,7 @@ class GlobalSlamConfig:
     odometry_share: float = 0.02
     reject_beyond: float = 12.0
     final_residual: tuple[float, float] = (0.2, 0.0175)
+    settled: tuple[float, float] = (0.05, 0.02)
     passes: int = 2
     nearest: int = 4
     search_every: float = 0.4
@@ -145,7 +147,7 @@ class GlobalSlam:
             tie = between(self._node_poses[nodes[0] - 1], self._node_poses[nodes[0]])
             self.nodes[nodes[0]] = replace(self.nodes[nodes[0]], motion=Prediction(tie, _PLACED))
         for k in nodes[-1:]:
-            for s in self._near(k)[: self._config.nearest]:
+            for s in self._near(k, self._centres())[: self._config.nearest]:
                 self._tied_at[s] = k
                 self._track(s, nodes, True)
 
@@ -180,37 +182,59 @@ class GlobalSlam:
         self._finished_nodes = len(self.nodes)
         self._adjust()
         for turn in range(self._config.passes):
-            self.constraints = [c for c in self.constraints if c.kind is Kind.INTRA or c.searched]
-            near: dict[int, list[int]] = {}
+            settled = self._settled() if turn > 0 else set[tuple[int, int]]()
+            self.constraints = [
+                c for c in self.constraints if c.kind is Kind.INTRA or c.searched or (c.submap, c.node) in settled
+            ]
+            near, centres = dict[int, list[int]](), self._centres()
             for index in range(len(self.nodes)):
-                for s in self._near(index)[: 2 * self._config.nearest]:
-                    near.setdefault(s, []).append(index)
+                for s in self._near(index, centres)[: 2 * self._config.nearest]:
+                    if (s, index) not in settled:
+                        near.setdefault(s, []).append(index)
             for s in sorted(near):
                 self._track(s, near[s], turn == 0)
             self._adjust(final=turn + 1 == self._config.passes)
 
-    def _near(self, index: int) -> list[int]:
-        """Return the finished submaps near a node that it does not stand in, nearest first."""
-        count = min(len(self._submaps) - 2, len(self._submap_poses))
-        if count <= 0:
-            return []
-        offsets = np.array([(*submap.centre, 0.0) for submap in self._submaps[:count]])
-        centres = compose(np.array(self._submap_poses[:count]), offsets)[:, :2]
-        distance = np.hypot(*(centres - self._node_poses[index][:2]).T)
-        order = np.argsort(distance, kind="stable")
-        inside = self.nodes[index].submaps
-        near = [int(s) for s in order if distance[s] <= self._config.max_distance and s not in inside]
-        return [s for s in near if self._related(self._piece_of_submap[s], self._piece_of_node[index])]
+    def _settled(self) -> set[tuple[int, int]]:
+        """Return submap and node of the INTER constraints that the graph meets so well that matching finds no other."""
+        ties = [c for c in self.constraints if c.kind is Kind.INTER and not c.searched]
+        if not ties:
+            return set()
+        poses = between(
+            np.array([self._submap_poses[c.submap] for c in ties]), np.array([self._node_poses[c.node] for c in ties])
+        )
+        error = between(np.array([c.pose for c in ties]), poses)
+        linear, angular = self._config.settled
+        good = (np.hypot(error[:, 0], error[:, 1]) <= linear) & (np.abs(error[:, 2]) <= angular)
+        return {(ties[k].submap, ties[k].node) for k in np.flatnonzero(good).tolist()}
 
-    def _related(self, one: int, other: int) -> bool:
-        """Return whether it is known how two pieces of the drive lie to each other."""
-        return one == other or (self._placed[one] and self._placed[other])
+    def _centres(self) -> Array:
+        """Return (n, 2) the mean places of the laser in the finished submaps, global frame [m]."""
+        count = max(0, min(len(self._submaps) - 2, len(self._submap_poses)))
+        offsets = np.array([(*submap.centre, 0.0) for submap in self._submaps[:count]]).reshape(-1, 3)
+        return compose(np.array(self._submap_poses[:count]).reshape(-1, 3), offsets)[:, :2]
+
+    def _near(self, index: int, centres: Array) -> list[int]:
+        """Return the finished submaps near a node that it does not stand in, nearest first."""
+        x, y, _ = self._node_poses[index].tolist()
+        distance = np.hypot(centres[:, 0] - x, centres[:, 1] - y)
+        wanted = distance <= self._config.max_distance
+        wanted[[s for s in self.nodes[index].submaps if s < len(centres)]] = False
+        if len(self._placed) > 1:
+            wanted &= self._related(self._piece_of_node[index])[: len(centres)]
+        order = np.argsort(distance, kind="stable")
+        return order[wanted[order]].tolist()
+
+    def _related(self, piece: int) -> NDArray[np.bool_]:
+        """Return (n,) of which submaps it is known how they lie to a piece of the drive."""
+        pieces, placed = np.array(self._piece_of_submap), np.array(self._placed)
+        return (pieces == piece) | (placed[pieces] & placed[piece])
 
     def _close_loops(self, index: int) -> None:
         """Track the nearest submaps whose place is known, search for the one that waits longest."""
         config, node = self._config, self.nodes[index]
         known, waiting = [], []
-        for s in self._near(index):
+        for s in self._near(index, self._centres()):
             tied = index - self._tied_at.get(s, -(10**9)) <= config.known_for or s >= node.submaps[0] - 2
             (known if tied else waiting).append(s)
         for s in known[: config.nearest]:

@@ -1,5 +1,6 @@
 """Drops scans from the map that hardly moved since the last one that was inserted."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,9 +43,8 @@ class MotionFilter:
     def passes(self, pose: NDArray[np.float64]) -> bool:
         """Return whether `pose` (3,) passes, and remember it if so; the first always does."""
         if self._last is not None:
-            motion = between(self._last, pose)
-            near = np.hypot(motion[0], motion[1]) <= self._config.max_distance
-            if near and abs(motion[2]) <= self._config.max_angle:
+            x, y, turn = between(self._last, pose).tolist()
+            if math.hypot(x, y) <= self._config.max_distance and abs(turn) <= self._config.max_angle:
                 return False
         self._last = pose
         return True

@@ -5,90 +5,13 @@ from numba import njit
 from numpy.typing import NDArray
 
 from .correlative import correlate
+from .spline_kernels import expand, linearize
 
 Grid = NDArray[np.float32]
 Array = NDArray[np.float64]
 
-_SATURATION = 3.0
-
-
-@njit(cache=True, nogil=True, inline="always")
-def _spline(t: float) -> tuple[float, float, float, float]:
-    """Return the four weights of the uniform cubic B-spline at `t` in [0, 1)."""
-    s = 1.0 - t
-    return (
-        s * s * s / 6.0,
-        (4.0 + t * t * (3.0 * t - 6.0)) / 6.0,
-        (4.0 + s * s * (3.0 * s - 6.0)) / 6.0,
-        t * t * t / 6.0,
-    )
-
-
-@njit(cache=True, nogil=True, inline="always")
-def _slope(t: float) -> tuple[float, float, float, float]:
-    """Return the derivatives of the weights of `_spline`."""
-    s = 1.0 - t
-    return -0.5 * s * s, t * (1.5 * t - 2.0), -s * (1.5 * s - 2.0), 0.5 * t * t
-
-
-@njit(cache=True, nogil=True)
-def interpolate(field: Grid, u: float, v: float) -> tuple[float, float, float]:
-    """Return the bicubic B-spline over `field` (rows, cols) at column `u`, row `v`, and its slopes along u and v.
-
-    Cell centres have whole coordinates. Outside of the grid the field is 0.
-    """
-    i, j = int(np.floor(u)), int(np.floor(v))
-    if i < 1 or j < 1 or i + 2 >= field.shape[1] or j + 2 >= field.shape[0]:
-        return 0.0, 0.0, 0.0
-    a0, a1, a2, a3 = _spline(u - i)
-    b0, b1, b2, b3 = _slope(u - i)
-    wy = _spline(v - j)
-    dy = _slope(v - j)
-    value, du, dv = 0.0, 0.0, 0.0
-    for k in range(4):
-        row = j - 1 + k
-        f0, f1, f2, f3 = field[row, i - 1], field[row, i], field[row, i + 1], field[row, i + 2]
-        across = a0 * f0 + a1 * f1 + a2 * f2 + a3 * f3
-        value += wy[k] * across
-        du += wy[k] * (b0 * f0 + b1 * f1 + b2 * f2 + b3 * f3)
-        dv += dy[k] * across
-    return value, du, dv
-
-
-@njit(cache=True, nogil=True)
-def linearize(field: Grid, corner: Array, resolution: float, points: Array, pose: Array, H: Array, g: Array) -> float:
-    """Write into `H` (3, 3) and `g` (3,) the normal equations of sum (1 - M); return that sum.
-
-    The residual of a point is r = sqrt(1 - M) with M the interpolated occupancy where it falls: for a wall of
-    Gaussian profile r grows linearly with the distance, so Gauss-Newton sees a point-to-line problem, and it levels
-    off for points that fall on nothing.
-    """
-    c, s = np.cos(pose[2]), np.sin(pose[2])
-    scale = 1.0 / resolution
-    H[:] = 0.0
-    g[:] = 0.0
-    cost = 0.0
-    for n in range(len(points)):
-        px, py = c * points[n, 0] - s * points[n, 1], s * points[n, 0] + c * points[n, 1]
-        value, du, dv = interpolate(field, (pose[0] + px - corner[0]) * scale, (pose[1] + py - corner[1]) * scale)
-        rest = np.exp(-_SATURATION * value)
-        cost += rest
-        if du == 0.0 and dv == 0.0:
-            continue
-        jx, jy = -_SATURATION * rest * scale * du, -_SATURATION * rest * scale * dv
-        jt = -py * jx + px * jy
-        w = 0.5 / (rest + 0.05)
-        g[0] += jx
-        g[1] += jy
-        g[2] += jt
-        H[0, 0] += w * jx * jx
-        H[0, 1] += w * jx * jy
-        H[0, 2] += w * jx * jt
-        H[1, 1] += w * jy * jy
-        H[1, 2] += w * jy * jt
-        H[2, 2] += w * jt * jt
-    H[1, 0], H[2, 0], H[2, 1] = H[0, 1], H[0, 2], H[1, 2]
-    return cost
+FINE = 5e-5  # [m] last step of a match that carries the trajectory on
+COARSE = 1e-3  # [m] of one among thousands of constraints, whose standard deviations are ten times as much
 
 
 @njit(cache=True, nogil=True)
@@ -133,24 +56,25 @@ def refine_pose(
     prior_information: Array,
     weight: float,
     iterations: int,
+    tolerance: float = FINE,
 ) -> tuple[Array, Array, float, int]:
     """Return (pose (3,), information (3, 3) of the scan alone, sum of 1 - M, iterations) of the least-squares pose.
 
-    Levenberg-Marquardt on weight * sum (1 - M) + 1/2 the Mahalanobis distance to the prior; it ends when a step is
-    shorter than 0.05 mm and 0.0005 degrees.
+    Damped Newton steps on weight * sum (1 - M) + 1/2 the Mahalanobis distance to the prior; it ends after a step
+    that is shorter than `tolerance` [m] and turns by less than a fifth of it [rad].
     """
     pose, trial = start.copy(), np.empty(3)
     H, g, step = np.empty((3, 3)), np.empty(3), np.empty(3)
     H_trial, g_trial = np.empty((3, 3)), np.empty(3)
-    scan_cost = linearize(field, corner, resolution, points, pose, H, g)
+    scan_cost = expand(field, corner, resolution, points, pose, H, g)
     total = _with_prior(H, g, scan_cost, weight, pose, prior, prior_information)
-    damping, done = 1e-4, 0
+    damping, done = 1e-6, 0
     for _ in range(iterations):
         done += 1
         _solve3(H, g, damping, step)
         for a in range(3):
             trial[a] = pose[a] + step[a]
-        trial_cost = linearize(field, corner, resolution, points, trial, H_trial, g_trial)
+        trial_cost = expand(field, corner, resolution, points, trial, H_trial, g_trial)
         trial_total = _with_prior(H_trial, g_trial, trial_cost, weight, trial, prior, prior_information)
         if trial_total <= total:
             pose, trial = trial, pose
@@ -158,15 +82,14 @@ def refine_pose(
             g, g_trial = g_trial, g
             total, scan_cost = trial_total, trial_cost
             damping = max(damping * 0.1, 1e-6)
-            if abs(step[0]) + abs(step[1]) < 5e-5 and abs(step[2]) < 1e-5:
+            if abs(step[0]) + abs(step[1]) < tolerance and abs(step[2]) < 0.2 * tolerance:
                 break
         else:
             damping = max(damping, 1e-2) * 8.0
             if damping > 1e4:
                 break
-    for a in range(3):
-        for b in range(3):
-            H[a, b] -= prior_information[a, b]
+    linearize(field, corner, resolution, points, pose, H, g)
+    H *= weight
     return pose, H, scan_cost, done
 
 
@@ -198,7 +121,7 @@ def refine_many(
         size = max(len(scan), 1)
         scores[k] = 1.0 - linearize(field, corner, resolution, scan, starts[k], H, g) / size
         if reach > 0 and scores[k] < sure_score:
-            step = resolution / max(1.0, _far(scan))
+            step = 2.0 * resolution / max(1.0, _far(scan))
             stride = max(1, size // 60)
             poses[k] = correlate(
                 field, corner, resolution, scan[::stride], starts[k], hold, weight * stride, reach, angles, step
@@ -206,7 +129,7 @@ def refine_many(
             scores[k] = 1.0 - linearize(field, corner, resolution, scan, poses[k], H, g) / size
         if scores[k] >= min_score:
             pose, curvature, rest, _ = refine_pose(
-                field, corner, resolution, scan, poses[k], starts[k], hold, weight, 12
+                field, corner, resolution, scan, poses[k], starts[k], hold, weight, 12, COARSE
             )
             poses[k] = pose
             curvatures[k] = weight * curvature

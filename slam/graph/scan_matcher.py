@@ -1,5 +1,6 @@
 """Scan-to-submap matching: correlative search where odometry leaves much open, then non-linear least squares."""
 
+import math
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -136,8 +137,18 @@ class ScanMatcher:
         """Return cells, angle steps to each side and the step [rad]; zeros where the least squares alone will do."""
         config = self._config
         linear, angular = np.minimum(config.sigmas * prediction.sigma, (config.max_linear, config.max_angular))
-        far = float(np.sqrt(np.quantile(np.einsum("ij,ij->i", points, points), 0.8)))
+        far = far_radius(points)
         if linear + angular * far <= config.capture:
             return 0, 0, 0.0
         step = resolution / max(far, 1.0)
         return int(np.ceil(linear / resolution)), int(np.ceil(angular / step)), step
+
+
+def far_radius(points: Array) -> float:
+    """Return the distance from the origin [m] that 80 % of `points` (N, 2) keep: how far out a turn moves them."""
+    squares = np.einsum("ij,ij->i", points, points)
+    at = 0.8 * (len(points) - 1)
+    low = int(at)
+    high = min(low + 1, len(points) - 1)
+    ordered = np.partition(squares, (low, high))
+    return math.sqrt(ordered[low] + (at - low) * (ordered[high] - ordered[low]))

@@ -1,12 +1,13 @@
 """A submap: a grid of hit and visit counts that a short stretch of the drive fills, rigid once finished."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from .submap_kernels import insert_scan
+from .submap_kernels import bounds, insert_scan
 
 _MARGIN_CELLS = 8  # beyond the farthest return: taps of the spline and of neighbouring cells stay inside
 _GROWTH_M = 4.0  # a grid that must grow gets so much more on that side
@@ -72,7 +73,7 @@ class Submap:
             free_ends: (M, 2) ends of the rays that are known to be free, local frame [m].
         """
         ends = np.concatenate((surface, free_ends))
-        self._cover(np.vstack((origin, ends)) if len(ends) else origin[None])
+        self._cover(bounds(origin, ends))
         scale = 1.0 / self.config.resolution
         self.scans += 1
         self.centre += (origin - self.pose_local[:2] - self.centre) / self.scans
@@ -99,12 +100,12 @@ class Submap:
         """(rows, cols) whether any scan saw the cell."""
         return self._visits > 0.0
 
-    def _cover(self, points: NDArray[np.float64]) -> None:
-        """Enlarge the grids so that `points` (N, 2) lie well inside."""
+    def _cover(self, extent: tuple[float, float, float, float]) -> None:
+        """Enlarge the grids so that what lies between the lowest x, y and the highest of `extent` is well inside."""
         h = self.config.resolution
-        low = np.floor((points.min(axis=0) - self.corner) / h).astype(int) - _MARGIN_CELLS
-        high = np.ceil((points.max(axis=0) - self.corner) / h).astype(int) + _MARGIN_CELLS
-        rows, cols = self.field.shape
+        corner, (rows, cols) = self.corner.tolist(), self.field.shape
+        low = [math.floor((extent[k] - corner[k]) / h) - _MARGIN_CELLS for k in range(2)]
+        high = [math.ceil((extent[2 + k] - corner[k]) / h) + _MARGIN_CELLS for k in range(2)]
         more = int(_GROWTH_M / h)
         left, below = (max(0, -low[k]) + (more if low[k] < 0 else 0) for k in range(2))
         right, above = (max(0, high[k] - n + 1) + (more if high[k] >= n else 0) for k, n in enumerate((cols, rows)))

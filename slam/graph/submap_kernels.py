@@ -76,14 +76,25 @@ def _pass_ray(hits, visits, field, stamps, stamp, x0, y0, x1, y1, prior_visits):
     next_x = (0.5 + step_x * (col - x0)) * delta_x if dx != 0.0 else np.inf
     next_y = (0.5 + step_y * (row - y0)) * delta_y if dy != 0.0 else np.inf
     for _ in range(abs(end_col - col) + abs(end_row - row)):
-        if stamps[row, col] != stamp:
-            stamps[row, col] = stamp
-            visits[row, col] += 1.0
-            if hits[row, col] > 0.0:
-                field[row, col] = min(1.0, hits[row, col] / (visits[row, col] + prior_visits))
+        r, c = np.uintp(row), np.uintp(col)  # unsigned: numba need not look for indices from the end
+        if stamps[r, c] != stamp:
+            stamps[r, c] = stamp
+            visits[r, c] += 1.0
+            if hits[r, c] > 0.0:
+                field[r, c] = min(1.0, hits[r, c] / (visits[r, c] + prior_visits))
         if next_x < next_y:
             next_x += delta_x
             col += step_x
         else:
             next_y += delta_y
             row += step_y
+
+
+@njit(cache=True, nogil=True)
+def bounds(origin: Points, points: Points) -> tuple[float, float, float, float]:
+    """Return the lowest x and y, then the highest, of `origin` (2,) and `points` (N, 2)."""
+    low_x, low_y, high_x, high_y = origin[0], origin[1], origin[0], origin[1]
+    for k in range(len(points)):
+        low_x, high_x = min(low_x, points[k, 0]), max(high_x, points[k, 0])
+        low_y, high_y = min(low_y, points[k, 1]), max(high_y, points[k, 1])
+    return low_x, low_y, high_x, high_y

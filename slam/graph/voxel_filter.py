@@ -54,7 +54,8 @@ class AdaptiveVoxelFilter:
     def apply(self, points: Points) -> Points:
         """Return (M, 2) points of `points` (N, 2) [m], in their order."""
         config = self._config
-        near = points[np.einsum("ij,ij->i", points, points) <= config.max_range**2]
+        inside = np.einsum("ij,ij->i", points, points) <= config.max_range**2
+        near = points if inside.all() else points[inside]
         if len(near) <= config.min_points:
             return near
         return near[_thin(near, self._edges, config.min_points)]

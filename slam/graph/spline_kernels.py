@@ -1,0 +1,173 @@
+"""Numba kernels of a scan's cost on the smooth interpolation of a submap, and of its derivatives."""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Grid = NDArray[np.float32]
+Array = NDArray[np.float64]
+
+_SATURATION = 3.0
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _spline(t: float) -> tuple[float, float, float, float]:
+    """Return the four weights of the uniform cubic B-spline at `t` in [0, 1)."""
+    s = 1.0 - t
+    return (
+        s * s * s / 6.0,
+        (4.0 + t * t * (3.0 * t - 6.0)) / 6.0,
+        (4.0 + s * s * (3.0 * s - 6.0)) / 6.0,
+        t * t * t / 6.0,
+    )
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _slope(t: float) -> tuple[float, float, float, float]:
+    """Return the derivatives of the weights of `_spline`."""
+    s = 1.0 - t
+    return -0.5 * s * s, t * (1.5 * t - 2.0), -s * (1.5 * s - 2.0), 0.5 * t * t
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _bend(t: float) -> tuple[float, float, float, float]:
+    """Return the second derivatives of the weights of `_spline`."""
+    return 1.0 - t, 3.0 * t - 2.0, 1.0 - 3.0 * t, t
+
+
+@njit(cache=True, nogil=True)
+def interpolate(field: Grid, u: float, v: float) -> tuple[float, float, float]:
+    """Return the bicubic B-spline over `field` (rows, cols) at column `u`, row `v`, and its slopes along u and v.
+
+    Cell centres have whole coordinates. Outside of the grid the field is 0.
+    """
+    i, j = int(np.floor(u)), int(np.floor(v))
+    if i < 1 or j < 1 or i + 2 >= field.shape[1] or j + 2 >= field.shape[0]:
+        return 0.0, 0.0, 0.0
+    a0, a1, a2, a3 = _spline(u - i)
+    b0, b1, b2, b3 = _slope(u - i)
+    wy = _spline(v - j)
+    dy = _slope(v - j)
+    value, du, dv = 0.0, 0.0, 0.0
+    for k in range(4):
+        row = j - 1 + k
+        f0, f1, f2, f3 = field[row, i - 1], field[row, i], field[row, i + 1], field[row, i + 2]
+        across = a0 * f0 + a1 * f1 + a2 * f2 + a3 * f3
+        value += wy[k] * across
+        du += wy[k] * (b0 * f0 + b1 * f1 + b2 * f2 + b3 * f3)
+        dv += dy[k] * across
+    return value, du, dv
+
+
+@njit(cache=True, nogil=True)
+def interpolate_twice(field: Grid, u: float, v: float) -> tuple[float, float, float, float, float, float]:
+    """Return what `interpolate` returns, then the second derivatives along uu, uv and vv."""
+    i, j = int(np.floor(u)), int(np.floor(v))
+    if i < 1 or j < 1 or i + 2 >= field.shape[1] or j + 2 >= field.shape[0]:
+        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    a0, a1, a2, a3 = _spline(u - i)
+    b0, b1, b2, b3 = _slope(u - i)
+    c0, c1, c2, c3 = _bend(u - i)
+    wy = _spline(v - j)
+    dy = _slope(v - j)
+    cy = _bend(v - j)
+    value, du, dv, duu, duv, dvv = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(4):
+        row = j - 1 + k
+        f0, f1, f2, f3 = field[row, i - 1], field[row, i], field[row, i + 1], field[row, i + 2]
+        across = a0 * f0 + a1 * f1 + a2 * f2 + a3 * f3
+        slope = b0 * f0 + b1 * f1 + b2 * f2 + b3 * f3
+        value += wy[k] * across
+        du += wy[k] * slope
+        dv += dy[k] * across
+        duu += wy[k] * (c0 * f0 + c1 * f1 + c2 * f2 + c3 * f3)
+        duv += dy[k] * slope
+        dvv += cy[k] * across
+    return value, du, dv, duu, duv, dvv
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _nearest_convex(xx: float, xy: float, yy: float) -> tuple[float, float, float]:
+    """Return the symmetric 2 x 2 matrix (xx, xy, yy) with its negative eigenvalues set to 0."""
+    mean, radius = 0.5 * (xx + yy), np.sqrt(0.25 * (xx - yy) * (xx - yy) + xy * xy)
+    if mean - radius >= 0.0:
+        return xx, xy, yy
+    if mean + radius <= 0.0:
+        return 0.0, 0.0, 0.0
+    share = (mean + radius) / (2.0 * radius)
+    return share * (xx - mean + radius), share * xy, share * (yy - mean + radius)
+
+
+@njit(cache=True, nogil=True)
+def linearize(field: Grid, corner: Array, resolution: float, points: Array, pose: Array, H: Array, g: Array) -> float:
+    """Write into `H` (3, 3) and `g` (3,) the normal equations of sum (1 - M); return that sum.
+
+    The residual of a point is r = sqrt(1 - M) with M the interpolated occupancy where it falls: for a wall of
+    Gaussian profile r grows linearly with the distance, so Gauss-Newton sees a point-to-line problem, and it levels
+    off for points that fall on nothing.
+    """
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    scale = 1.0 / resolution
+    H[:] = 0.0
+    g[:] = 0.0
+    cost = 0.0
+    for n in range(len(points)):
+        px, py = c * points[n, 0] - s * points[n, 1], s * points[n, 0] + c * points[n, 1]
+        value, du, dv = interpolate(field, (pose[0] + px - corner[0]) * scale, (pose[1] + py - corner[1]) * scale)
+        rest = np.exp(-_SATURATION * value)
+        cost += rest
+        if du == 0.0 and dv == 0.0:
+            continue
+        jx, jy = -_SATURATION * rest * scale * du, -_SATURATION * rest * scale * dv
+        jt = -py * jx + px * jy
+        w = 0.5 / (rest + 0.05)
+        g[0] += jx
+        g[1] += jy
+        g[2] += jt
+        H[0, 0] += w * jx * jx
+        H[0, 1] += w * jx * jy
+        H[0, 2] += w * jx * jt
+        H[1, 1] += w * jy * jy
+        H[1, 2] += w * jy * jt
+        H[2, 2] += w * jt * jt
+    H[1, 0], H[2, 0], H[2, 1] = H[0, 1], H[0, 2], H[1, 2]
+    return cost
+
+
+@njit(cache=True, nogil=True)
+def expand(field: Grid, corner: Array, resolution: float, points: Array, pose: Array, H: Array, g: Array) -> float:
+    """Write into `H` (3, 3) and `g` (3,) the second-order expansion of sum (1 - M) by the pose; return that sum.
+
+    The curvature of a point that is not convex counts as the nearest convex one, so H is never indefinite. In the
+    middle of a wall, where the slopes vanish, this sees the curvature that the normal equations of `linearize` miss.
+    """
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    scale = 1.0 / resolution
+    H[:] = 0.0
+    g[:] = 0.0
+    cost = 0.0
+    for n in range(len(points)):
+        px, py = c * points[n, 0] - s * points[n, 1], s * points[n, 0] + c * points[n, 1]
+        u, v = (pose[0] + px - corner[0]) * scale, (pose[1] + py - corner[1]) * scale
+        value, du, dv, duu, duv, dvv = interpolate_twice(field, u, v)
+        rest = np.exp(-_SATURATION * value)
+        cost += rest
+        if value == 0.0:
+            continue
+        first = -_SATURATION * rest * scale
+        second = -scale * first
+        jx, jy = first * du, first * dv
+        xx, xy = second * (_SATURATION * du * du - duu), second * (_SATURATION * du * dv - duv)
+        xx, xy, yy = _nearest_convex(xx, xy, second * (_SATURATION * dv * dv - dvv))
+        tx, ty = -py * xx + px * xy, -py * xy + px * yy
+        g[0] += jx
+        g[1] += jy
+        g[2] += -py * jx + px * jy
+        H[0, 0] += xx
+        H[0, 1] += xy
+        H[0, 2] += tx
+        H[1, 1] += yy
+        H[1, 2] += ty
+        H[2, 2] += -py * tx + px * ty
+    H[1, 0], H[2, 0], H[2, 1] = H[0, 1], H[0, 2], H[1, 2]
+    return cost

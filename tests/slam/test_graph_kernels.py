@@ -1,0 +1,163 @@
+"""The kernels of graph SLAM do what their plain numpy twins do."""
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+from tagalong.slam.geometry import between, compose, transform_points
+from tagalong.slam.graph import reference
+from tagalong.slam.graph.correlative import correlate
+from tagalong.slam.graph.refine_kernels import refine_many, refine_pose
+from tagalong.slam.graph.scan_matcher import far_radius
+from tagalong.slam.graph.spline_kernels import expand, linearize
+from tagalong.slam.graph.submap_kernels import insert_scan
+from tagalong.slam.graph.voxel_filter import voxel_first, voxel_mean
+from tagalong.slam.pose_graph.normal_equations import block_pattern, fill
+from tagalong.slam.pose_graph.pose_graph import PoseGraph
+from tagalong.slam.pose_graph.reference import normal_equations
+from tagalong.slam.search.branch_and_bound import SearchWindow
+from tagalong.slam.search.kernels import block_sum, rotated_cells, top_bounds
+from tagalong.slam.search.score_pyramid import ScoreGrid, build_pyramid
+
+RESOLUTION, CORNER = 0.05, np.array([-1.5, -1.0])
+
+
+def walls():
+    """Return a field of three walls two cells wide, and points on them seen from the origin."""
+    field = np.zeros((60, 80), np.float32)
+    field[8:10, 5:70], field[8:50, 68:70], field[45:47, 20:70] = 0.9, 0.8, 0.7
+    rows, columns = np.nonzero(field)
+    pick = np.arange(0, len(rows), 3)
+    return field, CORNER + RESOLUTION * np.stack((columns[pick], rows[pick]), axis=-1)
+
+
+@pytest.mark.parametrize("kernel", [linearize, expand])
+def test_cost_gradient_and_curvature_of_a_scan_are_those_of_numpy(kernel):
+    rng = np.random.default_rng(0)
+    field = rng.random((60, 80)).astype(np.float32) * (rng.random((60, 80)) < 0.4)
+    points = rng.uniform(-3.0, 4.0, (300, 2))  # some beyond the field
+    for pose in rng.normal(0.0, 0.3, (5, 3)):
+        H, g = np.empty((3, 3)), np.empty(3)
+        cost = kernel(field, CORNER, RESOLUTION, points, pose, H, g)
+        wanted = reference.expansion(field, CORNER, RESOLUTION, points, pose, kernel is expand)
+        np.testing.assert_allclose(cost, wanted[0], rtol=1e-12)
+        np.testing.assert_allclose(g, wanted[1], rtol=1e-9, atol=1e-9)
+        np.testing.assert_allclose(H, wanted[2], rtol=1e-9, atol=1e-6)
+
+
+def test_the_spline_has_the_slopes_of_numerical_differences():
+    rng = np.random.default_rng(1)
+    field, cells, step = rng.random((20, 20)).astype(np.float32), rng.uniform(2.0, 17.0, (50, 2)), 1e-5
+    _, slope, bend = reference.spline(field, cells)
+    for k in range(2):
+        plus, minus = (reference.spline(field, cells + sign * step * np.eye(2)[k]) for sign in (1.0, -1.0))
+        np.testing.assert_allclose(slope[:, k], (plus[0] - minus[0]) / (2.0 * step), atol=1e-6)
+        np.testing.assert_allclose(bend[:, k], (plus[1] - minus[1]) / (2.0 * step), atol=1e-6)
+
+
+def test_a_refined_pose_is_the_optimum_that_scipy_finds():
+    field, points = walls()
+    prior, information, weight = np.array([0.02, -0.03, 0.01]), np.diag([50.0, 50.0, 200.0]), 1.5
+    pose, _, rest, steps = refine_pose(field, CORNER, RESOLUTION, points, prior, prior, information, weight, 20)
+
+    def total(x):
+        offset = x - prior
+        cost = reference.expansion(field, CORNER, RESOLUTION, points, x, False)[0]
+        return weight * cost + 0.5 * offset @ information @ offset
+
+    found = minimize(total, prior, method="Nelder-Mead", options={"xatol": 1e-7, "fatol": 1e-9, "maxiter": 2000})
+    np.testing.assert_allclose(pose, found.x, atol=2e-5)
+    assert steps < 10
+    np.testing.assert_allclose(rest, reference.expansion(field, CORNER, RESOLUTION, points, pose, False)[0])
+
+
+def test_many_scans_at_once_are_found_where_each_alone_is_and_hopeless_ones_stay():
+    field, points = walls()
+    true = np.array([[0.12, -0.1, 0.05], [0.01, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    scans = [transform_points((*(-true[k, :2]), 0.0), points) for k in range(2)] + [points + 40.0]
+    scans = [transform_points((0.0, 0.0, -true[k, 2]), scan) for k, scan in enumerate(scans)]
+    firsts = np.concatenate(([0], np.cumsum([len(scan) for scan in scans])))
+    poses, curvatures, scores = refine_many(
+        field, CORNER, RESOLUTION, np.concatenate(scans), firsts, np.zeros((3, 3)), 1.5, 5, 4, 0.75, 0.3
+    )
+    np.testing.assert_allclose(poses[:2], true[:2], atol=0.01)
+    assert (scores[:2] > 0.6).all()
+    assert (np.linalg.eigvalsh(curvatures[:2]) > 0.0).all()
+    assert (poses[2] == 0.0).all()
+    assert scores[2] < 0.01
+
+
+def test_the_correlative_search_scores_as_numpy_does():
+    field, points = walls()
+    prior, information = np.array([0.11, -0.16, 0.06]), np.diag([10.0, 10.0, 30.0])
+    arguments = (field, CORNER, RESOLUTION, points[::4], prior, information, 1.5, 4, 5, 0.02)
+    pose, rest = correlate(*arguments)
+    wanted_pose, wanted_rest = reference.correlation(*arguments)
+    np.testing.assert_allclose(pose, wanted_pose, atol=1e-12)
+    np.testing.assert_allclose(rest, wanted_rest, rtol=1e-5)
+    assert np.hypot(*pose[:2]) < 0.08  # the walls are two cells wide
+
+
+def test_a_scan_is_inserted_as_numpy_does():
+    rng = np.random.default_rng(2)
+    shape, origin = (60, 80), np.array([31.3, 25.8])
+    hits, visits = rng.random(shape).astype(np.float32), np.full(shape, 3.0, np.float32)
+    field, stamps = np.zeros(shape, np.float32), np.zeros(shape, np.int16)
+    cells = np.column_stack((rng.uniform(2.0, 76.0, 90), rng.uniform(2.0, 56.0, 90)))
+    wanted = reference.inserted(hits, visits, origin, cells, 50, 20, 0.5)
+    insert_scan(hits, visits, field, stamps, 7, origin, cells, 50, 20, 0.5)
+    for got, expected in zip((hits, visits, field), wanted, strict=True):
+        np.testing.assert_allclose(got, expected, atol=1e-5)
+
+
+def test_voxels_are_thinned_as_numpy_does_and_four_fifths_of_the_points_lie_within_the_far_radius():
+    points = np.random.default_rng(3).normal(0.0, 2.0, (400, 2))
+    for edge in (0.1, 0.5, 3.0):
+        np.testing.assert_array_equal(voxel_first(points, edge), reference.first_in_voxel(points, edge))
+        np.testing.assert_allclose(voxel_mean(points, edge), reference.mean_in_voxel(points, edge), atol=1e-12)
+    for count in (1, 2, 77, 400):
+        wanted = np.sqrt(np.quantile((points[:count] ** 2).sum(axis=1), 0.8))
+        np.testing.assert_allclose(far_radius(points[:count]), wanted)
+
+
+def test_every_bound_of_the_search_is_the_sum_over_its_block_and_above_all_scores_inside():
+    rng = np.random.default_rng(4)
+    pyramid = build_pyramid(ScoreGrid(rng.integers(0, 256, (50, 70)).astype(np.uint8), (0.0, 0.0), 0.1), margin=8)
+    points, window = rng.uniform(-1.0, 1.0, (40, 2)), SearchWindow(linear=0.7, angular=0.2, angular_step=0.1)
+    headings = window.headings(0.3)
+    cells = np.empty((len(headings), len(points), 2), np.int32)
+    rotated_cells(points, headings, 3.0, 2.0, 0.1, pyramid.border - 7, cells)
+    turned = np.stack([transform_points((3.0, 2.0, heading), points) for heading in headings])
+    np.testing.assert_array_equal(cells, np.floor(turned[:, :, ::-1] / 0.1).astype(int) + pyramid.border - 7)
+    bounds, leaves = top_bounds(pyramid.phases, cells, 2), pyramid.levels[0]
+    for k, a, b in np.ndindex(len(headings), 2, 2):
+        rows, columns = (cells[k] + [8 * a, 8 * b]).T
+        assert bounds[k, a, b] == pyramid.levels[3][rows, columns].astype(int).sum()
+        inside = [block_sum(leaves, cells[k], 8 * a + i, 8 * b + j) for i, j in np.ndindex(8, 8)]
+        assert inside[0] == leaves[rows, columns].astype(int).sum()
+        assert max(inside) <= bounds[k, a, b]
+
+
+def test_the_normal_equations_are_those_of_numpy():
+    rng = np.random.default_rng(5)
+    n, m = 12, 30
+    poses = rng.normal(0.0, 1.5, (n, 3))
+    i = rng.integers(0, n, m)
+    edges = np.stack((i, (i + rng.integers(1, n, m)) % n), axis=-1).astype(np.int64)
+    z = compose(between(poses[edges[:, 0]], poses[edges[:, 1]]), rng.normal(0.0, 0.2, (m, 3)))
+    root = rng.normal(0.0, 1.0, (m, 3, 3)) + 4.0 * np.eye(3)
+    graph = PoseGraph(poses, edges, z, root @ root.swapaxes(1, 2), np.where(np.arange(m) % 2, 2.0, np.inf))
+    pattern = block_pattern(n, edges)
+    data, gradient = np.empty(len(pattern.indices)), np.empty(3 * n)
+    cost = fill(
+        graph.poses, graph.edges, graph.measurements, graph.information, graph.kernel_width, 3,
+        pattern.place, pattern.base, pattern.stride, pattern.edge_blocks, data, gradient,
+    )  # fmt: skip
+    dense = np.zeros((3 * n, 3 * n))
+    for column in range(3 * n):
+        part = slice(pattern.indptr[column], pattern.indptr[column + 1])
+        dense[pattern.indices[part], column] = data[part]
+    rows = (3 * pattern.place[:, None] + np.arange(3)).ravel()
+    wanted_cost, wanted_gradient, wanted_H = normal_equations(graph, 3)
+    np.testing.assert_allclose(cost, wanted_cost)
+    np.testing.assert_allclose(gradient[rows], wanted_gradient.ravel(), atol=1e-9)
+    np.testing.assert_allclose(dense[np.ix_(rows, rows)], wanted_H, atol=1e-9)
