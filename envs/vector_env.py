@@ -12,6 +12,7 @@ import os
 from typing import Any
 
 import numpy as np
+from gymnasium import spaces
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
@@ -19,7 +20,7 @@ from numpy.typing import NDArray
 from ..slam.errors import InputError
 from .episode_setup import interface
 from .follow_env import FollowEnv
-from .vector_worker import work
+from .vector_worker import Row, shared_views, work
 
 Flags = NDArray[np.bool_]
 
@@ -70,11 +71,17 @@ class FollowVectorEnv(VectorEnv[Any, Any, Any]):
         self._start(context, max_episode_steps, fields)
 
     def _start(self, context: str | None, max_episode_steps: int | None, fields: dict[str, Any]) -> None:
-        start = mp.get_context(context)
+        start, space = mp.get_context(context), self.single_observation_space
+        assert isinstance(space, spaces.Dict)
+        sizes = {key: int(np.prod(part.shape or ())) * part.dtype.itemsize for key, part in space.items() if part.dtype}
+        buffers = {key: start.RawArray("b", self.num_envs * size) for key, size in sizes.items()}
+        self._views = shared_views(buffers, space, self.num_envs)
         self._pipes, self._processes = [], []
         for share in self._shares:
             ours, theirs = start.Pipe()
-            arguments = (theirs, len(share), self.metadata["autoreset_mode"], max_episode_steps, fields)
+            part = slice(share[0], share[-1] + 1)
+            how = (self.metadata["autoreset_mode"], max_episode_steps, fields)
+            arguments = (theirs, part, self.num_envs, buffers, space, *how)
             process = start.Process(target=work, args=arguments, daemon=True)  # pyright: ignore[reportAttributeAccessIssue]
             process.start()
             theirs.close()
@@ -99,16 +106,11 @@ class FollowVectorEnv(VectorEnv[Any, Any, Any]):
         if mask.shape != (self.num_envs,) or mask.dtype != bool:
             raise InputError(f"`reset_mask` must be boolean of shape ({self.num_envs},), got {mask.dtype} {mask.shape}")
         tasks = [([seeds[i] for i in part], wanted, [bool(mask[i]) for i in part]) for part in self._shares]
-        results = self._ask("reset", tasks)
         infos: dict[str, Any] = {}
-        for i, result in enumerate(results):
-            if result is not None:
-                infos = self._add_info(infos, result[1], i)
-        if mask.all():
-            self._last = [result[0] for result in results]
-        else:
-            self._last = [old if new is None else new[0] for old, new in zip(self._last, results, strict=True)]
-        return self._batch(self._last), infos
+        for i, info in enumerate(self._ask("reset", tasks)):
+            if info is not None:
+                infos = self._add_info(infos, info, i)
+        return self._observations(), infos
 
     def step(self, actions: Any) -> tuple[Any, NDArray[np.float64], Flags, Flags, dict[str, Any]]:
         """Drive all environments for one control period; `actions` (num_envs, a)."""
@@ -116,15 +118,9 @@ class FollowVectorEnv(VectorEnv[Any, Any, Any]):
         if len(actions) != self.num_envs:
             raise InputError(f"needs an action for each of the {self.num_envs} environments, got {len(actions)}")
         rows = self._ask("step", [(actions[part],) for part in self._shares])
-        infos: dict[str, Any] = {}
-        for i, row in enumerate(rows):
-            if row[6] is not None:
-                infos = self._add_info(infos, {"final_obs": row[5], "final_info": row[6]}, i)
-            infos = self._add_info(infos, row[4], i)
-        self._last = [row[0] for row in rows]
-        rewards = np.array([row[1] for row in rows], dtype=np.float64)
-        terminated, truncated = (np.array([row[k] for row in rows], dtype=bool) for k in (2, 3))
-        return self._batch(self._last), rewards, terminated, truncated, infos
+        rewards = np.array([row[0] for row in rows], dtype=np.float64)
+        terminated, truncated = (np.array([row[k] for row in rows], dtype=bool) for k in (1, 2))
+        return self._observations(), rewards, terminated, truncated, self._infos(rows)
 
     def render(self) -> tuple[Any, ...]:
         """Return a picture of each environment; None of each without a render mode."""
@@ -149,5 +145,43 @@ class FollowVectorEnv(VectorEnv[Any, Any, Any]):
                 raise error
         return [result for results, _ in answers for result in results]
 
-    def _batch(self, observations: list[dict[str, NDArray[Any]]]) -> dict[str, NDArray[Any]]:
-        return {key: np.stack([observation[key] for observation in observations]) for key in observations[0]}
+    def _observations(self) -> dict[str, NDArray[Any]]:
+        """Return what the processes wrote, in arrays of its own."""
+        return {key: view.copy() for key, view in self._views.items()}
+
+    def _infos(self, rows: list[Row]) -> dict[str, Any]:
+        """Return the infos of a step as Gymnasium batches them; the usual case, all of a kind, in one go."""
+        infos = [row[3] for row in rows]
+        if all(row[5] is None for row in rows) and alike(infos):
+            return batched(infos)
+        together: dict[str, Any] = {}
+        for i, row in enumerate(rows):
+            if row[5] is not None:
+                together = self._add_info(together, {"final_obs": row[4], "final_info": row[5]}, i)
+            together = self._add_info(together, row[3], i)
+        return together
+
+
+def alike(infos: list[dict[str, Any]]) -> bool:
+    """Return whether all `infos` have the same keys, inner dicts too."""
+    first = infos[0]
+    if any(info.keys() != first.keys() for info in infos):
+        return False
+    return all(alike([info[key] for info in infos]) for key, value in first.items() if isinstance(value, dict))
+
+
+def batched(infos: list[dict[str, Any]]) -> dict[str, Any]:
+    """Return infos of the same keys as `VectorEnv._add_info` would add them up, one by one."""
+    together: dict[str, Any] = {}
+    for key, value in infos[0].items():
+        column = [info[key] for info in infos]
+        if isinstance(value, dict):
+            together[key] = batched(column)
+        elif isinstance(value, np.ndarray):
+            together[key] = np.array(column, dtype=value.dtype)
+        elif type(value) in (int, float, bool) or isinstance(value, np.number):
+            together[key] = np.array(column, dtype=type(value))
+        else:
+            together[key] = np.array([*column, None], dtype=object)[:-1].copy()
+        together[f"_{key}"] = np.ones(len(infos), dtype=np.bool_)
+    return together
