@@ -10,6 +10,8 @@ from .groups import GROUP_ABOVE, GROUP_CEILING, GROUP_HIDDEN, GROUP_SEEN
 from .lidar import LidarConfig
 from .mj import MjModel, MjSpec, mujoco
 from .people.body import PARTS, Physique, add_person
+from .people.outfit import add_outfit
+from .people.wardrobe import Outfit
 from .robot import RobotConfig, add_robot
 from .scenes.scene import Scene
 from .scenes.solids import Solid
@@ -43,9 +45,17 @@ class Building:
 
 
 def build(
-    scene: Scene, physiques: tuple[Physique, ...], robot: RobotConfig, lidar: LidarConfig, timestep: float
+    scene: Scene,
+    physiques: tuple[Physique, ...],
+    robot: RobotConfig,
+    lidar: LidarConfig,
+    timestep: float,
+    outfits: tuple[Outfit, ...] = (),
 ) -> Building:
-    """Return the model of `scene` with the robot and people at the origin; `timestep` of the physics in seconds."""
+    """Return the model of `scene` with the robot and people at the origin; `timestep` of the physics in seconds.
+
+    `outfits` are worn by the first people, one each; without, bodies are bare of what only a camera would see.
+    """
     spec = mujoco.MjSpec()
     spec.option.timestep = timestep
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
@@ -58,6 +68,8 @@ def build(
     add_robot(spec, robot, lidar.height, lidar.mount[:2])
     for index, physique in enumerate(physiques):
         add_person(spec, index, physique)
+    for index, outfit in enumerate(outfits):
+        add_outfit(spec, index, outfit)
     for index, door in enumerate(scene.doors):
         add_door(spec, index, door)
     model = spec.compile()

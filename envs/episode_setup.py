@@ -6,8 +6,11 @@ from typing import Any
 import numpy as np
 
 from ..perception.config import PerceptionConfig
+from ..perception.immobile.view import ViewMaker
 from ..perception.legs.detector import LegDetector
 from ..perception.legs.forest import LegForest
+from ..perception.rgbd.people import NoPeopleFinder, RgbdPeopleFinder
+from ..perception.rgbd.people_finder import PeopleFinder
 from ..perception.tracking.leader import LeaderSelector
 from ..perception.tracking.tracker import PeopleTracker
 from ..slam.ekf.engine import EkfSlam
@@ -16,11 +19,12 @@ from ..slam.gmapping.engine import GMapping
 from ..slam.graph.engine import Cartographer
 from .camera.config import RgbdConfig
 from .follow_config import FollowConfig
+from .immobile_map import Drawing, ImmobileDrawing, OwnDrawing
 from .interface import FollowInterface
 from .lidar import LidarConfig
 from .mappers import EngineMapper, GraphMapper, Mapper, NoMapper
 from .mind import Mind, NobodyLeads, PeopleSource, TrackedPeopleSource
-from .oracle import TrueMapper, TruePeopleSource
+from .oracle import TrueMapper, TruePeopleSource, TrueRgbdPeopleFinder
 from .robot import RobotConfig
 from .world import World, WorldConfig
 
@@ -108,17 +112,27 @@ class MindFactory:
         self._config = config
         self._perception = PerceptionConfig(far_width=FAR_WIDTH_M)
         self._forest = LegForest.load("simulation") if config.people == "tracker" else None
+        seen = "rgbd" in config.sensors and config.people == "tracker" and config.mapping == "immobile"
+        self._finder: RgbdPeopleFinder = PeopleFinder.load() if seen else NoPeopleFinder()
 
     @property
     def shared(self) -> dict[int, Any]:
         """What minds share and never change, as a memo for `copy.deepcopy`."""
-        return {id(self._forest): self._forest}
+        return {id(self._forest): self._forest, id(self._finder): self._finder}
 
     def make(self, world: World, rng: np.random.Generator) -> Mind:
         """Return a mind that knows nothing yet."""
         seed = int(rng.integers(2**31))
         selector = LeaderSelector(self._perception) if self._config.leader else NobodyLeads()
-        return Mind(self._people(world), selector, self._mapper(world, seed), self._perception)
+        return Mind(self._people(world), selector, self._mapper(world, seed), self._drawing(world), self._perception)
+
+    def _drawing(self, world: World) -> Drawing:
+        if self._config.mapping == "occupancy":
+            return OwnDrawing()
+        return ImmobileDrawing(world.config.lidar.height, ViewMaker(self._rgbd_people(world)))
+
+    def _rgbd_people(self, world: World) -> RgbdPeopleFinder:
+        return TrueRgbdPeopleFinder(world) if self._config.people == "truth" else self._finder
 
     def _people(self, world: World) -> PeopleSource:
         if self._forest is None:

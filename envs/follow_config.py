@@ -9,6 +9,7 @@ from ..slam.errors import InputError, unknown_name
 
 PEOPLE_SOURCES = ("tracker", "truth")
 SENSORS = ("lidar", "rgbd")
+MAPPINGS = ("occupancy", "immobile")
 SLAM_SOURCES = ("gmapping", "cartographer", "ekf", "truth", None)
 
 
@@ -25,6 +26,7 @@ class FollowConfig:
         people: How people reach the robot's mind: "tracker" from the scans, "truth" from the simulator.
         slam: Who builds the map: "gmapping", "cartographer", "ekf" (round landmarks; posts of 0.1 m radius), "truth"
             (known poses, an upper bound), None for no map at all.
+        mapping: What the map holds: "occupancy", or "immobile" area by laser and camera, which needs `slam`.
         leader: Whether somebody leads the robot; else it explores, and the episode is about coverage.
         people_count: Walking people in the building, the leader included; may be 0 without one.
         standing: Further people who come to stand still beside the route.
@@ -55,6 +57,7 @@ class FollowConfig:
     walking_paths: str | None = None
     people: str = "tracker"
     slam: str | None = "gmapping"
+    mapping: str = "occupancy"
     leader: bool = True
     people_count: int | None = 2
     standing: int = 0
@@ -86,6 +89,10 @@ class FollowConfig:
             )
         if self.slam not in SLAM_SOURCES:
             raise unknown_name("slam source", self.slam, tuple(str(name) for name in SLAM_SOURCES))
+        if self.mapping not in MAPPINGS:
+            raise unknown_name("mapping", self.mapping, MAPPINGS)
+        if self.mapping == "immobile" and self.slam is None:
+            raise InputError('`mapping="immobile"` needs poses: choose a `slam` other than None')
         object.__setattr__(self, "sensors", tuple(sorted(set(self.sensors))))
         for name in self.sensors:
             if name not in SENSORS:

@@ -87,6 +87,9 @@ class FollowEnv(gym.Env[Any, Any]):
     | `rgb` | (106, 128, 3) uint8 | red, green, blue | 0 .. 255 |
     | `depth` | (106, 128) float32 | depth along the camera's axis over 8 m; 0: nothing measured | 0 .. 1 |
 
+    With `mapping="immobile"` the map holds what never moves, by laser and, if there is one, camera: people and what has
+    come stay out of it, desk tops are in it; see `tagalong.perception.immobile`.
+
     The leader is chosen by the robot: the tracked person closest to it at onset. While it is lost, `leader` holds its
     predicted place with visible = 0; before one was chosen it is zero. Cell [i, j] of `map` lies at
     ((i + 0.5 - map_cells / 2) * map_resolution, likewise j) ahead and to the left. With `slam=None` nothing builds a
@@ -145,9 +148,10 @@ class FollowEnv(gym.Env[Any, Any]):
     ## Arguments
 
     `gymnasium.make("tagalong/Corridor-v0", people="truth", slam=None, ...)`: the fields of `FollowConfig` with their
-    defaults (scene, split, floor_plan, walking_paths, people, slam, leader, people_count, standing, leader_style,
-    odometry, drive, top_turn_rate, beams, field_of_view, laser_range, lidar_hz, sensors, camera_pixels, camera_hz,
-    control_hz, people_slots, map_cells, map_resolution, lost_limit_s, coverage, coverage_goal, ends_on_contact), and
+    defaults (scene, split, floor_plan, walking_paths, people, slam, mapping, leader, people_count, standing,
+    leader_style, odometry, drive, top_turn_rate, beams, field_of_view, laser_range, lidar_hz, sensors, camera_pixels,
+    camera_hz, control_hz, people_slots, map_cells, map_resolution, lost_limit_s, coverage, coverage_goal,
+    ends_on_contact), and
 
     - `render_mode`: None, "rgb_array", "human" (MuJoCo's viewer; needs a display).
     - `render_backend`: of "rgb_array": "topview" (needs no OpenGL), "mujoco" (camera; needs OpenGL).
@@ -208,6 +212,7 @@ class FollowEnv(gym.Env[Any, Any]):
         self.coverage = Coverage(world.scene, world.config.robot.size[1]) if measured else NoCoverage()
         self._action = np.zeros(len(self._top))
         self._belief: Belief = self._mind.update(world.scan(), world.odometry)
+        self._mind.look(world.frames)
         self._truth: TrueState = world.truth
         self.coverage.update(self._belief.filtered, self._truth.robot_pose)
         self._covered = self.coverage.share
@@ -294,6 +299,7 @@ class FollowEnv(gym.Env[Any, Any]):
         world.step(wanted * self._top)
         for scan, odometry in timed_odometry(world.scans, start_s, before, world.time_s, world.odometry):
             self._belief = self._mind.update(scan, odometry)
+        self._mind.look(world.frames)
         self._truth = world.truth
         self.coverage.update(self._belief.filtered, self._truth.robot_pose)
         self._trail.append(self._truth.robot_pose[:2])

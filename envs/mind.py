@@ -9,12 +9,14 @@ from numpy.typing import NDArray
 from ..perception.config import PerceptionConfig
 from ..perception.legs.detector import Detections
 from ..perception.people_filter import near_points, people_points_lidar, suspect_points_lidar
+from ..perception.rgbd.frame import RgbdFrame
 from ..perception.tracking.leader import Leader
 from ..perception.tracking.people import People
 from ..perception.tracking.tracker import PeopleTracker
 from ..slam.geometry import between, inverse, transform_points
 from ..slam.occupancy_map import OccupancyMap
 from ..slam.scan import LaserScan
+from .immobile_map import Drawing
 from .mappers import Mapper
 
 Array = NDArray[np.float64]
@@ -111,11 +113,15 @@ class Mind:
         people: Where the knowledge of people comes from.
         selector: Chooses and keeps the leader.
         mapper: Builds the map from people-free scans.
+        drawing: The map on the mapper's poses.
         config: How near to people, and to what may be people, returns are dropped.
     """
 
-    def __init__(self, people: PeopleSource, selector: Selector, mapper: Mapper, config: PerceptionConfig) -> None:
+    def __init__(
+        self, people: PeopleSource, selector: Selector, mapper: Mapper, drawing: Drawing, config: PerceptionConfig
+    ) -> None:
         self._people, self._selector, self._mapper, self._config = people, selector, mapper, config
+        self._drawing = drawing
         self._last: tuple[float, Array] | None = None
         self._velocity = np.zeros(3)
 
@@ -128,6 +134,7 @@ class Mind:
         near |= near_points(scan, self._people.suspects_lidar(scan), self._config.suspect_radius)
         filtered = scan.without(near)
         self._mapper.update(odometry, filtered)
+        grid = self._drawing.update(self._mapper, scan, near)
         return Belief(
             scan=scan,
             filtered=filtered,
@@ -136,9 +143,13 @@ class Mind:
             people=people,
             people_robot=people.in_frame_of(odometry),
             leader=None if leader is None else _in_robot_frame(leader, odometry),
-            map=self._mapper.map,
+            map=grid,
             map_pose=self._mapper.pose,
         )
+
+    def look(self, frames: tuple[RgbdFrame, ...]) -> None:
+        """Take the camera's frames, oldest first; what they say is in the map of later scans."""
+        self._drawing.look(frames)
 
     def _measure_velocity(self, time_s: float, odometry: Array) -> None:
         if self._last is not None:

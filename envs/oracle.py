@@ -6,6 +6,9 @@ No other module of the robot's mind reads the true state.
 import numpy as np
 from numpy.typing import NDArray
 
+from ..perception.rgbd.frame import RgbdFrame
+from ..perception.rgbd.people import RgbdPeople
+from ..perception.rgbd.planes import Planes
 from ..perception.tracking.people import People
 from ..slam.geometry import between, compose, inverse, transform_points
 from ..slam.occupancy_map import OccupancyMap
@@ -55,6 +58,27 @@ class TruePeopleSource:
     def suspects_lidar(self, scan: LaserScan) -> Array:
         """Return (0, 2): everybody is known."""
         return np.empty((0, 2))
+
+
+class TrueRgbdPeopleFinder:
+    """Everybody of whom a pixel is seen in the latest frame: an upper bound for whoever finds people in frames.
+
+    Args:
+        world: The simulator that took the frame.
+    """
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+
+    def find(self, frame: RgbdFrame, planes: Planes) -> RgbdPeople:
+        """Return the people in `frame`, which must be the world's latest; they stand where they are now."""
+        label = self._world.people_of(self._world.frame_geoms())
+        seen = np.unique(label[label >= 0])
+        rows = np.full(len(self._world.truth.people) + 1, -1, dtype=np.int32)
+        rows[seen] = np.arange(len(seen))
+        truth = self._world.truth
+        positions = transform_points(inverse(truth.robot_pose), truth.people.positions[seen])
+        return RgbdPeople(positions, np.ones(len(seen)), rows[label])
 
 
 class TrueMapper:

@@ -12,7 +12,6 @@ import os
 from typing import Any
 
 import numpy as np
-from gymnasium import spaces
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
@@ -20,7 +19,7 @@ from numpy.typing import NDArray
 from ..slam.errors import InputError
 from .episode_setup import interface
 from .follow_env import FollowEnv
-from .vector_worker import Row, shared_views, work
+from .vector_worker import Rows, joined, split, stacked, work
 
 Flags = NDArray[np.bool_]
 
@@ -71,17 +70,11 @@ class FollowVectorEnv(VectorEnv[Any, Any, Any]):
         self._start(context, max_episode_steps, fields)
 
     def _start(self, context: str | None, max_episode_steps: int | None, fields: dict[str, Any]) -> None:
-        start, space = mp.get_context(context), self.single_observation_space
-        assert isinstance(space, spaces.Dict)
-        sizes = {key: int(np.prod(part.shape or ())) * part.dtype.itemsize for key, part in space.items() if part.dtype}
-        buffers = {key: start.RawArray("b", self.num_envs * size) for key, size in sizes.items()}
-        self._views = shared_views(buffers, space, self.num_envs)
+        start = mp.get_context(context)
         self._pipes, self._processes = [], []
         for share in self._shares:
             ours, theirs = start.Pipe()
-            part = slice(share[0], share[-1] + 1)
-            how = (self.metadata["autoreset_mode"], max_episode_steps, fields)
-            arguments = (theirs, part, self.num_envs, buffers, space, *how)
+            arguments = (theirs, len(share), self.metadata["autoreset_mode"], max_episode_steps, fields)
             process = start.Process(target=work, args=arguments, daemon=True)  # pyright: ignore[reportAttributeAccessIssue]
             process.start()
             theirs.close()
@@ -106,25 +99,51 @@ class FollowVectorEnv(VectorEnv[Any, Any, Any]):
         if mask.shape != (self.num_envs,) or mask.dtype != bool:
             raise InputError(f"`reset_mask` must be boolean of shape ({self.num_envs},), got {mask.dtype} {mask.shape}")
         tasks = [([seeds[i] for i in part], wanted, [bool(mask[i]) for i in part]) for part in self._shares]
+        results = [result for results in self._ask("reset", tasks) for result in results]
         infos: dict[str, Any] = {}
-        for i, info in enumerate(self._ask("reset", tasks)):
-            if info is not None:
-                infos = self._add_info(infos, info, i)
-        return self._observations(), infos
+        for i, result in enumerate(results):
+            if result is not None:
+                infos = self._add_info(infos, result[1], i)
+        fresh = stacked([result[0] for result in results if result is not None])
+        if not mask.all():
+            fresh = {key: self._place(self._last[key], values, mask) for key, values in fresh.items()}
+        self._last = fresh
+        return {key: values.copy() for key, values in fresh.items()}, infos
 
     def step(self, actions: Any) -> tuple[Any, NDArray[np.float64], Flags, Flags, dict[str, Any]]:
         """Drive all environments for one control period; `actions` (num_envs, a)."""
         actions = np.asarray(actions)
         if len(actions) != self.num_envs:
             raise InputError(f"needs an action for each of the {self.num_envs} environments, got {len(actions)}")
-        rows = self._ask("step", [(actions[part],) for part in self._shares])
-        rewards = np.array([row[0] for row in rows], dtype=np.float64)
-        terminated, truncated = (np.array([row[k] for row in rows], dtype=bool) for k in (1, 2))
-        return self._observations(), rewards, terminated, truncated, self._infos(rows)
+        shares: list[Rows] = self._ask("step", [(actions[part],) for part in self._shares])
+        self._last = {
+            key: np.concatenate([share.observations[key] for share in shares]) for key in shares[0].observations
+        }
+        rewards, terminated, truncated = (
+            np.concatenate([getattr(share, name) for share in shares])
+            for name in ("rewards", "terminated", "truncated")
+        )
+        observations = {key: values.copy() for key, values in self._last.items()}
+        return observations, rewards, terminated, truncated, self._infos(shares)
+
+    def _infos(self, shares: list[Rows]) -> dict[str, Any]:
+        """Return the infos of all environments as Gymnasium batches them."""
+        tables = [share.columns for share in shares if share.columns is not None]
+        infos = joined(tables, self.num_envs) if len(tables) == len(shares) else None
+        if infos is not None:
+            return infos
+        infos, i = {}, 0
+        for share in shares:
+            for info, last, last_info in share.infos or [(row, None, None) for row in split(share.columns or {})]:
+                if last_info is not None:
+                    infos = self._add_info(infos, {"final_obs": last, "final_info": last_info}, i)
+                infos = self._add_info(infos, info, i)
+                i += 1
+        return infos
 
     def render(self) -> tuple[Any, ...]:
         """Return a picture of each environment; None of each without a render mode."""
-        return tuple(self._ask("render", [()] * len(self._shares)))
+        return tuple(image for images in self._ask("render", [()] * len(self._shares)) for image in images)
 
     def close_extras(self, **kwargs: Any) -> None:
         """End the processes."""
@@ -136,52 +155,18 @@ class FollowVectorEnv(VectorEnv[Any, Any, Any]):
             process.join()
 
     def _ask(self, name: str, tasks: list[tuple[Any, ...]]) -> list[Any]:
-        """Let every process do its part at the same time; return the results in the order of the environments."""
+        """Let every process do its part at the same time; return their results in the order of the shares."""
         for pipe, task in zip(self._pipes, tasks, strict=True):
             pipe.send((name, task))
         answers = [pipe.recv() for pipe in self._pipes]
         for _, error in answers:
             if error is not None:
                 raise error
-        return [result for results, _ in answers for result in results]
+        return [result for result, _ in answers]
 
-    def _observations(self) -> dict[str, NDArray[Any]]:
-        """Return what the processes wrote, in arrays of its own."""
-        return {key: view.copy() for key, view in self._views.items()}
-
-    def _infos(self, rows: list[Row]) -> dict[str, Any]:
-        """Return the infos of a step as Gymnasium batches them; the usual case, all of a kind, in one go."""
-        infos = [row[3] for row in rows]
-        if all(row[5] is None for row in rows) and alike(infos):
-            return batched(infos)
-        together: dict[str, Any] = {}
-        for i, row in enumerate(rows):
-            if row[5] is not None:
-                together = self._add_info(together, {"final_obs": row[4], "final_info": row[5]}, i)
-            together = self._add_info(together, row[3], i)
-        return together
-
-
-def alike(infos: list[dict[str, Any]]) -> bool:
-    """Return whether all `infos` have the same keys, inner dicts too."""
-    first = infos[0]
-    if any(info.keys() != first.keys() for info in infos):
-        return False
-    return all(alike([info[key] for info in infos]) for key, value in first.items() if isinstance(value, dict))
-
-
-def batched(infos: list[dict[str, Any]]) -> dict[str, Any]:
-    """Return infos of the same keys as `VectorEnv._add_info` would add them up, one by one."""
-    together: dict[str, Any] = {}
-    for key, value in infos[0].items():
-        column = [info[key] for info in infos]
-        if isinstance(value, dict):
-            together[key] = batched(column)
-        elif isinstance(value, np.ndarray):
-            together[key] = np.array(column, dtype=value.dtype)
-        elif type(value) in (int, float, bool) or isinstance(value, np.number):
-            together[key] = np.array(column, dtype=type(value))
-        else:
-            together[key] = np.array([*column, None], dtype=object)[:-1].copy()
-        together[f"_{key}"] = np.ones(len(infos), dtype=np.bool_)
-    return together
+    @staticmethod
+    def _place(old: NDArray[Any], fresh: NDArray[Any], mask: Flags) -> NDArray[Any]:
+        """Return `old` (num_envs, ...) with the rows of `mask` replaced by `fresh`."""
+        placed = old.copy()
+        placed[mask] = fresh
+        return placed

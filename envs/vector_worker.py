@@ -1,10 +1,10 @@
 """One process's share of a vector environment."""
 
+from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from typing import Any
 
 import numpy as np
-from gymnasium import spaces
 from gymnasium.vector import AutoresetMode
 from gymnasium.wrappers import TimeLimit
 from numpy.typing import NDArray
@@ -12,19 +12,87 @@ from numpy.typing import NDArray
 from ..slam.errors import InputError
 from .follow_env import FollowEnv
 
-Row = tuple[float, bool, bool, dict[str, Any], Any, dict[str, Any] | None]
-"""Reward, terminated, truncated, info, and of an episode that ended in this step its last observation and info where
-the next one has begun already. The observation itself stands in shared memory."""
-Views = dict[str, NDArray[Any]]
+Row = tuple[Any, float, bool, bool, dict[str, Any], Any, dict[str, Any] | None]
+"""Observation, reward, terminated, truncated, info, and of an episode that ended in this step its last observation and
+info where the next one has begun already."""
 
 
-def shared_views(buffers: dict[str, Any], space: spaces.Dict, count: int) -> Views:
-    """Return arrays (count, ...) for the observations of `count` environments in the memory of `buffers`."""
-    views = {}
-    for key, part in space.spaces.items():
-        assert part.dtype is not None
-        views[key] = np.frombuffer(buffers[key], part.dtype).reshape(count, *(part.shape or ()))
-    return views
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """One step of a share, batched where it was computed: the process that asks for it has less to do.
+
+    Attributes:
+        observations: Of k environments, by name.
+        rewards: (k,).
+        terminated: (k,).
+        truncated: (k,).
+        columns: Their infos by name, see `columns`; None where they differ in kind.
+        infos: Their infos one by one, and what ended in this step; empty where `columns` says all.
+    """
+
+    observations: dict[str, NDArray[Any]]
+    rewards: NDArray[np.float64]
+    terminated: NDArray[np.bool_]
+    truncated: NDArray[np.bool_]
+    columns: dict[str, Any] | None
+    infos: list[tuple[dict[str, Any], Any, dict[str, Any] | None]]
+
+
+def stacked(observations: list[dict[str, NDArray[Any]]]) -> dict[str, NDArray[Any]]:
+    """Return the batch of `observations`, by name."""
+    return {key: np.stack([observation[key] for observation in observations]) for key in observations[0]}
+
+
+def columns(infos: list[dict[str, Any]]) -> dict[str, Any] | None:
+    """Return arrays (k, ...) of the entries of k `infos` as Gymnasium batches them; None where their names differ."""
+    names = infos[0].keys()
+    if any(info.keys() != names for info in infos):
+        return None
+    table: dict[str, Any] = {}
+    for name in names:
+        values = [info[name] for info in infos]
+        first = values[0]
+        if isinstance(first, dict):
+            table[name] = columns(values)
+            if table[name] is None:
+                return None
+        elif isinstance(first, np.ndarray):
+            table[name] = np.stack(values)
+        elif isinstance(first, int | float | np.number):
+            table[name] = np.array(values, dtype=type(first))
+        else:
+            table[name] = np.empty(len(values), dtype=object)
+            table[name][:] = values
+    return table
+
+
+def split(table: dict[str, Any]) -> list[dict[str, Any]]:
+    """Return the k infos that `columns` made `table` of."""
+    rows: list[dict[str, Any]] = []
+    for name, values in table.items():
+        each = split(values) if isinstance(values, dict) else values
+        rows = rows or [{} for _ in each]
+        for row, value in zip(rows, each, strict=True):
+            row[name] = value
+    return rows
+
+
+def joined(tables: list[dict[str, Any]], count: int) -> dict[str, Any] | None:
+    """Return the infos of `count` environments, with masks, from the `columns` of shares; None where they differ."""
+    names = tables[0].keys()
+    if any(table.keys() != names for table in tables):
+        return None
+    infos: dict[str, Any] = {}
+    for name in names:
+        parts = [table[name] for table in tables]
+        if isinstance(parts[0], dict):
+            infos[name] = joined(parts, count)
+            if infos[name] is None:
+                return None
+        else:
+            infos[name] = np.concatenate(parts, dtype=parts[0].dtype, casting="unsafe")
+        infos[f"_{name}"] = np.ones(count, dtype=bool)
+    return infos
 
 
 class Share:
@@ -35,29 +103,34 @@ class Share:
         mode: When an ended episode is followed by the next.
         max_episode_steps: Steps after which an episode is truncated; None never.
         fields: Keyword arguments of `FollowEnv`.
-        views: Where their observations are written, (count, ...) of each entry.
     """
 
-    def __init__(
-        self, count: int, mode: AutoresetMode, max_episode_steps: int | None, fields: dict[str, Any], views: Views
-    ) -> None:
+    def __init__(self, count: int, mode: AutoresetMode, max_episode_steps: int | None, fields: dict[str, Any]) -> None:
         single = [FollowEnv(**fields) for _ in range(count)]
         self._envs = [TimeLimit(env, max_episode_steps) if max_episode_steps else env for env in single]
         self._mode = mode
-        self._views = views
         self._ended = np.zeros(count, dtype=bool)
 
     def reset(self, seeds: list[int | None], options: dict[str, Any] | None, chosen: list[bool]) -> list[Any]:
-        """Return the info of each environment that is `chosen`, None of the others."""
+        """Return (observation, info) of each environment that is `chosen`, None of the others."""
         results: list[Any] = []
         for i, (env, seed, wanted) in enumerate(zip(self._envs, seeds, chosen, strict=True)):
             self._ended[i] = self._ended[i] and not wanted
-            results.append(self._started(i, env, seed=seed, options=options) if wanted else None)
+            results.append(env.reset(seed=seed, options=options) if wanted else None)
         return results
 
-    def step(self, actions: Any) -> list[Row]:
+    def step(self, actions: Any) -> Rows:
         """Return what became of each environment under `actions` (count, ...)."""
-        return [self._step(i, env, actions[i]) for i, env in enumerate(self._envs)]
+        rows = [self._step(i, env, actions[i]) for i, env in enumerate(self._envs)]
+        alike = None if any(row[6] is not None for row in rows) else columns([row[4] for row in rows])
+        return Rows(
+            observations=stacked([row[0] for row in rows]),
+            rewards=np.array([row[1] for row in rows], dtype=np.float64),
+            terminated=np.array([row[2] for row in rows], dtype=bool),
+            truncated=np.array([row[3] for row in rows], dtype=bool),
+            columns=alike,
+            infos=[] if alike is not None else [row[4:] for row in rows],
+        )
 
     def render(self) -> list[Any]:
         """Return a picture of each environment."""
@@ -68,41 +141,26 @@ class Share:
             if self._mode == AutoresetMode.DISABLED:
                 raise InputError(f"the episode of environment {i} of this worker has ended: reset it first")
             self._ended[i] = False
-            return 0.0, False, False, self._started(i, env), None, None
+            observation, info = env.reset()
+            return observation, 0.0, False, False, info, None, None
         observation, reward, terminated, truncated, info = env.step(action)
         ended = terminated or truncated
         if ended and self._mode == AutoresetMode.SAME_STEP:
-            return reward, terminated, truncated, self._started(i, env), observation, info
+            last, last_info = observation, info
+            observation, info = env.reset()
+            return observation, reward, terminated, truncated, info, last, last_info
         self._ended[i] = ended
-        self._write(i, observation)
-        return reward, terminated, truncated, info, None, None
-
-    def _started(self, i: int, env: Any, **arguments: Any) -> dict[str, Any]:
-        observation, info = env.reset(**arguments)
-        self._write(i, observation)
-        return info
-
-    def _write(self, i: int, observation: dict[str, NDArray[Any]]) -> None:
-        for key, value in observation.items():
-            self._views[key][i] = value
+        return observation, reward, terminated, truncated, info, None, None
 
 
 def work(
-    pipe: Connection,
-    part: slice,
-    num_envs: int,
-    buffers: dict[str, Any],
-    space: spaces.Dict,
-    mode: AutoresetMode,
-    max_episode_steps: int | None,
-    fields: dict[str, Any],
+    pipe: Connection, count: int, mode: AutoresetMode, max_episode_steps: int | None, fields: dict[str, Any]
 ) -> None:
     """Do what comes through `pipe`, (name of a method of `Share`, its arguments), until None comes.
 
-    Answers are (result, None), or (None, error). Observations are written to the rows `part` of `buffers`.
+    Answers are (result, None), or (None, error).
     """
-    views = {key: view[part] for key, view in shared_views(buffers, space, num_envs).items()}
-    share = Share(part.stop - part.start, mode, max_episode_steps, fields, views)
+    share = Share(count, mode, max_episode_steps, fields)
     while True:
         try:
             task = pipe.recv()

@@ -22,6 +22,7 @@ from .people.crowd import Casting, Crowd, CrowdState
 from .people.terrain import Terrain
 from .people.walking import locate
 from .people.wanderers import MOST_DRAWN, cast_wanderers
+from .people.wardrobe import Outfit, draw_outfit, wardrobe
 from .robot import Robot
 from .scenes.catalogue import make_scene
 from .scenes.recorded_walks import with_recorded_walks
@@ -110,7 +111,8 @@ class World:
 
     def _assemble(self, terrain: Terrain, casting: Casting, people: CrowdState) -> None:
         config = self.config
-        self._building = build(self.scene, casting.physiques, config.robot, config.lidar, config.physics_dt)
+        outfits = self._outfits(len(casting.physiques))
+        self._building = build(self.scene, casting.physiques, config.robot, config.lidar, config.physics_dt, outfits)
         self.model = self._building.model
         self.data = mujoco.MjData(self.model)
         self.data.qpos[:3] = self.start
@@ -118,7 +120,7 @@ class World:
         self._doors = Doors(self.scene.doors)
         self._camera = self._ticks_per_frame = None
         if config.camera is not None:
-            looks = dress(self.model, np.random.default_rng(self._looks_seed))
+            looks = dress(self.model, np.random.default_rng(self._looks_seed), outfits)
             self._camera = RgbdCamera(config.camera, self.model, looks)
             self._ticks_per_frame = whole_ratio("camera", 1.0 / config.camera.rate_hz, TICK)
         self._pose_movers()
@@ -136,6 +138,13 @@ class World:
         self._labels = np.zeros(0, dtype=np.int32)
         self._frames: tuple[RgbdFrame, ...] = ()
         self._geoms = np.zeros((0, 0), dtype=np.int32)
+
+    def _outfits(self, count: int) -> tuple[Outfit, ...]:
+        """Return what each of `count` people wears; () without a camera."""
+        if self.config.camera is None:
+            return ()
+        rng, choice = np.random.default_rng([self._looks_seed, 1]), wardrobe(self.config.camera.wardrobe)
+        return tuple(draw_outfit(rng, choice) for _ in range(count))
 
     def step(self, command: ArrayLike) -> None:
         """Advance one control period.

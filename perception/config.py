@@ -68,6 +68,11 @@ class PerceptionConfig:
         grid_resolution: Side of a cell of the local occupancy grid [m].
         grid_rise_s: Time under non-human points until a cell counts as occupied [s].
         grid_fade_s: How fast a cell that is no longer hit becomes free again [s].
+        camera_gate: Largest distance between a person and where the camera saw it [m].
+        camera_r: Measurement noise of the camera, R = camera_r I [m^2].
+        camera_sure: From this likelihood on the camera can start a person, in [0, 1].
+        camera_frames: After so many frames.
+        camera_wait_s: Longest time between two of these frames [s].
         still_time_s: A leg track that never moved for this long, and is nobody's leg, marks the grid as not human [s].
     """
 
@@ -118,13 +123,18 @@ class PerceptionConfig:
     grid_rise_s: float = 0.3
     grid_fade_s: float = 3.0
     still_time_s: float = 3.0
+    camera_gate: float = 0.6
+    camera_r: float = 0.05
+    camera_sure: float = 0.7
+    camera_frames: int = 3
+    camera_wait_s: float = 1.5
 
     def __post_init__(self) -> None:
         for field in fields(self):
             value = getattr(self, field.name)
             if not (value > 0 or (field.name == "far_width" and value == 0)):
                 raise InputError(f"`{field.name}` must be positive, got {value}")
-        for name in ("gamma", "c_min", "confidence_gain", "sure_confidence"):
+        for name in ("gamma", "c_min", "confidence_gain", "sure_confidence", "camera_sure"):
             if getattr(self, name) >= 1.0:
                 raise InputError(f"`{name}` must be below 1, got {getattr(self, name)}")
 

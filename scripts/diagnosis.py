@@ -22,7 +22,10 @@ EXTRAS: Mapping[str, tuple[str, ...]] = {
     "viz": ("matplotlib", "moviepy"),
     "ros": ("rosbags",),
     "cluster": ("ray", "distributed"),
-    "dev": ("build", "basedpyright", "evo", "hypothesis", "pysocialforce", "pytest", "pytest-xdist", "rosbags", "ruff"),
+    "dev": (
+        *("build", "basedpyright", "evo", "hypothesis", "pysocialforce", "pytest", "pytest-xdist", "rosbags", "ruff"),
+        "scikit-image",
+    ),
 }
 """Distributions that each extra brings."""
 

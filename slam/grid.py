@@ -107,7 +107,10 @@ class OccupancyGrid:
 
     def _cut(self, probability: NDArray[np.float32]) -> OccupancyMap:
         """Return `probability` (rows, cols) of all cells as a map, cut to what is known."""
-        known = self._stamps > 0
+        return self._cut_known(probability, self._stamps > 0)
+
+    def _cut_known(self, probability: NDArray[np.float32], known: NDArray[np.bool_]) -> OccupancyMap:
+        """Return `probability` (rows, cols) as a map, cut to the `known` (rows, cols) cells."""
         if not known.any():
             return OccupancyMap(np.full((1, 1), np.nan, dtype=np.float32), self.config.resolution, (0.0, 0.0))
         rows, cols = np.flatnonzero(known.any(axis=1)), np.flatnonzero(known.any(axis=0))
@@ -118,7 +121,7 @@ class OccupancyGrid:
 
     def _reach(self, cells: NDArray[np.float64]) -> None:
         """Grow until all `cells` (n, 2) x, y are inside."""
-        size = np.array(self._log_odds.shape[::-1])
+        size = np.array(self._log_odds.shape[:-3:-1])
         lower = np.floor(cells.min(axis=0)).astype(np.int64)
         upper = np.floor(cells.max(axis=0)).astype(np.int64) + 1
         if size.all() and (lower >= self._corner).all() and (upper <= self._corner + size).all():
@@ -132,8 +135,8 @@ class OccupancyGrid:
         col, row = self._corner - lower if size.all() else (0, 0)
         for name in self._layers:
             old = getattr(self, name)
-            grown = np.zeros((upper - lower)[::-1], dtype=old.dtype)
-            grown[row : row + old.shape[0], col : col + old.shape[1]] = old
+            grown = np.zeros((*old.shape[:-2], *(upper - lower)[::-1]), dtype=old.dtype)
+            grown[..., row : row + old.shape[-2], col : col + old.shape[-1]] = old
             setattr(self, name, grown)
         self._corner = lower
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from ...perception.rgbd.frame import Pinhole
 from ...slam.errors import InputError, unknown_name
+from ..people.wardrobe import wardrobe
 
 BACKENDS = ("rays", "opengl")
 
@@ -31,6 +32,7 @@ class RgbdConfig:
         edge_missing: Probability that a pixel whose neighbour is much farther or nearer measures nothing.
         missing: Probability that any other pixel measures nothing.
         vibration: Standard deviation of pitch and of roll, drawn anew for each frame [rad].
+        wardrobe: What people wear, see `envs/people/wardrobe.py`: "everyday", or "training" for frames to train on.
         backend: "rays", or "opengl" for MuJoCo's renderer.
     """
 
@@ -47,11 +49,13 @@ class RgbdConfig:
     edge_missing: float = 0.7
     missing: float = 0.002
     vibration: float = 0.0
+    wardrobe: str = "everyday"
     backend: str = "rays"
 
     def __post_init__(self) -> None:
         if self.backend not in BACKENDS:
             raise unknown_name("camera back end", self.backend, BACKENDS)
+        wardrobe(self.wardrobe)
         if not 0.0 < self.range_min < self.range_max:
             raise InputError(f"need 0 < `range_min` < `range_max` [m], got {self.range_min} and {self.range_max}")
         for name in ("edge_missing", "missing"):

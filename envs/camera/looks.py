@@ -5,25 +5,16 @@ of the geom, so that no texture has to be laid on any shape.
 """
 
 from dataclasses import dataclass
-from enum import IntEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..mj import MjModel
 from ..people.body import PARTS
+from ..people.wardrobe import Outfit, draw_outfit, wardrobe
+from .pattern import Pattern
 
 Array = NDArray[np.float64]
-
-
-class Pattern(IntEnum):
-    """How the two colours of a geom alternate."""
-
-    PLAIN = 0
-    STRIPES = 1
-    CHECKS = 2
-    GRAIN = 3
-    HEAD = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,10 +36,9 @@ class Looks:
 
 _SKINS = np.array([(0.94, 0.78, 0.67), (0.86, 0.66, 0.52), (0.71, 0.50, 0.36), (0.50, 0.33, 0.23), (0.33, 0.22, 0.16)])
 _HAIR = np.array([(0.08, 0.07, 0.06), (0.25, 0.16, 0.09), (0.45, 0.30, 0.16), (0.75, 0.62, 0.38), (0.6, 0.6, 0.6)])
-_CLOTH = (Pattern.PLAIN, Pattern.PLAIN, Pattern.STRIPES, Pattern.CHECKS, Pattern.GRAIN)
 
 
-def dress(model: MjModel, rng: np.random.Generator) -> Looks:
+def dress(model: MjModel, rng: np.random.Generator, outfits: tuple[Outfit, ...] | None = None) -> Looks:
     """Draw paint for the building and clothing for its people, light the room, and write both into `model`.
 
     OpenGL then shows the first colours; patterns are seen by the ray caster alone.
@@ -56,6 +46,7 @@ def dress(model: MjModel, rng: np.random.Generator) -> Looks:
     Args:
         model: The compiled world; its geoms' colours are where the drawing starts.
         rng: Source of all draws.
+        outfits: What the people wear whose shapes are in the model; None draws colours for bodies without.
     """
     count = model.ngeom
     first = np.array(model.geom_rgba[:, :3], dtype=np.float64)
@@ -64,8 +55,9 @@ def dress(model: MjModel, rng: np.random.Generator) -> Looks:
     for geom in np.flatnonzero(rng.random(count) < 0.4).tolist():
         _pattern(looks, geom, Pattern.GRAIN, first[geom] * rng.uniform(0.7, 0.9), rng.uniform(0.3, 0.9))
     people = [body for body in range(model.nbody) if model.body(body).name.startswith("person")]
-    for start in range(0, len(people), len(PARTS)):
-        _dress_person(model, people[start : start + len(PARTS)], looks, rng)
+    for person in range(len(people) // len(PARTS)):
+        outfit = outfits[person] if outfits is not None else draw_outfit(rng, wardrobe("everyday"))
+        _dress_person(model, people[person * len(PARTS) : (person + 1) * len(PARTS)], looks, outfit, rng)
     model.geom_rgba[:, :3] = looks.first
     _light(model, rng)
     return looks
@@ -75,26 +67,36 @@ def _pattern(looks: Looks, geom: int, pattern: Pattern, second: Array, period: f
     looks.pattern[geom], looks.second[geom], looks.period[geom] = pattern, second, period
 
 
-def _dress_person(model: MjModel, bodies: list[int], looks: Looks, rng: np.random.Generator) -> None:
+def _dress_person(model: MjModel, bodies: list[int], looks: Looks, outfit: Outfit, rng: np.random.Generator) -> None:
     """Dress one person: shirt with a pattern, trousers, shoes, skin, hair."""
-    skin = _SKINS[rng.integers(len(_SKINS))] * rng.uniform(0.92, 1.05)
-    hair = _HAIR[rng.integers(len(_HAIR))] * rng.uniform(0.8, 1.2)
-    shirt, other, trousers = rng.uniform(0.05, 0.95, (3, 3))
-    trousers = trousers * rng.uniform(0.3, 0.9)
+    skin = np.clip(_SKINS[rng.integers(len(_SKINS))] * rng.uniform(0.92, 1.05), 0.0, 1.0)
+    hair = np.clip(_HAIR[rng.integers(len(_HAIR))] * rng.uniform(0.8, 1.2), 0.0, 1.0)
     shoes = np.full(3, rng.uniform(0.05, 0.5))
-    pattern, period = _CLOTH[rng.integers(len(_CLOTH))], rng.uniform(0.05, 0.25)
+    plain = {"skin": skin, "hair": hair, "trousers": outfit.trousers, "shoes": shoes, "extra": outfit.extra_colour}
     for part, body in zip(PARTS, bodies, strict=True):
         geoms = np.arange(model.ngeom)[model.geom_bodyid == body]
-        for number, geom in enumerate(geoms):
-            if part == "head":
-                looks.first[geom] = np.clip(skin, 0.0, 1.0)
-                _pattern(looks, geom, Pattern.HEAD, np.clip(hair, 0.0, 1.0), 1.0)
-            elif part == "torso":
-                looks.first[geom] = shirt
-                _pattern(looks, geom, pattern, other, period)
+        for number, geom in enumerate(geoms.tolist()):
+            cloth = _cloth(model.geom(geom).name, part, number, outfit)
+            looks.pattern[geom] = Pattern.PLAIN
+            if cloth == "head":
+                looks.first[geom] = skin
+                _pattern(looks, geom, Pattern.HEAD, hair, 1.0)
+            elif cloth == "shirt":
+                looks.first[geom] = outfit.shirt
+                _pattern(looks, geom, outfit.pattern, outfit.second, outfit.period)
             else:
-                looks.first[geom] = shoes if number == 1 else trousers
-                looks.pattern[geom] = Pattern.PLAIN
+                looks.first[geom] = plain[cloth]
+
+
+def _cloth(name: str, part: str, number: int, outfit: Outfit) -> str:
+    """Return what covers a geom: the third word of its name where an outfit brought it, else by its part."""
+    if len(name.split()) > 3:
+        return name.split()[2]
+    if part in ("head", "torso"):
+        return "head" if part == "head" else "shirt"
+    if part.endswith("shin") and number == 1:
+        return "shoes"
+    return "skin" if outfit.garment == "shorts" and part.endswith("shin") else "trousers"
 
 
 def _light(model: MjModel, rng: np.random.Generator) -> None:
@@ -130,5 +132,6 @@ def colours(looks: Looks, geom: NDArray[np.int32], local: Array) -> Array:
     grain = np.sin(9.0 * scaled[:, 0] + 4.0 * np.sin(5.0 * scaled[:, 1])) * np.sin(7.0 * scaled[:, 2] + scaled[:, 1])
     share = np.where(pattern == Pattern.GRAIN, 0.5 + 0.5 * grain, share)
     haired = (local[:, 2] > 0.05) | (local[:, 0] < 0.02 * np.sign(local[:, 2]))
+    share = np.where(pattern == Pattern.PANEL, (local[:, 0] > 0.0) & (np.abs(local[:, 1]) < 0.05), share)
     share = np.where(pattern == Pattern.HEAD, haired & (local[:, 2] > -0.06), share)
     return looks.first[geom] + share[:, None] * (looks.second[geom] - looks.first[geom])

@@ -142,11 +142,12 @@ def _corner_a(rng: np.random.Generator, depth: float) -> list[Solid]:
 
 
 def _corner_b(rng: np.random.Generator, length: float, depth: float) -> list[Solid]:
-    """Return a row of boxes across the corner, with room behind."""
+    """Return boxes round the corner, lower than the camera, with room behind."""
     middle = length - 0.62 + rng.uniform(-0.03, 0.03)
     front = depth - 1.25
     return [
         box("carton", (length - 1.2, front), (middle - 0.01, front + 0.4), rng.uniform(0.55, 0.75)),
+        box("carton", (length - 1.2, front + 0.41), (length - 0.85, depth - 0.3), 0.7),
         box("carton", (middle + 0.01, front - 0.05), (length - 0.03, front + 0.4), rng.uniform(0.7, 0.95)),
     ]
 
@@ -227,7 +228,7 @@ def _marks(length: float, depth: float, door: float, errands: tuple[Errand, ...]
     d1, d2, e, g = errands
     return {
         "a": around((0.0, depth - 1.53), (1.48, depth)),
-        "b": around((length - 1.2, depth - 0.85), (length, depth)),
+        "b": around((length - 0.84, depth - 0.84), (length, depth)),
         "c": around((door - _DOOR / 2.0, -_WALL - 0.05), (door + _DOOR / 2.0, 0.05)),
         "d1": about(d1.places[0]),
         "d2": about(d2.places[0]),

@@ -9,6 +9,7 @@ from .cells import FreeSpace
 from .polyline import tangents
 from .scene import RUN_OUT, Scene, Walk, choose_route
 from .solids import Solid
+from .way_kernel import apart
 from .ways import STEP, Way, WayPlanner, folds
 
 Array = NDArray[np.float64]
@@ -115,7 +116,7 @@ def _walks(planner: WayPlanner, rng: np.random.Generator, count: int) -> list[Wa
     walks: list[Walk] = []
     for _ in range(count):
         start = planner.places[rng.integers(len(planner.places))]
-        price = planner.distances(start)
+        price = planner.distances(start, within=35.0)
         goals = planner.places[(price > 5.0) & (price < 35.0)]
         for goal in goals[rng.integers(len(goals), size=_GOALS)] if len(goals) else ():
             way = planner.way(np.array([start, goal]))
@@ -133,7 +134,6 @@ def _beside(points: Array, space: FreeSpace) -> Array:
     found = []
     for lateral in (-1.0, -0.85, 0.85, 1.0):
         spots = points + lateral * left
-        apart = np.hypot(*(spots[:, None] - points[None]).transpose(2, 0, 1)).min(axis=1)
-        room = inner & (space.clearance_at(spots) > 0.34) & (apart > abs(lateral) - 0.02)
+        room = inner & (space.clearance_at(spots) > 0.34) & (apart(spots, points) > abs(lateral) - 0.02)
         found.append(np.stack((arcs[room], np.full(int(room.sum()), lateral)), axis=-1))
     return np.concatenate(found)

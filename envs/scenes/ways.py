@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .cells import FreeSpace, regions
 from .polyline import resample
-from .way_kernel import search, smooth
+from .way_kernel import explore, nearest, smooth
 
 Array = NDArray[np.float64]
 
@@ -38,6 +38,34 @@ class Way:
         return (len(self.points) - 1) * STEP
 
 
+class Search:
+    """Dijkstra's search from one cell, carried only as far as it is asked for.
+
+    Args:
+        cost: (rows, cols) price of a cell; inf cannot be entered.
+        row: Of the start.
+        col: Of the start.
+
+    Attributes:
+        price: (rows, cols) price of the cheapest way to each cell that is settled.
+        before: (rows, cols) flat index of the cell before on it, -1 at the start.
+    """
+
+    def __init__(self, cost: Array, row: int, col: int) -> None:
+        self._cost = cost
+        self.price, self.before = np.full(cost.shape, np.inf), np.full(cost.shape, -1, dtype=np.int64)
+        self._settled = np.zeros(cost.shape, dtype=bool)
+        self._heap = np.empty(8 * cost.size), np.empty(8 * cost.size, dtype=np.int64)
+        self.price[row, col] = 0.0
+        self._heap[0][0], self._heap[1][0] = 0.0, row * cost.shape[1] + col
+        self._size = 1
+
+    def settle(self, goal: int = -1, limit: float = np.inf) -> None:
+        """Settle the cell of the flat index `goal`, or all cells up to the price `limit`."""
+        state = self.price, self.before, self._settled, self._heap, self._size
+        self._size = explore(self._cost, *state, goal, limit)
+
+
 class WayPlanner:
     """Plans ways that keep `clearance` from everything.
 
@@ -55,7 +83,7 @@ class WayPlanner:
         self._origin = np.asarray(space.origin) + offset
         narrow = np.clip((_COMFORT - self._coarse) / _COMFORT, 0.0, 1.0)
         self._cost = np.where(self._coarse >= clearance, 1.0 + 3.0 * narrow**2, np.inf)
-        self._searches: dict[tuple[int, int], tuple[Array, NDArray[np.int64]]] = {}
+        self._searches: dict[tuple[int, int], Search] = {}
 
     @cached_property
     def regions(self) -> NDArray[np.int64]:
@@ -70,6 +98,10 @@ class WayPlanner:
         rows, cols = np.nonzero(self.regions == int(sizes.argmax())) if sizes.any() else (np.zeros(0), np.zeros(0))
         return np.stack((cols, rows), axis=-1) * self._side + self._origin
 
+    @cached_property
+    def _place_cells(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        return self._cells(self.places)
+
     @property
     def area(self) -> float:
         """Area of the largest connected region [m^2]."""
@@ -79,12 +111,17 @@ class WayPlanner:
         """Return the place (2,) [m] nearest to `point` (2,); None where nothing is free."""
         if len(self.places) == 0:
             return None
-        return self.places[int(np.hypot(*(self.places - np.asarray(point)).T).argmin())]
+        x, y = np.asarray(point, dtype=np.float64).tolist()
+        return self.places[nearest(self.places, x, y)]
 
-    def distances(self, start: ArrayLike) -> Array:
-        """Return (k,) the price of the way from `start` (2,) to each of `places`; about metres where there is room."""
-        rows, cols = self._cells(self.places)
-        return self._search(start)[0][rows, cols] * self._side
+    def distances(self, start: ArrayLike, within: float = np.inf) -> Array:
+        """Return (k,) the price of the way from `start` (2,) to each of `places`; about metres where there is room.
+
+        Those dearer than `within` are some number above it.
+        """
+        search = self._search(start)
+        search.settle(limit=1.001 * within / self._side)
+        return search.price[self._place_cells] * self._side
 
     def way(self, through: ArrayLike) -> Way | None:
         """Return the way through the places `through` (m, 2) in order [m]; None if one cannot be reached."""
@@ -105,26 +142,28 @@ class WayPlanner:
         rows, cols = self._cost.shape
         return np.clip(cells[..., 1], 0, rows - 1), np.clip(cells[..., 0], 0, cols - 1)
 
-    def _search(self, start: ArrayLike) -> tuple[Array, NDArray[np.int64]]:
+    def _search(self, start: ArrayLike) -> Search:
         row, col = (int(value) for value in self._cells(start))
         if len(self._searches) > _REMEMBERED:
             self._searches.clear()
         if (row, col) not in self._searches:
-            self._searches[row, col] = search(self._cost, row, col)
+            self._searches[row, col] = Search(self._cost, row, col)
         return self._searches[row, col]
 
     def _leg(self, start: Array, goal: Array) -> Array | None:
         """Return (n, 2) the cheapest way, cell by cell."""
-        price, before = self._search(start)
+        search = self._search(start)
         row, col = (int(value) for value in self._cells(goal))
-        if not np.isfinite(price[row, col]):
+        width = self._cost.shape[1]
+        flat, cells = row * width + col, []
+        search.settle(goal=flat)
+        if not np.isfinite(search.price[row, col]):
             return None
-        flat, cells = row * price.shape[1] + col, []
         while flat >= 0:
             cells.append(flat)
-            flat = int(before.flat[flat])
+            flat = int(search.before.flat[flat])
         found = np.array(cells[::-1])
-        return np.stack((found % price.shape[1], found // price.shape[1]), axis=-1) * self._side + self._origin
+        return np.stack((found % width, found // width), axis=-1) * self._side + self._origin
 
 
 def folds(points: Array, apart: float = 0.8) -> bool:

@@ -19,6 +19,7 @@ PERSON = np.dtype(
         ("offset", np.float64, 2),  # from the centre to the first leg; the second is opposite [m]
         ("age_s", np.float64),
         ("unseen_s", np.float64),
+        ("camera_s", np.float64),  # time since a camera saw it; inf: never
     ]
 )
 
@@ -30,12 +31,14 @@ def new_people(pairs: NDArray[np.void]) -> NDArray[np.void]:
     people["p"] = pairs["p"].mean(axis=1)
     people["confidence"] = pairs["confidence"].mean(axis=1)
     people["age_s"] = pairs["age_s"].min(axis=1)
+    people["camera_s"] = np.inf
     people["offset"] = (pairs["x"][:, 0, :2] - pairs["x"][:, 1, :2]) / 2.0
     return people
 
 
 def predict(people: NDArray[np.void], dt: float, config: PerceptionConfig) -> None:
     """Move `people` `dt` seconds ahead; what is believed of their legs' offsets fades."""
+    people["camera_s"] += dt
     people["offset"] *= np.exp(-dt / config.offset_time_s)
     clocks = people["age_s"], people["unseen_s"]
     kernels.predict(people["x"], people["p"], *clocks, dt, config.process_variance(dt))

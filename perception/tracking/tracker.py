@@ -14,6 +14,7 @@ from ..legs.clusters import Clusters
 from ..legs.detector import Detections
 from . import person_tracks
 from .association import assign, distances
+from .camera import CameraSightings, SeenPeople
 from .leg_tracks import LegTracks
 from .local_grid import LocalGrid
 from .memory import LostPeople
@@ -70,11 +71,12 @@ class PeopleTracker:
         self._people = np.zeros(0, dtype=person_tracks.PERSON)
         self._lost = LostPeople(config)
         self._grid = LocalGrid(config.grid_resolution, config.grid_rise_s, config.grid_fade_s)
+        self._camera = CameraSightings(config)
         self._time_s: float | None = None
         self._next_id = 0
 
-    def update(self, scan: LaserScan, odometry: ArrayLike) -> TrackerUpdate:
-        """Take one scan and the robot's odometry pose T_odom_robot (3,) at that time.
+    def update(self, scan: LaserScan, odometry: ArrayLike, seen: SeenPeople | None = None) -> TrackerUpdate:
+        """Take one scan, the robot's odometry pose T_odom_robot (3,) at that time, and what a camera saw, if it did.
 
         Raises:
             InputError: If the scan is not later than the one before.
@@ -102,6 +104,8 @@ class PeopleTracker:
         T_odom_lidar = compose(pose, scan.T_robot_lidar)
         points = transform_points(T_odom_lidar, detections.clusters.points)
         self._start_people(points, scan.time_s)
+        if seen is not None:
+            self._see_by_camera(seen, scan.time_s, dt)
         self._mark_grid(points, detections.clusters, thing, pose, scan.time_s, dt)
         return TrackerUpdate(self._result(scan.time_s), detections, pose)
 
@@ -307,6 +311,24 @@ class PeopleTracker:
             legs.take(np.append(np.arange(len(legs)), chosen))
             self._found(np.array([[chosen, len(legs) - 1]]))
 
+    def _see_by_camera(self, seen: SeenPeople, time_s: float, dt: float) -> None:
+        """Correct people by the camera, and start those whom only it knows: they need not have moved.
+
+        Lone leg tracks near such a person are its legs; those not seen yet stand where the camera saw it.
+        """
+        legs = self._legs
+        unknown = self._camera.correct(self._people, seen, time_s, dt)
+        for k in self._camera.newcomers(seen, unknown):
+            place, lone = seen.positions[k], np.arange(2 * len(self._people), len(legs))
+            away = distances(place[None], legs.positions[lone])[0]
+            own = lone[np.argsort(away, kind="stable")[:2]]
+            own = own[np.sort(away)[:2] <= self._config.pair_distance / 2.0]
+            hidden = np.arange(len(legs), len(legs) + 2 - len(own))
+            legs.begin(np.repeat(place[None], len(hidden), axis=0), np.full(len(hidden), seen.likelihood[k]))
+            self._found(np.concatenate((own, hidden))[None])
+            self._people["x"][-1, :2], self._people["confidence"][-1] = place, seen.likelihood[k]
+            self._people["camera_s"][-1] = 0.0
+
     def _may_be_met_again(self, tracks: NDArray[np.intp]) -> NDArray[np.bool_]:
         """Return (k,) whether `tracks` (k,) stand where a lost person, who moved before, must be by now."""
         age_s = self._legs.rows["age_s"][tracks]
@@ -327,7 +349,7 @@ class PeopleTracker:
     def _named(self, pairs: NDArray[np.void]) -> NDArray[np.void]:
         """Return people from pairs of legs (k, 2), with their old number where they are recognised."""
         people = person_tracks.new_people(pairs)
-        doubtful = self._since_leg_s() > self._config.doubt_s
+        doubtful = np.minimum(self._since_leg_s(), self._people["camera_s"]) > self._config.doubt_s
         people["id"] = self._lost.recognise(people["x"][:, :2], people["age_s"], self._people[doubtful])
         self._people["confidence"][np.isin(self._people["id"], people["id"])] = 0.0  # slid off: ends with the next scan
         fresh = np.concatenate((self._people["confidence"] == 0.0, people["id"] < 0))

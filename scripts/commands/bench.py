@@ -37,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Measure, print tables, write bench.json."""
-    from ..experiments import speed
+    from ..experiments import immobile_speed, speed
 
     machine = {**describe_machine(), "reference_kernel_ms": 1e3 * reference_kernel_s()}
     print(f"{machine['processor']}, {machine['cores']} cores, Python {machine['python']}")
@@ -67,11 +67,15 @@ def run(options: argparse.Namespace) -> int:
         for threads in (1, 2)
     }
     print("\n" + _latencies("GMapping, 30 particles, processed scan", scans))
+    lab = immobile_speed.immobile_latencies(options.steps)
+    print("\n" + _latencies("immobile-area map, camera at 10 Hz", lab))
+    print(f"everything: {immobile_speed.real_time_factor(lab):.1f} x real time on one core")
     content = {
         "machine": machine,
         "environment": environments,
         "gymnasium_benchmarks": throughput,
         "stages": {name: asdict(stage) for name, stage in stages.items()},
+        "immobile_map": {name: asdict(stage) for name, stage in lab.items()},
         "gmapping_processed_scan": {name: asdict(stage) for name, stage in scans.items()},
     }
     write_json(options.out / "bench.json", content)

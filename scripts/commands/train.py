@@ -3,6 +3,7 @@
 import argparse
 from pathlib import Path
 
+from ...perception.rgbd.person_svm import MODEL
 from ...slam.errors import InputError
 from ...slam.files import write_json
 from ..figures.leg_curve import save_leg_curve
@@ -11,7 +12,9 @@ from ..training.evaluate_legs import RATES
 from ..training.leg_forests import GAMMA, TrainedLegs, figures, train_real, train_simulation, write
 from ..training.leg_recordings import read_leg_recordings
 from ..training.train_legs import TrainConfig
+from ..training.train_people import PeopleTrainConfig, train_people
 
+PEOPLE_COUNTS = ("buildings", "frames", "test_buildings")
 COUNTS = ("scans", "drives", "test_scans", "test_drives", "trees")
 EPILOG = """\
 writes into DIR: legs_FOREST.npz (the forest), legs_FOREST.json (its card: data, seeds, figures, limits),
@@ -21,11 +24,16 @@ examples:
   tagalong train legs --forest simulation --out out/legs
   tagalong train legs --forest real --data recordings --out out/legs
 """
+PEOPLE_EPILOG = """\
+writes into DIR: people_rgbd.npz (the classifier), people_rgbd.json (its card: data, seeds, figures, limits)
+
+example: tagalong train people --out out/people
+"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the models that can be trained, and their options."""
-    parser.epilog = "example: tagalong train legs --forest simulation --out out/legs"
+    parser.epilog = "examples:\n  tagalong train legs --forest simulation --out out/legs\n  tagalong train people"
     models = parser.add_subparsers(dest="model", metavar="MODEL", required=True)
     summary = "the random forest that tells legs in laser scans"
     legs = models.add_parser(
@@ -53,9 +61,45 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default = getattr(TrainConfig(), name)
         flag = f"--{name.replace('_', '-')}"
         legs.add_argument(flag, type=int, default=default, metavar="N", help="default: %(default)s")
+    _add_people(models)
+
+
+def _add_people(models: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    summary = "the classifier that tells people in RGB-D frames"
+    people = models.add_parser(
+        "people",
+        help=summary,
+        description=summary,
+        epilog=PEOPLE_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    people.add_argument("--out", type=Path, default=Path("out/people"), metavar="DIR", help="default: %(default)s")
+    people.add_argument("--seed", type=int, default=0, help="of all random draws (default: %(default)s)")
+    for name in PEOPLE_COUNTS:
+        default = getattr(PeopleTrainConfig(), name)
+        flag = f"--{name.replace('_', '-')}"
+        people.add_argument(flag, type=int, default=default, metavar="N", help="default: %(default)s")
 
 
 def run(options: argparse.Namespace) -> int:
+    """Train what was asked for."""
+    return _train_people(options) if options.model == "people" else _train_legs(options)
+
+
+def _train_people(options: argparse.Namespace) -> int:
+    """Train, write the classifier with its card, print how it scores."""
+    counts = {name: getattr(options, name) for name in PEOPLE_COUNTS}
+    if options.seed < 0 or min(counts.values()) < 1 or options.buildings < PeopleTrainConfig().folds:
+        raise InputError("--seed must not be negative, --buildings at least 5, --frames and --test-... positive")
+    svm, card, scores = train_people(PeopleTrainConfig(**counts), options.seed)
+    path = options.out / MODEL.name
+    svm.save(path, card)
+    print(f"wrote {path}")
+    print(format_table(["figure", "value"], [[name, str(value)] for name, value in scores.figures().items()]))
+    return 0
+
+
+def _train_legs(options: argparse.Namespace) -> int:
     """Train, write the forest with its card, print how it scores."""
     if options.forest == "real" and options.data is None:
         raise InputError("--forest real needs --data DIR with the labelled recordings")

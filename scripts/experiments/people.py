@@ -65,7 +65,7 @@ class DriveJudge:
         T_world_odom = compose(truth.robot_pose, inverse(update.odometry))
         tracks = transform_points(T_world_odom, people.positions)
         near = np.hypot(*(centres - truth.robot_pose[:2]).T) <= RANGE
-        seen = near & (_returns_on_a_leg(truth, scan, labels) >= LEAST_RETURNS)
+        seen = near & (returns_on_a_leg(truth, scan, labels) >= LEAST_RETURNS)
         tracks_near = np.hypot(*(tracks - truth.robot_pose[:2]).T) <= RANGE
         walks = truth.people.walking
         matched = self.walking.add(centres, seen & walks, tracks, people.ids, tracks_near)
@@ -108,7 +108,7 @@ class DriveJudge:
             total += (np.count_nonzero(chosen), np.count_nonzero(chosen & removed))
 
 
-def _returns_on_a_leg(truth: TrueState, scan: LaserScan, labels: NDArray[np.int32]) -> NDArray[np.int64]:
+def returns_on_a_leg(truth: TrueState, scan: LaserScan, labels: NDArray[np.int32]) -> NDArray[np.int64]:
     """Return (n,) the returns on that leg of each person that has more of them."""
     points = transform_points(truth.robot_pose, scan.points_robot)
     counts = np.zeros((len(truth.people), 2), dtype=np.int64)

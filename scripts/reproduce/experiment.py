@@ -13,6 +13,8 @@ from .report import Report
 EXPERIMENTS: dict[str, str] = {
     "following": "mapping behind a leader, raw against filtered scans (Ye et al. 2021)",
     "scan-matching": "hybrid genetic scan matching, and what beats it (Cuzzocrea et al. 2022)",
+    "clustering": "four ways to find landmarks in scans, and an extended Kalman filter on them (Urvina et al. 2023)",
+    "immobile": "laser and RGB-D camera in one map of what never moves (Zhang et al. 2019)",
     "guidance": "following, joystick and exploration compared as guides (Ye et al. 2021, Table I)",
 }
 """Name -> what it reproduces; the module `tagalong.scripts.reproduce.NAME` (`-` as `_`) holds its `EXPERIMENT`."""

@@ -11,7 +11,7 @@ from ..engine import SlamUpdate
 from ..errors import InputError
 from ..geometry import between, compose, wrap_angle
 from ..grid import GridConfig, render_map
-from ..landmarks.clustering import make_clusterer
+from ..landmarks.clustering import Clusterer, make_clusterer
 from ..landmarks.objects import SightingConfig, Sightings, see_landmarks
 from ..occupancy_map import OccupancyMap
 from ..scan import LaserScan
@@ -19,6 +19,7 @@ from .association import Comparison, Pairs, compare, joint_compatibility, neares
 from .calibrated_motion import OdometryNoise
 from .config import EkfSlamConfig
 from .filter import LandmarkFilter
+from .slip import Slip, find_slip
 
 Array = NDArray[np.float64]
 
@@ -28,27 +29,25 @@ _REACH = 1.5  # landmarks so much beyond the range are compared, too, besides th
 class EkfSlam:
     """EKF-SLAM on round landmarks.
 
-    Diagnostics of an update: `sightings`, `matched`, `landmarks` and `sigma_position` [m].
+    Diagnostics of an update: `sightings`, `matched`, `slipped` (1: the robot was found off where its odometry had it by
+    more than the filter thought possible), `landmarks` and `sigma_position` [m].
 
     Args:
         config: Settings.
+        clusterer: Clusters the points of each scan; None makes the one that `config` names.
 
     Attributes:
         filter: The filter; None before the first scan.
         times_seen: (k,) how often each landmark was matched.
     """
 
-    def __init__(self, config: EkfSlamConfig | None = None) -> None:
+    def __init__(self, config: EkfSlamConfig | None = None, clusterer: Clusterer | None = None) -> None:
         self._config = config or EkfSlamConfig()
-        settings: dict[str, float | int] = {}
-        if self._config.clustering == "dbscan":
-            settings = {"epsilon": self._config.cluster_distance, "min_points": self._config.cluster_points}
-        if self._config.clustering == "heuristic":
-            settings = {"distance": self._config.cluster_distance, "min_points": self._config.cluster_points}
-        self._clusterer = make_clusterer(self._config.clustering, **settings)
+        self._clusterer = clusterer or _clusterer(self._config)
         self.filter: LandmarkFilter | None = None
         self.times_seen = np.zeros(0, dtype=np.int64)
         self._missed = np.zeros(0, dtype=np.int64)
+        self._known = 0  # so many landmarks, the first ones, hang together; later ones may be off by a slip
         self._odometry = self._used_at = np.zeros(3)
         self._poses: list[Array] = []
         self._used: list[tuple[int, LaserScan]] = []
@@ -108,42 +107,80 @@ class EkfSlam:
         moved = between(self._used_at, now)
         far = float(np.hypot(moved[0], moved[1])) >= self._config.travel or abs(moved[2]) >= self._config.turn
         integrated = far or not self._used
-        diagnostics = {"sightings": 0.0, "matched": 0.0}
+        diagnostics = {"sightings": 0.0, "matched": 0.0, "slipped": 0.0}
         if integrated:
             self._used_at = now
             self._used.append((len(self._poses), scan))
             sightings = see_landmarks(scan, self._clusterer, self._config.sighting)
-            diagnostics = self.take(sightings, compose(ekf.x[:3], scan.T_robot_lidar), scan)
+            diagnostics = self.take(sightings, scan)
         self._poses.append(ekf.x[:3].copy())
         sigma = float(np.sqrt(np.linalg.eigvalsh(ekf.P[:2, :2])[-1]))
         diagnostics |= {"landmarks": float(len(self.times_seen)), "sigma_position": sigma}
         return SlamUpdate(ekf.x[:3].copy(), integrated, diagnostics, sigma <= self._config.lost_sigma)
 
-    def take(self, sightings: Sightings, T_map_lidar: Array, scan: LaserScan) -> dict[str, float]:
+    def take(self, sightings: Sightings, scan: LaserScan) -> dict[str, float]:
         """Associate the sightings, correct the filter, add and forget landmarks; return what came of it."""
         ekf = self.filter
         assert ekf is not None
-        near = self._near(scan.range_max)
-        expected, H, states = ekf.expect(near)
-        pairs = compare(sightings.z, sightings.R, expected, H @ ekf.P[np.ix_(states, states)] @ H.T)
+        near, pairs = self._compared(sightings, scan.range_max)
         chosen = self._associate(pairs)
+        slip = self._slip(sightings, near, chosen)
+        if slip is not None:
+            ekf.displace(slip.pose, slip.variances)
+            self._keep(np.arange(len(self.times_seen)) < self._known)
+            near, pairs = self._compared(sightings, scan.range_max)
+            chosen = self._associate(pairs)
         new = (pairs.distance > self._config.new_gate).all(axis=1)
-        gone = self._should_be_seen(near, T_map_lidar, scan)
+        gone = self._should_be_seen(near, compose(ekf.x[:3], scan.T_robot_lidar), scan)
+        used = np.array([near[j] for _, j in chosen], dtype=np.int64)
         if chosen:
-            used = np.array([near[j] for _, j in chosen])
             _, H, states = ekf.expect(used)
             y = np.concatenate([pairs.y[i, j] for i, j in chosen])
             ekf.correct(y, np.asarray(block_diag(*[sightings.R[i] for i, _ in chosen])), H, states)
-            self.times_seen[used] += 1
-            self._missed[used] = 0
-            gone = np.setdiff1d(gone, used)
-        self._missed[gone] += 1
+        self._note(used, np.setdiff1d(gone, used))
         for i in np.flatnonzero(new):
-            ekf.add(sightings.z[i], sightings.R[i])
-        self.times_seen = np.append(self.times_seen, np.ones(int(new.sum()), dtype=np.int64))
-        self._missed = np.append(self._missed, np.zeros(int(new.sum()), dtype=np.int64))
-        self._forget()
-        return {"sightings": float(len(sightings.z)), "matched": float(len(chosen))}
+            self.learn(sightings.z[i], sightings.R[i])
+        matched = int((used < self._known).sum())
+        if self._known == 0 or matched >= 2 or 0 < 2 * matched >= len(sightings.z):
+            self._known = len(self.times_seen)
+        self._keep((self.times_seen >= self._config.sure) | (self._missed < self._config.patience))
+        slipped = float(slip is not None)
+        return {"sightings": float(len(sightings.z)), "matched": float(len(chosen)), "slipped": slipped}
+
+    def learn(self, z: Array, R: Array) -> None:
+        """Add the landmark seen at range and bearing `z` (2,) with noise `R` (2, 2)."""
+        assert self.filter is not None
+        self.filter.add(z, R)
+        self.times_seen = np.append(self.times_seen, np.ones(1, dtype=np.int64))
+        self._missed = np.append(self._missed, np.zeros(1, dtype=np.int64))
+
+    def forget(self, numbers: NDArray[np.int64]) -> None:
+        """Remove the landmarks with these numbers from the map."""
+        self._keep(~np.isin(np.arange(len(self.times_seen)), numbers))
+
+    def _compared(self, sightings: Sightings, range_max: float) -> tuple[NDArray[np.int64], Comparison]:
+        """Return the landmarks that could be seen, and sightings and them compared."""
+        ekf = self.filter
+        assert ekf is not None
+        near = self._near(range_max)
+        expected, H, states = ekf.expect(near)
+        return near, compare(sightings.z, sightings.R, expected, H @ ekf.P[np.ix_(states, states)] @ H.T)
+
+    def _slip(self, sightings: Sightings, near: NDArray[np.int64], chosen: Pairs) -> Slip | None:
+        """Return the slip under which landmarks known for long explain the sightings, if nothing else does."""
+        ekf = self.filter
+        assert ekf is not None
+        known = near[near < self._known]
+        matched = sum(int(near[j]) < self._known for _, j in chosen)
+        if len(known) < 2 or len(sightings.z) < 2 or 2 * matched >= len(sightings.z):
+            return None
+        return find_slip(sightings.z, ekf.landmarks[known], ekf.x[:3], max(3 if chosen else 2, matched + 1))
+
+    def _note(self, used: NDArray[np.int64], gone: NDArray[np.int64]) -> None:
+        """Remember which landmarks were matched and which should have been seen."""
+        self.times_seen[used] += 1
+        self._missed[used] = 0
+        self._missed[gone] += 1
 
     def _associate(self, pairs: Comparison) -> Pairs:
         choose = joint_compatibility if self._config.association == "joint" else nearest_neighbour
@@ -169,12 +206,21 @@ class EkfSlam:
         passed = np.where(np.isnan(scan.ranges[beam]), 0.0, scan.ranges[beam]) > r + 1.0
         return near[inside & passed & (r < scan.range_max - 2.0 * self._config.sighting.border)]
 
-    def _forget(self) -> None:
-        """Forget landmarks that were never sure and are not there."""
-        kept = (self.times_seen >= self._config.sure) | (self._missed < self._config.patience)
+    def _keep(self, kept: NDArray[np.bool_]) -> None:
+        """Forget the landmarks where `kept` is false."""
         if kept.all():
             return
         ekf = self.filter
         assert ekf is not None
         ekf.keep(kept)
         self.times_seen, self._missed = self.times_seen[kept], self._missed[kept]
+        self._known = int(kept[: self._known].sum())
+
+
+def _clusterer(config: EkfSlamConfig) -> Clusterer:
+    settings: dict[str, float | int] = {}
+    if config.clustering == "dbscan":
+        settings = {"epsilon": config.cluster_distance, "min_points": config.cluster_points}
+    if config.clustering == "heuristic":
+        settings = {"distance": config.cluster_distance, "min_points": config.cluster_points}
+    return make_clusterer(config.clustering, **settings)

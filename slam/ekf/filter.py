@@ -91,6 +91,11 @@ class LandmarkFilter(ExtendedKalmanFilter):
         P[n:, n:] = 0.5 * (own + own.T)
         self.x, self.P = np.concatenate((self.x, locate(self.x[:3], z))), P
 
+    def displace(self, pose: Array, variances: Array) -> None:
+        """Put the robot at `pose` (3,), which is known to no more than `variances` (3,) beyond what it was."""
+        self.x[:3] = pose
+        self.P[np.arange(3), np.arange(3)] += variances
+
     def keep(self, kept: NDArray[np.bool_]) -> None:
         """Forget the landmarks where `kept` (k,) is false."""
         states = np.concatenate((np.ones(FIXED, dtype=bool), np.repeat(kept, 2)))

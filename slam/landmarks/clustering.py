@@ -94,15 +94,24 @@ class KMeansObjects:
     def fit_predict(self, points: ArrayLike) -> Labels:
         """Return (n,) the cluster of each of `points` (n, 2) [m]."""
         array = _points(points)
-        most = min(self.most, len(np.unique(array, axis=0)))
-        if most <= 1:
-            return np.zeros(len(array), dtype=np.int64)
-        models = [KMeans(k, n_init="auto", random_state=self.seed).fit(array) for k in range(1, most + 1)]
+        models = self.candidates(array)
+        return self.chosen(array, models) if models else np.zeros(len(array), dtype=np.int64)
+
+    def candidates(self, points: NDArray[np.float64]) -> list[KMeans]:
+        """Return a fit to `points` (n, 2) for each number of objects from 1 on; none where points do not differ."""
+        most = min(self.most, len(np.unique(points, axis=0)))
+        return [] if most <= 1 else [self._fit(points, k) for k in range(1, most + 1)]
+
+    def chosen(self, points: NDArray[np.float64], models: list[KMeans]) -> Labels:
+        """Return the labels (n,) of that of `models` which `choice` takes."""
         if self.choice == "elbow":
             best = elbow(np.array([model.inertia_ for model in models], dtype=np.float64))
         else:
-            best = _best_silhouette(array, [np.asarray(model.labels_) for model in models])
+            best = _best_silhouette(points, [np.asarray(model.labels_) for model in models])
         return np.asarray(models[best].labels_, dtype=np.int64)
+
+    def _fit(self, points: NDArray[np.float64], k: int) -> KMeans:
+        return KMeans(k, n_init="auto", random_state=self.seed).fit(points)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,17 +138,24 @@ class GaussianMixtureObjects:
     def fit_predict(self, points: ArrayLike) -> Labels:
         """Return (n,) the likeliest component of each of `points` (n, 2) [m]."""
         array = _points(points)
-        most = min(self.most, len(np.unique(array, axis=0)))
-        if most <= 1:
-            return np.zeros(len(array), dtype=np.int64)
-        models = [
-            GaussianMixture(k, reg_covar=self.floor, random_state=self.seed).fit(array) for k in range(1, most + 1)
-        ]
+        models = self.candidates(array)
+        return self.chosen(array, models) if models else np.zeros(len(array), dtype=np.int64)
+
+    def candidates(self, points: NDArray[np.float64]) -> list[GaussianMixture]:
+        """Return a fit to `points` (n, 2) for each number of objects from 1 on; none where points do not differ."""
+        most = min(self.most, len(np.unique(points, axis=0)))
+        return [] if most <= 1 else [self._fit(points, k) for k in range(1, most + 1)]
+
+    def chosen(self, points: NDArray[np.float64], models: list[GaussianMixture]) -> Labels:
+        """Return the labels (n,) of that of `models` which `choice` takes."""
         if self.choice == "elbow":
-            best = elbow(np.array([-model.score(array) for model in models]))
+            best = elbow(np.array([-model.score(points) for model in models]))
         else:
-            best = int(np.argmin([model.bic(array) for model in models]))
-        return np.asarray(models[best].predict(array), dtype=np.int64)
+            best = int(np.argmin([model.bic(points) for model in models]))
+        return np.asarray(models[best].predict(points), dtype=np.int64)
+
+    def _fit(self, points: NDArray[np.float64], k: int) -> GaussianMixture:
+        return GaussianMixture(k, reg_covar=self.floor, random_state=self.seed).fit(points)
 
 
 def elbow(costs: NDArray[np.float64]) -> int:

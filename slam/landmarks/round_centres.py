@@ -39,9 +39,10 @@ def round_centres(
     middle, half = 0.5 * (first + last), 0.5 * (last - first)
     D = member @ ranges / count + 0.25 * np.pi * radius
     D = _posterior(D, ranges, bearings, label, member, middle, half, spacing, radius, sigma)[0]
-    D, centre, weight, off = _posterior(D, ranges, bearings, label, member, middle, half, spacing, radius, sigma)
+    D, centre, weight, off, free = _posterior(D, ranges, bearings, label, member, middle, half, spacing, radius, sigma)
     covariance = np.einsum("mj,maj,mbj->mab", weight, off, off)
     covariance[:, 0, 0] += sigma**2 / count
+    covariance[:, 1, 1] += (free / len(_NODES)) ** 2 / 3.0  # finer than the nodes stand it cannot be known
     return np.stack((D, centre), axis=-1), covariance
 
 
@@ -56,8 +57,9 @@ def _posterior(
     spacing: float,
     radius: float,
     sigma: float,
-) -> tuple[Array, Array, Array, Array]:
-    """Return mean D and beta (m,), the nodes' weights (m, 9), and how far the nodes are off the means (m, 2, 9).
+) -> tuple[Array, Array, Array, Array, Array]:
+    """Return mean D and beta (m,), the nodes' weights (m, 9), how far the nodes are off the means (m, 2, 9),
+    and the half width (m,) of what beta may be.
 
     `D` (m,) decides between which bounds beta lies: for a first guess of it call this twice.
     """
@@ -72,4 +74,4 @@ def _posterior(
     weight = _WEIGHTS * np.exp(-0.5 * (misfit - misfit.min(axis=1, keepdims=True)))
     weight /= weight.sum(axis=1, keepdims=True)
     mean_D, mean_beta = (weight * nodes).sum(axis=1), (weight * beta).sum(axis=1)
-    return mean_D, mean_beta, weight, np.stack((nodes - mean_D[:, None], beta - mean_beta[:, None]), axis=1)
+    return mean_D, mean_beta, weight, np.stack((nodes - mean_D[:, None], beta - mean_beta[:, None]), axis=1), free

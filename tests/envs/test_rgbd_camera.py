@@ -9,8 +9,9 @@ import sys
 import numpy as np
 import pytest
 from tagalong.envs.camera.config import RgbdConfig
-from tagalong.envs.camera.looks import Pattern, dress
+from tagalong.envs.camera.looks import dress
 from tagalong.envs.camera.noise import depth_sigma, measure_depth, on_edge
+from tagalong.envs.camera.pattern import Pattern
 from tagalong.envs.lidar import LidarConfig
 from tagalong.envs.scenes.lab import CEILING
 from tagalong.envs.world import World, WorldConfig
@@ -128,7 +129,8 @@ BOTH = """
 import json
 import numpy as np
 from tagalong.envs.camera.config import RgbdConfig
-from tagalong.envs.camera.looks import Pattern, dress
+from tagalong.envs.camera.looks import dress
+from tagalong.envs.camera.pattern import Pattern
 from tagalong.envs.camera.opengl import OpenGlCamera
 from tagalong.envs.camera.rays import RayCamera
 from tagalong.envs.mj import mujoco

@@ -9,8 +9,8 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 from tagalong.envs.scenes.cells import FreeSpace, merged_boxes, walls_around
 from tagalong.envs.scenes.solids import box, post
-from tagalong.envs.scenes.way_kernel import search, smooth
-from tagalong.envs.scenes.ways import WayPlanner, folds
+from tagalong.envs.scenes.way_kernel import apart, nearest, smooth
+from tagalong.envs.scenes.ways import Search, WayPlanner, folds
 
 
 @settings(max_examples=40, deadline=None)
@@ -45,12 +45,30 @@ def test_the_cheapest_ways_are_those_of_scipy(seed):
     rng = np.random.default_rng(seed)
     cost = np.where(rng.random((12, 17)) < 0.25, np.inf, rng.uniform(1.0, 4.0, (12, 17)))
     row, col = np.argwhere(np.isfinite(cost))[0]
-    price, before = search(cost, row, col)
-    assert np.allclose(price, reference_search(cost, row, col))
+    whole, lazy, truth = Search(cost, row, col), Search(cost, row, col), reference_search(cost, row, col)
+    whole.settle()
+    price, before = whole.price, whole.before
+    assert np.allclose(price, truth)
+    lazy.settle(limit=8.0)
+    assert np.allclose(lazy.price[truth <= 8.0], truth[truth <= 8.0])
+    assert (lazy.price[truth > 8.0] > 8.0).all()
+    for goal in np.flatnonzero(np.isfinite(truth))[::9]:
+        lazy.settle(goal=int(goal))
+        assert lazy.price.flat[goal] == price.flat[goal]
+        assert lazy.before.flat[goal] == before.flat[goal]
     reached = np.isfinite(price)
     reached[row, col] = False
     assert np.all((before >= 0) == reached)
     assert np.all(price.flat[before[reached]] < price[reached])
+
+
+def test_distances_to_places_are_those_of_numpy():
+    rng = np.random.default_rng(0)
+    spots, points = rng.normal(size=(20, 2)), rng.normal(size=(30, 2))
+    away = np.hypot(*(spots[:, None] - points).transpose(2, 0, 1))
+    assert np.allclose(apart(spots, points), away.min(axis=1))
+    assert [nearest(points, x, y) for x, y in spots] == away.argmin(axis=1).tolist()
+    assert nearest(points[:0], 0.0, 0.0) == -1
 
 
 def reference_smooth(points, space, least, rounds):

@@ -59,7 +59,7 @@ class Stage:
     def time_s(self):
         return self.scans / self.rate_hz
 
-    def show(self, legs, things=(), confidence=0.8, odometry=ORIGIN):
+    def show(self, legs, things=(), confidence=0.8, odometry=ORIGIN, seen=None):
         """One scan with `legs` (robot frame), each with `confidence`, and `things` with a confidence of 0.05."""
         legs, things = np.reshape(legs, (-1, 2)), np.reshape(things, (-1, 2))
         self.scans += 1
@@ -69,7 +69,7 @@ class Stage:
             (np.broadcast_to(np.asarray(confidence, dtype=float), len(legs)), np.full(len(things), 0.05))
         )
         scan = LaserScan(np.ones(2), np.array([0.0, 0.1]), 0.1, 10.0, time_s=self.time_s)
-        return self.tracker.update(scan, odometry).people
+        return self.tracker.update(scan, odometry, seen).people
 
     def walk(self, starts, velocities, seconds, hidden=lambda person, time_s: False, **shown):
         """Walk people from `starts` for `seconds`; returns the people after each scan and the true centres."""

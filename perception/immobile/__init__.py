@@ -1,0 +1,1 @@
+"""The immobile-area map of laser and camera: recognition decides what enters it."""

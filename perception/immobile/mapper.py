@@ -1,0 +1,136 @@
+"""Laser and camera write one immobile-area map (Zhang et al. 2019, sections 2 and 4)."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...slam.errors import InputError
+from ...slam.geometry import compose, transform_points
+from ...slam.immobile_grid import PoseHistory, moving_lambda, still_lambda
+from ...slam.immobile_layers import ImmobileLayers, LayersConfig
+from ...slam.scan import LaserScan
+from ..legs.clusters import cluster_scan
+from .places import Places
+from .view import View
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ImmobileMapperConfig:
+    """Parameters of `ImmobileMapper`.
+
+    Attributes:
+        grid: The grid.
+        person_radius: Returns this near to where somebody was recognised are theirs [m].
+        body_radius: Their bodies reach this far [m].
+        least_likely: Somebody less likely than this is not remembered, in [0, 1].
+        recognised: Likelihood that a return stays that comes from where the camera recognised a wall or another plane,
+            in [0, 1].
+        empty: Cells with log-odds below this, and all around them, were empty: what stands there now has come.
+        appeared_share: Share of an object's points in such cells from which on it has come, in [0, 1].
+        settles_s: What has come and stood still for so long, and is nobody known, counts as a thing [s].
+        largest: Objects wider than this are parts of the building [m].
+    """
+
+    grid: LayersConfig = field(default_factory=LayersConfig)
+    person_radius: float = 0.35
+    body_radius: float = 0.25
+    least_likely: float = 0.5
+    recognised: float = 1.0
+    empty: float = -1.5
+    appeared_share: float = 0.7
+    largest: float = 1.5
+    settles_s: float = 20.0
+
+    def __post_init__(self) -> None:
+        for name in ("person_radius", "body_radius", "largest", "settles_s"):
+            if not getattr(self, name) > 0.0:
+                raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
+        for name in ("least_likely", "recognised", "appeared_share"):
+            if not 0.0 <= getattr(self, name) <= 1.0:
+                raise InputError(f"`{name}` must be in [0, 1], got {getattr(self, name)}")
+        if not self.empty < 0.0:
+            raise InputError(f"`empty` must be negative, got {self.empty}")
+
+
+class ImmobileMapper:
+    """Builds the map: every scan at once, views whenever they are ready.
+
+    What is recognised sets lambda: people by likelihood, walls and other planes by theirs; what has come into an empty
+    place is moving; the rest is unknown.
+
+    Args:
+        config: Parameters.
+    """
+
+    def __init__(self, config: ImmobileMapperConfig | None = None) -> None:
+        self.config = config or ImmobileMapperConfig()
+        self.grid = ImmobileLayers(self.config.grid)
+        self.people = Places(self.config.person_radius)
+        self.came = Places(self.config.person_radius, self.config.settles_s)
+        self._poses = PoseHistory()
+
+    def add_scan(self, T_map_robot: ArrayLike, scan: LaserScan, people: ArrayLike | float = 0.0) -> None:
+        """Write one scan.
+
+        Args:
+            T_map_robot: (3,) pose of the robot at the scan.
+            scan: The scan, people and all.
+            people: (N,) or one: how likely each beam met a person, as legs and tracks say, in [0, 1].
+        """
+        pose = np.asarray(T_map_robot, dtype=np.float64)
+        self._poses.add(scan.time_s, pose)
+        T_map_lidar = compose(pose, scan.T_robot_lidar)
+        self._note_what_came(T_map_lidar, scan)
+        moves = np.maximum(self.people.update(pose, scan), self.came.update(pose, scan))
+        moves = np.maximum(moves, people)
+        stays = self.grid.is_recognised(T_map_lidar, scan.beam_points)
+        lambdas = np.where(stays, still_lambda(self.config.recognised), moving_lambda(moves))
+        self.grid.write(pose, scan, lambdas)
+
+    def add_view(self, view: View) -> None:
+        """Write what the camera saw, where the robot was at the exposure.
+
+        Raises:
+            InputError: If no scan was taken around that time.
+        """
+        T_map_camera = compose(self._poses.at(view.time_s), view.T_robot_camera)
+        moves = self._objects_that_came(T_map_camera, view)
+        lambdas = np.where(moves, np.fmin(view.lambdas, moving_lambda(1.0)), view.lambdas)
+        self.grid.write_view(T_map_camera, view.camera_height, view.points, lambdas, view.above)
+        sure = view.people.likelihood >= self.config.least_likely
+        places = transform_points(self._poses.at(view.time_s), view.people.positions[sure])
+        self.people.add(places, view.people.likelihood[sure], view.time_s)
+        for place, likelihood in zip(places, view.people.likelihood[sure], strict=True):
+            self.grid.write_mobile(place, self.config.body_radius, float(moving_lambda(likelihood)))
+
+    def _note_what_came(self, T_map_lidar: Array, scan: LaserScan) -> None:
+        """Remember where the scan met objects that were not there before."""
+        clusters, height = cluster_scan(scan), self.config.grid.laser_height
+        empty = self.grid.log_odds_around(T_map_lidar, clusters.points, height) < self.config.empty
+        places = []
+        for start, end in zip(clusters.start, clusters.end, strict=True):
+            piece = clusters.points[start:end]
+            if empty[start:end].mean() >= self.config.appeared_share and self._is_small(piece):
+                places.append(piece.mean(axis=0))
+        if places:
+            self.came.add(transform_points(T_map_lidar, np.array(places)), np.ones(len(places)), scan.time_s)
+
+    def _objects_that_came(self, T_map_camera: Array, view: View) -> NDArray[np.bool_]:
+        """Return (n,) whether each point of a view belongs to an object that was not there before, by the laser."""
+        found = np.zeros(len(view.points), dtype=bool)
+        inside = np.flatnonzero(view.cluster >= 0)
+        places = self.came.moving(view.time_s)
+        if not len(inside) or not len(places):
+            return found
+        where = transform_points(T_map_camera, view.points[inside, :2])
+        near = (np.hypot(*(where[:, None] - places).transpose(2, 0, 1)) < self.config.person_radius).any(axis=1)
+        of = view.cluster[inside]
+        share = np.bincount(of, near) / np.maximum(np.bincount(of), 1)
+        found[inside] = share[of] >= self.config.appeared_share
+        return found
+
+    def _is_small(self, points: Array) -> bool:
+        return float(np.hypot(*np.ptp(points, axis=0))) <= self.config.largest

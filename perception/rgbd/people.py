@@ -1,0 +1,51 @@
+"""What is known of people in one frame, whoever finds them."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .frame import RgbdFrame
+from .planes import Planes
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class RgbdPeople:
+    """n people of one frame.
+
+    Attributes:
+        positions: (n, 2) centres, robot frame [m].
+        likelihood: (n,) calibrated probability that it is somebody, in [0, 1].
+        label: (h, w) int32 row of the person whom each pixel belongs to, -1 for nobody.
+    """
+
+    positions: Array
+    likelihood: Array
+    label: NDArray[np.int32]
+
+    def __len__(self) -> int:
+        return len(self.likelihood)
+
+
+def nobody(height: int, width: int) -> RgbdPeople:
+    """Return that there is nobody in a frame of this size [pixels]."""
+    return RgbdPeople(np.zeros((0, 2)), np.zeros(0), np.full((height, width), -1, dtype=np.int32))
+
+
+class RgbdPeopleFinder(Protocol):
+    """Finds people in frames."""
+
+    def find(self, frame: RgbdFrame, planes: Planes) -> RgbdPeople:
+        """Return the people in `frame`, whose planes are known."""
+        ...
+
+
+class NoPeopleFinder:
+    """Finds nobody: planes and laser alone."""
+
+    def find(self, frame: RgbdFrame, planes: Planes) -> RgbdPeople:
+        """Return nobody."""
+        return nobody(frame.camera.height, frame.camera.width)

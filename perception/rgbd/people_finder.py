@@ -1,0 +1,117 @@
+"""People in RGB-D frames: clusters, heads, gradients, support vectors (Munaro et al. 2012)."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from ...slam.errors import InputError
+from ...slam.geometry import transform_points
+from .frame import RgbdFrame
+from .heads import Candidates, HeadConfig, find_candidates
+from .people import RgbdPeople
+from .person_svm import PersonSvm
+from .planes import Planes, Surface
+from .windows import candidate_windows
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PeopleFinderConfig:
+    """Parameters of `PeopleFinder`.
+
+    Attributes:
+        heads: Of the candidates.
+        least_likelihood: Candidates below this are nobody, in [0, 1].
+        behind: The middle of a body is this far behind what is seen of it [m].
+        apart: Two people are at least this far from each other; the likelier one stays [m].
+        ragged: Pixels beside a person, and this near to it in space, are its too [m].
+    """
+
+    heads: HeadConfig = field(default_factory=HeadConfig)
+    least_likelihood: float = 0.5
+    behind: float = 0.08
+    apart: float = 0.35
+    ragged: float = 0.15
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.least_likelihood <= 1.0:
+            raise InputError(f"`least_likelihood` must be in [0, 1], got {self.least_likelihood}")
+        for name in ("behind", "apart", "ragged"):
+            if not getattr(self, name) >= 0.0:
+                raise InputError(f"`{name}` of the people finder must not be negative [m], got {getattr(self, name)}")
+
+
+class PeopleFinder:
+    """Finds people in frames, each by itself.
+
+    Args:
+        svm: The classifier; `PersonSvm.load()` is the shipped one.
+        config: Parameters.
+    """
+
+    def __init__(self, svm: PersonSvm, config: PeopleFinderConfig | None = None) -> None:
+        self._svm, self._config = svm, config or PeopleFinderConfig()
+
+    @classmethod
+    def load(cls, config: PeopleFinderConfig | None = None) -> "PeopleFinder":
+        """Return a finder with the shipped classifier."""
+        return cls(PersonSvm.load(), config)
+
+    def find(self, frame: RgbdFrame, planes: Planes) -> RgbdPeople:
+        """Return the people in `frame`, whose planes are known; the likeliest first."""
+        config = self._config
+        candidates = find_candidates(planes, config.heads)
+        likelihood = self._svm.likelihood(candidate_windows(frame, candidates))
+        middles = body_centres(candidates, config.behind)
+        order = np.argsort(-likelihood, kind="stable")
+        owner = np.full(len(order), -1, dtype=np.int64)
+        kept: list[int] = []
+        for k in order.tolist():
+            if likelihood[k] < config.least_likelihood:
+                break
+            near = [n for n, other in enumerate(kept) if np.hypot(*(middles[k] - middles[other])) < config.apart]
+            owner[k] = near[0] if near else len(kept)
+            if not near:
+                kept.append(k)
+        label = np.append(owner, -1)[candidates.label].astype(np.int32)
+        if kept:
+            open_to = (planes.surface != Surface.FLOOR) & (planes.surface != Surface.CEILING)
+            for _ in range(2):
+                label = spread(planes.points, label, open_to, config.ragged)
+        return RgbdPeople(transform_points(frame.T_robot_camera, middles[kept]), likelihood[kept], label)
+
+
+def body_centres(candidates: Candidates, behind: float) -> Array:
+    """Return (n, 2) the middles of the candidates [m], `behind` what is seen of them; level frame."""
+    distance = np.maximum(np.hypot(*candidates.axes.T), 1e-6)
+    return candidates.axes * (1.0 + behind / distance)[:, None]
+
+
+@njit(cache=True, nogil=True)
+def spread(points, label, open_to, ragged):
+    """Return `label` (h, w) grown by a pixel into those of `open_to` (h, w) that are within `ragged` in space.
+
+    At the edge of a body a pixel's depth may lie between the body and what is behind it; such points belong to no
+    plane and no cluster, and are the person's all the same.
+    """
+    height, width = label.shape
+    grown = label.copy()
+    for row in range(height):
+        for col in range(width):
+            p = points[row, col]
+            if label[row, col] >= 0 or not open_to[row, col] or not np.isfinite(p[0]):
+                continue
+            best = ragged
+            for i in range(max(0, row - 1), min(height, row + 2)):
+                for j in range(max(0, col - 1), min(width, col + 2)):
+                    if label[i, j] < 0:
+                        continue
+                    q = points[i, j]
+                    away = np.sqrt((p[0] - q[0]) ** 2 + (p[1] - q[1]) ** 2 + (p[2] - q[2]) ** 2)
+                    if away < best:
+                        best = away
+                        grown[row, col] = label[i, j]
+    return grown

@@ -1,0 +1,94 @@
+"""The linear support vector machine that tells people from other things of their height."""
+
+import json
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...slam.errors import InputError
+from ...slam.files import replacing, write_json
+from .hog import hog, hog_length
+from .windows import CHANNELS, COLUMNS, ROWS
+
+Array = NDArray[np.float64]
+
+MODEL = Path(__file__).resolve().parent.parent / "models" / "people_rgbd.npz"
+SOFTNESS = 0.02
+"""Of the blocks' norm: noise on an even surface is no pattern."""
+LENGTH = hog_length(ROWS, COLUMNS, CHANNELS)
+"""How many features there are."""
+
+
+@dataclass(frozen=True, eq=False)
+class PersonSvm:
+    """A linear classifier with Platt's calibration: likelihood = 1 / (1 + exp(-(slope score + offset))).
+
+    Attributes:
+        weights: (LENGTH,) float32.
+        bias: Of the score, weights features + bias.
+        slope: Of the calibration, positive.
+        offset: Of the calibration.
+    """
+
+    weights: NDArray[np.float32]
+    bias: float
+    slope: float
+    offset: float
+
+    def __post_init__(self) -> None:
+        if self.weights.shape != (LENGTH,) or not self.slope > 0.0:
+            raise InputError(
+                f"a classifier of people has {LENGTH} weights and a positive slope, got {self.weights.shape} and "
+                f"{self.slope}"
+            )
+        if not (np.isfinite(self.weights).all() and np.isfinite([self.bias, self.slope, self.offset]).all()):
+            raise InputError("a classifier of people has finite weights only")
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str] = MODEL) -> "PersonSvm":
+        """Load the shipped classifier, or one that `tagalong train people` wrote to `path`.
+
+        Raises:
+            InputError: If there is none, or the file is damaged or made for other features.
+        """
+        try:
+            with np.load(path, allow_pickle=False) as content:
+                weights, rest = content["weights"].astype(np.float32), content["calibration"].astype(np.float64)
+                bias, slope, offset = (float(value) for value in rest)
+        except FileNotFoundError:
+            raise InputError(f"there is no classifier of people at {path}") from None
+        except (OSError, ValueError, KeyError, EOFError, BadZipFile) as error:
+            raise InputError(f"{path} is no classifier of people (npz of `tagalong train people`): {error}") from None
+        return cls(weights, bias, slope, offset)
+
+    def save(self, path: str | os.PathLike[str], card: dict[str, Any]) -> None:
+        """Write the arrays to `path` (.npz) and `card` (what it was trained on, how well it does) beside it (.json)."""
+        calibration = np.array([self.bias, self.slope, self.offset])
+        with replacing(path) as temporary:
+            np.savez_compressed(temporary, weights=self.weights, calibration=calibration)
+        write_json(Path(path).with_suffix(".json"), card)
+
+    def score(self, features: NDArray[np.float32]) -> Array:
+        """Return (n,) how far each row of `features` (n, LENGTH) is on the side of people."""
+        return features.astype(np.float64) @ self.weights.astype(np.float64) + self.bias
+
+    def likelihood(self, windows: NDArray[np.float32]) -> Array:
+        """Return (n,) how likely each of `windows` (n, CHANNELS, ROWS, COLUMNS) shows somebody, in [0, 1]."""
+        return 1.0 / (1.0 + np.exp(-(self.slope * self.score(window_features(windows)) + self.offset)))
+
+
+def window_features(windows: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return (n, LENGTH) the gradients' histograms of `windows` (n, CHANNELS, ROWS, COLUMNS)."""
+    features = np.empty((len(windows), LENGTH), dtype=np.float32)
+    hog(windows, SOFTNESS, features)
+    return features
+
+
+def read_card() -> dict[str, Any]:
+    """Return the card of the shipped classifier: data, command, seeds, figures, limits."""
+    return json.loads(MODEL.with_suffix(".json").read_text(encoding="utf-8"))

@@ -1,0 +1,90 @@
+"""What a camera tells the tracker: where people are, whether they move or not, some time after the exposure."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...slam.geometry import transform_points
+from ...slam.scan import LaserScan
+from ..config import PerceptionConfig
+from ..legs.clusters import Clusters
+from ..legs.detector import Detections
+from ..rgbd.people import RgbdPeople
+from . import kalman
+from .association import assign, distances
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class SeenPeople:
+    """People that a camera saw.
+
+    Attributes:
+        time_s: Time of the exposure [s].
+        positions: (n, 2) odometry frame [m].
+        likelihood: (n,) in [0, 1].
+    """
+
+    time_s: float
+    positions: Array
+    likelihood: Array
+
+    @classmethod
+    def at_exposure(cls, people: RgbdPeople, time_s: float, odometry: ArrayLike) -> "SeenPeople":
+        """Return `people` of a frame taken at `time_s` [s] where the odometry said T_odom_robot (3,)."""
+        return cls(time_s, transform_points(np.asarray(odometry), people.positions), people.likelihood)
+
+
+class NoLegs:
+    """A detector that finds no legs: for people by the camera alone."""
+
+    def detect(self, scan: LaserScan) -> Detections:
+        """Return nothing, whatever `scan` shows."""
+        none = np.zeros(0, dtype=np.int64)
+        clusters = Clusters(np.empty((0, 2)), none, none, none)
+        return Detections(np.empty((0, 2)), np.empty(0), np.zeros(0, dtype=bool), clusters)
+
+
+class CameraSightings:
+    """Corrects people by what a camera saw, and says where it has seen somebody who is not known yet."""
+
+    def __init__(self, config: PerceptionConfig) -> None:
+        self._config = config
+        self._places, self._counts = np.empty((0, 2)), np.empty(0, dtype=np.int64)
+        self._times = np.empty(0)
+
+    def correct(self, people: NDArray[np.void], seen: SeenPeople, time_s: float, dt: float) -> NDArray[np.intp]:
+        """Correct `people` (n,) in place; return the rows of `seen` that are nobody of them.
+
+        A person is compared where it was at the exposure; that the camera saw it counts for now.
+        """
+        config, delay = self._config, max(0.0, time_s - seen.time_s)
+        then = people["x"][:, :2] - delay * people["x"][:, 2:]
+        rows, columns = assign(distances(then, seen.positions), config.camera_gate)
+        now = seen.positions[columns] + delay * people["x"][rows, 2:]
+        r = np.full(len(rows), config.camera_r)
+        people["x"][rows], people["p"][rows] = kalman.update(people["x"][rows], people["p"][rows], now, r)
+        people["confidence"][rows] += config.confidence_weight(dt) * seen.likelihood[columns]
+        np.minimum(people["confidence"], 1.0, out=people["confidence"])
+        people["unseen_s"][rows] = np.minimum(people["unseen_s"][rows], delay)
+        people["camera_s"][rows] = delay
+        near = distances(seen.positions, then).min(axis=1, initial=np.inf) <= config.camera_gate
+        near[columns] = True
+        return np.flatnonzero(~near & (seen.likelihood >= config.camera_sure))
+
+    def newcomers(self, seen: SeenPeople, rows: NDArray[np.intp]) -> NDArray[np.intp]:
+        """Return those of `rows` of `seen`, nobody known, that were seen in enough frames at about their place."""
+        config = self._config
+        fresh = seen.time_s - self._times <= config.camera_wait_s
+        places, counts, times = self._places[fresh], self._counts[fresh], self._times[fresh]
+        found, old = assign(distances(seen.positions[rows], places), config.camera_gate)
+        count = np.ones(len(rows), dtype=np.int64)
+        count[found] += counts[old]
+        sure = count >= config.camera_frames
+        rest = np.setdiff1d(np.arange(len(places)), old)
+        self._places = np.concatenate((places[rest], seen.positions[rows[~sure]]))
+        self._counts = np.concatenate((counts[rest], count[~sure]))
+        self._times = np.concatenate((times[rest], np.full(np.count_nonzero(~sure), seen.time_s)))
+        return rows[sure]

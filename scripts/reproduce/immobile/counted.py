@@ -1,0 +1,104 @@
+"""The counts of all drives, added up, and what they say about the claims."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from .measures import HIDDEN
+from .plan import CLEAN, cell_name
+
+BOUNDS = {
+    "people cells left": 0.03,
+    "door cells not cleared in 2 s": 0.0,
+    "desk top cells missing": 0.10,
+    "seat cells missing": 0.20,
+    "static cells lost": 0.01,
+}
+"""Error -> the most that is asked of it, as a share; `GAIN` is the known area that is asked for."""
+GAIN = 1.3
+
+
+@dataclass(frozen=True)
+class Share:
+    """A part of a whole.
+
+    Attributes:
+        part: Cells of one kind.
+        whole: Of these.
+    """
+
+    part: int
+    whole: int
+
+    @property
+    def value(self) -> float:
+        """The part over the whole; NaN of nothing."""
+        return self.part / self.whole if self.whole else float("nan")
+
+    def __str__(self) -> str:
+        return f"{100.0 * self.value:.1f} % ({self.part} of {self.whole})" if self.whole else "none"
+
+
+@dataclass(frozen=True)
+class Counted:
+    """All drives.
+
+    Attributes:
+        results: What the cells returned, by name.
+        seeds: Buildings.
+    """
+
+    results: Mapping[str, Any]
+    seeds: Sequence[int]
+
+    def errors(self, mapper: str, disturbance: str = CLEAN, seed: int | None = None) -> dict[str, Share]:
+        """Return the shares that should be small, of one seed or of all together."""
+        return {
+            "people cells left": Share(
+                self._sum(disturbance, seed, mapper, "people_cells"),
+                self._sum(disturbance, seed, "conventional", "people_cells"),
+            ),
+            "door cells not cleared in 2 s": self._door(disturbance, seed, mapper),
+            "desk top cells missing": self._missing(disturbance, seed, mapper, "table"),
+            "seat cells missing": self._missing(disturbance, seed, mapper, "chair"),
+            "static cells lost": Share(
+                self._sum(disturbance, seed, mapper, "static_lost"),
+                sum(row["static_cells"] for row in self._rows(disturbance, seed)),
+            ),
+        }
+
+    def known(self, mapper: str, mark: str, disturbance: str = CLEAN, seed: int | None = None) -> Share:
+        """Return the known cells of a mark, over those that the laser alone knows."""
+        return Share(
+            sum(row["maps"][mapper]["known"][mark] for row in self._rows(disturbance, seed)),
+            sum(row["maps"]["laser"]["known"][mark] for row in self._rows(disturbance, seed)),
+        )
+
+    def wrongly_free(self, mapper: str) -> Share:
+        """Return the cells of boxes, behind the screens, that count as free, of those that are known."""
+        pairs = [row["maps"][mapper]["wrongly_free"][mark] for row in self._rows(CLEAN, None) for mark in HIDDEN]
+        return Share(sum(free for _, free in pairs), sum(known for known, _ in pairs))
+
+    def door(self, mapper: str, seed: int) -> dict[str, Any]:
+        """Return what was measured at the door of one drive."""
+        return self._rows(CLEAN, seed)[0]["door"][mapper]
+
+    def row(self, seed: int, disturbance: str = CLEAN) -> Mapping[str, Any]:
+        """Return everything of one drive."""
+        return self._rows(disturbance, seed)[0]
+
+    def _rows(self, disturbance: str, seed: int | None) -> list[Mapping[str, Any]]:
+        return [self.results[cell_name(disturbance, s)] for s in (self.seeds if seed is None else [seed])]
+
+    def _sum(self, disturbance: str, seed: int | None, mapper: str, what: str) -> int:
+        return sum(row["maps"][mapper][what] for row in self._rows(disturbance, seed))
+
+    def _missing(self, disturbance: str, seed: int | None, mapper: str, kind: str) -> Share:
+        pairs = [row["maps"][mapper][kind] for row in self._rows(disturbance, seed)]
+        seen = sum(pair[0] for pair in pairs)
+        return Share(seen - sum(pair[1] for pair in pairs), seen)
+
+    def _door(self, disturbance: str, seed: int | None, mapper: str) -> Share:
+        found = [row["door"][mapper] for row in self._rows(disturbance, seed) if mapper in row["door"]]
+        cells = sum(door["cells"] for door in found)
+        return Share(cells - sum(door["within_2_s"] for door in found), cells)

@@ -1,0 +1,236 @@
+"""The cell that drives: one lab, one operator, several ways to map what the sensors saw."""
+
+from collections import deque
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....envs.camera.config import RgbdConfig
+from ....envs.lidar import LidarConfig
+from ....envs.operator import Operator
+from ....envs.oracle import TrueRgbdPeopleFinder
+from ....envs.world import World, WorldConfig
+from ....perception.config import PerceptionConfig
+from ....perception.immobile.mapper import ImmobileMapper
+from ....perception.immobile.view import View, make_view
+from ....perception.legs.detector import LegDetector
+from ....perception.legs.forest import LegForest
+from ....perception.people_filter import near_points
+from ....perception.rgbd.frame import RgbdFrame
+from ....perception.rgbd.people import RgbdPeopleFinder
+from ....perception.rgbd.people_finder import PeopleFinder
+from ....perception.rgbd.planes import PlaneFinder, Planes
+from ....perception.tracking.tracker import PeopleTracker
+from ....slam.engine import make_slam
+from ....slam.errors import unknown_name
+from ....slam.geometry import between, compose, inverse, transform_points
+from ....slam.grid import GridConfig, OccupancyGrid
+from ....slam.scan import LaserScan
+from ..following.map_files import save_map
+from . import measures
+from .exhibits import Exhibits
+from .measures import LASER_HEIGHT, DoorWatch, SeenTops
+
+Array = NDArray[np.float64]
+
+LASER = LidarConfig(range_max=10.0, height=LASER_HEIGHT)
+"""The paper's laser: 10 m, 270 degrees, 0.25 degrees, 0.32 m above the floor."""
+MAPPERS = ("conventional", "laser", "immobile", "true people")
+"""Ways to map: the occupancy grid; immobile area by the laser alone; by laser and camera; and the same with people told
+by the simulator, an upper bound."""
+POSES = ("gmapping", "cartographer", "truth")
+_LONGEST_S = 420.0
+
+
+def lab_drive(
+    seed: int,
+    poses: str,
+    camera_hz: float,
+    delay_s: float,
+    vibration_deg: float,
+    missing: float,
+    wrong: float,
+    longest_s: float | None,
+    files: Path,
+) -> dict[str, Any]:
+    """Drive once through the lab of `seed` and map it in every way; return what is counted on the maps.
+
+    Args:
+        seed: Of building, people and noise.
+        poses: Who says where the robot is, one of `POSES`.
+        camera_hz: Frames a second [Hz].
+        delay_s: Views are ready this long after their exposure [s].
+        vibration_deg: Standard deviation of the camera's pitch and roll [degrees].
+        missing: Share of the pixels that measure nothing, besides the usual ones.
+        wrong: Share of the recognised things whose likelihood l is taken for 1 - l.
+        longest_s: Where the drive is cut off [s]; None: at its end.
+        files: Folder for the maps.
+    """
+    if poses not in POSES:
+        raise unknown_name("source of poses", poses, POSES)
+    camera = RgbdConfig(rate_hz=camera_hz, vibration=float(np.radians(vibration_deg)), missing=max(missing, 0.002))
+    drive = _Drive(lab_world(seed, camera), poses, delay_s, wrong, seed)
+    operator = Operator(drive.world.scene)
+    while not operator.done(drive.world.truth) and drive.world.time_s < (longest_s or _LONGEST_S):
+        drive.world.step(operator.command(drive.world.truth))
+        drive.take()
+    drive.write(files)
+    return drive.judged()
+
+
+def lab_world(seed: int, camera: RgbdConfig | None = None) -> World:
+    """Return the lab of `seed`, with the paper's laser and this camera."""
+    config = WorldConfig(scene="lab", route="operator", people=0, leader=False, lidar=LASER, camera=camera)
+    return World(config, np.random.default_rng(seed))
+
+
+class _Drive:
+    """Everything that goes on during a drive."""
+
+    def __init__(self, world: World, poses: str, delay_s: float, wrong: float, seed: int) -> None:
+        self.world = world
+        self._engine = None if poses == "truth" else make_slam(poses, **({"seed": seed} if poses == "gmapping" else {}))
+        self._delay_s, self._wrong, self._rng = delay_s, wrong, np.random.default_rng([seed, 7])
+        perception = PerceptionConfig()
+        self._zeta = perception.zeta
+        self._tracker = PeopleTracker(perception, LegDetector(LegForest.load("simulation"), perception.detector()))
+        self._planes = PlaneFinder()
+        self._finders: dict[str, RgbdPeopleFinder] = {
+            "immobile": PeopleFinder.load(),
+            "true people": TrueRgbdPeopleFinder(world),
+        }
+        self.conventional = OccupancyGrid(GridConfig(max_range=LASER.range_max))
+        self.mappers = {name: ImmobileMapper() for name in MAPPERS[1:]}
+        self._waiting: deque[tuple[float, dict[str, View]]] = deque()
+        self._last_frame: RgbdFrame | None = None
+        kinds = ("floor", "ceiling", *(solid.kind for solid in world.scene.solids))
+        self._kinds = np.array([*kinds, *["mover"] * (world.model.ngeom - len(kinds))])
+        self.T_world_map = world.start.copy()
+        resolution = self.conventional.config.resolution
+        self.tops = SeenTops(world.scene, self.T_world_map, resolution)
+        self.doors = {
+            name: DoorWatch(world.scene, inverse(self.T_world_map), resolution) for name in ("conventional", "immobile")
+        }
+        self.exhibits = Exhibits(resolution)
+        self._closed = True
+        self._walked: list[Array] = []
+        self._errors: list[Array] = []
+        self._path: list[Array] = []
+        self.take()
+
+    def take(self) -> None:
+        """Take the latest scan, and the latest frame if it is new."""
+        scan, odometry = self.world.scan(), self.world.odometry
+        true_pose = between(self.T_world_map, self.world.truth.robot_pose)
+        pose = true_pose if self._engine is None else self._engine.update(odometry, scan).pose
+        self._errors.append(between(true_pose, pose))
+        self._path.append(pose)
+        self._walked.append(self.world.truth.people.positions.copy())
+        self.conventional.write(pose, scan)
+        people = self._beams_on_people(scan, odometry)
+        for mapper in self.mappers.values():
+            mapper.add_scan(pose, scan, people)
+        if self.world.frames and self.world.frames[-1] is not self._last_frame:
+            self._last_frame = self.world.frames[-1]
+            self._look(self._last_frame, scan, true_pose)
+        while self._waiting and self._waiting[0][0] <= scan.time_s + 1e-9:
+            for name, view in self._waiting.popleft()[1].items():
+                self.mappers[name].add_view(view)
+        self._watch_door(pose, scan)
+
+    def _beams_on_people(self, scan: LaserScan, odometry: Array) -> Array:
+        """Return (N,) how likely each beam met somebody whose legs are tracked."""
+        found = np.zeros(len(scan))
+        people = self._tracker.update(scan, odometry).people
+        T_lidar_odom = inverse(compose(odometry, scan.T_robot_lidar))
+        for row in range(len(people)):
+            places = np.concatenate((people.positions[row][None], people.legs[row]))
+            near = near_points(scan, transform_points(T_lidar_odom, places), self._zeta)
+            found[near] = np.maximum(found[near], people.confidence[row])
+        return found
+
+    def _look(self, frame: RgbdFrame, scan: LaserScan, true_pose: Array) -> None:
+        planes = self._spoiled_planes(self._planes.find(frame))
+        views = {}
+        for name, finder in self._finders.items():
+            people = finder.find(frame, planes)
+            views[name] = make_view(frame, planes, replace(people, likelihood=self._spoiled(people.likelihood)))
+        self._waiting.append((frame.time_s + self._delay_s, views))
+        self.exhibits.add_frame(frame, views["immobile"], scan, self._path[-1])
+        self.exhibits.add_view(views["immobile"], self._path[-1])
+        kinds = self._kinds[self.world.frame_geoms()]
+        T_map_camera = compose(true_pose, frame.T_robot_camera)
+        level = np.isfinite(frame.depth)
+        for kind, lowest in measures.TOPS.items():
+            mine = level & (kinds == kind) & (np.nan_to_num(planes.points[..., 2]) > lowest)
+            self.tops.add(kind, transform_points(T_map_camera, planes.points[mine][:, :2]))
+
+    def _spoiled_planes(self, planes: Planes) -> Planes:
+        return replace(planes, likelihood=self._spoiled(planes.likelihood))
+
+    def _spoiled(self, likelihood: Array) -> Array:
+        wrong = self._rng.random(len(likelihood)) < self._wrong
+        return np.where(wrong, 1.0 - likelihood, likelihood)
+
+    def _watch_door(self, pose: Array, scan: LaserScan) -> None:
+        angle = self.world.doors_open[0]
+        if angle == 0.0:
+            return
+        for name, watch in self.doors.items():
+            grid = self.conventional if name == "conventional" else self.mappers[name].grid
+            if self._closed:
+                watch.closed(grid.to_map())
+            elif angle == 1.0:
+                watch.opened(pose, scan, grid.to_map())
+        self._closed = False
+
+    def write(self, files: Path) -> None:
+        """Write the maps and the path into `files`."""
+        save_map(files / "conventional.npz", self.conventional.to_map(), np.array(self._path))
+        for name, mapper in self.mappers.items():
+            for layer, grid in measures.layered(mapper.grid).items():
+                save_map(files / f"{name.replace(' ', '_')}_{layer}.npz", grid)
+
+        self.exhibits.write(files / "exhibits.npz")
+
+    def judged(self) -> dict[str, Any]:
+        """Return the numbers, by mapper."""
+        scene, T = self.world.scene, self.T_world_map
+        maps = {"conventional": self.conventional.to_map()}
+        maps |= {name: mapper.grid.to_map() for name, mapper in self.mappers.items()}
+        walked = np.unique(np.round(np.concatenate(self._walked), 1), axis=0)
+        static = measures.static_cells(maps["conventional"], T, scene)
+        error = np.array(self._errors)
+        return {
+            "time_s": self.world.time_s,
+            "pose_error_m": float(np.sqrt((error[:, :2] ** 2).sum(axis=1).mean())),
+            "static_cells": len(static),
+            "maps": {
+                name: {
+                    "people_cells": measures.people_cells(grid, T, scene, walked),
+                    "table": self.tops.share("table", grid),
+                    "chair": self.tops.share("chair", grid),
+                    "known": {m: measures.known_cells(grid, T, scene.marks[m]) for m in measures.HIDDEN},
+                    "wrongly_free": {m: measures.wrongly_free(grid, T, scene, scene.marks[m]) for m in measures.HIDDEN},
+                    "static_lost": measures.lost_cells(grid, static, reach=0),
+                    "static_lost_near": measures.lost_cells(grid, static, reach=1),
+                }
+                for name, grid in maps.items()
+            },
+            "door": {name: _delays(watch.delays()) for name, watch in self.doors.items()},
+        }
+
+
+def _delays(delays: Array) -> dict[str, Any]:
+    """Return how many cells there were and how many were cleared when."""
+    finite = delays[np.isfinite(delays)]
+    return {
+        "cells": len(delays),
+        "within_2_s": int((delays <= 2.0 + 1e-9).sum()),
+        "never": int(np.isinf(delays).sum()),
+        "median_s": float(np.median(finite)) if len(finite) else None,
+        "longest_s": float(finite.max()) if len(finite) else None,
+    }

@@ -1,0 +1,89 @@
+"""Which drives there are, and what they are called."""
+
+import argparse
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ....slam.errors import InputError
+from ...experiments.cells import Cell
+from .drives import POSES, lab_drive
+
+SEEDS, QUICK_SEEDS = 5, 1
+CAMERA_HZ, QUICK_CAMERA_HZ = 10.0, 2.0
+CLEAN = "as it is"
+SHAKEN: dict[str, dict[str, float]] = {
+    CLEAN: {},
+    "vibration 1 deg": {"vibration_deg": 1.0},
+    "vibration 2 deg": {"vibration_deg": 2.0},
+    "10 % missing depth": {"missing": 0.1},
+    "5 % wrong likelihoods": {"wrong": 0.05},
+}
+"""Disturbance -> what it changes."""
+QUICK_SHAKEN = (CLEAN, "vibration 2 deg")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plan:
+    """What is driven.
+
+    Attributes:
+        seeds: Buildings.
+        disturbances: Names in `SHAKEN`.
+        settings: The other arguments of `lab_drive`.
+    """
+
+    seeds: Sequence[int]
+    disturbances: Sequence[str]
+    settings: dict[str, Any]
+
+    def cells(self) -> list[Cell]:
+        """Return a cell for each drive, the undisturbed ones first."""
+        calm = {"vibration_deg": 0.0, "missing": 0.0, "wrong": 0.0}
+        return [
+            Cell(
+                name=cell_name(disturbance, seed),
+                function=lab_drive,
+                arguments={"seed": seed, **self.settings, **calm, **SHAKEN[disturbance]},
+                keeps_files=True,
+            )
+            for disturbance in self.disturbances
+            for seed in self.seeds
+        ]
+
+
+def cell_name(disturbance: str, seed: int) -> str:
+    """Return the name of the cell of one drive."""
+    return f"{disturbance.replace(' %', '').replace(' ', '-')}/seed-{seed}"
+
+
+def add_plan_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare --seeds, --poses, --camera-hz, --delay, --minutes."""
+    parser.add_argument("--seeds", type=int, metavar="N", help=f"(default: {SEEDS}, quick: {QUICK_SEEDS})")
+    parser.add_argument("--first-seed", type=int, default=0, metavar="S", help="(default: %(default)s)")
+    parser.add_argument("--poses", choices=POSES, default="gmapping", help="who localises (default: %(default)s)")
+    parser.add_argument("--camera-hz", type=float, metavar="F", help="frames a second (default: 10, quick: 2)")
+    parser.add_argument("--delay", type=float, default=0.3, metavar="S", help="of views [s] (default: %(default)s)")
+    parser.add_argument("--minutes", type=float, metavar="M", help="cut the drive off (default: at its end)")
+
+
+def plan_of(options: argparse.Namespace) -> Plan:
+    """Return the plan that the options ask for.
+
+    Raises:
+        InputError: If one is out of its range.
+    """
+    count = options.seeds if options.seeds is not None else QUICK_SEEDS if options.quick else SEEDS
+    hz = options.camera_hz if options.camera_hz is not None else QUICK_CAMERA_HZ if options.quick else CAMERA_HZ
+    if count < 1:
+        raise InputError(f"--seeds must be at least 1, got {count}")
+    if not options.delay >= 0.0:
+        raise InputError(f"--delay must not be negative [s], got {options.delay}")
+    if options.minutes is not None and not options.minutes >= 0.1:
+        raise InputError(f"--minutes must be at least 0.1, got {options.minutes}")
+    longest = None if options.minutes is None else 60.0 * options.minutes
+    return Plan(
+        seeds=range(options.first_seed, options.first_seed + count),
+        disturbances=QUICK_SHAKEN if options.quick else tuple(SHAKEN),
+        settings={"poses": options.poses, "camera_hz": hz, "delay_s": options.delay, "longest_s": longest},
+    )

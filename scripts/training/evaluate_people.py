@@ -1,0 +1,114 @@
+"""How many people a finder sees in labelled frames, how many of them are none, and what its likelihood is worth."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
+
+from ...perception.rgbd.people import RgbdPeople
+from ...perception.rgbd.people_finder import PeopleFinder, PeopleFinderConfig
+from ...perception.rgbd.person_svm import PersonSvm
+from ...perception.rgbd.planes import PlaneFinder
+from .rgbd_frames import LabelledFrame
+
+Array = NDArray[np.float64]
+
+FARTHEST = 6.0
+"""People count up to here [m]."""
+MATCH_DISTANCE = 0.5
+"""A person is found by at most one detection within this distance, and a detection finds at most one [m]."""
+IN_SIGHT = 0.5
+"""So much of what the picture would show of somebody with nothing before them is seen of who counts."""
+LEAST_PIXELS = 40
+THRESHOLD = 0.5
+_BINS = 10
+
+
+@dataclass(frozen=True, eq=False)
+class PeopleScores:
+    """What a finder said, over all frames.
+
+    Attributes:
+        found: (n,) likelihood of the detection of each person who counts; 0 where there is none.
+        distance: (n,) of these people from the robot [m].
+        error: (n,) distance between person and detection [m]; NaN where there is none.
+        likelihood: (k,) of each detection within 6 m, however unlikely.
+        right: (k,) whether it is somebody in sight, counting or not.
+        frames: Number of frames.
+    """
+
+    found: Array
+    distance: Array
+    error: Array
+    likelihood: Array
+    right: NDArray[np.bool_]
+    frames: int
+
+    def recall(self, threshold: float = THRESHOLD) -> float:
+        """Return the share of people found with at least this likelihood."""
+        return float((self.found >= threshold).mean()) if len(self.found) else float("nan")
+
+    def precision(self, threshold: float = THRESHOLD) -> float:
+        """Return the share of detections of at least this likelihood that are somebody."""
+        said = self.likelihood >= threshold
+        return float(self.right[said].mean()) if said.any() else float("nan")
+
+    @property
+    def calibration_error(self) -> float:
+        """Expected calibration error: mean gap of likelihood and share of right, over ten bins weighed by size."""
+        which = np.minimum((self.likelihood * _BINS).astype(int), _BINS - 1)
+        total = 0.0
+        for b in range(_BINS):
+            mine = which == b
+            total += abs(float(self.likelihood[mine].sum()) - np.count_nonzero(self.right[mine]))
+        return float(total / max(1, len(which)))
+
+    def figures(self) -> dict[str, Any]:
+        """Return the numbers of a table."""
+        hit = self.found >= THRESHOLD
+        return {
+            "frames": self.frames,
+            "people": len(self.found),
+            "detections": int((self.likelihood >= THRESHOLD).sum()),
+            "candidates": len(self.likelihood),
+            "recall": round(self.recall(), 4),
+            "precision": round(self.precision(), 4),
+            "expected_calibration_error": round(self.calibration_error, 4),
+            "median_position_error_m": round(float(np.median(self.error[hit])), 3) if hit.any() else None,
+        }
+
+
+def score_people(svm: PersonSvm, frames: Iterable[LabelledFrame]) -> PeopleScores:
+    """Score the finder with `svm` on frames."""
+    planes, finder = PlaneFinder(), PeopleFinder(svm, PeopleFinderConfig(least_likelihood=0.0))
+    parts = [score_frame(finder.find(drawn.frame, planes.find(drawn.frame)), drawn) for drawn in frames]
+    return joined(parts)
+
+
+def joined(parts: list[PeopleScores]) -> PeopleScores:
+    """Return the scores of all parts."""
+    names = ("found", "distance", "error", "likelihood", "right")
+    arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
+    return PeopleScores(**arrays, frames=sum(part.frames for part in parts))
+
+
+def score_frame(people: RgbdPeople, drawn: LabelledFrame) -> PeopleScores:
+    """Score what was found in one frame, with detections of any likelihood."""
+    seen = np.bincount(drawn.person[drawn.person >= 0], minlength=len(drawn.places))
+    distance = np.hypot(*drawn.places.T)
+    camera = drawn.frame.T_robot_camera
+    bearing = np.arctan2(drawn.places[:, 1] - camera[1], drawn.places[:, 0] - camera[0]) - camera[2]
+    counts = (np.abs(bearing) < drawn.frame.camera.horizontal_fov / 2.0) & (distance <= FARTHEST)
+    counts &= (seen >= LEAST_PIXELS) & (seen >= IN_SIGHT * drawn.whole)
+    away = np.hypot(*(drawn.places[:, None] - people.positions[None]).transpose(2, 0, 1))
+    away[seen < LEAST_PIXELS // 4] = np.inf
+    found, error, right = np.zeros(len(seen)), np.full(len(seen), np.nan), np.zeros(len(people), dtype=bool)
+    cost = np.where(away <= MATCH_DISTANCE, away - 2.0 * people.likelihood, 10.0)
+    for person, k in zip(*linear_sum_assignment(cost), strict=True):
+        if away[person, k] <= MATCH_DISTANCE:
+            found[person], error[person], right[k] = people.likelihood[k], away[person, k], True
+    near = np.hypot(*people.positions.T) <= FARTHEST
+    return PeopleScores(found[counts], distance[counts], error[counts], people.likelihood[near], right[near], 1)

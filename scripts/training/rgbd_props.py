@@ -1,0 +1,120 @@
+"""Things of a person's height that stand about: what a detector of people must not take for one."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+from ...envs.scenes.scene import Scene
+from ...envs.scenes.solids import Solid, post
+from ...slam.errors import unknown_name
+
+Array = NDArray[np.float64]
+Maker = Callable[[Generator, float, float], list[Solid]]
+
+
+def _drum(x: float, y: float, radius: float, bottom: float, top: float) -> Solid:
+    return Solid(kind="prop", x=x, y=y, radius=radius, bottom=bottom, top=top)
+
+
+def _block(
+    rng: Generator, x: float, y: float, size: tuple[float, float], top: float, bottom: float = 0.0, kind: str = "prop"
+) -> Solid:
+    half_length, half_width = size
+    yaw = float(rng.uniform(-np.pi, np.pi))
+    return Solid(kind=kind, x=x, y=y, yaw=yaw, half_length=half_length, half_width=half_width, bottom=bottom, top=top)
+
+
+def _lamp(rng: Generator, x: float, y: float) -> list[Solid]:
+    shade = float(rng.uniform(1.3, 1.5))
+    return [post("prop", x, y, 0.02, shade), _drum(x, y, float(rng.uniform(0.12, 0.22)), shade, shade + 0.25)]
+
+
+def _coat_stand(rng: Generator, x: float, y: float) -> list[Solid]:
+    bottom, top = rng.uniform(0.6, 0.9), rng.uniform(1.4, 1.6)
+    return [post("prop", x, y, 0.03, 1.75), _block(rng, x, y, (rng.uniform(0.15, 0.28), 0.13), top, bottom)]
+
+
+def _plant(rng: Generator, x: float, y: float) -> list[Solid]:
+    bottom = float(rng.uniform(0.5, 0.9))
+    crown = _drum(x, y, float(rng.uniform(0.2, 0.35)), bottom, float(rng.uniform(1.3, 1.8)))
+    return [post("carton", x, y, 0.18, 0.4), post("prop", x, y, 0.04, bottom), crown]
+
+
+def _stack(rng: Generator, x: float, y: float) -> list[Solid]:
+    size = (float(rng.uniform(0.15, 0.35)), float(rng.uniform(0.15, 0.3)))
+    return [_block(rng, x, y, size, float(rng.uniform(1.25, 2.0)), kind="carton")]
+
+
+def _dress_form(rng: Generator, x: float, y: float) -> list[Solid]:
+    top = float(rng.uniform(1.3, 1.5))
+    body = _drum(x, y, float(rng.uniform(0.12, 0.18)), 0.8, top)
+    return [post("prop", x, y, 0.03, 0.8), body, _drum(x, y, 0.05, top, top + 0.1)]
+
+
+def _speaker(rng: Generator, x: float, y: float) -> list[Solid]:
+    bottom = float(rng.uniform(1.0, 1.2))
+    return [post("prop", x, y, 0.03, bottom), _block(rng, x, y, (0.17, 0.14), bottom + 0.5, bottom)]
+
+
+def _dispenser(rng: Generator, x: float, y: float) -> list[Solid]:
+    return [_block(rng, x, y, (0.16, 0.16), 1.0), _drum(x, y, 0.14, 1.0, float(rng.uniform(1.3, 1.45)))]
+
+
+def _banner(rng: Generator, x: float, y: float) -> list[Solid]:
+    return [_block(rng, x, y, (float(rng.uniform(0.3, 0.45)), 0.02), 2.0, 0.05, kind="screen")]
+
+
+def _statue(rng: Generator, x: float, y: float) -> list[Solid]:
+    """Return a plinth with a bust: as high as a person, and with something like a head."""
+    top = float(rng.uniform(1.4, 1.5))
+    return [
+        _block(rng, x, y, (0.2, 0.2), 0.95),
+        _drum(x, y, 0.13, 0.95, top),
+        _drum(x, y, 0.08, top, top + 0.22),
+    ]
+
+
+def _hat_stand(rng: Generator, x: float, y: float) -> list[Solid]:
+    return [post("prop", x, y, 0.035, 1.6), _drum(x, y, float(rng.uniform(0.14, 0.2)), 1.6, 1.72)]
+
+
+PROPS: dict[str, tuple[Maker, ...]] = {
+    "none": (),
+    "training": (_lamp, _coat_stand, _plant, _stack, _dress_form),
+    "unseen": (_speaker, _dispenser, _banner, _statue, _hat_stand),
+}
+"""Name -> what there is; what a detector is tested among is nothing that it was trained among."""
+
+
+def draw_props(rng: Generator, scene: Scene, spots: Array, name: str) -> list[Solid]:
+    """Return things standing on free floor before the robot at some of its `spots` (k, 3).
+
+    Raises:
+        InputError: If there are no props of this name.
+    """
+    if name not in PROPS:
+        raise unknown_name("kind of props", name, tuple(PROPS))
+    found: list[Solid] = []
+    for spot in spots:
+        if not PROPS[name] or rng.random() < 0.3:
+            continue
+        place = before(rng, scene, spot, 0.5)
+        if place is not None:
+            maker = PROPS[name][rng.integers(len(PROPS[name]))]
+            found += maker(rng, float(place[0]), float(place[1]))
+    return found
+
+
+def before(rng: Generator, scene: Scene, spot: Array, room: float) -> Array | None:
+    """Return (2,) a place with `room` [m] around it, in sight of a robot at `spot` (3,); None where there is none."""
+    high = [solid for solid in scene.solids if solid.bottom < 1.0 < solid.top]
+    for _ in range(12):
+        bearing, distance = rng.uniform(-0.62, 0.62), rng.uniform(0.7, 7.0)
+        turn = spot[2] + bearing
+        place = spot[:2] + distance * np.array([np.cos(turn), np.sin(turn)])
+        way = spot[:2] + np.linspace(0.0, 1.0, 24)[:, None] * (place - spot[:2])
+        if scene.clearance(place, of_people=True) > room and all(solid.distance(way).min() > 0.0 for solid in high):
+            return place
+    return None

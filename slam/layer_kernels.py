@@ -1,0 +1,120 @@
+"""Kernel of the layered grid, and its plain numpy reference. Lengths along the plane are in cells, heights in m."""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+_SLACK = 0.01  # so much beyond where it was seen a thing may reach [m]
+
+
+@njit(cache=True, nogil=True)
+def write_view(origin, ends, log_beta, above, known, near, edges, miss, limit, stamp, log_odds, stamps, spans):
+    """Update each cell of each layer that the rays met once: by the first hit in it, else by `miss`.
+
+    A ray frees, in each cell that it passes, the one layer that holds its height there; but what was recognised there
+    only if it passes between the heights at which that was seen: a ray just above a desk does not free the desk.
+
+    Args:
+        origin: (3,) where the rays begin: x, y [cells], height [m].
+        ends: (n, 3) where they end; where two hit the same cell the earlier one counts.
+        log_beta: (n,) what a hit adds to the log-odds; NaN where the ray ends in the open.
+        above: (n,) a ray frees nothing where it is lower than this [m]: it grazes what it ends on.
+        known: (n,) whether what it ends on was recognised as something that stays.
+        near: Nothing is freed nearer than this [cells].
+        edges: (b + 1,) heights between the layers [m]; the last layer has no upper end.
+        miss: What a ray adds to a cell that it passes.
+        limit: Log-odds stay within +-limit.
+        stamp: Number of this observation.
+        log_odds: (b, rows, cols) float32, changed.
+        stamps: (b, rows, cols) int32, changed.
+        spans: (2, b, rows, cols) float32, lowest and highest of what was recognised [m], 0 for nothing; changed.
+    """
+    for k in range(len(ends)):
+        if not np.isnan(log_beta[k]) and ends[k, 2] >= edges[0]:
+            _hit(ends[k], log_beta[k], known[k], edges, limit, stamp, log_odds, stamps, spans)
+    for k in range(len(ends)):
+        hits = not np.isnan(log_beta[k])
+        _free(origin, ends[k], hits, above[k], near, edges, miss, limit, stamp, log_odds, stamps, spans)
+
+
+@njit(cache=True, nogil=True)
+def _hit(end, log_beta, known, edges, limit, stamp, log_odds, stamps, spans):
+    """Write the hit of one ray."""
+    layer = 0
+    while layer < len(edges) - 2 and end[2] >= edges[layer + 1]:
+        layer += 1
+    row, col = int(np.floor(end[1])), int(np.floor(end[0]))
+    if known:
+        low, high = spans[0, layer, row, col], spans[1, layer, row, col]
+        spans[0, layer, row, col] = end[2] if high == 0.0 else min(low, end[2])
+        spans[1, layer, row, col] = max(high, end[2])
+    if stamps[layer, row, col] != stamp:
+        stamps[layer, row, col] = stamp
+        log_odds[layer, row, col] = max(min(log_odds[layer, row, col] + log_beta, limit), -limit)
+
+
+@njit(cache=True, nogil=True)
+def _free(origin, end, hits, above, near, edges, miss, limit, stamp, log_odds, stamps, spans):
+    """Free what one ray passes; a ray that hits something stops one cell before it."""
+    dx, dy, dz = end[0] - origin[0], end[1] - origin[1], end[2] - origin[2]
+    length = np.sqrt(dx * dx + dy * dy)
+    layer = 0
+    for step in range(near, int(length - 1.0) if hits else int(length)):
+        share = (step + 0.5) / length
+        height = origin[2] + share * dz
+        if height < edges[0] or height < above:
+            break
+        while layer < len(edges) - 2 and height >= edges[layer + 1]:
+            layer += 1
+        while height < edges[layer]:
+            layer -= 1
+        row, col = int(np.floor(origin[1] + share * dy)), int(np.floor(origin[0] + share * dx))
+        low, high = spans[0, layer, row, col], spans[1, layer, row, col]
+        if stamps[layer, row, col] != stamp and (high == 0.0 or low - _SLACK <= height <= high + _SLACK):
+            stamps[layer, row, col] = stamp
+            log_odds[layer, row, col] = max(min(log_odds[layer, row, col] + miss, limit), -limit)
+
+
+def write_view_reference(
+    origin: NDArray[np.float64],
+    ends: NDArray[np.float64],
+    log_beta: NDArray[np.float64],
+    above: NDArray[np.float64],
+    known: NDArray[np.bool_],
+    near: int,
+    edges: NDArray[np.float64],
+    miss: float,
+    limit: float,
+    stamp: int,
+    log_odds: NDArray[np.float32],
+    stamps: NDArray[np.int32],
+    spans: NDArray[np.float32],
+) -> None:
+    """Do what `write_view` does, in numpy."""
+    change = np.full(log_odds.shape, np.nan)
+    for (x, y, z), value, stays in zip(ends, log_beta, known, strict=True):
+        layer = min(int(np.searchsorted(edges, z, side="right")) - 1, len(edges) - 2)
+        cell = (layer, int(np.floor(y)), int(np.floor(x)))
+        if np.isnan(value) or layer < 0:
+            continue
+        if stays:
+            spans[(0, *cell)] = z if spans[(1, *cell)] == 0.0 else min(spans[(0, *cell)], z)
+            spans[(1, *cell)] = max(spans[(1, *cell)], z)
+        if np.isnan(change[cell]):
+            change[cell] = value
+    for end, value, lowest in zip(ends, log_beta, above, strict=True):
+        length = float(np.hypot(*(end - origin)[:2]))
+        steps = int(length) if np.isnan(value) else int(length - 1.0)
+        shares = (np.arange(near, max(near, steps)) + 0.5) / length
+        points = origin + shares[:, None] * (end - origin)
+        low = (points[:, 2] < edges[0]) | (points[:, 2] < lowest)
+        points = points[: int(np.argmax(low))] if low.any() else points
+        layer = np.minimum(np.searchsorted(edges, points[:, 2], side="right") - 1, len(edges) - 2)
+        col, row = np.floor(points[:, :2]).astype(int).T
+        low, high = spans[:, layer, row, col]
+        through = (high == 0.0) | ((low - _SLACK <= points[:, 2]) & (points[:, 2] <= high + _SLACK))
+        free = np.isnan(change[layer, row, col]) & through
+        change[layer[free], row[free], col[free]] = miss
+    met = ~np.isnan(change)
+    log_odds[met] = np.clip(log_odds[met] + change[met], -limit, limit)
+    stamps[met] = stamp

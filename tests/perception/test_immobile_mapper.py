@@ -1,0 +1,149 @@
+"""Laser and camera write one immobile-area map: what is recognised decides."""
+
+import numpy as np
+import pytest
+from tagalong.perception.immobile.mapper import ImmobileMapper, ImmobileMapperConfig
+from tagalong.perception.immobile.places import Places
+from tagalong.perception.immobile.view import ViewConfig, make_view
+from tagalong.perception.rgbd.frame import Pinhole, RgbdFrame
+from tagalong.perception.rgbd.people import NoPeopleFinder, RgbdPeople, nobody
+from tagalong.perception.rgbd.planes import PlaneFinder, Surface
+from tagalong.slam.errors import InputError
+from tagalong.slam.scan import LaserScan
+
+CAMERA = Pinhole(width=64, height=53, horizontal_fov=np.radians(70.0), vertical_fov=np.radians(60.0))
+BEARINGS = np.linspace(-1.5, 1.5, 601)
+
+
+def scan_of(wall=4.02, post=None, time_s=0.1):
+    """A scan of a wall at x = `wall`, and of a round post of radius 0.15 at `post` (x, y)."""
+    ranges = np.minimum(wall / np.maximum(np.cos(BEARINGS), 1e-3), 9.0)
+    if post is not None:
+        along = post[0] * np.cos(BEARINGS) + post[1] * np.sin(BEARINGS)
+        half = 0.15**2 - (post[0] ** 2 + post[1] ** 2 - along**2)
+        ranges = np.where(half > 0.0, along - np.sqrt(np.maximum(half, 0.0)), ranges)
+    return LaserScan(ranges, BEARINGS, 0.1, 10.0, time_s)
+
+
+def room_frame(time_s=0.0, board=None):
+    """A room of floor, ceiling at 2.6 m and a wall at x = 4; `board` (x, low, high): something narrow in the middle."""
+    rays = CAMERA.rays
+    with np.errstate(divide="ignore"):
+        depth = np.minimum(4.0, np.where(rays[..., 2] < 0.0, -1.0 / rays[..., 2], 1.6 / rays[..., 2]))
+    if board is not None:
+        x, low, high = board
+        up = 1.0 + x * rays[..., 2]
+        depth = np.where((np.abs(x * rays[..., 1]) < 0.25) & (low < up) & (up < high) & (x < depth), x, depth)
+    colour = np.zeros((*depth.shape, 3), np.uint8)
+    return RgbdFrame(depth.astype(np.float32), colour, CAMERA, time_s)
+
+
+def occupied_at(grid, x, y, reach=0.08):
+    points = grid.occupied_points
+    return bool((np.hypot(*(points - (x, y)).T) < reach).any())
+
+
+def person_of(frame, x, likelihood=0.95):
+    """The person who is the narrow thing at depth `x`."""
+    label = np.where(np.abs(frame.depth - x) < 0.05, 0, -1).astype(np.int32)
+    return RgbdPeople(np.array([[x, 0.0]]), np.array([likelihood]), label)
+
+
+def test_a_view_says_what_is_where():
+    frame = room_frame(board=(2.0, 0.0, 1.7))
+    view = make_view(frame, PlaneFinder().find(frame), person_of(frame, 2.0))
+    assert np.isnan(view.lambdas[np.isin(view.surface, (Surface.FLOOR, Surface.CEILING)) & (view.person < 0)]).all()
+    assert (view.lambdas[(view.surface == Surface.WALL) & (view.person < 0)] == 10.0).all()
+    assert view.lambdas[view.person == 0] == pytest.approx(2.0 - 1.5 * 0.95)
+    assert (view.person == 0).sum() > 100
+    with pytest.raises(InputError, match="top"):
+        ViewConfig(top=1.5)
+
+
+def test_somebody_who_stands_still_is_removed_once_the_camera_knows_them_and_stays_so_out_of_its_view():
+    mapper, standing = ImmobileMapper(), (2.02, 0.02)
+    for step in range(1, 60):
+        mapper.add_scan(np.zeros(3), scan_of(post=standing, time_s=0.1 * step))
+    assert occupied_at(mapper.grid.to_map(), 1.87, 0.02)
+    frame = room_frame(5.9, board=(1.9, 0.0, 1.7))
+    mapper.add_view(make_view(frame, PlaneFinder().find(frame), person_of(frame, 1.9)))
+    for step in range(60, 260):
+        mapper.add_scan(np.zeros(3), scan_of(post=standing, time_s=0.1 * step))
+    assert not occupied_at(mapper.grid.to_map(), 1.87, 0.02)
+    assert len(mapper.people.moving(26.0)) == 1
+    mapper.add_scan(np.zeros(3), scan_of(time_s=26.0))
+    assert len(mapper.people.moving(26.0)) == 0
+
+
+def test_what_comes_into_an_empty_place_is_moving_and_what_was_always_there_is_not():
+    mapper = ImmobileMapper()
+    for step in range(1, 40):
+        mapper.add_scan(np.zeros(3), scan_of(post=(3.0, 1.02), time_s=0.1 * step))
+    for step in range(40, 140):
+        came = scan_of(post=(2.02, 0.02), time_s=0.1 * step)
+        both = np.minimum(came.ranges, scan_of(post=(3.0, 1.02)).ranges)
+        mapper.add_scan(np.zeros(3), LaserScan(both, BEARINGS, 0.1, 10.0, 0.1 * step))
+    grid = mapper.grid.to_map()
+    assert not occupied_at(grid, 1.87, 0.02)
+    assert occupied_at(grid, 2.86, 0.97)
+    assert occupied_at(grid, 4.02, -1.0)
+
+
+def test_what_has_come_and_then_stands_for_long_is_a_thing():
+    places = Places(0.35, settles_s=20.0)
+    for time_s in np.arange(0.0, 30.0, 0.1):
+        places.add(np.array([[2.0, 0.01 * (time_s % 1.0)]]), np.ones(1), time_s)
+        places.add(np.array([[5.0, 0.5 * time_s]]), np.ones(1), time_s)
+        assert len(places.moving(time_s)) == (2 if time_s < 19.95 else 1)
+    assert places.moving(29.9)[0, 0] == 5.0
+
+
+def test_a_view_that_comes_late_is_written_where_the_robot_was_at_the_exposure():
+    maps = []
+    for delay in (0, 3):
+        mapper, waiting = ImmobileMapper(), []
+        for step in range(40):
+            time_s, x = 0.1 * step, 0.02 * step
+            mapper.add_scan([x, 0.0, 0.0], scan_of(wall=4.02 - x, time_s=time_s))
+            frame = room_frame(time_s, board=(2.5 - x, 0.6, 1.6))
+            waiting.append(make_view(frame, PlaneFinder().find(frame), nobody(53, 64)))
+            if step >= delay:
+                mapper.add_view(waiting[step - delay])
+        maps.append(mapper.grid.to_map().occupied_points)
+    for points in maps:
+        board = points[(points[:, 0] > 2.0) & (points[:, 0] < 3.0) & (np.abs(points[:, 1]) < 1.0)]
+        assert len(board) > 5
+        assert np.abs(board[:, 0] - 2.5).max() < 0.08
+
+
+def test_legs_that_a_tracker_knows_do_not_enter():
+    mapper = ImmobileMapper()
+    for step in range(1, 60):
+        scan = scan_of(post=(2.02, 0.02), time_s=0.1 * step)
+        near = np.hypot(*(np.nan_to_num(scan.beam_points, nan=99.0) - (2.02, 0.02)).T) < 0.3
+        mapper.add_scan(np.zeros(3), scan, np.where(near, 0.9, 0.0))
+    assert not occupied_at(mapper.grid.to_map(), 1.87, 0.02)
+    assert occupied_at(mapper.grid.to_map(), 4.02, 0.52)
+
+
+def test_places_are_kept_while_somebody_or_something_hides_them():
+    places = Places(0.35)
+    places.add(np.array([[3.0, 0.0]]), np.array([0.8]), 0.0)
+    met = places.update(np.zeros(3), scan_of(post=(1.5, 0.0)))
+    assert met.max() == 0.0
+    assert len(places.moving(0.1)) == 1
+    places.add(np.array([[3.2, 0.0]]), np.array([0.9]), 0.1)
+    assert places.moving(0.1).tolist() == [[3.2, 0.0]]
+    assert places.update(np.zeros(3), scan_of(post=(3.2, 0.0))).max() == 0.9
+
+
+def test_wrong_inputs_are_errors():
+    for wrong in ({"person_radius": 0.0}, {"appeared_share": 1.2}, {"empty": 0.1}):
+        with pytest.raises(InputError, match=next(iter(wrong))):
+            ImmobileMapperConfig(**wrong)
+    frame = room_frame(9.0)
+    mapper = ImmobileMapper()
+    mapper.add_scan(np.zeros(3), scan_of())
+    planes = PlaneFinder().find(frame)
+    with pytest.raises(InputError, match="no pose"):
+        mapper.add_view(make_view(frame, planes, NoPeopleFinder().find(frame, planes)))

@@ -1,0 +1,195 @@
+"""People in RGB-D: candidates by heads, gradients' histograms, the shipped classifier."""
+
+import numpy as np
+import pytest
+from tagalong.perception.rgbd.frame import Pinhole, RgbdFrame
+from tagalong.perception.rgbd.heads import HeadConfig, find_candidates, with_neighbours
+from tagalong.perception.rgbd.hog import hog, hog_length, hog_reference
+from tagalong.perception.rgbd.people_finder import PeopleFinder, PeopleFinderConfig, spread
+from tagalong.perception.rgbd.person_svm import LENGTH, MODEL, PersonSvm, read_card
+from tagalong.perception.rgbd.planes import PlaneFinder
+from tagalong.perception.rgbd.windows import CHANNELS, COLUMNS, ROWS, candidate_windows
+from tagalong.slam.errors import InputError
+
+CAMERA = Pinhole(width=128, height=106, horizontal_fov=np.radians(70.0), vertical_fov=np.radians(60.0))
+
+
+def standing(*figures, wall=6.0):
+    """A frame of upright cut-outs (distance, left edge, right edge, bottom, top) [m] before a wall, on a floor."""
+    rays = CAMERA.rays
+    depth = np.full(rays.shape[:2], wall)
+    floor = rays[..., 2] < -1.0 / wall
+    depth[floor] = -1.0 / rays[..., 2][floor]
+    colour = np.full((*depth.shape, 3), 150, dtype=np.uint8)
+    for number, (away, right, left, bottom, top) in enumerate(figures):
+        y, z = rays[..., 1] * away, rays[..., 2] * away + 1.0
+        inside = (y > right) & (y < left) & (z > bottom) & (z < top) & (depth > away)
+        depth[inside], colour[inside] = away, 40 * number
+    return RgbdFrame(depth.astype(np.float32), colour, CAMERA, 0.0)
+
+
+def candidates(frame, **config):
+    return find_candidates(PlaneFinder().find(frame), HeadConfig(**config))
+
+
+def person(away, y, top=1.75):
+    """Head and body of a cut-out."""
+    return (away, y - 0.09, y + 0.09, 1.4, top), (away, y - 0.22, y + 0.22, 0.1, 1.45)
+
+
+def test_one_head_makes_one_candidate_where_it_stands():
+    found = candidates(standing(*person(3.0, 0.4)))
+    assert len(found) == 1
+    assert found.heads[0, 2] == pytest.approx(1.75, abs=0.04)
+    assert found.axes[0] == pytest.approx([3.0, 0.4], abs=0.05)
+    assert np.count_nonzero(found.label == 0) > 500
+
+
+def test_two_people_shoulder_to_shoulder_are_two_by_their_heads():
+    found = candidates(standing(*person(3.0, 0.24), *person(3.0, -0.24, 1.65)))
+    assert len(found) == 2
+    assert sorted(found.axes[:, 1]) == pytest.approx([-0.24, 0.24], abs=0.06)
+    assert 0.8 < np.count_nonzero(found.label == 0) / np.count_nonzero(found.label == 1) < 1.4
+
+
+def test_a_person_at_a_desk_does_not_own_the_desk():
+    desk = (2.9, -1.3, -0.2, 0.6, 0.75)
+    found = candidates(standing(*person(3.0, 0.0), desk))
+    assert len(found) == 1
+    low = PlaneFinder().find(standing(*person(3.0, 0.0), desk)).points[found.label == 0]
+    assert low[:, 1].min() > -0.55
+
+
+def test_low_things_and_walls_are_no_candidates():
+    assert len(candidates(standing((3.0, -0.3, 0.3, 0.1, 1.0)))) == 0
+    assert len(candidates(standing())) == 0
+
+
+def test_a_body_whose_head_is_above_the_picture_is_a_candidate():
+    found = candidates(standing(*person(1.0, 0.0)))
+    assert len(found) == 1
+    assert found.pixels[0, 0] < 2
+    assert candidate_windows(standing(*person(1.0, 0.0)), found).shape == (1, CHANNELS, ROWS, COLUMNS)
+
+
+def test_points_alone_in_space_are_left_out():
+    points = np.full((5, 5, 3), 4.0)
+    points[2, 2] = 3.0
+    supported = np.empty((5, 5), dtype=bool)
+    with_neighbours(points, 2, supported)
+    assert not supported[2, 2]
+    assert supported.sum() == 24
+
+
+def test_windows_show_people_of_any_distance_in_the_same_size():
+    near, far = (
+        candidate_windows(f, candidates(f))[0] for f in (standing(*person(2.5, 0.0)), standing(*person(4.5, 0.0)))
+    )
+    assert np.abs(near[2] - far[2]).mean() < 0.06
+    assert 0.15 < near[2].mean() < 0.6
+    assert set(np.unique(near[1].round(2))) >= {0.0, 1.0}
+
+
+def patches(count=3, channels=2):
+    return np.random.default_rng(0).random((count, channels, ROWS, COLUMNS)).astype(np.float32)
+
+
+@pytest.mark.parametrize("softness", [1e-5, 0.02])
+def test_the_kernel_of_gradients_does_what_its_reference_does(softness):
+    pictures = patches()
+    ours, reference = (np.empty((3, hog_length(ROWS, COLUMNS, 2)), dtype=np.float32) for _ in range(2))
+    hog(pictures, softness, ours)
+    hog_reference(pictures, softness, reference)
+    assert ours == pytest.approx(reference, abs=2e-5)
+
+
+def test_histograms_of_gradients_are_those_of_scikit_image():
+    feature = pytest.importorskip("skimage.feature", reason="scikit-image is in the extra dev")
+    pictures = patches(2, 1)
+    ours = np.empty((2, hog_length(ROWS, COLUMNS, 1)), dtype=np.float32)
+    hog(pictures, 1e-5, ours)
+    for picture, mine in zip(pictures[:, 0], ours, strict=True):
+        theirs = feature.hog(picture.astype(np.float64), 9, (8, 8), (2, 2), block_norm="L2-Hys")
+        assert mine == pytest.approx(theirs, abs=2e-3)
+        assert np.corrcoef(mine, theirs)[0, 1] > 0.9999
+
+
+def test_the_shipped_classifier_has_a_card_and_is_calibrated():
+    svm, card = PersonSvm.load(), read_card()
+    assert svm.weights.shape == (LENGTH,)
+    assert card["test"]["expected_calibration_error"] <= 0.05
+    assert card["training"]["wardrobe"] != card["test"]["wardrobe"]
+    assert not set(card["training"]["scenes"]) & set(card["test"]["scenes"])
+
+
+def test_damaged_classifiers_are_errors(tmp_path):
+    with pytest.raises(InputError, match="no classifier of people at"):
+        PersonSvm.load(tmp_path / "none.npz")
+    (tmp_path / "bad.npz").write_bytes(b"nothing")
+    with pytest.raises(InputError, match="tagalong train people"):
+        PersonSvm.load(tmp_path / "bad.npz")
+    np.savez(tmp_path / "short.npz", weights=np.ones(5, np.float32), calibration=np.ones(3))
+    with pytest.raises(InputError, match="weights"):
+        PersonSvm.load(tmp_path / "short.npz")
+
+
+def test_a_saved_classifier_says_the_same(tmp_path):
+    svm = PersonSvm.load()
+    svm.save(tmp_path / "people.npz", {"model": "copy"})
+    windows = patches(4, CHANNELS)
+    assert np.array_equal(PersonSvm.load(tmp_path / "people.npz").likelihood(windows), svm.likelihood(windows))
+    assert MODEL.with_suffix(".json").exists()
+
+
+class Certain(PersonSvm):
+    """Takes everything for a person."""
+
+    def likelihood(self, windows):
+        return np.full(len(windows), 0.9)
+
+
+def test_pixels_and_places_of_people_are_given_in_the_robot_frame():
+    svm = PersonSvm.load()
+    finder = PeopleFinder(Certain(svm.weights, svm.bias, svm.slope, svm.offset))
+    plain = standing(*person(3.0, 0.4))
+    frame = RgbdFrame(plain.depth, plain.colour, CAMERA, 0.0, T_robot_camera=(0.1, 0.0, np.pi / 2.0))
+    people = finder.find(frame, PlaneFinder().find(frame))
+    assert len(people) == 1
+    assert people.positions[0] == pytest.approx([0.1 - 0.4, 3.05], abs=0.1)
+    assert people.label.shape == (106, 128)
+    assert (people.label[frame.colour[..., 0] < 100] == 0).mean() > 0.95
+    assert (people.label[frame.colour[..., 0] > 100] == 0).mean() < 0.01
+
+
+def test_nobody_is_in_an_empty_room_and_unlikely_people_are_left_out():
+    frame = standing()
+    assert len(PeopleFinder.load().find(frame, PlaneFinder().find(frame))) == 0
+    svm = PersonSvm.load()
+    choosy = PeopleFinder(
+        Certain(svm.weights, svm.bias, svm.slope, svm.offset), PeopleFinderConfig(least_likelihood=0.95)
+    )
+    frame = standing(*person(3.0, 0.0))
+    people = choosy.find(frame, PlaneFinder().find(frame))
+    assert len(people) == 0
+    assert (people.label == -1).all()
+
+
+def test_ragged_pixels_beside_a_person_become_its_own():
+    points = np.zeros((3, 5, 3))
+    points[..., 0], points[..., 1] = 3.0, np.arange(5) * 0.05
+    points[:, 3] += (0.1, 0.0, 0.0)
+    points[:, 4] += (2.0, 0.0, 0.0)
+    label = np.full((3, 5), -1, dtype=np.int32)
+    label[:, :3] = 7
+    grown = spread(points, label, np.ones((3, 5), dtype=bool), 0.15)
+    assert (grown[:, 3] == 7).all()
+    assert (grown[:, 4] == -1).all()
+
+
+def test_impossible_configurations_are_errors():
+    with pytest.raises(InputError, match="least_likelihood"):
+        PeopleFinderConfig(least_likelihood=1.5)
+    with pytest.raises(InputError, match="apart"):
+        PeopleFinderConfig(apart=-1.0)
+    with pytest.raises(InputError, match="lowest"):
+        HeadConfig(lowest=0.0)

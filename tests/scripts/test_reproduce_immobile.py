@@ -1,0 +1,120 @@
+"""What is counted on the maps of the lab, and one short drive to its report."""
+
+import argparse
+import json
+
+import numpy as np
+import pytest
+from tagalong.scripts.reproduce.experiment import load_experiment
+from tagalong.scripts.reproduce.immobile import measures
+from tagalong.scripts.reproduce.immobile.counted import Share
+from tagalong.scripts.reproduce.immobile.drives import lab_drive, lab_world
+from tagalong.scripts.reproduce.immobile.plan import CLEAN, SHAKEN, plan_of
+from tagalong.scripts.reproduce.run import run_experiment
+from tagalong.slam.errors import InputError
+from tagalong.slam.geometry import inverse
+from tagalong.slam.occupancy_map import OccupancyMap
+from tagalong.slam.scan import LaserScan
+
+RESOLUTION = 0.05
+
+
+def options(**given):
+    parser = argparse.ArgumentParser()
+    load_experiment("immobile").add_arguments(parser)
+    return argparse.Namespace(**{**vars(parser.parse_args([])), "quick": False, "data": None, **given})
+
+
+def map_with(cells, size=200):
+    """A map of 10 x 10 m, free but for the cells at these places (x, y)."""
+    probability = np.zeros((size, size), dtype=np.float32)
+    col, row = np.floor(np.asarray(cells, dtype=float).reshape(-1, 2) / RESOLUTION).astype(int).T
+    probability[row, col] = 1.0
+    return OccupancyMap(probability, RESOLUTION, (0.0, 0.0))
+
+
+def test_cells_of_people_are_those_where_somebody_was_and_nothing_is():
+    scene = lab_world(0).scene
+    stood = scene.marks["e"].mean(axis=0)
+    grid = map_with([stood, stood + 0.2, stood + 1.0, (1.0, 0.02)])
+    walked = np.array([stood, (1.0, 0.2)])
+    assert measures.people_cells(grid, np.zeros(3), scene, walked) == 2
+
+
+def test_static_cells_hold_a_true_surface_and_may_be_lost():
+    scene = lab_world(0).scene
+    nothing = (3.02, 1.02)
+    conventional = map_with([(3.02, 0.01), nothing])
+    cells = measures.static_cells(conventional, np.zeros(3), scene)
+    assert cells.tolist() == [pytest.approx([3.025, 0.025])]
+    assert measures.lost_cells(map_with([(3.02, 0.06)]), cells, reach=0) == 1
+    assert measures.lost_cells(map_with([(3.02, 0.06)]), cells, reach=1) == 0
+
+
+def test_known_cells_and_wrongly_free_ones_are_counted_in_a_polygon():
+    scene = lab_world(0).scene
+    grid = map_with([])
+    corner = scene.marks["a"]
+    side = corner.max(axis=0) - corner.min(axis=0)
+    known = measures.known_cells(grid, np.zeros(3), corner)
+    assert known == pytest.approx(side.prod() / RESOLUTION**2, rel=0.05)
+    below, free = measures.wrongly_free(grid, np.zeros(3), scene, corner)
+    assert below == free > 50
+
+
+def test_tops_count_where_they_were_seen():
+    scene = lab_world(0).scene
+    tops = measures.SeenTops(scene, np.zeros(3), RESOLUTION)
+    table = next(solid for solid in scene.solids if solid.kind == "table")
+    seen = np.array([[table.x, table.y], [table.x + 0.1, table.y], [table.x + 9.0, table.y]])
+    tops.add("table", seen)
+    assert tops.share("table", map_with(seen[:1])) == (2, 1)
+
+
+def test_the_door_is_cleared_when_the_map_lets_go_of_what_the_scan_sees_through():
+    world = lab_world(0)
+    T_map_world = inverse(world.start)
+    watch = measures.DoorWatch(world.scene, T_map_world, RESOLUTION)
+    low, high = watch.cells.min(axis=0) - 1.0, watch.cells.max(axis=0) + 1.0
+    size = np.ceil((high - low) / RESOLUTION).astype(int)
+    full = OccupancyMap(np.ones(size[::-1], dtype=np.float32), RESOLUTION, (float(low[0]), float(low[1])))
+    empty = OccupancyMap(np.zeros(size[::-1], dtype=np.float32), RESOLUTION, full.origin)
+    watch.closed(full)
+    x, y = watch.cells.mean(axis=0)
+    bearings = np.linspace(-np.pi, np.pi, 1441)
+    for time_s, grid in ((1.0, full), (1.5, full), (3.5, empty)):
+        watch.opened(np.array([x, y + 2.0, 0.0]), LaserScan(np.full(1441, 9.0), bearings, 0.1, 10.0, time_s), grid)
+    delays = watch.delays()
+    assert len(delays) == len(watch.cells)
+    assert delays == pytest.approx(2.5)
+
+
+def test_shares_are_written_with_their_counts():
+    assert str(Share(1, 8)) == "12.5 % (1 of 8)"
+    assert str(Share(0, 0)) == "none"
+
+
+def test_the_plan_holds_every_disturbance_for_every_seed():
+    plan = plan_of(options(seeds=2))
+    cells = plan.cells()
+    assert len(cells) == 2 * len(SHAKEN)
+    assert cells[0].arguments["vibration_deg"] == 0.0
+    assert plan.settings["camera_hz"] == 10.0
+    assert plan_of(options(quick=True)).disturbances[0] == CLEAN
+    for wrong in ({"seeds": 0}, {"delay": -1.0}, {"minutes": 0.0}):
+        with pytest.raises(InputError, match="--"):
+            plan_of(options(**wrong))
+    with pytest.raises(InputError, match="poses"):
+        lab_drive(0, "guess", 2.0, 0.3, 0.0, 0.0, 0.0, 1.0, files=None)  # pyright: ignore[reportArgumentType]
+
+
+def test_a_short_drive_ends_in_a_report_with_all_its_figures(tmp_path):
+    given = options(quick=True, minutes=0.1, poses="truth", out=tmp_path, jobs=1, backend="loky", experiment="immobile")
+    report = run_experiment(load_experiment("immobile"), given)
+    figures = {figure.file.name for section in report.sections for figure in section.figures}
+    assert {name.split("_")[0] for name in figures} == {f"fig{k}" for k in (1, 3, 4, 5, 6, 7, 8, 9)}
+    assert all((tmp_path / "figures" / name).stat().st_size > 5000 for name in figures)
+    content = json.loads((tmp_path / "results.json").read_text())
+    row = content["cells"][f"{CLEAN.replace(' ', '-')}/seed-0"]
+    assert row["pose_error_m"] < 1e-12
+    assert row["maps"]["immobile"]["table"][1] > 3 * row["maps"]["laser"]["table"][1]

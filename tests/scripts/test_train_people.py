@@ -1,0 +1,105 @@
+"""Frames to train people on, their truth, and the command that trains."""
+
+import json
+
+import numpy as np
+import pytest
+from tagalong.perception.rgbd.people import RgbdPeople
+from tagalong.perception.rgbd.person_svm import PersonSvm
+from tagalong.scripts.cli import main
+from tagalong.scripts.training.evaluate_people import joined, score_frame
+from tagalong.scripts.training.rgbd_frames import LabelledFrame, draw_frames
+from tagalong.scripts.training.rgbd_props import PROPS
+from tagalong.scripts.training.train_people import TEST_SCENES, TRAIN_SCENES
+from tagalong.slam.errors import InputError
+
+
+def drawn(seed=0, scene="corridor", props="training"):
+    return draw_frames(np.random.default_rng(seed), (scene,), "training", props, 6)
+
+
+@pytest.fixture(scope="module")
+def frames():
+    return [frame for seed in range(3) for frame in drawn(seed)]
+
+
+def test_the_same_seed_draws_the_same_frames(frames):
+    again = drawn(0)
+    assert all(a.frame.depth.tobytes() == b.frame.depth.tobytes() for a, b in zip(frames, again, strict=False))
+
+
+def test_nobody_has_more_pixels_than_with_nothing_before_them(frames):
+    met = 0
+    for frame in frames:
+        pixels = np.bincount(frame.person[frame.person >= 0], minlength=len(frame.places))
+        met += np.count_nonzero(pixels > 100)
+        assert (pixels <= 1.15 * frame.whole + 30).all()
+    assert met >= 5
+
+
+def test_people_stand_where_their_pixels_are(frames):
+    for frame in frames:
+        points = frame.frame.camera.rays * frame.frame.depth[..., None]
+        for who in np.unique(frame.person[frame.person >= 0]):
+            mine = points[(frame.person == who) & np.isfinite(frame.frame.depth)]
+            if len(mine) > 100:
+                place = np.median(mine[:, :2], axis=0) + np.array(frame.frame.T_robot_camera[:2])
+                assert np.hypot(*(place - frame.places[who])) < 0.35
+
+
+def test_what_is_tested_is_not_what_is_trained_on():
+    assert not set(TRAIN_SCENES) & set(TEST_SCENES)
+    assert not set(PROPS["training"]) & set(PROPS["unseen"])
+    with pytest.raises(InputError, match="none, training, unseen"):
+        drawn(props="statues")
+
+
+def labelled(places, whole=200):
+    """A frame with people at `places`, each of 200 pixels."""
+    frame = drawn(9)[0].frame
+    person = np.full(frame.depth.shape, -1, dtype=np.int32)
+    for who in range(len(places)):
+        person[2 * who : 2 * who + 2, :100] = who
+    return LabelledFrame(frame, person, np.array(places, dtype=float), np.full(len(places), whole))
+
+
+def found(places, likelihood):
+    label = np.full((106, 128), -1, dtype=np.int32)
+    return RgbdPeople(np.reshape(places, (-1, 2)).astype(float), np.array(likelihood), label)
+
+
+def test_recall_precision_and_calibration_are_counted_right():
+    frame = labelled([[3.0, 0.0], [4.0, 1.0], [9.0, 0.0]])
+    scores = score_frame(found([[3.1, 0.0], [3.0, -1.5], [9.0, 0.1]], [0.9, 0.7, 0.9]), frame)
+    assert scores.found.tolist() == [0.9, 0.0]
+    assert scores.right.tolist() == [True, False]
+    assert (scores.recall(), scores.precision()) == (0.5, 0.5)
+    assert scores.calibration_error == pytest.approx((0.1 + 0.7) / 2)
+    twice = joined([scores, scores])
+    assert (twice.frames, len(twice.found), twice.recall()) == (2, 4, 0.5)
+
+
+def test_people_hidden_by_half_or_more_do_not_count_and_are_not_false_either():
+    scores = score_frame(found([[3.0, 0.0]], [0.9]), labelled([[3.0, 0.0]], whole=500))
+    assert len(scores.found) == 0
+    assert scores.right.tolist() == [True]
+
+
+def test_a_second_detection_of_a_person_is_false():
+    scores = score_frame(found([[3.0, 0.0], [3.2, 0.0]], [0.9, 0.8]), labelled([[3.0, 0.0]]))
+    assert scores.right.tolist() == [True, False]
+
+
+def test_the_command_trains_and_writes_classifier_and_card(tmp_path, capsys):
+    words = ["train", "people", "--buildings", "5", "--frames", "6", "--test-buildings", "1", "--out", str(tmp_path)]
+    assert main(words) == 0
+    assert "recall" in capsys.readouterr().out
+    assert PersonSvm.load(tmp_path / "people_rgbd.npz").slope > 0.0
+    card = json.loads((tmp_path / "people_rgbd.json").read_text())
+    assert card["config"]["buildings"] == 5
+    assert card["training"]["people"] > 10
+
+
+def test_impossible_numbers_are_errors(tmp_path, capsys):
+    assert main(["train", "people", "--buildings", "2", "--out", str(tmp_path)]) != 0
+    assert "--buildings" in capsys.readouterr().err
