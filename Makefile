@@ -2,16 +2,17 @@
 PYTHON ?= python3
 BIN := .venv/bin
 STAMP := .venv/.installed
+LEARN := .venv/.installed-learn
 
 .PHONY: demo test check bench clean
 
 demo: $(STAMP)
 	$(BIN)/tagalong demo --out out/demo
 
-test: $(STAMP)
+test: $(LEARN)
 	$(BIN)/python -m pytest -q -n 2 --dist worksteal
 
-check: $(STAMP)
+check: $(LEARN)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/basedpyright --pythonpath $(BIN)/python
@@ -23,6 +24,11 @@ $(STAMP): pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "tagalong needs Python 3.11 or newer; set PYTHON=...")'
 	$(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt -e ".[dev,viz]"
+	@touch $@
+
+# torch and what comes with it: for tests and types only, a demo needs none of it
+$(LEARN): $(STAMP)
+	$(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt -e ".[dev,viz,learn]"
 	@touch $@
 
 clean:

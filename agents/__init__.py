@@ -1,11 +1,13 @@
 """Who drives: followers of a leader, and explorers without one. Importing this needs neither torch nor mujoco."""
 
 from collections.abc import Callable
+from pathlib import Path
 
 from ..envs.interface import FollowInterface
 from ..slam.errors import unknown_name
 from .dwa import DWAConfig, DWAFollower
 from .follower import Follower
+from .learned.follower import LearnedFollower
 from .pid import PIDConfig, PIDFollower
 from .pure_pursuit import PurePursuitConfig, PurePursuitFollower
 from .random_walk import RandomWalk, RandomWalkConfig
@@ -15,6 +17,7 @@ FOLLOWERS: dict[str, Callable[[FollowInterface], Follower]] = {
     "pid": PIDFollower,
     "pure_pursuit": PurePursuitFollower,
     "dwa": DWAFollower,
+    "learned": LearnedFollower,
 }
 """Who needs a leader."""
 
@@ -34,6 +37,7 @@ __all__ = [
     "DWAConfig",
     "DWAFollower",
     "Follower",
+    "LearnedFollower",
     "PIDConfig",
     "PIDFollower",
     "PurePursuitConfig",
@@ -48,8 +52,8 @@ def make_follower(name: str, interface: FollowInterface | None = None) -> Follow
     """Return a new follower or explorer.
 
     Args:
-        name: "pid", "pure_pursuit", "dwa" (behind a leader); "random", "frontier" (without); or your own class, as
-            "module:name".
+        name: "pid", "pure_pursuit", "dwa", "learned" (behind a leader); "random", "frontier" (without); your own class,
+            as "module:name"; or a folder that `tagalong train follower` wrote.
         interface: Scales of the environment it will act in, `env.unwrapped.interface`; the defaults if None.
 
     Raises:
@@ -57,6 +61,8 @@ def make_follower(name: str, interface: FollowInterface | None = None) -> Follow
     """
     if ":" in name:
         return load_follower(name, interface or FollowInterface())
+    if (Path(name) / "policy.npz").is_file():
+        return LearnedFollower(interface, name)
     everybody = {**FOLLOWERS, **EXPLORERS}
     if name not in everybody:
         raise unknown_name("follower", name, tuple(everybody))

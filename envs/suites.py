@@ -38,6 +38,11 @@ SUITES: dict[str, tuple[Scenario, ...]] = {
     "meeting_room": (Scenario(name="meeting_room", env="tagalong/MeetingRoom-v0", arguments={"people_count": None}),),
     "office": (Scenario(name="office", env="tagalong/Office-v0", arguments={"split": "test"}),),
     "floor_plan": (Scenario(name="floor_plan", env="tagalong/FloorPlan-v0"),),
+    "hurried": (
+        Scenario(
+            name="hurried", env="tagalong/Office-v0", arguments={"split": "test"}, options={"leader_style": "hurried"}
+        ),
+    ),
     "crowd": _crowded("tagalong/Office-v0", range(9, 14), split="test"),
     "follow-bench": tuple(
         Scenario(name=name, env="tagalong/Office-v0", arguments={"scene": name}, options={"people": 9})

@@ -15,7 +15,7 @@ COMMANDS: dict[str, str] = {
     "slam": "map a recorded drive (CARMEN log or ROS bag)",
     "localize": "find a recorded drive on a finished map",
     "score": "judge a trajectory or a map by a reference",
-    "train": "train the leg forests",
+    "train": "train the leg forests, or a follower",
     "doctor": "say what is installed and what works here",
     "teleop": "drive by stick, record it, replay it",
     "evaluate": "drive a follower through many episodes",

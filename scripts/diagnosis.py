@@ -18,7 +18,7 @@ CORE = ("gymnasium", "mujoco", "numpy", "scipy", "scikit-learn", "filterpy", "nu
 """Distributions that the package cannot do without."""
 
 EXTRAS: Mapping[str, tuple[str, ...]] = {
-    "learn": ("torch", "stable-baselines3", "sb3-contrib"),
+    "learn": ("torch", "stable-baselines3", "sb3-contrib", "tensorboard", "safetensors", "onnx", "onnxruntime"),
     "viz": ("matplotlib", "moviepy"),
     "ros": ("rosbags",),
     "cluster": ("ray", "distributed"),

@@ -34,6 +34,7 @@ class SlamRun:
     Attributes:
         trajectory: (n, 3) T_map_robot for each scan, by the best knowledge at the end.
         integrated: (n,) whether a scan was matched and written into the map.
+        located: (n,) whether the engine was sure then where on its map the robot is.
         map: The final map.
         wall_s: Time that the engine's updates took together [s].
         first_s: Of it, the first two integrated scans, in which kernels may be compiled [s].
@@ -41,6 +42,7 @@ class SlamRun:
 
     trajectory: NDArray[np.float64]
     integrated: NDArray[np.bool_]
+    located: NDArray[np.bool_]
     map: OccupancyMap
     wall_s: float
     first_s: float
@@ -67,19 +69,20 @@ def run_slam(
         resolution: Side of the cells of the final map [m]; None: the engine's own.
         progress: Whether a bar on stderr shows how far it is.
     """
-    integrated = np.zeros(len(drive), dtype=np.bool_)
+    integrated, located = np.zeros(len(drive), dtype=np.bool_), np.zeros(len(drive), dtype=np.bool_)
     wall = first = 0.0
     steps = zip(drive.odometry, drive.scans, strict=True)
     pause = 0.1 if sys.stderr.isatty() else 10.0  # between two drawings of the bar; a file needs few
     bar = tqdm(steps, drive.name, len(drive), file=sys.stderr, unit="scan", mininterval=pause, disable=not progress)
     for i, (odometry, scan) in enumerate(bar):
         start = time.perf_counter()
-        integrated[i] = engine.update(odometry, scan).integrated
+        update = engine.update(odometry, scan)
         took = time.perf_counter() - start
+        integrated[i], located[i] = update.integrated, update.located
         wall += took
         first += took if integrated.sum() <= 2 else 0.0
     final = engine.map() if resolution is None else engine.map_at(resolution)
-    return SlamRun(engine.trajectory(), integrated, final, wall, first)
+    return SlamRun(engine.trajectory(), integrated, located, final, wall, first)
 
 
 def write_run(
@@ -122,6 +125,7 @@ def run_metrics(drive: RecordedDrive, run: SlamRun, reference: NDArray[np.float6
         "log": drive.name,
         "scans": len(drive),
         "integrated_scans": int(run.integrated.sum()),
+        "not_sure": {"scans": int((~run.located).sum()), "times": _stretches(~run.located)},
         "path_m": float(np.hypot(steps[:, 0], steps[:, 1]).sum()),
         "map": {
             "resolution_m": run.map.resolution,
@@ -145,6 +149,10 @@ def run_metrics(drive: RecordedDrive, run: SlamRun, reference: NDArray[np.float6
                 "rpe_deg": asdict(relative.rotation),
             }
     return result
+
+
+def _stretches(flags: NDArray[np.bool_]) -> int:
+    return int((np.diff(flags, prepend=False) & flags).sum())
 
 
 def run_timing(drive: RecordedDrive, run: SlamRun) -> dict[str, Any]:

@@ -280,8 +280,11 @@ class ImmobileLayers(OccupancyGrid):
         self._left &= log_odds < config.firm
         gone = np.argwhere(self._firm & ~self._left & (log_odds < config.gone))
         for row, col in gone:
-            around = log_odds[max(row - 1, 0) : row + 2, max(col - 1, 0) : col + 2]
-            if not (around > 0.0).any():
-                self._log_odds[:, row, col] = np.minimum(self._log_odds[:, row, col], np.float32(config.gone))
-                self._spans[:, :, row, col] = 0.0
+            window = (slice(max(row - 1, 0), row + 2), slice(max(col - 1, 0), col + 2))
+            if not (log_odds[window] > 0.0).any():
+                # the camera may have seen it in the next cell, too
+                free = log_odds[window] < config.gone
+                columns, spans = self._log_odds[:, *window], self._spans[:, :, *window]
+                columns[:, free] = np.minimum(columns[:, free], np.float32(config.gone))
+                spans[:, :, free] = 0.0
                 self._left[row, col] = True

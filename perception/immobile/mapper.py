@@ -16,6 +16,10 @@ from .view import View
 
 Array = NDArray[np.float64]
 
+_BODY = (0.5, 1.6)  # heights where a body would be seen [m]
+_LEAST_POINTS = 40
+_RELIABLE_M = 5.0  # farther away people are missed too often to say that nobody is there
+
 
 @dataclass(frozen=True, kw_only=True)
 class ImmobileMapperConfig:
@@ -26,6 +30,7 @@ class ImmobileMapperConfig:
         person_radius: Returns this near to where somebody was recognised are theirs [m].
         body_radius: Their bodies reach this far [m].
         least_likely: Somebody less likely than this is not remembered, in [0, 1].
+        doubt: Where the camera sees something but nobody, somebody remembered is as likely as before times this.
         recognised: Likelihood that a return stays that comes from where the camera recognised a wall or another plane,
             in [0, 1].
         empty: Cells with log-odds below this, and all around them, were empty: what stands there now has come.
@@ -38,6 +43,7 @@ class ImmobileMapperConfig:
     person_radius: float = 0.35
     body_radius: float = 0.25
     least_likely: float = 0.5
+    doubt: float = 0.85
     recognised: float = 1.0
     empty: float = -1.5
     appeared_share: float = 0.7
@@ -48,7 +54,7 @@ class ImmobileMapperConfig:
         for name in ("person_radius", "body_radius", "largest", "settles_s"):
             if not getattr(self, name) > 0.0:
                 raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
-        for name in ("least_likely", "recognised", "appeared_share"):
+        for name in ("least_likely", "doubt", "recognised", "appeared_share"):
             if not 0.0 <= getattr(self, name) <= 1.0:
                 raise InputError(f"`{name}` must be in [0, 1], got {getattr(self, name)}")
         if not self.empty < 0.0:
@@ -100,6 +106,7 @@ class ImmobileMapper:
         moves = self._objects_that_came(T_map_camera, view)
         lambdas = np.where(moves, np.fmin(view.lambdas, moving_lambda(1.0)), view.lambdas)
         self.grid.write_view(T_map_camera, view.camera_height, view.points, lambdas, view.above)
+        self.people.doubt(self._places_without_people(T_map_camera, view), self.config.doubt, self.config.least_likely)
         sure = view.people.likelihood >= self.config.least_likely
         places = transform_points(self._poses.at(view.time_s), view.people.positions[sure])
         self.people.add(places, view.people.likelihood[sure], view.time_s)
@@ -131,6 +138,18 @@ class ImmobileMapper:
         share = np.bincount(of, near) / np.maximum(np.bincount(of), 1)
         found[inside] = share[of] >= self.config.appeared_share
         return found
+
+    def _places_without_people(self, T_map_camera: Array, view: View) -> Array:
+        """Return (n, 2) the remembered places of people, map frame [m], where the view shows other things instead."""
+        places = self.people.moving(view.time_s)
+        if not len(places):
+            return places
+        body = (view.points[:, 2] > _BODY[0]) & (view.points[:, 2] < _BODY[1])
+        points = transform_points(T_map_camera, view.points[body, :2])
+        near = np.hypot(*(points[:, None] - places).transpose(2, 0, 1)) < self.config.body_radius
+        nobody = ~(near & (view.person[body] >= 0)[:, None]).any(axis=0)
+        close = np.hypot(*(places - T_map_camera[:2]).T) < _RELIABLE_M
+        return places[nobody & close & (near.sum(axis=0) >= _LEAST_POINTS)]
 
     def _is_small(self, points: Array) -> bool:
         return float(np.hypot(*np.ptp(points, axis=0))) <= self.config.largest

@@ -49,6 +49,16 @@ class Places:
         self._likelihood = np.concatenate((self._likelihood[kept], likelihood))
         self._since = np.concatenate((self._since[kept], since))
 
+    def doubt(self, places: Array, share: float, least: float) -> None:
+        """Let what was remembered near to `places` (n, 2), map frame [m], be less likely, `share` of what it was.
+
+        What is then less likely than `least` is forgotten.
+        """
+        apart = np.hypot(*(self._places[:, None] - places[None]).transpose(2, 0, 1))
+        self._likelihood = np.where((apart < self._radius).any(axis=1), share * self._likelihood, self._likelihood)
+        kept = self._likelihood >= least
+        self._places, self._likelihood, self._since = self._places[kept], self._likelihood[kept], self._since[kept]
+
     def update(self, T_map_robot: Array, scan: LaserScan) -> Array:
         """Forget the places that `scan`, taken at `T_map_robot` (3,), finds empty.
 

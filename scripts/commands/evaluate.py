@@ -24,11 +24,12 @@ A tour counts as done when its leader was followed to the end without touching a
 
 Besides the shipped followers ({followers}), give your own: module:class, e.g. my_module:Bold for class Bold
 with reset() and act(observation) in my_module.py of the current folder or anywhere that Python finds it.
+A folder that `tagalong train follower` wrote is one, too.
 Explorers ({explorers}) drive without a leader, among the same bystanders, until 99 % of the floor was seen.
 
 A suite is a fixed set of unseen episodes (offices of the test half; seeds from 1000000 on, its scenarios in turn):
-corridor, meeting_room, office, floor_plan, crowd (8 to 12 bystanders), follow-bench (its four situations with 8
-bystanders, and its own figures beside ours).
+corridor, meeting_room, office, floor_plan, hurried (offices, hurried leaders), crowd (8 to 12 bystanders), follow-bench
+(its four situations with 8 bystanders, and its own figures beside ours).
 
 examples:
   tagalong evaluate pid --env tagalong/Corridor-v0 --episodes 30 --people 2
@@ -69,7 +70,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.epilog = EPILOG
     names = ", ".join((*FOLLOWERS, *EXPLORERS))
-    parser.add_argument("follower", metavar="WHO", help=f"who drives: {names}, or module:class")
+    parser.add_argument(
+        "follower", metavar="WHO", help=f"who drives: {names}, module:class, or a trained policy's folder"
+    )
     parser.add_argument("--env", choices=sorted(IDS), default="tagalong/Corridor-v0", help="where (%(default)s)")
     parser.add_argument("--episodes", type=int, default=30, metavar="N", help="how many (%(default)s)")
     parser.add_argument("--suite", choices=sorted(SUITES), help="a set of unseen episodes, instead of --env")

@@ -10,12 +10,11 @@ from numpy.typing import NDArray
 
 from ...slam.errors import InputError
 from ...slam.localization.localizer import Localizer
-from ...slam.logs.beesoft import is_beesoft_log, is_beesoft_map, read_beesoft_log, read_beesoft_map
-from ...slam.logs.carmen import read_carmen
-from ...slam.logs.drive import RecordedDrive
+from ...slam.logs.beesoft import is_beesoft_map, read_beesoft_map
 from ...slam.logs.ros_map import read_ros_map
 from ...slam.occupancy_map import OccupancyMap
 from ..localize_run import LocalizeRun, run_localizer, write_localize_run
+from ..log_options import add_topics, read_with_odometry
 from ..slam_run import prepare_folder
 from ..tables import format_table
 
@@ -40,7 +39,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.epilog = EPILOG
     parser.add_argument(
-        "log", type=Path, metavar="LOG", help="CARMEN log, or BeeSoft log (lines L and O); plain or .gz"
+        "log",
+        type=Path,
+        metavar="LOG",
+        help="CARMEN, BeeSoft or tinySLAM log (plain or .gz), ROS 1 bag, ROS 2 bag folder",
     )
     parser.add_argument(
         "--map", type=Path, required=True, metavar="MAP", help="map.yaml of ROS map_server, or a BeeSoft map (.dat)"
@@ -49,6 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--start", type=float, nargs=3, metavar=("X", "Y", "DEG"), help="pose on the map at the first scan [m, m, deg]"
     )
+    add_topics(parser)
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
 
 
@@ -59,7 +62,7 @@ def run(options: argparse.Namespace) -> int:
         localizer = Localizer(grid, start=start)
     except InputError as error:
         raise InputError(f"{options.map}: {error}") from error
-    drive = _read_log(options.log)
+    drive = read_with_odometry(options.log, options.scan_topic, options.odometry_topic)
     prepare_folder(options.out)
     result = run_localizer(localizer, drive, progress=not options.quiet)
     settings = {
@@ -75,10 +78,6 @@ def run(options: argparse.Namespace) -> int:
 
 def _read_map(path: Path) -> OccupancyMap:
     return read_beesoft_map(path) if is_beesoft_map(path) else read_ros_map(path)
-
-
-def _read_log(path: Path) -> RecordedDrive:
-    return read_beesoft_log(path) if is_beesoft_log(path) else read_carmen(path)
 
 
 def _start(words: list[float] | None) -> NDArray[np.float64] | None:

@@ -23,7 +23,8 @@ writes into DIR:
                          (t: the number of the scan where the log has no usable times)
   map.pgm, map.yaml      the map, as ROS map_server reads it
   map.png                the map with the trajectory, to look at
-  metrics.json           configuration and results; errors where the log has reference poses
+  metrics.json           configuration and results; how often it was not sure where it is;
+                         errors where the log has reference poses
                          (its own corrected poses, or NAME.gt.tum beside NAME.log.gz)
   timing.json            speed and memory; the only file that differs between two runs
 
@@ -37,7 +38,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.epilog = EPILOG
     parser.add_argument(
-        "log", type=Path, metavar="LOG", help="CARMEN log (.log, .clf; plain or .gz), ROS 1 bag or ROS 2 bag folder"
+        "log",
+        type=Path,
+        metavar="LOG",
+        help="CARMEN, BeeSoft or tinySLAM log (plain or .gz), ROS 1 bag or ROS 2 bag folder",
     )
     add_topics(parser)
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="where the results go")
@@ -99,6 +103,7 @@ def _rows(metrics: dict[str, Any], wall_s: float) -> list[tuple[str, str, str]]:
     rows = [
         ("scans", str(metrics["scans"]), ""),
         ("integrated", str(metrics["integrated_scans"]), ""),
+        ("not sure where it is", str(metrics["not_sure"]["scans"]), "scans"),
         ("path", f"{metrics['path_m']:.1f}", "m"),
         ("free area", f"{metrics['map']['free_m2']:.1f}", "m2"),
         ("engine time", f"{wall_s:.2f}", "s"),

@@ -9,6 +9,7 @@ from ...slam.files import write_json
 from ..figures.leg_curve import save_leg_curve
 from ..tables import format_table
 from ..training.evaluate_legs import RATES
+from ..training.follower import add_follower_arguments, train_follower
 from ..training.leg_forests import GAMMA, TrainedLegs, figures, train_real, train_simulation, write
 from ..training.leg_recordings import read_leg_recordings
 from ..training.train_legs import TrainConfig
@@ -33,8 +34,12 @@ example: tagalong train people --out out/people
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the models that can be trained, and their options."""
-    parser.epilog = "examples:\n  tagalong train legs --forest simulation --out out/legs\n  tagalong train people"
+    parser.epilog = (
+        "examples:\n  tagalong train legs --forest simulation --out out/legs\n  tagalong train people\n"
+        "  tagalong train follower --max-minutes 90"
+    )
     models = parser.add_subparsers(dest="model", metavar="MODEL", required=True)
+    add_follower_arguments(models)
     summary = "the random forest that tells legs in laser scans"
     legs = models.add_parser(
         "legs",
@@ -83,7 +88,7 @@ def _add_people(models: "argparse._SubParsersAction[argparse.ArgumentParser]") -
 
 def run(options: argparse.Namespace) -> int:
     """Train what was asked for."""
-    return _train_people(options) if options.model == "people" else _train_legs(options)
+    return {"follower": train_follower, "people": _train_people, "legs": _train_legs}[options.model](options)
 
 
 def _train_people(options: argparse.Namespace) -> int:

@@ -2,7 +2,9 @@
 
 The maps are our own: of people-free drives through the simulated scenes, and of every second scan of the Intel log.
 
-Run: python -m tagalong.scripts.experiments.kidnapping LOGS OUT [TRIALS] [JOBS]
+Run: python -m tagalong.scripts.experiments.kidnapping LOGS OUT [TRIALS] [JOBS] [SEED]
+
+The seed says which building a scene is, and where robots are carried to.
 """
 
 import copy
@@ -41,12 +43,11 @@ SCANS = 10  # in which the robot must be found
 BEFORE = 6  # scans of a tracked robot before it is carried away
 LINEAR, ANGULAR = 0.3, np.radians(5.0)
 _RESOLUTION = 0.05
-_BUILDING = 0  # seed of the scenes
 
 
-def map_scene(scene: str, files: Path) -> dict[str, Any]:
+def map_scene(scene: str, seed: int, files: Path) -> dict[str, Any]:
     """Map a scene by a slow drive without people; keep the map and where it lies in the world."""
-    drive = slow_tour(WorldConfig(scene=scene), _BUILDING)
+    drive = slow_tour(WorldConfig(scene=scene), seed)
     engine = _mapped(drive.recording)
     placed = absolute_error(engine.trajectory(), drive.truth)
     _keep(files, engine.map_at(_RESOLUTION), T_world_map=placed.T_ref_est)
@@ -63,7 +64,14 @@ def map_log(folder: str, building: str, files: Path) -> dict[str, Any]:
 
 
 def awake(
-    building: str, folder: str | None, people: int, carried: bool, first: int, trials: int, inputs: Sequence[Path]
+    building: str,
+    folder: str | None,
+    people: int,
+    carried: bool,
+    seed: int,
+    first: int,
+    trials: int,
+    inputs: Sequence[Path],
 ) -> dict[str, Any]:
     """Return what became of some trials: by which scan the robot was found, its errors, and whether it was wrong.
 
@@ -72,6 +80,7 @@ def awake(
         folder: Of the logs; None: a scene.
         people: Who walk in a scene while the robot looks for itself.
         carried: Whether it was tracked elsewhere before, and not told.
+        seed: Of the scene, and of all trials.
         first: Number of the first trial; each has random numbers of its own.
         trials: How many.
         inputs: Folder of the map.
@@ -79,9 +88,9 @@ def awake(
     kept = np.load(inputs[0] / "map.npz")
     grid = OccupancyMap(kept["probability"], float(kept["resolution"]), tuple(kept["origin"].tolist()))
     result: dict[str, Any] = {"found_at": [], "error_m": [], "error_deg": [], "wrong": [], "noticed_at": []}
-    legs, times = _legs(building, folder, people, grid, kept), list[float]()
+    legs, times = _legs(building, folder, people, seed, grid, kept), list[float]()
     for trial in range(first, first + trials):
-        rng = np.random.default_rng([trial, carried, people])
+        rng = np.random.default_rng([seed, trial, carried, people])
         outcome = _trial(legs, grid, carried, rng, times)
         for key, value in outcome.items():
             result[key].append(value)
@@ -89,7 +98,7 @@ def awake(
 
 
 def carried_while_mapping(
-    building: str, folder: str | None, people: int, first: int, trials: int, inputs: Sequence[Path]
+    building: str, folder: str | None, people: int, seed: int, first: int, trials: int, inputs: Sequence[Path]
 ) -> dict[str, Any]:
     """Return what became of trials in which SLAM has mapped the whole drive when the robot is carried away.
 
@@ -99,8 +108,8 @@ def carried_while_mapping(
     kept = np.load(inputs[0] / "map.npz")
     grid = OccupancyMap(kept["probability"], float(kept["resolution"]), tuple(kept["origin"].tolist()))
     if folder is None:
-        drive = slow_tour(WorldConfig(scene=building), _BUILDING).recording
-        legs = _legs(building, None, people, grid, kept)
+        drive = slow_tour(WorldConfig(scene=building), seed).recording
+        legs = _legs(building, None, people, seed, grid, kept)
     else:
         drive = read_carmen(Path(folder) / LOGS[building])
         legs = RecordedLegs(drive, kept["truth"], np.ones(len(drive), dtype=np.bool_))
@@ -109,18 +118,20 @@ def carried_while_mapping(
     result: dict[str, Any] = {"found_at": [], "error_m": [], "error_deg": [], "wrong": [], "noticed_at": []}
     last = Leg(drive.odometry[-1:], drive.scans[-1:], drive.odometry[-1:])
     for trial in range(first, first + trials):
-        rng = np.random.default_rng([trial, 2, people])
-        robot, leg = copy.deepcopy(engine), legs.draw(SCANS, rng).after(last)
+        rng = np.random.default_rng([seed, trial, 2, people])
+        kept_scans = {id(scan): scan for scan in drive.scans}  # they never change: no copy of them is needed
+        robot, leg = copy.deepcopy(engine, kept_scans), legs.draw(SCANS, rng).after(last)
         updates = [robot.update(odometry, scan) for odometry, scan in zip(leg.odometry, leg.scans, strict=True)]
         for key, value in _judged([u.pose if u.located else None for u in updates], leg.truth).items():
             result[key].append(value)
     return result
 
 
-def cells(folder: Path | None, trials: int) -> list[Cell]:
+def cells(folder: Path | None, trials: int, seed: int) -> list[Cell]:
     """Return all cells: the maps, and blocks of trials; without a folder of logs only those of the scenes."""
     made = [
-        Cell(name=f"map/{scene}", function=map_scene, arguments={"scene": scene}, keeps_files=True) for scene in SCENES
+        Cell(name=f"map/{scene}", function=map_scene, arguments={"scene": scene, "seed": seed}, keeps_files=True)
+        for scene in SCENES
     ]
     settings: list[tuple[str, str | None, int]] = [(scene, None, people) for scene in SCENES for people in (0, PEOPLE)]
     if folder is not None:
@@ -132,13 +143,13 @@ def cells(folder: Path | None, trials: int) -> list[Cell]:
             for first in range(0, trials, BLOCK):
                 arguments = {
                     "building": building, "folder": logs, "people": people, "carried": carried,
-                    "first": first, "trials": min(BLOCK, trials - first),
+                    "seed": seed, "first": first, "trials": min(BLOCK, trials - first),
                 }  # fmt: skip
                 name = f"{building}/{people}p/{'carried' if carried else 'awake'}/{first}"
                 made.append(Cell(name=name, function=awake, arguments=arguments, needs=(f"map/{building}",)))
         for first in range(0, trials, SLAM_BLOCK):
             arguments = {
-                "building": building, "folder": logs, "people": people,
+                "building": building, "folder": logs, "people": people, "seed": seed,
                 "first": first, "trials": min(SLAM_BLOCK, trials - first),
             }  # fmt: skip
             name = f"{building}/{people}p/slam/{first}"
@@ -210,9 +221,11 @@ def _mapped(drive: RecordedDrive) -> SlamEngine:
     return engine
 
 
-def _legs(building: str, folder: str | None, people: int, grid: OccupancyMap, kept: Mapping[str, Any]) -> LegSource:
+def _legs(
+    building: str, folder: str | None, people: int, seed: int, grid: OccupancyMap, kept: Mapping[str, Any]
+) -> LegSource:
     if folder is None:
-        return SimulatedLegs(building, _BUILDING, people, grid, kept["T_world_map"])
+        return SimulatedLegs(building, seed, people, grid, kept["T_world_map"])
     truth = kept["truth"]
     return RecordedLegs(read_carmen(Path(folder) / LOGS[building]), truth, np.arange(len(truth)) % 2 == 1)
 
@@ -226,11 +239,12 @@ def _interval(row: Mapping[str, float]) -> str:
 
 
 def main(words: Sequence[str]) -> int:
-    """Run the experiment: LOGS OUT [TRIALS] [JOBS]."""
+    """Run the experiment: LOGS OUT [TRIALS] [JOBS] [SEED]."""
     out, trials = Path(words[1]), int(words[2]) if len(words) > 2 else 100
-    results = run_cells(cells(Path(words[0]), trials), out, jobs=int(words[3]) if len(words) > 3 else 1)
+    jobs, seed = int(words[3]) if len(words) > 3 else 1, int(words[4]) if len(words) > 4 else 0
+    results = run_cells(cells(Path(words[0]), trials, seed), out, jobs=jobs)
     table = summary(results)
-    write_json(out / "summary.json", {"machine": describe_machine(), "results": table})
+    write_json(out / "summary.json", {"machine": describe_machine(), "seed": seed, "trials": trials, "results": table})
     rows = [
         (
             name,

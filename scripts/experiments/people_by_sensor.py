@@ -9,7 +9,24 @@ what the picture would show of them. `in view` are the people within the camera'
 Removed are returns within zeta of tracked people: of those on people within 6 m, of those on people who never move, and
 of all others (which should stay).
 
-Command: python -m tagalong.scripts.experiments.people_by_sensor --seeds 3 --out out/people-by-sensor
+Command: python -m tagalong.scripts.experiments.people_by_sensor --seeds 1 --first-seed 20 --out out/people-by-sensor
+
+It gave, one drive of about 280 s (others removed: share of the returns on everything that is no person):
+
+    people from  MOTA in view  MOTA all round  people's returns removed  of who never move  others removed
+    laser        0.303         0.242           0.233                     0.248              0.000
+    camera       0.981         0.490           0.406                     0.383              0.000
+    both         0.982         0.771           0.895                     0.897              0.001
+
+and with the camera's people 0.3 s late, another drive (--first-seed 21 --delay 0.3):
+
+    laser        0.192         0.155           0.207                     0.192              0.000
+    camera       0.979         0.518           0.441                     0.374              0.000
+    both         0.992         0.772           0.890                     0.894              0.000
+
+The laser alone knows nobody who has not moved; the camera alone forgets who is out of its sight; both together start a
+person by the camera and keep it by its legs. What is missed are people beside and behind the robot whom the camera has
+not seen yet, or whose legs were hidden since.
 """
 
 import argparse

@@ -10,7 +10,17 @@ Three rooms of work, all in the scene "lab":
 A person counts within 6 m if at least half of what the picture would show of it is in sight. The likelihood's expected
 calibration error is over all candidates within 6 m, in ten bins.
 
-Command: python -m tagalong.scripts.experiments.rgbd_people --seeds 5 --out out/rgbd-people
+Command: python -m tagalong.scripts.experiments.rgbd_people --seeds 4 --first-seed 20 --out out/rgbd-people
+
+It gave, at a likelihood of 0.5 (calibration error: expected, of the likelihood):
+
+    frames of  frames  people  recall  precision  calibration error  median error of the position
+    drive      565     344     0.986   0.989      0.012              0.04 m
+    shaken     565     344     0.994   0.981      0.010              0.05 m
+    crowd      384     375     0.904   0.904      0.022              0.06 m
+
+The crowd's misses are people closer than 1.3 m (recall 0.82), whose heads are above the picture, and those who stand
+among others; its false ones are busts on plinths, pieces of people cut by others, and things touching people.
 """
 
 import argparse

@@ -1,5 +1,6 @@
 """EKF-SLAM as an engine: cluster, associate, update, manage landmarks."""
 
+import math
 from dataclasses import fields
 from typing import Any
 
@@ -114,7 +115,8 @@ class EkfSlam:
             sightings = see_landmarks(scan, self._clusterer, self._config.sighting)
             diagnostics = self.take(sightings, scan)
         self._poses.append(ekf.x[:3].copy())
-        sigma = float(np.sqrt(np.linalg.eigvalsh(ekf.P[:2, :2])[-1]))
+        a, b, c = float(ekf.P[0, 0]), float(ekf.P[0, 1]), float(ekf.P[1, 1])
+        sigma = math.sqrt(0.5 * (a + c) + math.hypot(0.5 * (a - c), b))  # of the larger eigenvalue
         diagnostics |= {"landmarks": float(len(self.times_seen)), "sigma_position": sigma}
         return SlamUpdate(ekf.x[:3].copy(), integrated, diagnostics, sigma <= self._config.lost_sigma)
 

@@ -92,8 +92,14 @@ class Cartographer:
             raise InputError(f"`odometry` must be a finite pose of shape (3,), got {odometry}")
         result = self._local.update(odometry, scan)
         self._doubtful = [*self._doubtful, (odometry, scan)] if result.doubtful else []
-        if self._watch and self._watch.lost and self._global:
-            result = self._lose(self._global, odometry, scan)
+        if self._watch and self._watch.alarmed and self._global:
+            search = self._relocalization(self._global)
+            if self._is_lost(self._watch, self._global, search, result):
+                self._lose(self._global, search)
+            else:
+                self._watch.pardon()
+            self._doubtful = []
+            result = self._local.update(odometry, scan)
         if result.insertion:
             self._inserted.append(len(self._poses_local))
             self._scans.append(scan)
@@ -104,19 +110,32 @@ class Cartographer:
         bridge = self._global.local_to_global if self._global else np.zeros(3)
         self._online.append(compose(bridge, result.pose))
         diagnostics = {"score": result.match.score} if result.match else {}
-        return SlamUpdate(self.pose, result.insertion is not None, diagnostics, self._search is None)
+        located = self._search is None and not result.doubtful
+        return SlamUpdate(self.pose, result.insertion is not None, diagnostics, located)
 
-    def _lose(self, graph: GlobalSlam, odometry: Array, scan: LaserScan) -> LocalResult:
-        """Begin a new piece of the drive with this scan, and the search on the map without it."""
-        self.losses += 1
+    def _relocalization(self, graph: GlobalSlam) -> Relocalization:
+        """Return what looks for the doubtful scans on the map of all scans whose place is known."""
         placed = np.flatnonzero(graph.placed)
         grid = render_map(graph.node_poses[placed], [self._scans[k] for k in placed], GridConfig(resolution=_COARSE))
-        self._search = Relocalization(grid, self._doubtful[:-1])
+        return Relocalization(grid, self._doubtful)
+
+    def _is_lost(self, watch: Watch, graph: GlobalSlam, search: Relocalization, result: LocalResult) -> bool:
+        """Weigh the place where local SLAM has put a doubtful scan against the rest of the map."""
+        if self._search or not result.match:
+            return watch.plainly_lost
+        outcome = search.contest(compose(graph.local_to_global, result.match.pose))
+        if outcome is None:
+            return watch.plainly_lost
+        return outcome.moved or (watch.plainly_lost and not (outcome.stays and outcome.belief.sure))
+
+    def _lose(self, graph: GlobalSlam, search: Relocalization) -> None:
+        """Begin a new piece of the drive with the next update, and the search on the map without it."""
+        self.losses += 1
+        self._search = search
+        search.begin()
         self._breaks.append(len(self._poses_local) + 1 - len(self._doubtful))
-        self._doubtful = []
         graph.begin_piece()
         self._local.restart()
-        return self._local.update(odometry, scan)
 
     def _find(self, odometry: Array, scan: LaserScan, pose_local: Array) -> None:
         """Go on with the search, if there is one; when it succeeds, join the new piece of the drive to the map."""

@@ -1,12 +1,14 @@
 """A robot that was carried away while it mapped is looked for on the map that it has."""
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from ..localization.contest import Contest, contest
 from ..localization.localizer import Localizer
+from ..localization.place_map import PlaceMap
 from ..occupancy_map import OccupancyMap
 from ..scan import LaserScan
 
@@ -21,12 +23,23 @@ class Relocalization:
         scans: Odometry poses T_odom_robot (3,) and scans since then, so far.
     """
 
-    def __init__(self, grid: OccupancyMap, scans: Iterable[tuple[Array, LaserScan]]) -> None:
+    def __init__(self, grid: OccupancyMap, scans: Sequence[tuple[Array, LaserScan]]) -> None:
+        self._scans = scans
+        self._localizer: Localizer | None = None
         try:
-            self._localizer: Localizer | None = Localizer(grid)
+            self._place: PlaceMap | None = PlaceMap(grid)
         except InputError:  # hardly anything is mapped yet: there is nothing to be found on
-            self._localizer = None
-        for odometry, scan in scans:
+            self._place = None
+
+    def contest(self, here: Array) -> Contest | None:
+        """Weigh `here` (3,), T_map_robot at the last scan, against the rest of the map; None: there is no map."""
+        return None if self._place is None else contest(self._place, self._scans, here)
+
+    def begin(self) -> None:
+        """Begin to search, with all scans but the last, which is to come by `update`."""
+        if self._place is not None:
+            self._localizer = Localizer(self._place)
+        for odometry, scan in self._scans[:-1]:
             self.update(odometry, scan)
 
     def update(self, odometry: Array, scan: LaserScan) -> Array | None:

@@ -28,12 +28,20 @@ class WatchConfig:
     Attributes:
         poor: A score below so much of the usual one makes it look closer ...
         contradicted: ... and if more than this share of the beams contradicts the submap, the scan is doubtful.
+        settled_poor: Once in doubt, it stays so until the score is no longer below so much of the usual one ...
+        settled_contradicted: ... or no more than this share of the beams contradicts the submap.
+        plain_poor: As `poor`, for a scan that cannot belong there at all ...
+        plain_contradicted: ... as `contradicted`.
         slack: A wall must stand so far before the end of a beam to contradict it [m].
-        patience: So many doubtful scans in a row: the robot is lost.
+        patience: After so many doubtful scans in a row something has to be done.
     """
 
-    poor: float = 0.6
-    contradicted: float = 0.2
+    poor: float = 0.75
+    contradicted: float = 0.1
+    settled_poor: float = 0.9
+    settled_contradicted: float = 0.05
+    plain_poor: float = 0.6
+    plain_contradicted: float = 0.2
     slack: float = 0.4
     patience: int = 3
 
@@ -56,16 +64,28 @@ class Watch:
     def __init__(self, config: WatchConfig) -> None:
         self._config = config
         self._usual = 0.0
+        self._pardoned = False
+        self._plain = 0
         self.in_doubt = 0
 
     @property
-    def lost(self) -> bool:
-        """Whether so many scans in a row were doubtful that the robot is lost."""
+    def alarmed(self) -> bool:
+        """Whether so many scans in a row were doubtful that something has to be done."""
         return self.in_doubt >= self._config.patience
+
+    @property
+    def plainly_lost(self) -> bool:
+        """Whether none of the doubtful scans can belong to the submap."""
+        return self.alarmed and self._plain == self.in_doubt
 
     def restart(self) -> None:
         """Begin anew with another submap; what is usual stays."""
-        self.in_doubt = 0
+        self.in_doubt = self._plain = 0
+
+    def pardon(self) -> None:
+        """The robot is where it was thought to be, after all: the next scan is believed."""
+        self.restart()
+        self._pardoned = True
 
     def doubts(self, submap: Submap, points: Array, foot: Array, pose: Array, score: float) -> bool:
         """Return whether a match is doubtful.
@@ -78,13 +98,19 @@ class Watch:
             score: Of the match.
         """
         config = self._config
-        if score < config.poor * self._usual:
+        poor, contradicted = config.poor, config.contradicted
+        if self.in_doubt:
+            poor, contradicted = config.settled_poor, config.settled_contradicted
+        if score < poor * self._usual and not self._pardoned:
             place = submap.field, submap.known, submap.corner, submap.resolution
-            if contradictions(*place, foot, points, pose, config.slack) > config.contradicted * len(points):
+            share = contradictions(*place, foot, points, pose, config.slack) / len(points)
+            if share > contradicted:
                 self.in_doubt += 1
+                self._plain += score < config.plain_poor * self._usual and share > config.plain_contradicted
                 return True
         self._usual = score if self._usual == 0.0 else self._usual + _MEMORY * (score - self._usual)
-        self.in_doubt = 0
+        self._pardoned = False
+        self.restart()
         return False
 
 

@@ -168,6 +168,6 @@ def _whole(scan: LaserScan, labels: NDArray[np.int64], config: SightingConfig) -
     np.maximum.at(far, labels[inside], scan.ranges[beams[inside]])
     present = last >= 0
     first, last, far = first[present], last[present], far[present]
-    padded = np.concatenate(([0.0], np.nan_to_num(scan.ranges, nan=0.0, posinf=np.inf), [0.0]))
+    padded = np.concatenate(([0.0], np.where(np.isnan(scan.ranges), 0.0, scan.ranges), [0.0]))
     nearest_beside = np.minimum(padded[first], padded[last + 2])
     return (nearest_beside > far) & (far < scan.range_max - config.border)

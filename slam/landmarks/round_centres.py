@@ -12,6 +12,8 @@ Legend: D, beta distance and bearing of the centre from the laser; d the bearing
 import numpy as np
 from numpy.typing import NDArray
 
+from .centres_kernel import posterior_of_centres
+
 Array = NDArray[np.float64]
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(9)
@@ -32,6 +34,18 @@ def round_centres(
         radius: Of the objects [m].
         sigma: Standard deviation of a range [m].
     """
+    count = int(label.max()) + 1
+    polar, covariance = np.empty((count, 2)), np.empty((count, 2, 2))
+    posterior_of_centres(
+        ranges, bearings, label, count, spacing, radius, sigma, _LEAST, _NODES, _WEIGHTS, polar, covariance
+    )
+    return polar, covariance
+
+
+def round_centres_reference(
+    ranges: Array, bearings: Array, label: NDArray[np.int64], spacing: float, radius: float, sigma: float
+) -> tuple[Array, Array]:
+    """Return the same as `round_centres`, by arrays."""
     member = (label == np.arange(int(label.max()) + 1)[:, None]).astype(np.float64)
     count = member.sum(axis=1)
     first = np.where(member > 0.0, bearings, np.inf).min(axis=1)

@@ -95,7 +95,7 @@ class Localizer:
     searched. There is a pose again when one hypothesis is `sure_ratio` times as likely as any other.
 
     Args:
-        grid: The map.
+        grid: The map; one that was made ready before is taken as it is.
         config: Settings.
         start: (3,) T_map_robot at the first scan [m, m, rad], within about 0.5 m and 15 degrees; None: it is searched.
 
@@ -104,10 +104,10 @@ class Localizer:
     """
 
     def __init__(
-        self, grid: OccupancyMap, config: LocalizerConfig | None = None, start: ArrayLike | None = None
+        self, grid: OccupancyMap | PlaceMap, config: LocalizerConfig | None = None, start: ArrayLike | None = None
     ) -> None:
         self.config = config or LocalizerConfig()
-        self.place = PlaceMap(grid, self.config.place)
+        self.place = grid if isinstance(grid, PlaceMap) else PlaceMap(grid, self.config.place)
         self._evidence = Evidence(self.place, self.config.evidence)
         self._search = GlobalSearch(self.place, self._evidence, self.config.search)
         self._views = ViewMaker(self.config.voxel_filter)

@@ -1,19 +1,21 @@
-"""Reads a recorded drive of whatever kind: CARMEN log or ROS bag, told by content."""
+"""Reads a recorded drive of whatever kind, told by content."""
 
 import os
 from pathlib import Path
 
 from ..errors import InputError
 from .bag_messages import is_bag
+from .beesoft import is_beesoft_log, read_beesoft_log
 from .carmen import read_carmen
 from .drive import RecordedDrive
 from .rosbag import read_rosbag
+from .urg import is_urg_log, read_urg_log
 
 
 def read_log(
     path: str | os.PathLike[str], scan_topic: str | None = None, odometry_topic: str | None = None
 ) -> RecordedDrive:
-    """Return the drive in a CARMEN log (plain or gzipped), a ROS 1 bag or a ROS 2 bag folder.
+    """Return the drive in a CARMEN, BeeSoft or tinySLAM log (plain or gzipped), a ROS 1 bag or a ROS 2 bag folder.
 
     Args:
         path: The log.
@@ -31,4 +33,6 @@ def read_log(
         raise InputError(f"{path}: a folder without metadata.yaml is no ROS 2 bag")
     if scan_topic is not None or odometry_topic is not None:
         raise InputError(f"{path}: only a ROS bag has topics to choose")
-    return read_carmen(path)
+    if is_beesoft_log(path):
+        return read_beesoft_log(path)
+    return read_urg_log(path) if is_urg_log(path) else read_carmen(path)

@@ -93,11 +93,13 @@ def meet(points, pose, reference, rays, feet, normals, first, near):  # pragma: 
     """Return for each of `points` (N, 2) the reference point whose line it lies on (-1: none) and its distance [m]."""
     index, errors = np.full(len(points), -1, dtype=np.int32), np.zeros(len(points))
     cos, sin = np.cos(pose[2]), np.sin(pose[2])
+    beside = -1
     for n in range(len(points)):
         x = cos * points[n, 0] - sin * points[n, 1] + pose[0]
         y = sin * points[n, 0] + cos * points[n, 1] + pose[1]
         # Along the surface the next point may be far: the distance that counts is that from the line.
-        j, square = nearest_point(x, y, 1.0, reference, rays, first, 9.0 * near * near)
+        j, square = nearest_point(x, y, 1.0, reference, rays, first, 9.0 * near * near, beside)
+        beside = min(j + 1, len(reference) - 1) if j >= 0 else -1
         if j < 0:
             continue
         error = normals[j, 0] * (feet[j, 0] - x) + normals[j, 1] * (feet[j, 1] - y)

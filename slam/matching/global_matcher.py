@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import InputError
 from ..geometry import compose, inverse, wrap_angle
 from ..scan import LaserScan
-from ..search.branch_and_bound import SearchResult, SearchWindow, Separation, branch_and_bound
+from ..search.branch_and_bound import Maximum, SearchResult, SearchWindow, Separation, branch_and_bound
 from ..search.score_pyramid import ScoreGrid, ScorePyramid, build_pyramid
 from .iterative import PLICP, IterativeConfig, IterativeMatcher, Refined
 from .lookup import LookupConfig, build_lookup
@@ -26,17 +26,19 @@ from .visibility import agreement, mark_unseen
 _WINDOW = SearchWindow(linear=2.0, angular=np.pi, angular_step=np.radians(2.0))
 _SEPARATION = Separation(linear=0.4, angular=0.2, least_share=0.85)
 _SECOND_SEPARATION = Separation(linear=0.3, angular=0.2, least_share=0.5)
-# Lines of both scans count, so fewer neighbours agreeing better serve: 7 mm is what a SICK's noise leaves.
+# Lines of both scans count, so fewer neighbours agreeing better serve: 7 mm is what a SICK's noise leaves. A line
+# across a gap between two surfaces is worse than none, so points side by side are linked more strictly than elsewhere.
 _REFINEMENT = replace(
     PLICP,
     first_reach=0.6,
     last_reach=0.5,
     first_scale=0.3,
-    last_scale=0.02,
-    surfaces=SurfaceConfig(tolerance=0.007),
+    last_scale=0.015,
+    surfaces=SurfaceConfig(tolerance=0.007, obliquity=3.0),
 )
 
 
+_SCOUTS, _SCOUT_STEPS = 3, 6  # every third point, six steps: which maxima of the second search are promising
 _LEVELS = 4  # of noise: 1, 2, 4 and 8 times that of a SICK
 
 
@@ -55,14 +57,16 @@ class GlobalConfig:
         margin: How much nearer than the seen surface a point must be to contradict it [m].
         free_space: What a contradiction counts against a hit.
         rival: Another pose that reaches this share of the best final score makes the match ambiguous.
-        sure: A final score that makes the second search needless. For views that share little 0.86 is better, and slow.
+        sure: A final score that makes the second search needless, as a share of how well the odd beams of each scan
+            explain its even ones: leaves and chair legs look different to every beam.
         unseen: Worth in the second search of a point where the reference saw nothing, in [0, 1].
         beyond: How far beyond the reference's table such points count [m].
-        second_maxima: How many maxima of the second search are refined at most; 0: there is none.
+        second_maxima: How many maxima of the second search are looked at, at most; 0: there is none.
+        second_refined: How many of them are refined, those that explain the scans best after a few steps.
         second_separation: When a further maximum of the second search counts.
         beside: Poses within this (m, rad) are one answer.
         noise: Of the points that `refinement` is made for [m]. Where theirs is 2, 4, 8 times that, its tolerance,
-            its last scale and `sigma` are larger.
+            its gap, its last scale and `sigma` are larger.
         refinement: PL-ICP with the lines of both scans, from each maximum.
     """
 
@@ -76,10 +80,11 @@ class GlobalConfig:
     margin: float = 0.3
     free_space: float = 0.5
     rival: float = 0.95
-    sure: float = 0.8
+    sure: float = 0.96
     unseen: float = 0.78
     beyond: float = 4.0
-    second_maxima: int = 16
+    second_maxima: int = 24
+    second_refined: int = 8
     second_separation: Separation = _SECOND_SEPARATION
     beside: tuple[float, float] = (0.2, 0.04)
     noise: float = 0.007
@@ -90,6 +95,8 @@ class GlobalConfig:
             raise InputError(f"need `maxima`, `points` >= 1, `sigma`, `noise` > 0, `margin` >= 0, got {self}")
         if not (0.0 <= self.unseen <= 1.0 and self.beyond >= 0.0 and self.second_maxima >= 0):
             raise InputError(f"need `unseen` in [0, 1], `beyond` [m], `second_maxima` >= 0, got {self}")
+        if not (self.second_refined >= 1 and self.sure >= 0.0):
+            raise InputError(f"need `second_refined` >= 1 and `sure` >= 0, got {self}")
 
 
 class GlobalMatcher:
@@ -111,8 +118,9 @@ class GlobalMatcher:
             return tool.judge(reference, points, Refined(centre, 0, False))
         refined, scores = self._refine(tool, reference, surfaces_new, found)
         maxima, looked_at = found.maxima, found.looked_at
-        if config.second_maxima > 0 and max(scores) < config.sure:
+        if config.second_maxima > 0 and max(scores) < config.sure * self._expected(tool, reference, new):
             second = self.search_views(reference, points, centre)
+            second = replace(second, maxima=self._most_promising(tool, reference, surfaces_new, second.maxima))
             more, more_scores = self._refine(tool, reference, surfaces_new, second)
             refined, scores = refined + more, scores + more_scores
             maxima, looked_at = maxima + second.maxima, looked_at + second.looked_at
@@ -157,7 +165,7 @@ class GlobalMatcher:
         values = np.pad(grid.values, border)
         x0, y0 = (start - border * grid.resolution for start in grid.origin)
         worth = np.uint8(round(255.0 * config.unseen))
-        mark_unseen(seen.points, seen.rays, seen.first, x0, y0, grid.resolution, config.margin, worth, values)
+        mark_unseen(seen.points, seen.rays, x0, y0, grid.resolution, config.margin, worth, values)
         return ScoreGrid(values, (x0, y0), grid.resolution)
 
     def _pyramid_over(self, grid: ScoreGrid) -> ScorePyramid:
@@ -211,6 +219,31 @@ class GlobalMatcher:
             hits, against = hits + met, against + contradicted
         return float(hits / (hits + config.free_space * against + 0.2 * len(reference)))
 
+    def _most_promising(
+        self, tool: IterativeMatcher, reference: LaserScan, new: Surfaces, maxima: tuple[Maximum, ...]
+    ) -> tuple[Maximum, ...]:
+        """Return the `second_refined` maxima that explain the scans best after a few steps of a third of the points."""
+        seen = tool.surfaces(reference)
+        few = np.ascontiguousarray(new.points[::_SCOUTS])
+        poses = [tool.refine(reference, few, maximum.pose, most=_SCOUT_STEPS).pose for maximum in maxima]
+        scores = np.array([self._explains(tool, seen, new, pose) for pose in poses])
+        best = np.sort(np.argsort(-scores, kind="stable")[: self.config.second_refined])
+        return tuple(maxima[k] for k in best)
+
+    def _expected(self, tool: IterativeMatcher, reference: LaserScan, new: LaserScan) -> float:
+        """Return the mean score of a scan's odd beams against its even ones, which is what a right pose may reach."""
+        scores = []
+        for scan in (reference, new):
+            odd, even = (
+                find_surfaces(
+                    replace(scan, ranges=scan.ranges[side::2], bearings=scan.bearings[side::2]), tool.config.surfaces
+                )
+                for side in (0, 1)
+            )
+            enough = min(len(odd), len(even)) >= 3
+            scores.append(self._explains(tool, odd, even, np.zeros(3)) if enough else 1.0)
+        return float(np.mean(scores))
+
     def _choose(self, refined: list[Refined], scores: list[float]) -> int:
         """Return the index of the pose that explains the scans best; of those beside it, that of the highest maximum.
 
@@ -236,4 +269,5 @@ class GlobalMatcher:
 def _coarser(config: IterativeConfig, factor: float) -> IterativeConfig:
     """Return the refinement for `factor` times the noise."""
     last, surfaces = min(factor * config.last_scale, config.first_scale), config.surfaces
-    return replace(config, last_scale=last, surfaces=replace(surfaces, tolerance=factor * surfaces.tolerance))
+    surfaces = replace(surfaces, tolerance=factor * surfaces.tolerance, gap=factor * surfaces.gap)
+    return replace(config, last_scale=last, surfaces=surfaces)

@@ -108,8 +108,13 @@ class IterativeMatcher:
             self._reference, self._surfaces = reference, find_surfaces(reference, self.config.surfaces)
         return self._surfaces
 
-    def refine(self, reference: LaserScan, points_new: NDArray[np.float64], guess: ArrayLike) -> Refined:
-        """Return where the loop ends from `guess` (3,) for points (N, 2) of the new scan."""
+    def refine(
+        self, reference: LaserScan, points_new: NDArray[np.float64], guess: ArrayLike, most: int | None = None
+    ) -> Refined:
+        """Return where the loop ends from `guess` (3,) for points (N, 2) of the new scan.
+
+        It ends after `most` steps at the latest; None: the configured `most_iterations`.
+        """
         config, surfaces = self.config, self.surfaces(reference)
         start = np.array(guess, dtype=np.float64)
         if len(surfaces) < 3 or len(points_new) < 3:
@@ -124,7 +129,7 @@ class IterativeMatcher:
             (config.first_scale, config.last_scale, config.factor),
             config.kept,
             config.ridge,
-            config.most_iterations,
+            most or config.most_iterations,
             config.rest,
         )
         pose[2] = wrap_angle(pose[2])

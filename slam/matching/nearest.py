@@ -14,6 +14,23 @@ _BINS_PER_RADIAN = 1024 / (2.0 * np.pi)
 
 
 @numba.njit(cache=True, nogil=True)
+def bin_near(x, y):  # pragma: no cover
+    """Return the bin, of 1024 from -pi, of the bearing of (x, y), or one beside it: four times as fast as arctan2."""
+    across, along = abs(x), abs(y)
+    least, most = min(across, along), max(across, along)
+    share = least / most if most > 0.0 else 0.0
+    # Within 0.004 rad of the arc tangent; a bin is 0.006.
+    angle = share * (0.25 * np.pi + 0.273 * (1.0 - share))
+    if along > across:
+        angle = 0.5 * np.pi - angle
+    if x < 0.0:
+        angle = np.pi - angle
+    if y < 0.0:
+        angle = -angle
+    return min(int((angle + np.pi) * _BINS_PER_RADIAN), 1023)
+
+
+@numba.njit(cache=True, nogil=True)
 def metric_square(dx, dy, x, y, k):  # pragma: no cover
     """Return the square of the distance of (x, y) and (x + dx, y + dy): radial^2 + k across^2."""
     if k >= 1.0:
@@ -26,12 +43,20 @@ def metric_square(dx, dy, x, y, k):  # pragma: no cover
 
 
 @numba.njit(cache=True, nogil=True)
-def nearest_point(x, y, k, points, rays, first, limit):  # pragma: no cover
-    """Return (index, squared distance) of the nearest of `points` to (x, y); (-1, limit) if none is below `limit`."""
+def nearest_point(x, y, k, points, rays, first, limit, hint=-1):  # pragma: no cover
+    """Return (index, squared distance) of the nearest of `points` to (x, y); (-1, limit) if none is below `limit`.
+
+    The answer is the same with any `hint`, an index that may be near: the search is shorter with a good one.
+    """
     count = len(points)
     best, square = -1, limit
+    if hint >= 0:
+        value = metric_square(points[hint, 0] - x, points[hint, 1] - y, x, y, k)
+        if value < square:
+            best, square = hint, value
     range_square = x * x + y * y
-    start = first[min(int((np.arctan2(y, x) + np.pi) * _BINS_PER_RADIAN), 1023)]
+    # A beam too early or too late is as good a start: no side ends before q's bearing is passed.
+    start = first[bin_near(x, y)]
     for direction in (1, -1):
         index = start if direction == 1 else start - 1
         for _ in range(count):
@@ -41,14 +66,14 @@ def nearest_point(x, y, k, points, rays, first, limit):  # pragma: no cover
                 index += count
             dot = x * rays[index, 0] + y * rays[index, 1]
             cross = x * rays[index, 1] - y * rays[index, 0]
-            # Behind q's bearing of 90 degrees the nearest point of the beam is its origin; never below the true bound.
-            across, along = k * cross * cross, dot * dot
-            bound = range_square
-            if dot > 0.0:
-                bound = range_square * across / (along + across + 1e-300)
-            ahead = cross * direction > 0.0 or dot < 0.0
-            if bound > square and ahead:
-                break
+            if cross * direction > 0.0 or dot < 0.0:
+                # Beyond 90 degrees from q's bearing the nearest point of the beam is its origin.
+                across = k * cross * cross
+                beyond = range_square > square
+                if dot > 0.0:
+                    beyond = range_square * across > square * (dot * dot + across)
+                if beyond:
+                    break
             value = metric_square(points[index, 0] - x, points[index, 1] - y, x, y, k)
             if value < square or (value == square and best >= 0 and index < best):
                 best, square = index, value

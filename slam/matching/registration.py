@@ -16,13 +16,14 @@ def correspond(points, pose, lever, reference, limit, index, square, moved):  # 
     [m], inf for the Euclidean distance. `reference` = (points, rays, feet, normals, linked, first).
     """
     cos, sin = np.cos(pose[2]), np.sin(pose[2])
-    count = 0
+    count, beside = 0, -1
     for n in range(len(points)):
         x = cos * points[n, 0] - sin * points[n, 1] + pose[0]
         y = sin * points[n, 0] + cos * points[n, 1] + pose[1]
         moved[n, 0], moved[n, 1] = x, y
         k = 1.0 if lever == np.inf else lever * lever / (x * x + y * y + lever * lever)
-        index[n], square[n] = nearest_point(x, y, k, reference[0], reference[1], reference[5], limit * limit)
+        index[n], square[n] = nearest_point(x, y, k, reference[0], reference[1], reference[5], limit * limit, beside)
+        beside = min(index[n] + 1, len(reference[0]) - 1) if index[n] >= 0 else -1
         count += index[n] >= 0
     return count
 

@@ -38,6 +38,10 @@ class SurfaceConfig:
             raise InputError(f"all fields of SurfaceConfig must be positive, got {self}")
 
 
+LOOSE = SurfaceConfig()
+"""Links that noise does not break."""
+
+
 @dataclass(frozen=True, eq=False)
 class Surfaces:
     """The returns of a scan, counter-clockwise, with the line through each and its neighbours.
@@ -110,19 +114,24 @@ def first_points(bearings):  # pragma: no cover
     return first
 
 
-def noise_of(surfaces: Surfaces) -> float:
+def noise_of(surfaces: Surfaces, links: SurfaceConfig = LOOSE) -> float:
     """Return the standard deviation of a scan's points from straight lines [m], 0 where there are too few of them.
 
-    From the distance of each point from the line of its two neighbours, by their median: corners do not count.
+    From the distance of each point from the line of its two neighbours, by the lowest quarter of them: neither corners
+    nor leaves and chair legs count, as long as a part of what the laser sees is smooth. `links` say which points are
+    neighbours; strict ones would leave out what noise puts apart.
     """
-    middle = np.flatnonzero(surfaces.linked[:-2] & surfaces.linked[1:-1]) + 1
+    points, rays = surfaces.points, surfaces.rays
+    ranges, bearings = (points * rays).sum(axis=1), np.arctan2(rays[:, 1], rays[:, 0])
+    linked = link_points(points, ranges, bearings, links.gap, links.obliquity)
+    middle = np.flatnonzero(linked[:-2] & linked[1:-1]) + 1
     if len(middle) < 5:
         return 0.0
-    chord = surfaces.points[middle + 1] - surfaces.points[middle - 1]
-    aside = surfaces.points[middle] - surfaces.points[middle - 1]
+    chord = points[middle + 1] - points[middle - 1]
+    aside = points[middle] - points[middle - 1]
     errors = np.abs(chord[:, 0] * aside[:, 1] - chord[:, 1] * aside[:, 0]) / np.maximum(np.hypot(*chord.T), 1e-9)
-    # 0.6745: from the median to the deviation of a Gaussian; 1.5: the variance of the three points together.
-    return float(np.median(errors) / (0.6745 * np.sqrt(1.5)))
+    # 0.3186: from the quarter to the deviation of a Gaussian; 1.5: the variance of the three points together.
+    return float(np.quantile(errors, 0.25) / (0.3186 * np.sqrt(1.5)))
 
 
 @numba.njit(cache=True, nogil=True)
@@ -149,15 +158,17 @@ def fit_lines(points, linked, neighbours, tolerance, even):  # pragma: no cover
     """Return feet (M, 2), normals (M, 2) and tilt variances (M,) of the lines through each point's neighbourhood."""
     count = len(points)
     feet, normals, tilt = points.copy(), np.zeros((count, 2)), np.full(count, np.inf)
+    sums = running_sums(points)
     for m in range(count):
+        farthest = reach_along(linked, m, -1, neighbours), reach_along(linked, m, 1, neighbours)
         for most in range(neighbours, 0, -1):
-            behind, ahead = reach_along(linked, m, -1, most), reach_along(linked, m, 1, most)
+            behind, ahead = min(farthest[0], most), min(farthest[1], most)
             if even:
                 behind = ahead = min(behind, ahead)
             size = min(1 + behind + ahead, count)
             if size < 2:
                 break
-            mx, my, sxx, sxy, syy = moments(points, m - behind, size)
+            mx, my, sxx, sxy, syy = moments(sums, (m - behind) % count, size)
             half, root = 0.5 * (sxx + syy), np.sqrt(0.25 * (sxx - syy) ** 2 + sxy * sxy)
             if max(half - root, 0.0) <= tolerance * tolerance * size or (most == 1 and size == 2):
                 angle = 0.5 * np.arctan2(2.0 * sxy, sxx - syy)
@@ -182,18 +193,25 @@ def reach_along(linked, m, direction, most):  # pragma: no cover
 
 
 @numba.njit(cache=True, nogil=True)
-def moments(points, start, size):  # pragma: no cover
-    """Return mean x, y and the sums of squares about it (xx, xy, yy) of `size` points from `start`, cyclic."""
+def running_sums(points):  # pragma: no cover
+    """Return (2 M + 1, 5): the sums of x, y, xx, xy, yy over all points before each, the scan taken twice in a row."""
     count = len(points)
-    mx, my, sxx, sxy, syy = 0.0, 0.0, 0.0, 0.0, 0.0
-    for step in range(size):
-        index = (start + step) % count
-        mx += points[index, 0] / size
-        my += points[index, 1] / size
-    for step in range(size):
-        index = (start + step) % count
-        dx, dy = points[index, 0] - mx, points[index, 1] - my
-        sxx += dx * dx
-        sxy += dx * dy
-        syy += dy * dy
-    return mx, my, sxx, sxy, syy
+    sums = np.zeros((2 * count + 1, 5))
+    for m in range(2 * count):
+        x, y = points[m % count, 0], points[m % count, 1]
+        sums[m + 1, 0] = sums[m, 0] + x
+        sums[m + 1, 1] = sums[m, 1] + y
+        sums[m + 1, 2] = sums[m, 2] + x * x
+        sums[m + 1, 3] = sums[m, 3] + x * y
+        sums[m + 1, 4] = sums[m, 4] + y * y
+    return sums
+
+
+@numba.njit(cache=True, nogil=True)
+def moments(sums, start, size):  # pragma: no cover
+    """Return mean x, y and the sums of squares about it (xx, xy, yy) of `size` points from `start`, cyclic."""
+    end = start + size
+    x, y = sums[end, 0] - sums[start, 0], sums[end, 1] - sums[start, 1]
+    mx, my = x / size, y / size
+    xx, xy, yy = sums[end, 2] - sums[start, 2], sums[end, 3] - sums[start, 3], sums[end, 4] - sums[start, 4]
+    return mx, my, max(xx - mx * x, 0.0), xy - mx * y, max(yy - my * y, 0.0)

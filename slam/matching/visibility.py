@@ -2,6 +2,7 @@
 
 import numba
 import numpy as np
+from numpy.typing import NDArray
 
 from .nearest import nearest_point
 
@@ -15,6 +16,12 @@ def range_ahead(x, y, points, rays, first):  # pragma: no cover
         if x * rays[after, 1] - y * rays[after, 0] > 0.0:
             break
         after = (after + 1) % count
+    return range_between(x, y, after, points, rays)
+
+
+@numba.njit(cache=True, nogil=True)
+def range_between(x, y, after, points, rays):  # pragma: no cover
+    """Return the same, given the index of the first return counter-clockwise of (x, y)."""
     distance = np.sqrt(x * x + y * y)
     least = -1.0
     for index in (after, after - 1):
@@ -27,6 +34,15 @@ def range_ahead(x, y, points, rays, first):  # pragma: no cover
 
 
 @numba.njit(cache=True, nogil=True)
+def turn_of(x, y):  # pragma: no cover
+    """Return a number from -2 to 2 that grows with the bearing of (x, y) from -pi to pi."""
+    share = y / (abs(x) + abs(y) + 1e-300)
+    if x >= 0.0:
+        return share
+    return 2.0 - share if y >= 0.0 else -2.0 - share
+
+
+@numba.njit(cache=True, nogil=True)
 def agreement(points, pose, reference, rays, feet, normals, first, sigma, margin):  # pragma: no cover
     """Return (sum of hits, sum of contradictions) of `points` (N, 2), at `pose`, with a reference scan's surfaces.
 
@@ -36,10 +52,12 @@ def agreement(points, pose, reference, rays, feet, normals, first, sigma, margin
     """
     hits, contradictions = 0.0, 0.0
     cos, sin = np.cos(pose[2]), np.sin(pose[2])
+    beside = -1
     for n in range(len(points)):
         x = cos * points[n, 0] - sin * points[n, 1] + pose[0]
         y = sin * points[n, 0] + cos * points[n, 1] + pose[1]
-        j, square = nearest_point(x, y, 1.0, reference, rays, first, 0.09)
+        j, square = nearest_point(x, y, 1.0, reference, rays, first, 0.09, beside)
+        beside = min(j + 1, len(reference) - 1) if j >= 0 else -1
         if j >= 0:
             if normals[j, 0] != 0.0 or normals[j, 1] != 0.0:
                 error = normals[j, 0] * (feet[j, 0] - x) + normals[j, 1] * (feet[j, 1] - y)
@@ -52,15 +70,41 @@ def agreement(points, pose, reference, rays, feet, normals, first, sigma, margin
 
 
 @numba.njit(cache=True, nogil=True)
-def mark_unseen(points, rays, first, x0, y0, cell, margin, worth, values):  # pragma: no cover
+def mark_unseen(points, rays, x0, y0, cell, margin, worth, values):  # pragma: no cover
     """Raise the cells of `values` (rows, cols) uint8 that the reference did not see to be free to `worth`.
 
-    Free is what lies nearer than the reference's return in that direction by more than `margin` [m].
+    Free is what lies nearer than the reference's return in that direction by more than `margin` [m]. Along a row of
+    cells the bearing only grows or only falls, so the beam ahead is that of the last cell or close to it.
     """
     rows, cols = values.shape
+    count = len(rays)
+    turns, after = np.empty(count), 0
+    for m in range(count):
+        turns[m] = turn_of(rays[m, 0], rays[m, 1])
     for row in range(rows):
         y = y0 + (row + 0.5) * cell
         for col in range(cols):
+            if values[row, col] >= worth:
+                continue
             x = x0 + (col + 0.5) * cell
-            if range_ahead(x, y, points, rays, first) <= np.sqrt(x * x + y * y) + margin:
-                values[row, col] = max(values[row, col], worth)
+            turn = turn_of(x, y)
+            while after < count and turns[after] <= turn:
+                after += 1
+            while after > 0 and turns[after - 1] > turn:
+                after -= 1
+            if range_between(x, y, after % count, points, rays) <= np.sqrt(x * x + y * y) + margin:
+                values[row, col] = worth
+
+
+def mark_unseen_reference(
+    points: NDArray[np.float64], x0: float, y0: float, cell: float, margin: float, worth: int, values: NDArray[np.uint8]
+) -> None:
+    """Do what `mark_unseen` does, by looking at the bearings of all `points` (M, 2) from each cell's centre."""
+    bearings, ranges = np.arctan2(points[:, 1], points[:, 0]), np.hypot(points[:, 0], points[:, 1])
+    for row, col in np.ndindex(values.shape):
+        x, y = x0 + (col + 0.5) * cell, y0 + (row + 0.5) * cell
+        apart = (bearings - np.arctan2(y, x)) % (2.0 * np.pi)
+        sides = [np.argmin(np.where(apart > 0.0, apart, 7.0)), np.argmax(apart)]
+        ahead = [ranges[k] for k in sides if min(apart[k], 2.0 * np.pi - apart[k]) < np.arcsin(0.087)]
+        if not ahead or min(ahead) <= np.hypot(x, y) + margin:
+            values[row, col] = max(values[row, col], worth)

@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
 from ..geometry import wrap_angle
-from .kernels import best_leaf, rotated_cells, top_bounds
+from .best_first import best_leaves
+from .kernels import rotated_cells, top_bounds
 from .score_pyramid import ScorePyramid
 
 
@@ -140,20 +141,21 @@ def branch_and_bound(
     period = len(headings) if window.angular >= np.pi else 0
     reach = separation.reach(headings, pyramid.resolution)
     worth = 255.0 * max(len(points_scan), 1)
-    least = np.ceil(min_score * worth - 1e-6).astype(np.int64)
-    taken = np.empty((0, 3), dtype=np.int64)
-    found, looked = [], 0
-    while len(found) < maxima and len(points_scan) > 0:
-        best, count = best_leaf(pyramid.levels, cells, bounds, 2 * half + 1, taken, reach, period, least)
-        looked += int(count)
-        if best[0] < 0:
-            break
-        dy, dx = ((best[3:] - half) * pyramid.resolution).tolist()
-        pose = (x + dx, y + dy, float(wrap_angle(headings[best[2]])))
-        found.append(Maximum(pose, float(best[0] / worth)))
-        taken = np.concatenate((taken, best[None, 2:]))
-        least = max(least, np.ceil(separation.least_share * best[0]).astype(np.int64)) if len(found) == 1 else least
-    return SearchResult(tuple(found), candidates, looked)
+    least = np.int64(np.ceil(min_score * worth - 1e-6))
+    if len(points_scan) == 0:
+        return SearchResult((), candidates, 0)
+    leaves, looked = best_leaves(
+        pyramid.levels, cells, bounds, 2 * half + 1, maxima, reach, period, least, separation.least_share
+    )
+    found = []
+    for total, k, i, j in leaves.tolist():
+        pose = (
+            x + (j - half) * pyramid.resolution,
+            y + (i - half) * pyramid.resolution,
+            float(wrap_angle(headings[k])),
+        )
+        found.append(Maximum(pose, total / worth))
+    return SearchResult(tuple(found), candidates, int(looked))
 
 
 def _bounds(

@@ -21,7 +21,7 @@ def exhaustive_search(
     best: tuple[int, int, int, int, int] | None = None
     steps = np.arange(-reach, reach + 1)
     for k, heading in enumerate(headings):
-        totals = _scores(grid, points_scan, x, y, heading, steps)
+        totals = scores_at(grid, points_scan, x, y, heading, steps)
         rank = (k - len(headings) // 2) ** 2 + steps[:, None] ** 2 + steps[None, :] ** 2
         tied = np.argwhere(totals == totals.max())
         row, col = min(tied.tolist(), key=lambda cell: (rank[cell[0], cell[1]], cell[0], cell[1]))
@@ -39,7 +39,7 @@ def exhaustive_search(
     return SearchResult((Maximum(pose, float(-best[0] / worth)),), candidates, candidates)
 
 
-def _scores(grid: ScoreGrid, points: np.ndarray, x: float, y: float, heading: float, steps: np.ndarray) -> np.ndarray:
+def scores_at(grid: ScoreGrid, points: np.ndarray, x: float, y: float, heading: float, steps: np.ndarray) -> np.ndarray:
     """Return (side, side) int64 sums over the points, by row and column offset."""
     cos, sin = np.cos(heading), np.sin(heading)
     corner_x, corner_y = x - grid.origin[0], y - grid.origin[1]

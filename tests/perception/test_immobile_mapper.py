@@ -89,6 +89,17 @@ def test_what_comes_into_an_empty_place_is_moving_and_what_was_always_there_is_n
     assert occupied_at(grid, 4.02, -1.0)
 
 
+def test_a_thing_that_was_once_taken_for_somebody_is_forgotten_when_the_camera_sees_no_one_there():
+    mapper = ImmobileMapper()
+    frame = room_frame(0.1, board=(1.9, 0.0, 1.7))
+    planes = PlaneFinder().find(frame)
+    for step in range(1, 20):
+        mapper.add_scan(np.zeros(3), scan_of(post=(2.02, 0.02), time_s=0.1 * step))
+        people = person_of(frame, 1.9) if step == 1 else nobody(53, 64)
+        mapper.add_view(make_view(frame, planes, people))
+        assert len(mapper.people.moving(2.0)) == (1 if step < 5 else 0)
+
+
 def test_what_has_come_and_then_stands_for_long_is_a_thing():
     places = Places(0.35, settles_s=20.0)
     for time_s in np.arange(0.0, 30.0, 0.1):

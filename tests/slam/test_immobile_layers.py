@@ -135,6 +135,16 @@ def test_a_door_that_opens_is_gone_in_all_layers_and_kept_as_movable():
     assert value_at(grid.movable(), 3.02, 0.02) == 0.0
 
 
+def test_what_the_camera_saw_of_the_door_in_the_next_cell_goes_with_it():
+    grid = ImmobileLayers()
+    for _ in range(100):
+        grid.write(ORIGIN, wall_scan(3.02))
+    look(grid, wall_points(3.07, np.arange(0.5, 2.0, 0.1)), 10.0, times=3)
+    for _ in range(20):
+        grid.write(ORIGIN, wall_scan(6.02))
+    assert value_at(grid.to_map(), 3.07, 0.02) < 0.5
+
+
 def test_people_are_not_kept_as_movable_things():
     grid = ImmobileLayers()
     for _ in range(100):

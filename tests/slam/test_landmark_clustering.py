@@ -14,6 +14,7 @@ from tagalong.slam.landmarks.objects import (
     describe_objects,
     see_landmarks,
 )
+from tagalong.slam.landmarks.round_centres import round_centres, round_centres_reference
 from tagalong.slam.scan import LaserScan
 
 CENTRES = np.array([(2.0, 0.0), (0.0, 3.0), (-3.0, -2.0), (4.0, 4.0)])
@@ -96,6 +97,17 @@ def test_centres_are_unbiased_and_their_covariance_is_that_of_their_errors(dista
     assert (np.abs(np.mean(errors, axis=0)) < 4.0 * spread / np.sqrt(400.0)).all()
     assert (spread < (0.012, 0.0025)).all()
     assert 1.6 < np.mean(nis) < 2.4
+
+
+@given(seed=st.integers(0, 999), radius=st.floats(0.03, 0.4))
+def test_the_compiled_centres_are_those_of_the_arrays(seed, radius):
+    rng = np.random.default_rng(seed)
+    label = np.sort(np.concatenate((np.arange(4), rng.integers(0, 4, 20))))
+    bearings = 0.4 * label + 0.0175 * rng.permutation(len(label)) / 4.0
+    ranges = 2.0 + label + 0.02 * rng.standard_normal(len(label))
+    arguments = ranges, bearings, label.astype(np.int64), 0.0175, radius, 0.01
+    for ours, reference in zip(round_centres(*arguments), round_centres_reference(*arguments), strict=True):
+        np.testing.assert_allclose(ours, reference, rtol=1e-7, atol=1e-12)
 
 
 def test_a_laser_that_is_mounted_askew_sees_the_same_post():

@@ -43,6 +43,7 @@ MAPPERS = ("conventional", "laser", "immobile", "true people")
 by the simulator, an upper bound."""
 POSES = ("gmapping", "cartographer", "truth")
 _LONGEST_S = 420.0
+_SCANS_IN_2_S = round(2.0 * LASER.rate_hz)
 
 
 def lab_drive(
@@ -159,7 +160,8 @@ class _Drive:
             people = finder.find(frame, planes)
             views[name] = make_view(frame, planes, replace(people, likelihood=self._spoiled(people.likelihood)))
         self._waiting.append((frame.time_s + self._delay_s, views))
-        self.exhibits.add_frame(frame, views["immobile"], scan, self._path[-1])
+        truly = int((views["true people"].people.label >= 0).sum())
+        self.exhibits.add_frame(frame, views["immobile"], scan, self._path[-1], truly)
         self.exhibits.add_view(views["immobile"], self._path[-1])
         kinds = self._kinds[self.world.frame_geoms()]
         T_map_camera = compose(true_pose, frame.T_robot_camera)
@@ -220,16 +222,17 @@ class _Drive:
                 }
                 for name, grid in maps.items()
             },
-            "door": {name: _delays(watch.delays()) for name, watch in self.doors.items()},
+            "door": {name: _delays(watch.delays(), watch.looks()) for name, watch in self.doors.items()},
         }
 
 
-def _delays(delays: Array) -> dict[str, Any]:
-    """Return how many cells there were and how many were cleared when."""
+def _delays(delays: Array, looks: NDArray[np.int64]) -> dict[str, Any]:
+    """Return how many cells there were and how many were cleared when, and after how many scans through them."""
     finite = delays[np.isfinite(delays)]
     return {
         "cells": len(delays),
         "within_2_s": int((delays <= 2.0 + 1e-9).sum()),
+        "within_2_s_of_looking": int((np.isfinite(delays) & (looks <= _SCANS_IN_2_S)).sum()),
         "never": int(np.isinf(delays).sum()),
         "median_s": float(np.median(finite)) if len(finite) else None,
         "longest_s": float(finite.max()) if len(finite) else None,

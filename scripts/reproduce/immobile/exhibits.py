@@ -58,10 +58,10 @@ class Exhibits:
         self._score, self._best = -1.0, None
         self._cells: dict[str, set[int]] = {"wall": set(), "thing": set()}
 
-    def add_frame(self, frame: RgbdFrame, view: View, scan: LaserScan, pose: Array) -> None:
-        """Keep `frame` if it shows more kinds of surfaces, and more of a person, than those before."""
+    def add_frame(self, frame: RgbdFrame, view: View, scan: LaserScan, pose: Array, people: int) -> None:
+        """Keep `frame` if it shows more kinds of surfaces, and more of `people` (pixels), than those before."""
         planes, person = view.planes, view.people.label >= 0
-        counts = [(planes.surface == surface).sum() for surface in _CLASSES] + [person.sum()]
+        counts = [*((planes.surface == surface).sum() for surface in _CLASSES), people]
         score = float(np.prod([20 + min(int(count), _ENOUGH) for count in counts]))
         if score > self._score:
             self._score = score

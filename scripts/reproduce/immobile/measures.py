@@ -160,6 +160,7 @@ class DoorWatch:
         cells = np.unique(np.floor(transform_points(T_map_world, world) / resolution), axis=0)
         self.cells = (cells + 0.5) * resolution
         self._seen, self._cleared = np.full(len(cells), np.nan), np.full(len(cells), np.nan)
+        self._looks = np.zeros(len(cells), dtype=np.int64)
         self._was = np.zeros(len(cells), dtype=bool)
 
     def closed(self, grid: OccupancyMap) -> None:
@@ -178,8 +179,13 @@ class DoorWatch:
         beyond = np.isfinite(scan.ranges[beam]) & (scan.ranges[beam] > distance + 0.1)
         now = in_view & beyond & (distance < scan.range_max)
         self._seen[np.isnan(self._seen) & now] = scan.time_s
+        self._looks[now & np.isnan(self._cleared)] += 1
         free = ~np.isnan(self._seen) & np.isnan(self._cleared) & ~marked(grid, self.cells)
         self._cleared[free] = scan.time_s
+
+    def looks(self) -> NDArray[np.int64]:
+        """Return (n,) how many scans saw through each of those cells until it was cleared, that one included."""
+        return self._looks[self._was & ~np.isnan(self._seen)]
 
     def delays(self) -> Array:
         """Return (n,) from being seen open to being cleared, of the cells that were occupied and seen [s]; inf: never.

@@ -17,7 +17,6 @@ MAIN = ("intel", "belgioioso", "sena", "seattle")
 """Logs of the main experiments."""
 SUFFIX = "+plicp"
 PLAIN = "mbicp-plain"
-THOROUGH = "global-thorough"
 FAMILY = ("hglasm-g-large", "hglasm-g-medium", "hglasm-g-small")
 
 # What the robust weight and the shrinking reach do is left out: nearest points within 1 m, the nearest 95 % of them.
@@ -29,12 +28,10 @@ def make_contestant(name: str) -> Matcher:
 
     Args:
         name: As `make_matcher` has it; with "+plicp" after a hybrid one's a point-to-line polish follows; "mbicp-plain"
-            is MbICP without robust weights; "global-thorough" looks for views that share little more often.
+            is MbICP without robust weights.
     """
     if name == PLAIN:
         return IterativeMatcher(_PLAIN)
-    if name == THOROUGH:
-        return make_matcher("global", sure=0.86)
     if name.endswith(SUFFIX):
         return make_matcher(name.removesuffix(SUFFIX), polish=True)
     return make_matcher(name)

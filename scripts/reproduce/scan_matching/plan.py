@@ -8,7 +8,7 @@ from typing import Any
 from ....slam.matching import MATCHERS
 from ...experiments.cells import Cell
 from ...experiments.scan_pairs import VIEWS
-from .contestants import FAMILY, MAIN, PLAIN, SIMULATED, SUFFIX, THOROUGH, logs_in
+from .contestants import FAMILY, MAIN, PLAIN, SIMULATED, SUFFIX, logs_in
 from .degenerate import degenerate
 from .real_pairs import AT_TRUTH, consecutive, known_rooms, views
 from .searches import ALGORITHMS, exact, example, genetic_search
@@ -31,8 +31,8 @@ CONFIGURATIONS = {
 """Search space -> (population, generations)."""
 DISTANCES = ((0.0, 0.3), (0.3, 0.6), (0.6, 1.0), (1.0, 1.5), (1.5, 2.0))
 TURNS = ((0.0, 45.0), (45.0, 90.0), (90.0, 180.0))
-PAIR_MATCHERS = (AT_TRUTH, "plicp", "mbicp", *FAMILY, "global", THOROUGH)
-VIEW_MATCHERS = (AT_TRUTH, "plicp", "hglasm-g-large", "global", THOROUGH)
+PAIR_MATCHERS = (AT_TRUTH, "plicp", "mbicp", *FAMILY, "global")
+VIEW_MATCHERS = (AT_TRUTH, "plicp", "hglasm-g-large", "global")
 ROOM_MATCHERS = ("plicp", "icp", "mbicp")
 
 

@@ -10,11 +10,11 @@ from tagalong.slam.matching.fitness import (
     polar_fitness_reference,
 )
 from tagalong.slam.matching.lookup import LookupConfig, build_lookup
-from tagalong.slam.matching.nearest import nearest_point, nearest_point_reference
+from tagalong.slam.matching.nearest import bin_near, nearest_point, nearest_point_reference
 from tagalong.slam.matching.registration import LINE, METRIC, POINT, correspond, normal_equations
-from tagalong.slam.matching.surfaces import SurfaceConfig, find_surfaces, relined
+from tagalong.slam.matching.surfaces import SurfaceConfig, find_surfaces, fit_lines, noise_of, relined
 from tagalong.slam.matching.symmetric import inverse_pose
-from tagalong.slam.matching.visibility import agreement, mark_unseen
+from tagalong.slam.matching.visibility import agreement, mark_unseen, mark_unseen_reference
 from tagalong.slam.scan import LaserScan
 
 
@@ -37,6 +37,45 @@ def test_the_nearest_point_along_the_beams_is_the_nearest_of_all(fov, lever):
         expected = nearest_point_reference(x, y, k, surfaces.points, limit)
         assert got[0] == expected[0]
         np.testing.assert_allclose(got[1], expected[1], rtol=1e-9)
+        hint = int(rng.integers(len(surfaces)))
+        hinted = nearest_point(x, y, k, surfaces.points, surfaces.rays, surfaces.first, limit, hint)
+        assert hinted == got
+
+
+def test_the_quick_bin_of_a_bearing_is_the_right_one_or_one_beside_it():
+    bearings = np.random.default_rng(2).uniform(-np.pi, np.pi, 2000)
+    for bearing in (*bearings.tolist(), -np.pi, 0.0, np.pi / 2, 3.14159):
+        exact = int((bearing + np.pi) * 1024 / (2.0 * np.pi))
+        apart = abs(bin_near(2.5 * np.cos(bearing), 2.5 * np.sin(bearing)) - exact)
+        assert min(apart, 1024 - apart) <= 1
+    assert 0 <= bin_near(0.0, 0.0) < 1024
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.005, 0.03])
+def test_the_noise_of_a_scan_is_that_of_its_smooth_part(noise):
+    rng = np.random.default_rng(3)
+    bearings = np.radians(np.arange(-90.0, 90.0))
+    ranges = 2.0 / np.maximum(np.abs(np.sin(bearings)), 0.3) + rng.normal(0.0, noise, 180)
+    ranges[:60] += rng.uniform(0.0, 0.4, 60)  # a hedge
+    found = noise_of(find_surfaces(LaserScan(ranges, bearings, 0.05, 20.0), SurfaceConfig(obliquity=3.0)))
+    assert abs(found - noise) < 0.5 * noise + 0.001
+
+
+@pytest.mark.parametrize("even", [False, True])
+def test_lines_are_those_of_the_points_around_each_point(even):
+    surfaces = random_surfaces(np.random.default_rng(4), 2 * np.pi)
+    _, normals, _ = fit_lines(surfaces.points, surfaces.linked, 3, 9.0, even)
+    count = len(surfaces)
+    for m in range(count):
+        behind = next((n for n in range(3) if not surfaces.linked[m - n - 1]), 3)
+        ahead = next((n for n in range(3) if not surfaces.linked[(m + n) % count]), 3)
+        behind, ahead = (min(behind, ahead),) * 2 if even else (behind, ahead)
+        points = surfaces.points[np.arange(m - behind, m + ahead + 1) % count]
+        if len(points) < 2:
+            assert not normals[m].any()
+            continue
+        _, vectors = np.linalg.eigh(np.cov(points.T, bias=True))
+        assert abs(abs(normals[m] @ vectors[:, 0]) - 1.0) < 1e-9
 
 
 def test_the_gaussian_table_is_the_highest_gaussian_of_all_points():
@@ -136,7 +175,7 @@ def test_only_what_the_reference_saw_to_be_free_stays_worth_nothing():
     assert keep.sum() == len(half)
     values = np.zeros((100, 100), dtype=np.uint8)
     values[0, 0] = 255
-    mark_unseen(half.points, half.rays, half.first, -5.0, -5.0, 0.1, 0.3, np.uint8(200), values)
+    mark_unseen(half.points, half.rays, -5.0, -5.0, 0.1, 0.3, np.uint8(200), values)
     x, y = np.meshgrid(*(np.arange(-4.95, 5.0, 0.1),) * 2)
     distance, angle = np.hypot(x, y), np.degrees(np.arctan2(y, x))
     assert values[0, 0] == 255
@@ -144,6 +183,16 @@ def test_only_what_the_reference_saw_to_be_free_stays_worth_nothing():
     unseen = (distance > 2.75) | ((angle > 6) & (angle < 174))
     unseen[0, 0] = False
     assert (values[unseen] == 200).all()
+
+
+@pytest.mark.parametrize("fov", [np.pi, 1.5 * np.pi, 2 * np.pi])
+def test_cells_are_marked_as_by_looking_at_every_beam(fov):
+    rng = np.random.default_rng(5)
+    seen = random_surfaces(rng, fov)
+    values, expected = (np.full((70, 90), 10, dtype=np.uint8) for _ in range(2))
+    mark_unseen(seen.points, seen.rays, -4.537, -3.461, 0.1, 0.3, np.uint8(200), values)
+    mark_unseen_reference(seen.points, -4.537, -3.461, 0.1, 0.3, 200, expected)
+    np.testing.assert_array_equal(values, expected)
 
 
 def test_lines_fitted_anew_are_those_of_a_new_chain_of_points():

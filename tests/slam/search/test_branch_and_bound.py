@@ -6,7 +6,7 @@ import pytest
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import inverse, transform_points, wrap_angle
 from tagalong.slam.search.branch_and_bound import SearchWindow, Separation, branch_and_bound
-from tagalong.slam.search.exhaustive import exhaustive_search
+from tagalong.slam.search.exhaustive import exhaustive_search, scores_at
 from tagalong.slam.search.lanes import add_lanes, add_lanes_reference
 from tagalong.slam.search.score_pyramid import ScoreGrid, build_pyramid
 
@@ -91,6 +91,45 @@ def test_further_maxima_are_apart_and_each_is_the_best_of_what_is_left():
     assert [m.score for m in found.maxima] == sorted((m.score for m in found.maxima), reverse=True)
     apart = np.abs(places[:, None] - places[None]).max(axis=-1)
     assert apart[~np.eye(len(places), dtype=bool)].min() > 0.7
+
+
+def maxima_by_brute_force(grid, scan, centre, window, maxima, separation):
+    """Sort every pose, then take the next that is apart from those taken."""
+    headings, half = window.headings(centre[2]), window.reach(grid.resolution)
+    steps = np.arange(-half, half + 1)
+    totals = np.array([scores_at(grid, scan, centre[0], centre[1], heading, steps) for heading in headings])
+    k, i, j = np.indices(totals.shape)
+    rank = (k - len(headings) // 2) ** 2 + (i - half) ** 2 + (j - half) ** 2
+    order = np.lexsort((j.ravel(), i.ravel(), k.ravel(), rank.ravel(), -totals.ravel()))
+    reach, taken = separation.reach(headings, grid.resolution), []
+    for k, i, j in zip(*(a.tolist() for a in np.unravel_index(order, totals.shape)), strict=True):
+        if taken and totals[k, i, j] < np.ceil(separation.least_share * totals[taken[0]]):
+            break
+        turns = [min(abs(k - t[0]), len(headings) - abs(k - t[0])) for t in taken]
+        if all(n > reach[0] or max(abs(i - t[1]), abs(j - t[2])) > reach[1] for n, t in zip(turns, taken, strict=True)):
+            taken.append((k, i, j))
+        if len(taken) == maxima:
+            break
+    return [(totals[t] / (255.0 * len(scan)), headings[t[0]], *t[1:]) for t in taken], half
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_all_maxima_are_those_of_trying_every_pose(seed):
+    rng = np.random.default_rng(seed)
+    grid, scan, centre = grid_of(room(rng)), room(rng, 30), rng.uniform([-1, -1, -3], [1, 1, 3])
+    window = SearchWindow(linear=1.2, angular=np.pi, angular_step=0.15)
+    separation = Separation(linear=0.3, angular=0.3, least_share=[0.0, 0.5, 0.7][seed % 3])
+    expected, half = maxima_by_brute_force(grid, scan, centre, window, 12, separation)
+    found = branch_and_bound(
+        build_pyramid(grid, top_level=seed % 4), scan, centre, window, maxima=12, separation=separation
+    )
+    poses = [
+        (float(score), float(wrap_angle(theta)), centre[1] + (i - half) * 0.1, centre[0] + (j - half) * 0.1)
+        for score, theta, i, j in expected
+    ]
+    got = [(m.score, m.pose[2], m.pose[1], m.pose[0]) for m in found.maxima]
+    assert len(got) == len(poses)
+    np.testing.assert_allclose(got, poses, rtol=0.0, atol=1e-12)
 
 
 def test_nothing_is_found_below_the_least_score_or_without_points():

@@ -1,0 +1,82 @@
+"""A follower that was learned: a shipped policy, or one from a folder that `tagalong train follower` wrote."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...envs.interface import FollowInterface
+from ...slam.errors import InputError
+from ..follower import Observation
+from .features import FeatureConfig
+from .guard import GuardConfig
+from .network import Network
+from .pilot import Pilot, PilotConfig
+from .steering import SteeringConfig
+
+SHIPPED = Path(__file__).parents[1] / "models"
+"""Where the shipped policies are."""
+
+
+class LearnedFollower:
+    """Drives by a network's wishes; sees only what the robot perceives.
+
+    Args:
+        interface: Scales of the environment.
+        policy: Name of a shipped policy, or a folder with `policy.npz` and `policy.json`.
+
+    Raises:
+        InputError: If there is no such policy, or it does not fit this program.
+    """
+
+    def __init__(self, interface: FollowInterface | None = None, policy: str | Path = "follower") -> None:
+        arrays, config = load_policy(policy)
+        self._network = Network(arrays)
+        self._pilot = Pilot(config, interface or FollowInterface())
+
+    def reset(self) -> None:
+        """Forget everything; call it before each episode."""
+        self._network.reset()
+        self._pilot.reset()
+
+    def act(self, observation: Observation) -> NDArray[np.float32]:
+        """Return the action (forward, turn), or (forward, 0, turn) for a holonomic robot, each in [-1, 1]."""
+        return self._pilot.drive(self._network(self._pilot.inputs(observation)))
+
+
+def load_policy(policy: str | Path) -> tuple[dict[str, NDArray[np.float32]], PilotConfig]:
+    """Return the arrays of a policy and what surrounds it.
+
+    Args:
+        policy: As of `LearnedFollower`.
+
+    Raises:
+        InputError: If a file is missing or does not fit.
+    """
+    folder = Path(policy)
+    weights, card = folder / "policy.npz", folder / "policy.json"
+    if not folder.is_dir():
+        weights, card = SHIPPED / f"{policy}.npz", SHIPPED / f"{policy}.json"
+    if not (weights.is_file() and card.is_file()):
+        shipped = ", ".join(sorted(path.stem for path in SHIPPED.glob("*.npz")))
+        raise InputError(
+            f"a policy is a shipped one ({shipped}) or a folder with policy.npz, policy.json; got {policy}"
+        )
+    try:
+        with np.load(weights, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+        return arrays, pilot_config(json.loads(card.read_text())["pilot"])
+    except (ValueError, KeyError, TypeError) as error:
+        raise InputError(f"the policy {weights} does not fit this program: {error}") from error
+
+
+def pilot_config(fields: dict[str, Any]) -> PilotConfig:
+    """Return the configuration that `dataclasses.asdict` made `fields` of."""
+    guard = fields["guard"]
+    return PilotConfig(
+        features=FeatureConfig(**fields["features"]),
+        steering=SteeringConfig(**fields["steering"]),
+        guard=None if guard is None else GuardConfig(**guard),
+    )

@@ -1,0 +1,161 @@
+"""A guard on the way from wish to wheels: what could not be stopped in time, and would touch something, is not driven.
+
+From the commands of a wish the robot must be able to brake without touching any return of the laser. If it is not, the
+nearest wish is taken from which it can. The guard interferes at the last moment only, so what is smooth stays smooth;
+learning is left to find good ways, and is spared the last centimetres (Wagener, Boots, Cheng 2021).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...envs.interface import FollowInterface
+from ...slam.errors import InputError
+from ..follower import Observation
+from ..scan_points import ScanPoints, own_velocity, without
+from .steering import State, SteeringConfig, steer_many
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class GuardConfig:
+    """What is guarded.
+
+    Attributes:
+        half_length: Half of the robot's length [m].
+        half_width: Half of its width [m].
+        margin: Gap kept to every return, several times the laser's noise; who is nearer may not come nearer [m].
+        reach: Returns farther than this from the laser do not matter [m].
+        leader_near: A leader farther than this is no thing to be touched: it walks on [m].
+        leader_body: Returns nearer to it than this are the leader [m].
+        brake_steps: Steps that braking is followed, at most.
+        kept_s: How old returns in the field of view may be: the nearest of some scans counts, as one is noisy [s].
+        remembered_s: For how long returns are remembered that the laser, looking forward, has lost behind it [s].
+    """
+
+    half_length: float = 0.275
+    half_width: float = 0.259
+    margin: float = 0.06
+    reach: float = 1.4
+    leader_near: float = 0.9
+    leader_body: float = 0.45
+    brake_steps: int = 16
+    kept_s: float = 0.25
+    remembered_s: float = 3.0
+
+    def __post_init__(self) -> None:
+        if not (self.margin >= 0.0 and self.reach > 0.0 and self.brake_steps >= 1):
+            raise InputError("a guard needs margin >= 0, reach > 0 and at least one step of braking")
+
+
+_SPEEDS = (1.0, 0.7, 0.45, 0.2, 0.0)
+"""Shares of the wished speed that are tried instead."""
+_TURNS = (1.0, 0.5, 0.0)
+"""Shares of the wished turn rate."""
+_BACK_MPS, _ASIDE_RPS = -0.15, 0.6
+
+
+class Guard:
+    """Watches one episode.
+
+    Args:
+        config: What is guarded.
+        steering: How wishes are driven.
+        interface: Scales of the environment.
+    """
+
+    def __init__(self, config: GuardConfig, steering: SteeringConfig, interface: FollowInterface) -> None:
+        self.config, self._steering = config, steering
+        self._step_s = 1.0 / interface.control_hz
+        self._scan = ScanPoints(interface)
+        x, y, turn = interface.T_robot_lidar
+        self._laser = np.array((x, y))
+        self._sides = (interface.bearings[0] + turn, interface.bearings[-1] + turn)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self._points = np.zeros((0, 2))
+        self._kept = np.zeros((0, 3))  # x, y [m], age [s]
+
+    def look(self, observation: Observation) -> None:
+        """Take the returns of an observation; once a step, before `allow`."""
+        before, self._points = self._points, self._things(observation)
+        dx, dy, turned = (value * self._step_s for value in own_velocity(observation))
+        old = np.vstack((self._kept, np.column_stack((before, np.zeros(len(before))))))
+        x, y = old[:, 0] - dx, old[:, 1] - dy
+        cos, sin = np.cos(turned), np.sin(turned)
+        moved = np.column_stack((cos * x + sin * y, cos * y - sin * x, old[:, 2] + self._step_s))
+        bearing = np.arctan2(moved[:, 1] - self._laser[1], moved[:, 0] - self._laser[0])
+        unseen = (bearing < self._sides[0]) | (bearing > self._sides[1])
+        near = np.hypot(moved[:, 0], moved[:, 1]) < 0.8
+        limit = np.where(unseen & near, self.config.remembered_s, self.config.kept_s)
+        self._kept = moved[moved[:, 2] < limit]
+
+    def _things(self, observation: Observation) -> Array:
+        """Return (n, 2) what is near, without a leader who walks ahead: it will not be there when the robot is."""
+        points, leader = self._scan.near(observation, self.config.reach), observation["leader"]
+        if leader[5] < 0.5 or np.hypot(leader[0], leader[1]) < self.config.leader_near:
+            return points
+        return without(points, leader[None, :2].astype(np.float64), self.config.leader_body)
+
+    def allow(self, state: State, wish: tuple[float, float]) -> tuple[float, float]:
+        """Return `wish`, or the nearest one that can be braked without a touch; standing still if there is none.
+
+        Args:
+            state: What is commanded now.
+            wish: Speed [m/s] and turn rate [rad/s].
+        """
+        things = np.vstack((self._points, self._kept[:, :2]))
+        now = float(self._gaps(np.zeros((1, 3)), things).min(initial=np.inf))
+        speed = abs(state[0])
+        if now > 0.2 + 0.45 * speed + speed**2 / 3.0:
+            return wish
+        bound = min(self.config.margin, now - 1e-4)
+        if self._gap_while_braking(state, np.array([wish]), things)[0] >= bound:
+            return wish
+        speeds = np.append(np.array(_SPEEDS) * wish[0], _BACK_MPS)
+        turns = np.append(np.array(_TURNS) * wish[1], (-_ASIDE_RPS, _ASIDE_RPS))
+        tried = np.stack(np.meshgrid(speeds, turns, indexing="ij"), axis=-1).reshape(-1, 2)
+        safe = self._gap_while_braking(state, tried, things) >= bound
+        if not safe.any():
+            return 0.0, 0.0
+        change = np.abs(tried[:, 0] - wish[0]) + 0.4 * np.abs(tried[:, 1] - wish[1])
+        best = tried[int(np.argmin(np.where(safe, change, np.inf)))]
+        return float(best[0]), float(best[1])
+
+    def _gap_while_braking(self, state: State, wishes: Array, things: Array) -> Array:
+        """Return (n,) the least gap [m] while one step of each of `wishes` (n, 2) is driven and then braked."""
+        states, poses = np.repeat(np.array([state]), len(wishes), axis=0), np.zeros((len(wishes), 3))
+        least = np.full(len(wishes), np.inf)
+        for k in range(self.config.brake_steps + 1):
+            states = steer_many(states, wishes if k == 0 else np.zeros_like(wishes), self._step_s, self._steering)
+            middle = poses[:, 2] + 0.5 * states[:, 2] * self._step_s
+            way = states[:, 0] * self._step_s
+            poses = poses + np.column_stack((way * np.cos(middle), way * np.sin(middle), states[:, 2] * self._step_s))
+            least = np.minimum(least, self._gaps(poses, things))
+        return least
+
+    def _gaps(self, poses: Array, things: Array) -> Array:
+        """Return (n,) distance from the robot's box at each of `poses` (n, 3) to the nearest thing [m]."""
+        x, y = things[:, 0] - poses[:, :1], things[:, 1] - poses[:, 1:2]
+        cos, sin = np.cos(poses[:, 2:]), np.sin(poses[:, 2:])
+        ahead = np.maximum(np.abs(cos * x + sin * y) - self.config.half_length, 0.0)
+        aside = np.maximum(np.abs(cos * y - sin * x) - self.config.half_width, 0.0)
+        return np.sqrt((ahead**2 + aside**2).min(axis=1, initial=np.inf))
+
+
+class NoGuard:
+    """Lets every wish pass."""
+
+    def reset(self) -> None:
+        """Forget nothing."""
+
+    def look(self, observation: Observation) -> None:
+        """Ignore the observation."""
+
+    def allow(self, state: State, wish: tuple[float, float]) -> tuple[float, float]:
+        """Return `wish`."""
+        return wish

@@ -1,0 +1,1 @@
+"""How followers are learned: demonstrations, imitation, reinforcement, export. Needs the extra `learn`."""

@@ -1,0 +1,155 @@
+"""Compares followers on the suites, episode by episode on the same seeds, full perception and SLAM.
+
+`python -m tagalong.scripts.experiments.follower_comparison --followers learned pid --episodes 100 --out DIR`
+
+Every finished episode is a line of DIR/episodes.jsonl; the same command goes on where it was stopped. In the end
+DIR/comparison.json holds, for each suite, the figures of each follower with 95 % intervals and, for each figure, the
+paired difference between the first follower and the others with Wilcoxon's signed-rank test.
+"""
+
+import argparse
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+from scipy.stats import wilcoxon
+
+from ...agents import make_follower
+from ...envs.follow_env import FollowEnv
+from ...envs.rollout import rollout
+from ...envs.scenes.occupancy import true_map
+from ...envs.suites import FIRST_SEED, SUITES, suite
+from ...slam.errors import InputError
+from ...slam.files import made_folder, write_json
+from ...slam.quality.score import score_map
+from ..tables import format_table
+from .hardware import describe_machine
+from .statistics import bootstrap_mean, share
+
+DEFAULT_SUITES = ("office", "corridor", "meeting_room", "floor_plan", "crowd", "hurried")
+FIGURES = {
+    "jerk_rms_mps3": "jerk RMS [m/s3]",
+    "personal_space_compliance": "personal space kept",
+    "min_distance_bystander_m": "nearest bystander [m]",
+    "adnn_truth_to_map_m": "ADNN truth to map [m]",
+    "adnn_map_to_truth_m": "ADNN map to truth [m]",
+    "distance_error_rms_m": "distance error RMS [m]",
+    "sparc": "SPARC",
+    "min_ttc_s": "least time to collision [s]",
+    "total_reward": "return",
+}
+"""What is compared, beside success; those of `tagalong.envs.metrics`, the map's errors and the environment's return."""
+
+
+def episode_row(follower: str, name: str, k: int, env: gym.Env) -> dict[str, Any]:
+    """Drive episode `k` of a suite and return its figures, NaN as None."""
+    scenarios = suite(name)
+    inner = env.unwrapped
+    assert isinstance(inner, FollowEnv)
+    driver = make_follower(follower, inner.interface)
+    episode = rollout(env, driver, seed=FIRST_SEED + k, options=scenarios[k % len(scenarios)].options)
+    figures = {**episode.metrics, "total_reward": episode.total_reward, **_map_errors(inner)}
+    return {
+        "follower": follower,
+        "suite": name,
+        "episode": k,
+        "ending": episode.ending,
+        **{key: float(figures[key]) if np.isfinite(figures[key]) else None for key in FIGURES},
+    }
+
+
+def _map_errors(env: FollowEnv) -> dict[str, float]:
+    """Return both directions of ADNN between the robot's final map and the true one; NaN where there is too little."""
+    try:
+        score = score_map(env.own_map().map, true_map(env.world.scene, T_world_map=env.world.start))
+    except InputError:
+        return {"adnn_truth_to_map_m": np.nan, "adnn_map_to_truth_m": np.nan}
+    return {"adnn_truth_to_map_m": score.adnn.mean_m, "adnn_map_to_truth_m": score.ghosts.mean_m}
+
+
+def compare(rows: Sequence[dict[str, Any]], followers: Sequence[str]) -> dict[str, Any]:
+    """Return for each suite the figures of each follower, and the paired tests of the first against the others."""
+    result: dict[str, Any] = {}
+    for name in dict.fromkeys(row["suite"] for row in rows):
+        by = {who: {r["episode"]: r for r in rows if r["suite"] == name and r["follower"] == who} for who in followers}
+        common = sorted(set.intersection(*(set(part) for part in by.values())))
+        table = {who: [part[k] for k in common] for who, part in by.items()}
+        result[name] = {
+            "episodes": len(common),
+            "figures": {who: _figures(part) for who, part in table.items()},
+            "paired": {who: _paired(table[followers[0]], table[who]) for who in followers[1:]},
+        }
+    return result
+
+
+def _figures(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    endings = [row["ending"] for row in rows]
+    return {
+        "success": share([ending == "tour_done" for ending in endings]).to_dict(),
+        "endings": {ending or "out of time": endings.count(ending) for ending in sorted(set(endings))},
+        **{key: bootstrap_mean(_values(rows, key)).to_dict() for key in FIGURES},
+    }
+
+
+def _paired(ours: Sequence[dict[str, Any]], theirs: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    tests: dict[str, Any] = {}
+    for key in FIGURES:
+        gap = _values(ours, key) - _values(theirs, key)
+        gap = gap[np.isfinite(gap)]
+        moved = gap[gap != 0.0]
+        p = float(tuple(wilcoxon(moved))[1]) if len(moved) else 1.0
+        tests[key] = {"median_difference": float(np.median(gap)) if len(gap) else None, "p": p, "n": len(gap)}
+    return tests
+
+
+def _values(rows: Sequence[dict[str, Any]], key: str) -> np.ndarray:
+    return np.array([np.nan if row[key] is None else row[key] for row in rows], dtype=np.float64)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Drive what is missing, print and write the comparison."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--followers", nargs="+", default=["learned", "pid"], metavar="WHO")
+    parser.add_argument("--suites", nargs="+", default=list(DEFAULT_SUITES), choices=sorted(SUITES), metavar="SUITE")
+    parser.add_argument("--episodes", type=int, default=100, metavar="N")
+    parser.add_argument("--out", type=Path, default=Path("out/followers"), metavar="DIR")
+    options = parser.parse_args(arguments)
+    file = made_folder(options.out) / "episodes.jsonl"
+    rows = [json.loads(line) for line in file.read_text().splitlines()] if file.is_file() else []
+    done = {(row["follower"], row["suite"], row["episode"]) for row in rows}
+    for name in options.suites:
+        scenarios = suite(name)
+        envs = [gym.make(scenario.env, **scenario.arguments) for scenario in scenarios]
+        for k in range(options.episodes):
+            for who in options.followers:
+                if (who, name, k) not in done:
+                    rows.append(episode_row(who, name, k, envs[k % len(envs)]))
+                    with file.open("a", encoding="utf-8") as lines:
+                        lines.write(json.dumps(rows[-1]) + "\n")
+    result = compare(rows, options.followers)
+    write_json(options.out / "comparison.json", {"suites": result, "machine": describe_machine()})
+    for name, part in result.items():
+        print(f"\n{name}, {part['episodes']} episodes each")
+        print(format_table(("figure", *options.followers), _lines(part["figures"])))
+    return 0
+
+
+def _lines(figures: dict[str, Any]) -> list[tuple[str, ...]]:
+    titles = {"success": "tours done", **FIGURES}
+    return [
+        (
+            title,
+            *(
+                f"{part[key]['mean']:.3f} [{part[key]['low']:.3f}, {part[key]['high']:.3f}]"
+                for part in figures.values()
+            ),
+        )
+        for key, title in titles.items()
+    ]
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

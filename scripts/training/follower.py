@@ -1,0 +1,80 @@
+"""`tagalong train follower`: a follower that is learned, from nothing to a policy that drives without torch."""
+
+import argparse
+import time
+from pathlib import Path
+
+from ...slam.errors import InputError, MissingExtraError
+
+ALGORITHMS = ("ppo", "sac", "recurrent-ppo")
+PRESETS = ("office", "office-map", "corridor")
+EPILOG = """\
+With ppo, the policy first imitates a teacher that drives by the truth (which the robot never sees), on the ways that
+the policy itself comes to; then it is rewarded. With sac and recurrent-ppo it is rewarded from the start.
+
+The same command goes on where it was killed. Only --workers, --max-minutes may change then.
+
+writes into DIR: policy.npz (arrays), policy.safetensors, policy.onnx, policy.json (card), evaluations.json,
+settings.json, tensorboard/; checkpoint.json and model_*.zip of stable-baselines3, demonstrations/ (only to go on)
+
+examples:
+  tagalong train follower --algo ppo --preset office --max-minutes 90 --out out/follower
+  tagalong evaluate out/follower --suite office --episodes 100
+  tagalong train follower --algo recurrent-ppo --preset corridor --out out/recurrent
+"""
+
+
+def add_follower_arguments(models: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    """Declare the options."""
+    summary = "a follower, by imitation and reinforcement"
+    parser = models.add_parser(
+        "follower",
+        help=summary,
+        description=summary,
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--algo", choices=ALGORITHMS, default="ppo", help="default: %(default)s")
+    parser.add_argument("--preset", choices=PRESETS, default="office", help="default: %(default)s")
+    parser.add_argument("--seed", type=int, default=0, help="of all random draws (default: %(default)s)")
+    parser.add_argument("--max-minutes", type=float, metavar="M", help="stop then, with the best policy so far")
+    parser.add_argument("--workers", type=int, default=2, metavar="N", help="processes that drive (%(default)s)")
+    parser.add_argument("--out", type=Path, default=Path("out/follower"), metavar="DIR", help="default: %(default)s")
+
+
+def train_follower(options: argparse.Namespace) -> int:
+    """Train, or go on with training; print a line on the progress now and then."""
+    if options.seed < 0:
+        raise InputError(f"--seed must not be negative, got {options.seed}")
+    try:
+        from ...agents.training.presets import make_preset
+        from ...agents.training.run import RunConfig, TrainingRun
+    except ImportError as error:
+        raise MissingExtraError(f"learned followers ({error.name})", "learn") from None
+    config = RunConfig(
+        preset=make_preset(options.preset, options.algo),
+        name=options.preset,
+        seed=options.seed,
+        workers=options.workers,
+        max_minutes=options.max_minutes,
+    )
+    progress = TrainingRun(config, options.out, Progress()).train()
+    if progress.best == float("-inf"):
+        print(f"stopped after {progress.minutes:.1f} minutes, before the first policy: the same command goes on")
+        return 1
+    print(f"wrote {options.out / 'policy.npz'}; best return of an evaluation {progress.best:.1f}")
+    return 0
+
+
+class Progress:
+    """Prints a line if the last one is old, or if it tells of a result."""
+
+    def __init__(self, every_s: float = 10.0) -> None:
+        self._every_s, self._began, self._last = every_s, time.monotonic(), float("-inf")
+
+    def __call__(self, line: str) -> None:
+        """Take a line."""
+        now = time.monotonic()
+        if now - self._last >= self._every_s or line.startswith("evaluation"):
+            self._last = now
+            print(f"{(now - self._began) / 60.0:6.1f} min  {line}", flush=True)

@@ -1,0 +1,64 @@
+"""Whether a robot is where it is thought to be, or somewhere else on the map: both by all its last views."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry import between
+from ..scan import LaserScan
+from .evidence import Evidence
+from .global_search import Belief, GlobalSearch
+from .localizer import LocalizerConfig
+from .place_map import PlaceMap
+from .view import ViewMaker
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Contest:
+    """How a place fared against all others.
+
+    Attributes:
+        stays: Whether no other place is likelier; so, too, where the map knows nothing of the place.
+        moved: Whether another place is likelier and explains what was seen well.
+        belief: What is believed of all places.
+    """
+
+    stays: bool
+    moved: bool
+    belief: Belief
+
+
+def contest(
+    place: PlaceMap, scans: Sequence[tuple[Array, LaserScan]], here: Array, config: LocalizerConfig | None = None
+) -> Contest:
+    """Weigh `here` (3,), T_map_robot at the last scan, against the rest of the map.
+
+    Args:
+        place: The map.
+        scans: Odometry poses T_odom_robot (3,) and scans, the last ones.
+        here: Where the robot is thought to be; `config.trust` times likelier than any other place beforehand.
+        config: Settings of localization.
+    """
+    config = config or LocalizerConfig()
+    evidence = Evidence(place, config.evidence)
+    search, maker = GlobalSearch(place, evidence, config.search), ViewMaker(config.voxel_filter)
+    views = [maker.view(odometry, scan) for odometry, scan in scans]
+    views = [view for view in views if len(view.points) >= config.min_points]
+    if not views or not place.is_free(here[None, :2])[0]:
+        return Contest(True, False, search.belief())
+    for view in views:
+        search.remember(view)
+    search.propose(evidence.refine(views[-1].points, here[None], coarse=True), config.trust)
+    search.propose(here[None], config.trust)
+    belief = search.look()
+    if not len(belief.poses):
+        return Contest(True, False, belief)
+    linear, angular = config.search.same
+    off = between(here, belief.poses[0])
+    stays = bool(np.hypot(off[0], off[1]) <= linear and abs(off[2]) <= angular)
+    well = bool(belief.explained[0] >= config.search.well_explained)
+    return Contest(stays, well and not stays, belief)
