@@ -121,5 +121,5 @@ def test_an_unseen_leader_stays_where_it_is_while_the_robot_turns():
 
 
 def test_an_unknown_follower_is_refused_with_the_list():
-    with pytest.raises(InputError, match="followers: dwa, frontier, pid"):
+    with pytest.raises(InputError, match="followers: dwa, frontier, learned, pid"):
         make_follower("pdi")
