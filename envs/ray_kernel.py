@@ -52,13 +52,13 @@ def cast_beams(
     distance[:] = -1.0
     met[:] = -1
     for geom in geoms:
-        position, rotation, size = positions[geom], rotations[geom], sizes[geom]
-        start, width = _sector(origin, heading + first, shapes[geom], size, position, rotation)
+        shape, size, position, rotation = int(shapes[geom]), sizes[geom], positions[geom], rotations[geom]
+        start, width = _sector(origin, heading + first, shape, size, position, rotation)
         for behind in (0.0, 2.0 * np.pi):
             low = max(int(np.floor((start - behind) / spacing)), 0)
             high = min(int(np.ceil((start - behind + width) / spacing)) + 1, count)
             for beam in range(low, high):
-                met_at = _meet(shapes[geom], size, position, rotation, origin, directions[beam])
+                met_at = _meet(shape, size, position, rotation, origin, directions[beam])
                 if met_at >= 0.0 and (distance[beam] < 0.0 or met_at < distance[beam]):
                     distance[beam] = met_at
                     met[beam] = geom
