@@ -14,6 +14,8 @@ from ..slam.errors import InputError
 from ..slam.files import write_text
 
 FIRST_LINE = "tagalong joystick log 1"
+SHIPPED = Path(__file__).parent / "joystick_logs"
+"""Folder of the logs that come with the program, all by the operator model: corridor, meeting_room, office."""
 MODEL = "operator model, not a human"
 """What stands under "made by" where the operator model held the stick."""
 
@@ -23,7 +25,7 @@ class JoystickLog:
     """One recorded episode.
 
     Attributes:
-        made_by: Who held the stick: "keyboard", or `MODEL`.
+        made_by: Who held the stick: "keyboard", "gamepad", or `MODEL`.
         env: Id of the environment.
         kwargs: Its keyword arguments, as `gymnasium.make` took them; plain JSON.
         seed: Seed of the episode.
@@ -82,13 +84,14 @@ def write_joystick_log(path: str | os.PathLike[str], log: JoystickLog) -> None:
 
 
 def read_joystick_log(path: str | os.PathLike[str]) -> JoystickLog:
-    """Return the log in `path`.
+    """Return the log in `path`, which may be the name of a shipped one, too ("corridor").
 
     Raises:
         InputError: If it is none, naming file and line.
     """
+    shipped = SHIPPED / f"{path}.txt"
     try:
-        lines = Path(path).read_text(encoding="utf-8").splitlines()
+        lines = (shipped if shipped.is_file() else Path(path)).read_text(encoding="utf-8").splitlines()
     except OSError as error:
         raise InputError(f"{path}: {error.strerror}") from error
     if not lines or lines[0] != FIRST_LINE or "step forward turn" not in lines[:12]:

@@ -1,4 +1,4 @@
-"""A planar laser scanner like the Hokuyo UTM-30LX, by MuJoCo's rays."""
+"""A planar laser scanner like the Hokuyo UTM-30LX, by MuJoCo's rays or a faster kernel of the same bytes."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,6 +10,7 @@ from ..slam.errors import InputError
 from ..slam.scan import LaserScan
 from .groups import GROUP_SEEN
 from .mj import MjData, MjModel, mujoco
+from .ray_kernel import BOX, CYLINDER, ELLIPSOID, cast_beams
 
 Array = NDArray[np.float64]
 
@@ -85,6 +86,10 @@ class Lidar:
         self._directions = np.zeros((config.beams, 3))
         self._distance = np.empty(config.beams)
         self._geom = np.empty(config.beams, dtype=np.int32)
+        seen = (model.geom_group == GROUP_SEEN) & ((model.geom_rgba[:, 3] > 0.0) | (model.geom_matid >= 0))
+        self._seen = np.flatnonzero(seen).astype(np.int32)
+        self._plain = bool(np.isin(model.geom_type[self._seen], (BOX, CYLINDER, ELLIPSOID)).all())
+        self._shapes, self._sizes = model.geom_type.copy(), model.geom_size.copy()
         bearings = config.bearings + config.mount[2]
         self._cos, self._sin = np.cos(bearings), np.sin(bearings)
 
@@ -98,6 +103,32 @@ class Lidar:
         )
         np.subtract(cos * self._cos, sin * self._sin, out=self._directions[:, 0])
         np.add(sin * self._cos, cos * self._sin, out=self._directions[:, 1])
+        if self._plain:
+            self._cast_plain(data, origin, theta)
+        else:
+            self._cast_any(data, origin)
+        missed = (self._distance < 0.0) | (self._distance > self.config.range_max)
+        return np.where(missed, np.inf, self._distance), self._labels[np.where(missed, -1, self._geom)]
+
+    def _cast_plain(self, data: MjData, origin: Array, heading: float) -> None:
+        bearings = self.config.bearings
+        cast_beams(
+            origin,
+            heading + self.config.mount[2],
+            bearings[0],
+            bearings[1] - bearings[0],
+            self._directions,
+            self._seen,
+            self._shapes,
+            self._sizes,
+            data.geom_xpos,
+            data.geom_xmat,
+            self._distance,
+            self._geom,
+        )
+
+    def _cast_any(self, data: MjData, origin: Array) -> None:
+        """Cast by MuJoCo, which knows every shape: the slower reference of `_cast_plain`."""
         mujoco.mj_multiRay(
             self._model,
             data,
@@ -112,8 +143,6 @@ class Lidar:
             self.config.beams,
             self.config.range_max,
         )
-        missed = (self._distance < 0.0) | (self._distance > self.config.range_max)
-        return np.where(missed, np.inf, self._distance), self._labels[np.where(missed, -1, self._geom)]
 
     def measure(self, exact: Array, rng: np.random.Generator, time_s: float) -> LaserScan:
         """Return the sweep that a real scanner makes of the `exact` ranges (beams,)."""

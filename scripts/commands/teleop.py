@@ -13,12 +13,15 @@ from ..tables import format_table
 
 EPILOG = """\
 The log is a small text file with environment, arguments and seed in its header; a replay refuses anything else.
-The operator model is a model and labelled so in the log; --calibrate shows what it is fitted to.
+The operator model is a model and labelled so in the log; --calibrate shows what it is fitted to. Three logs by it are
+shipped: --replay corridor, meeting_room or office.
 
 examples:
   tagalong teleop --env tagalong/Corridor-v0 --seed 3 --out drive.txt
+  tagalong teleop --operator gamepad --viewer --out drive.txt
   tagalong teleop --operator model --out model.txt
   tagalong teleop --replay model.txt
+  tagalong teleop --replay corridor
   tagalong teleop --calibrate --data DIR
 """
 SHOWN = (
@@ -39,11 +42,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the episode (%(default)s)")
     parser.add_argument("--people", type=int, default=2, metavar="N", help="bystanders (%(default)s)")
     parser.add_argument(
-        "--operator", choices=("keyboard", "model"), default="keyboard", help="who drives (%(default)s)"
+        "--operator", choices=("keyboard", "gamepad", "model"), default="keyboard", help="who drives (%(default)s)"
+    )
+    parser.add_argument(
+        "--gamepad", default="/dev/input/js0", metavar="DEVICE", help="which gamepad, on Linux (%(default)s)"
     )
     parser.add_argument("--viewer", action="store_true", help="show MuJoCo's viewer; needs a display")
     parser.add_argument("--out", type=Path, metavar="LOG", help="where the joystick log goes")
-    parser.add_argument("--replay", type=Path, metavar="LOG", help="replay this log instead")
+    parser.add_argument(
+        "--replay", type=Path, metavar="LOG", help="replay this log instead, or a shipped one by its name"
+    )
     parser.add_argument(
         "--calibrate", action="store_true", help="fit the operator model to real logs and show how well"
     )
@@ -66,21 +74,25 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _record(options: argparse.Namespace) -> JoystickLog:
+    from ..experiments import gamepad, keyboard
     from ..experiments.joystick_drive import record_drive
-    from ..experiments.keyboard import HELP, KeyboardStick, terminal_keys
 
     arguments: dict[str, Any] = {"leader": False, "people_count": options.people, "slam": None, "coverage_goal": 1.0}
+    arguments["ends_on_contact"] = False
     mode = "human" if options.viewer else None
     if options.operator == "model":
         return record_drive(options.env, arguments, options.seed, render_mode=mode)
-    print(HELP)
-    with terminal_keys() as keys:
+    pad = options.operator == "gamepad"
+    source = gamepad.gamepad_events(options.gamepad) if pad else keyboard.terminal_keys()
+    stick = gamepad.GamepadStick if pad else keyboard.KeyboardStick
+    print(gamepad.HELP if pad else keyboard.HELP)
+    with source as read:
         return record_drive(
             options.env,
             arguments,
             options.seed,
-            operator=lambda env, seed: KeyboardStick(keys, 1.0 / env.config.control_hz),
-            made_by="keyboard",
+            operator=lambda env, seed: stick(read, 1.0 / env.config.control_hz),  # pyright: ignore[reportArgumentType]
+            made_by=options.operator,
             watch=_status,
             render_mode=mode,
         )

@@ -49,8 +49,11 @@ def record_drive(
         made_by: For the log's header.
         watch: Called before each step.
         render_mode: "human" shows MuJoCo's viewer.
+
+    The drive itself is made without SLAM, whatever `kwargs` say: whoever holds the stick sees no map, and a map moves
+    nobody, so the drive is the same.
     """
-    env = gym.make(env_id, render_mode=render_mode, **kwargs)
+    env = gym.make(env_id, render_mode=render_mode, **{**kwargs, "slam": None})
     inner = env.unwrapped
     assert isinstance(inner, FollowEnv)
     env.reset(seed=seed)

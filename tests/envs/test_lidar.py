@@ -47,6 +47,23 @@ def test_ranges_in_an_empty_building_are_those_of_a_plane_ray_cast(scene):
     assert world.scan().ranges == pytest.approx(expected, abs=1e-6)
 
 
+@pytest.mark.parametrize("scene", ["office", "lab", "landmarks"])
+@pytest.mark.parametrize(("beams", "fov"), [(91, 3.0), (360, 2.0 * np.pi)])
+def test_the_kernel_gives_the_bytes_of_mujocos_rays(scene, beams, fov):
+    world = make(1, scene=scene, people=3, lidar=LidarConfig(beams=beams, field_of_view=fov, mount=(0.1, 0.0, 0.3)))
+    lidar, rng = world._lidar, np.random.default_rng(0)
+    assert lidar._plain
+    for _ in range(30):
+        world.step([0.6, 0.4])
+        pose = world.truth.robot_pose + rng.uniform(-3.0, 3.0, 3)
+        ranges, labels = lidar.cast(world.data, pose)
+        lidar._plain = False
+        reference, reference_labels = lidar.cast(world.data, pose)
+        lidar._plain = True
+        assert ranges.tobytes() == reference.tobytes()
+        assert labels.tobytes() == reference_labels.tobytes()
+
+
 def test_every_person_near_is_seen_as_two_legs():
     world = make(5, people=2)
     seen = []

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
-from tagalong.agents.joystick import JoystickLog, read_joystick_log, write_joystick_log
+from tagalong.agents.joystick import MODEL, SHIPPED, JoystickLog, read_joystick_log, write_joystick_log
 from tagalong.agents.operator_model import OperatorConfig, Sight
 from tagalong.scripts.cli import main
-from tagalong.scripts.experiments.joystick_drive import record_drive
+from tagalong.scripts.experiments.gamepad import AXIS, BUTTON, EVENT, FULL, GamepadStick, gamepad_events
+from tagalong.scripts.experiments.joystick_drive import record_drive, replay_drive
 from tagalong.scripts.experiments.keyboard import KeyboardStick
 
 SIGHT = Sight(np.zeros(3), 0.0, np.empty((0, 2)))
@@ -37,6 +38,46 @@ def test_a_drive_by_keys_is_recorded_until_q_and_replayed(tmp_path, capsys):
     assert "operator active [s]" in printed
 
 
+def test_a_gamepad_drives_and_its_start_button_ends(tmp_path):
+    config = OperatorConfig()
+    events = [(0, -FULL, AXIS, 1), (0, FULL, AXIS, 0), (0, 9, AXIS, 4)], [(0, 900, AXIS, 0)], [(0, 1, BUTTON, 7)]
+    pieces = iter([b"".join(EVENT.pack(*event) for event in part) for part in events])
+    stick = GamepadStick(lambda: next(pieces), 0.0, config)
+    assert stick.act(SIGHT) == pytest.approx((config.full_speed, -config.full_turn))
+    assert stick.act(SIGHT) == pytest.approx((config.full_speed, 0.0))
+    with pytest.raises(EOFError):
+        stick.act(SIGHT)
+
+
+def test_a_gamepad_is_read_as_a_device(tmp_path):
+    (tmp_path / "js0").write_bytes(EVENT.pack(5, -FULL, AXIS | 128, 1))
+    with gamepad_events(tmp_path / "js0") as events:
+        assert EVENT.unpack(events()) == (5, -FULL, AXIS | 128, 1)
+        with pytest.raises(EOFError):
+            events()
+
+
+def test_recording_without_slam_changes_nothing_and_the_header_keeps_it():
+    kwargs = {**KWARGS, "slam": "gmapping", "max_episode_steps": 12}
+    log = record_drive("tagalong/Corridor-v0", kwargs, 3)
+    plain = record_drive("tagalong/Corridor-v0", {**kwargs, "slam": None}, 3)
+    assert log.kwargs["slam"] == "gmapping"
+    assert log.actions.tobytes() == plain.actions.tobytes()
+
+
+def test_shipped_logs_say_that_a_model_made_them():
+    logs = {path.stem: read_joystick_log(path.stem) for path in SHIPPED.glob("*.txt")}
+    assert set(logs) == {"corridor", "meeting_room", "office"}
+    assert {log.made_by for log in logs.values()} == {MODEL}
+
+
+def test_a_shipped_log_replays_until_the_whole_floor_was_seen():
+    log = read_joystick_log("meeting_room")
+    episode = replay_drive(log)
+    assert episode.ending == "covered"
+    assert len(episode.history) == len(log.actions) + 1
+
+
 def test_the_model_records_a_log_that_says_so(tmp_path, monkeypatch, capsys):
     made = JoystickLog("operator model, not a human", "tagalong/Corridor-v0", KWARGS, 2, np.ones((3, 2), np.float32))
     monkeypatch.setattr("tagalong.scripts.experiments.joystick_drive.record_drive", lambda *a, **k: made)
@@ -47,7 +88,12 @@ def test_the_model_records_a_log_that_says_so(tmp_path, monkeypatch, capsys):
 
 @pytest.mark.parametrize(
     ("words", "named"),
-    [([], "--out"), (["--replay", "nowhere.txt"], "nowhere"), (["--out", "log.txt"], "terminal")],
+    [
+        ([], "--out"),
+        (["--replay", "nowhere.txt"], "nowhere"),
+        (["--out", "log.txt"], "terminal"),
+        (["--out", "x", "--operator", "gamepad", "--gamepad", "no"], "gamepad"),
+    ],
 )
 def test_what_cannot_be_done_is_said(words, named, capsys, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)

@@ -1,13 +1,13 @@
 """Cells that map a building under one guide."""
 
 from pathlib import Path
-from time import perf_counter
+from time import perf_counter, process_time
 from typing import Any
 
 import gymnasium as gym
 import numpy as np
 
-from ....agents import FOLLOWERS, RandomWalk, RandomWalkConfig, make_follower
+from ....agents import RandomWalk, RandomWalkConfig, make_follower
 from ....agents.joystick import JoystickReplay, write_joystick_log
 from ....envs.follow_env import FollowEnv
 from ....envs.rollout import Episode, rollout
@@ -21,6 +21,9 @@ from ...experiments.joystick_drive import record_drive
 from ...figures.video import save_gif
 
 GUIDES = ("pid", "pure_pursuit", "dwa", "joystick", "random", "frontier")
+"""Those of the report; more followers may be added by name (`--also`)."""
+UNLED = ("joystick", "random", "frontier")
+"""Those who follow nobody."""
 SCENES = {"corridor": "tagalong/Corridor-v0", "meeting_room": "tagalong/MeetingRoom-v0", "office": "tagalong/Office-v0"}
 BYSTANDERS, STANDING = 2, 1
 CURVE_STEP_S = 10.0
@@ -71,13 +74,13 @@ def guide_drive(guide: str, scene: str, seed: int, limit_s: float, files: Path |
     """Map one building under one guide.
 
     Args:
-        guide: One of `GUIDES`.
+        guide: One of `GUIDES`, or any other follower that `make_follower` knows.
         scene: One of `SCENES`.
         seed: Of the building, the people, the odometry; the same for all guides.
         limit_s: Most simulated time [s].
         files: Where the joystick's log and a video go; None: nowhere.
     """
-    started = perf_counter()
+    started, cpu = perf_counter(), process_time()
     arguments = _arguments(guide, limit_s)
     env = gym.make(SCENES[scene], render_mode=None if files is None else "rgb_array", **arguments)
     inner = env.unwrapped
@@ -96,18 +99,18 @@ def guide_drive(guide: str, scene: str, seed: int, limit_s: float, files: Path |
     else:
         driver = make_follower(guide, inner.interface)
     episode = rollout(env, driver, seed=seed, steps=steps, after_step=watch)
-    if guide in FOLLOWERS:
+    if guide not in UNLED:
         operator["active_s"] = episode.metrics["duration_s"]
     result = {**_figures(episode), "operator": operator, "map": _map_figures(inner, episode, watch.legs)}
     if files is not None:
         save_gif(files / "drive.gif", watch.frames, fps=8.0, width=560)
     env.close()
-    return {**result, TIMING: {"wall_s": perf_counter() - started}}
+    return {**result, TIMING: {"wall_s": perf_counter() - started, "cpu_s": process_time() - cpu}}
 
 
 def _arguments(guide: str, limit_s: float) -> dict[str, Any]:
     """Return the environment's arguments, plain JSON: a leader more for those who follow one."""
-    led = guide in FOLLOWERS
+    led = guide not in UNLED
     return {
         "leader": led,
         "people_count": BYSTANDERS + led,

@@ -5,11 +5,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from ....agents import make_follower
 from ....slam.errors import InputError
 from ...experiments.cells import Cell
 from ...figures.plots import require_matplotlib
 from ..report import Report, Section
-from .drives import GUIDES, SCENES, guide_drive
+from .drives import GUIDES, SCENES, UNLED, guide_drive
 from .measured import Measured, cell_name
 from .pictures import draw_coverage, draw_criteria, videos
 from .tables import figures_table, lead, numbers, scenes_table, signs_table
@@ -21,6 +22,7 @@ operator model, not a human), random and frontier exploration. At most eight sim
 example:
   tagalong reproduce guidance --jobs 2 --out out/guidance
   tagalong reproduce guidance --quick --jobs 2 --out out/guidance-quick
+  tagalong reproduce guidance --also my_module:Bold --jobs 2 --out out/guidance
 """
 REPEATS, QUICK_REPEATS = 30, 3
 LIMIT_S, QUICK_LIMIT_S = 480.0, 240.0
@@ -33,9 +35,12 @@ class Guidance:
     name = "guidance"
 
     def add_arguments(self, parser: argparse.ArgumentParser) -> None:
-        """Declare --repeats and --minutes."""
+        """Declare --repeats, --also and --minutes."""
         parser.epilog = EPILOG
         parser.add_argument("--repeats", type=int, metavar="N", help=f"(default: {REPEATS}, quick: {QUICK_REPEATS})")
+        parser.add_argument(
+            "--also", nargs="+", default=[], metavar="WHO", help="further followers, by name or as module:class"
+        )
         parser.add_argument("--minutes", type=float, metavar="M", help="simulated minutes (default: 8, quick: 4)")
 
     def cells(self, options: argparse.Namespace) -> Sequence[Cell]:
@@ -56,12 +61,12 @@ class Guidance:
             )
             for seed in range(_repeats(options))
             for scene in SCENES
-            for guide in reversed(GUIDES)
+            for guide in reversed(_guides(options))
         ]
 
     def report(self, results: Mapping[str, Any], options: argparse.Namespace, folder: Path) -> Report:
         """Judge and draw."""
-        measured = Measured(results, tuple(SCENES), range(_repeats(options)), _limit_s(options))
+        measured = Measured(results, tuple(SCENES), range(_repeats(options)), _limit_s(options), _guides(options))
         sections = [
             Section(
                 title="Table I, measured",
@@ -77,7 +82,7 @@ class Guidance:
             Section(
                 title="One drive of each guide",
                 text="The first minute of the same seed.",
-                figures=videos(VIDEO_SCENE, 0, options.out / "cells", folder),
+                figures=videos(_guides(options), VIDEO_SCENE, 0, options.out / "cells", folder),
             ),
         ]
         return Report(
@@ -111,6 +116,19 @@ Floor seen: from where the robot truly was, beams that met no people. Map: the r
 against the true building, after registration. Jerk of the true speed, low-passed at 2 Hz without phase; SPARC and LDLJ
 over windows of 10 s.
 """
+
+
+def _guides(options: argparse.Namespace) -> tuple[str, ...]:
+    """Return who drives.
+
+    Raises:
+        InputError: If somebody further is unknown or explores.
+    """
+    for name in options.also:
+        if name in UNLED:
+            raise InputError(f"--also takes followers, {name!r} follows nobody")
+        make_follower(name)
+    return tuple(dict.fromkeys((*GUIDES, *options.also)))
 
 
 def _repeats(options: argparse.Namespace) -> int:

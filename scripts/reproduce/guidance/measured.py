@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .drives import GUIDES
 from .rule import METHODS, Comparisons, compare
 
 Array = NDArray[np.float64]
@@ -52,12 +53,14 @@ class Measured:
         scenes: Buildings.
         seeds: Seeds of each.
         limit_s: Most simulated time of a drive [s].
+        guides: Who drove.
     """
 
     results: Mapping[str, Any]
     scenes: Sequence[str]
     seeds: Sequence[int]
     limit_s: float
+    guides: Sequence[str] = GUIDES
 
     def row(self, guide: str, scene: str, seed: int) -> Mapping[str, Any]:
         """Return the result of one drive."""

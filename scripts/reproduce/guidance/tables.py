@@ -4,7 +4,6 @@ import numpy as np
 
 from ...experiments.statistics import bootstrap_mean
 from ..report import Table
-from .drives import GUIDES
 from .measured import DECIDES, FIGURES, OTHERS, SCALES, Measured
 from .rule import METHODS, PAPER, pluses, verdict
 
@@ -57,7 +56,7 @@ def figures_table(measured: Measured, scene: str) -> Table:
     rows = []
     for figure, (title, unit, digits) in FIGURES.items():
         cells = []
-        for guide in GUIDES:
+        for guide in measured.guides:
             values = measured.values(guide, figure, scene)
             estimate = bootstrap_mean(values)
             if not estimate.n:
@@ -67,10 +66,10 @@ def figures_table(measured: Measured, scene: str) -> Table:
             censored = f" ({missing} of {len(values)} never)" if missing else ""
             cells.append(estimate.text(SCALES.get(unit, 1.0), digits) + censored)
         rows.append((f"{title} [{unit}]" if unit else title, *cells))
-    rows.append(("needs an eye on the robot", *("yes" if guide == "joystick" else "no" for guide in GUIDES)))
+    rows.append(("needs an eye on the robot", *("yes" if guide == "joystick" else "no" for guide in measured.guides)))
     return Table(
         title=f"Every guide in the {scene.replace('_', ' ')}",
-        columns=("mean [95 % interval]", *GUIDES),
+        columns=("mean [95 % interval]", *measured.guides),
         rows=rows,
         note="Times are means of the drives that got there; how many never did is said beside.",
     )
@@ -91,7 +90,7 @@ def numbers(measured: Measured) -> dict[str, object]:
     means = {
         scene: {
             guide: {figure: bootstrap_mean(measured.values(guide, figure, scene)).to_dict() for figure in FIGURES}
-            for guide in GUIDES
+            for guide in measured.guides
         }
         for scene in measured.scenes
     }

@@ -1,0 +1,169 @@
+"""The beams of a planar laser against boxes, cylinders and ellipsoids: MuJoCo's rays, to the bit, in less time.
+
+The arithmetic of a pair of beam and geom is that of MuJoCo's `mj_multiRay`, operation by operation (which stays the
+reference that the tests compare with). What is saved: a geom is met by the beams of its own sector only, found by two
+divisions, where MuJoCo asks each beam about each geom.
+"""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+CYLINDER, ELLIPSOID, BOX = 5, 4, 6
+"""MuJoCo's numbers of the shapes that are known here."""
+_TINY = 1e-15
+_MARGIN = 1e-6
+
+
+@njit(cache=True, nogil=True)
+def cast_beams(
+    origin: Array,
+    heading: float,
+    first: float,
+    spacing: float,
+    directions: Array,
+    geoms: NDArray[np.int32],
+    shapes: NDArray[np.int32],
+    sizes: Array,
+    positions: Array,
+    rotations: Array,
+    distance: Array,
+    met: NDArray[np.int32],
+) -> None:
+    """Find the nearest geom on each beam, in place.
+
+    Args:
+        origin: (3,) of all beams [m].
+        heading: Of the laser in the world [rad].
+        first: Bearing of the first beam in the laser frame [rad].
+        spacing: Between two beams [rad].
+        directions: (n, 3) unit vectors of the beams in the world; the third component is 0.
+        geoms: (m,) those that the laser can see, ascending.
+        shapes: (g,) types of all geoms.
+        sizes: (g, 3) [m].
+        positions: (g, 3) [m].
+        rotations: (g, 9) rows of the rotation matrices.
+        distance: (n,) written: distance along each beam [m], -1 where nothing is met.
+        met: (n,) written: the geom, -1 for none.
+    """
+    count = len(directions)
+    distance[:] = -1.0
+    met[:] = -1
+    for geom in geoms:
+        shape, size, position, rotation = int(shapes[geom]), sizes[geom], positions[geom], rotations[geom]
+        start, width = _sector(origin, heading + first, shape, size, position, rotation)
+        for behind in (0.0, 2.0 * np.pi):
+            low = max(int(np.floor((start - behind) / spacing)), 0)
+            high = min(int(np.ceil((start - behind + width) / spacing)) + 1, count)
+            for beam in range(low, high):
+                met_at = _meet(shape, size, position, rotation, origin, directions[beam])
+                if met_at >= 0.0 and (distance[beam] < 0.0 or met_at < distance[beam]):
+                    distance[beam] = met_at
+                    met[beam] = geom
+
+
+@njit(cache=True, nogil=True)
+def _sector(
+    origin: Array, first: float, shape: int, size: Array, position: Array, rotation: Array
+) -> tuple[float, float]:
+    """Return where the sector begins in which beams can meet a geom, from the first beam in [0, 2 pi), and its width.
+
+    A sector that begins behind the laser may reach the beams round the circle.
+    """
+    x, y = position[0] - origin[0], position[1] - origin[1]
+    away = np.hypot(x, y)
+    low = high = 0.0
+    if shape == BOX and rotation[8] > 1.0 - 1e-12:
+        along = abs(rotation[0] * x + rotation[3] * y) - size[0]
+        aside = abs(rotation[1] * x + rotation[4] * y) - size[1]
+        if max(along, aside) < _MARGIN:
+            return 0.0, 2.0 * np.pi
+        for corner in range(4):
+            a = size[0] if corner % 2 else -size[0]
+            b = size[1] if corner // 2 else -size[1]
+            cx, cy = x + rotation[0] * a + rotation[1] * b, y + rotation[3] * a + rotation[4] * b
+            angle = np.arctan2(x * cy - y * cx, x * cx + y * cy)
+            low, high = min(low, angle), max(high, angle)
+    else:
+        bound = np.sqrt(size[0] ** 2 + size[1] ** 2 + size[2] ** 2)
+        if shape == CYLINDER:
+            bound = size[0] if rotation[8] > 1.0 - 1e-12 else np.hypot(size[0], size[1])
+        elif shape == ELLIPSOID:
+            bound = max(size[0], size[1], size[2])
+        if away < bound + _MARGIN:
+            return 0.0, 2.0 * np.pi
+        high = np.arcsin(bound / away)
+        low = -high
+    start = (np.arctan2(y, x) + low - _MARGIN - first) % (2.0 * np.pi)
+    return start, high - low + 2.0 * _MARGIN
+
+
+@njit(cache=True, nogil=True)
+def _meet(shape: int, size: Array, position: Array, rotation: Array, origin: Array, beam: Array) -> float:
+    """Return the distance along a beam to a geom [m], -1 where it is not met."""
+    x, y, z = origin[0] - position[0], origin[1] - position[1], origin[2] - position[2]
+    px = rotation[0] * x + rotation[3] * y + rotation[6] * z
+    py = rotation[1] * x + rotation[4] * y + rotation[7] * z
+    pz = rotation[2] * x + rotation[5] * y + rotation[8] * z
+    vx = rotation[0] * beam[0] + rotation[3] * beam[1] + rotation[6] * beam[2]
+    vy = rotation[1] * beam[0] + rotation[4] * beam[1] + rotation[7] * beam[2]
+    vz = rotation[2] * beam[0] + rotation[5] * beam[1] + rotation[8] * beam[2]
+    if shape == BOX:
+        best = _face(size[0], size[1], size[2], px, py, pz, vx, vy, vz, -1.0)
+        best = _face(size[1], size[0], size[2], py, px, pz, vy, vx, vz, best)
+        return _face(size[2], size[0], size[1], pz, px, py, vz, vx, vy, best)
+    if shape == ELLIPSOID:
+        sx, sy, sz = 1.0 / (size[0] * size[0]), 1.0 / (size[1] * size[1]), 1.0 / (size[2] * size[2])
+        a = sx * vx * vx + sy * vy * vy + sz * vz * vz
+        b = sx * vx * px + sy * vy * py + sz * vz * pz
+        return _root(a, b, sx * px * px + sy * py * py + sz * pz * pz - 1.0)
+    best = -1.0
+    if abs(vz) > _TINY:
+        for side in (-1.0, 1.0):
+            at = (side * size[1] - pz) / vz
+            if at >= 0.0:
+                ex, ey = px + at * vx, py + at * vy
+                if ex * ex + ey * ey <= size[0] * size[0] and (best < 0.0 or at < best):
+                    best = at
+    at = _root(vx * vx + vy * vy, vx * px + vy * py, px * px + py * py - size[0] * size[0])
+    if at >= 0.0 and abs(pz + at * vz) <= size[1] and (best < 0.0 or at < best):
+        best = at
+    return best
+
+
+@njit(cache=True, nogil=True)
+def _face(
+    half: float,
+    half_1: float,
+    half_2: float,
+    p: float,
+    p_1: float,
+    p_2: float,
+    v: float,
+    v_1: float,
+    v_2: float,
+    best: float,
+) -> float:
+    """Return `best`, or the distance to the nearer of a box's two faces across one axis where that is less."""
+    if abs(v) > _TINY:
+        for side in (-1.0, 1.0):
+            at = (side * half - p) / v
+            if at >= 0.0 and abs(p_1 + at * v_1) <= half_1 and abs(p_2 + at * v_2) <= half_2:  # noqa: SIM102
+                if best < 0.0 or at < best:
+                    best = at
+    return best
+
+
+@njit(cache=True, nogil=True)
+def _root(a: float, b: float, c: float) -> float:
+    """Return the least root of a x^2 + 2 b x + c that is not negative, -1 for none."""
+    within = b * b - a * c
+    if within < _TINY:
+        return -1.0
+    within = np.sqrt(within)
+    low, high = (-b - within) / a, (-b + within) / a
+    if low >= 0.0:
+        return low
+    return high if high >= 0.0 else -1.0
