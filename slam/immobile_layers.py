@@ -71,14 +71,14 @@ class ImmobileLayers(OccupancyGrid):
     """Log-odds of immobile area by layers of height.
 
     A thing that stood firmly in the laser's layer and has left is gone in all layers, as whatever stands there has a
-    foot; the camera need not look again.
+    foot; the camera need not look again. Only the tops of desks and seats stay, whose feet are elsewhere.
 
     Args:
         config: Parameters.
     """
 
     config: LayersConfig
-    _layers = ("_log_odds", "_stamps", "_spans", "_firm", "_left", "_mobile")
+    _layers = ("_log_odds", "_stamps", "_spans", "_tops", "_firm", "_left", "_mobile")
 
     def __init__(self, config: LayersConfig | None = None) -> None:
         super().__init__(config or LayersConfig())
@@ -87,6 +87,7 @@ class ImmobileLayers(OccupancyGrid):
         self._log_odds = np.zeros((count, 0, 0), dtype=np.float32)
         self._stamps = np.zeros((count, 0, 0), dtype=np.int32)
         self._spans = np.zeros((2, count, 0, 0), dtype=np.float32)
+        self._tops = np.zeros((count, 0, 0), dtype=np.bool_)
         self._firm, self._left, self._mobile = (np.zeros((0, 0), dtype=np.bool_) for _ in range(3))
 
     def write(self, T_map_robot: ArrayLike, scan: LaserScan, lambdas: ArrayLike = UNKNOWN) -> None:
@@ -112,7 +113,13 @@ class ImmobileLayers(OccupancyGrid):
         self._clear_columns(layer)
 
     def write_view(
-        self, T_map_camera: ArrayLike, height: float, points: ArrayLike, lambdas: ArrayLike, above: ArrayLike
+        self,
+        T_map_camera: ArrayLike,
+        height: float,
+        points: ArrayLike,
+        lambdas: ArrayLike,
+        above: ArrayLike,
+        level: ArrayLike = False,
     ) -> None:
         """Write what a camera saw.
 
@@ -122,6 +129,7 @@ class ImmobileLayers(OccupancyGrid):
             points: (n, 3) what it saw, in its own frame turned level, heights above the floor [m].
             lambdas: (n,) lambda of what is there; NaN where the ray ends on something that stands in nobody's way.
             above: (n,) rays free nothing where they are lower than this [m].
+            level: (n,) or one: whether it is a level top, which stays where it is when what stands below it leaves.
 
         Raises:
             InputError: If the shapes differ or a lambda is not positive.
@@ -145,7 +153,7 @@ class ImmobileLayers(OccupancyGrid):
             cells[1:],
             beta[order],
             lowest[order],
-            each[order] >= config.sure,
+            (each >= config.sure).astype(np.int8)[order] + (np.asarray(level) & (each >= config.sure))[order],
             near,
             self._edges,
             miss,
@@ -154,6 +162,7 @@ class ImmobileLayers(OccupancyGrid):
             self._log_odds,
             self._stamps,
             self._spans,
+            self._tops,
         )
         self._note_mobile(cells[1:], beta[order])
         self._firm |= self._log_odds[config.laser_layer] >= config.firm
@@ -285,6 +294,7 @@ class ImmobileLayers(OccupancyGrid):
                 # the camera may have seen it in the next cell, too
                 free = log_odds[window] < config.gone
                 columns, spans = self._log_odds[:, *window], self._spans[:, :, *window]
-                columns[:, free] = np.minimum(columns[:, free], np.float32(config.gone))
-                spans[:, :, free] = 0.0
+                goes = free & ~self._tops[:, *window]
+                columns[goes] = np.minimum(columns[goes], np.float32(config.gone))
+                spans[:, goes] = 0.0
                 self._left[row, col] = True

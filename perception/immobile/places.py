@@ -32,6 +32,11 @@ class Places:
         """Return (n, 2) the places, map frame [m], of what has not settled by then."""
         return self._places[time_s - self._since < self._settles_s]
 
+    def likelihood(self, points: Array) -> Array:
+        """Return (n,) how likely what moves is at `points` (n, 2), map frame [m]; 0 where nothing is remembered."""
+        apart = np.hypot(*(points[:, None] - self._places[None]).transpose(2, 0, 1))
+        return np.where(apart < self._radius, self._likelihood, 0.0).max(axis=1, initial=0.0)
+
     def add(self, places: Array, likelihood: Array, time_s: float) -> None:
         """Add `places` (n, 2), map frame [m]; each takes over from older ones near to it.
 
