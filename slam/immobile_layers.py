@@ -39,6 +39,8 @@ class LayersConfig(ImmobileConfig):
         laser_height: Height of the laser's plane [m].
         sure: What has at least this lambda was recognised for certain: walls, tops.
         nearest: The camera frees nothing nearer than this [m].
+        believed: What was written less firmly than this, as by one look at somebody's back, is not in the map where the
+            laser sees that nothing stands there; log-odds.
         overlooked: Log-odds of a free cell of which neither floor nor laser say that it is free: somebody has looked
             over it.
     """
@@ -50,6 +52,7 @@ class LayersConfig(ImmobileConfig):
     laser_height: float = 0.32
     sure: float = 7.0
     nearest: float = 0.4
+    believed: float = 1.5
     overlooked: float = -0.4
 
     def __post_init__(self) -> None:
@@ -58,6 +61,8 @@ class LayersConfig(ImmobileConfig):
             raise InputError(f"`edges` are at least three rising heights [m], got {self.edges}")
         if not self.edges[0] <= self.laser_height < self.edges[-2]:
             raise InputError(f"`laser_height` must be in a layer below the last, got {self.laser_height} m")
+        if not 0.0 <= self.believed <= self.limit:
+            raise InputError(f"`believed` must be in [0, `limit`], got {self.believed}")
         if not self.overlooked < 0.0:
             raise InputError(f"`overlooked` must be negative, got {self.overlooked}")
 
@@ -246,10 +251,12 @@ class ImmobileLayers(OccupancyGrid):
         return self._cut((self._left & ~self._mobile).astype(np.float32))
 
     def _low(self) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
-        """Return (rows, cols) the highest log-odds of the layers below the last, and whether any of them is known."""
+        """Return (rows, cols) log-odds by all layers below the last together, and whether any of them is known."""
         seen = self._stamps[:-1] > 0
         known = np.asarray(seen.any(axis=0))
         highest = np.where(seen, self._log_odds[:-1], -np.inf).max(axis=0, initial=-np.inf)
+        doubtful = (highest < self.config.believed) & (self._log_odds[self.config.laser_layer] < self.config.gone)
+        highest = np.where(doubtful, np.minimum(highest, np.float32(self.config.overlooked)), highest)
         return np.where(known, highest, np.float32(0.0)), known
 
     def _seen_over(self, odds: NDArray[np.float32]) -> NDArray[np.bool_]:

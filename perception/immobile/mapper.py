@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...slam.errors import InputError
-from ...slam.geometry import compose, transform_points
+from ...slam.geometry import compose, inverse, transform_points
 from ...slam.immobile_grid import PoseHistory, moving_lambda, still_lambda
 from ...slam.immobile_layers import ImmobileLayers, LayersConfig
 from ...slam.scan import LaserScan
@@ -18,6 +18,7 @@ from .view import View
 Array = NDArray[np.float64]
 
 _BODY = (0.5, 1.6)  # heights where a body would be seen [m]
+_BODY_M = 0.4  # so wide a place is all in the picture [m]
 _LEAST_POINTS = 40
 _RELIABLE_M = (1.5, 5.0)  # nearer or farther people are missed too often to say that nobody is there
 _LONGEST_LOOK_S = 1.0
@@ -165,7 +166,10 @@ class ImmobileMapper:
         return found
 
     def _places_without_people(self, T_map_camera: Array, view: View) -> Array:
-        """Return (n, 2) the remembered places of people, map frame [m], where the view shows other things instead."""
+        """Return (n, 2) the remembered places of people, map frame [m], where the view shows other things instead.
+
+        A person at the edge of the picture is only partly in it, and may well not be recognised.
+        """
         places = self.people.moving(view.time_s)
         if not len(places):
             return places
@@ -173,8 +177,11 @@ class ImmobileMapper:
         points = transform_points(T_map_camera, view.points[body, :2])
         near = np.hypot(*(points[:, None] - places).transpose(2, 0, 1)) < self.config.body_radius
         nobody = ~(near & (view.person[body] >= 0)[:, None]).any(axis=0)
-        away = np.hypot(*(places - T_map_camera[:2]).T)
-        close = (away > _RELIABLE_M[0]) & (away < _RELIABLE_M[1])
+        x, y = transform_points(inverse(T_map_camera), places).T
+        away = np.hypot(x, y)
+        widest = np.abs(np.arctan2(view.points[:, 1], view.points[:, 0])).max(initial=0.0)
+        whole = np.abs(np.arctan2(y, x)) + np.arctan2(_BODY_M, away) < widest
+        close = whole & (away > _RELIABLE_M[0]) & (away < _RELIABLE_M[1])
         return places[nobody & close & (near.sum(axis=0) >= _LEAST_POINTS)]
 
     def _is_small(self, points: Array) -> bool:

@@ -104,6 +104,20 @@ def test_a_thing_that_was_once_taken_for_somebody_is_forgotten_when_the_camera_s
         assert len(mapper.people.moving(4.0)) == (1 if step < 17 else 0) or 17 <= step <= 21
 
 
+def test_nobody_is_doubted_at_the_edge_of_the_picture():
+    frame = room_frame(0.1, board=(1.9, 0.0, 1.7))
+    view = make_view(frame, PlaneFinder().find(frame), nobody(53, 64))
+    mapper = ImmobileMapper()
+    mapper.add_scan(np.zeros(3), scan_of(time_s=0.1))
+    for place, doubted in (((1.9, 0.0), 1), ((1.9, 1.0), 0)):
+        mapper.people.add(np.array([place]), np.array([0.9]), 0.1)
+        body = view.points.copy()
+        body[(body[:, 0] < 2.0) & (body[:, 2] > 0.3) & (body[:, 2] < 1.8), 1] += place[1]
+        shown = replace(view, points=body)
+        assert len(mapper._places_without_people(np.zeros(3), shown)) == doubted
+        mapper.people.doubt(np.array([place]), 0.0, 0.5)
+
+
 def test_the_ragged_edge_of_somebody_is_not_written():
     frame = room_frame(0.1, board=(1.9, 0.0, 1.7))
     whole = PlaneFinder().find(frame)

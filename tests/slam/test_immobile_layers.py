@@ -160,6 +160,18 @@ def test_a_desk_top_stays_when_its_leg_turns_out_to_be_in_the_next_cell():
         assert (value_at(grid.to_map(), 3.02, 0.02) > 0.9) == stays
 
 
+def test_one_look_at_something_in_the_air_is_not_believed_where_the_laser_sees_nothing():
+    grid = ImmobileLayers()
+    back = wall_points(3.02, (1.2,))
+    look(grid, back, 6.0)
+    assert value_at(grid.to_map(), 3.02, 0.02) > 0.6
+    for _ in range(10):
+        grid.write(ORIGIN, wall_scan(6.02))
+    assert value_at(grid.to_map(), 3.02, 0.02) < 0.5
+    look(grid, back, 6.0)
+    assert value_at(grid.to_map(), 3.02, 0.02) > 0.6
+
+
 def test_people_are_not_kept_as_movable_things():
     grid = ImmobileLayers()
     for _ in range(100):
@@ -203,6 +215,8 @@ def test_wrong_inputs_are_errors():
         LayersConfig(laser_height=2.5)
     with pytest.raises(InputError, match="overlooked"):
         LayersConfig(overlooked=0.1)
+    with pytest.raises(InputError, match="believed"):
+        LayersConfig(believed=-1.0)
     with pytest.raises(InputError, match="differ"):
         ImmobileLayers().write_view(ORIGIN, 1.0, np.zeros((2, 3)), [2.0], [0.0])
     with pytest.raises(InputError, match="positive"):
