@@ -19,7 +19,7 @@ from ..search.score_pyramid import ScoreGrid, ScorePyramid, build_pyramid
 from .iterative import PLICP, IterativeConfig, IterativeMatcher, Refined
 from .lookup import LookupConfig, build_lookup
 from .match import Match
-from .surfaces import SurfaceConfig, Surfaces, find_surfaces, near_points, noise_of
+from .surfaces import SurfaceConfig, Surfaces, every_second, find_surfaces, near_points, noise_of
 from .visibility import agreement, mark_unseen
 
 # The whole circle and the large space of HGLASM-g.
@@ -118,7 +118,7 @@ class GlobalMatcher:
             return tool.judge(reference, points, Refined(centre, 0, False))
         refined, scores = self._refine(tool, reference, surfaces_new, found)
         maxima, looked_at = found.maxima, found.looked_at
-        if config.second_maxima > 0 and max(scores) < config.sure * self._expected(tool, reference, new):
+        if config.second_maxima > 0 and not self._is_sure(tool, tool.surfaces(reference), surfaces_new, max(scores)):
             second = self.search_views(reference, points, centre)
             second = replace(second, maxima=self._most_promising(tool, reference, surfaces_new, second.maxima))
             more, more_scores = self._refine(tool, reference, surfaces_new, second)
@@ -230,16 +230,16 @@ class GlobalMatcher:
         best = np.sort(np.argsort(-scores, kind="stable")[: self.config.second_refined])
         return tuple(maxima[k] for k in best)
 
-    def _expected(self, tool: IterativeMatcher, reference: LaserScan, new: LaserScan) -> float:
-        """Return the mean score of a scan's odd beams against its even ones, which is what a right pose may reach."""
+    def _is_sure(self, tool: IterativeMatcher, reference: Surfaces, new: Surfaces, score: float) -> bool:
+        """Return whether a score is as good as the scans let one expect."""
+        # Two points and a fifth of one are in the denominator of the best score there is.
+        return score >= self.config.sure / 1.1 or score >= self.config.sure * self._expected(tool, reference, new)
+
+    def _expected(self, tool: IterativeMatcher, reference: Surfaces, new: Surfaces) -> float:
+        """Return the mean score of a scan's odd points against its even ones, which is what a right pose may reach."""
         scores = []
-        for scan in (reference, new):
-            odd, even = (
-                find_surfaces(
-                    replace(scan, ranges=scan.ranges[side::2], bearings=scan.bearings[side::2]), tool.config.surfaces
-                )
-                for side in (0, 1)
-            )
+        for surfaces in (reference, new):
+            odd, even = (every_second(surfaces, side, tool.config.surfaces) for side in (0, 1))
             enough = min(len(odd), len(even)) >= 3
             scores.append(self._explains(tool, odd, even, np.zeros(3)) if enough else 1.0)
         return float(np.mean(scores))
