@@ -34,7 +34,7 @@ _REFINEMENT = replace(
     last_reach=0.5,
     first_scale=0.3,
     last_scale=0.015,
-    surfaces=SurfaceConfig(tolerance=0.007, obliquity=3.0),
+    surfaces=SurfaceConfig(neighbours=3, tolerance=0.007, obliquity=3.5),
 )
 
 
@@ -67,7 +67,8 @@ class GlobalConfig:
         beside: Poses within this (m, rad) are one answer.
         noise: Of the points that `refinement` is made for [m]. Where theirs is 2, 4, 8 times that, its tolerance,
             its gap, its last scale and `sigma` are larger.
-        refinement: PL-ICP with the lines of both scans, from each maximum.
+        refinement: PL-ICP with the lines of both scans, from each maximum; of the pose that is taken once more, lines
+            that reach equally far to both sides beside them.
     """
 
     window: SearchWindow = _WINDOW
@@ -125,7 +126,7 @@ class GlobalMatcher:
             refined, scores = refined + more, scores + more_scores
             maxima, looked_at = maxima + second.maxima, looked_at + second.looked_at
         first = self._choose(refined, scores)
-        best = refined[first]
+        best = tool.polish_both(reference, surfaces_new, refined[first], replace(tool.config.surfaces, even=True))
         order = np.argsort(-np.array(scores), kind="stable")
         others = [refined[k].pose for k in order if self._rivals(best, refined[k], scores[first], scores[k])]
         match = tool.judge(reference, points, best)
