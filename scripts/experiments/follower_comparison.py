@@ -155,11 +155,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     done = {(row["follower"], row["suite"], row["episode"]) for row in rows}
     more = {"slam": None} if options.no_slam else {}
     envs = {name: [gym.make(one.env, **{**one.arguments, **more}) for one in suite(name)] for name in options.suites}
-    for k, name, who in product(range(options.episodes), options.suites, options.followers):
-        if (who, name, k) not in done:
-            rows.append(episode_row(who, name, k, envs[name][k % len(envs[name])]))
-            with file.open("a", encoding="utf-8") as lines:
-                lines.write(json.dumps(rows[-1]) + "\n")
+    for k in range(options.episodes):
+        for name, who in product(options.suites, options.followers):
+            if (who, name, k) not in done:
+                rows.append(episode_row(who, name, k, envs[name][k % len(envs[name])]))
+                with file.open("a", encoding="utf-8") as lines:
+                    lines.write(json.dumps(rows[-1]) + "\n")
     result = compare(rows, options.followers)
     write_json(options.out / "comparison.json", {"suites": result, "machine": describe_machine()})
     if options.plot:
