@@ -53,12 +53,7 @@ def episode_row(follower: str, name: str, k: int, env: gym.Env) -> dict[str, Any
     assert isinstance(inner, FollowEnv)
     driver = make_follower(follower, inner.interface)
     episode = rollout(env, driver, seed=FIRST_SEED + k, options=scenarios[k % len(scenarios)].options)
-    mapped = (
-        _map_errors(inner)
-        if inner.config.slam
-        else dict.fromkeys(("adnn_truth_to_map_m", "adnn_map_to_truth_m"), np.nan)
-    )
-    figures = {**episode.metrics, "total_reward": episode.total_reward, **mapped}
+    figures = {**episode.metrics, "total_reward": episode.total_reward, **_map_errors(inner)}
     return {
         "follower": follower,
         "suite": name,
@@ -69,11 +64,14 @@ def episode_row(follower: str, name: str, k: int, env: gym.Env) -> dict[str, Any
 
 
 def _map_errors(env: FollowEnv) -> dict[str, float]:
-    """Return both directions of ADNN between the robot's final map and the true one; NaN where there is too little."""
+    """Return both directions of ADNN between the robot's final map and the true one; NaN without one."""
+    none = {"adnn_truth_to_map_m": np.nan, "adnn_map_to_truth_m": np.nan}
+    if env.config.slam is None:
+        return none
     try:
         score = score_map(env.own_map().map, true_map(env.world.scene, T_world_map=env.world.start))
-    except InputError:
-        return {"adnn_truth_to_map_m": np.nan, "adnn_map_to_truth_m": np.nan}
+    except InputError:  # too little of it
+        return none
     return {"adnn_truth_to_map_m": score.adnn.mean_m, "adnn_map_to_truth_m": score.ghosts.mean_m}
 
 
