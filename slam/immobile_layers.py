@@ -150,7 +150,7 @@ class ImmobileLayers(OccupancyGrid):
         order = np.argsort(beta, kind="stable")
         flat = self._cells(np.concatenate((pose[None, :2], transform_points(pose, ends[order, :2]))))
         cells = np.concatenate((flat, np.append(height, ends[order, 2])[:, None]), axis=1)
-        near = round(config.nearest / config.resolution)
+        near, sure = round(config.nearest / config.resolution), each >= config.sure
         miss = float(np.log(UNKNOWN * config.miss))
         self._scans += 1
         write_view(
@@ -158,16 +158,13 @@ class ImmobileLayers(OccupancyGrid):
             cells[1:],
             beta[order],
             lowest[order],
-            (each >= config.sure).astype(np.int8)[order] + (np.asarray(level) & (each >= config.sure))[order],
+            (sure.astype(np.int8) + (sure & np.asarray(level)))[order],
             near,
             self._edges,
             miss,
             config.limit,
             self._scans,
-            self._log_odds,
-            self._stamps,
-            self._spans,
-            self._tops,
+            *(self._log_odds, self._stamps, self._spans, self._tops),
         )
         self._note_mobile(cells[1:], beta[order])
         self._firm |= self._log_odds[config.laser_layer] >= config.firm
