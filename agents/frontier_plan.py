@@ -25,7 +25,7 @@ class FrontierConfig:
         comfort: Ways are dearer up to this distance from things [m].
         tightness: Cost of a cell at `radius`, over that of a cell beyond `comfort`.
         smallest: Frontiers shorter than this are not worth a visit [m].
-        reached: A frontier this near has been visited [m].
+        reached: What is left unknown this near is for when nothing else is left: the robot is there already [m].
         seen_from: What is farther than this from any place the robot was does not count as explored [m].
     """
 
@@ -57,7 +57,7 @@ def plan_way(own: OwnMap, visited: Array, given_up: Array, config: FrontierConfi
     Args:
         own: The robot's map and pose.
         visited: (m, 2) where the robot was, map frame [m].
-        given_up: (k, 2) frontiers, within 0.5 m, that are not tried again [m].
+        given_up: (k, 2) places; within 0.5 m of them no frontier is tried again [m].
         config: What counts.
     """
     free, occupied, corner = coarse(own, visited, config)
@@ -69,11 +69,10 @@ def plan_way(own: OwnMap, visited: Array, given_up: Array, config: FrontierConfi
     _free_the_robot(cost, free, row, col, config)
     field, parent = np.empty_like(cost), np.empty(cost.shape, dtype=np.int32)
     way_field(cost, row, col, field, parent)
-    cells = _cheapest_frontier(frontiers(free, occupied), field, corner, own.pose[:2], given_up, config)
-    if cells is None:
+    cell = _cheapest_frontier(frontiers(free, occupied), field, corner, own.pose[:2], given_up, config)
+    if cell is None:
         return None
-    goal = int(np.argmin(field[tuple(cells.T)]))
-    places = _trace(parent, tuple(cells[goal]), corner, config.cell)
+    places = _trace(parent, cell, corner, config.cell)
     return Way(places, places[-1])
 
 
@@ -109,20 +108,24 @@ def frontiers(free: Mask, occupied: Mask) -> NDArray[np.int32]:
 
 def _cheapest_frontier(
     labels: NDArray[np.int32], field: Array, corner: Array, here: Array, given_up: Array, config: FrontierConfig
-) -> NDArray[np.int64] | None:
-    """Return (k, 2) row and column of the cells of the frontier with the cheapest way, or None."""
-    best, chosen = np.inf, None
-    long_enough = np.flatnonzero(np.bincount(labels.ravel()) * config.cell >= config.smallest)
-    for number in long_enough[long_enough > 0]:
-        cells = np.argwhere(labels == number)
-        ways = field[tuple(cells.T)]
-        cheapest = int(np.argmin(ways))
-        place = (cells[cheapest][::-1] + 0.5) * config.cell + corner
-        refused = len(given_up) and np.hypot(*(given_up - place).T).min() < 0.5
-        visited = np.hypot(*(place - here)) < config.reached
-        if ways[cheapest] < best and not refused and not visited:
-            best, chosen = float(ways[cheapest]), cells
-    return chosen
+) -> tuple[int, int] | None:
+    """Return row and column of the frontier's cell with the cheapest way, or None if there is no frontier.
+
+    Cells nearer than `reached` are for when there are no others: the robot is there already and has only to turn.
+    """
+    long_enough = np.bincount(labels.ravel()) * config.cell >= config.smallest
+    cells = np.argwhere((labels > 0) & long_enough[labels] & np.isfinite(field))
+    places = (cells[:, ::-1] + 0.5) * config.cell + corner
+    refused = np.zeros(len(cells), dtype=bool)
+    for place in given_up:
+        refused |= np.hypot(*(places - place).T) < 0.5
+    near = np.hypot(*(places - here).T) < config.reached
+    for chosen in (~refused & ~near, ~refused & near):
+        if chosen.any():
+            of = cells[chosen]
+            row, col = of[int(np.argmin(field[tuple(of.T)]))]
+            return int(row), int(col)
+    return None
 
 
 def _free_the_robot(cost: Array, free: Mask, row: int, col: int, config: FrontierConfig) -> None:
@@ -134,10 +137,10 @@ def _free_the_robot(cost: Array, free: Mask, row: int, col: int, config: Frontie
     cost[row, col] = min(cost[row, col], 3.0 * config.tightness)
 
 
-def _trace(parent: NDArray[np.int32], cell: tuple[int, ...], corner: Array, side: float) -> Array:
+def _trace(parent: NDArray[np.int32], cell: tuple[int, int], corner: Array, side: float) -> Array:
     """Return (n, 2) the places from the start to `cell` (row, col), map frame [m]."""
     cols = parent.shape[1]
-    flat, cells = int(cell[0]) * cols + int(cell[1]), []
+    flat, cells = cell[0] * cols + cell[1], []
     while flat >= 0:
         cells.append((flat % cols, flat // cols))
         flat = int(parent[flat // cols, flat % cols])

@@ -74,7 +74,11 @@ class Goal:
 
 
 class LeaderMemory:
-    """Keeps the leader's last place in the moving robot frame by the robot's own velocity."""
+    """Keeps the leader's last place in the moving robot frame by the robot's own velocity.
+
+    Attributes:
+        goal: Of the last step.
+    """
 
     def __init__(self, config: MemoryConfig, step_s: float) -> None:
         self._config, self._step_s = config, step_s
@@ -82,7 +86,7 @@ class LeaderMemory:
 
     def reset(self) -> None:
         """Forget the leader."""
-        self._goal = Goal()
+        self.goal = Goal()
         self._unseen_s = self._searching_s = 0.0
         self._side = 1.0
 
@@ -96,30 +100,30 @@ class LeaderMemory:
         self._carry_along(velocity)
         if leader[5] > 0.5:
             self._correct(leader)
-        elif self._goal.mode is not Mode.WAIT:
+        elif self.goal.mode is not Mode.WAIT:
             self._unseen_s += self._step_s
-            self._goal.mode = self._lost_mode()
-        return self._goal
+            self.goal.mode = self._lost_mode()
+        return self.goal
 
     def _correct(self, leader: list[float]) -> None:
         x, y, vx, vy = leader[:4]
-        goal, c = self._goal, self._config
+        goal, c = self.goal, self._config
         if goal.mode is not Mode.FOLLOW or math.hypot(x - goal.x, y - goal.y) > c.jump_m:
-            self._goal = Goal(Mode.FOLLOW, x, y, vx, vy)
+            self.goal = Goal(Mode.FOLLOW, x, y, vx, vy)
         else:
             place, speed = (self._step_s / (self._step_s + time_s) for time_s in (c.position_s, c.velocity_s))
             goal.x, goal.y = goal.x + place * (x - goal.x), goal.y + place * (y - goal.y)
             goal.vx, goal.vy = goal.vx + speed * (vx - goal.vx), goal.vy + speed * (vy - goal.vy)
         self._unseen_s = 0.0
-        self._side = math.copysign(1.0, self._goal.y + 0.5 * self._goal.vy)
+        self._side = math.copysign(1.0, self.goal.y + 0.5 * self.goal.vy)
 
     def _lost_mode(self) -> Mode:
         if self._unseen_s <= self._config.patience_s:
             return Mode.FOLLOW
-        if self._goal.mode is Mode.SEARCH:
+        if self.goal.mode is Mode.SEARCH:
             self._searching_s += self._step_s
             return Mode.SEARCH
-        arrived = self._goal.distance < self._config.arrived_m or self._unseen_s > self._config.approach_s
+        arrived = self.goal.distance < self._config.arrived_m or self._unseen_s > self._config.approach_s
         self._searching_s = 0.0
         return Mode.SEARCH if arrived else Mode.APPROACH
 
@@ -129,7 +133,7 @@ class LeaderMemory:
         return 0.0 if self._searching_s < self._config.dwell_s else self._side * self._config.search_turn_rate
 
     def _carry_along(self, velocity: tuple[float, float, float]) -> None:
-        goal, step = self._goal, self._step_s
+        goal, step = self.goal, self._step_s
         if self._unseen_s > self._config.extrapolate_s:
             goal.vx = goal.vy = 0.0
         x = goal.x + (goal.vx - velocity[0]) * step

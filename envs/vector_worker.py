@@ -153,13 +153,18 @@ class Share:
         return observation, reward, terminated, truncated, info, None, None
 
 
+def answer(share: Share, name: str, arguments: tuple[Any, ...]) -> tuple[Any, Exception | None]:
+    """Return (result, None) of the method `name` of `share`, or (None, error)."""
+    try:
+        return getattr(share, name)(*arguments), None
+    except Exception as error:
+        return None, error
+
+
 def work(
     pipe: Connection, count: int, mode: AutoresetMode, max_episode_steps: int | None, fields: dict[str, Any]
 ) -> None:
-    """Do what comes through `pipe`, (name of a method of `Share`, its arguments), until None comes.
-
-    Answers are (result, None), or (None, error).
-    """
+    """Do what comes through `pipe`, (name of a method of `Share`, its arguments), until None comes; see `answer`."""
     share = Share(count, mode, max_episode_steps, fields)
     while True:
         try:
@@ -168,8 +173,4 @@ def work(
             return
         if task is None:
             return
-        name, arguments = task
-        try:
-            pipe.send((getattr(share, name)(*arguments), None))
-        except Exception as error:
-            pipe.send((None, error))
+        pipe.send(answer(share, *task))

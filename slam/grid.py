@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .errors import InputError
 from .geometry import compose, transform_points
-from .grid_kernels import write_scan
+from .grid_kernels import write_observation
 from .occupancy_map import OccupancyMap
 from .scan import LaserScan
 
@@ -88,12 +88,11 @@ class OccupancyGrid:
         self._reach(cells)
         cells -= self._corner
         self._scans += 1
-        write_scan(
+        write_observation(
             cells[0, 0],
             cells[0, 1],
             cells[1:],
-            is_hit,
-            _log_odds(self.config.hit),
+            np.where(is_hit, _log_odds(self.config.hit), np.nan),
             _log_odds(self.config.miss),
             self.config.limit,
             self._scans,

@@ -1,4 +1,4 @@
-"""Kernel of the log-odds grid, and its plain numpy reference. Lengths are in cells."""
+"""Kernel of the grids of log-odds, and its plain numpy reference. Lengths are in cells."""
 
 import numpy as np
 from numba import njit
@@ -8,24 +8,24 @@ from .rays import ray_cells, ray_start
 
 
 @njit(cache=True, nogil=True)
-def write_scan(x0, y0, ends, is_hit, hit, miss, limit, stamp, log_odds, stamps):
-    """Update each cell that the scan met once: by `hit` where a ray ended on something, else by `miss`.
+def write_observation(x0, y0, ends, log_beta, miss, limit, stamp, log_odds, stamps):
+    """Update each cell that the rays met once: by the first hit in it, else by `miss` where a ray passed.
 
     Args:
         x0, y0: Where the rays begin.
-        ends: (n, 2) x, y of their ends.
-        is_hit: (n,) whether a ray ended on something; else its last cell is neither hit nor missed.
-        hit, miss: Log-odds to add.
+        ends: (n, 2) x, y of their ends; where two hit the same cell the earlier one counts.
+        log_beta: (n,) what a hit adds to the log-odds; NaN where the ray ends in the open.
+        miss: What a ray adds to a cell that it passes.
         limit: Log-odds stay within +-limit.
-        stamp: Number of this scan, from 1; another one for each scan.
+        stamp: Number of this observation, from 1; another one for each.
         log_odds: (rows, cols) float32, changed.
-        stamps: (rows, cols) int32, the last scan that updated a cell, 0 if none; changed.
+        stamps: (rows, cols) int32, the last observation that updated a cell, 0 if none; changed.
     """
     for k in range(len(ends)):
         row, col = int(np.floor(ends[k, 1])), int(np.floor(ends[k, 0]))
-        if is_hit[k] and stamps[row, col] != stamp:
+        if not np.isnan(log_beta[k]) and stamps[row, col] != stamp:
             stamps[row, col] = stamp
-            log_odds[row, col] = min(log_odds[row, col] + hit, limit)
+            log_odds[row, col] = max(min(log_odds[row, col] + log_beta[k], limit), -limit)
     for k in range(len(ends)):
         row, col, row_step, col_step, next_y, next_x, y_stride, x_stride, steps = ray_start(
             x0, y0, ends[k, 0], ends[k, 1]
@@ -33,7 +33,7 @@ def write_scan(x0, y0, ends, is_hit, hit, miss, limit, stamp, log_odds, stamps):
         for _ in range(steps):
             if stamps[row, col] != stamp:
                 stamps[row, col] = stamp
-                log_odds[row, col] = max(log_odds[row, col] + miss, -limit)
+                log_odds[row, col] = max(min(log_odds[row, col] + miss, limit), -limit)
             if next_x < next_y:
                 next_x += x_stride
                 col += col_step
@@ -42,27 +42,26 @@ def write_scan(x0, y0, ends, is_hit, hit, miss, limit, stamp, log_odds, stamps):
                 row += row_step
 
 
-def write_scan_reference(
+def write_observation_reference(
     x0: float,
     y0: float,
     ends: NDArray[np.float64],
-    is_hit: NDArray[np.bool_],
-    hit: float,
+    log_beta: NDArray[np.float64],
     miss: float,
     limit: float,
     stamp: int,
     log_odds: NDArray[np.float32],
     stamps: NDArray[np.int32],
 ) -> None:
-    """Do what `write_scan` does, in numpy."""
-    struck = np.zeros(log_odds.shape, dtype=bool)
-    passed = np.zeros(log_odds.shape, dtype=bool)
-    cells = np.floor(ends).astype(int)
-    struck[cells[is_hit, 1], cells[is_hit, 0]] = True
+    """Do what `write_observation` does, in numpy."""
+    change = np.full(log_odds.shape, np.nan)
+    for (x, y), value in zip(np.floor(ends).astype(int), log_beta, strict=True):
+        if np.isnan(change[y, x]):
+            change[y, x] = value
     for x, y in ends:
         rows, cols = ray_cells(x0, y0, x, y)[:-1].T
-        passed[rows, cols] = True
-    passed &= ~struck
-    log_odds[struck] = np.minimum(log_odds[struck] + np.float32(hit), limit)
-    log_odds[passed] = np.maximum(log_odds[passed] + np.float32(miss), -limit)
-    stamps[struck | passed] = stamp
+        free = np.isnan(change[rows, cols])
+        change[rows[free], cols[free]] = miss
+    met = ~np.isnan(change)
+    log_odds[met] = np.clip(log_odds[met] + change[met], -limit, limit)
+    stamps[met] = stamp

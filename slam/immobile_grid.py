@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from .errors import InputError
 from .geometry import compose, transform_points
 from .grid import GridConfig, OccupancyGrid, scan_rays
-from .immobile_kernels import write_observation
+from .grid_kernels import write_observation
 from .occupancy_map import OccupancyMap
 from .scan import LaserScan
 

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from .errors import InputError
 from .geometry import compose, transform_points
 from .grid import OccupancyGrid, scan_rays
+from .grid_kernels import write_observation
 from .immobile_grid import UNKNOWN, ImmobileConfig
-from .immobile_kernels import write_observation
 from .layer_kernels import write_view
 from .occupancy_map import OccupancyMap
 from .scan import LaserScan

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from ...envs.interface import FollowInterface
 from ...slam.errors import InputError
 from ..follower import Observation
-from ..memory import LeaderMemory, MemoryConfig, Mode
+from ..memory import Goal, LeaderMemory, MemoryConfig, Mode
 from ..scan_points import own_velocity
 from .steering import State
 from .trail import Trail
@@ -86,6 +86,21 @@ class Features:
         self._memory = LeaderMemory(MemoryConfig(), self._step_s)
         self._trail = Trail()
         self._unseen_s = 0.0
+
+    @property
+    def goal(self) -> Goal:
+        """Where the leader is taken to be."""
+        return self._memory.goal
+
+    @property
+    def search_turn(self) -> float:
+        """Turn rate at which a lost leader is looked for now [rad/s]."""
+        return self._memory.search_turn
+
+    @property
+    def trail(self) -> NDArray[np.float64]:
+        """(k, 2) the leader's trail from here on, robot frame [m]; not to be written to."""
+        return self._trail.points
 
     def update(self, observation: Observation, commanded: State) -> dict[str, Floats]:
         """Return the inputs for an observation; call it once a step.

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ...envs.interface import FollowInterface
 from ...slam.errors import InputError
 from ..follower import Observation
+from .detour import DetourConfig
 from .features import FeatureConfig
 from .guard import GuardConfig
 from .network import Network
@@ -74,9 +75,14 @@ def load_policy(policy: str | Path) -> tuple[dict[str, NDArray[np.float32]], Pil
 
 def pilot_config(fields: dict[str, Any]) -> PilotConfig:
     """Return the configuration that `dataclasses.asdict` made `fields` of."""
-    guard = fields["guard"]
+    guard, detour = fields["guard"], fields.get("detour")
     return PilotConfig(
         features=FeatureConfig(**fields["features"]),
         steering=SteeringConfig(**fields["steering"]),
         guard=None if guard is None else GuardConfig(**guard),
+        detour=None if detour is None else DetourConfig(**_with_tuples(detour)),
     )
+
+
+def _with_tuples(fields: dict[str, Any]) -> dict[str, Any]:
+    return {name: tuple(value) if isinstance(value, list) else value for name, value in fields.items()}

@@ -101,6 +101,11 @@ class Guard:
             return points
         return without(points, leader[None, :2].astype(np.float64), self.config.leader_body)
 
+    @property
+    def things(self) -> Array:
+        """(n, 2) what must not be touched, robot frame [m]; not to be written to."""
+        return np.vstack((self._points, self._kept[:, :2]))
+
     def allow(self, state: State, wish: tuple[float, float]) -> tuple[float, float]:
         """Return `wish`, or the nearest one that can be braked without a touch; standing still if there is none.
 
@@ -108,8 +113,8 @@ class Guard:
             state: What is commanded now.
             wish: Speed [m/s] and turn rate [rad/s].
         """
-        things = np.vstack((self._points, self._kept[:, :2]))
-        now = float(self._gaps(np.zeros((1, 3)), things).min(initial=np.inf))
+        things = self.things
+        now = float(box_gaps(np.zeros((1, 3)), things, self.config).min(initial=np.inf))
         speed = abs(state[0])
         if now > 0.2 + 0.45 * speed + speed**2 / 3.0:
             return wish
@@ -135,16 +140,17 @@ class Guard:
             middle = poses[:, 2] + 0.5 * states[:, 2] * self._step_s
             way = states[:, 0] * self._step_s
             poses = poses + np.column_stack((way * np.cos(middle), way * np.sin(middle), states[:, 2] * self._step_s))
-            least = np.minimum(least, self._gaps(poses, things))
+            least = np.minimum(least, box_gaps(poses, things, self.config))
         return least
 
-    def _gaps(self, poses: Array, things: Array) -> Array:
-        """Return (n,) distance from the robot's box at each of `poses` (n, 3) to the nearest thing [m]."""
-        x, y = things[:, 0] - poses[:, :1], things[:, 1] - poses[:, 1:2]
-        cos, sin = np.cos(poses[:, 2:]), np.sin(poses[:, 2:])
-        ahead = np.maximum(np.abs(cos * x + sin * y) - self.config.half_length, 0.0)
-        aside = np.maximum(np.abs(cos * y - sin * x) - self.config.half_width, 0.0)
-        return np.sqrt((ahead**2 + aside**2).min(axis=1, initial=np.inf))
+
+def box_gaps(poses: Array, things: Array, config: GuardConfig) -> Array:
+    """Return (n,) distance from the robot's box at each of `poses` (n, 3) to the nearest of `things` (m, 2) [m]."""
+    x, y = things[:, 0] - poses[:, :1], things[:, 1] - poses[:, 1:2]
+    cos, sin = np.cos(poses[:, 2:]), np.sin(poses[:, 2:])
+    ahead = np.maximum(np.abs(cos * x + sin * y) - config.half_length, 0.0)
+    aside = np.maximum(np.abs(cos * y - sin * x) - config.half_width, 0.0)
+    return np.sqrt((ahead**2 + aside**2).min(axis=1, initial=np.inf))
 
 
 class NoGuard:
@@ -152,6 +158,9 @@ class NoGuard:
 
     def reset(self) -> None:
         """Forget nothing."""
+
+    things = np.zeros((0, 2))
+    """Nothing is minded."""
 
     def look(self, observation: Observation) -> None:
         """Ignore the observation."""

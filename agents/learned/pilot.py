@@ -1,4 +1,4 @@
-"""Between an environment and a network: features before it, guard and steering behind; one episode at a time."""
+"""Between an environment and a network: features before it; detour, guard and steering behind; one episode long."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from ...envs.interface import FollowInterface
 from ..follower import Observation
 from ..scan_points import as_action
+from .detour import Detour, DetourConfig, NoDetour
 from .features import FeatureConfig, Features
 from .guard import Guard, GuardConfig, NoGuard
 from .steering import REST, SteeringConfig, steer
@@ -24,11 +25,13 @@ class PilotConfig:
         features: What it is told.
         steering: How its wishes are driven.
         guard: What is not driven whatever is wished; None for no guard.
+        detour: When the network is relieved; None for never. It needs a guard.
     """
 
     features: FeatureConfig = field(default_factory=FeatureConfig)
     steering: SteeringConfig = field(default_factory=SteeringConfig)
     guard: GuardConfig | None = field(default_factory=GuardConfig)
+    detour: DetourConfig | None = field(default_factory=DetourConfig)
 
 
 class Pilot:
@@ -43,12 +46,16 @@ class Pilot:
         self.config, self._interface = config, interface
         self._features = Features(config.features, interface)
         self._guard = Guard(config.guard, config.steering, interface) if config.guard is not None else NoGuard()
+        self._detour: Detour | NoDetour = NoDetour()
+        if config.guard is not None and config.detour is not None:
+            self._detour = Detour(config.detour, config.guard, config.steering, 1.0 / interface.control_hz)
         self.reset()
 
     def reset(self) -> None:
         """Forget the last episode; stand."""
         self._features.reset()
         self._guard.reset()
+        self._detour.reset()
         self.commanded = REST
         self._wish = (0.0, 0.0)
 
@@ -66,6 +73,8 @@ class Pilot:
             self._wish[0] + part * (wish[0] - self._wish[0]),
             self._wish[1] + part * (wish[1] - self._wish[1]),
         )
-        speed, turn = self._guard.allow(self.commanded, self._wish)
+        f, things = self._features, self._guard.things
+        wish = self._detour.relieve(self.commanded, self._wish, f.goal, f.search_turn, f.trail, things)
+        speed, turn = self._guard.allow(self.commanded, wish)
         self.commanded = steer(self.commanded, speed, turn, step_s, steering)
         return as_action(self.commanded[0], self.commanded[2], self._interface)

@@ -10,10 +10,14 @@ LONGEST = 80
 
 
 class Trail:
-    """Where the leader walked and the robot has not been yet."""
+    """Where the leader walked and the robot has not been yet.
+
+    Attributes:
+        points: (k, 2) the oldest first, robot frame [m].
+    """
 
     def __init__(self) -> None:
-        self._points = np.zeros((0, 2))
+        self.points = np.zeros((0, 2))
 
     def update(self, velocity: tuple[float, float, float], step_s: float, leader: tuple[float, float] | None) -> None:
         """Go on by one step.
@@ -25,28 +29,26 @@ class Trail:
         """
         dx, dy, turned = (value * step_s for value in velocity)
         cos, sin = np.cos(turned), np.sin(turned)
-        moved = self._points - (dx, dy)
-        self._points = np.stack((cos * moved[:, 0] + sin * moved[:, 1], cos * moved[:, 1] - sin * moved[:, 0]), axis=1)
+        moved = self.points - (dx, dy)
+        self.points = np.stack((cos * moved[:, 0] + sin * moved[:, 1], cos * moved[:, 1] - sin * moved[:, 0]), axis=1)
         if leader is not None:
-            last = self._points[-1] if len(self._points) else np.full(2, np.inf)
+            last = self.points[-1] if len(self.points) else np.full(2, np.inf)
             if np.hypot(leader[0] - last[0], leader[1] - last[1]) > SPACING_M:
-                self._points = np.vstack((self._points, leader))[-LONGEST:]
+                self.points = np.vstack((self.points, leader))[-LONGEST:]
         self._pass()
 
     def ahead(self, ways: Array) -> Array:
         """Return (k, 2) the points `ways` (k,) [m] along the trail from where the robot is nearest to it; its last
         point where it is shorter, and zeros without a trail."""
-        if len(self._points) < 2:
-            return np.repeat(self._points, len(ways), axis=0) if len(self._points) else np.zeros((len(ways), 2))
-        arc = np.append(0.0, np.cumsum(np.hypot(*np.diff(self._points, axis=0).T)))
-        return np.stack([np.interp(ways, arc, self._points[:, k]) for k in (0, 1)], axis=1)
+        if len(self.points) < 2:
+            return np.repeat(self.points, len(ways), axis=0) if len(self.points) else np.zeros((len(ways), 2))
+        arc = np.append(0.0, np.cumsum(np.hypot(*np.diff(self.points, axis=0).T)))
+        return np.stack([np.interp(ways, arc, self.points[:, k]) for k in (0, 1)], axis=1)
 
     def _pass(self) -> None:
         """Drop what lies behind: all before the last point that is about as near as the nearest."""
-        if len(self._points):
-            off = np.hypot(self._points[:, 0], self._points[:, 1])
-            self._points = (
-                self._points[np.flatnonzero(off < max(0.4, off.min() + 0.1))[-1] :]
-                if off.min() < 1.0
-                else (self._points)
+        if len(self.points):
+            off = np.hypot(self.points[:, 0], self.points[:, 1])
+            self.points = (
+                self.points[np.flatnonzero(off < max(0.4, off.min() + 0.1))[-1] :] if off.min() < 1.0 else (self.points)
             )

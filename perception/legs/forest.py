@@ -3,7 +3,7 @@
 import json
 import os
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
 from zipfile import BadZipFile
@@ -45,16 +45,22 @@ class LegForest:
     def load(cls, name_or_path: str | os.PathLike[str]) -> "LegForest":
         """Load a shipped forest ("real" or "simulation") or one that `tagalong train legs` wrote to a path.
 
+        A shipped one is the same object for all who ask: a megabyte that many environments step through stays in the
+        processor's cache.
+
         Raises:
             InputError: If there is no such forest, or the file is damaged or made for other features.
         """
-        path = MODELS / f"legs_{name_or_path}.npz" if str(name_or_path) in SHIPPED else Path(name_or_path)
+        return _shipped(str(name_or_path)) if str(name_or_path) in SHIPPED else cls._read(Path(name_or_path))
+
+    @classmethod
+    def _read(cls, path: Path) -> "LegForest":
         try:
             with np.load(path, allow_pickle=False) as content:
                 names = tuple(str(name) for name in content["feature_names"])
                 arrays = {key: content[key].astype(kind) for key, kind in _ARRAYS.items()}
         except FileNotFoundError:
-            raise InputError(f"no leg forest {str(name_or_path)!r}: give {' or '.join(SHIPPED)}, or a file") from None
+            raise InputError(f"no leg forest {str(path)!r}: give {' or '.join(SHIPPED)}, or a file") from None
         except (OSError, ValueError, KeyError, EOFError, BadZipFile) as error:
             raise InputError(f"{path} is not a leg forest (npz of `tagalong train legs`): {error}") from None
         if names != FEATURE_NAMES:
@@ -96,6 +102,15 @@ class LegForest:
         leaves = self.value[self.feature < 0]
         in_bounds = np.isfinite(self.value).all() and (leaves >= 0.0).all() and (leaves <= 1.0).all()
         return bool(in_bounds and is_sound(self.feature, self.right, self.roots, len(FEATURE_NAMES)))
+
+
+@lru_cache(maxsize=len(SHIPPED))
+def _shipped(name: str) -> LegForest:
+    forest = LegForest._read(MODELS / f"legs_{name}.npz")
+    forest.vote(np.zeros((1, len(FEATURE_NAMES)), np.float32))  # packs its nodes, for processes that fork, too
+    for array in (forest.feature, forest.value, forest.right):
+        array.flags.writeable = False
+    return forest
 
 
 def read_card(name: str) -> dict[str, Any]:

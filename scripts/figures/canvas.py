@@ -20,7 +20,7 @@ ORANGE: Colour = (235, 112, 0)
 GREEN: Colour = (20, 140, 70)
 
 _FINE = 2  # everything is drawn this many times larger and then averaged down, so that lines have smooth edges
-_MARGIN, _TITLE_BAND, _LEGEND_BAND = 24, 52, 54
+_MARGIN, _TITLE_BAND, _LEGEND_BAND, _LEGEND_LINE = 24, 52, 54, 30
 _TEXT, _TITLE = 19, 24
 _ROUND = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)  # lengths of scale bars [m]
 
@@ -111,8 +111,7 @@ class PlanCanvas:
         self._blank_borders()
         if self._title:
             self._text((_MARGIN, _TITLE_BAND / 2), self._title, INK, _TITLE, "lm")
-        self._write_legend()
-        self._draw_scale_bar()
+        self._write_legend(end=self._draw_scale_bar() - _MARGIN)
         size = (self._image.width // _FINE, self._image.height // _FINE)
         return self._image.resize(size, Image.Resampling.BOX)
 
@@ -124,22 +123,36 @@ class PlanCanvas:
         for box in ((0, 0, width, top), (0, bottom, width, height), (0, 0, left, height), (right, 0, width, height)):
             self._draw.rectangle(box, fill=PAPER)
 
-    def _write_legend(self) -> None:
+    def _write_legend(self, end: float) -> None:
+        """Write the legend below the plan, in as many lines as it takes to stay left of `end` [px]."""
         x, y = float(_MARGIN), self._image.height / _FINE - _LEGEND_BAND / 2
         for name, colour in self._legend:
+            width = 24 + self._draw.textlength(name, _font(_TEXT * _FINE)) / _FINE
+            if x > _MARGIN and x + width > end:
+                x, y = float(_MARGIN), y + _LEGEND_LINE
+                self._grow(_LEGEND_LINE)
             box = (x, y - 8, x + 16, y + 8)
             self._draw.rectangle([v * _FINE for v in box], fill=colour, outline=FAINT, width=_FINE)
             self._text((x + 24, y), name, INK, _TEXT, "lm")
-            x += 24 + self._draw.textlength(name, _font(_TEXT * _FINE)) / _FINE + 26
+            x += width + 26
 
-    def _draw_scale_bar(self) -> None:
+    def _grow(self, height: int) -> None:
+        """Add `height` [px] of blank sheet at the bottom."""
+        sheet = Image.new("RGB", (self._image.width, self._image.height + height * _FINE), PAPER)
+        sheet.paste(self._image)
+        self._image, self._draw = sheet, ImageDraw.Draw(sheet)
+
+    def _draw_scale_bar(self) -> float:
+        """Draw the scale bar in the lower right corner; returns where its text begins [px from the left]."""
         wanted = 0.18 * self._plan[0] / self.pixels_per_metre
         length = max((r for r in _ROUND if r <= wanted), default=_ROUND[0])
         right, y = self._width - _MARGIN, self._image.height / _FINE - _LEGEND_BAND / 2
         left = right - length * self.pixels_per_metre
         for box in ((left, y - 2, right, y + 2), (left, y - 8, left + 2, y + 8), (right - 2, y - 8, right, y + 8)):
             self._draw.rectangle([v * _FINE for v in box], fill=INK)
-        self._text((left - 10, y), f"{length:g} m", INK, _TEXT, "rm")
+        text = f"{length:g} m"
+        self._text((left - 10, y), text, INK, _TEXT, "rm")
+        return left - 10 - self._draw.textlength(text, _font(_TEXT * _FINE)) / _FINE
 
     def _fine(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the pixels (N, 2) of the large drawing at `points` (N, 2) [m]."""

@@ -5,9 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ...slam.errors import MissingExtraError
-from ...slam.files import replacing
 from ..training.evaluate_legs import LegScores
+from .plots import logarithmic, new_figure, save_figure
 
 
 def save_leg_curve(path: Path, curves: Mapping[str, LegScores]) -> None:
@@ -16,11 +15,7 @@ def save_leg_curve(path: Path, curves: Mapping[str, LegScores]) -> None:
     Raises:
         MissingExtraError: If matplotlib is not installed.
     """
-    try:
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise MissingExtraError("figures of leg curves", "viz") from None
-    figure = Figure(figsize=(7, 5), layout="constrained")
+    figure = new_figure(7, 5)
     axes = figure.add_subplot()
     rates = np.geomspace(0.05, 10.0, 100)
     for name, scores in curves.items():
@@ -28,13 +23,12 @@ def save_leg_curve(path: Path, curves: Mapping[str, LegScores]) -> None:
         recall, false = scores.at(0.3)
         axes.plot(max(false, rates[0]), recall, "o", color=line.get_color())
     axes.set(
-        xscale="log",
         xlim=(rates[0], rates[-1]),
         ylim=(0.0, 1.0),
         xlabel="false legs a scan (dots: confidence 0.3)",
         ylabel="share of labelled legs found",
     )
+    logarithmic(axes, "x")
     axes.grid(alpha=0.3, which="both")
     axes.legend(loc="lower right")
-    with replacing(path) as temporary:
-        figure.savefig(temporary, dpi=120)
+    save_figure(path, figure)

@@ -7,6 +7,8 @@ from ...slam.errors import MissingExtraError
 from ...slam.files import replacing
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
     from matplotlib.figure import Figure
 
 
@@ -32,6 +34,24 @@ def new_figure(width: float, height: float) -> "Figure":
     from matplotlib.figure import Figure
 
     return Figure(figsize=(width, height), layout="constrained")
+
+
+def logarithmic(axes: "Axes", which: str = "y") -> None:
+    """Make the axes `which` ("x", "y" or "xy") logarithmic, their numbers written out: 0.05, not 5 x 10^-2."""
+    for name in which:
+        axes.set(**{f"{name}scale": "log"})
+        axis: Axis = getattr(axes, f"{name}axis")
+        axis.set_major_formatter(_plain)
+        axis.set_minor_formatter(_plain_minor)
+
+
+def _plain(value: float, _: object = None) -> str:
+    return f"{value:g}"
+
+
+def _plain_minor(value: float, _: object = None) -> str:
+    """Name only the minor ticks at 2 and 5, so that the names do not run into each other."""
+    return _plain(value) if f"{value:e}"[0] in "25" else ""
 
 
 def save_figure(path: Path, figure: "Figure") -> Path:

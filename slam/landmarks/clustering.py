@@ -16,6 +16,7 @@ from sklearn.mixture import GaussianMixture
 
 from ..errors import InputError, unknown_name
 from .dbscan_kernel import dbscan_labels
+from .heuristic_kernel import heuristic_labels
 
 Labels = NDArray[np.int64]
 
@@ -45,13 +46,7 @@ class Heuristic:
 
     def fit_predict(self, points: ArrayLike) -> Labels:
         """Return (n,) the cluster of each of `points` (n, 2) [m], in beam order; -1: fewer than `min_points`."""
-        array = _points(points)
-        if not len(array):
-            return np.zeros(0, dtype=np.int64)
-        cuts = np.hypot(*np.diff(array, axis=0).T) > self.distance
-        runs = np.concatenate(([0], np.cumsum(cuts)))
-        big = np.bincount(runs) >= self.min_points
-        return np.where(big, np.cumsum(big) - 1, -1)[runs]
+        return heuristic_labels(_points(points), self.distance, self.min_points)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -19,7 +19,7 @@ from ..search.score_pyramid import ScoreGrid, ScorePyramid, build_pyramid
 from .iterative import PLICP, IterativeConfig, IterativeMatcher, Refined
 from .lookup import LookupConfig, build_lookup
 from .match import Match
-from .surfaces import SurfaceConfig, Surfaces, find_surfaces, near_points, noise_of
+from .surfaces import SurfaceConfig, Surfaces, every_second, find_surfaces, near_points, noise_of
 from .visibility import agreement, mark_unseen
 
 # The whole circle and the large space of HGLASM-g.
@@ -34,11 +34,12 @@ _REFINEMENT = replace(
     last_reach=0.5,
     first_scale=0.3,
     last_scale=0.015,
-    surfaces=SurfaceConfig(tolerance=0.007, obliquity=3.0),
+    surfaces=SurfaceConfig(neighbours=3, tolerance=0.007, obliquity=3.5),
 )
 
 
 _SCOUTS, _SCOUT_STEPS = 3, 6  # every third point, six steps: which maxima of the second search are promising
+_BEYOND_DOUBT = 0.96  # of the best score there is: enough, whatever the scans let one expect
 _LEVELS = 4  # of noise: 1, 2, 4 and 8 times that of a SICK
 
 
@@ -56,6 +57,7 @@ class GlobalConfig:
         sigma: Of the final score's hits [m].
         margin: How much nearer than the seen surface a point must be to contradict it [m].
         free_space: What a contradiction counts against a hit.
+        whole: What it counts if one scan is explained as a whole.
         rival: Another pose that reaches this share of the best final score makes the match ambiguous.
         sure: A final score that makes the second search needless, as a share of how well the odd beams of each scan
             explain its even ones: leaves and chair legs look different to every beam.
@@ -67,7 +69,8 @@ class GlobalConfig:
         beside: Poses within this (m, rad) are one answer.
         noise: Of the points that `refinement` is made for [m]. Where theirs is 2, 4, 8 times that, its tolerance,
             its gap, its last scale and `sigma` are larger.
-        refinement: PL-ICP with the lines of both scans, from each maximum.
+        refinement: PL-ICP with the lines of both scans, from each maximum; of the pose that is taken once more, lines
+            that reach equally far to both sides beside them.
     """
 
     window: SearchWindow = _WINDOW
@@ -79,12 +82,13 @@ class GlobalConfig:
     sigma: float = 0.05
     margin: float = 0.3
     free_space: float = 0.5
+    whole: float = 0.5
     rival: float = 0.95
-    sure: float = 0.96
+    sure: float = 1.0
     unseen: float = 0.78
     beyond: float = 4.0
-    second_maxima: int = 24
-    second_refined: int = 8
+    second_maxima: int = 40
+    second_refined: int = 16
     second_separation: Separation = _SECOND_SEPARATION
     beside: tuple[float, float] = (0.2, 0.04)
     noise: float = 0.007
@@ -118,14 +122,14 @@ class GlobalMatcher:
             return tool.judge(reference, points, Refined(centre, 0, False))
         refined, scores = self._refine(tool, reference, surfaces_new, found)
         maxima, looked_at = found.maxima, found.looked_at
-        if config.second_maxima > 0 and max(scores) < config.sure * self._expected(tool, reference, new):
+        if config.second_maxima > 0 and not self._is_sure(tool, tool.surfaces(reference), surfaces_new, max(scores)):
             second = self.search_views(reference, points, centre)
             second = replace(second, maxima=self._most_promising(tool, reference, surfaces_new, second.maxima))
             more, more_scores = self._refine(tool, reference, surfaces_new, second)
             refined, scores = refined + more, scores + more_scores
             maxima, looked_at = maxima + second.maxima, looked_at + second.looked_at
         first = self._choose(refined, scores)
-        best = refined[first]
+        best = tool.polish_both(reference, surfaces_new, refined[first], replace(tool.config.surfaces, even=True))
         order = np.argsort(-np.array(scores), kind="stable")
         others = [refined[k].pose for k in order if self._rivals(best, refined[k], scores[first], scores[k])]
         match = tool.judge(reference, points, best)
@@ -205,19 +209,24 @@ class GlobalMatcher:
         return refined, [self._explains(tool, seen, new, candidate.pose) for candidate in refined]
 
     def _explains(self, tool: IterativeMatcher, reference: Surfaces, new: Surfaces, pose: NDArray[np.float64]) -> float:
-        """Return the share of hits among what both scans could see of each other: hits and contradictions.
+        """Return how well two scans explain each other at a pose, in [0, 1].
 
-        A fifth of the reference's points is added below, so that a few hits at the rim do not win.
+        The share of hits among what both could see of each other, hits and contradictions (and a fifth of the
+        reference's points, so that a few hits at the rim do not win), plus `whole` times the share of hits of the scan
+        that has more of them: of two views the nearer one shows part of what the farther one shows, all of it, and
+        along a corridor little else tells where.
         """
         config = self.config
-        hits, against, sigma = 0.0, 0.0, max(config.sigma, 2.0 * tool.config.last_scale)
+        sigma = max(config.sigma, 2.0 * tool.config.last_scale)
+        hits, against, most = 0.0, 0.0, 0.0
         for points, T, seen in ((new, pose, reference), (reference, inverse(pose), new)):
             met, contradicted = agreement(
                 points.points, T, seen.points, seen.rays, seen.feet, seen.normals, seen.first,
                 sigma, config.margin,
             )  # fmt: skip
-            hits, against = hits + met, against + contradicted
-        return float(hits / (hits + config.free_space * against + 0.2 * len(reference)))
+            hits, against, most = hits + met, against + contradicted, max(most, met / len(points))
+        both = hits / (hits + config.free_space * against + 0.2 * len(reference))
+        return float((both + config.whole * most) / (1.0 + config.whole))
 
     def _most_promising(
         self, tool: IterativeMatcher, reference: LaserScan, new: Surfaces, maxima: tuple[Maximum, ...]
@@ -230,16 +239,19 @@ class GlobalMatcher:
         best = np.sort(np.argsort(-scores, kind="stable")[: self.config.second_refined])
         return tuple(maxima[k] for k in best)
 
-    def _expected(self, tool: IterativeMatcher, reference: LaserScan, new: LaserScan) -> float:
-        """Return the mean score of a scan's odd beams against its even ones, which is what a right pose may reach."""
+    def _is_sure(self, tool: IterativeMatcher, reference: Surfaces, new: Surfaces, score: float) -> bool:
+        """Return whether a score is as good as the scans let one expect."""
+        config = self.config
+        # A hit of every point, among those and a fifth of the reference's.
+        most = (len(reference) + len(new)) / (1.2 * len(reference) + len(new))
+        most = (most + config.whole) / (1.0 + config.whole)
+        return score >= _BEYOND_DOUBT * most or score >= config.sure * self._expected(tool, reference, new)
+
+    def _expected(self, tool: IterativeMatcher, reference: Surfaces, new: Surfaces) -> float:
+        """Return the mean score of a scan's odd points against its even ones, which is what a right pose may reach."""
         scores = []
-        for scan in (reference, new):
-            odd, even = (
-                find_surfaces(
-                    replace(scan, ranges=scan.ranges[side::2], bearings=scan.bearings[side::2]), tool.config.surfaces
-                )
-                for side in (0, 1)
-            )
+        for surfaces in (reference, new):
+            odd, even = (every_second(surfaces, side, tool.config.surfaces) for side in (0, 1))
             enough = min(len(odd), len(even)) >= 3
             scores.append(self._explains(tool, odd, even, np.zeros(3)) if enough else 1.0)
         return float(np.mean(scores))

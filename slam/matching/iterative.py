@@ -1,6 +1,6 @@
 """The iterative matchers: ICP, PL-ICP (Censi 2008) and MbICP (Minguez, Montesano, Lamiraux 2006)."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -15,6 +15,7 @@ from .registration import LINE, METRIC, POINT, register
 from .surfaces import SurfaceConfig, Surfaces, find_surfaces, near_points, relined
 from .symmetric import register_both
 
+_NO_LINES = (*(np.empty((0, 2)) for _ in range(4)), np.empty(0, dtype=np.bool_), np.empty(0, dtype=np.int32))
 _KINDS = {"point": POINT, "line": LINE, "metric": METRIC}
 
 
@@ -137,16 +138,39 @@ class IterativeMatcher:
 
     def refine_both(self, reference: LaserScan, new: Surfaces, guess: ArrayLike) -> Refined:
         """Return where point-to-line matching from both sides ends: the lines of the new scan count as well."""
+        config = self.config
+        return self._from_both(reference, new, guess, (config.first_reach, config.first_scale), (_NO_LINES, _NO_LINES))
+
+    def polish_both(self, reference: LaserScan, new: Surfaces, refined: Refined, lines: SurfaceConfig) -> Refined:
+        """Return the same from a refined pose, with other lines through the points (`relined`) beside the usual ones.
+
+        The errors of the two kinds of lines differ, so their mean is smaller.
+        """
         config, surfaces = self.config, self.surfaces(reference)
-        start = np.array(guess, dtype=np.float64)
+        more = relined(surfaces, lines).arrays, relined(new, lines).arrays
+        polished = self._from_both(reference, new, refined.pose, (config.last_reach, config.last_scale), more)
+        return replace(polished, iterations=refined.iterations + polished.iterations)
+
+    def _from_both(
+        self,
+        reference: LaserScan,
+        new: Surfaces,
+        guess: ArrayLike,
+        start: tuple[float, float],
+        more: tuple[tuple[NDArray, ...], tuple[NDArray, ...]],
+    ) -> Refined:
+        """Return the same from a reach and a scale [m], with more lines of both scans (`Surfaces.arrays`)."""
+        config, surfaces = self.config, self.surfaces(reference)
+        pose = np.array(guess, dtype=np.float64)
         if len(surfaces) < 3 or len(new) < 3:
-            return Refined(start, 0, False)
+            return Refined(pose, 0, False)
         pose, iterations, at_rest = register_both(
-            start,
+            pose,
             surfaces.arrays,
             new.arrays,
-            (config.first_reach, config.last_reach),
-            (config.first_scale, config.last_scale, config.factor),
+            *more,
+            (start[0], config.last_reach),
+            (start[1], config.last_scale, config.factor),
             config.ridge,
             config.most_iterations,
             config.rest,

@@ -95,6 +95,15 @@ def find_surfaces(scan: LaserScan, config: SurfaceConfig) -> Surfaces:
     return Surfaces(points, rays, feet, normals, tilt_variance, linked, first_points(bearings))
 
 
+def every_second(surfaces: Surfaces, side: int, config: SurfaceConfig) -> Surfaces:
+    """Return the surfaces of every second point, from the first (`side` 0) or the second (1)."""
+    points, rays = surfaces.points[side::2].copy(), surfaces.rays[side::2].copy()
+    ranges, bearings = (points * rays).sum(axis=1), np.arctan2(rays[:, 1], rays[:, 0])
+    linked = link_points(points, ranges, bearings, config.gap, config.obliquity)
+    feet, normals, tilt_variance = fit_lines(points, linked, config.neighbours, config.tolerance, config.even)
+    return Surfaces(points, rays, feet, normals, tilt_variance, linked, first_points(bearings))
+
+
 def relined(surfaces: Surfaces, config: SurfaceConfig) -> Surfaces:
     """Return the same points on the same surfaces, other lines fitted to them (`neighbours`, `tolerance`, `even`)."""
     lines = fit_lines(surfaces.points, surfaces.linked, config.neighbours, config.tolerance, config.even)
@@ -121,17 +130,38 @@ def noise_of(surfaces: Surfaces, links: SurfaceConfig = LOOSE) -> float:
     nor leaves and chair legs count, as long as a part of what the laser sees is smooth. `links` say which points are
     neighbours; strict ones would leave out what noise puts apart.
     """
-    points, rays = surfaces.points, surfaces.rays
-    ranges, bearings = (points * rays).sum(axis=1), np.arctan2(rays[:, 1], rays[:, 0])
-    linked = link_points(points, ranges, bearings, links.gap, links.obliquity)
-    middle = np.flatnonzero(linked[:-2] & linked[1:-1]) + 1
-    if len(middle) < 5:
+    errors = bend(surfaces.points, surfaces.rays, links.gap, links.obliquity)
+    if len(errors) < 5:
         return 0.0
-    chord = points[middle + 1] - points[middle - 1]
-    aside = points[middle] - points[middle - 1]
-    errors = np.abs(chord[:, 0] * aside[:, 1] - chord[:, 1] * aside[:, 0]) / np.maximum(np.hypot(*chord.T), 1e-9)
     # 0.3186: from the quarter to the deviation of a Gaussian; 1.5: the variance of the three points together.
-    return float(np.quantile(errors, 0.25) / (0.3186 * np.sqrt(1.5)))
+    return lower_quartile(errors) / (0.3186 * np.sqrt(1.5))
+
+
+@numba.njit(cache=True, nogil=True)
+def bend(points, rays, gap, obliquity):  # pragma: no cover
+    """Return the distance [m] of each point from the line of its two neighbours, where all are of one surface."""
+    count = len(points)
+    ranges, bearings, errors = np.empty(count), np.empty(count), np.empty(count)
+    for m in range(count):
+        ranges[m] = points[m, 0] * rays[m, 0] + points[m, 1] * rays[m, 1]
+        bearings[m] = np.arctan2(rays[m, 1], rays[m, 0])
+    linked, found = link_points(points, ranges, bearings, gap, obliquity), 0
+    for m in range(1, count - 1):
+        if linked[m - 1] and linked[m]:
+            cx, cy = points[m + 1, 0] - points[m - 1, 0], points[m + 1, 1] - points[m - 1, 1]
+            ax, ay = points[m, 0] - points[m - 1, 0], points[m, 1] - points[m - 1, 1]
+            errors[found] = abs(cx * ay - cy * ax) / max(np.sqrt(cx * cx + cy * cy), 1e-9)
+            found += 1
+    return errors[:found]
+
+
+@numba.njit(cache=True, nogil=True)
+def lower_quartile(values):  # pragma: no cover
+    """Return the linearly interpolated 25 % point of `values`, of which there is one at least."""
+    place = 0.25 * (len(values) - 1)
+    below = int(place)
+    ordered = np.sort(values)
+    return ordered[below] + (place - below) * (ordered[min(below + 1, len(values) - 1)] - ordered[below])
 
 
 @numba.njit(cache=True, nogil=True)

@@ -33,27 +33,44 @@ def add_transformed(system, other, jacobian):  # pragma: no cover
 
 
 @numba.njit(cache=True, nogil=True)
-def register_both(guess, reference, new, reach, scales, ridge, most, rest):  # pragma: no cover
+def line_equations(
+    pose, points, lines, more_lines, limit, scale, index, square, moved, system, other
+):  # pragma: no cover
+    """Fill `system` (3, 4) with the equations of points (N, 2) on both kinds of lines; returns (found, weights)."""
+    found = correspond(points, pose, np.inf, lines, limit, index, square, moved)
+    weights, _ = normal_equations(LINE, pose, np.inf, lines, scale, index, moved, system)
+    if len(more_lines[3]) > 0:
+        more, _ = normal_equations(LINE, pose, np.inf, more_lines, scale, index, moved, other)
+        weights += more
+        system += other
+    return found, weights
+
+
+@numba.njit(cache=True, nogil=True)
+def register_both(
+    guess, reference, new, more_reference, more_new, reach, scales, ridge, most, rest
+):  # pragma: no cover
     """Return (pose, iterations, at rest), as `registration.register` with LINE, for the lines of both scans.
 
-    `reference` and `new` are (points, rays, feet, normals, linked, first) of `Surfaces`.
+    `reference` and `new` are (points, rays, feet, normals, linked, first) of `Surfaces`, `more_reference` and
+    `more_new` the same with other lines through the points, which count as well, or empty.
     """
     pose = guess.copy()
-    counts = (len(new[0]), len(reference[0]))
-    longest = max(counts)
-    index, square, moved = np.empty(longest, dtype=np.int32), np.empty(longest), np.empty((longest, 2))
-    system, other, step = np.empty((3, 4)), np.empty((3, 4)), np.zeros(3)
+    n, m = len(new[0]), len(reference[0])
+    index, square, moved = np.empty(max(n, m), dtype=np.int32), np.empty(max(n, m)), np.empty((max(n, m), 2))
+    system, other, back, step = np.empty((3, 4)), np.empty((3, 4)), np.empty((3, 4)), np.zeros(3)
     inverted, jacobian = np.empty(3), np.empty((3, 3))
     limit, scale = reach[0], scales[0]
     for iteration in range(most):
-        n, m = counts
-        found = correspond(new[0], pose, np.inf, reference, limit, index[:n], square[:n], moved[:n])
-        weights, _ = normal_equations(LINE, pose, np.inf, reference, scale, index[:n], moved[:n], system)
+        found, weights = line_equations(
+            pose, new[0], reference, more_reference, limit, scale, index[:n], square[:n], moved[:n], system, other
+        )
         inverse_pose(pose, inverted, jacobian)
-        found += correspond(reference[0], inverted, np.inf, new, limit, index[:m], square[:m], moved[:m])
-        more, _ = normal_equations(LINE, inverted, np.inf, new, scale, index[:m], moved[:m], other)
-        add_transformed(system, other, jacobian)
-        weights += more
+        met, more = line_equations(
+            inverted, reference[0], new, more_new, limit, scale, index[:m], square[:m], moved[:m], back, other
+        )
+        add_transformed(system, back, jacobian)
+        found, weights = found + met, weights + more
         if found < 6 or weights < 1e-9 or not solve_step(system, ridge * weights, step):
             return pose, iteration, False
         pose += step

@@ -166,4 +166,4 @@ def _bounds(
     x, y = centre[0] - pyramid.origin[0], centre[1] - pyramid.origin[1]
     rotated_cells(points, headings, x, y, pyramid.resolution, pyramid.border - half, cells)
     stride = 1 << (len(pyramid.levels) - 1)
-    return cells, top_bounds(pyramid.phases, cells, -(-(2 * half + 1) // stride))
+    return cells, top_bounds(pyramid.phases, pyramid.skirt, pyramid.border, cells, -(-(2 * half + 1) // stride))

@@ -21,37 +21,47 @@ def rotated_cells(points, headings, x, y, resolution, shift, cells):  # pragma: 
 
 
 @numba.njit(cache=True, nogil=True)
-def top_bounds(phases, cells, blocks):  # pragma: no cover
+def top_bounds(phases, skirt, border, cells, blocks):  # pragma: no cover
     """Return (n_theta, blocks, blocks') int32, the sum over all points of level L at every block of the window.
 
-    blocks' is `blocks` rounded up to a multiple of 16. Sums of up to 256 points are gathered in 16 bits.
+    `phases`, `skirt` [blocks] and `border` [cells] are those of `ScorePyramid`. blocks' is `blocks` rounded up to a
+    multiple of 16. Sums of up to 256 points are gathered in 16 bits.
     """
     stride, _, rows, cols = phases.shape
     flat = phases.ravel()
     n_theta, n_points, _ = cells.shape
     chunks = (blocks + LANES - 1) // LANES
     width = chunks * LANES
+    level = 0
+    while 1 << level < stride:
+        level += 1
     bounds = np.zeros((n_theta, blocks, width), dtype=np.int32)
-    plane = np.zeros(blocks * width, dtype=np.uint16)
+    # All that is not zero lies between the borders; what sees none of it is left out.
+    low = border - blocks * stride
+    high = ((rows - 2 * skirt) * stride - border, (cols - 2 * skirt - LANES) * stride - border)
+    plane, starts = np.empty(blocks * width, dtype=np.uint16), np.empty(256, dtype=np.int64)
     for k in range(n_theta):
         target = bounds[k].ravel()
         for first in range(0, n_points, 256):
             plane[:] = 0
+            inside = 0
             for n in range(first, min(first + 256, n_points)):
-                row, col = cells[k, n, 0], cells[k, n, 1]
-                row0, col0 = row // stride, col // stride
-                if col0 >= cols or col0 + blocks <= 0:
+                row, col = np.int64(cells[k, n, 0]), np.int64(cells[k, n, 1])
+                if not (low < row < high[0] and low < col < high[1]):
                     continue
-                phase = ((row % stride) * stride + col % stride) * rows
-                inside = col0 >= 0 and col0 + width <= cols
+                row0, col0 = (row >> level) + skirt, (col >> level) + skirt
+                phase = ((row & (stride - 1)) * stride + (col & (stride - 1))) * rows
+                start = (phase + row0) * cols + col0
+                if col0 >= 0 and col0 + width <= cols and row0 >= 0 and row0 + blocks <= rows:
+                    starts[inside] = start
+                    inside += 1
+                    continue
                 for a in range(max(0, -row0), min(blocks, rows - row0)):
-                    source = (phase + row0 + a) * cols + col0
-                    if inside:
-                        for chunk in range(chunks):
-                            add_lanes(plane, a * width + chunk * LANES, flat, source + chunk * LANES)  # pyright: ignore[reportCallIssue]
-                    else:
-                        for b in range(max(0, -col0), min(blocks, cols - col0)):
-                            plane[a * width + b] += flat[source + b]
+                    for b in range(max(0, -col0), min(blocks, cols - col0)):
+                        plane[a * width + b] += flat[start + a * cols + b]
+            for a in range(blocks):
+                for chunk in range(0, width, LANES):
+                    add_lanes(plane, a * width + chunk, flat, starts, inside, a * cols + chunk)  # pyright: ignore[reportCallIssue]
             for index in range(blocks * width):
                 target[index] += plane[index]
     return bounds

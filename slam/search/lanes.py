@@ -1,8 +1,9 @@
-"""Sixteen sums at once: the compiler does not find this addition by itself, since the arrays might overlap."""
+"""Sixteen sums at once, kept in a register: the compiler does not find this by itself, the arrays might overlap."""
 
 import numpy as np
 from llvmlite import ir
 from numba import types
+from numba.core import cgutils
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 
@@ -10,25 +11,32 @@ LANES = 16  # sums in one addition
 
 
 @intrinsic
-def add_lanes(typingctx, sums, at, values, start):
-    """In a kernel: `sums[at : at + 16] += values[start : start + 16]`, uint16 and uint8, without bounds checks.
+def add_lanes(typingctx, sums, at, values, starts, count, offset):
+    """In a kernel: `sums[at : at + 16] += values[s + offset : s + offset + 16]` for s in `starts[:count]`.
 
-    `add_lanes_reference` is the same in numpy.
+    uint16, uint8 and int64 arrays, without bounds checks. `add_lanes_reference` is the same in numpy.
     """
 
     def codegen(context, builder, signature, arguments):
-        into = context.make_array(signature.args[0])(context, builder, arguments[0]).data
-        source = context.make_array(signature.args[2])(context, builder, arguments[2]).data
+        into, source, firsts = (
+            context.make_array(signature.args[k])(context, builder, arguments[k]).data for k in (0, 2, 3)
+        )
         narrow, wide = ir.VectorType(ir.IntType(8), LANES), ir.VectorType(ir.IntType(16), LANES)
         target = builder.bitcast(builder.gep(into, [arguments[1]]), wide.as_pointer())
-        added = builder.load(builder.bitcast(builder.gep(source, [arguments[3]]), narrow.as_pointer()), align=1)
-        total = builder.add(builder.load(target, align=2), builder.zext(added, wide))
-        builder.store(total, target, align=2)
+        total = cgutils.alloca_once_value(builder, builder.load(target, align=2))
+        with cgutils.for_range(builder, arguments[4]) as loop:
+            start = builder.add(builder.load(builder.gep(firsts, [loop.index])), arguments[5])
+            added = builder.load(builder.bitcast(builder.gep(source, [start]), narrow.as_pointer()), align=1)
+            builder.store(builder.add(builder.load(total), builder.zext(added, wide)), total)
+        builder.store(builder.load(total), target, align=2)
         return context.get_dummy_value()
 
-    return types.void(sums, types.intp, values, types.intp), codegen
+    return types.void(sums, types.intp, values, starts, types.intp, types.intp), codegen
 
 
-def add_lanes_reference(sums: NDArray[np.uint16], at: int, values: NDArray[np.uint8], start: int) -> None:
+def add_lanes_reference(
+    sums: NDArray[np.uint16], at: int, values: NDArray[np.uint8], starts: NDArray[np.int64], count: int, offset: int
+) -> None:
     """Do what `add_lanes` does."""
-    sums[at : at + LANES] += values[start : start + LANES]
+    for start in starts[:count] + offset:
+        sums[at : at + LANES] += values[start : start + LANES]

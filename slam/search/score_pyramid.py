@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from .lanes import LANES
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,8 +50,9 @@ class ScorePyramid:
 
     Attributes:
         levels: (L + 1, rows', cols') uint8, level 0 the scores themselves, with a border of zeros.
-        phases: (S, S, ceil(rows' / S), .) uint8, S = 2^L: level L sorted by (row mod S, column mod S), so that blocks
-            that are neighbours in the search lie side by side in memory.
+        phases: (S, S, ., .) uint8, S = 2^L: level L sorted by (row mod S, column mod S), so that blocks that are
+            neighbours in the search lie side by side in memory.
+        skirt: How many more rows and columns of zeros the phases have on each side (columns: 16 more at the end).
         border: Width of the border [cells].
         origin: (x, y) of the outer corner of the score grid's cell [0, 0] (not of the border) [m].
         resolution: Side of a cell [m].
@@ -58,6 +60,7 @@ class ScorePyramid:
 
     levels: NDArray[np.uint8]
     phases: NDArray[np.uint8]
+    skirt: int
     border: int
     origin: tuple[float, float]
     resolution: float
@@ -90,7 +93,8 @@ def build_pyramid(grid: ScoreGrid, *, top_level: int = 3, margin: int = 0) -> Sc
         # The rows are done; along the columns the source must not see what this step writes.
         np.maximum(coarser[:, :-half], coarser[:, half:].copy(), out=coarser[:, :-half])
     blocks = levels[top_level].reshape(rows // stride, stride, cols // stride, stride)
-    # 16 columns more, so that a row of sixteen blocks can always be read at once.
-    phases = np.zeros((stride, stride, rows // stride, cols // stride + 16), dtype=np.uint8)
-    phases[:, :, :, :-16] = blocks.transpose(1, 3, 0, 2)
-    return ScorePyramid(levels, phases, border, grid.origin, grid.resolution)
+    # So much that a window that meets anything can be read whole, sixteen blocks of a row at once.
+    skirt = -(-margin // stride)
+    phases = np.zeros((stride, stride, rows // stride + 2 * skirt, cols // stride + 2 * skirt + LANES), dtype=np.uint8)
+    phases[:, :, skirt : skirt + rows // stride, skirt : skirt + cols // stride] = blocks.transpose(1, 3, 0, 2)
+    return ScorePyramid(levels, phases, skirt, border, grid.origin, grid.resolution)

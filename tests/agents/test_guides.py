@@ -167,11 +167,26 @@ def test_the_way_leads_to_the_frontier_and_none_is_left_in_a_closed_room():
     assert way is not None
     assert way.places[0] == pytest.approx([1.05, 1.55], abs=0.11)
     assert way.frontier[0] == pytest.approx(2.95, abs=0.15)
-    assert plan_way(own, own.pose[None, :2], way.frontier[None], FrontierConfig()) is None
+    other = plan_way(own, own.pose[None, :2], way.frontier[None], FrontierConfig())
+    assert other is not None
+    assert np.hypot(*(other.frontier - way.frontier)) >= 0.5
+    everywhere = np.column_stack((np.full(31, way.frontier[0]), np.linspace(0.0, 3.0, 31)))
+    assert plan_way(own, own.pose[None, :2], everywhere, FrontierConfig()) is None
     closed = half_known_room().probability.copy()
     closed[:, 59:] = 0.9
     shut = OwnMap(OccupancyMap(closed, 0.05, (0.0, 0.0)), own.pose)
     assert plan_way(shut, own.pose[None, :2], np.empty((0, 2)), FrontierConfig()) is None
+
+
+def test_a_frontier_that_begins_beside_the_robot_is_followed_to_where_it_is_not():
+    own = OwnMap(half_known_room(), np.array([2.8, 1.5, 0.0]))
+    way = plan_way(own, own.pose[None, :2], np.empty((0, 2)), FrontierConfig())
+    assert way is not None
+    assert 0.6 <= np.hypot(*(way.frontier - own.pose[:2])) < 0.9
+    far_ends = np.column_stack((np.full(60, 2.95), [*np.linspace(0.0, 0.95, 30), *np.linspace(2.05, 3.0, 30)]))
+    beside = plan_way(own, own.pose[None, :2], far_ends, FrontierConfig(reached=0.9))
+    assert beside is not None, "what is left beside the robot counts when nothing else is left"
+    assert np.hypot(*(beside.frontier - own.pose[:2])) < 0.6
 
 
 def test_the_place_ahead_lies_on_the_way():

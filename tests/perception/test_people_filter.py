@@ -1,5 +1,8 @@
+from types import SimpleNamespace
+
 import numpy as np
-from tagalong.perception.people_filter import filter_people
+from tagalong.perception.legs.detector import Detections
+from tagalong.perception.people_filter import filter_people, people_points_lidar, suspect_points_lidar
 from tagalong.slam.scan import LaserScan
 
 
@@ -19,3 +22,19 @@ def test_points_near_a_person_are_dropped_and_nothing_is_rewritten():
 def test_nobody_means_the_same_scan():
     scan = LaserScan(np.full(11, 3.0), np.linspace(-1, 1, 11), 0.1, 30.0)
     np.testing.assert_array_equal(filter_people(scan, np.zeros((0, 2)), 0.35).ranges, scan.ranges)
+
+
+def test_suspects_are_the_clusters_that_look_like_legs_seen_from_the_laser():
+    scan = LaserScan(np.full(11, 3.0), np.linspace(-1, 1, 11), 0.1, 30.0, T_robot_lidar=(0.2, 0.1, np.pi / 2))
+    positions, confidence = np.array([[1.0, 0.0], [2.0, 0.0], [0.2, 3.1]]), np.array([0.49, 0.5, 0.9])
+    found = Detections(positions, confidence, confidence >= 0.3, clusters=None)
+    np.testing.assert_allclose(suspect_points_lidar(found, scan, 0.5), [[-0.1, -1.8], [3.0, 0.0]], atol=1e-12)
+    assert suspect_points_lidar(found, scan, 0.95).shape == (0, 2)
+
+
+def test_people_are_placed_in_the_frame_of_the_laser():
+    scan = LaserScan(np.full(11, 3.0), np.linspace(-1, 1, 11), 0.1, 30.0, T_robot_lidar=(0.2, 0.0, 0.0))
+    people = SimpleNamespace(points=np.array([[1.0, 3.0], [1.0, 4.0]]))
+    np.testing.assert_allclose(
+        people_points_lidar(people, (1.0, 1.0, np.pi / 2), scan), [[1.8, 0], [2.8, 0]], atol=1e-12
+    )

@@ -63,6 +63,23 @@ def test_the_canvas_puts_the_plane_upright_and_clips_at_its_border():
     assert not blue[:, 24 + 601 :].any()
 
 
+def test_a_long_legend_takes_more_lines_and_leaves_the_scale_bar_alone():
+    def sheet(entries):
+        canvas = PlanCanvas((0.0, 0.0), (10.0, 10.0), size=(600, 600))
+        canvas.legend(entries)
+        return np.array(canvas.finished())
+
+    bare, short, long = sheet([]), sheet([("start", RED)]), sheet([(f"stretch {i} of the path", RED) for i in range(9)])
+    assert bare.shape == short.shape
+    assert long.shape[0] > short.shape[0]
+    corner = np.s_[624 : bare.shape[0], 648 - 24 - 150 :]  # where the bar of 1 m and its text stand
+    assert (bare[corner] == INK).all(axis=-1).any()
+    assert np.array_equal(bare[corner], short[corner])
+    assert np.array_equal(bare[corner], long[corner])
+    rows = np.flatnonzero((long == RED).all(axis=-1).any(axis=1))
+    assert np.count_nonzero(np.diff(rows) > 1) >= 2
+
+
 def test_thin_walls_stay_visible_on_a_large_plan():
     canvas = PlanCanvas((0.0, 0.0), (400.0, 400.0))
     canvas.cells(np.column_stack((np.arange(0, 400, 0.02), np.full(20000, 200.0))), 0.02, INK, 1.5)

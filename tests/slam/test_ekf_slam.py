@@ -1,12 +1,10 @@
 """EKF-SLAM: right derivatives, honest covariance, short memory of being lost."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from landmark_worlds import BEARINGS, cast, circle_path, draw_posts, typical_wheels
 from scipy.stats import chi2
 from tagalong.slam.ekf.association import compare, joint_compatibility, nearest_neighbour
 from tagalong.slam.ekf.calibrated_motion import advance, advance_jacobian
@@ -23,9 +21,6 @@ from tagalong.slam.engine import make_slam
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between, wrap_angle
 from tagalong.slam.scan import LaserScan
-
-sys.path.insert(0, str(Path(__file__).parent))
-from landmark_worlds import BEARINGS, cast, circle_path, draw_posts, typical_wheels
 
 number = st.floats(-5.0, 5.0)
 

@@ -12,7 +12,7 @@ from tagalong.slam.gmapping.tile_kernels import SIDE
 from tagalong.slam.gmapping.tile_maps import TileMaps
 from tagalong.slam.gmapping.workers import Workers
 from tagalong.slam.grid import GridConfig, OccupancyGrid, render_map
-from tagalong.slam.grid_kernels import write_scan, write_scan_reference
+from tagalong.slam.grid_kernels import write_observation, write_observation_reference
 from tagalong.slam.rays import ray_cells
 from tagalong.slam.scan import LaserScan
 
@@ -64,10 +64,10 @@ def test_the_grid_kernel_equals_numpy():
     grids = [(np.zeros((60, 70), np.float32), np.zeros((60, 70), np.int32)) for _ in range(2)]
     for stamp in range(1, 5):
         start, ends = rng.uniform(10, 50, 2), rng.uniform(1, 59, (80, 2))
-        is_hit = rng.random(80) < 0.7
-        arguments = (*start, ends, is_hit, 0.8, -0.4, 1.5, stamp)
-        write_scan(*arguments, *grids[0])
-        write_scan_reference(*arguments, *grids[1])
+        log_beta = np.where(rng.random(80) < 0.7, 0.8, np.nan)
+        arguments = (*start, ends, log_beta, -0.4, 1.5, stamp)
+        write_observation(*arguments, *grids[0])
+        write_observation_reference(*arguments, *grids[1])
     np.testing.assert_allclose(grids[0][0], grids[1][0], atol=1e-6)
     np.testing.assert_array_equal(grids[0][1], grids[1][1])
 

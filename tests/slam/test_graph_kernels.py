@@ -128,7 +128,7 @@ def test_every_bound_of_the_search_is_the_sum_over_its_block_and_above_all_score
     rotated_cells(points, headings, 3.0, 2.0, 0.1, pyramid.border - 7, cells)
     turned = np.stack([transform_points((3.0, 2.0, heading), points) for heading in headings])
     np.testing.assert_array_equal(cells, np.floor(turned[:, :, ::-1] / 0.1).astype(int) + pyramid.border - 7)
-    bounds, leaves = top_bounds(pyramid.phases, cells, 2), pyramid.levels[0]
+    bounds, leaves = top_bounds(pyramid.phases, pyramid.skirt, pyramid.border, cells, 2), pyramid.levels[0]
     for k, a, b in np.ndindex(len(headings), 2, 2):
         rows, columns = (cells[k] + [8 * a, 8 * b]).T
         assert bounds[k, a, b] == pyramid.levels[3][rows, columns].astype(int).sum()

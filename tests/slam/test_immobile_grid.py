@@ -5,6 +5,7 @@ import pytest
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between, transform_points
 from tagalong.slam.grid import GridConfig, OccupancyGrid
+from tagalong.slam.grid_kernels import write_observation, write_observation_reference
 from tagalong.slam.immobile_grid import (
     UNKNOWN,
     ImmobileConfig,
@@ -13,7 +14,6 @@ from tagalong.slam.immobile_grid import (
     moving_lambda,
     still_lambda,
 )
-from tagalong.slam.immobile_kernels import write_observation, write_observation_reference
 from tagalong.slam.scan import LaserScan
 
 ORIGIN = np.zeros(3)

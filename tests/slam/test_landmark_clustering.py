@@ -8,6 +8,7 @@ from sklearn.cluster import DBSCAN
 from sklearn.metrics import adjusted_rand_score
 from tagalong.slam.errors import InputError
 from tagalong.slam.landmarks.clustering import METHODS, Dbscan, make_clusterer
+from tagalong.slam.landmarks.heuristic_kernel import heuristic_labels, heuristic_labels_reference
 from tagalong.slam.landmarks.objects import (
     SightingConfig,
     covariance_ellipse,
@@ -53,6 +54,14 @@ def test_dbscan_labels_as_scikit_learn_does(seed, count, min_points, epsilon):
     points = np.random.default_rng(seed).uniform(0.0, 2.0, (count, 2))
     ours = Dbscan(epsilon=epsilon, min_points=min_points).fit_predict(points)
     assert ours.tolist() == DBSCAN(eps=epsilon, min_samples=min_points).fit_predict(points).tolist()
+
+
+@given(st.integers(0, 999), st.integers(0, 40), st.integers(1, 4), st.sampled_from([0.1, 0.5, 2.0]))
+def test_the_compiled_heuristic_equals_numpy(seed, count, min_points, distance):
+    points = np.cumsum(np.random.default_rng(seed).normal(0.0, 0.4, (count, 2)), axis=0)
+    found = heuristic_labels(points, distance, min_points)
+    np.testing.assert_array_equal(found, heuristic_labels_reference(points, distance, min_points))
+    assert found.shape == (count,)
 
 
 def test_mean_covariance_and_ellipse_are_those_of_the_points():

@@ -8,23 +8,11 @@ from tagalong.slam.graph.constraints import Kind
 from tagalong.slam.graph.engine import Cartographer
 from tagalong.slam.graph.local_slam import LocalSlamConfig
 from tagalong.slam.scan import LaserScan
+from walls import cast
 
 WALLS = np.array([[-4.0, -3.0, 5.0, -3.0], [5.0, -3.0, 5.0, 4.0], [5.0, 4.0, -4.0, 4.0], [-4.0, 4.0, -4.0, -3.0],
                   [1.0, 1.5, 2.2, 1.5], [2.2, 1.5, 2.2, 2.5], [-2.0, -1.0, -1.2, -1.8]])  # fmt: skip
 BEARINGS = np.deg2rad(np.arange(-135.0, 135.0, 0.75))
-
-
-def cast(pose, rng, noise=0.01):
-    """Return the scan of a laser at `pose` (3,) in the room."""
-    angles = BEARINGS + pose[2]
-    d = np.stack((np.cos(angles), np.sin(angles)), axis=-1)[:, None]
-    a, e = WALLS[None, :, :2] - pose[:2], (WALLS[:, 2:] - WALLS[:, :2])[None]
-    cross = d[..., 0] * e[..., 1] - d[..., 1] * e[..., 0]
-    with np.errstate(divide="ignore"):
-        t = (a[..., 0] * e[..., 1] - a[..., 1] * e[..., 0]) / cross
-        u = (a[..., 0] * d[..., 1] - a[..., 1] * d[..., 0]) / cross
-    ranges = np.where((t > 0.0) & (u >= 0.0) & (u <= 1.0), t, np.inf).min(axis=1)
-    return LaserScan(ranges + rng.normal(0.0, noise, len(ranges)), BEARINGS, 0.05, 20.0)
 
 
 def drive(rng, steps=150):
@@ -47,7 +35,7 @@ def run(engine, odometry, scans):
 def test_a_drifting_odometry_is_corrected_to_centimetres():
     rng = np.random.default_rng(0)
     truth, odometry = drive(rng)
-    engine = run(make_slam("cartographer"), odometry, [cast(pose, rng) for pose in truth])
+    engine = run(make_slam("cartographer"), odometry, [cast(WALLS, pose, rng, bearings=BEARINGS) for pose in truth])
     error = between(truth, engine.trajectory())
     assert np.hypot(error[:, 0], error[:, 1]).max() < 0.04
     assert np.abs(error[:, 2]).max() < np.deg2rad(0.8)
@@ -57,7 +45,7 @@ def test_a_drifting_odometry_is_corrected_to_centimetres():
 def test_two_runs_are_equal_to_the_byte():
     rng = np.random.default_rng(1)
     truth, odometry = drive(rng, steps=60)
-    scans = [cast(pose, rng) for pose in truth]
+    scans = [cast(WALLS, pose, rng, bearings=BEARINGS) for pose in truth]
     first, second = (run(make_slam("cartographer"), odometry, scans) for _ in range(2))
     assert first.trajectory().tobytes() == second.trajectory().tobytes()
     assert first.map().probability.tobytes() == second.map().probability.tobytes()
@@ -79,7 +67,7 @@ def test_a_second_round_is_tied_to_the_submaps_of_the_first():
     truth, odometry = drive(rng, steps=120)
     second = np.concatenate((truth, truth))
     closed = compose(odometry[-1], between(odometry[0], odometry))
-    scans = [cast(pose, rng) for pose in second]
+    scans = [cast(WALLS, pose, rng, bearings=BEARINGS) for pose in second]
     options = {"local": LocalSlamConfig(submaps=ActiveSubmapsConfig(scans=15))}
     engine = run(make_slam("cartographer", **options), np.concatenate((odometry, closed)), scans)
     assert isinstance(engine, Cartographer)

@@ -11,8 +11,7 @@ from tagalong.slam.localization.localizer import Localizer, LocalizerConfig, Sta
 from tagalong.slam.localization.place_map import PlaceMap
 from tagalong.slam.occupancy_map import OccupancyMap
 from tagalong.slam.scan import LaserScan
-
-BEARINGS = np.deg2rad(np.arange(-135.0, 135.0, 1.0))
+from walls import BEARINGS, cast
 
 
 def walls(*corners, closed=True):
@@ -32,20 +31,6 @@ ROOM = np.array(
     + walls((-3.0, 1.5), (-2.0, 1.5), (-2.6, 2.5))
 )
 CORRIDOR = np.array(walls((-30.0, -1.0), (30.0, -1.0), (30.0, 1.0), (-30.0, 1.0)))
-
-
-def cast(lines, pose, rng, reach=20.0):
-    """Return the scan of a laser at `pose` (3,) among `lines` (k, 4)."""
-    angles = BEARINGS + pose[2]
-    d = np.stack((np.cos(angles), np.sin(angles)), axis=-1)[:, None]
-    a, e = lines[None, :, :2] - pose[:2], (lines[:, 2:] - lines[:, :2])[None]
-    cross = d[..., 0] * e[..., 1] - d[..., 1] * e[..., 0]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        t = (a[..., 0] * e[..., 1] - a[..., 1] * e[..., 0]) / cross
-        u = (a[..., 0] * d[..., 1] - a[..., 1] * d[..., 0]) / cross
-    ranges = np.where((t > 0.0) & (u >= 0.0) & (u <= 1.0), t, np.inf).min(axis=1)
-    ranges += rng.normal(0.0, 0.01, len(ranges))
-    return LaserScan(np.where(ranges > reach, np.inf, ranges), BEARINGS, 0.05, reach)
 
 
 def drawn(lines, poses, resolution=0.05, reach=20.0):

@@ -10,10 +10,9 @@ from tagalong.slam.graph.constraints import Kind
 from tagalong.slam.graph.engine import Cartographer, CartographerConfig
 from tagalong.slam.graph.global_slam import GlobalSlamConfig
 from tagalong.slam.graph.local_slam import LocalSlamConfig
-from tagalong.slam.scan import LaserScan
+from walls import cast
 
 BAYS, PERIOD, REACH = 10, 3.0, 4.0
-BEARINGS = np.deg2rad(np.arange(-135.0, 135.0, 1.0))
 
 
 def corridor():
@@ -24,19 +23,6 @@ def corridor():
             corners = [(x, 1.0), (x + 1.0, 1.0), (x + 1.0, 1.8), (x + 2.0, 1.8), (x + 2.0, 1.0), (x + PERIOD, 1.0)]
             lines += [(a, side * b, c, side * d) for (a, b), (c, d) in pairwise(corners)]
     return np.array(lines)
-
-
-def cast(pose, rng, lines):
-    angles = BEARINGS + pose[2]
-    d = np.stack((np.cos(angles), np.sin(angles)), axis=-1)[:, None]
-    a, e = lines[None, :, :2] - pose[:2], (lines[:, 2:] - lines[:, :2])[None]
-    cross = d[..., 0] * e[..., 1] - d[..., 1] * e[..., 0]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        t = (a[..., 0] * e[..., 1] - a[..., 1] * e[..., 0]) / cross
-        u = (a[..., 0] * d[..., 1] - a[..., 1] * d[..., 0]) / cross
-    ranges = np.where((t > 0.0) & (u >= 0.0) & (u <= 1.0), t, np.inf).min(axis=1)
-    ranges = ranges + rng.normal(0.0, 0.01, len(ranges))
-    return LaserScan(np.where(ranges > REACH, np.inf, ranges), BEARINGS, 0.05, REACH)
 
 
 def there_and_back():
@@ -62,7 +48,7 @@ def test_closures_one_bay_off_are_rejected_and_counted(seed):
         CartographerConfig(local=LocalSlamConfig(submaps=submaps), global_=GlobalSlamConfig(search_every=0.3))
     )
     for pose, place in zip(odometry, truth, strict=True):
-        engine.update(pose, cast(place, rng, lines))
+        engine.update(pose, cast(lines, place, rng, REACH))
     error = between(truth, engine.trajectory())
     assert np.hypot(error[:, 0], error[:, 1]).max() < 0.3  # a bay is 3 m
     assert engine.rejected >= 5

@@ -8,9 +8,7 @@ from tagalong.slam.graph.engine import Cartographer, CartographerConfig
 from tagalong.slam.graph.submap import Submap, SubmapConfig
 from tagalong.slam.graph.watch import Watch, WatchConfig, contradictions
 from tagalong.slam.matching import make_matcher
-from tagalong.slam.scan import LaserScan
-
-BEARINGS = np.deg2rad(np.arange(-135.0, 135.0, 1.0))
+from walls import cast
 
 
 def ring(*corners):
@@ -25,18 +23,6 @@ WALLS = np.array(
 ELSEWHERE = np.array(
     ring((-9.0, -1.0), (2.0, -1.0), (2.0, -6.0), (4.0, -6.0), (4.0, 5.0), (2.0, 5.0), (2.0, 1.0), (-9.0, 1.0))
 )
-
-
-def cast(pose, rng, lines=WALLS):
-    angles = BEARINGS + pose[2]
-    d = np.stack((np.cos(angles), np.sin(angles)), axis=-1)[:, None]
-    a, e = lines[None, :, :2] - pose[:2], (lines[:, 2:] - lines[:, :2])[None]
-    cross = d[..., 0] * e[..., 1] - d[..., 1] * e[..., 0]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        t = (a[..., 0] * e[..., 1] - a[..., 1] * e[..., 0]) / cross
-        u = (a[..., 0] * d[..., 1] - a[..., 1] * d[..., 0]) / cross
-    ranges = np.where((t > 0.0) & (u >= 0.0) & (u <= 1.0), t, np.inf).min(axis=1)
-    return LaserScan(ranges + rng.normal(0.0, 0.01, len(ranges)), BEARINGS, 0.05, 20.0)
 
 
 def ahead(start, motion, count):
@@ -59,7 +45,7 @@ def fed(engine, poses, odometry, rng, lines=WALLS):
     for k, pose in enumerate(poses):
         if k:
             odometry = compose(odometry, between(poses[k - 1], pose) * [1.02, 1.02, 1.01])
-        updates.append(engine.update(odometry, cast(pose, rng, lines)))
+        updates.append(engine.update(odometry, cast(lines, pose, rng)))
     return updates, odometry
 
 
@@ -96,7 +82,7 @@ def test_slam_finds_a_carried_robot_on_its_map_within_ten_scans(mapped):
 def test_where_slam_recovers_icp_from_the_last_scan_does_not(mapped):
     engine, odometry, last, rng = mapped
     after = ahead((-3.8, 0.9, -1.2), (0.1, 0.0, 0.03), 12)
-    reference, new = cast(last, rng), cast(after[0], rng)
+    reference, new = cast(WALLS, last, rng), cast(WALLS, after[0], rng)
     match = make_matcher("icp").match(reference, new, (0.0, 0.0, 0.0))
     assert distance(compose(last, match.pose), after[0]) > 1.0
     updates, _ = fed(engine, after, odometry, rng)

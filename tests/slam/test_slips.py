@@ -1,17 +1,12 @@
 """A robot that is not where its filter believes finds itself by the distances between landmarks."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+from landmark_worlds import cast, circle_path, draw_posts
 from tagalong.slam.ekf.engine import EkfSlam
 from tagalong.slam.ekf.models import measure
 from tagalong.slam.ekf.slip import find_slip
 from tagalong.slam.geometry import between, compose
-
-sys.path.insert(0, str(Path(__file__).parent))
-from landmark_worlds import cast, circle_path, draw_posts
 
 POSTS = np.array([(3.0, 1.0), (4.5, -2.0), (6.0, 0.5), (2.0, 4.0), (7.0, 4.5)])
 

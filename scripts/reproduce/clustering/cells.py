@@ -155,7 +155,7 @@ def sweep_cell(seed: int, slow: bool) -> Mapping[str, Any]:
         for reach in REACHES:
             points[f"{name}/range/{reach}"] = _swept(drive, name, 0.5, 1, reach)
     if slow:
-        for reach in REACHES[:-1]:
+        for reach in REACHES:
             scans = {i: shortened(drive.scans[i], reach) for i in drive.keys}
             for name in ("kmeans", "gmm"):
                 found = cluster_by_number(name, list(scans.values()))[name]

@@ -9,8 +9,10 @@ from numpy.typing import NDArray
 
 from ....slam.geometry import transform_points
 from ....slam.landmarks.objects import covariance_ellipse
-from ...figures.plots import new_figure, save_figure
+from ...experiments.statistics import Estimate, bootstrap_mean
+from ...figures.plots import logarithmic, new_figure, save_figure
 from ..report import Figure
+from .cells import DISTANCES, NEIGHBOURS, REACHES
 from .drives import ROBOTS
 from .example import COLUMNS, Example
 from .judgement import Consistency, Worlds
@@ -20,6 +22,7 @@ Array = NDArray[np.float64]
 
 COLOURS = dict(zip(METHODS, ("#1f57d6", "#eb7000", "#f4a860", "#d62728", "#e98b8c", "#0b7a5a"), strict=True))
 _TITLES = {"odometry": "without EKF", "slam": "with EKF", "lost": "with EKF, landmarks lost for 6 m"}
+_MEDIAN = {"color": "black", "linewidth": 1.5}
 _MAGNIFIED = 10.0  # ellipses of landmarks in Figure 6, which could not be seen else
 _ELLIPSE, _ROUTE, _GROUND = "#1f57d6", "#39b7e6", "0.55"
 
@@ -31,11 +34,12 @@ def draw_times(worlds: Worlds, folder: Path) -> Figure:
         (("clustering a scan [ms]", worlds.cluster_ms), ("whole drive [s]", worlds.total_s))
     ):
         axes = figure.add_subplot(1, 2, place + 1)
-        boxes = axes.boxplot([values(name) for name in METHODS], patch_artist=True, widths=0.6)
+        boxes = axes.boxplot([values(name) for name in METHODS], patch_artist=True, widths=0.6, medianprops=_MEDIAN)
         for box, name in zip(boxes["boxes"], METHODS, strict=True):
             box.set_facecolor(COLOURS[name])
         axes.set_xticks(range(1, len(METHODS) + 1), list(METHODS.values()), rotation=25, ha="right")
-        axes.set(yscale="log", ylabel=title)
+        axes.set(ylabel=title)
+        logarithmic(axes)
         axes.grid(axis="y", alpha=0.3)
     caption = "Figure 3: time by method, one box over all worlds, CPU time of one thread, logarithmic."
     return Figure(file=save_figure(folder / "figure3_time.png", figure), caption=caption)
@@ -48,11 +52,12 @@ def draw_errors(worlds: Worlds, folder: Path) -> Figure:
         for column, (robot, title) in enumerate(ROBOTS.items()):
             axes = figure.add_subplot(2, 2, 2 * row + column + 1)
             values = [worlds.error(name, robot, "slam", figure_of) for name in METHODS]
-            boxes = axes.boxplot(values, patch_artist=True, widths=0.6)
+            boxes = axes.boxplot(values, patch_artist=True, widths=0.6, medianprops=_MEDIAN)
             for box, name in zip(boxes["boxes"], METHODS, strict=True):
                 box.set_facecolor(COLOURS[name])
             axes.set_xticks(range(1, len(METHODS) + 1), list(METHODS.values()), rotation=25, ha="right")
-            axes.set(yscale="log", ylabel=label, title=title)
+            axes.set(ylabel=label, title=title)
+            logarithmic(axes)
             axes.grid(axis="y", alpha=0.3)
     caption = "Figure 4: accumulated error of y where x coincides, and ATE below; EKF-SLAM, logarithmic."
     return Figure(file=save_figure(folder / "figure4_error.png", figure), caption=caption)
@@ -145,23 +150,32 @@ def draw_sweeps(rows: Sequence[Mapping[str, Any]], folder: Path) -> Figure:
     titles = {"distance": "minimum cluster distance [m]", "neighbours": "minimum neighbours", "range": "range [m]"}
     for place, (key, title) in enumerate(titles.items()):
         axes = figure.add_subplot(1, 3, place + 1)
+        values = {"distance": DISTANCES, "neighbours": NEIGHBOURS, "range": REACHES}[key]
         for name in PAPER:
-            values = sorted({float(point.split("/")[2]) for row in rows for point in row if f"{name}/{key}/" in point})
-            if not values:
+            means = [_mean_error(rows, f"{name}/{key}/{value}") for value in values]
+            if all(mean is None for mean in means):
                 continue
-            means = [_mean_error(rows, name, key, value) for value in values]
-            style = "--" if name == "heuristic" else "-"
-            axes.plot(values, means, style, marker="o", color=COLOURS[name], label=METHODS[name], ms=4)
-        axes.set(xlabel=title, ylabel="RMS error [cm]", yscale="log")
+            error = [[100.0 * (m.mean - m.low) for m in means if m], [100.0 * (m.high - m.mean) for m in means if m]]
+            on_top = {"ls": "--", "mfc": "white", "zorder": 3} if name == "heuristic" else {}
+            style = {"marker": "o", "ms": 5, "capsize": 3, "lw": 1.4, **on_top}
+            at = [value for value, mean in zip(values, means, strict=True) if mean]
+            heights = [100.0 * m.mean for m in means if m]
+            axes.errorbar(at, heights, error, color=COLOURS[name], label=METHODS[name], **style)
+        axes.set(xlabel=title, ylabel="RMS error [cm]")
+        logarithmic(axes)
         axes.grid(alpha=0.3)
         axes.legend(fontsize=8)
-    caption = "The paper's three parameters; heuristic and DBSCAN lie on each other."
+    caption = (
+        "The paper's three parameters; mean and 95 % interval. Heuristic (open circles) and DBSCAN mostly lie on each "
+        "other; K-Means and GMM, which have none of the first two, on fewer worlds."
+    )
     return Figure(file=save_figure(folder / "sweeps.png", figure), caption=caption)
 
 
-def _mean_error(rows: Sequence[Mapping[str, Any]], name: str, key: str, value: float) -> float:
-    points = (f"{name}/{key}/{value}", f"{name}/{key}/{round(value)}")
-    return 100.0 * float(np.mean([row[point]["rms_m"] for row in rows for point in points if point in row]))
+def _mean_error(rows: Sequence[Mapping[str, Any]], point: str) -> Estimate | None:
+    """Return the mean error of the worlds [m] that have tried `point`."""
+    errors = [row[point]["rms_m"] for row in rows if point in row]
+    return bootstrap_mean(errors) if errors else None
 
 
 def _ground(axes: Any, example: Example) -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ....slam.matching.genetic import SIZES
-from ...figures.plots import new_figure, save_figure
+from ...figures.plots import logarithmic, new_figure, save_figure
 from ..report import Figure
 from .answers import Answers, estimate
 from .contestants import PLAIN
@@ -52,7 +52,8 @@ def draw_errors(answers: Answers, folder: Path) -> Figure:
                 cost, colour = [r["evaluations"] for r in found], _COLOURS[algorithm]
                 _line(axes, cost, [r[mean] for r in found], colour, f"{algorithm}, mean")
                 axes.plot(cost, [r[median] for r in found], ":", color=colour, label=f"{algorithm}, median")
-            axes.set(xscale="log", yscale="log", xlabel="fitness evaluations", ylabel=label, title=_space(space))
+            axes.set(xlabel="fitness evaluations", ylabel=label, title=_space(space))
+            logarithmic(axes, "xy")
             axes.grid(alpha=0.3, which="both")
             if row == column == 0:
                 axes.legend(fontsize=8)
@@ -73,7 +74,8 @@ def draw_times(answers: Answers, folder: Path) -> Figure:
                 cost = [r["timing"]["search_ms"]["median"] if timed else r["evaluations"] for r in found]
                 success = [100 * r["success"]["mean"] for r in found]
                 axes.plot(success, cost, "o-", color=_COLOURS[algorithm], label=algorithm, markersize=4)
-            axes.set(yscale="log", xlabel="success ratio [%]", ylabel="time [ms]" if timed else "evaluations")
+            axes.set(xlabel="success ratio [%]", ylabel="time [ms]" if timed else "evaluations")
+            logarithmic(axes)
             axes.set(title=_space(space), xlim=(0, 101))
             axes.grid(alpha=0.3, which="both")
             axes.legend(fontsize=9)

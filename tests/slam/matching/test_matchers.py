@@ -1,13 +1,16 @@
 """Every matcher on synthetic rooms with known answers."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between, compose
 from tagalong.slam.matching import MATCHERS, make_matcher
 from tagalong.slam.matching.global_matcher import GlobalConfig, GlobalMatcher
+from tagalong.slam.matching.iterative import IterativeMatcher
 from tagalong.slam.matching.lookup import LookupConfig, build_lookup
-from tagalong.slam.matching.surfaces import near_points
+from tagalong.slam.matching.surfaces import find_surfaces, near_points
 from tagalong.slam.scan import LaserScan
 from tagalong.slam.search.exhaustive import exhaustive_search
 
@@ -143,6 +146,27 @@ def test_global_recovers_where_icp_does_not():
     assert found.converged and not found.ambiguous  # noqa: PT018
     for name in ("icp", "plicp", "mbicp"):
         assert np.abs(between(truth, make_matcher(name).match(*scans, guess).pose)).max() > 0.3
+
+
+def test_the_second_kind_of_lines_leaves_exact_poses_exact_and_moves_noisy_ones_by_less_than_their_error():
+    config = GlobalConfig().refinement
+    tool, lines, errors = IterativeMatcher(config), replace(config.surfaces, even=True), []
+    rng = np.random.default_rng(8)
+    for k in range(60):
+        at = np.array([*rng.uniform(-0.6, 0.6, 2), rng.uniform(-3, 3)])
+        moved = compose(at, [*rng.uniform(-0.1, 0.1, 2), rng.uniform(-0.1, 0.1)])
+        noise = 0.01 * (k % 2)
+        reference, new = (scan_of(ROOM, pose, FULL[::4], noise, rng) for pose in (at, moved))
+        surfaces = find_surfaces(new, config.surfaces)
+        refined = tool.refine_both(reference, surfaces, between(at, moved))
+        polished = tool.polish_both(reference, surfaces, refined, lines)
+        pairs = ((between(at, moved), refined.pose), (between(at, moved), polished.pose), (refined.pose, polished.pose))
+        errors.append([np.hypot(*between(*pair)[:2]) for pair in pairs])
+        assert polished.iterations > refined.iterations
+    exact, noisy = np.median(errors[::2], axis=0), np.mean(errors[1::2], axis=0)
+    assert exact.max() < 2e-4
+    assert noisy[2] < 0.7 * noisy[0]
+    assert noisy[1] < 1.1 * noisy[0]
 
 
 def test_a_room_that_looks_the_same_from_behind_is_ambiguous():

@@ -153,12 +153,12 @@ def test_bad_input_is_named():
 
 def test_sixteen_sums_at_once_are_those_of_numpy():
     @numba.njit
-    def add(sums, values):
-        add_lanes(sums, 3, values, 5)
+    def add(sums, values, starts):
+        add_lanes(sums, 3, values, starts, len(starts), 5)
 
     rng = np.random.default_rng(0)
     sums, values = rng.integers(0, 60000, 40).astype(np.uint16), rng.integers(0, 256, 40).astype(np.uint8)
-    expected = sums.copy()
-    add_lanes_reference(expected, 3, values, 5)
-    add(sums, values)
+    starts, expected = np.array([0, 7, 19, 7], dtype=np.int64), sums.copy()
+    add_lanes_reference(expected, 3, values, starts, len(starts), 5)
+    add(sums, values, starts)
     np.testing.assert_array_equal(sums, expected)

@@ -1,0 +1,182 @@
+"""What the network is not left alone with: being held up before things, and a leader out of sight.
+
+A network that wishes straight into a door post is stopped by the guard, and would wish so for ever. Whoever stands
+though the leader's trail goes on gets a short way from here: manoeuvres of two parts (back, turn or go; then go) are
+driven in thought, and the one that comes farthest along the trail without a touch is driven. The same leads who
+has lost the leader to where the trail ends; there it looks around.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...slam.errors import InputError
+from ..memory import Goal, Mode
+from .guard import GuardConfig, box_gaps
+from .steering import State, SteeringConfig, steer_many
+
+Array = NDArray[np.float64]
+_SPACING_M = 0.1
+_LONGEST_M = 2.5
+
+
+@dataclass(frozen=True, kw_only=True)
+class DetourConfig:
+    """When the network is relieved, and how.
+
+    Attributes:
+        distance: From the leader, centre to centre, at which a robot may well stand [m].
+        behind: A robot that stands this much of the trail farther off is held up [m].
+        held_s: For how long, until it is relieved [s].
+        relieved_m: Way after which the network drives again [m].
+        relieved_s: Time after which it does anyway [s].
+        clear: Gap to things that is wanted on the way [m].
+        first_speeds: Speeds of a manoeuvre's first part [m/s].
+        then_speeds: Speeds of its second part [m/s].
+        turns: Turn rates of either [rad/s].
+        first_s: Lengths of the first part [s].
+        horizon_s: Length of both parts [s].
+        off_trail: What a metre beside the trail costs, in metres along it.
+        facing: What a radian of turning from the trail costs [m].
+        tight: What no gap at all would cost [m].
+        search: Whether a leader out of sight is looked for by this too.
+    """
+
+    distance: float = 1.3
+    behind: float = 0.5
+    held_s: float = 0.8
+    relieved_m: float = 0.7
+    relieved_s: float = 6.0
+    clear: float = 0.2
+    first_speeds: tuple[float, ...] = (-0.3, -0.15, 0.0, 0.3, 0.6, 0.9)
+    then_speeds: tuple[float, ...] = (0.0, 0.35, 0.8)
+    turns: tuple[float, ...] = (-1.2, -0.5, 0.0, 0.5, 1.2)
+    first_s: tuple[float, ...] = (0.5, 1.1)
+    horizon_s: float = 2.4
+    off_trail: float = 1.5
+    facing: float = 0.3
+    tight: float = 0.4
+    search: bool = True
+
+    def __post_init__(self) -> None:
+        if not (self.held_s > 0.0 and self.horizon_s > max(self.first_s)):
+            raise InputError("a detour needs `held_s` > 0 and a horizon beyond the first part")
+
+
+class Detour:
+    """Watches one episode, and drives where the network cannot.
+
+    Args:
+        config: When and how.
+        guard: Sizes of the robot, and the gap that is kept.
+        steering: How wishes are driven.
+        step_s: Length of a step [s].
+    """
+
+    def __init__(self, config: DetourConfig, guard: GuardConfig, steering: SteeringConfig, step_s: float) -> None:
+        self.config, self._guard, self._steering, self._step_s = config, guard, steering, step_s
+        first = np.array(np.meshgrid(config.first_speeds, config.turns, config.first_s)).reshape(3, -1).T
+        then = np.array(np.meshgrid(config.then_speeds, config.turns)).reshape(2, -1).T
+        self._plans = np.hstack((np.repeat(first, len(then), axis=0), np.tile(then, (len(first), 1))))
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self._held_s = self._left_s = self._left_m = 0.0
+
+    def relieve(
+        self, state: State, wish: tuple[float, float], goal: Goal, search_turn: float, trail: Array, things: Array
+    ) -> tuple[float, float]:
+        """Return `wish`, or what is to be wished instead; once a step.
+
+        Args:
+            state: What is commanded now.
+            wish: The network's, speed [m/s] and turn rate [rad/s].
+            goal: Where the leader is taken to be.
+            search_turn: Turn rate at which a lost leader is looked for [rad/s].
+            trail: (k, 2) the leader's trail from here on, robot frame [m].
+            things: (n, 2) what must not be touched, robot frame [m].
+        """
+        if goal.mode is Mode.WAIT:
+            return wish
+        if goal.mode is Mode.SEARCH and self.config.search:
+            return 0.0, search_turn
+        lost = goal.mode is Mode.APPROACH and self.config.search
+        path = _resampled(np.vstack((trail, (goal.x, goal.y))), 0.0 if lost else self.config.distance)
+        self._watch(state, len(path) * _SPACING_M)
+        if not (lost or self._left_s > 0.0) or not len(path):
+            return wish
+        return self._best(state, path, things)
+
+    def _watch(self, state: State, behind: float) -> None:
+        """Notice that the robot is held up, or has been relieved for long enough."""
+        c = self.config
+        self._left_s = max(self._left_s - self._step_s, 0.0)
+        self._left_m -= abs(state[0]) * self._step_s
+        if self._left_m <= 0.0 or behind < 0.5 * c.behind:
+            self._left_s = 0.0
+        stands = abs(state[0]) < 0.08 and behind > c.behind
+        self._held_s = self._held_s + self._step_s if stands else max(self._held_s - 2.0 * self._step_s, 0.0)
+        if self._held_s > c.held_s and self._left_s == 0.0:
+            self._held_s, self._left_s, self._left_m = 0.0, c.relieved_s, c.relieved_m
+
+    def _best(self, state: State, path: Array, things: Array) -> tuple[float, float]:
+        """Return the first part of the best manoeuvre."""
+        c, plans = self.config, self._plans
+        near = _thinned(things[np.hypot(things[:, 0], things[:, 1]) < 2.5])
+        poses, gap = self._driven(state, near)
+        now = float(box_gaps(np.zeros((1, 3)), near, self._guard).min(initial=np.inf))
+        arc = _SPACING_M * np.arange(1, len(path) + 1)
+        off = np.hypot(path[:, 0] - poses[:, :1], path[:, 1] - poses[:, 1:2])
+        reached = c.off_trail * off - arc
+        k = np.argmin(reached, axis=1)
+        ahead = path[np.minimum(k + 4, len(path) - 1)]
+        bearing = np.arctan2(ahead[:, 1] - poses[:, 1], ahead[:, 0] - poses[:, 0]) - poses[:, 2]
+        bearing = np.abs((bearing + np.pi) % (2.0 * np.pi) - np.pi)
+        tight = np.maximum(1.0 - gap / c.clear, 0.0) ** 2
+        cost = reached[np.arange(len(k)), k] + c.facing * bearing + c.tight * tight
+        cost[gap < min(self._guard.margin, now - 0.002)] += 100.0
+        best = plans[int(np.argmin(cost))]
+        return float(best[0]), float(best[1])
+
+    def _driven(self, state: State, things: Array) -> tuple[Array, Array]:
+        """Return (n, 3) where each manoeuvre ends and (n,) the least gap on its way [m]."""
+        plans, dt = self._plans, self._step_s
+        states, poses = np.repeat(np.array([state]), len(plans), axis=0), np.zeros((len(plans), 3))
+        least = np.full(len(plans), np.inf)
+        for k in range(round(self.config.horizon_s / dt)):
+            wishes = np.where((k * dt < plans[:, 2])[:, None], plans[:, :2], plans[:, 3:])
+            states = steer_many(states, wishes, dt, self._steering)
+            middle, way = poses[:, 2] + 0.5 * states[:, 2] * dt, states[:, 0] * dt
+            poses = poses + np.column_stack((way * np.cos(middle), way * np.sin(middle), states[:, 2] * dt))
+            if k % 2:
+                least = np.minimum(least, box_gaps(poses, things, self._guard))
+        return poses, least
+
+
+class NoDetour:
+    """Leaves the network alone."""
+
+    def reset(self) -> None:
+        """Forget nothing."""
+
+    def relieve(
+        self, state: State, wish: tuple[float, float], goal: Goal, search_turn: float, trail: Array, things: Array
+    ) -> tuple[float, float]:
+        """Return `wish`."""
+        return wish
+
+
+def _resampled(path: Array, keep: float) -> Array:
+    """Return (k, 2) points of `path` every 0.1 m from here, at most 2.5 m, ending `keep` before its end [m]."""
+    whole = np.vstack((np.zeros(2), path))
+    arc = np.append(0.0, np.cumsum(np.hypot(*np.diff(whole, axis=0).T)))
+    ways = np.arange(_SPACING_M, min(arc[-1] - keep, _LONGEST_M), _SPACING_M)
+    return np.stack([np.interp(ways, arc, whole[:, k]) for k in (0, 1)], axis=1)
+
+
+def _thinned(points: Array) -> Array:
+    """Return one of `points` (n, 2) for each cell of 4 cm."""
+    cells = np.round(points / 0.04).astype(np.int64)
+    return points[np.unique(cells[:, 0] * 100_003 + cells[:, 1], return_index=True)[1]]
