@@ -150,8 +150,7 @@ class ImmobileLayers(OccupancyGrid):
         order = np.argsort(beta, kind="stable")
         flat = self._cells(np.concatenate((pose[None, :2], transform_points(pose, ends[order, :2]))))
         cells = np.concatenate((flat, np.append(height, ends[order, 2])[:, None]), axis=1)
-        near, sure = round(config.nearest / config.resolution), each >= config.sure
-        miss = float(np.log(UNKNOWN * config.miss))
+        near, sure, miss = round(config.nearest / config.resolution), each >= config.sure, np.log(UNKNOWN * config.miss)
         self._scans += 1
         write_view(
             cells[0],
@@ -161,7 +160,7 @@ class ImmobileLayers(OccupancyGrid):
             (sure.astype(np.int8) + (sure & np.asarray(level)))[order],
             near,
             self._edges,
-            miss,
+            float(miss),
             config.limit,
             self._scans,
             *(self._log_odds, self._stamps, self._spans, self._tops),

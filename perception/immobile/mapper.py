@@ -125,7 +125,9 @@ class ImmobileMapper:
         self.people.doubt(self._places_without_people(T_map_camera, view), share, self.config.least_likely)
         sure = view.people.likelihood >= self.config.least_likely
         places = transform_points(self._poses.at(view.time_s), view.people.positions[sure])
-        self.people.add(places, view.people.likelihood[sure], view.time_s)
+        # somebody cut by the picture's edge is not where the rest of them is seen
+        well = self._whole(T_map_camera, view, places) | (self.people.likelihood(places) == 0.0)
+        self.people.add(places[well], view.people.likelihood[sure][well], view.time_s)
 
     def _beside_people(self, T_map_camera: Array, view: View) -> Array:
         """Return (n,) how likely each point of a view is the ragged edge of somebody; 0 for what was recognised."""
@@ -177,12 +179,15 @@ class ImmobileMapper:
         points = transform_points(T_map_camera, view.points[body, :2])
         near = np.hypot(*(points[:, None] - places).transpose(2, 0, 1)) < self.config.body_radius
         nobody = ~(near & (view.person[body] >= 0)[:, None]).any(axis=0)
-        x, y = transform_points(inverse(T_map_camera), places).T
-        away = np.hypot(x, y)
-        widest = np.abs(np.arctan2(view.points[:, 1], view.points[:, 0])).max(initial=0.0)
-        whole = np.abs(np.arctan2(y, x)) + np.arctan2(_BODY_M, away) < widest
-        close = whole & (away > _RELIABLE_M[0]) & (away < _RELIABLE_M[1])
+        away = np.hypot(*(places - T_map_camera[:2]).T)
+        close = self._whole(T_map_camera, view, places) & (away > _RELIABLE_M[0]) & (away < _RELIABLE_M[1])
         return places[nobody & close & (near.sum(axis=0) >= _LEAST_POINTS)]
+
+    def _whole(self, T_map_camera: Array, view: View, places: Array) -> NDArray[np.bool_]:
+        """Return (n,) whether somebody at each of `places` (n, 2), map frame [m], is all within the picture's sides."""
+        x, y = transform_points(inverse(T_map_camera), places).T
+        widest = np.abs(np.arctan2(view.points[:, 1], view.points[:, 0])).max(initial=0.0)
+        return np.abs(np.arctan2(y, x)) + np.arctan2(_BODY_M, np.hypot(x, y)) < widest
 
     def _is_small(self, points: Array) -> bool:
         return float(np.hypot(*np.ptp(points, axis=0))) <= self.config.largest

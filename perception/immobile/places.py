@@ -78,9 +78,11 @@ class Places:
             on = np.hypot(points[:, 0] - centre[0], points[:, 1] - centre[1]) < self._radius
             distance = float(np.hypot(*centre))
             half = np.arctan2(0.5 * self._radius, max(distance, self._radius))
-            across = np.abs(wrap_angle(scan.bearings - np.arctan2(centre[1], centre[0]))) < half
+            towards = float(np.arctan2(centre[1], centre[0]))
+            across = np.abs(wrap_angle(scan.bearings - towards)) < half
             beyond = across & (scan.ranges > distance + self._radius)
-            stays[k] = on.any() or beyond.sum() <= _CLEAR_SHARE * max(across.sum(), 1)
+            in_view = scan.bearings[0] <= towards - half and towards + half <= scan.bearings[-1]
+            stays[k] = on.any() or not in_view or beyond.sum() <= _CLEAR_SHARE * max(across.sum(), 1)
             if counts[k]:
                 met[on] = np.maximum(met[on], self._likelihood[k])
         self._places, self._likelihood = self._places[stays], self._likelihood[stays]

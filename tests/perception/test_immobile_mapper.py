@@ -195,6 +195,15 @@ def test_places_are_kept_while_somebody_or_something_hides_them():
     assert places.update(np.zeros(3), scan_of(post=(3.2, 0.0))).max() == 0.9
 
 
+def test_somebody_at_the_edge_of_the_scan_is_not_forgotten():
+    edge = 1.5 * np.array([np.cos(1.5), np.sin(1.5)])
+    for place, kept in ((edge, 1), (np.array([1.5, 0.0]), 0)):
+        places = Places(0.35)
+        places.add(place[None], np.array([0.9]), 0.0)
+        places.update(np.zeros(3), scan_of(wall=4.0))
+        assert len(places.moving(0.1)) == kept
+
+
 def test_wrong_inputs_are_errors():
     for wrong in ({"person_radius": 0.0}, {"appeared_share": 1.2}, {"empty": 0.1}):
         with pytest.raises(InputError, match=next(iter(wrong))):
