@@ -40,15 +40,15 @@ class SteeringConfig:
     max_speed: float = 1.3
     reverse_speed: float = 0.4
     max_turn_rate: float = 1.6
-    settle_s: float = 0.45
+    settle_s: float = 0.35
     turn_settle_s: float = 0.25
     acceleration: float = 1.2
     braking: float = 1.8
     turn_acceleration: float = 3.0
-    jerk: float = 2.2
-    brake_jerk: float = 4.5
+    jerk: float = 4.0
+    brake_jerk: float = 8.0
     turn_jerk: float = 16.0
-    wish_s: float = 0.25
+    wish_s: float = 0.1
 
     def __post_init__(self) -> None:
         for name, value in self.__dict__.items():

@@ -1,4 +1,4 @@
-"""Compares followers on the suites, episode by episode on the same seeds, full perception and SLAM.
+"""Compares followers on the suites, episode by episode on the same seeds, full perception, with or without SLAM.
 
 `python -m tagalong.scripts.experiments.follower_comparison --followers learned pid --episodes 100 --out DIR`
 
@@ -10,6 +10,7 @@ paired difference between the first follower and the others with Wilcoxon's sign
 import argparse
 import json
 from collections.abc import Sequence
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,7 @@ from ...envs.suites import FIRST_SEED, SUITES, suite
 from ...slam.errors import InputError
 from ...slam.files import made_folder, write_json
 from ...slam.quality.score import score_map
+from ..figures.plots import new_figure, save_figure
 from ..tables import format_table
 from .hardware import describe_machine
 from .statistics import bootstrap_mean, share
@@ -62,11 +64,14 @@ def episode_row(follower: str, name: str, k: int, env: gym.Env) -> dict[str, Any
 
 
 def _map_errors(env: FollowEnv) -> dict[str, float]:
-    """Return both directions of ADNN between the robot's final map and the true one; NaN where there is too little."""
+    """Return both directions of ADNN between the robot's final map and the true one; NaN without one."""
+    none = {"adnn_truth_to_map_m": np.nan, "adnn_map_to_truth_m": np.nan}
+    if env.config.slam is None:
+        return none
     try:
         score = score_map(env.own_map().map, true_map(env.world.scene, T_world_map=env.world.start))
-    except InputError:
-        return {"adnn_truth_to_map_m": np.nan, "adnn_map_to_truth_m": np.nan}
+    except InputError:  # too little of it
+        return none
     return {"adnn_truth_to_map_m": score.adnn.mean_m, "adnn_map_to_truth_m": score.ghosts.mean_m}
 
 
@@ -83,6 +88,30 @@ def compare(rows: Sequence[dict[str, Any]], followers: Sequence[str]) -> dict[st
             "paired": {who: _paired(table[followers[0]], table[who]) for who in followers[1:]},
         }
     return result
+
+
+def draw_trade_off(result: dict[str, Any], path: Path) -> Path:
+    """Draw tours done over jerk, each with its 95 % interval: a plot a suite, a colour a follower.
+
+    Args:
+        result: As `compare` returns it.
+        path: PNG file to write.
+    """
+    columns = min(3, len(result))
+    rows = -(-len(result) // columns)
+    figure = new_figure(4.2 * columns, 3.6 * rows)
+    for place, (name, part) in enumerate(result.items()):
+        axes = figure.add_subplot(rows, columns, place + 1)
+        for who, figures in part["figures"].items():
+            jerk, done = figures["jerk_rms_mps3"], figures["success"]
+            spans = [[[v["mean"] - v["low"]], [v["high"] - v["mean"]]] for v in (jerk, done)]
+            axes.errorbar(jerk["mean"], done["mean"], spans[1], spans[0], "o", capsize=3, label=who)
+        axes.set(title=f"{name.replace('_', ' ')}, {part['episodes']} episodes", xlabel="jerk RMS [m/s3]")
+        axes.set(ylabel="tours done", ylim=(0.5, 1.02))
+        axes.set_xlim(left=0.0)
+        axes.grid(alpha=0.3)
+        axes.legend(loc="lower right")
+    return save_figure(path, figure)
 
 
 def _figures(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
@@ -115,22 +144,25 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--followers", nargs="+", default=["learned", "pid"], metavar="WHO")
     parser.add_argument("--suites", nargs="+", default=list(DEFAULT_SUITES), choices=sorted(SUITES), metavar="SUITE")
     parser.add_argument("--episodes", type=int, default=100, metavar="N")
+    parser.add_argument("--no-slam", action="store_true", help="build no maps: several times faster, no ADNN")
+    parser.add_argument("--plot", action="store_true", help="draw tours done over jerk (extra viz)")
     parser.add_argument("--out", type=Path, default=Path("out/followers"), metavar="DIR")
     options = parser.parse_args(arguments)
     file = made_folder(options.out) / "episodes.jsonl"
     rows = [json.loads(line) for line in file.read_text().splitlines()] if file.is_file() else []
     done = {(row["follower"], row["suite"], row["episode"]) for row in rows}
-    for name in options.suites:
-        scenarios = suite(name)
-        envs = [gym.make(scenario.env, **scenario.arguments) for scenario in scenarios]
-        for k in range(options.episodes):
-            for who in options.followers:
-                if (who, name, k) not in done:
-                    rows.append(episode_row(who, name, k, envs[k % len(envs)]))
-                    with file.open("a", encoding="utf-8") as lines:
-                        lines.write(json.dumps(rows[-1]) + "\n")
+    more = {"slam": None} if options.no_slam else {}
+    envs = {name: [gym.make(one.env, **{**one.arguments, **more}) for one in suite(name)] for name in options.suites}
+    for k in range(options.episodes):
+        for name, who in product(options.suites, options.followers):
+            if (who, name, k) not in done:
+                rows.append(episode_row(who, name, k, envs[name][k % len(envs[name])]))
+                with file.open("a", encoding="utf-8") as lines:
+                    lines.write(json.dumps(rows[-1]) + "\n")
     result = compare(rows, options.followers)
     write_json(options.out / "comparison.json", {"suites": result, "machine": describe_machine()})
+    if options.plot:
+        print(draw_trade_off(result, options.out / "trade_off.png"))
     for name, part in result.items():
         print(f"\n{name}, {part['episodes']} episodes each")
         print(format_table(("figure", *options.followers), _lines(part["figures"])))

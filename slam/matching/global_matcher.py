@@ -39,6 +39,7 @@ _REFINEMENT = replace(
 
 
 _SCOUTS, _SCOUT_STEPS = 3, 6  # every third point, six steps: which maxima of the second search are promising
+_BEYOND_DOUBT = 0.96  # of the best score there is: enough, whatever the scans let one expect
 _LEVELS = 4  # of noise: 1, 2, 4 and 8 times that of a SICK
 
 
@@ -56,6 +57,7 @@ class GlobalConfig:
         sigma: Of the final score's hits [m].
         margin: How much nearer than the seen surface a point must be to contradict it [m].
         free_space: What a contradiction counts against a hit.
+        whole: What it counts if one scan is explained as a whole.
         rival: Another pose that reaches this share of the best final score makes the match ambiguous.
         sure: A final score that makes the second search needless, as a share of how well the odd beams of each scan
             explain its even ones: leaves and chair legs look different to every beam.
@@ -80,12 +82,13 @@ class GlobalConfig:
     sigma: float = 0.05
     margin: float = 0.3
     free_space: float = 0.5
+    whole: float = 0.5
     rival: float = 0.95
-    sure: float = 0.96
+    sure: float = 1.0
     unseen: float = 0.78
     beyond: float = 4.0
-    second_maxima: int = 24
-    second_refined: int = 8
+    second_maxima: int = 40
+    second_refined: int = 16
     second_separation: Separation = _SECOND_SEPARATION
     beside: tuple[float, float] = (0.2, 0.04)
     noise: float = 0.007
@@ -206,19 +209,24 @@ class GlobalMatcher:
         return refined, [self._explains(tool, seen, new, candidate.pose) for candidate in refined]
 
     def _explains(self, tool: IterativeMatcher, reference: Surfaces, new: Surfaces, pose: NDArray[np.float64]) -> float:
-        """Return the share of hits among what both scans could see of each other: hits and contradictions.
+        """Return how well two scans explain each other at a pose, in [0, 1].
 
-        A fifth of the reference's points is added below, so that a few hits at the rim do not win.
+        The share of hits among what both could see of each other, hits and contradictions (and a fifth of the
+        reference's points, so that a few hits at the rim do not win), plus `whole` times the share of hits of the scan
+        that has more of them: of two views the nearer one shows part of what the farther one shows, all of it, and
+        along a corridor little else tells where.
         """
         config = self.config
-        hits, against, sigma = 0.0, 0.0, max(config.sigma, 2.0 * tool.config.last_scale)
+        sigma = max(config.sigma, 2.0 * tool.config.last_scale)
+        hits, against, most = 0.0, 0.0, 0.0
         for points, T, seen in ((new, pose, reference), (reference, inverse(pose), new)):
             met, contradicted = agreement(
                 points.points, T, seen.points, seen.rays, seen.feet, seen.normals, seen.first,
                 sigma, config.margin,
             )  # fmt: skip
-            hits, against = hits + met, against + contradicted
-        return float(hits / (hits + config.free_space * against + 0.2 * len(reference)))
+            hits, against, most = hits + met, against + contradicted, max(most, met / len(points))
+        both = hits / (hits + config.free_space * against + 0.2 * len(reference))
+        return float((both + config.whole * most) / (1.0 + config.whole))
 
     def _most_promising(
         self, tool: IterativeMatcher, reference: LaserScan, new: Surfaces, maxima: tuple[Maximum, ...]
@@ -233,8 +241,11 @@ class GlobalMatcher:
 
     def _is_sure(self, tool: IterativeMatcher, reference: Surfaces, new: Surfaces, score: float) -> bool:
         """Return whether a score is as good as the scans let one expect."""
-        # Two points and a fifth of one are in the denominator of the best score there is.
-        return score >= self.config.sure / 1.1 or score >= self.config.sure * self._expected(tool, reference, new)
+        config = self.config
+        # A hit of every point, among those and a fifth of the reference's.
+        most = (len(reference) + len(new)) / (1.2 * len(reference) + len(new))
+        most = (most + config.whole) / (1.0 + config.whole)
+        return score >= _BEYOND_DOUBT * most or score >= config.sure * self._expected(tool, reference, new)
 
     def _expected(self, tool: IterativeMatcher, reference: Surfaces, new: Surfaces) -> float:
         """Return the mean score of a scan's odd points against its even ones, which is what a right pose may reach."""
