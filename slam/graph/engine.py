@@ -10,17 +10,21 @@ from ..engine import SlamUpdate
 from ..errors import InputError
 from ..geometry import between, compose, wrap_angle
 from ..grid import GridConfig, render_map
+from ..localization.place_map import PlaceMap
 from ..occupancy_map import OccupancyMap
 from ..scan import LaserScan
 from .constraints import Constraint
 from .global_slam import GlobalSlam, GlobalSlamConfig
 from .local_slam import LocalResult, LocalSlam, LocalSlamConfig
-from .relocalization import Relocalization
+from .relocalization import Relocalization, searchable
 from .watch import Watch, WatchConfig
 
 Array = NDArray[np.float64]
 
 _COARSE = 0.05  # [m] cells of the map on which a lost robot is searched for
+_NEW_NODES = 10  # a map without so many of the last nodes still serves for that
+_WEIGHED = 3  # a suspicion is weighed with each so many scans ...
+_SUSPECTS = 9  # ... by so many at most
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,9 +74,12 @@ class Cartographer:
         self._poses_local: list[Array] = []
         self._inserted: list[int] = []
         self._scans: list[LaserScan] = []
-        self._doubtful: list[tuple[Array, LaserScan]] = []
+        self._suspects: list[tuple[Array, LaserScan]] = []
+        self._suspected = 0
+        self._unsure = False
         self._breaks: list[int] = []
         self._search: Relocalization | None = None
+        self._place: tuple[int, PlaceMap | None] = (-_NEW_NODES, None)
         self.losses = self.relocalizations = 0
 
     @classmethod
@@ -91,15 +98,8 @@ class Cartographer:
         if odometry.shape != (3,) or not np.isfinite(odometry).all():
             raise InputError(f"`odometry` must be a finite pose of shape (3,), got {odometry}")
         result = self._local.update(odometry, scan)
-        self._doubtful = [*self._doubtful, (odometry, scan)] if result.doubtful else []
-        if self._watch and self._watch.alarmed and self._global:
-            search = self._relocalization(self._global)
-            if self._is_lost(self._watch, self._global, search, result):
-                self._lose(self._global, search)
-            else:
-                self._watch.pardon()
-            self._doubtful = []
-            result = self._local.update(odometry, scan)
+        if self._watch and self._global:
+            result = self._weighed(self._watch, self._global, result, odometry, scan)
         if result.insertion:
             self._inserted.append(len(self._poses_local))
             self._scans.append(scan)
@@ -110,32 +110,71 @@ class Cartographer:
         bridge = self._global.local_to_global if self._global else np.zeros(3)
         self._online.append(compose(bridge, result.pose))
         diagnostics = {"score": result.match.score} if result.match else {}
-        located = self._search is None and not result.doubtful
+        located = self._search is None and not (result.doubtful or self._unsure)
         return SlamUpdate(self.pose, result.insertion is not None, diagnostics, located)
+
+    def _weighed(
+        self, watch: Watch, graph: GlobalSlam, result: LocalResult, odometry: Array, scan: LaserScan
+    ) -> LocalResult:
+        """Weigh doubtful scans against the whole map where it is due; return what local SLAM makes of this one then."""
+        self._suspect(watch, result.doubtful, odometry, scan)
+        due = watch.suspicious and self._search is None and len(self._suspects) > 0 and self._suspected % _WEIGHED == 0
+        if not (watch.alarmed or due):
+            return result
+        alarmed, search = watch.alarmed, self._relocalization(graph)
+        if self._is_lost(watch, graph, search, result):
+            self._lose(graph, search)
+        elif alarmed:
+            watch.pardon()
+        else:
+            return result
+        return self._local.update(odometry, scan)
+
+    def _suspect(self, watch: Watch, doubtful: bool, odometry: Array, scan: LaserScan) -> None:
+        """Keep the scans since something began to be wrong."""
+        if (doubtful and watch.in_doubt == 1) or not (doubtful or watch.suspicion > 0.0):
+            self._suspects, self._suspected = [], 0
+        if not (doubtful or watch.suspicion > 0.0):
+            self._unsure = False
+            return
+        self._suspects = [*self._suspects, (odometry, scan)][-_SUSPECTS:]
+        self._suspected += 1
 
     def _relocalization(self, graph: GlobalSlam) -> Relocalization:
         """Return what looks for the doubtful scans on the map of all scans whose place is known."""
-        placed = np.flatnonzero(graph.placed)
-        grid = render_map(graph.node_poses[placed], [self._scans[k] for k in placed], GridConfig(resolution=_COARSE))
-        return Relocalization(grid, self._doubtful)
+        if len(self._scans) >= self._place[0] + _NEW_NODES:
+            placed = np.flatnonzero(graph.placed)
+            poses, scans = graph.node_poses[placed], [self._scans[k] for k in placed]
+            self._place = len(self._scans), searchable(render_map(poses, scans, GridConfig(resolution=_COARSE)))
+        return Relocalization(self._place[1], self._suspects)
 
     def _is_lost(self, watch: Watch, graph: GlobalSlam, search: Relocalization, result: LocalResult) -> bool:
-        """Weigh the place where local SLAM has put a doubtful scan against the rest of the map."""
+        """Weigh the place where local SLAM has put the doubtful scans against the rest of the map.
+
+        Where neither that place nor any other stands out, it is not sure for now.
+        """
         if self._search or not result.match:
             return watch.plainly_lost
-        outcome = search.contest(compose(graph.local_to_global, result.match.pose))
+        outcome = search.contest(compose(graph.local_to_global, result.match.pose), self._unsure)
         if outcome is None:
             return watch.plainly_lost
-        return outcome.moved or (watch.plainly_lost and not (outcome.stays and outcome.belief.sure))
+        surely_here = outcome.stays and (outcome.belief.sure or not len(outcome.belief.poses))
+        self._unsure = not surely_here
+        if surely_here:
+            watch.acquit()
+            return False
+        return watch.plainly_lost or (outcome.moved and (watch.alarmed or outcome.belief.sure))
 
     def _lose(self, graph: GlobalSlam, search: Relocalization) -> None:
         """Begin a new piece of the drive with the next update, and the search on the map without it."""
         self.losses += 1
         self._search = search
         search.begin()
-        self._breaks.append(len(self._poses_local) + 1 - len(self._doubtful))
-        graph.begin_piece()
+        first = len(self._poses_local) + 1 - len(self._suspects)
+        self._breaks.append(first)
+        graph.begin_piece(sum(k >= first for k in self._inserted[-len(self._suspects) :]))
         self._local.restart()
+        self._suspects, self._suspected, self._unsure = [], 0, False
 
     def _find(self, odometry: Array, scan: LaserScan, pose_local: Array) -> None:
         """Go on with the search, if there is one; when it succeeds, join the new piece of the drive to the map."""

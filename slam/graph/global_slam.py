@@ -127,9 +127,16 @@ class GlobalSlam:
         """(n,) whether the place of each node on the map is known: not so for pieces after a kidnapping."""
         return np.array([self._placed[piece] for piece in self._piece_of_node], dtype=np.bool_)
 
-    def begin_piece(self) -> None:
-        """The robot is lost: nodes from now on are a piece of their own, tied to nothing until it is placed."""
+    def begin_piece(self, disowned: int = 0) -> None:
+        """The robot is lost: nodes from now on are a piece of their own, tied to nothing until it is placed.
+
+        Args:
+            disowned: So many of the last nodes were added when it was lost already; their place is not known any more.
+        """
         self._bridge = self.local_to_global
+        if disowned:
+            self._piece_of_node[-disowned:] = [len(self._placed)] * disowned
+            self._placed.append(False)
         self._placed.append(False)
 
     def place_piece(self, pose: Array, pose_local: Array) -> None:

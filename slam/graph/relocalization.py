@@ -14,26 +14,39 @@ from ..scan import LaserScan
 
 Array = NDArray[np.float64]
 
+_DOUBTED = 10.0  # how many times likelier than elsewhere the robot is where it was not sure to be before
+
+
+def searchable(grid: OccupancyMap) -> PlaceMap | None:
+    """Return a map made ready to be searched; None: hardly anything is mapped yet."""
+    try:
+        return PlaceMap(grid)
+    except InputError:
+        return None
+
 
 class Relocalization:
     """Searches a map, scan by scan, until one place stands out and the next scan confirms it.
 
     Args:
-        grid: The map before the robot got lost.
+        place: The map before the robot got lost; None: hardly anything is mapped yet, there is nothing to be found on.
         scans: Odometry poses T_odom_robot (3,) and scans since then, so far.
     """
 
-    def __init__(self, grid: OccupancyMap, scans: Sequence[tuple[Array, LaserScan]]) -> None:
-        self._scans = scans
+    def __init__(self, place: PlaceMap | None, scans: Sequence[tuple[Array, LaserScan]]) -> None:
+        self._place, self._scans = place, scans
         self._localizer: Localizer | None = None
-        try:
-            self._place: PlaceMap | None = PlaceMap(grid)
-        except InputError:  # hardly anything is mapped yet: there is nothing to be found on
-            self._place = None
 
-    def contest(self, here: Array) -> Contest | None:
-        """Weigh `here` (3,), T_map_robot at the last scan, against the rest of the map; None: there is no map."""
-        return None if self._place is None else contest(self._place, self._scans, here)
+    def contest(self, here: Array, doubted: bool = False) -> Contest | None:
+        """Weigh `here` (3,), T_map_robot at the last scan, against the rest of the map; None: there is no map.
+
+        Args:
+            here: Where local SLAM has put the robot.
+            doubted: Whether that did not stand out in an earlier contest.
+        """
+        if self._place is None:
+            return None
+        return contest(self._place, self._scans, here, trust=_DOUBTED if doubted else None)
 
     def begin(self) -> None:
         """Begin to search, with all scans but the last, which is to come by `update`."""

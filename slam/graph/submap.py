@@ -96,9 +96,9 @@ class Submap:
         return self.config.resolution
 
     @property
-    def known(self) -> NDArray[np.bool_]:
-        """(rows, cols) whether any scan saw the cell."""
-        return self._visits > 0.0
+    def visits(self) -> NDArray[np.float32]:
+        """(rows, cols) how many rays went through the cell or ended there; 0: no scan saw it."""
+        return self._visits
 
     def _cover(self, extent: tuple[float, float, float, float]) -> None:
         """Enlarge the grids so that what lies between the lowest x, y and the highest of `extent` is well inside."""

@@ -1,7 +1,8 @@
 """Notices that local matching has failed: the scan contradicts the submap it should fit on.
 
 A low score alone says little: a robot that comes into a new room sees walls that no submap has. But a beam that goes
-through a wall, or ends where others saw free space, says that the pose is wrong (or that people are about).
+through a wall, or ends where others saw free space, says that the pose is wrong (or that people are about). A few such
+beams in every scan say as much as many in one: a place that looks almost like where the robot was deceives no longer.
 """
 
 from dataclasses import dataclass
@@ -34,6 +35,8 @@ class WatchConfig:
         plain_contradicted: ... as `contradicted`.
         slack: A wall must stand so far before the end of a beam to contradict it [m].
         patience: After so many doubtful scans in a row something has to be done.
+        unusual: A share of contradicting beams counts by how much it is above the usual one, and this ...
+        suspicious: ... and a sum of so much, over scans, is reason to look closer.
     """
 
     poor: float = 0.75
@@ -44,6 +47,8 @@ class WatchConfig:
     plain_contradicted: float = 0.2
     slack: float = 0.4
     patience: int = 3
+    unusual: float = 0.02
+    suspicious: float = 0.12
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
@@ -59,6 +64,7 @@ class Watch:
 
     Attributes:
         in_doubt: How many scans in a row were doubtful.
+        suspicion: By how much the last scans contradicted the submap more than scans usually do; 0: they did not.
     """
 
     def __init__(self, config: WatchConfig) -> None:
@@ -67,6 +73,14 @@ class Watch:
         self._pardoned = False
         self._plain = 0
         self.in_doubt = 0
+        self._usual_share = 0.0
+        self._share = 0.0
+        self.suspicion = 0.0
+
+    @property
+    def suspicious(self) -> bool:
+        """Whether the last scans together contradict the submap so much that somebody should look closer."""
+        return self.suspicion >= self._config.suspicious
 
     @property
     def alarmed(self) -> bool:
@@ -81,11 +95,17 @@ class Watch:
     def restart(self) -> None:
         """Begin anew with another submap; what is usual stays."""
         self.in_doubt = self._plain = 0
+        self.suspicion = 0.0
 
     def pardon(self) -> None:
-        """The robot is where it was thought to be, after all: the next scan is believed."""
-        self.restart()
+        """Nothing better is known than where the robot was thought to be: the next scan is believed."""
+        self.in_doubt = self._plain = 0
         self._pardoned = True
+
+    def acquit(self) -> None:
+        """The robot is where it was thought to be: as many contradicting beams as in the last scan are usual here."""
+        self._usual_share = max(self._usual_share, self._share)
+        self.suspicion = 0.0
 
     def doubts(self, submap: Submap, points: Array, foot: Array, pose: Array, score: float) -> bool:
         """Return whether a match is doubtful.
@@ -101,23 +121,30 @@ class Watch:
         poor, contradicted = config.poor, config.contradicted
         if self.in_doubt:
             poor, contradicted = config.settled_poor, config.settled_contradicted
-        if score < poor * self._usual and not self._pardoned:
-            place = submap.field, submap.known, submap.corner, submap.resolution
-            share = contradictions(*place, foot, points, pose, config.slack) / len(points)
-            if share > contradicted:
-                self.in_doubt += 1
-                self._plain += score < config.plain_poor * self._usual and share > config.plain_contradicted
-                return True
+        place = submap.field, submap.visits, submap.corner, submap.resolution
+        share = contradictions(*place, foot, points, pose, config.slack) / len(points)
+        self._suspect(share)
+        if score < poor * self._usual and not self._pardoned and share > contradicted:
+            self.in_doubt += 1
+            self._plain += score < config.plain_poor * self._usual and share > config.plain_contradicted
+            return True
         self._usual = score if self._usual == 0.0 else self._usual + _MEMORY * (score - self._usual)
         self._pardoned = False
-        self.restart()
+        self.in_doubt = self._plain = 0
         return False
+
+    def _suspect(self, share: float) -> None:
+        """Add what a scan says, of whose beams such a share contradicts the submap."""
+        self.suspicion = max(0.0, self.suspicion + share - self._usual_share - self._config.unusual)
+        self._share = share
+        if self.suspicion == 0.0:
+            self._usual_share += _MEMORY * (share - self._usual_share)
 
 
 @njit(cache=True, nogil=True)
 def contradictions(
     field: NDArray[np.float32],
-    known: NDArray[np.bool_],
+    visits: NDArray[np.float32],
     corner: Array,
     resolution: float,
     foot: Array,
@@ -128,7 +155,7 @@ def contradictions(
     """Return how many of the beams that end at `points` (N, 2) contradict a submap, the robot at `pose` (3,).
 
     A beam contradicts it that comes through a cell of a wall more than `slack` [m] before its end, or that ends in a
-    cell that is known, without any trace of a wall in the cells around.
+    cell that was seen before, without any trace of a wall in the cells around.
     """
     rows, cols = field.shape
     c, s = np.cos(pose[2]), np.sin(pose[2])
@@ -147,7 +174,7 @@ def contradictions(
                 contradicts = True
                 break
         i, j = int(np.floor(y1)), int(np.floor(x1))
-        if not contradicts and 0 <= i < rows and 0 <= j < cols and known[i, j]:
+        if not contradicts and 0 <= i < rows and 0 <= j < cols and visits[i, j] > 0:
             around = field[max(i - _NEAR, 0) : i + _NEAR + 1, max(j - _NEAR, 0) : j + _NEAR + 1]
             contradicts = around.max() < _TRACE
         count += contradicts

@@ -33,17 +33,23 @@ class Contest:
 
 
 def contest(
-    place: PlaceMap, scans: Sequence[tuple[Array, LaserScan]], here: Array, config: LocalizerConfig | None = None
+    place: PlaceMap,
+    scans: Sequence[tuple[Array, LaserScan]],
+    here: Array,
+    config: LocalizerConfig | None = None,
+    trust: float | None = None,
 ) -> Contest:
     """Weigh `here` (3,), T_map_robot at the last scan, against the rest of the map.
 
     Args:
         place: The map.
         scans: Odometry poses T_odom_robot (3,) and scans, the last ones.
-        here: Where the robot is thought to be; `config.trust` times likelier than any other place beforehand.
+        here: Where the robot is thought to be.
         config: Settings of localization.
+        trust: How many times likelier that is than any other place beforehand; None: `config.trust`.
     """
     config = config or LocalizerConfig()
+    trust = config.trust if trust is None else trust
     evidence = Evidence(place, config.evidence)
     search, maker = GlobalSearch(place, evidence, config.search), ViewMaker(config.voxel_filter)
     views = [maker.view(odometry, scan) for odometry, scan in scans]
@@ -52,8 +58,8 @@ def contest(
         return Contest(True, False, search.belief())
     for view in views:
         search.remember(view)
-    search.propose(evidence.refine(views[-1].points, here[None], coarse=True), config.trust)
-    search.propose(here[None], config.trust)
+    search.propose(evidence.refine(views[-1].points, here[None], coarse=True), trust)
+    search.propose(here[None], trust)
     belief = search.look()
     if not len(belief.poses):
         return Contest(True, False, belief)

@@ -6,14 +6,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from ..geometry import compose
 from ..graph.refine_kernels import refine_pose
-from .evidence_kernels import beam_likelihoods
+from .evidence_kernels import UNSEEN, beam_likelihoods
 from .place_map import PlaceMap
 from .view import View
 
 Array = NDArray[np.float64]
 
-_EXPLAINED = 0.5  # likelihood from which a beam counts as explained
+_CELLS = 1.6  # no wall is thought to be known better than to so many cells
+_HOLD = np.diag([0.05**-2, 0.05**-2, 0.02**-2])  # [1/m^2, 1/rad^2] how the odometry holds a pose between two views
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,14 +23,14 @@ class EvidenceConfig:
     """Settings of `Evidence`.
 
     Attributes:
-        sigma: How far from a wall the end of a beam may lie [m]; at least two cells of the map.
+        sigma: How far from a wall the end of a beam may lie [m]; at least 1.6 cells of the map.
         slack: A wall that a beam came through contradicts it only if it stands more than this before its end [m].
         hold: Information with which a pose is held where it is refined from [1/m^2, 1/rad^2].
         weight: Weight of a point's `1 - occupancy` beside that.
         iterations: Most steps of a refinement.
     """
 
-    sigma: float = 0.12
+    sigma: float = 0.08
     slack: float = 0.4
     hold: float = 1.0
     weight: float = 1.5
@@ -50,10 +52,13 @@ class Evidence:
 
     def __init__(self, place: PlaceMap, config: EvidenceConfig) -> None:
         self._place, self._config = place, config
-        self._sigma = max(config.sigma, 2.0 * place.resolution)
+        self._sigma = max(config.sigma, _CELLS * place.resolution)
 
     def judge(self, view: View, poses: Array) -> tuple[Array, Array]:
-        """Return (k,) mean log-likelihoods of the beams of a view at `poses` (k, 3), and (k,) shares explained."""
+        """Return (k,) mean log-likelihoods of the beams of a view at `poses` (k, 3), and (k,) shares explained.
+
+        A beam that ends where the map knows nothing counts as half explained.
+        """
         likelihoods = np.empty((len(poses), len(view.points)), np.float32)
         place = self._place
         beam_likelihoods(
@@ -62,7 +67,9 @@ class Evidence:
         )  # fmt: skip
         if not len(view.points):
             return np.zeros(len(poses)), np.zeros(len(poses))
-        return np.log(likelihoods).mean(axis=1, dtype=np.float64), (likelihoods > _EXPLAINED).mean(axis=1)
+        unseen = np.float32(UNSEEN)
+        explained = 0.5 * ((likelihoods > unseen).mean(axis=1) + (likelihoods >= unseen).mean(axis=1))
+        return np.log(likelihoods).mean(axis=1, dtype=np.float64), explained
 
     def refine(self, points: Array, poses: Array, coarse: bool = False) -> Array:
         """Return `poses` (k, 3), each moved to where `points` (N, 2) of the robot frame fit the walls best nearby.
@@ -74,6 +81,14 @@ class Evidence:
         """
         return np.array([self._refined(points, pose, coarse)[0] for pose in poses]).reshape(-1, 3)
 
+    def carry(self, points: Array, poses: Array, motion: Array) -> Array:
+        """Return `poses` (k, 3), carried on by a `motion` (3,) of the odometry to where `points` (N, 2) were seen.
+
+        They are refined there, but held by the odometry: two places a step apart must not slide into each other.
+        """
+        moved = compose(poses, motion)
+        return np.array([self._refined(points, pose, False, _HOLD)[0] for pose in moved]).reshape(-1, 3)
+
     def blind_direction(self, points: Array, pose: Array) -> Array:
         """Return (2,) the unit vector, map frame, along which `points` (N, 2) hold a pose (3,) least."""
         _, curvature = self._refined(points, pose, False)
@@ -81,11 +96,12 @@ class Evidence:
         across = curvature[:2, 2:] @ curvature[2:, :2] / (curvature[2, 2] + 1e-9)
         return np.linalg.eigh(curvature[:2, :2] - across)[1][:, 0]
 
-    def _refined(self, points: Array, pose: Array, coarse: bool) -> tuple[Array, Array]:
+    def _refined(self, points: Array, pose: Array, coarse: bool, hold: Array | None = None) -> tuple[Array, Array]:
         place, config, curvature = self._place, self._config, np.eye(3)
+        hold = config.hold * np.eye(3) if hold is None else hold
         for walls in (place.coarse_field, place.field) if coarse else (place.field,):
             pose, curvature, _, _ = refine_pose(
-                walls, place.corner, place.resolution, points, pose, pose, config.hold * np.eye(3), config.weight,
+                walls, place.corner, place.resolution, points, pose, pose, hold, config.weight,
                 config.iterations,
             )  # fmt: skip
         return pose, curvature

@@ -9,8 +9,8 @@ Array = NDArray[np.float64]
 UNKNOWN, FREE, OCCUPIED = 0, 1, 2
 FLOOR = 0.05
 """Likelihood of a beam that contradicts the map: people and moved things make some of them at any pose."""
-UNSEEN = 0.3
-"""Likelihood of a beam that ends where the map knows nothing: between explained and contradicted."""
+UNSEEN = 0.6
+"""Likelihood of a beam that ends where the map knows nothing: at the map's edge that is no surprise, and no proof."""
 
 
 @njit(cache=True, nogil=True)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..geometry import between, compose, transform_points, wrap_angle
+from ..geometry import between, transform_points, wrap_angle
 from ..graph.voxel_filter import voxel_first
 from ..search.branch_and_bound import SearchWindow, Separation, branch_and_bound
 from .evidence import Evidence
@@ -55,7 +55,7 @@ class GlobalSearchConfig:
     fresh: float = 0.5
     independent_beams: float = 12.0
     independent_views: float = 3.0
-    sure_ratio: float = 20.0
+    sure_ratio: float = 10.0
     well_explained: float = 0.85
     least_explained: float = 0.5
     same: tuple[float, float] = (0.25, 0.1)
@@ -130,7 +130,7 @@ class GlobalSearch:
             moved = float(np.hypot(motion[0], motion[1])) + abs(float(motion[2]))
             freshness = min(1.0, moved / self._config.fresh)
             self._since_search += float(np.hypot(motion[0], motion[1])) + 0.5 * abs(float(motion[2]))
-            self._poses = self._evidence.refine(view.points, compose(self._poses, motion))
+            self._poses = self._evidence.carry(view.points, self._poses, motion)
         self._views.append(view)
         self._freshness.append(freshness)
         judged = np.stack(self._evidence.judge(view, self._poses), axis=-1)
@@ -155,7 +155,7 @@ class GlobalSearch:
         for k in range(len(self._views) - 1, -1, -1):
             view = self._views[k]
             if view is not now:
-                then = self._evidence.refine(view.points, compose(then, between(now.odometry, view.odometry)))
+                then = self._evidence.carry(view.points, then, between(now.odometry, view.odometry))
                 now = view
             table[:, k] = np.stack(self._evidence.judge(view, then), axis=-1)
         self._poses = np.concatenate((self._poses, poses))

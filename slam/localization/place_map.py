@@ -10,7 +10,7 @@ from scipy.ndimage import distance_transform_edt
 from ..errors import InputError
 from ..occupancy_map import OccupancyMap
 from ..search.score_pyramid import ScoreGrid, ScorePyramid, build_pyramid
-from .evidence_kernels import FREE, OCCUPIED
+from .evidence_kernels import FREE, OCCUPIED, UNKNOWN
 
 Array = NDArray[np.float64]
 
@@ -26,6 +26,8 @@ class PlaceMapConfig:
         search_resolution: Side of the cells of the global search [m], likewise.
         wall_sigma: Width of a wall on the field that scans are matched on [m].
         search_sigma: Width of a wall on the grid of the global search [m].
+        unseen: Worth of a point where the map knows nothing, in the global search: places at its edge are found, too.
+        unseen_margin: So far around the map, too [m].
         top_level: The global search starts from blocks of 2^top_level cells.
     """
 
@@ -33,6 +35,8 @@ class PlaceMapConfig:
     search_resolution: float = 0.1
     wall_sigma: float = 0.05
     search_sigma: float = 0.15
+    unseen: float = 0.4
+    unseen_margin: float = 8.0
     top_level: int = 3
 
     def __post_init__(self) -> None:
@@ -98,7 +102,11 @@ class PlaceMap:
         cell = factor * self.resolution
         sigma = max(self.config.search_sigma, cell)
         likelihood = np.exp(-0.5 * (_centres(self.distances, factor) / sigma) ** 2)
-        corner = (float(self.outer_corner[0]), float(self.outer_corner[1]))
+        unknown = _centres((self.states == UNKNOWN).astype(np.float64), factor) > 0.5
+        likelihood[unknown] = np.maximum(likelihood[unknown], self.config.unseen)
+        margin = int(self.config.unseen_margin / cell)
+        likelihood = np.pad(likelihood, margin, constant_values=self.config.unseen)
+        corner = (float(self.outer_corner[0] - margin * cell), float(self.outer_corner[1] - margin * cell))
         return build_pyramid(ScoreGrid.from_likelihood(likelihood, corner, cell), top_level=self.config.top_level)
 
     @property

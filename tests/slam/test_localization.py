@@ -114,6 +114,18 @@ def test_in_the_middle_of_a_smooth_corridor_it_is_not_sure_but_at_an_end_with_a_
     assert error(updates[-1], poses[-1])[0] < 0.1
 
 
+def test_at_the_edge_of_the_map_it_is_found_although_half_of_what_it_sees_is_not_mapped(room):
+    rng = np.random.default_rng(0)
+    probability = room.probability.copy()
+    probability[:, int((1.2 - room.origin[0]) / room.resolution) :] = np.nan
+    part = OccupancyMap(probability, room.resolution, room.origin)
+    assert part.known.mean() < 0.8 * room.known.mean()
+    for start in ((0.0, 0.8, 0.4), (-0.5, -1.0, -0.5)):
+        updates, poses = driven(Localizer(part), ROOM, start, (0.05, 0.0, 0.05), 8, rng)
+        assert updates[-1].pose is not None
+        assert error(updates[-1], poses[-1])[0] < 0.1
+
+
 def test_after_a_jump_it_says_that_it_is_lost_and_finds_itself_within_ten_scans(room):
     rng = np.random.default_rng(0)
     localizer = Localizer(room, start=(-2.8, -0.5, 0.4))

@@ -5,7 +5,8 @@ import pytest
 from tagalong.slam.engine import make_slam
 from tagalong.slam.geometry import between, compose, transform_points
 from tagalong.slam.graph.engine import Cartographer, CartographerConfig
-from tagalong.slam.graph.watch import WatchConfig, contradictions
+from tagalong.slam.graph.submap import Submap, SubmapConfig
+from tagalong.slam.graph.watch import Watch, WatchConfig, contradictions
 from tagalong.slam.matching import make_matcher
 from walls import cast
 
@@ -110,6 +111,40 @@ def test_carried_into_another_building_it_is_not_located_and_its_map_stays(mappe
     assert len(engine.trajectory()) == 115
 
 
+def test_where_another_place_looks_almost_the_same_it_does_not_stay_sure_of_the_wrong_one():
+    hall = np.array(ring((-5.0, -3.0), (5.0, -3.0), (5.0, 3.0), (-5.0, 3.0)) + ring((2.0, 2.3), (2.9, 2.3), (2.9, 3.0)))
+    engine, rng, poses = make_slam("cartographer"), np.random.default_rng(0), tour() * [0.8, 1.0, 1.0]
+    updates, odometry = fed(engine, poses, poses[0], rng, hall)
+    assert all(update.located for update in updates)
+    turned = compose(np.array([0.0, 0.0, np.pi]), poses[-1])  # the hall looks the same from there, but for a niche
+    after = ahead(turned, (0.05, 0.0, 0.02), 30)
+    updates, _ = fed(engine, after, odometry, rng, hall)
+    wrong = [u.located and distance(u.pose, pose) > 0.3 for u, pose in zip(updates, after, strict=True)]
+    assert not any(wrong[4:])
+
+
+def test_a_few_contradicting_beams_in_every_scan_become_suspicious_until_they_are_usual():
+    submap = Submap(SubmapConfig(), np.zeros(3))
+    bearings = np.linspace(-np.pi, np.pi, 200, endpoint=False)
+    circle = np.stack((np.cos(bearings), np.sin(bearings)), axis=-1)
+    submap.insert(np.zeros(2), 3.0 * circle, len(circle), np.empty((0, 2)))
+    watch, fits = Watch(WatchConfig()), (submap, 3.0 * circle, np.zeros(2), np.zeros(3), 0.9)
+    some = 3.0 * circle
+    some[:14] *= 0.5  # 7 % of the beams end where the others went through
+    odd = (submap, some, np.zeros(2), np.zeros(3), 0.85)
+    assert not any(watch.doubts(*fits) for _ in range(20))
+    assert watch.suspicion == 0.0
+    seen = []
+    for _ in range(4):
+        assert not watch.doubts(*odd)  # none of them alone
+        seen.append(watch.suspicious)
+    assert seen == [False, False, True, True]
+    watch.acquit()
+    for _ in range(20):
+        assert not watch.doubts(*odd)
+        assert watch.suspicion == 0.0
+
+
 def test_without_a_watch_or_a_graph_nobody_notices():
     for settings in ({"watch": None}, {"global_": None}):
         engine = Cartographer(CartographerConfig(**settings))
@@ -138,7 +173,7 @@ def test_the_kernel_of_the_watch_counts_beams_through_walls_and_ends_in_seen_fre
             if not blocked and 0 <= i < 60 and 0 <= j < 80 and known[i, j]:
                 blocked = bool(field[max(i - 3, 0) : i + 4, max(j - 3, 0) : j + 4].max() < 0.15)
             expected += blocked
-        assert contradictions(field, known, corner, 0.05, foot, points, pose, 0.4) == expected
+        assert contradictions(field, known.astype(np.float32), corner, 0.05, foot, points, pose, 0.4) == expected
 
 
 def test_a_watch_without_sense_is_refused():
