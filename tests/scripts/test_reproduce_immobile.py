@@ -5,6 +5,7 @@ import json
 
 import numpy as np
 import pytest
+from tagalong.scripts.experiments import rgbd_planes
 from tagalong.scripts.reproduce.experiment import load_experiment
 from tagalong.scripts.reproduce.immobile import measures
 from tagalong.scripts.reproduce.immobile.counted import Share
@@ -122,3 +123,12 @@ def test_a_short_drive_ends_in_a_report_with_all_its_figures(tmp_path):
     row = content["cells"][f"{CLEAN.replace(' ', '-')}/seed-0"]
     assert row["pose_error_m"] < 1e-12
     assert row["maps"]["immobile"]["table"][1] > 3 * row["maps"]["laser"]["table"][1]
+
+
+def test_planes_are_counted_against_what_the_rays_met():
+    counts = rgbd_planes.Counts()
+    rgbd_planes.count_drive(0, 0.0, counts, longest_s=6.0)
+    assert counts.whole["wall"] > 5000
+    assert counts.right["wall"] > 0.95 * counts.whole["wall"]
+    assert max(counts.slopes) < np.radians(0.3)
+    assert len(counts.row()) == len(rgbd_planes.KINDS) + 3

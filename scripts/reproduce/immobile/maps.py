@@ -134,7 +134,7 @@ class DriveMaps:
             low, high = polygon.min(axis=0), polygon.max(axis=0)
             middle = (low + high) / 2.0
             beside = np.array([low[0] - 0.35, middle[1]])
-            below = np.array([middle[0], low[1] - 0.3])
+            below = low + np.array([0.2, -0.3])
             flat = high[1] - low[1] < _FLAT_M
             canvas.label(below if flat else middle if name in _RED_MARKS else beside, name, colour)
 
