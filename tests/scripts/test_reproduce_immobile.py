@@ -46,7 +46,8 @@ def test_cells_of_people_are_those_where_somebody_was_and_nothing_is():
 def test_static_cells_hold_a_true_surface_and_may_be_lost():
     scene = lab_world(0).scene
     nothing = (3.02, 1.02)
-    conventional = map_with([(3.02, 0.01), nothing])
+    outer_face = (3.02, scene.bounds[3] - 0.01)
+    conventional = map_with([(3.02, 0.01), nothing, outer_face])
     cells = measures.static_cells(conventional, np.zeros(3), scene)
     assert cells.tolist() == [pytest.approx([3.025, 0.025])]
     assert measures.lost_cells(map_with([(3.02, 0.06)]), cells, reach=0) == 1

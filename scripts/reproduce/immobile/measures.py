@@ -22,6 +22,7 @@ HIDDEN = ("a", "b")
 TOPS = {"table": 0.66, "chair": 0.43}
 """Kinds of things with tops, and the height above which a point of theirs is on the top [m]."""
 _JAMB = 0.06
+_ON_EDGE_M = 0.02
 _FAR = 100_000
 
 
@@ -66,7 +67,10 @@ def wrongly_free(grid: OccupancyMap, T_world_map: Array, scene: Scene, polygon: 
 
 
 def static_cells(conventional: OccupancyMap, T_world_map: Array, scene: Scene) -> Array:
-    """Return (n, 2) centres, map frame [m], of the cells that hold a true surface and that the laser alone marks."""
+    """Return (n, 2) centres, map frame [m], of the cells that hold a true surface and that the laser alone marks.
+
+    A wall's outer face is no surface of the room: nobody has seen what is marked there.
+    """
     outlines = []
     for solid in scene.solids:
         if solid.at_height(LASER_HEIGHT):
@@ -74,11 +78,20 @@ def static_cells(conventional: OccupancyMap, T_world_map: Array, scene: Scene) -
             ends = np.roll(corners, -1, axis=0)
             for start, end in zip(corners, ends, strict=True):
                 count = max(2, int(np.hypot(*(end - start)) / 0.01))
-                outlines.append(start + np.linspace(0.0, 1.0, count)[:, None] * (end - start))
+                side = start + np.linspace(0.0, 1.0, count)[:, None] * (end - start)
+                outlines.append(side[_from_edges(scene.floor, side) < _ON_EDGE_M] if solid.kind == "wall" else side)
     points = transform_points(inverse(T_world_map), np.concatenate(outlines))
     cells = np.unique(np.floor(points / conventional.resolution), axis=0)
     centres = (cells + 0.5) * conventional.resolution
     return centres[marked(conventional, centres)]
+
+
+def _from_edges(polygon: Array, points: Array) -> Array:
+    """Return (n,) how far `points` (n, 2) are from the nearest edge of `polygon` (k, 2) [m]."""
+    edge = np.roll(polygon, -1, axis=0) - polygon
+    offset = points[:, None] - polygon
+    along = np.clip((offset * edge).sum(axis=-1) / (edge * edge).sum(axis=-1), 0.0, 1.0)
+    return np.hypot(*(offset - along[..., None] * edge).transpose(2, 0, 1)).min(axis=1)
 
 
 def lost_cells(grid: OccupancyMap, cells: Array, reach: int) -> int:
