@@ -118,7 +118,8 @@ class Cartographer:
     ) -> LocalResult:
         """Weigh doubtful scans against the whole map where it is due; return what local SLAM makes of this one then."""
         self._suspect(watch, result.doubtful, odometry, scan)
-        due = watch.suspicious and self._search is None and len(self._suspects) > 0 and self._suspected % _WEIGHED == 0
+        due = self._search is None and len(self._suspects) > 0 and self._suspected % _WEIGHED == 0
+        due &= watch.suspicious or self._unsure
         if not (watch.alarmed or due):
             return result
         alarmed, search = watch.alarmed, self._relocalization(graph)
@@ -132,10 +133,10 @@ class Cartographer:
 
     def _suspect(self, watch: Watch, doubtful: bool, odometry: Array, scan: LaserScan) -> None:
         """Keep the scans since something began to be wrong."""
-        if (doubtful and watch.in_doubt == 1) or not (doubtful or watch.suspicion > 0.0):
+        wrong = doubtful or watch.suspicion > 0.0 or self._unsure
+        if (doubtful and watch.in_doubt == 1) or not wrong:
             self._suspects, self._suspected = [], 0
-        if not (doubtful or watch.suspicion > 0.0):
-            self._unsure = False
+        if not wrong:
             return
         self._suspects = [*self._suspects, (odometry, scan)][-_SUSPECTS:]
         self._suspected += 1
