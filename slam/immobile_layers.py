@@ -39,6 +39,8 @@ class LayersConfig(ImmobileConfig):
         laser_height: Height of the laser's plane [m].
         sure: What has at least this lambda was recognised for certain: walls, tops.
         nearest: The camera frees nothing nearer than this [m].
+        believed: What was written less firmly than this, as by one look at somebody's back, is not in the map where the
+            laser sees that nothing stands there; log-odds.
         overlooked: Log-odds of a free cell of which neither floor nor laser say that it is free: somebody has looked
             over it.
     """
@@ -50,6 +52,7 @@ class LayersConfig(ImmobileConfig):
     laser_height: float = 0.32
     sure: float = 7.0
     nearest: float = 0.4
+    believed: float = 1.5
     overlooked: float = -0.4
 
     def __post_init__(self) -> None:
@@ -58,6 +61,8 @@ class LayersConfig(ImmobileConfig):
             raise InputError(f"`edges` are at least three rising heights [m], got {self.edges}")
         if not self.edges[0] <= self.laser_height < self.edges[-2]:
             raise InputError(f"`laser_height` must be in a layer below the last, got {self.laser_height} m")
+        if not 0.0 <= self.believed <= self.limit:
+            raise InputError(f"`believed` must be in [0, `limit`], got {self.believed}")
         if not self.overlooked < 0.0:
             raise InputError(f"`overlooked` must be negative, got {self.overlooked}")
 
@@ -71,14 +76,14 @@ class ImmobileLayers(OccupancyGrid):
     """Log-odds of immobile area by layers of height.
 
     A thing that stood firmly in the laser's layer and has left is gone in all layers, as whatever stands there has a
-    foot; the camera need not look again.
+    foot; the camera need not look again. Only the tops of desks and seats stay, whose feet are elsewhere.
 
     Args:
         config: Parameters.
     """
 
     config: LayersConfig
-    _layers = ("_log_odds", "_stamps", "_spans", "_firm", "_left", "_mobile")
+    _layers = ("_log_odds", "_stamps", "_spans", "_tops", "_firm", "_left", "_mobile")
 
     def __init__(self, config: LayersConfig | None = None) -> None:
         super().__init__(config or LayersConfig())
@@ -87,6 +92,7 @@ class ImmobileLayers(OccupancyGrid):
         self._log_odds = np.zeros((count, 0, 0), dtype=np.float32)
         self._stamps = np.zeros((count, 0, 0), dtype=np.int32)
         self._spans = np.zeros((2, count, 0, 0), dtype=np.float32)
+        self._tops = np.zeros((count, 0, 0), dtype=np.bool_)
         self._firm, self._left, self._mobile = (np.zeros((0, 0), dtype=np.bool_) for _ in range(3))
 
     def write(self, T_map_robot: ArrayLike, scan: LaserScan, lambdas: ArrayLike = UNKNOWN) -> None:
@@ -112,7 +118,13 @@ class ImmobileLayers(OccupancyGrid):
         self._clear_columns(layer)
 
     def write_view(
-        self, T_map_camera: ArrayLike, height: float, points: ArrayLike, lambdas: ArrayLike, above: ArrayLike
+        self,
+        T_map_camera: ArrayLike,
+        height: float,
+        points: ArrayLike,
+        lambdas: ArrayLike,
+        above: ArrayLike,
+        level: ArrayLike = False,
     ) -> None:
         """Write what a camera saw.
 
@@ -122,6 +134,7 @@ class ImmobileLayers(OccupancyGrid):
             points: (n, 3) what it saw, in its own frame turned level, heights above the floor [m].
             lambdas: (n,) lambda of what is there; NaN where the ray ends on something that stands in nobody's way.
             above: (n,) rays free nothing where they are lower than this [m].
+            level: (n,) or one: whether it is a level top, which stays where it is when what stands below it leaves.
 
         Raises:
             InputError: If the shapes differ or a lambda is not positive.
@@ -137,23 +150,20 @@ class ImmobileLayers(OccupancyGrid):
         order = np.argsort(beta, kind="stable")
         flat = self._cells(np.concatenate((pose[None, :2], transform_points(pose, ends[order, :2]))))
         cells = np.concatenate((flat, np.append(height, ends[order, 2])[:, None]), axis=1)
-        near = round(config.nearest / config.resolution)
-        miss = float(np.log(UNKNOWN * config.miss))
+        near, sure, miss = round(config.nearest / config.resolution), each >= config.sure, np.log(UNKNOWN * config.miss)
         self._scans += 1
         write_view(
             cells[0],
             cells[1:],
             beta[order],
             lowest[order],
-            each[order] >= config.sure,
+            (sure.astype(np.int8) + (sure & np.asarray(level)))[order],
             near,
             self._edges,
-            miss,
+            float(miss),
             config.limit,
             self._scans,
-            self._log_odds,
-            self._stamps,
-            self._spans,
+            *(self._log_odds, self._stamps, self._spans, self._tops),
         )
         self._note_mobile(cells[1:], beta[order])
         self._firm |= self._log_odds[config.laser_layer] >= config.firm
@@ -237,10 +247,12 @@ class ImmobileLayers(OccupancyGrid):
         return self._cut((self._left & ~self._mobile).astype(np.float32))
 
     def _low(self) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
-        """Return (rows, cols) the highest log-odds of the layers below the last, and whether any of them is known."""
+        """Return (rows, cols) log-odds by all layers below the last together, and whether any of them is known."""
         seen = self._stamps[:-1] > 0
         known = np.asarray(seen.any(axis=0))
         highest = np.where(seen, self._log_odds[:-1], -np.inf).max(axis=0, initial=-np.inf)
+        doubtful = (highest < self.config.believed) & (self._log_odds[self.config.laser_layer] < self.config.gone)
+        highest = np.where(doubtful, np.minimum(highest, np.float32(self.config.overlooked)), highest)
         return np.where(known, highest, np.float32(0.0)), known
 
     def _seen_over(self, odds: NDArray[np.float32]) -> NDArray[np.bool_]:
@@ -285,6 +297,7 @@ class ImmobileLayers(OccupancyGrid):
                 # the camera may have seen it in the next cell, too
                 free = log_odds[window] < config.gone
                 columns, spans = self._log_odds[:, *window], self._spans[:, :, *window]
-                columns[:, free] = np.minimum(columns[:, free], np.float32(config.gone))
-                spans[:, :, free] = 0.0
+                goes = free & ~self._tops[:, *window]
+                columns[goes] = np.minimum(columns[goes], np.float32(config.gone))
+                spans[:, goes] = 0.0
                 self._left[row, col] = True

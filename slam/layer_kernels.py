@@ -8,7 +8,7 @@ _SLACK = 0.01  # so much beyond where it was seen a thing may reach [m]
 
 
 @njit(cache=True, nogil=True)
-def write_view(origin, ends, log_beta, above, known, near, edges, miss, limit, stamp, log_odds, stamps, spans):
+def write_view(origin, ends, log_beta, above, known, near, edges, miss, limit, stamp, log_odds, stamps, spans, tops):
     """Update each cell of each layer that the rays met once: by the first hit in it, else by `miss`.
 
     A ray frees, in each cell that it passes, the one layer that holds its height there; but what was recognised there
@@ -19,7 +19,7 @@ def write_view(origin, ends, log_beta, above, known, near, edges, miss, limit, s
         ends: (n, 3) where they end; where two hit the same cell the earlier one counts.
         log_beta: (n,) what a hit adds to the log-odds; NaN where the ray ends in the open.
         above: (n,) a ray frees nothing where it is lower than this [m]: it grazes what it ends on.
-        known: (n,) whether what it ends on was recognised as something that stays.
+        known: (n,) whether what it ends on was recognised as something that stays: 0 no, 1 yes, 2 as a level top.
         near: Nothing is freed nearer than this [cells].
         edges: (b + 1,) heights between the layers [m]; the last layer has no upper end.
         miss: What a ray adds to a cell that it passes.
@@ -28,26 +28,28 @@ def write_view(origin, ends, log_beta, above, known, near, edges, miss, limit, s
         log_odds: (b, rows, cols) float32, changed.
         stamps: (b, rows, cols) int32, changed.
         spans: (2, b, rows, cols) float32, lowest and highest of what was recognised [m], 0 for nothing; changed.
+        tops: (b, rows, cols) bool, where level tops were recognised; changed.
     """
     for k in range(len(ends)):
         if not np.isnan(log_beta[k]) and ends[k, 2] >= edges[0]:
-            _hit(ends[k], log_beta[k], known[k], edges, limit, stamp, log_odds, stamps, spans)
+            _hit(ends[k], log_beta[k], known[k], edges, limit, stamp, log_odds, stamps, spans, tops)
     for k in range(len(ends)):
         hits = not np.isnan(log_beta[k])
         _free(origin, ends[k], hits, above[k], near, edges, miss, limit, stamp, log_odds, stamps, spans)
 
 
 @njit(cache=True, nogil=True)
-def _hit(end, log_beta, known, edges, limit, stamp, log_odds, stamps, spans):
+def _hit(end, log_beta, known, edges, limit, stamp, log_odds, stamps, spans, tops):
     """Write the hit of one ray."""
     layer = 0
     while layer < len(edges) - 2 and end[2] >= edges[layer + 1]:
         layer += 1
     row, col = int(np.floor(end[1])), int(np.floor(end[0]))
-    if known:
+    if known > 0:
         low, high = spans[0, layer, row, col], spans[1, layer, row, col]
         spans[0, layer, row, col] = end[2] if high == 0.0 else min(low, end[2])
         spans[1, layer, row, col] = max(high, end[2])
+        tops[layer, row, col] |= known == 2
     if stamps[layer, row, col] != stamp:
         stamps[layer, row, col] = stamp
         log_odds[layer, row, col] = max(min(log_odds[layer, row, col] + log_beta, limit), -limit)
@@ -80,7 +82,7 @@ def write_view_reference(
     ends: NDArray[np.float64],
     log_beta: NDArray[np.float64],
     above: NDArray[np.float64],
-    known: NDArray[np.bool_],
+    known: NDArray[np.int8],
     near: int,
     edges: NDArray[np.float64],
     miss: float,
@@ -89,6 +91,7 @@ def write_view_reference(
     log_odds: NDArray[np.float32],
     stamps: NDArray[np.int32],
     spans: NDArray[np.float32],
+    tops: NDArray[np.bool_],
 ) -> None:
     """Do what `write_view` does, in numpy."""
     change = np.full(log_odds.shape, np.nan)
@@ -100,6 +103,7 @@ def write_view_reference(
         if stays:
             spans[(0, *cell)] = z if spans[(1, *cell)] == 0.0 else min(spans[(0, *cell)], z)
             spans[(1, *cell)] = max(spans[(1, *cell)], z)
+            tops[cell] |= stays == 2
         if np.isnan(change[cell]):
             change[cell] = value
     for end, value, lowest in zip(ends, log_beta, above, strict=True):

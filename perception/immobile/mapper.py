@@ -6,19 +6,22 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...slam.errors import InputError
-from ...slam.geometry import compose, transform_points
+from ...slam.geometry import compose, inverse, transform_points
 from ...slam.immobile_grid import PoseHistory, moving_lambda, still_lambda
 from ...slam.immobile_layers import ImmobileLayers, LayersConfig
 from ...slam.scan import LaserScan
 from ..legs.clusters import cluster_scan
+from ..rgbd.planes import Surface
 from .places import Places
 from .view import View
 
 Array = NDArray[np.float64]
 
 _BODY = (0.5, 1.6)  # heights where a body would be seen [m]
+_BODY_M = 0.4  # so wide a place is all in the picture [m]
 _LEAST_POINTS = 40
-_RELIABLE_M = 5.0  # farther away people are missed too often to say that nobody is there
+_RELIABLE_M = (1.5, 5.0)  # nearer or farther people are missed too often to say that nobody is there
+_LONGEST_LOOK_S = 1.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,7 +33,7 @@ class ImmobileMapperConfig:
         person_radius: Returns this near to where somebody was recognised are theirs [m].
         body_radius: Their bodies reach this far [m].
         least_likely: Somebody less likely than this is not remembered, in [0, 1].
-        doubt: Where the camera sees something but nobody, somebody remembered is as likely as before times this.
+        doubt_s: Where the camera sees something but nobody, somebody remembered is half as likely after so long [s].
         recognised: Likelihood that a return stays that comes from where the camera recognised a wall or another plane,
             in [0, 1].
         empty: Cells with log-odds below this, and all around them, were empty: what stands there now has come.
@@ -43,7 +46,7 @@ class ImmobileMapperConfig:
     person_radius: float = 0.35
     body_radius: float = 0.25
     least_likely: float = 0.5
-    doubt: float = 0.85
+    doubt_s: float = 2.0
     recognised: float = 1.0
     empty: float = -1.5
     appeared_share: float = 0.7
@@ -51,10 +54,10 @@ class ImmobileMapperConfig:
     settles_s: float = 20.0
 
     def __post_init__(self) -> None:
-        for name in ("person_radius", "body_radius", "largest", "settles_s"):
+        for name in ("person_radius", "body_radius", "largest", "settles_s", "doubt_s"):
             if not getattr(self, name) > 0.0:
                 raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
-        for name in ("least_likely", "doubt", "recognised", "appeared_share"):
+        for name in ("least_likely", "recognised", "appeared_share"):
             if not 0.0 <= getattr(self, name) <= 1.0:
                 raise InputError(f"`{name}` must be in [0, 1], got {getattr(self, name)}")
         if not self.empty < 0.0:
@@ -77,6 +80,7 @@ class ImmobileMapper:
         self.people = Places(self.config.person_radius)
         self.came = Places(self.config.person_radius, self.config.settles_s)
         self._poses = PoseHistory()
+        self._looked_s = -np.inf
 
     def add_scan(self, T_map_robot: ArrayLike, scan: LaserScan, people: ArrayLike | float = 0.0) -> None:
         """Write one scan.
@@ -103,15 +107,34 @@ class ImmobileMapper:
             InputError: If no scan was taken around that time.
         """
         T_map_camera = compose(self._poses.at(view.time_s), view.T_robot_camera)
-        moves = self._objects_that_came(T_map_camera, view)
-        lambdas = np.where(moves, np.fmin(view.lambdas, moving_lambda(1.0)), view.lambdas)
-        self.grid.write_view(T_map_camera, view.camera_height, view.points, lambdas, view.above)
-        self.people.doubt(self._places_without_people(T_map_camera, view), self.config.doubt, self.config.least_likely)
+        self._remember_people(T_map_camera, view)
+        moves = np.where(self._objects_that_came(T_map_camera, view), 1.0, self._beside_people(T_map_camera, view))
+        lambdas = np.where(moves > 0.0, np.fmin(view.lambdas, moving_lambda(moves)), view.lambdas)
+        level = view.surface == Surface.TOP
+        self.grid.write_view(T_map_camera, view.camera_height, view.points, lambdas, view.above, level)
         sure = view.people.likelihood >= self.config.least_likely
         places = transform_points(self._poses.at(view.time_s), view.people.positions[sure])
-        self.people.add(places, view.people.likelihood[sure], view.time_s)
         for place, likelihood in zip(places, view.people.likelihood[sure], strict=True):
             self.grid.write_mobile(place, self.config.body_radius, float(moving_lambda(likelihood)))
+
+    def _remember_people(self, T_map_camera: Array, view: View) -> None:
+        """Remember whom the view shows; doubt those of whom it shows nothing."""
+        looked_s = min(view.time_s - self._looked_s, _LONGEST_LOOK_S)
+        self._looked_s = view.time_s
+        share = 0.5 ** (looked_s / self.config.doubt_s)
+        self.people.doubt(self._places_without_people(T_map_camera, view), share, self.config.least_likely)
+        sure = view.people.likelihood >= self.config.least_likely
+        places = transform_points(self._poses.at(view.time_s), view.people.positions[sure])
+        # somebody cut by the picture's edge is not where the rest of them is seen
+        well = self._whole(T_map_camera, view, places) | (self.people.likelihood(places) == 0.0)
+        self.people.add(places[well], view.people.likelihood[sure][well], view.time_s)
+
+    def _beside_people(self, T_map_camera: Array, view: View) -> Array:
+        """Return (n,) how likely each point of a view is the ragged edge of somebody; 0 for what was recognised."""
+        found = np.zeros(len(view.points))
+        unknown = (view.surface == Surface.OTHER) & (view.person < 0)
+        found[unknown] = self.people.likelihood(transform_points(T_map_camera, view.points[unknown, :2]))
+        return found
 
     def _note_what_came(self, T_map_lidar: Array, scan: LaserScan) -> None:
         """Remember where the scan met objects that were not there before."""
@@ -121,9 +144,14 @@ class ImmobileMapper:
         for start, end in zip(clusters.start, clusters.end, strict=True):
             piece = clusters.points[start:end]
             if empty[start:end].mean() >= self.config.appeared_share and self._is_small(piece):
-                places.append(piece.mean(axis=0))
+                places += self._along(piece)
         if places:
             self.came.add(transform_points(T_map_lidar, np.array(places)), np.ones(len(places)), scan.time_s)
+
+    def _along(self, piece: Array) -> list[Array]:
+        """Return the middles of parts of a `piece` (n, 2), none longer than the radius of a place."""
+        parts = int(np.ceil(np.hypot(*np.ptp(piece, axis=0)) / self.config.person_radius))
+        return [part.mean(axis=0) for part in np.array_split(piece, min(max(parts, 1), len(piece)))]
 
     def _objects_that_came(self, T_map_camera: Array, view: View) -> NDArray[np.bool_]:
         """Return (n,) whether each point of a view belongs to an object that was not there before, by the laser."""
@@ -140,7 +168,10 @@ class ImmobileMapper:
         return found
 
     def _places_without_people(self, T_map_camera: Array, view: View) -> Array:
-        """Return (n, 2) the remembered places of people, map frame [m], where the view shows other things instead."""
+        """Return (n, 2) the remembered places of people, map frame [m], where the view shows other things instead.
+
+        A person at the edge of the picture is only partly in it, and may well not be recognised.
+        """
         places = self.people.moving(view.time_s)
         if not len(places):
             return places
@@ -148,8 +179,15 @@ class ImmobileMapper:
         points = transform_points(T_map_camera, view.points[body, :2])
         near = np.hypot(*(points[:, None] - places).transpose(2, 0, 1)) < self.config.body_radius
         nobody = ~(near & (view.person[body] >= 0)[:, None]).any(axis=0)
-        close = np.hypot(*(places - T_map_camera[:2]).T) < _RELIABLE_M
+        away = np.hypot(*(places - T_map_camera[:2]).T)
+        close = self._whole(T_map_camera, view, places) & (away > _RELIABLE_M[0]) & (away < _RELIABLE_M[1])
         return places[nobody & close & (near.sum(axis=0) >= _LEAST_POINTS)]
+
+    def _whole(self, T_map_camera: Array, view: View, places: Array) -> NDArray[np.bool_]:
+        """Return (n,) whether somebody at each of `places` (n, 2), map frame [m], is all within the picture's sides."""
+        x, y = transform_points(inverse(T_map_camera), places).T
+        widest = np.abs(np.arctan2(view.points[:, 1], view.points[:, 0])).max(initial=0.0)
+        return np.abs(np.arctan2(y, x)) + np.arctan2(_BODY_M, np.hypot(x, y)) < widest
 
     def _is_small(self, points: Array) -> bool:
         return float(np.hypot(*np.ptp(points, axis=0))) <= self.config.largest

@@ -32,6 +32,11 @@ class Places:
         """Return (n, 2) the places, map frame [m], of what has not settled by then."""
         return self._places[time_s - self._since < self._settles_s]
 
+    def likelihood(self, points: Array) -> Array:
+        """Return (n,) how likely what moves is at `points` (n, 2), map frame [m]; 0 where nothing is remembered."""
+        apart = np.hypot(*(points[:, None] - self._places[None]).transpose(2, 0, 1))
+        return np.where(apart < self._radius, self._likelihood, 0.0).max(axis=1, initial=0.0)
+
     def add(self, places: Array, likelihood: Array, time_s: float) -> None:
         """Add `places` (n, 2), map frame [m]; each takes over from older ones near to it.
 
@@ -73,9 +78,11 @@ class Places:
             on = np.hypot(points[:, 0] - centre[0], points[:, 1] - centre[1]) < self._radius
             distance = float(np.hypot(*centre))
             half = np.arctan2(0.5 * self._radius, max(distance, self._radius))
-            across = np.abs(wrap_angle(scan.bearings - np.arctan2(centre[1], centre[0]))) < half
+            towards = float(np.arctan2(centre[1], centre[0]))
+            across = np.abs(wrap_angle(scan.bearings - towards)) < half
             beyond = across & (scan.ranges > distance + self._radius)
-            stays[k] = on.any() or beyond.sum() <= _CLEAR_SHARE * max(across.sum(), 1)
+            in_view = scan.bearings[0] <= towards - half and towards + half <= scan.bearings[-1]
+            stays[k] = on.any() or not in_view or beyond.sum() <= _CLEAR_SHARE * max(across.sum(), 1)
             if counts[k]:
                 met[on] = np.maximum(met[on], self._likelihood[k])
         self._places, self._likelihood = self._places[stays], self._likelihood[stays]

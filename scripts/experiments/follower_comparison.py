@@ -110,7 +110,7 @@ def draw_trade_off(result: dict[str, Any], path: Path) -> Path:
         axes.set(ylabel="tours done", ylim=(0.5, 1.02))
         axes.set_xlim(left=0.0)
         axes.grid(alpha=0.3)
-        axes.legend(loc="lower right")
+        axes.legend(loc="lower left")
     return save_figure(path, figure)
 
 

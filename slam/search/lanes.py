@@ -18,6 +18,7 @@ def add_lanes(typingctx, sums, at, values, starts, count, offset):
     """
 
     def codegen(context, builder, signature, arguments):
+        """Write the LLVM code of one call: load the sums, add in a loop, store them."""
         into, source, firsts = (
             context.make_array(signature.args[k])(context, builder, arguments[k]).data for k in (0, 2, 3)
         )

@@ -122,6 +122,21 @@ def test_the_window_stops_in_front_of_a_wall():
     assert places[:, 0].max() < 1.2
 
 
+@pytest.mark.parametrize("wall", [0.0, 0.9])
+def test_commands_of_the_window_change_no_faster_than_the_robot_can(wall):
+    config = DynamicWindowConfig()
+    window, commands = DynamicWindow(config, 0.1), [(0.0, 0.0)]
+    ahead = np.stack((np.full(31, wall), np.linspace(-1.5, 1.5, 31)), axis=-1) if wall else np.empty((0, 2))
+    for k in range(40):
+        target = np.array([2.0 * math.cos(0.3 * k), 2.0 * math.sin(0.3 * k)])
+        commands.append(window.choose(target, target, Surroundings(ahead, np.empty((0, 4)))))
+    change = np.diff(commands, axis=0)
+    assert change[:, 0].max() <= 0.1 * config.acceleration + 1e-9
+    assert change[:, 0].min() >= -0.15 * config.acceleration - 1e-9
+    assert np.abs(change[:, 1]).max() <= 0.1 * config.turn_acceleration + 1e-9
+    assert np.abs(change[:, 1]).max() > 0.0
+
+
 def test_people_are_given_more_room_than_things():
     beside = np.array([[1.5, 0.75]])
     thing = run_window(Surroundings(beside, np.empty((0, 4))), (3.5, 0.0))

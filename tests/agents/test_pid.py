@@ -7,6 +7,7 @@ import pytest
 from tagalong.agents import PIDFollower, make_follower
 from tagalong.agents.avoidance import AvoidanceConfig, free_heading, free_lengths
 from tagalong.agents.memory import LeaderMemory, MemoryConfig, Mode
+from tagalong.agents.pid import PIDConfig
 from tagalong.agents.pid_axis import Axis, AxisConfig
 from tagalong.envs.interface import FollowInterface
 from tagalong.slam.errors import InputError
@@ -99,6 +100,13 @@ def test_things_behind_and_beside_the_robot_do_not_block_it():
     config = AvoidanceConfig()
     points = np.array([[-1.0, 0.0], [0.5, config.half_width + config.margin + 0.01]])
     assert free_lengths(np.zeros(1), points, config)[0] == config.horizon
+
+
+@pytest.mark.parametrize("ahead", [0.0, 0.05, 0.3, 1.0, 3.0])
+def test_it_is_never_too_fast_to_stop_in_front_of_what_is_ahead(ahead):
+    follower, config = PIDFollower(), PIDConfig()
+    speed = follower._safe_speed(ahead)
+    assert speed * config.reaction_s + speed**2 / (2.0 * config.braking) == pytest.approx(ahead, abs=1e-9)
 
 
 def test_the_integral_does_not_wind_up():

@@ -6,7 +6,7 @@ from tagalong.envs.history import History, run_lengths
 from tagalong.envs.metrics import episode_metrics
 from tagalong.envs.metrics.following import leader_is_right
 from tagalong.envs.metrics.safety import time_to_collision
-from tagalong.envs.metrics.smoothness import ldlj, sparc
+from tagalong.envs.metrics.smoothness import WINDOW_S, ldlj, sparc
 
 
 def straight_drive(seconds=20.0, gap=1.3, rate=10.0, **changes):
@@ -121,6 +121,37 @@ def test_contacts_count_as_intervals():
 )
 def test_time_to_collision_of_two_circles(offset, velocity, expected):
     assert time_to_collision(np.array(offset), np.array(velocity), np.array(1.0)) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("heading", [0.0, 2.0])
+@pytest.mark.parametrize(("comes", "least", "below_2"), [(0.0, 1.45, 6 / 201), (1.0, 0.725, 26 / 201)])
+def test_time_to_collision_counts_from_surface_to_surface_in_the_frame_of_the_world(heading, comes, least, below_2):
+    drive = straight_drive()
+    cos, sin = np.cos(heading), np.sin(heading)
+    turn = np.array([[cos, sin], [-sin, cos]])
+    pose = np.column_stack((drive.robot_pose[:, :2] @ turn, np.full(201, heading)))
+    people, velocity = drive.person_position.copy(), drive.person_velocity.copy()
+    people[:, 1], velocity[:, 1] = [22.05, 0.0], [-comes, 0.0]
+    metrics = episode_metrics(
+        straight_drive(robot_pose=pose, person_position=people @ turn, person_velocity=velocity @ turn)
+    )
+    assert metrics["min_ttc_s"] == pytest.approx(least)
+    assert metrics["ttc_below_2s_share"] == pytest.approx(below_2)
+    assert metrics["ttc_below_1s_share"] == pytest.approx(0.0 if comes == 0.0 else 6 / 201)
+
+
+def test_smoothness_is_judged_on_whole_windows_only():
+    drive = straight_drive(seconds=25.0)
+    wavy = 1.0 + 0.1 * np.sin(2.0 * drive.time_s)
+    velocity = np.column_stack((wavy, np.zeros((len(wavy), 2))))
+    jerky = velocity.copy()
+    jerky[-40:-10:2, 0] += 0.5
+    windows = [episode_metrics(straight_drive(seconds=25.0, robot_velocity=v)) for v in (velocity, jerky)]
+    cut = round(WINDOW_S * 10.0) * (len(wavy) // round(WINDOW_S * 10.0))
+    assert cut <= len(wavy) - 40, "the rest of the drive is longer than what is jerky"
+    for name in ("sparc", "ldlj"):
+        assert windows[0][name] == windows[1][name]
+    assert windows[0]["jerk_rms_mps3"] < windows[1]["jerk_rms_mps3"]
 
 
 def test_sparc_and_ldlj_of_a_gaussian_speed_are_the_published_values():

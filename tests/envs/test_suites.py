@@ -18,8 +18,15 @@ from tagalong.slam.errors import InputError
 def test_every_scenario_of_a_suite_can_be_driven(name):
     for scenario in {each.env + str(each.arguments): each for each in suite(name)}.values():
         env = gym.make(scenario.env, slam=None, beams=61, **scenario.arguments)
-        env.reset(seed=1_000_000, options=scenario.options)
-        env.step(np.zeros(2))
+        first, _ = env.reset(seed=1_000_000, options=scenario.options)
+        then, _, terminated, truncated, _ = env.step(np.zeros(2))
+        assert env.observation_space.contains(first)
+        assert env.observation_space.contains(then)
+        assert not terminated
+        assert not truncated
+        asked = scenario.options.get("people", scenario.arguments.get("people_count"))
+        people = env.unwrapped.truth.people
+        assert asked is None or len(people.positions) >= asked, scenario
 
 
 def test_an_unknown_suite_is_answered_with_the_known_ones():

@@ -1,5 +1,7 @@
 """Laser and camera write one immobile-area map: what is recognised decides."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from tagalong.perception.immobile.mapper import ImmobileMapper, ImmobileMapperConfig
@@ -89,15 +91,60 @@ def test_what_comes_into_an_empty_place_is_moving_and_what_was_always_there_is_n
     assert occupied_at(grid, 4.02, -1.0)
 
 
-def test_a_thing_that_was_once_taken_for_somebody_is_forgotten_when_the_camera_sees_no_one_there():
+@pytest.mark.parametrize("every", [1, 5])
+def test_a_thing_that_was_once_taken_for_somebody_is_forgotten_when_the_camera_sees_no_one_there(every):
     mapper = ImmobileMapper()
     frame = room_frame(0.1, board=(1.9, 0.0, 1.7))
     planes = PlaneFinder().find(frame)
-    for step in range(1, 20):
+    for step in range(1, 40):
         mapper.add_scan(np.zeros(3), scan_of(post=(2.02, 0.02), time_s=0.1 * step))
-        people = person_of(frame, 1.9) if step == 1 else nobody(53, 64)
-        mapper.add_view(make_view(frame, planes, people))
-        assert len(mapper.people.moving(2.0)) == (1 if step < 5 else 0)
+        if step == 1 or step % every == 0:
+            people = person_of(frame, 1.9) if step == 1 else nobody(53, 64)
+            mapper.add_view(make_view(replace(frame, time_s=0.1 * step), planes, people))
+        assert len(mapper.people.moving(4.0)) == (1 if step < 17 else 0) or 17 <= step <= 21
+
+
+def test_nobody_is_doubted_at_the_edge_of_the_picture():
+    frame = room_frame(0.1, board=(1.9, 0.0, 1.7))
+    view = make_view(frame, PlaneFinder().find(frame), nobody(53, 64))
+    mapper = ImmobileMapper()
+    mapper.add_scan(np.zeros(3), scan_of(time_s=0.1))
+    for place, doubted in (((1.9, 0.0), 1), ((1.9, 1.0), 0)):
+        mapper.people.add(np.array([place]), np.array([0.9]), 0.1)
+        body = view.points.copy()
+        body[(body[:, 0] < 2.0) & (body[:, 2] > 0.3) & (body[:, 2] < 1.8), 1] += place[1]
+        shown = replace(view, points=body)
+        assert len(mapper._places_without_people(np.zeros(3), shown)) == doubted
+        mapper.people.doubt(np.array([place]), 0.0, 0.5)
+
+
+def test_the_ragged_edge_of_somebody_is_not_written():
+    frame = room_frame(0.1, board=(1.9, 0.0, 1.7))
+    whole = PlaneFinder().find(frame)
+    side = np.where(np.abs(frame.depth - 1.9) < 0.05, CAMERA.rays[..., 1] * 1.9, np.nan)
+    ragged = np.where(np.nan_to_num(side) > 0.1, Surface.OTHER, whole.surface).astype(np.int8)
+    maps = []
+    for known in (True, False):
+        mapper, people = ImmobileMapper(), person_of(frame, 1.9) if known else nobody(53, 64)
+        people = replace(people, label=np.where(ragged == Surface.OTHER, -1, people.label).astype(np.int32))
+        mapper.add_scan(np.zeros(3), scan_of(time_s=0.1))
+        for _ in range(10):
+            mapper.add_view(make_view(frame, replace(whole, surface=ragged), people))
+        maps.append(mapper.grid.to_map())
+    assert not occupied_at(maps[0], 1.9, 0.15, reach=0.1)
+    assert occupied_at(maps[1], 1.9, 0.15, reach=0.1)
+
+
+def test_all_of_a_door_that_swings_open_is_moving():
+    mapper = ImmobileMapper()
+    for step in range(1, 40):
+        mapper.add_scan(np.zeros(3), scan_of(time_s=0.1 * step))
+    y = BEARINGS * 3.0
+    leaf = np.where(np.abs(y) < 0.5, 3.0, 9.0)
+    mapper.add_scan(np.zeros(3), LaserScan(np.minimum(leaf, scan_of().ranges), BEARINGS, 0.1, 10.0, 4.0))
+    places = mapper.came.moving(4.0)
+    for side in (-0.45, 0.0, 0.45):
+        assert np.hypot(*(places - (3.0, side)).T).min() < 0.35
 
 
 def test_what_has_come_and_then_stands_for_long_is_a_thing():
@@ -146,6 +193,15 @@ def test_places_are_kept_while_somebody_or_something_hides_them():
     places.add(np.array([[3.2, 0.0]]), np.array([0.9]), 0.1)
     assert places.moving(0.1).tolist() == [[3.2, 0.0]]
     assert places.update(np.zeros(3), scan_of(post=(3.2, 0.0))).max() == 0.9
+
+
+def test_somebody_at_the_edge_of_the_scan_is_not_forgotten():
+    edge = 1.5 * np.array([np.cos(1.5), np.sin(1.5)])
+    for place, kept in ((edge, 1), (np.array([1.5, 0.0]), 0)):
+        places = Places(0.35)
+        places.add(place[None], np.array([0.9]), 0.0)
+        places.update(np.zeros(3), scan_of(wall=4.0))
+        assert len(places.moving(0.1)) == kept
 
 
 def test_wrong_inputs_are_errors():

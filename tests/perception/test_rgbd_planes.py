@@ -127,6 +127,14 @@ def test_a_table_top_is_a_top_and_a_low_screen_is_a_face_and_neither_is_a_wall()
     assert (planes.surface[truth == 2] == Surface.WALL).mean() > 0.95
 
 
+def test_a_desk_far_away_is_a_top_though_its_depth_runs_off_with_each_row():
+    frame, truth = room(noise=1.0, boxes=[(2.2, -0.8, 0.69, 3.0, 0.8, 0.72)])
+    planes = PlaneFinder().find(frame)
+    top = (truth == 3) & (np.abs(planes.points[..., 2] - 0.72) < 0.02)
+    assert 60 < top.sum() < 400
+    assert (planes.surface[top] == Surface.TOP).mean() > 0.8
+
+
 def test_a_wall_goes_on_behind_what_stands_before_it_and_one_without_a_ceiling_in_sight_is_less_sure():
     frame, truth = room(noise=1.0, boxes=[(4.0, -1.99, 1.3, 4.1, 1.99, 1.5)])
     planes = PlaneFinder().find(frame)

@@ -5,6 +5,7 @@ import json
 
 import numpy as np
 import pytest
+from tagalong.scripts.experiments import rgbd_planes
 from tagalong.scripts.reproduce.experiment import load_experiment
 from tagalong.scripts.reproduce.immobile import measures
 from tagalong.scripts.reproduce.immobile.counted import Share
@@ -13,6 +14,7 @@ from tagalong.scripts.reproduce.immobile.plan import CLEAN, SHAKEN, plan_of
 from tagalong.scripts.reproduce.run import run_experiment
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import inverse
+from tagalong.slam.logs.ros_map import read_ros_map
 from tagalong.slam.occupancy_map import OccupancyMap
 from tagalong.slam.scan import LaserScan
 
@@ -114,7 +116,19 @@ def test_a_short_drive_ends_in_a_report_with_all_its_figures(tmp_path):
     figures = {figure.file.name for section in report.sections for figure in section.figures}
     assert {name.split("_")[0] for name in figures} == {f"fig{k}" for k in (1, 3, 4, 5, 6, 7, 8, 9)}
     assert all((tmp_path / "figures" / name).stat().st_size > 5000 for name in figures)
+    exported = [read_ros_map(tmp_path / "maps" / f"seed-0{layer}.yaml") for layer in ("", "_movable")]
+    assert exported[0].probability.shape == exported[1].probability.shape
+    assert exported[0].occupied.sum() > 100
     content = json.loads((tmp_path / "results.json").read_text())
     row = content["cells"][f"{CLEAN.replace(' ', '-')}/seed-0"]
     assert row["pose_error_m"] < 1e-12
     assert row["maps"]["immobile"]["table"][1] > 3 * row["maps"]["laser"]["table"][1]
+
+
+def test_planes_are_counted_against_what_the_rays_met():
+    counts = rgbd_planes.Counts()
+    rgbd_planes.count_drive(0, 0.0, counts, longest_s=6.0)
+    assert counts.whole["wall"] > 5000
+    assert counts.right["wall"] > 0.95 * counts.whole["wall"]
+    assert max(counts.slopes) < np.radians(0.3)
+    assert len(counts.row()) == len(rgbd_planes.KINDS) + 3

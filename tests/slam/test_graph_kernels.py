@@ -97,6 +97,18 @@ def test_the_correlative_search_scores_as_numpy_does():
     assert np.hypot(*pose[:2]) < 0.08  # the walls are two cells wide
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_the_correlative_search_weighs_the_prior_with_all_its_correlations(seed):
+    rng = np.random.default_rng(seed)
+    field, points = rng.random((60, 80)).astype(np.float32), rng.uniform((-1.4, -0.9), (2.3, 1.8), (40, 2))
+    root = rng.normal(0.0, 1.0, (3, 3)) * [[8.0], [8.0], [25.0]]
+    arguments = (field, CORNER, RESOLUTION, points, np.zeros(3), root @ root.T, 0.3, 3, 4, 0.03)
+    pose, rest = correlate(*arguments)
+    wanted_pose, wanted_rest = reference.correlation(*arguments)
+    np.testing.assert_allclose(pose, wanted_pose, atol=1e-12)
+    np.testing.assert_allclose(rest, wanted_rest, rtol=1e-5)
+
+
 def test_a_scan_is_inserted_as_numpy_does():
     rng = np.random.default_rng(2)
     shape, origin = (60, 80), np.array([31.3, 25.8])

@@ -26,10 +26,10 @@ def wall_points(x, heights):
     return np.array([(x, side, height) for side in np.arange(-0.5, 0.5, 0.02) for height in heights])
 
 
-def look(grid, points, lam, times=1, graze=NOTHING_GRAZED):
+def look(grid, points, lam, times=1, graze=NOTHING_GRAZED, level=False):
     for _ in range(times):
         count = len(points)
-        grid.write_view(ORIGIN, CAMERA_HEIGHT, points, np.full(count, float(lam)), np.full(count, graze))
+        grid.write_view(ORIGIN, CAMERA_HEIGHT, points, np.full(count, float(lam)), np.full(count, graze), level)
 
 
 def test_the_kernel_does_what_its_reference_does():
@@ -44,12 +44,15 @@ def test_the_kernel_does_what_its_reference_does():
         stamps = np.zeros((6, 40, 40), np.int32)
         spans = np.zeros((2, 6, 40, 40), np.float32)
         spans[:, :, 10:20] = np.array([0.5, 0.6])[:, None, None, None]
-        origin, known = np.array([20.3, 18.7, 1.0]), beta > 0.0
-        kernel(origin, ends, beta, above, known, 3, edges, -0.4, 5.0, 1, log_odds, stamps, spans)
-        results.append((log_odds, stamps, spans))
+        tops = np.zeros((6, 40, 40), np.bool_)
+        origin, known = np.array([20.3, 18.7, 1.0]), (beta > 0.0).astype(np.int8) + (beta > 0.5)
+        kernel(origin, ends, beta, above, known, 3, edges, -0.4, 5.0, 1, log_odds, stamps, spans, tops)
+        results.append((log_odds, stamps, spans, tops))
     np.testing.assert_allclose(results[0][0], results[1][0], atol=1e-5)
     assert np.array_equal(results[0][1], results[1][1])
     np.testing.assert_allclose(results[0][2], results[1][2])
+    assert np.array_equal(results[0][3], results[1][3])
+    assert results[0][3].sum() > 5
     assert (results[0][1] > 0).sum() > 300
 
 
@@ -145,6 +148,30 @@ def test_what_the_camera_saw_of_the_door_in_the_next_cell_goes_with_it():
     assert value_at(grid.to_map(), 3.07, 0.02) < 0.5
 
 
+def test_a_desk_top_stays_when_its_leg_turns_out_to_be_in_the_next_cell():
+    for level, stays in ((True, True), (False, False)):
+        grid = ImmobileLayers()
+        for _ in range(100):
+            grid.write(ORIGIN, wall_scan(3.02))
+        look(grid, wall_points(3.02, (0.72,)), 10.0, times=3, graze=0.82, level=level)
+        for _ in range(20):
+            grid.write(ORIGIN, wall_scan(6.02))
+        assert value_at(grid.laser_map(), 3.02, 0.02) < 0.5
+        assert (value_at(grid.to_map(), 3.02, 0.02) > 0.9) == stays
+
+
+def test_one_look_at_something_in_the_air_is_not_believed_where_the_laser_sees_nothing():
+    grid = ImmobileLayers()
+    back = wall_points(3.02, (1.2,))
+    look(grid, back, 6.0)
+    assert value_at(grid.to_map(), 3.02, 0.02) > 0.6
+    for _ in range(10):
+        grid.write(ORIGIN, wall_scan(6.02))
+    assert value_at(grid.to_map(), 3.02, 0.02) < 0.5
+    look(grid, back, 6.0)
+    assert value_at(grid.to_map(), 3.02, 0.02) > 0.6
+
+
 def test_people_are_not_kept_as_movable_things():
     grid = ImmobileLayers()
     for _ in range(100):
@@ -188,6 +215,8 @@ def test_wrong_inputs_are_errors():
         LayersConfig(laser_height=2.5)
     with pytest.raises(InputError, match="overlooked"):
         LayersConfig(overlooked=0.1)
+    with pytest.raises(InputError, match="believed"):
+        LayersConfig(believed=-1.0)
     with pytest.raises(InputError, match="differ"):
         ImmobileLayers().write_view(ORIGIN, 1.0, np.zeros((2, 3)), [2.0], [0.0])
     with pytest.raises(InputError, match="positive"):

@@ -16,7 +16,7 @@ from ...figures.trajectory import trajectory_picture
 from ..report import Figure
 from .map_files import load_map
 from .maps import ENGINES, VARIANTS
-from .plan import FULL_RANGE, SCANS, map_name, tour_name
+from .plan import FULL_RANGE, SCANS, map_name, reference_name, tour_name
 from .tables import PAPER_CM, TITLES, PaperResults
 
 _COLOURS = {"raw": "#d62728", "filtered": "#1f57d6"}
@@ -49,7 +49,7 @@ def draw_overlays(scene: str, cells: Path, folder: Path) -> Figure:
     """Draw the maps of seed 0 with 2 people on the reference (the paper's Figs 4 and 5)."""
     columns = []
     for engine in ENGINES:
-        reference, _ = load_map(files_of(f"reference/{scene}/{engine}/s0", cells) / "map.npz")
+        reference, _ = load_map(files_of(reference_name(scene, engine, 0), cells) / "map.npz")
         pictures = []
         for scans in SCANS:
             name = map_name(scene, 2, "typical", FULL_RANGE, engine, scans, 0)

@@ -91,7 +91,7 @@ def reference_cells(scene: str, seed: int) -> list[Cell]:
     drive = Cell(name=slow, function=record_reference, arguments=arguments, keeps_files=True)
     maps = [
         Cell(
-            name=f"reference/{scene}/{engine}/s{seed}",
+            name=reference_name(scene, engine, seed),
             function=map_reference,
             arguments={"variant": engine, "seed": seed},
             keeps_files=True,
@@ -100,6 +100,11 @@ def reference_cells(scene: str, seed: int) -> list[Cell]:
         for engine in ENGINES
     ]
     return [drive, *maps]
+
+
+def reference_name(scene: str, variant: str, seed: int) -> str:
+    """Return the name of the cell that maps the slow drive without people."""
+    return f"reference/{scene}/{variant}/s{seed}"
 
 
 def tour_name(scene: str, people: int, odometry: str, seed: int) -> str:
@@ -132,6 +137,6 @@ def map_cell(
         needs=(
             tour_name(scene, people, odometry, seed),
             f"slow/{scene}/s{seed}",
-            f"reference/{scene}/{engine}/s{seed}",
+            reference_name(scene, engine, seed),
         ),
     )

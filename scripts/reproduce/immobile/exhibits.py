@@ -16,6 +16,7 @@ from .measures import cell_numbers, centres_of
 Array = NDArray[np.float64]
 
 _ENOUGH = 500
+_CUT = 0.3
 _CLASSES = (Surface.FLOOR, Surface.CEILING, Surface.WALL, Surface.TOP)
 
 
@@ -59,10 +60,14 @@ class Exhibits:
         self._cells: dict[str, set[int]] = {"wall": set(), "thing": set()}
 
     def add_frame(self, frame: RgbdFrame, view: View, scan: LaserScan, pose: Array, people: int) -> None:
-        """Keep `frame` if it shows more kinds of surfaces, and more of `people` (pixels), than those before."""
+        """Keep `frame` if it shows more kinds of surfaces, and more of `people` (pixels), than those before.
+
+        People who are cut by the picture's sides or its upper edge count less.
+        """
         planes, person = view.planes, view.people.label >= 0
+        cut = person[0].any() or person[:, [0, -1]].any()
         counts = [*((planes.surface == surface).sum() for surface in _CLASSES), people]
-        score = float(np.prod([20 + min(int(count), _ENOUGH) for count in counts]))
+        score = (_CUT if cut else 1.0) * float(np.prod([20 + min(int(count), _ENOUGH) for count in counts]))
         if score > self._score:
             self._score = score
             self._best = Exhibit(

@@ -51,9 +51,10 @@ class Immobile:
         """Judge and draw."""
         plan = plan_of(options)
         counted = Counted(results, plan.seeds)
-        seed = plan.seeds[0]
-        world = lab_world(seed)
-        maps = DriveMaps(files_of(cell_name(CLEAN, seed), options.out / "cells"), world.scene, np.array(world.start))
+        drives = [_maps_of(seed, options.out) for seed in plan.seeds]
+        for seed, drive in zip(plan.seeds, drives, strict=True):
+            drive.export(options.out / "maps", f"seed-{seed}")
+        maps = drives[0]
         sections = [
             Section(
                 title="The update",
@@ -85,6 +86,12 @@ class Immobile:
             sections=sections,
             results=tables.numbers(counted, plan.disturbances),
         )
+
+
+def _maps_of(seed: int, out: Path) -> DriveMaps:
+    """Return the maps of the undisturbed drive of `seed`."""
+    world = lab_world(seed)
+    return DriveMaps(files_of(cell_name(CLEAN, seed), out / "cells"), world.scene, np.array(world.start))
 
 
 _METHOD = """\

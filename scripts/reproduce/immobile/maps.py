@@ -8,6 +8,7 @@ from PIL import Image
 
 from ....envs.scenes.scene import Scene
 from ....slam.geometry import transform_points
+from ....slam.logs.ros_map import write_ros_map
 from ....slam.occupancy_map import OccupancyMap
 from ...figures.canvas import BLUE, FAINT, GREEN, INK, ORANGE, RED, PlanCanvas, save_png, side_by_side
 from ...figures.maps import FREE, UNKNOWN
@@ -20,6 +21,7 @@ Array = NDArray[np.float64]
 
 LASER_BLUE = (90, 190, 225)
 _RED_MARKS = ("a", "b", "c")
+_FLAT_M = 0.5
 
 
 class DriveMaps:
@@ -40,6 +42,11 @@ class DriveMaps:
         """Return one of the maps."""
         stem = name if name == "conventional" else f"{name.replace(' ', '_')}_{layer}"
         return load_map(self._files / f"{stem}.npz")[0]
+
+    def export(self, folder: Path, name: str) -> None:
+        """Write the map and, beside it, the layer of movable things: `folder`/`name`.yaml and `name`_movable.yaml."""
+        write_ros_map(folder / f"{name}.yaml", self.grid("immobile"))
+        write_ros_map(folder / f"{name}_movable.yaml", self.grid("immobile", "movable"))
 
     def draw_desk(self, folder: Path) -> Figure:
         """Draw Fig. 6: the desks, with and without the camera."""
@@ -124,7 +131,12 @@ class DriveMaps:
         for name, polygon in self._scene.marks.items():
             colour = RED if name in _RED_MARKS else GREEN
             canvas.line(np.vstack((polygon, polygon[:1])), colour, 2.5)
-            canvas.label(polygon.max(axis=0) + 0.2, name, colour)
+            low, high = polygon.min(axis=0), polygon.max(axis=0)
+            middle = (low + high) / 2.0
+            beside = np.array([low[0] - 0.35, middle[1]])
+            below = low + np.array([0.2, -0.3])
+            flat = high[1] - low[1] < _FLAT_M
+            canvas.label(below if flat else middle if name in _RED_MARKS else beside, name, colour)
 
     def _world(self, points: Array) -> Array:
         return transform_points(self._T_world_map, points)
