@@ -118,7 +118,7 @@ class Cartographer:
     ) -> LocalResult:
         """Weigh doubtful scans against the whole map where it is due; return what local SLAM makes of this one then."""
         self._suspect(watch, result.doubtful, odometry, scan)
-        due = watch.suspicious and self._search is None and len(self._suspects) > 0 and self._suspected % _WEIGHED == 0
+        due = watch.suspicious and self._search is None and self._suspected % _WEIGHED == 0
         if not (watch.alarmed or due):
             return result
         alarmed, search = watch.alarmed, self._relocalization(graph)
@@ -132,9 +132,10 @@ class Cartographer:
 
     def _suspect(self, watch: Watch, doubtful: bool, odometry: Array, scan: LaserScan) -> None:
         """Keep the scans since something began to be wrong."""
-        if (doubtful and watch.in_doubt == 1) or not (doubtful or watch.suspicion > 0.0):
+        wrong = doubtful or watch.suspicion > 0.0
+        if (doubtful and watch.in_doubt == 1) or not wrong:
             self._suspects, self._suspected = [], 0
-        if not (doubtful or watch.suspicion > 0.0):
+        if not wrong:
             self._unsure = False
             return
         self._suspects = [*self._suspects, (odometry, scan)][-_SUSPECTS:]
@@ -151,7 +152,8 @@ class Cartographer:
     def _is_lost(self, watch: Watch, graph: GlobalSlam, search: Relocalization, result: LocalResult) -> bool:
         """Weigh the place where local SLAM has put the doubtful scans against the rest of the map.
 
-        Where neither that place nor any other stands out, it is not sure for now.
+        Where neither that place nor another that explains them well stands out, it is not sure for now. Where nothing
+        on the map explains them well, people are about.
         """
         if self._search or not result.match:
             return watch.plainly_lost
@@ -159,10 +161,11 @@ class Cartographer:
         if outcome is None:
             return watch.plainly_lost
         surely_here = outcome.stays and (outcome.belief.sure or not len(outcome.belief.poses))
-        self._unsure = not surely_here
-        if surely_here:
+        if surely_here or not (outcome.rivalled or watch.alarmed):
+            self._unsure = self._unsure and not surely_here
             watch.acquit()
             return False
+        self._unsure = True
         return watch.plainly_lost or (outcome.moved and (watch.alarmed or outcome.belief.sure))
 
     def _lose(self, graph: GlobalSlam, search: Relocalization) -> None:

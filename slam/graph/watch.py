@@ -75,12 +75,13 @@ class Watch:
         self.in_doubt = 0
         self._usual_share = 0.0
         self._share = 0.0
+        self._peak = 0.0
         self.suspicion = 0.0
 
     @property
     def suspicious(self) -> bool:
-        """Whether the last scans together contradict the submap so much that somebody should look closer."""
-        return self.suspicion >= self._config.suspicious
+        """Whether the scans since it began to suspect contradict the submap so much that somebody should look."""
+        return self._peak >= self._config.suspicious
 
     @property
     def alarmed(self) -> bool:
@@ -95,7 +96,7 @@ class Watch:
     def restart(self) -> None:
         """Begin anew with another submap; what is usual stays."""
         self.in_doubt = self._plain = 0
-        self.suspicion = 0.0
+        self.suspicion = self._peak = 0.0
 
     def pardon(self) -> None:
         """Nothing better is known than where the robot was thought to be: the next scan is believed."""
@@ -105,7 +106,7 @@ class Watch:
     def acquit(self) -> None:
         """The robot is where it was thought to be: as many contradicting beams as in the last scan are usual here."""
         self._usual_share = max(self._usual_share, self._share)
-        self.suspicion = 0.0
+        self.suspicion = self._peak = 0.0
 
     def doubts(self, submap: Submap, points: Array, foot: Array, pose: Array, score: float) -> bool:
         """Return whether a match is doubtful.
@@ -137,6 +138,7 @@ class Watch:
         """Add what a scan says, of whose beams such a share contradicts the submap."""
         self.suspicion = max(0.0, self.suspicion + share - self._usual_share - self._config.unusual)
         self._share = share
+        self._peak = max(self._peak, self.suspicion) if self.suspicion > 0.0 else 0.0
         if self.suspicion == 0.0:
             self._usual_share += _MEMORY * (share - self._usual_share)
 

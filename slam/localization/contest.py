@@ -24,11 +24,13 @@ class Contest:
     Attributes:
         stays: Whether no other place is likelier; so, too, where the map knows nothing of the place.
         moved: Whether another place is likelier and explains what was seen well.
+        rivalled: Whether another place explains what was seen well and is likelier, or nearly as likely.
         belief: What is believed of all places.
     """
 
     stays: bool
     moved: bool
+    rivalled: bool
     belief: Belief
 
 
@@ -55,16 +57,17 @@ def contest(
     views = [maker.view(odometry, scan) for odometry, scan in scans]
     views = [view for view in views if len(view.points) >= config.min_points]
     if not views or not place.is_free(here[None, :2])[0]:
-        return Contest(True, False, search.belief())
+        return Contest(True, False, False, search.belief())
     for view in views:
         search.remember(view)
     search.propose(evidence.refine(views[-1].points, here[None], coarse=True), trust)
     search.propose(here[None], trust)
     belief = search.look()
     if not len(belief.poses):
-        return Contest(True, False, belief)
+        return Contest(True, False, False, belief)
     linear, angular = config.search.same
-    off = between(here, belief.poses[0])
-    stays = bool(np.hypot(off[0], off[1]) <= linear and abs(off[2]) <= angular)
-    well = bool(belief.explained[0] >= config.search.well_explained)
-    return Contest(stays, well and not stays, belief)
+    off = between(here, belief.poses)
+    there = (np.hypot(off[:, 0], off[:, 1]) <= linear) & (np.abs(off[:, 2]) <= angular)
+    well = ~there & (belief.explained >= config.search.well_explained)
+    likely = belief.log_ratios > -np.log(config.search.sure_ratio)
+    return Contest(bool(there[0]), bool(well[0]), bool((well & likely).any()), belief)
