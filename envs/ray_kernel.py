@@ -170,7 +170,7 @@ def _meet(shape: int, size: Array, position: Array, rotation: Array, origin: Arr
 
 @njit(cache=True, nogil=True)
 def _meet_rectangle(half_x: float, half_y: float, px: float, py: float, vx: float, vy: float) -> float:
-    """Return what `_meet` does for a box that stands upright in the plane of the beam: no face above or below counts."""
+    """Return what `_meet` does for a box turned about the vertical only: its top and bottom are met by no beam."""
     best = -1.0
     if abs(vx) > _TINY:
         for side in (-half_x, half_x):

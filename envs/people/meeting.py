@@ -33,9 +33,7 @@ def group_comes(person: int, in_group: int, robot: Array, position: Array, veloc
 
 
 @njit(cache=True, nogil=True)
-def first_coming(
-    person: int, candidates: NDArray[np.bool_], position: Array, velocity: Array, direction: Array
-) -> int:
+def first_coming(person: int, candidates: NDArray[np.bool_], position: Array, velocity: Array, direction: Array) -> int:
     """Return the first of the `candidates` (n,) within 5 m who comes towards a person on their way; -1 for nobody.
 
     The others as in `group_comes`.
