@@ -222,7 +222,10 @@ class _Drive:
                 }
                 for name, grid in maps.items()
             },
-            "door": {name: _delays(watch.delays(), watch.looks()) for name, watch in self.doors.items()},
+            "door": {
+                name: _delays(watch.delays(), watch.looks()) | {"at_the_end": watch.still(maps[name])}
+                for name, watch in self.doors.items()
+            },
         }
 
 
