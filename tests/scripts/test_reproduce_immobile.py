@@ -130,7 +130,7 @@ def test_the_plan_holds_every_disturbance_for_every_seed():
         with pytest.raises(InputError, match="--"):
             plan_of(options(**wrong))
     with pytest.raises(InputError, match="poses"):
-        lab_drive(0, "guess", 2.0, 0.3, 0.0, 0.0, 0.0, 1.0, files=None)  # pyright: ignore[reportArgumentType]
+        lab_drive(0, "guess", 2.0, 0.3, 0.0, 0.0, 0.0, 1.0, [], files=None)  # pyright: ignore[reportArgumentType]
 
 
 def test_a_short_drive_ends_in_a_report_with_all_its_figures(tmp_path):
