@@ -11,6 +11,7 @@ from ..perception.legs.detector import LegDetector
 from ..perception.legs.forest import LegForest
 from ..perception.rgbd.people import NoPeopleFinder, RgbdPeopleFinder
 from ..perception.rgbd.people_finder import PeopleFinder
+from ..perception.tracking.camera import NoLegs
 from ..perception.tracking.leader import LeaderSelector
 from ..perception.tracking.tracker import PeopleTracker
 from ..slam.ekf.engine import EkfSlam
@@ -26,6 +27,7 @@ from .mappers import EngineMapper, GraphMapper, Mapper, NoMapper
 from .mind import Mind, NobodyLeads, PeopleSource, TrackedPeopleSource
 from .oracle import TrueMapper, TruePeopleSource, TrueRgbdPeopleFinder
 from .robot import RobotConfig
+from .sight import CameraSight, NoSight, Sight
 from .world import World, WorldConfig
 
 OPTIONS = ("scene", "split", "route", "people", "standing", "leader_style", "odometry")
@@ -112,8 +114,9 @@ class MindFactory:
         self._config = config
         self._perception = PerceptionConfig(far_width=FAR_WIDTH_M)
         self._forest = LegForest.load("simulation") if config.people == "tracker" else None
-        seen = "rgbd" in config.sensors and config.people == "tracker" and config.mapping == "immobile"
-        self._finder: RgbdPeopleFinder = PeopleFinder.load() if seen else NoPeopleFinder()
+        self._looks = "rgbd" in config.sensors and (config.people != "truth" or config.mapping == "immobile")
+        found = self._looks and config.people != "truth"
+        self._finder: RgbdPeopleFinder = PeopleFinder.load() if found else NoPeopleFinder()
 
     @property
     def shared(self) -> dict[int, Any]:
@@ -124,21 +127,22 @@ class MindFactory:
         """Return a mind that knows nothing yet."""
         seed = int(rng.integers(2**31))
         selector = LeaderSelector(self._perception) if self._config.leader else NobodyLeads()
-        return Mind(self._people(world), selector, self._mapper(world, seed), self._drawing(world), self._perception)
+        mapper, drawing, sight = self._mapper(world, seed), self._drawing(world), self._sight(world)
+        return Mind(self._people(world), selector, mapper, drawing, sight, self._perception)
 
     def _drawing(self, world: World) -> Drawing:
-        if self._config.mapping == "occupancy":
-            return OwnDrawing()
-        return ImmobileDrawing(world.config.lidar.height, ViewMaker(self._rgbd_people(world)))
+        return OwnDrawing() if self._config.mapping == "occupancy" else ImmobileDrawing(world.config.lidar.height)
 
-    def _rgbd_people(self, world: World) -> RgbdPeopleFinder:
-        return TrueRgbdPeopleFinder(world) if self._config.people == "truth" else self._finder
+    def _sight(self, world: World) -> Sight:
+        if not self._looks:
+            return NoSight()
+        return CameraSight(ViewMaker(TrueRgbdPeopleFinder(world) if self._config.people == "truth" else self._finder))
 
     def _people(self, world: World) -> PeopleSource:
-        if self._forest is None:
+        if self._config.people == "truth":
             return TruePeopleSource(world)
         p = self._perception
-        detector = LegDetector(self._forest, p.detector())
+        detector = NoLegs() if self._forest is None else LegDetector(self._forest, p.detector())
         return TrackedPeopleSource(PeopleTracker(p, detector), p.suspect_confidence)
 
     def _mapper(self, world: World, seed: int) -> Mapper:

@@ -21,6 +21,8 @@ from .scan import LaserScan
 
 Array = NDArray[np.float64]
 
+_AROUND = np.stack(np.meshgrid((-1, 0, 1), (-1, 0, 1)), axis=-1).reshape(-1, 2)
+
 
 @dataclass(frozen=True, kw_only=True)
 class LayersConfig(ImmobileConfig):
@@ -284,20 +286,30 @@ class ImmobileLayers(OccupancyGrid):
         self._mobile[np.floor(moving[:, 1]).astype(int), np.floor(moving[:, 0]).astype(int)] = True
 
     def _clear_columns(self, layer: int) -> None:
-        """Empty all layers where what stood firmly in the laser's `layer` has left.
-
-        It has not where a neighbouring cell is occupied: noise moves the returns of a wall from cell to cell.
-        """
+        """Empty all layers where what stood firmly in the laser's `layer` has left."""
         log_odds, config = self._log_odds[layer], self.config
         self._left &= log_odds < config.firm
-        gone = np.argwhere(self._firm & ~self._left & (log_odds < config.gone))
-        for row, col in gone:
-            window = (slice(max(row - 1, 0), row + 2), slice(max(col - 1, 0), col + 2))
-            if not (log_odds[window] > 0.0).any():
+        while len(leaving := self._leaving(log_odds)):
+            for row, col in leaving:
+                self._left[row, col] = True
+                window = (slice(max(row - 1, 0), row + 2), slice(max(col - 1, 0), col + 2))
                 # the camera may have seen it in the next cell, too
-                free = log_odds[window] < config.gone
                 columns, spans = self._log_odds[:, *window], self._spans[:, :, *window]
-                goes = free & ~self._tops[:, *window]
+                goes = (log_odds[window] < config.gone) & ~self._tops[:, *window]
+                goes[:, row - window[0].start, col - window[1].start] = ~self._tops[:, row, col]
                 columns[goes] = np.minimum(columns[goes], np.float32(config.gone))
                 spans[:, goes] = 0.0
-                self._left[row, col] = True
+
+    def _leaving(self, log_odds: NDArray[np.float32]) -> NDArray[np.intp]:
+        """Return (n, 2) the cells out of which, by the laser's `log_odds`, something firm has left now.
+
+        By itself a cell must be free beyond doubt, and no neighbour occupied: noise moves the returns of a wall from
+        cell to cell. But a thing leaves as a whole: beside a cell that it has left it is enough to be occupied no more,
+        so that the ends of a door go with its leaf though they touch the jambs.
+        """
+        doubtful = np.argwhere(self._firm & ~self._left & (log_odds < 0.0))
+        near = np.clip(doubtful[:, None] + _AROUND, 0, np.array(log_odds.shape) - 1)
+        around = log_odds[near[..., 0], near[..., 1]]
+        beside = (self._left[near[..., 0], near[..., 1]] & (around < 0.0)).any(axis=1)
+        alone = (around <= 0.0).all(axis=1) & (log_odds[doubtful[:, 0], doubtful[:, 1]] < self.config.gone)
+        return doubtful[beside | alone]

@@ -138,6 +138,43 @@ def test_a_door_that_opens_is_gone_in_all_layers_and_kept_as_movable():
     assert value_at(grid.movable(), 3.02, 0.02) == 0.0
 
 
+def door_scan(door, wall=3.02, half_width=0.5):
+    """A wall with a door of `half_width` [m] in it whose leaf is at the distance `door`."""
+    scan = wall_scan(wall)
+    leaf = np.abs(wall * np.tan(scan.bearings)) < half_width
+    return LaserScan(np.where(leaf, door, wall) / np.cos(scan.bearings), scan.bearings, 0.1, 30.0)
+
+
+def test_the_ends_of_a_door_go_with_its_leaf_though_they_touch_the_jambs():
+    grid = ImmobileLayers()
+    for _ in range(100):
+        grid.write(ORIGIN, door_scan(3.02))
+    sides = np.arange(-0.5, 0.5, 0.02)
+    leaf = np.array([(3.02, side, height) for side in sides for height in np.arange(0.1, 2.0, 0.1)])
+    look(grid, leaf, 10.0, times=100)
+    for _ in range(20):
+        grid.write(ORIGIN, door_scan(6.02))
+    open_map = grid.to_map()
+    for side in (-0.47, 0.02, 0.47):
+        assert value_at(open_map, 3.02, side) < 0.5
+        assert value_at(grid.movable(), 3.02, side) == 1.0
+    for jamb in (-0.57, 0.57):
+        assert value_at(open_map, 3.02, jamb) > 0.9
+        assert value_at(grid.movable(), 3.02, jamb) == 0.0
+
+
+def test_what_stands_beside_a_thing_that_has_left_stays():
+    grid = ImmobileLayers()
+    for _ in range(100):
+        grid.write(ORIGIN, door_scan(3.02))
+    for _ in range(20):
+        grid.write(ORIGIN, door_scan(6.02))
+    for _ in range(100):
+        grid.write(ORIGIN, door_scan(6.02))
+    wide = [value_at(grid.to_map(), 3.02, side) for side in np.arange(0.56, 0.85, 0.05)]
+    assert min(wide) > 0.9
+
+
 def test_what_the_camera_saw_of_the_door_in_the_next_cell_goes_with_it():
     grid = ImmobileLayers()
     for _ in range(100):
