@@ -59,24 +59,43 @@ def cast_beams(
         start, width, near = _sector(origin, heading + first, shape, size, position, rotation)
         if width < 0.0:
             continue
-        flat = shape == BOX and _is_level(rotation)
-        x, y = origin[0] - position[0], origin[1] - position[1]
-        px, py = rotation[0] * x + rotation[3] * y, rotation[1] * x + rotation[4] * y
         for behind in (0.0, 2.0 * np.pi):
             low = max(int(np.floor((start - behind) / spacing)), 0)
             high = min(int(np.ceil((start - behind + width) / spacing)) + 1, count)
-            for beam in range(low, high):
-                if 0.0 <= distance[beam] < near:
-                    continue
-                if flat:
-                    bx, by = directions[beam, 0], directions[beam, 1]
-                    vx, vy = rotation[0] * bx + rotation[3] * by, rotation[1] * bx + rotation[4] * by
-                    met_at = _meet_rectangle(size[0], size[1], px, py, vx, vy)
-                else:
-                    met_at = _meet(shape, size, position, rotation, origin, directions[beam])
-                if met_at >= 0.0 and (distance[beam] < 0.0 or met_at <= distance[beam]):
-                    distance[beam] = met_at
-                    met[beam] = geom
+            _cast_some(low, high, near, origin, directions, geom, shape, size, position, rotation, distance, met)
+
+
+@njit(cache=True, nogil=True)
+def _cast_some(
+    low: int,
+    high: int,
+    near: float,
+    origin: Array,
+    directions: Array,
+    geom: int,
+    shape: int,
+    size: Array,
+    position: Array,
+    rotation: Array,
+    distance: Array,
+    met: NDArray[np.int32],
+) -> None:
+    """Let the beams from `low` to before `high` meet a geom that is no nearer than `near` [m]."""
+    flat = shape == BOX and _is_level(rotation)
+    x, y = origin[0] - position[0], origin[1] - position[1]
+    px, py = rotation[0] * x + rotation[3] * y, rotation[1] * x + rotation[4] * y
+    for beam in range(low, high):
+        if 0.0 <= distance[beam] < near:
+            continue
+        if flat:
+            bx, by = directions[beam, 0], directions[beam, 1]
+            vx, vy = rotation[0] * bx + rotation[3] * by, rotation[1] * bx + rotation[4] * by
+            met_at = _meet_rectangle(size[0], size[1], px, py, vx, vy)
+        else:
+            met_at = _meet(shape, size, position, rotation, origin, directions[beam])
+        if met_at >= 0.0 and (distance[beam] < 0.0 or met_at <= distance[beam]):
+            distance[beam] = met_at
+            met[beam] = geom
 
 
 @njit(cache=True, nogil=True)
