@@ -62,7 +62,8 @@ def cast_beams(
         for behind in (0.0, 2.0 * np.pi):
             low = max(int(np.floor((start - behind) / spacing)), 0)
             high = min(int(np.ceil((start - behind + width) / spacing)) + 1, count)
-            _cast_some(low, high, near, origin, directions, geom, shape, size, position, rotation, distance, met)
+            if low < high:
+                _cast_some(low, high, near, origin, directions, geom, shape, size, position, rotation, distance, met)
 
 
 @njit(cache=True, nogil=True)
