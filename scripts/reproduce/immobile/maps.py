@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 LASER_BLUE = (90, 190, 225)
 _RED_MARKS = ("a", "b", "c")
 _FLAT_M = 0.5
-_INSIDE = np.array([0.28, 0.25])
+_INSIDE, _BELOW, _BESIDE = np.array([0.28, 0.25]), np.array([0.2, -0.3]), np.array([-0.27, -0.15])
 
 
 class DriveMaps:
@@ -120,7 +120,7 @@ class DriveMaps:
         steps = (np.arange(_PIECES) + 0.5) / _PIECES - 0.5
         offsets = side * np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
         pieces = (centres[:, None] + offsets).reshape(-1, 2)
-        canvas.cells(self._world(pieces), side / _PIECES, colour, _COVER / _PIECES)
+        canvas.cells(self._world(pieces), _OVERLAP * side / _PIECES, colour, _COVER / _PIECES)
 
     def _canvas(self, title: str) -> PlanCanvas:
         canvas = PlanCanvas(*self._bounds(), title, size=(900, 620))
@@ -141,7 +141,9 @@ class DriveMaps:
             canvas.line(np.vstack((polygon, polygon[:1])), colour, 2.5)
             low, high = polygon.min(axis=0), polygon.max(axis=0)
             flat = high[1] - low[1] < _FLAT_M
-            canvas.label(low + (np.array([0.2, -0.3]) if flat else _INSIDE), name, colour)
+            beside = np.array([low[0], high[1]]) + _BESIDE  # not on the cells that somebody left
+            inside = low + (_BELOW if flat else _INSIDE)
+            canvas.label(inside if name in _RED_MARKS else beside, name, colour)
 
     def _world(self, points: Array) -> Array:
         return transform_points(self._T_world_map, points)
@@ -152,7 +154,7 @@ class DriveMaps:
 
 
 _COVER = 4.0
-_PIECES = 4
+_PIECES, _OVERLAP = 4, 1.3
 
 
 def _among(cells: Array, others: Array, resolution: float) -> NDArray[np.bool_]:
