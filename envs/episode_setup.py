@@ -11,6 +11,7 @@ from ..perception.legs.detector import LegDetector
 from ..perception.legs.forest import LegForest
 from ..perception.rgbd.people import NoPeopleFinder, RgbdPeopleFinder
 from ..perception.rgbd.people_finder import PeopleFinder
+from ..perception.tracking.camera import NoLegs
 from ..perception.tracking.leader import LeaderSelector
 from ..perception.tracking.leader_body import BodyLeaderSelector
 from ..perception.tracking.tracker import PeopleTracker
@@ -27,6 +28,7 @@ from .mappers import EngineMapper, GraphMapper, Mapper, NoMapper
 from .mind import Mind, NobodyLeads, PeopleSource, Selector, TrackedPeopleSource
 from .oracle import TrueMapper, TruePeopleSource, TrueRgbdPeopleFinder
 from .robot import RobotConfig
+from .sight import CameraSight, NoSight, Sight
 from .world import World, WorldConfig
 
 OPTIONS = ("scene", "split", "route", "people", "standing", "leader_style", "odometry")
@@ -113,8 +115,9 @@ class MindFactory:
         self._config = config
         self._perception = PerceptionConfig(far_width=FAR_WIDTH_M)
         self._forest = LegForest.load("simulation") if config.people == "tracker" else None
-        seen = "rgbd" in config.sensors and config.people == "tracker" and config.mapping == "immobile"
-        self._finder: RgbdPeopleFinder = PeopleFinder.load() if seen else NoPeopleFinder()
+        self._looks = "rgbd" in config.sensors and (config.people != "truth" or config.mapping == "immobile")
+        found = self._looks and config.people != "truth"
+        self._finder: RgbdPeopleFinder = PeopleFinder.load() if found else NoPeopleFinder()
 
     @property
     def shared(self) -> dict[int, Any]:
@@ -124,30 +127,29 @@ class MindFactory:
     def make(self, world: World, rng: np.random.Generator) -> Mind:
         """Return a mind that knows nothing yet."""
         seed = int(rng.integers(2**31))
-        return Mind(
-            self._people(world), self._selector(seed), self._mapper(world, seed), self._drawing(world), self._perception
-        )
+        mapper, drawing, sight = self._mapper(world, seed), self._drawing(world), self._sight(world)
+        return Mind(self._people(world), self._selector(seed), mapper, drawing, sight, self._perception)
 
     def _selector(self, seed: int) -> Selector:
         if not self._config.leader:
             return NobodyLeads()
-        if self._forest is None:  # whoever is known by truth has one number for ever
+        if self._forest is None:  # known by truth, by one number for ever, or without any legs
             return LeaderSelector(self._perception)
         return BodyLeaderSelector(self._perception, np.random.default_rng(seed))
 
     def _drawing(self, world: World) -> Drawing:
-        if self._config.mapping == "occupancy":
-            return OwnDrawing()
-        return ImmobileDrawing(world.config.lidar.height, ViewMaker(self._rgbd_people(world)))
+        return OwnDrawing() if self._config.mapping == "occupancy" else ImmobileDrawing(world.config.lidar.height)
 
-    def _rgbd_people(self, world: World) -> RgbdPeopleFinder:
-        return TrueRgbdPeopleFinder(world) if self._config.people == "truth" else self._finder
+    def _sight(self, world: World) -> Sight:
+        if not self._looks:
+            return NoSight()
+        return CameraSight(ViewMaker(TrueRgbdPeopleFinder(world) if self._config.people == "truth" else self._finder))
 
     def _people(self, world: World) -> PeopleSource:
-        if self._forest is None:
+        if self._config.people == "truth":
             return TruePeopleSource(world)
         p = self._perception
-        detector = LegDetector(self._forest, p.detector())
+        detector = NoLegs() if self._forest is None else LegDetector(self._forest, p.detector())
         return TrackedPeopleSource(PeopleTracker(p, detector), p.suspect_confidence)
 
     def _mapper(self, world: World, seed: int) -> Mapper:

@@ -7,7 +7,7 @@ from typing import Any
 
 from ..slam.errors import InputError, unknown_name
 
-PEOPLE_SOURCES = ("tracker", "truth")
+PEOPLE_SOURCES = ("tracker", "camera", "truth")
 SENSORS = ("lidar", "rgbd")
 MAPPINGS = ("occupancy", "immobile")
 SLAM_SOURCES = ("gmapping", "cartographer", "ekf", "truth", None)
@@ -23,7 +23,8 @@ class FollowConfig:
         floor_plan: File `map.yaml` of a ROS map for the scene "floor_plan"; None takes a built-in plan.
         walking_paths: File of recorded walks (`frame id x y` or the `obsmat` form of the ETH and UCY recordings, plain
             or gzip); bystanders walk as in it. None leaves them to the scene.
-        people: How people reach the robot's mind: "tracker" from the scans, "truth" from the simulator.
+        people: How people reach the robot's mind: "tracker" by their legs in the scans and, if there is a camera, by
+            what it sees; "camera" by that alone; "truth" from the simulator.
         slam: Who builds the map: "gmapping", "cartographer", "ekf" (round landmarks; posts of 0.1 m radius), "truth"
             (known poses, an upper bound), None for no map at all.
         mapping: What the map holds: "occupancy", or "immobile" area by laser and camera, which needs `slam`.
@@ -99,6 +100,8 @@ class FollowConfig:
                 raise unknown_name("sensor", name, SENSORS)
         if "lidar" not in self.sensors:
             raise InputError(f'`sensors` must hold "lidar", which the robot cannot do without, got {self.sensors}')
+        if self.people == "camera" and "rgbd" not in self.sensors:
+            raise InputError(f'`people="camera"` needs "rgbd" among `sensors`, got {self.sensors}')
         for name, least in (("people_slots", 1), ("map_cells", 1), ("people_count", int(self.leader))):
             value = getattr(self, name)
             if value is not None and value < least:

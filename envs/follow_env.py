@@ -87,6 +87,9 @@ class FollowEnv(gym.Env[Any, Any]):
     | `rgb` | (106, 128, 3) uint8 | red, green, blue | 0 .. 255 |
     | `depth` | (106, 128) float32 | depth along the camera's axis over 8 m; 0: nothing measured | 0 .. 1 |
 
+    With `people="tracker"` the camera's people reach the tracker, too, 0.3 s after the exposure: who never moves is
+    tracked and kept out of the map like all others.
+
     With `mapping="immobile"` the map holds what never moves, by laser and, if there is one, camera: people and what has
     come stay out of it, desk tops are in it; see `tagalong.perception.immobile`.
 

@@ -10,6 +10,7 @@ from ..perception.config import PerceptionConfig
 from ..perception.legs.detector import Detections
 from ..perception.people_filter import near_points, people_points_lidar, suspect_points_lidar
 from ..perception.rgbd.frame import RgbdFrame
+from ..perception.tracking.camera import SeenPeople
 from ..perception.tracking.leader import Leader
 from ..perception.tracking.people import People
 from ..perception.tracking.tracker import PeopleTracker
@@ -18,6 +19,7 @@ from ..slam.occupancy_map import OccupancyMap
 from ..slam.scan import LaserScan
 from .immobile_map import Drawing
 from .mappers import Mapper
+from .sight import Sight
 
 Array = NDArray[np.float64]
 
@@ -25,8 +27,12 @@ Array = NDArray[np.float64]
 class PeopleSource(Protocol):
     """Where the robot's knowledge of people comes from."""
 
-    def update(self, scan: LaserScan, odometry: Array) -> People:
-        """Take one scan with its odometry pose (3,); return the people in the odometry frame."""
+    def update(self, scan: LaserScan, odometry: Array, seen: SeenPeople | None) -> People:
+        """Take one scan with its odometry pose (3,), and whom a camera saw, if it did.
+
+        Returns:
+            The people in the odometry frame.
+        """
         ...
 
     def suspects_lidar(self, scan: LaserScan) -> Array:
@@ -35,15 +41,15 @@ class PeopleSource(Protocol):
 
 
 class TrackedPeopleSource:
-    """People found in the scans by the leg tracker."""
+    """People found by the tracker, in the scans and in what a camera saw."""
 
     def __init__(self, tracker: PeopleTracker, suspect_confidence: float) -> None:
         self._tracker, self._suspect_confidence = tracker, suspect_confidence
         self._detections: Detections | None = None
 
-    def update(self, scan: LaserScan, odometry: Array) -> People:
-        """Take one scan with its odometry pose (3,); return the people in the odometry frame."""
-        update = self._tracker.update(scan, odometry)
+    def update(self, scan: LaserScan, odometry: Array, seen: SeenPeople | None) -> People:
+        """Take one scan with its odometry pose (3,), and whom a camera saw; return the people, odometry frame."""
+        update = self._tracker.update(scan, odometry, seen)
         self._detections = update.detections
         return update.people
 
@@ -114,27 +120,35 @@ class Mind:
         selector: Chooses and keeps the leader.
         mapper: Builds the map from people-free scans.
         drawing: The map on the mapper's poses.
+        sight: Understands what the camera sees.
         config: How near to people, and to what may be people, returns are dropped.
     """
 
     def __init__(
-        self, people: PeopleSource, selector: Selector, mapper: Mapper, drawing: Drawing, config: PerceptionConfig
+        self,
+        people: PeopleSource,
+        selector: Selector,
+        mapper: Mapper,
+        drawing: Drawing,
+        sight: Sight,
+        config: PerceptionConfig,
     ) -> None:
         self._people, self._selector, self._mapper, self._config = people, selector, mapper, config
-        self._drawing = drawing
+        self._drawing, self._sight = drawing, sight
         self._last: tuple[float, Array] | None = None
         self._velocity = np.zeros(3)
 
     def update(self, scan: LaserScan, odometry: Array) -> Belief:
         """Take one scan and the odometry pose (3,) at its time; return what is believed now."""
         self._measure_velocity(scan.time_s, odometry)
-        people = self._people.update(scan, odometry)
+        sightings = self._sight.update(scan.time_s, odometry)
+        people = self._people.update(scan, odometry, sightings[-1].people if sightings else None)
         leader = self._selector.update(people, odometry, scan)
         near = near_points(scan, people_points_lidar(people, odometry, scan), self._config.zeta)
         near |= near_points(scan, self._people.suspects_lidar(scan), self._config.suspect_radius)
         filtered = scan.without(near)
         self._mapper.update(odometry, filtered)
-        grid = self._drawing.update(self._mapper, scan, near)
+        grid = self._drawing.update(self._mapper, scan, near, [sighting.view for sighting in sightings])
         return Belief(
             scan=scan,
             filtered=filtered,
@@ -148,8 +162,8 @@ class Mind:
         )
 
     def look(self, frames: tuple[RgbdFrame, ...]) -> None:
-        """Take the camera's frames, oldest first; what they say is in the map of later scans."""
-        self._drawing.look(frames)
+        """Take the camera's frames, oldest first; what they say is believed with later scans."""
+        self._sight.look(frames)
 
     def _measure_velocity(self, time_s: float, odometry: Array) -> None:
         if self._last is not None:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from ..perception.rgbd.frame import RgbdFrame
 from ..perception.rgbd.people import RgbdPeople
 from ..perception.rgbd.planes import Planes
+from ..perception.tracking.camera import SeenPeople
 from ..perception.tracking.people import People
 from ..slam.geometry import between, compose, inverse, transform_points
 from ..slam.occupancy_map import OccupancyMap
@@ -35,7 +36,7 @@ class TruePeopleSource:
     def __init__(self, world: World) -> None:
         self._world = world
 
-    def update(self, scan: LaserScan, odometry: Array) -> People:
+    def update(self, scan: LaserScan, odometry: Array, seen: SeenPeople | None) -> People:
         """Return the people in the odometry frame; ids are their true numbers."""
         truth = self._world.truth
         T_odom_world = compose(odometry, inverse(truth.robot_pose))

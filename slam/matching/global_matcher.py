@@ -19,6 +19,7 @@ from ..search.score_pyramid import ScoreGrid, ScorePyramid, build_pyramid
 from .iterative import PLICP, IterativeConfig, IterativeMatcher, Refined
 from .lookup import LookupConfig, build_lookup
 from .match import Match
+from .shared_lines import SharedLinesConfig, settle
 from .surfaces import SurfaceConfig, Surfaces, every_second, find_surfaces, near_points, noise_of
 from .visibility import agreement, mark_unseen
 
@@ -68,9 +69,10 @@ class GlobalConfig:
         second_separation: When a further maximum of the second search counts.
         beside: Poses within this (m, rad) are one answer.
         noise: Of the points that `refinement` is made for [m]. Where theirs is 2, 4, 8 times that, its tolerance,
-            its gap, its last scale and `sigma` are larger.
+            its gap, its last scale, `sigma` and the lengths of `shared` are larger.
         refinement: PL-ICP with the lines of both scans, from each maximum; of the pose that is taken once more, lines
             that reach equally far to both sides beside them.
+        shared: The last step, to where both scans lie on the same straight pieces.
     """
 
     window: SearchWindow = _WINDOW
@@ -93,6 +95,7 @@ class GlobalConfig:
     beside: tuple[float, float] = (0.2, 0.04)
     noise: float = 0.007
     refinement: IterativeConfig = _REFINEMENT
+    shared: SharedLinesConfig = field(default_factory=SharedLinesConfig)
 
     def __post_init__(self) -> None:
         if not (self.maxima >= 1 and self.points >= 1 and min(self.sigma, self.noise) > 0.0 and self.margin >= 0.0):
@@ -109,13 +112,15 @@ class GlobalMatcher:
     def __init__(self, config: GlobalConfig) -> None:
         self.config = config
         self._refinements = [IterativeMatcher(_coarser(config.refinement, 2**k)) for k in range(_LEVELS)]
+        self._shared = [config.shared.coarser(2**k) for k in range(_LEVELS)]
         self._reference: LaserScan | None = None
         self._pyramid: ScorePyramid | None = None
 
     def match(self, reference: LaserScan, new: LaserScan, guess: ArrayLike) -> Match:
         """Return the pose of `new` in the frame of `reference`, from `guess` (3,) (see `Matcher`)."""
         config = self.config
-        tool, surfaces_new = self._tool(reference, new)
+        level, surfaces_new = self._level(reference, new)
+        tool = self._refinements[level]
         points, centre = surfaces_new.points, np.array(guess, dtype=np.float64)
         found = self.search(reference, points, centre)
         if not found.maxima or len(tool.surfaces(reference)) < 3:
@@ -130,6 +135,8 @@ class GlobalMatcher:
             maxima, looked_at = maxima + second.maxima, looked_at + second.looked_at
         first = self._choose(refined, scores)
         best = tool.polish_both(reference, surfaces_new, refined[first], replace(tool.config.surfaces, even=True))
+        settled = settle(tool.surfaces(reference).points, points, best.pose, self._shared[level])
+        best = replace(best, pose=settled)
         order = np.argsort(-np.array(scores), kind="stable")
         others = [refined[k].pose for k in order if self._rivals(best, refined[k], scores[first], scores[k])]
         match = tool.judge(reference, points, best)
@@ -190,15 +197,12 @@ class GlobalMatcher:
             points_new = points_new[np.linspace(0, len(points_new) - 1, config.points).astype(np.int64)]
         return branch_and_bound(pyramid, points_new, guess, config.window, maxima=maxima, separation=separation)
 
-    def _tool(self, reference: LaserScan, new: LaserScan) -> tuple[IterativeMatcher, Surfaces]:
-        """Return the refinement made for the noise of these scans, and the surfaces of the new one as it takes them."""
+    def _level(self, reference: LaserScan, new: LaserScan) -> tuple[int, Surfaces]:
+        """Return which refinement is made for the noise of these scans, and the surfaces of the new one for it."""
         finest, surfaces = self._refinements[0], find_surfaces(new, self.config.refinement.surfaces)
         noise = 0.5 * (noise_of(finest.surfaces(reference)) + noise_of(surfaces))
         level = min(round(np.log2(max(noise / self.config.noise, 1.0))), _LEVELS - 1)
-        if level == 0:
-            return finest, surfaces
-        tool = self._refinements[level]
-        return tool, find_surfaces(new, tool.config.surfaces)
+        return level, find_surfaces(new, self._refinements[level].config.surfaces) if level > 0 else surfaces
 
     def _refine(
         self, tool: IterativeMatcher, reference: LaserScan, new: Surfaces, found: SearchResult

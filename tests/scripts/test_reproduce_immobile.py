@@ -90,6 +90,28 @@ def test_the_door_is_cleared_when_the_map_lets_go_of_what_the_scan_sees_through(
     delays = watch.delays()
     assert len(delays) == len(watch.cells)
     assert delays == pytest.approx(2.5)
+    assert watch.still(full) == len(delays)
+    assert watch.still(empty) == 0
+
+
+def test_a_ray_that_passes_beside_a_cell_of_the_door_does_not_see_it_open():
+    world = lab_world(0)
+    T_map_world = inverse(world.start)
+    bearings = np.radians([-95.0, -90.0])
+    seen = {}
+    for aside in (0.02, 0.03):
+        watch = measures.DoorWatch(world.scene, T_map_world, RESOLUTION)
+        size = np.full(2, 400)
+        low = watch.cells[0] - 10.0
+        full = OccupancyMap(np.ones(size, dtype=np.float32), RESOLUTION, (float(low[0]), float(low[1])))
+        watch.closed(full)
+        x, y = watch.cells[watch.cells[:, 0].argmax()]
+        pose = np.array([x + aside, y + 2.0, 0.0])
+        for k, reach in enumerate((1.9, 2.05, 9.0)):  # before the cell, in it, beyond it
+            watch.opened(pose, LaserScan(np.array([np.nan, reach]), bearings, 0.1, 10.0, float(k)), full)
+            seen[aside, reach] = len(watch.delays())
+    assert seen[0.02, 1.9] == seen[0.02, 2.05] == 0
+    assert seen[0.02, 9.0] > seen[0.03, 9.0] == 0
 
 
 def test_shares_are_written_with_their_counts():
@@ -108,7 +130,7 @@ def test_the_plan_holds_every_disturbance_for_every_seed():
         with pytest.raises(InputError, match="--"):
             plan_of(options(**wrong))
     with pytest.raises(InputError, match="poses"):
-        lab_drive(0, "guess", 2.0, 0.3, 0.0, 0.0, 0.0, 1.0, files=None)  # pyright: ignore[reportArgumentType]
+        lab_drive(0, "guess", 2.0, 0.3, 0.0, 0.0, 0.0, 1.0, [], files=None)  # pyright: ignore[reportArgumentType]
 
 
 def test_a_short_drive_ends_in_a_report_with_all_its_figures(tmp_path):

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from ...experiments.statistics import Estimate, t_mean
 from .measures import HIDDEN
 from .plan import CLEAN, cell_name
 
@@ -68,11 +69,19 @@ class Counted:
         }
 
     def known(self, mapper: str, mark: str, disturbance: str = CLEAN, seed: int | None = None) -> Share:
-        """Return the known cells of a mark, over those that the laser alone knows."""
+        """Return the known cells of a mark, over those that the laser alone knows, which nothing disturbs."""
         return Share(
             sum(row["maps"][mapper]["known"][mark] for row in self._rows(disturbance, seed)),
-            sum(row["maps"]["laser"]["known"][mark] for row in self._rows(disturbance, seed)),
+            sum(row["maps"]["laser"]["known"][mark] for row in self._rows(CLEAN, seed)),
         )
+
+    def beyond_double(self, mapper: str, disturbance: str) -> dict[str, Estimate]:
+        """Return by how much each disturbed error is more than twice the undisturbed one, over the drives.
+
+        The interval is Student's, of the drives' own differences: cells of one drive are not independent.
+        """
+        each = [(self.errors(mapper, disturbance, seed), self.errors(mapper, seed=seed)) for seed in self.seeds]
+        return {name: t_mean([e[name].value - 2.0 * calm[name].value for e, calm in each]) for name in BOUNDS}
 
     def wrongly_free(self, mapper: str) -> Share:
         """Return the cells of boxes, behind the screens, that count as free, of those that are known."""

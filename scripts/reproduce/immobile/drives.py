@@ -1,6 +1,7 @@
 """The cell that drives: one lab, one operator, several ways to map what the sensors saw."""
 
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -41,6 +42,8 @@ LASER = LidarConfig(range_max=10.0, height=LASER_HEIGHT)
 MAPPERS = ("conventional", "laser", "immobile", "true people")
 """Ways to map: the occupancy grid; immobile area by the laser alone; by laser and camera; and the same with people told
 by the simulator, an upper bound."""
+METHOD = "immobile"
+"""The way that stands for the paper's method."""
 POSES = ("gmapping", "cartographer", "truth")
 _LONGEST_S = 420.0
 _SCANS_IN_2_S = round(2.0 * LASER.rate_hz)
@@ -55,9 +58,10 @@ def lab_drive(
     missing: float,
     wrong: float,
     longest_s: float | None,
+    ways: Sequence[str],
     files: Path,
 ) -> dict[str, Any]:
-    """Drive once through the lab of `seed` and map it in every way; return what is counted on the maps.
+    """Drive once through the lab of `seed` and map it in several ways; return what is counted on the maps.
 
     Args:
         seed: Of building, people and noise.
@@ -68,12 +72,13 @@ def lab_drive(
         missing: Share of the pixels that measure nothing, besides the usual ones.
         wrong: Share of the recognised things whose likelihood l is taken for 1 - l.
         longest_s: Where the drive is cut off [s]; None: at its end.
+        ways: Those of `MAPPERS` to map in, the conventional one and `METHOD` among them.
         files: Folder for the maps.
     """
     if poses not in POSES:
         raise unknown_name("source of poses", poses, POSES)
     camera = RgbdConfig(rate_hz=camera_hz, vibration=float(np.radians(vibration_deg)), missing=max(missing, 0.002))
-    drive = _Drive(lab_world(seed, camera), poses, delay_s, wrong, seed)
+    drive = _Drive(lab_world(seed, camera), poses, delay_s, wrong, seed, ways)
     operator = Operator(drive.world.scene)
     while not operator.done(drive.world.truth) and drive.world.time_s < (longest_s or _LONGEST_S):
         drive.world.step(operator.command(drive.world.truth))
@@ -91,7 +96,7 @@ def lab_world(seed: int, camera: RgbdConfig | None = None) -> World:
 class _Drive:
     """Everything that goes on during a drive."""
 
-    def __init__(self, world: World, poses: str, delay_s: float, wrong: float, seed: int) -> None:
+    def __init__(self, world: World, poses: str, delay_s: float, wrong: float, seed: int, ways: Sequence[str]) -> None:
         self.world = world
         self._engine = None if poses == "truth" else make_slam(poses, **({"seed": seed} if poses == "gmapping" else {}))
         self._delay_s, self._wrong, self._rng = delay_s, wrong, np.random.default_rng([seed, 7])
@@ -99,12 +104,10 @@ class _Drive:
         self._zeta = perception.zeta
         self._tracker = PeopleTracker(perception, LegDetector(LegForest.load("simulation"), perception.detector()))
         self._planes = PlaneFinder()
-        self._finders: dict[str, RgbdPeopleFinder] = {
-            "immobile": PeopleFinder.load(),
-            "true people": TrueRgbdPeopleFinder(world),
-        }
+        finders: dict[str, RgbdPeopleFinder] = {METHOD: PeopleFinder.load(), "true people": TrueRgbdPeopleFinder(world)}
+        self._finders = {name: finder for name, finder in finders.items() if name in ways}
         self.conventional = OccupancyGrid(GridConfig(max_range=LASER.range_max))
-        self.mappers = {name: ImmobileMapper() for name in MAPPERS[1:]}
+        self.mappers = {name: ImmobileMapper() for name in MAPPERS[1:] if name in ways}
         self._waiting: deque[tuple[float, dict[str, View]]] = deque()
         self._last_frame: RgbdFrame | None = None
         kinds = ("floor", "ceiling", *(solid.kind for solid in world.scene.solids))
@@ -113,7 +116,7 @@ class _Drive:
         resolution = self.conventional.config.resolution
         self.tops = SeenTops(world.scene, self.T_world_map, resolution)
         self.doors = {
-            name: DoorWatch(world.scene, inverse(self.T_world_map), resolution) for name in ("conventional", "immobile")
+            name: DoorWatch(world.scene, inverse(self.T_world_map), resolution) for name in ("conventional", METHOD)
         }
         self.exhibits = Exhibits(resolution)
         self._closed = True
@@ -160,10 +163,11 @@ class _Drive:
             people = finder.find(frame, planes)
             views[name] = make_view(frame, planes, replace(people, likelihood=self._spoiled(people.likelihood)))
         self._waiting.append((frame.time_s + self._delay_s, views))
-        truly = int((views["true people"].people.label >= 0).sum())
-        self.exhibits.add_frame(frame, views["immobile"], scan, self._path[-1], truly)
-        self.exhibits.add_view(views["immobile"], self._path[-1])
-        kinds = self._kinds[self.world.frame_geoms()]
+        geoms = self.world.frame_geoms()
+        truly = int((self.world.people_of(geoms) >= 0).sum())
+        self.exhibits.add_frame(frame, views[METHOD], scan, self._path[-1], truly)
+        self.exhibits.add_view(views[METHOD], self._path[-1])
+        kinds = self._kinds[geoms]
         T_map_camera = compose(true_pose, frame.T_robot_camera)
         level = np.isfinite(frame.depth)
         for kind, lowest in measures.TOPS.items():
@@ -222,7 +226,10 @@ class _Drive:
                 }
                 for name, grid in maps.items()
             },
-            "door": {name: _delays(watch.delays(), watch.looks()) for name, watch in self.doors.items()},
+            "door": {
+                name: _delays(watch.delays(), watch.looks()) | {"at_the_end": watch.still(maps[name])}
+                for name, watch in self.doors.items()
+            },
         }
 
 

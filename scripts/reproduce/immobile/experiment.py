@@ -77,7 +77,12 @@ class Immobile:
                 figures=[maps.draw_plan(folder), maps.draw_both(folder)],
             ),
             Section(
-                title="Disturbed sensors", text=_SHAKEN, tables=[tables.disturbed_table(counted, plan.disturbances)]
+                title="Disturbed sensors",
+                text=_SHAKEN,
+                tables=[
+                    tables.disturbed_table(counted, plan.disturbances),
+                    tables.doubled_table(counted, [name for name in plan.disturbances if name != CLEAN]),
+                ],
             ),
         ]
         return Report(

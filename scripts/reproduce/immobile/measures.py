@@ -24,6 +24,7 @@ TOPS = {"table": 0.66, "chair": 0.43}
 _JAMB = 0.06
 _ON_EDGE_M = 0.02
 _FAR = 100_000
+_BEYOND_M = 0.1
 
 
 def inside(polygon: Array, points: Array) -> NDArray[np.bool_]:
@@ -171,7 +172,7 @@ class DoorWatch:
         grid = np.mgrid[_JAMB : door.width - _JAMB : resolution / 2, -0.025 : 0.026 : resolution / 2].reshape(2, -1).T
         world = np.array(door.hinge) + grid[:, :1] * along + grid[:, 1:] * across
         cells = np.unique(np.floor(transform_points(T_map_world, world) / resolution), axis=0)
-        self.cells = (cells + 0.5) * resolution
+        self.cells, self._resolution = (cells + 0.5) * resolution, resolution
         self._seen, self._cleared = np.full(len(cells), np.nan), np.full(len(cells), np.nan)
         self._looks = np.zeros(len(cells), dtype=np.int64)
         self._was = np.zeros(len(cells), dtype=bool)
@@ -182,19 +183,20 @@ class DoorWatch:
 
     def opened(self, T_map_robot: Array, scan: LaserScan, grid: OccupancyMap) -> None:
         """Note which cells the scan sees through, the door being open, and which the map still holds."""
-        T_map_lidar = compose(T_map_robot, scan.T_robot_lidar)
-        offset = self.cells - T_map_lidar[:2]
-        bearing = np.arctan2(offset[:, 1], offset[:, 0]) - T_map_lidar[2]
-        bearing = np.angle(np.exp(1j * bearing))
-        beam = np.clip(np.searchsorted(scan.bearings, bearing), 0, len(scan) - 1)
-        in_view = (bearing > scan.bearings[0]) & (bearing < scan.bearings[-1])
-        distance = np.hypot(*offset.T)
-        beyond = np.isfinite(scan.ranges[beam]) & (scan.ranges[beam] > distance + 0.1)
-        now = in_view & beyond & (distance < scan.range_max)
+        now = self._crossed(compose(T_map_robot, scan.T_robot_lidar), scan)
         self._seen[np.isnan(self._seen) & now] = scan.time_s
         self._looks[now & np.isnan(self._cleared)] += 1
         free = ~np.isnan(self._seen) & np.isnan(self._cleared) & ~marked(grid, self.cells)
         self._cleared[free] = scan.time_s
+
+    def _crossed(self, T_map_lidar: Array, scan: LaserScan) -> NDArray[np.bool_]:
+        """Return (n,) through which cells a ray went, past the middle by less than half a cell, to a return beyond."""
+        cells = transform_points(inverse(T_map_lidar), self.cells)
+        bearing, distance = np.arctan2(cells[:, 1], cells[:, 0]), np.hypot(*cells.T)
+        after = np.clip(np.searchsorted(scan.bearings, bearing), 1, len(scan) - 1)
+        beam = after - (bearing - scan.bearings[after - 1] < scan.bearings[after] - bearing)
+        aside = distance * np.abs(np.sin(bearing - scan.bearings[beam]))
+        return scan.is_return[beam] & (scan.ranges[beam] > distance + _BEYOND_M) & (aside < self._resolution / 2.0)
 
     def looks(self) -> NDArray[np.int64]:
         """Return (n,) how many scans saw through each of those cells until it was cleared, that one included."""
@@ -207,6 +209,10 @@ class DoorWatch:
         """
         mine = self._was & ~np.isnan(self._seen)
         return np.where(np.isnan(self._cleared), np.inf, self._cleared - self._seen)[mine]
+
+    def still(self, grid: OccupancyMap) -> int:
+        """Return how many of those cells `grid` holds."""
+        return int(marked(grid, self.cells[self._was & ~np.isnan(self._seen)]).sum())
 
 
 def layered(grid: ImmobileLayers) -> dict[str, OccupancyMap]:

@@ -7,7 +7,7 @@ from typing import Any
 
 from ....slam.errors import InputError
 from ...experiments.cells import Cell
-from .drives import POSES, lab_drive
+from .drives import MAPPERS, METHOD, POSES, lab_drive
 
 SEEDS, QUICK_SEEDS = 5, 1
 CAMERA_HZ, QUICK_CAMERA_HZ = 10.0, 2.0
@@ -44,12 +44,17 @@ class Plan:
             Cell(
                 name=cell_name(disturbance, seed),
                 function=lab_drive,
-                arguments={"seed": seed, **self.settings, **calm, **SHAKEN[disturbance]},
+                arguments={"seed": seed, **self.settings, **calm, **SHAKEN[disturbance], "ways": ways_of(disturbance)},
                 keeps_files=True,
             )
             for disturbance in self.disturbances
             for seed in self.seeds
         ]
+
+
+def ways_of(disturbance: str) -> list[str]:
+    """Return in which ways a drive is mapped: all of the undisturbed one, else only the method and its yardstick."""
+    return list(MAPPERS) if disturbance == CLEAN else ["conventional", METHOD]
 
 
 def cell_name(disturbance: str, seed: int) -> str:

@@ -10,6 +10,7 @@ from tagalong.slam.matching import MATCHERS, make_matcher
 from tagalong.slam.matching.global_matcher import GlobalConfig, GlobalMatcher
 from tagalong.slam.matching.iterative import IterativeMatcher
 from tagalong.slam.matching.lookup import LookupConfig, build_lookup
+from tagalong.slam.matching.shared_lines import SharedLinesConfig
 from tagalong.slam.matching.surfaces import find_surfaces, near_points
 from tagalong.slam.scan import LaserScan
 from tagalong.slam.search.exhaustive import exhaustive_search
@@ -134,6 +135,26 @@ def test_the_covariance_is_of_the_size_of_the_errors(name):
         error = match.pose - between(at, moved)
         squares.append(error @ np.linalg.solve(match.covariance, error))
     assert 1.0 < np.mean(squares) < 9.0  # 3 of a perfect one
+
+
+def test_the_shared_lines_of_two_scans_place_global_better_in_a_hall_seen_along():
+    hall = np.array(
+        [
+            [-3, -1, 5, -1], [5, -1, 5, -0.8], [5, -0.8, 9, -0.8], [-3, 1, 4, 1], [4, 1, 4, 1.4], [4, 1.4, 9, 1.4],
+            [9, -0.8, 9, 1.4],
+        ]
+    )  # fmt: skip
+    rng, errors = np.random.default_rng(0), []
+    matchers = [GlobalMatcher(GlobalConfig(shared=SharedLinesConfig(doubt=doubt))) for doubt in (0.002, np.inf)]
+    for _ in range(80):
+        at = np.array([rng.uniform(-1.5, 1.0), *rng.uniform(-0.5, 0.5, 2)])
+        moved = compose(at, rng.uniform(-0.1, 0.1, 3))
+        scans = [scan_of(hall, pose, BEARINGS[::2], 0.006, rng) for pose in (at, moved)]
+        truth = between(at, moved)
+        found = [between(truth, matcher.match(*scans, truth).pose) for matcher in matchers]
+        errors.append([np.hypot(error[0], error[1]) for error in found])
+    settled, polished = np.mean(errors, axis=0)
+    assert settled < 0.98 * polished
 
 
 def test_global_recovers_where_icp_does_not():
