@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.stats import binomtest, t
+from scipy.stats import binom, binomtest, t
 
 from ...slam.errors import InputError
 
@@ -58,6 +58,15 @@ def t_mean(values: ArrayLike) -> Estimate:
         return Estimate(float(sample.mean()) if len(sample) else np.nan, np.nan, np.nan, len(sample))
     half = float(t.ppf(0.975, len(sample) - 1) * sample.std(ddof=1) / np.sqrt(len(sample)))
     return Estimate(float(sample.mean()), float(sample.mean()) - half, float(sample.mean()) + half, len(sample))
+
+
+def quantile_interval(values: ArrayLike, quantile: float) -> tuple[float, float]:
+    """Return the 95 % interval of a quantile of what `values` (n,) are drawn from, by order statistics."""
+    sample = np.sort(np.asarray(values, dtype=np.float64))
+    if len(sample) == 0:
+        return np.nan, np.nan
+    low, high = (int(binom.ppf(level, len(sample), quantile)) for level in (0.025, 0.975))
+    return float(sample[max(low - 1, 0)]), float(sample[min(high, len(sample) - 1)])
 
 
 def share(successes: Sequence[bool]) -> Estimate:

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from tagalong.scripts.experiments.statistics import bootstrap_mean, paired_shares, share, t_mean
+from tagalong.scripts.experiments.statistics import bootstrap_mean, paired_shares, quantile_interval, share, t_mean
 from tagalong.slam.errors import InputError
 
 
@@ -49,3 +49,12 @@ def test_paired_answers_are_compared_where_they_differ():
     assert paired_shares(first, first).p == 1.0
     with pytest.raises(InputError):
         paired_shares(first, second[:-1])
+
+
+def test_the_interval_of_a_quantile_covers_it_about_as_often_as_it_says():
+    rng = np.random.default_rng(2)
+    intervals = np.array([quantile_interval(rng.random(400), 0.95) for _ in range(400)])
+    inside = ((intervals[:, 0] <= 0.95) & (intervals[:, 1] >= 0.95)).mean()
+    assert 0.92 < inside < 0.985
+    assert np.isnan(quantile_interval([], 0.95)).all()
+    assert quantile_interval([3.0], 0.95) == (3.0, 3.0)

@@ -49,11 +49,12 @@ def _global(answers: Answers) -> list[Row]:
             ("heading ", "error_deg", "deg", 0.05, 0.2),
         ):
             found = result[key]
+            low, high = found["p95_interval"] or (float("nan"), float("nan"))
             rows.append(
                 {
                     "what": f"global, {what}error, {point}",
                     "asked": f"median <= {median:g}, p95 <= {p95:g} {unit}",
-                    "ours": f"{found['median']:.3f}, {found['p95']:.3f} {unit}",
+                    "ours": f"{found['median']:.3f}, {found['p95']:.3f} [{low:.3f}, {high:.3f}] {unit}",
                     "met": found["median"] <= median and found["p95"] <= p95,
                 }
             )
