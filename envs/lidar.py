@@ -149,7 +149,7 @@ class Lidar:
         config = self.config
         sigma = np.where(exact <= config.near, config.sigma_near, config.sigma_far)
         ranges = exact + sigma * rng.standard_normal(config.beams)
-        ranges = np.where(np.isfinite(exact), np.clip(ranges, 0.0, config.range_max), np.inf)
+        ranges = np.where(np.isfinite(exact), np.minimum(np.maximum(ranges, 0.0), config.range_max), np.inf)
         ranges[rng.random(config.beams) < config.dropout] = np.nan
         return LaserScan(
             ranges,

@@ -8,7 +8,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..slam.errors import InputError, unknown_name
 
@@ -102,25 +102,30 @@ class WheelOdometry:
     def __init__(self, config: OdometryConfig, rng: np.random.Generator, start: Array) -> None:
         self.config = config
         limits = np.array([config.scale_limit, config.turn_limit, config.drift_limit])
-        self.scale, self.turn_scale, self.drift = rng.uniform(-1.0, 1.0, 3) * limits
+        self.scale, self.turn_scale, self.drift = (rng.uniform(-1.0, 1.0, 3) * limits).tolist()
         self.pose = np.zeros(3)
         self.last_true = np.array(start, dtype=np.float64)
         self._rng = rng
 
-    def update(self, T_world_robot: Array) -> Array:
-        """Take the robot's true pose (3,) after a short motion; return T_odom_robot (3,)."""
+    def update(self, T_world_robot: ArrayLike) -> Array:
+        """Take the robot's true pose (3,) after a short motion, or those (k, 3) after k of them; return T_odom_robot
+        (3,).
+        """
+        poses = np.atleast_2d(np.asarray(T_world_robot, dtype=np.float64)).tolist()
         x0, y0, theta0 = self.last_true.tolist()
-        x1, y1, theta1 = T_world_robot.tolist()
-        self.last_true = T_world_robot.copy()
-        cos, sin = math.cos(theta0), math.sin(theta0)
-        x, y = cos * (x1 - x0) + sin * (y1 - y0), cos * (y1 - y0) - sin * (x1 - x0)
-        turn = math.remainder(theta1 - theta0, math.tau)
-        self.pose = self._moved(*self._believed(x, y, turn))
+        believed = tuple(self.pose.tolist())
+        for (x1, y1, theta1), noise in zip(poses, self._rng.standard_normal((len(poses), 3)).tolist(), strict=True):
+            cos, sin = math.cos(theta0), math.sin(theta0)
+            x, y = cos * (x1 - x0) + sin * (y1 - y0), cos * (y1 - y0) - sin * (x1 - x0)
+            turn = math.remainder(theta1 - theta0, math.tau)
+            believed = _moved(*believed, *self._believed(x, y, turn, noise))
+            x0, y0, theta0 = x1, y1, theta1
+        self.last_true, self.pose = np.array((x0, y0, theta0)), np.array(believed)
         return self.pose
 
-    def _believed(self, x: float, y: float, turn: float) -> tuple[float, float, float]:
+    def _believed(self, x: float, y: float, turn: float, noise: list[float]) -> tuple[float, float, float]:
         """Return the motion in the robot's frame that the wheels report for a true one [m, m, rad]."""
-        config, noise = self.config, self._rng.standard_normal(3).tolist()
+        config = self.config
         way, spin = math.hypot(x, y), abs(turn)
         sigma_way = math.sqrt(config.alpha3**2 * way + config.alpha4**2 * spin)
         sigma_turn = math.sqrt(config.alpha1**2 * spin + config.alpha2**2 * way)
@@ -129,8 +134,8 @@ class WheelOdometry:
         drift = self.drift * math.copysign(way, x)
         return stretch * x, stretch * y + sideways, (1.0 + self.turn_scale) * turn + drift + sigma_turn * noise[2]
 
-    def _moved(self, x: float, y: float, turn: float) -> Array:
-        x0, y0, theta = self.pose.tolist()
-        cos, sin = math.cos(theta), math.sin(theta)
-        wrapped = (theta + turn + math.pi) % math.tau - math.pi
-        return np.array([x0 + cos * x - sin * y, y0 + sin * x + cos * y, wrapped])
+
+def _moved(x0: float, y0: float, theta: float, x: float, y: float, turn: float) -> tuple[float, float, float]:
+    """Return the pose that is (x, y, turn) further, seen from (x0, y0, theta)."""
+    cos, sin = math.cos(theta), math.sin(theta)
+    return x0 + cos * x - sin * y, y0 + sin * x + cos * y, (theta + turn + math.pi) % math.tau - math.pi

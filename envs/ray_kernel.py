@@ -1,8 +1,10 @@
 """The beams of a planar laser against boxes, cylinders and ellipsoids: MuJoCo's rays, to the bit, in less time.
 
 The arithmetic of a pair of beam and geom is that of MuJoCo's `mj_multiRay`, operation by operation (which stays the
-reference that the tests compare with). What is saved: a geom is met by the beams of its own sector only, found by two
-divisions, where MuJoCo asks each beam about each geom.
+reference that the tests compare with). What is saved, where MuJoCo asks each beam about each geom: a geom that does not
+reach the laser's plane is met by none; the others by the beams of their own sector only, found by two divisions; and
+not by those that have met something nearer than any point of it. People and furniture come last in a building and
+stand before its walls, so that the geoms are gone through backwards.
 """
 
 import numpy as np
@@ -51,53 +53,105 @@ def cast_beams(
     count = len(directions)
     distance[:] = -1.0
     met[:] = -1
-    for geom in geoms:
+    for k in range(len(geoms) - 1, -1, -1):
+        geom = geoms[k]
         shape, size, position, rotation = int(shapes[geom]), sizes[geom], positions[geom], rotations[geom]
-        start, width = _sector(origin, heading + first, shape, size, position, rotation)
+        start, width, near = _sector(origin, heading + first, shape, size, position, rotation)
+        if width < 0.0:
+            continue
         for behind in (0.0, 2.0 * np.pi):
             low = max(int(np.floor((start - behind) / spacing)), 0)
             high = min(int(np.ceil((start - behind + width) / spacing)) + 1, count)
-            for beam in range(low, high):
-                met_at = _meet(shape, size, position, rotation, origin, directions[beam])
-                if met_at >= 0.0 and (distance[beam] < 0.0 or met_at < distance[beam]):
-                    distance[beam] = met_at
-                    met[beam] = geom
+            _cast_some(low, high, near, origin, directions, geom, shape, size, position, rotation, distance, met)
+
+
+@njit(cache=True, nogil=True)
+def _cast_some(
+    low: int,
+    high: int,
+    near: float,
+    origin: Array,
+    directions: Array,
+    geom: int,
+    shape: int,
+    size: Array,
+    position: Array,
+    rotation: Array,
+    distance: Array,
+    met: NDArray[np.int32],
+) -> None:
+    """Let the beams from `low` to before `high` meet a geom that is no nearer than `near` [m]."""
+    flat = shape == BOX and _is_level(rotation)
+    x, y = origin[0] - position[0], origin[1] - position[1]
+    px, py = rotation[0] * x + rotation[3] * y, rotation[1] * x + rotation[4] * y
+    for beam in range(low, high):
+        if 0.0 <= distance[beam] < near:
+            continue
+        if flat:
+            bx, by = directions[beam, 0], directions[beam, 1]
+            vx, vy = rotation[0] * bx + rotation[3] * by, rotation[1] * bx + rotation[4] * by
+            met_at = _meet_rectangle(size[0], size[1], px, py, vx, vy)
+        else:
+            met_at = _meet(shape, size, position, rotation, origin, directions[beam])
+        if met_at >= 0.0 and (distance[beam] < 0.0 or met_at <= distance[beam]):
+            distance[beam] = met_at
+            met[beam] = geom
+
+
+@njit(cache=True, nogil=True)
+def _is_level(rotation: Array) -> bool:
+    """Return whether a geom is turned about the vertical only."""
+    return rotation[2] == 0.0 and rotation[5] == 0.0 and rotation[6] == 0.0 and rotation[7] == 0.0
 
 
 @njit(cache=True, nogil=True)
 def _sector(
     origin: Array, first: float, shape: int, size: Array, position: Array, rotation: Array
-) -> tuple[float, float]:
-    """Return where the sector begins in which beams can meet a geom, from the first beam in [0, 2 pi), and its width.
+) -> tuple[float, float, float]:
+    """Return where the sector begins in which beams can meet a geom, from the first beam in [0, 2 pi), its width, and a
+    distance that no point of the geom is nearer than [m].
 
-    A sector that begins behind the laser may reach the beams round the circle.
+    A sector that begins behind the laser may reach the beams round the circle. The width is negative where the geom
+    does not reach the laser's plane.
     """
-    x, y = position[0] - origin[0], position[1] - origin[1]
-    away = np.hypot(x, y)
-    low = high = 0.0
-    if shape == BOX and rotation[8] > 1.0 - 1e-12:
-        along = abs(rotation[0] * x + rotation[3] * y) - size[0]
-        aside = abs(rotation[1] * x + rotation[4] * y) - size[1]
+    x, y, above = position[0] - origin[0], position[1] - origin[1], abs(position[2] - origin[2])
+    upright = rotation[8] > 1.0 - 1e-12
+    if shape == BOX and upright:
+        if rotation[8] * above > size[2] + (0.0 if _is_level(rotation) else _MARGIN):
+            return 0.0, -1.0, 0.0
+        cx, cy = rotation[0] * x + rotation[3] * y, rotation[1] * x + rotation[4] * y
+        along, aside = abs(cx) - size[0], abs(cy) - size[1]
         if max(along, aside) < _MARGIN:
-            return 0.0, 2.0 * np.pi
-        for corner in range(4):
-            a = size[0] if corner % 2 else -size[0]
-            b = size[1] if corner // 2 else -size[1]
-            cx, cy = x + rotation[0] * a + rotation[1] * b, y + rotation[3] * a + rotation[4] * b
-            angle = np.arctan2(x * cy - y * cx, x * cx + y * cy)
-            low, high = min(low, angle), max(high, angle)
+            return 0.0, 2.0 * np.pi, 0.0
+        # the two corners at the rim of what is seen: of the face towards the laser, or, seen over an edge, those beside
+        ax, ay = cx - np.copysign(size[0], cx), cy + np.copysign(size[1], cy)
+        bx, by = cx + np.copysign(size[0], cx), cy - np.copysign(size[1], cy)
+        if aside <= 0.0:
+            bx = ax
+        elif along <= 0.0:
+            ay = by
+        one = np.arctan2(rotation[3] * ax + rotation[4] * ay, rotation[0] * ax + rotation[1] * ay)
+        other = np.arctan2(rotation[3] * bx + rotation[4] * by, rotation[0] * bx + rotation[1] * by)
+        low = one if ax * by - ay * bx > 0.0 else other
+        width = abs(other - one)
+        width = min(width, 2.0 * np.pi - width)
+        near = np.sqrt(max(along, 0.0) ** 2 + max(aside, 0.0) ** 2)
     else:
         bound = np.sqrt(size[0] ** 2 + size[1] ** 2 + size[2] ** 2)
         if shape == CYLINDER:
-            bound = size[0] if rotation[8] > 1.0 - 1e-12 else np.hypot(size[0], size[1])
+            bound = np.sqrt(size[0] ** 2 + size[1] ** 2)
         elif shape == ELLIPSOID:
             bound = max(size[0], size[1], size[2])
+        if above > (size[1] if shape == CYLINDER and upright else bound) + _MARGIN:
+            return 0.0, -1.0, 0.0
+        bound = size[0] if shape == CYLINDER and upright else bound
+        away = np.sqrt(x * x + y * y)
         if away < bound + _MARGIN:
-            return 0.0, 2.0 * np.pi
-        high = np.arcsin(bound / away)
-        low = -high
-    start = (np.arctan2(y, x) + low - _MARGIN - first) % (2.0 * np.pi)
-    return start, high - low + 2.0 * _MARGIN
+            return 0.0, 2.0 * np.pi, 0.0
+        half = np.arcsin(bound / away)
+        low, width, near = np.arctan2(y, x) - half, 2.0 * half, away - bound
+    start = (low - _MARGIN - first) % (2.0 * np.pi)
+    return start, width + 2.0 * _MARGIN, near - _MARGIN
 
 
 @njit(cache=True, nogil=True)
@@ -130,6 +184,23 @@ def _meet(shape: int, size: Array, position: Array, rotation: Array, origin: Arr
     at = _root(vx * vx + vy * vy, vx * px + vy * py, px * px + py * py - size[0] * size[0])
     if at >= 0.0 and abs(pz + at * vz) <= size[1] and (best < 0.0 or at < best):
         best = at
+    return best
+
+
+@njit(cache=True, nogil=True)
+def _meet_rectangle(half_x: float, half_y: float, px: float, py: float, vx: float, vy: float) -> float:
+    """Return what `_meet` does for a box turned about the vertical only: its top and bottom are met by no beam."""
+    best = -1.0
+    if abs(vx) > _TINY:
+        for side in (-half_x, half_x):
+            at = (side - px) / vx
+            if at >= 0.0 and abs(py + at * vy) <= half_y and (best < 0.0 or at < best):
+                best = at
+    if abs(vy) > _TINY:
+        for side in (-half_y, half_y):
+            at = (side - py) / vy
+            if at >= 0.0 and abs(px + at * vx) <= half_x and (best < 0.0 or at < best):
+                best = at
     return best
 
 

@@ -161,7 +161,8 @@ class World:
         scans: list[LaserScan] = []
         frames: list[RgbdFrame] = []
         self._crowd.decide(self._ticks_per_step * TICK, self._robot_row(), self._progress)
-        for _ in range(self._ticks_per_step):
+        poses = np.empty((self._ticks_per_step, 3))
+        for tick in range(self._ticks_per_step):
             self.data.ctrl[:] = self._robot.ramp(wanted, TICK)
             if len(self._crowd):
                 self._crowd.advance(TICK, self._robot_row())
@@ -171,7 +172,7 @@ class World:
                 mujoco.mj_step(self.model, self.data)
                 if self.data.ncon:
                     self._note_contacts()
-            self._odometry.update(self.data.qpos[:3].copy())
+            poses[tick] = self.data.qpos[:3]
             self._ticks += 1
             if self._ticks % self._ticks_per_scan == 0:
                 self._take_scan()
@@ -179,6 +180,7 @@ class World:
             if self._ticks_per_frame and self._ticks % self._ticks_per_frame == 0:
                 self._take_frame()
                 frames.append(self._frames[-1])
+        self._odometry.update(poses)
         self._scans = tuple(scans) or self._scans[-1:]
         self._frames = tuple(frames) or self._frames[-1:]
         arc, ways = np.array([self._progress]), self._crowd.terrain
@@ -314,10 +316,10 @@ class World:
         return np.array([x, y, (theta + np.pi) % (2.0 * np.pi) - np.pi])
 
     def _robot_row(self) -> Array:
-        x, y, theta = self.data.qpos[:3]
-        length, width, _ = self.config.robot.size
-        vx, vy = self.data.qvel[:2]
-        return np.array([x, y, np.cos(theta), np.sin(theta), vx, vy, length / 2.0, width / 2.0])
+        x, y, theta = self.data.qpos[:3].tolist()
+        length, width, _ = self._robot.config.size
+        vx, vy = self.data.qvel[:2].tolist()
+        return np.array((x, y, np.cos(theta), np.sin(theta), vx, vy, length / 2.0, width / 2.0))
 
     def _note_contacts(self) -> None:
         for pair in self.data.contact.geom:

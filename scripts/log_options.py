@@ -8,6 +8,7 @@ from pathlib import Path
 from ..slam.laser_odometry import laser_odometry
 from ..slam.logs.drive import RecordedDrive
 from ..slam.logs.log import read_log
+from ..slam.odometry_check import odometry_factors
 
 
 def add_topics(parser: argparse.ArgumentParser) -> None:
@@ -19,7 +20,7 @@ def add_topics(parser: argparse.ArgumentParser) -> None:
 def read_with_odometry(path: Path, scan_topic: str | None, odometry_topic: str | None) -> RecordedDrive:
     """Return the drive in a log; where it has no odometry, with one made from its scans.
 
-    What was assumed is said on stderr.
+    What was assumed is said on stderr, and once in a line if the odometry is grossly wrong by what the scans show.
 
     Args:
         path: CARMEN, BeeSoft or tinySLAM log, or ROS bag.
@@ -30,6 +31,9 @@ def read_with_odometry(path: Path, scan_topic: str | None, odometry_topic: str |
     for note in drive.notes:
         print(f"tagalong: {path}: {note}", file=sys.stderr)
     if drive.has_odometry:
+        complaint = odometry_factors(drive).complaint
+        if complaint:
+            print(f"tagalong: {path}: {complaint}; poses may be wrong", file=sys.stderr)
         return drive
     made = laser_odometry(drive.scans)
     lost = int((~made.matched).sum())

@@ -21,6 +21,7 @@ from .scan import LaserScan
 
 Array = NDArray[np.float64]
 
+_FAR = 99
 _AROUND = np.stack(np.meshgrid((-1, 0, 1), (-1, 0, 1)), axis=-1).reshape(-1, 2)
 
 
@@ -43,6 +44,7 @@ class LayersConfig(ImmobileConfig):
         nearest: The camera frees nothing nearer than this [m].
         believed: What was written less firmly than this, as by one look at somebody's back, is not in the map where the
             laser sees that nothing stands there; log-odds.
+        together: What stood beside a cell that was left, and so many cells on, leaves with it.
         overlooked: Log-odds of a free cell of which neither floor nor laser say that it is free: somebody has looked
             over it.
     """
@@ -55,6 +57,7 @@ class LayersConfig(ImmobileConfig):
     sure: float = 7.0
     nearest: float = 0.4
     believed: float = 1.5
+    together: int = 2
     overlooked: float = -0.4
 
     def __post_init__(self) -> None:
@@ -65,6 +68,8 @@ class LayersConfig(ImmobileConfig):
             raise InputError(f"`laser_height` must be in a layer below the last, got {self.laser_height} m")
         if not 0.0 <= self.believed <= self.limit:
             raise InputError(f"`believed` must be in [0, `limit`], got {self.believed}")
+        if self.together < 0:
+            raise InputError(f"`together` must not be negative [cells], got {self.together}")
         if not self.overlooked < 0.0:
             raise InputError(f"`overlooked` must be negative, got {self.overlooked}")
 
@@ -85,7 +90,7 @@ class ImmobileLayers(OccupancyGrid):
     """
 
     config: LayersConfig
-    _layers = ("_log_odds", "_stamps", "_spans", "_tops", "_firm", "_left", "_mobile")
+    _layers = ("_log_odds", "_stamps", "_spans", "_tops", "_firm", "_left", "_movable", "_mobile")
 
     def __init__(self, config: LayersConfig | None = None) -> None:
         super().__init__(config or LayersConfig())
@@ -95,7 +100,8 @@ class ImmobileLayers(OccupancyGrid):
         self._stamps = np.zeros((count, 0, 0), dtype=np.int32)
         self._spans = np.zeros((2, count, 0, 0), dtype=np.float32)
         self._tops = np.zeros((count, 0, 0), dtype=np.bool_)
-        self._firm, self._left, self._mobile = (np.zeros((0, 0), dtype=np.bool_) for _ in range(3))
+        self._firm, self._movable, self._mobile = (np.zeros((0, 0), dtype=np.bool_) for _ in range(3))
+        self._left = np.zeros((0, 0), dtype=np.int8)  # 1: left by itself; k: with what is k - 1 cells away; 0: not
 
     def write(self, T_map_robot: ArrayLike, scan: LaserScan, lambdas: ArrayLike = UNKNOWN) -> None:
         """Write one scan into the laser's layer; see `ImmobileGrid.write`."""
@@ -111,11 +117,11 @@ class ImmobileLayers(OccupancyGrid):
         layer, config = self.config.laser_layer, self.config
         self._scans += 1
         log_odds, stamps = self._log_odds[layer], self._stamps[layer]
+        self._note_mobile(cells[1:], beta[order])
         miss = float(np.log(UNKNOWN * config.miss))
         write_observation(
             cells[0, 0], cells[0, 1], cells[1:], beta[order], miss, config.limit, self._scans, log_odds, stamps
         )
-        self._note_mobile(cells[1:], beta[order])
         self._firm |= log_odds >= config.firm
         self._clear_columns(layer)
 
@@ -154,6 +160,7 @@ class ImmobileLayers(OccupancyGrid):
         cells = np.concatenate((flat, np.append(height, ends[order, 2])[:, None]), axis=1)
         near, sure, miss = round(config.nearest / config.resolution), each >= config.sure, np.log(UNKNOWN * config.miss)
         self._scans += 1
+        self._note_mobile(cells[1:], beta[order])
         write_view(
             cells[0],
             cells[1:],
@@ -167,7 +174,6 @@ class ImmobileLayers(OccupancyGrid):
             self._scans,
             *(self._log_odds, self._stamps, self._spans, self._tops),
         )
-        self._note_mobile(cells[1:], beta[order])
         self._firm |= self._log_odds[config.laser_layer] >= config.firm
 
     def write_mobile(self, place: ArrayLike, radius: float, lam: float) -> None:
@@ -246,7 +252,7 @@ class ImmobileLayers(OccupancyGrid):
 
     def movable(self) -> OccupancyMap:
         """Return the layer of movable things: 1 where something not known as alive stood firmly and has left."""
-        return self._cut((self._left & ~self._mobile).astype(np.float32))
+        return self._cut(self._movable.astype(np.float32))
 
     def _low(self) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
         """Return (rows, cols) log-odds by all layers below the last together, and whether any of them is known."""
@@ -282,16 +288,27 @@ class ImmobileLayers(OccupancyGrid):
         return np.log(lambdas * self.config.hit)
 
     def _note_mobile(self, cells: Array, beta: Array) -> None:
+        """Note where what moves is met now; not while what stood there is just being found to have left.
+
+        So a door that somebody walks through, having opened it, is not taken for somebody.
+        """
         moving = cells[beta < np.log(UNKNOWN * self.config.hit) - 1e-9]
-        self._mobile[np.floor(moving[:, 1]).astype(int), np.floor(moving[:, 0]).astype(int)] = True
+        row, col = np.floor(moving[:, 1]).astype(int), np.floor(moving[:, 0]).astype(int)
+        odds = self._log_odds[self.config.laser_layer, row, col]
+        settled = (odds < self.config.gone) | (odds >= self.config.firm)
+        self._mobile[row[settled], col[settled]] = True
 
     def _clear_columns(self, layer: int) -> None:
         """Empty all layers where what stood firmly in the laser's `layer` has left."""
         log_odds, config = self._log_odds[layer], self.config
-        self._left &= log_odds < config.firm
+        again = log_odds >= config.firm
+        self._left[again], self._movable[again] = 0, False
         while len(leaving := self._leaving(log_odds)):
-            for row, col in leaving:
-                self._left[row, col] = True
+            for row, col, level in leaving:
+                before, self._left[row, col] = self._left[row, col], level
+                if before:
+                    continue
+                self._movable[row, col], self._mobile[row, col] = not self._mobile[row, col], False
                 window = (slice(max(row - 1, 0), row + 2), slice(max(col - 1, 0), col + 2))
                 # the camera may have seen it in the next cell, too
                 columns, spans = self._log_odds[:, *window], self._spans[:, :, *window]
@@ -301,15 +318,18 @@ class ImmobileLayers(OccupancyGrid):
                 spans[:, goes] = 0.0
 
     def _leaving(self, log_odds: NDArray[np.float32]) -> NDArray[np.intp]:
-        """Return (n, 2) the cells out of which, by the laser's `log_odds`, something firm has left now.
+        """Return (n, 3) row, column and level (see `_left`) of the cells out of which something firm has left now.
 
-        By itself a cell must be free beyond doubt, and no neighbour occupied: noise moves the returns of a wall from
-        cell to cell. But a thing leaves as a whole: beside a cell that it has left it is enough to be occupied no more,
-        so that the ends of a door go with its leaf though they touch the jambs.
+        By itself, by the laser's `log_odds`, a cell must be free beyond doubt, and no neighbour occupied: noise moves
+        the returns of a wall from cell to cell. But a thing leaves as a whole: up to `together` cells beside one that
+        it has left by itself it is enough to be occupied no more, so that the ends of a door go with its leaf though
+        they touch the jambs.
         """
-        doubtful = np.argwhere(self._firm & ~self._left & (log_odds < 0.0))
-        near = np.clip(doubtful[:, None] + _AROUND, 0, np.array(log_odds.shape) - 1)
-        around = log_odds[near[..., 0], near[..., 1]]
-        beside = (self._left[near[..., 0], near[..., 1]] & (around < 0.0)).any(axis=1)
-        alone = (around <= 0.0).all(axis=1) & (log_odds[doubtful[:, 0], doubtful[:, 1]] < self.config.gone)
-        return doubtful[beside | alone]
+        row, col = np.nonzero(self._firm & (self._left != 1) & (log_odds < 0.0))
+        near = np.clip(np.stack((row, col), axis=-1)[:, None] + _AROUND, 0, np.array(log_odds.shape) - 1)
+        around, levels = log_odds[near[..., 0], near[..., 1]], self._left[near[..., 0], near[..., 1]]
+        beside = np.where((levels > 0) & (around < 0.0), levels.astype(np.intp), _FAR).min(axis=1, initial=_FAR) + 1
+        alone = (around <= 0.0).all(axis=1) & (log_odds[row, col] < self.config.gone)
+        level, before = np.where(alone, 1, beside), self._left[row, col]
+        new = (level <= 1 + self.config.together) & ((before == 0) | (level < before))
+        return np.stack((row, col, level), axis=-1)[new]

@@ -11,6 +11,7 @@ from ..scenes.scene import Errand
 from .body import PARTS, Physique
 from .gait import advance_gait, pose_bodies
 from .leader import Leader
+from .meeting import first_coming, group_comes
 from .social_force import SocialForceConfig
 from .terrain import Terrain
 from .walking import SPACING, advance_bodies, locate, turn_bodies, wanted_directions
@@ -130,6 +131,7 @@ class Crowd:
         ).reshape(-1, 5)
         self._roles = [Role(int(role)) for role in casting.roles]
         self._in_group = sum(role <= Role.COMPANION for role in self._roles)
+        self._wanders = np.asarray(casting.roles) == Role.WANDERER
         self._direction = np.zeros((len(casting.roles), 2))
         self._first, self._count = terrain.first[casting.path], terrain.count[casting.path]
 
@@ -309,13 +311,7 @@ class Crowd:
     def _group_comes(self, person: int, robot: Array) -> bool:
         """Return whether the robot or one of the group is within 2 m before a wanderer, walking."""
         state = self.state
-        for other in range(-1, self._in_group):
-            x, y = (robot[:2] if other < 0 else state.position[other]) - state.position[person]
-            moves = robot[4:6] if other < 0 else state.velocity[other]
-            ahead = x * self._direction[person, 0] + y * self._direction[person, 1]
-            if ahead > 0.0 and x * x + y * y < 4.0 and moves[0] * x + moves[1] * y < -0.1:
-                return True
-        return False
+        return group_comes(person, self._in_group, robot, state.position, state.velocity, self._direction)
 
     def _run_errand(self, person: int, dt: float) -> float:
         """Return the speed of somebody who goes from place to place: 0 while they wait, and at the last one."""
@@ -362,21 +358,19 @@ class Crowd:
             return self.terrain.within_free(arc, -float(state.sense[person]) * self.terrain.passing)
         if self.terrain.in_bend(arc):
             return 0.0
-        for other in range(self._in_group, len(self)):
-            if self._roles[other] == Role.WANDERER:
-                meets = self._meets(person, other)
-            else:
-                comes = state.sense[other] < 0.0 or self._roles[other] == Role.STANDER
-                meets = comes and -1.0 < state.arc[other] - arc < 6.0
-            if meets:
-                return self.terrain.within_free(arc, math.copysign(self.terrain.turn_out, -state.lateral[other]))
+        other = self._first_met(person, arc)
+        if other is not None:
+            return self.terrain.within_free(arc, math.copysign(self.terrain.turn_out, -state.lateral[other]))
         return self.terrain.within_free(arc, side)
 
-    def _meets(self, person: int, other: int) -> bool:
-        """Return whether a wanderer within 5 m comes towards one of the group."""
+    def _first_met(self, person: int, arc: float) -> int | None:
+        """Return the first of those who come towards one of the group, `arc` along the route; None for nobody."""
         state = self.state
-        x, y = state.position[other] - state.position[person]
-        ahead_x, ahead_y = self._direction[person]
-        ahead, aside = x * ahead_x + y * ahead_y, abs(y * ahead_x - x * ahead_y)
-        comes = state.velocity[other, 0] * ahead_x + state.velocity[other, 1] * ahead_y < -0.2
-        return bool(comes and -0.5 < ahead < 5.0 and aside < 1.0)
+        wanderer = first_coming(person, self._wanders, state.position, state.velocity, self._direction)
+        for other in range(self._in_group, len(self) if wanderer < 0 else wanderer):
+            if self._roles[other] == Role.WANDERER:
+                continue
+            comes = state.sense[other] < 0.0 or self._roles[other] == Role.STANDER
+            if comes and -1.0 < state.arc[other] - arc < 6.0:
+                return other
+        return wanderer if wanderer >= 0 else None

@@ -80,7 +80,7 @@ class LegForest:
     def vote(self, features: NDArray[np.float32]) -> NDArray[np.float64]:
         """Return (m,) the share of legs in the leaves that `features` (m, F) fall into: sklearn's `predict_proba`."""
         share = np.empty(len(features))
-        vote(self._nodes, self.roots, features, share)
+        vote(*self._packed, len(self.roots), features, share)
         return share
 
     def confidence(self, scan: LaserScan, clusters: Clusters) -> NDArray[np.float64]:
@@ -92,8 +92,8 @@ class LegForest:
         return confidence
 
     @cached_property
-    def _nodes(self) -> NDArray[np.void]:
-        return packed(self.feature, self.value, self.right)
+    def _packed(self) -> tuple[NDArray[Any], NDArray[np.float32], int]:
+        return packed(self.feature, self.value, self.right, self.roots)
 
     def _is_sound(self) -> bool:
         shapes = {self.feature.shape, self.value.shape, self.right.shape}

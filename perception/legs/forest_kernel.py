@@ -1,61 +1,93 @@
-"""Numba kernel of a random forest's vote; `reference.py` says the same in numpy."""
+"""Numba kernel of a random forest's vote, and the order of nodes in memory that it walks through."""
+
+from typing import Any
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
-NODE = np.dtype([("value", np.float32), ("right", np.uint16), ("feature", np.int16)])
-"""A node in eight bytes, so that a step down a tree waits for memory once: `right` counts nodes from this one."""
+NODE = np.dtype([("threshold", np.float32), ("child", np.uint32)])
+"""A node in eight bytes, so that a step down a tree waits for memory once.
+
+`child` is the index of its left child times 256, plus the feature that it asks for; the right child is the next node
+after the left one. A leaf is its own child, with the threshold +inf: who has arrived stays.
+"""
+MOST_NODES = 1 << 24
+MOST_FEATURES = 1 << 8
+_FEATURE_BITS = np.uint32(8)
+_FEATURE = np.uint32(MOST_FEATURES - 1)
 
 
-def packed(feature, value, right):
-    """Return (n,) of `NODE` from the arrays of a forest; a tree must have fewer than 65536 nodes."""
-    nodes = np.empty(len(feature), dtype=NODE)
-    nodes["value"], nodes["feature"] = value, feature
-    nodes["right"] = np.where(feature >= 0, right - np.arange(len(feature)), 0)
-    return nodes
+def packed(
+    feature: NDArray[Any], value: NDArray[np.float32], right: NDArray[Any], roots: NDArray[Any]
+) -> tuple[NDArray[Any], NDArray[np.float32], int]:
+    """Return a forest in the order in which `vote` walks: all roots, then all their children, and so on.
+
+    Args:
+        feature: (n,) index that an inner node asks for; negative in a leaf.
+        value: (n,) threshold of an inner node, share of legs in a leaf.
+        right: (n,) right child of an inner node; the left one is the next node.
+        roots: (t,) first node of each tree.
+
+    Returns:
+        (n,) of `NODE`, the roots first; (n,) the shares of leaves; and how many steps the longest walk has.
+    """
+    levels, depth = [np.asarray(roots, dtype=np.int64)], 0
+    while len(inner := levels[-1][feature[levels[-1]] >= 0]):
+        levels.append(np.stack((inner + 1, right[inner]), axis=1).ravel())
+        depth += 1
+    order = np.concatenate(levels)
+    leaf = feature[order] < 0
+    child = np.arange(len(order))
+    child[~leaf] = len(roots) + 2 * np.arange(len(order) - leaf.sum())
+    nodes = np.empty(len(order), dtype=NODE)
+    nodes["threshold"] = np.where(leaf, np.inf, value[order])
+    nodes["child"] = child * MOST_FEATURES + np.where(leaf, 0, feature[order])
+    return nodes, np.where(leaf, value[order], 0.0).astype(np.float32), depth
 
 
 @njit(cache=True, nogil=True)
-def vote(nodes, roots, rows, out):
+def vote(nodes, share, depth, trees, rows, out):
     """Write the mean leaf value over all trees for each of `rows` (m, F) float32 into `out` (m,) float64.
 
-    A node is a leaf where `feature` is negative: `value` is its share of legs. Else `value` is the threshold: rows at
-    or below it go to the next node, the others to node `right`.
+    `nodes`, `share` and `depth` as `packed` returns them; the first `trees` nodes are the roots. Rows at or below a
+    threshold go left. No step depends on how a comparison turned out but for the sum of an index, and one step is taken
+    down every tree in turn: the processor neither guesses nor waits for one tree's memory before it asks for the next.
     """
-    walking = np.empty(len(roots), np.int64)
-    at = np.empty(len(roots), np.int64)
+    at = np.empty(trees, np.uint32)
     for m in range(len(rows)):
-        at[:] = roots
-        walking[:] = np.arange(len(roots))
-        count = len(roots)
-        while count > 0:  # one step down every tree in turn: their waits for memory overlap
-            still = 0
-            for i in range(count):
-                tree = walking[i]
+        row = rows[m]
+        at[:] = np.arange(trees)
+        for _ in range(depth):
+            for tree in range(trees):
                 node = nodes[at[tree]]
-                if node.feature >= 0:
-                    at[tree] += 1 if rows[m, node.feature] <= node.value else np.int64(node.right)
-                    walking[still] = tree
-                    still += 1
-            count = still
+                above = np.uint32(row[node.child & _FEATURE] > node.threshold)
+                at[tree] = (node.child >> _FEATURE_BITS) + above
         total = 0.0
-        for tree in range(len(roots)):
-            total += nodes[at[tree]].value
-        out[m] = total / len(roots)
+        for tree in range(trees):
+            total += share[at[tree]]
+        out[m] = total / trees
 
 
 @njit(cache=True, nogil=True)
 def is_sound(feature, right, roots, columns):
-    """Whether every walk through the nodes ends in a leaf, inside the arrays."""
+    """Whether these are trees: each node inside the arrays and reached once; and `packed` has room for them."""
     count = len(feature)
     if count == 0 or len(roots) == 0 or roots.min() < 0 or roots.max() >= count or feature[count - 1] >= 0:
         return False
+    if count > MOST_NODES or columns > MOST_FEATURES:
+        return False
+    reached = np.zeros(count, np.int64)
+    for root in roots:
+        reached[root] += 1
     for node in range(count):
         if feature[node] < 0:
             continue
-        if feature[node] >= columns or not 0 < right[node] - node < 65536 or right[node] >= count:
+        if feature[node] >= columns or right[node] <= node or right[node] >= count:
             return False
-    return True
+        reached[node + 1] += 1
+        reached[right[node]] += 1
+    return reached.min() == 1 and reached.max() == 1
 
 
 def vote_reference(feature, value, right, roots, rows):

@@ -283,6 +283,8 @@ class PeopleTracker:
 
     def _found(self, rows: NDArray[np.intp]) -> None:
         """Make people of the pairs of lone tracks `rows` (k, 2)."""
+        if len(rows) == 0:
+            return
         owned = 2 * len(self._people)
         self._people = np.concatenate((self._people, self._named(self._legs.rows[rows])))
         rest = np.setdiff1d(np.arange(owned, len(self._legs)), rows)

@@ -50,7 +50,7 @@ def run(options: argparse.Namespace) -> int:
         for name, row in environments.items()
     ]
     print(format_table(("one environment step, laser at 10 Hz", "steps/s", "x real time", "mean ms", "p95 ms"), rows))
-    throughput = speed.gymnasium_speed(BENCHMARK_S, vector_envs=8, workers=2)
+    throughput = speed.gymnasium_speed(BENCHMARK_S, vector_envs=16, workers=2)
     title = "Gymnasium's benchmarks: office, 5 people, 360 beams, tracker"
     print("\n" + format_table((title, "steps/s"), [(name, f"{rate:.0f}") for name, rate in throughput.items()]))
     stages = {

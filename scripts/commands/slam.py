@@ -28,6 +28,9 @@ writes into DIR:
                          (its own corrected poses, or NAME.gt.tum beside NAME.log.gz)
   timing.json            speed and memory; the only file that differs between two runs
 
+Odometry that says less than 0.8 or more than 1.25 metres or radians for each one that the scans show is complained of,
+in one line on stderr.
+
 example:
   tagalong slam aces.log.gz --out out/aces --seed 1 --set particles=50
   tagalong slam drive.bag --out out/drive --method cartographer --scan-topic /front/scan

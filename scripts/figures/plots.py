@@ -1,5 +1,6 @@
 """Plots by matplotlib (extra `viz`), without a display: made by `new_figure`, written whole by `save_figure`."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -34,6 +35,14 @@ def new_figure(width: float, height: float) -> "Figure":
     from matplotlib.figure import Figure
 
     return Figure(figsize=(width, height), layout="constrained")
+
+
+def name_colours(figure: "Figure", colours: Mapping[str, tuple[int, int, int]]) -> None:
+    """Write below the figure what its `colours` mean: name -> red, green, blue, 0 to 255 each."""
+    from matplotlib.patches import Patch
+
+    marks = [Patch(color=(r / 255.0, g / 255.0, b / 255.0), label=name) for name, (r, g, b) in colours.items()]
+    figure.legend(handles=marks, loc="outside lower center", ncol=len(marks), frameon=False)
 
 
 def logarithmic(axes: "Axes", which: str = "y") -> None:

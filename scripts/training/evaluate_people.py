@@ -56,6 +56,15 @@ class PeopleScores:
         said = self.likelihood >= threshold
         return float(self.right[said].mean()) if said.any() else float("nan")
 
+    def recall_at(self, precision: float) -> float:
+        """Return the best recall of all thresholds at which the precision is at least this; 0 if there is none."""
+        order = np.argsort(-self.likelihood, kind="stable")
+        share = np.cumsum(self.right[order]) / np.arange(1, len(order) + 1)
+        # detections of one likelihood are said together
+        ends = np.append(np.diff(self.likelihood[order]) != 0.0, True)[: len(order)]
+        good = self.likelihood[order][ends & (share >= precision)]
+        return self.recall(float(good.min())) if len(good) else 0.0
+
     @property
     def calibration_error(self) -> float:
         """Expected calibration error: mean gap of likelihood and share of right, over ten bins weighed by size."""
@@ -76,6 +85,7 @@ class PeopleScores:
             "candidates": len(self.likelihood),
             "recall": round(self.recall(), 4),
             "precision": round(self.precision(), 4),
+            "recall_at_precision_0.95": round(self.recall_at(0.95), 4),
             "expected_calibration_error": round(self.calibration_error, 4),
             "median_position_error_m": round(float(np.median(self.error[hit])), 3) if hit.any() else None,
         }

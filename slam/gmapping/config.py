@@ -56,6 +56,8 @@ class GMappingConfig:
         angular_update: ... or this much turning [rad].
         delta: Side of a cell [m].
         fullness: A cell is occupied when more than this share of its visits were hits.
+        ray_margin: The last share of a ray before a hit visits nothing: else far beams, by their noise, wear away the
+            near side of what stands before others, and corridors are drawn too long.
         srr: Odometry's translation error per translation [m/m].
         srt: Odometry's rotation error per translation [rad/m].
         str_: Odometry's translation error per rotation [m/rad].
@@ -73,6 +75,7 @@ class GMappingConfig:
     angular_update: float = 0.3
     delta: float = 0.05
     fullness: float = 0.1
+    ray_margin: float = 0.01
     srr: float = 0.1
     srt: float = 0.2
     str_: float = 0.1
@@ -85,11 +88,13 @@ class GMappingConfig:
     matcher: MatcherConfig = field(default_factory=MatcherConfig)
 
     def __post_init__(self) -> None:
-        _check_positive(self, but=("srr", "srt", "str_", "stt", "minimum_score", "linear_update", "angular_update"))
+        _check_positive(
+            self, but=("srr", "srt", "str_", "stt", "minimum_score", "linear_update", "angular_update", "ray_margin")
+        )
         for name in ("particles", "threads"):
             if not isinstance(getattr(self, name), int):
                 raise InputError(f"`{name}` must be a whole number, got {getattr(self, name)}")
-        for name in ("fullness", "resample_threshold", "minimum_score"):
+        for name in ("fullness", "resample_threshold", "minimum_score", "ray_margin"):
             if getattr(self, name) > 1.0:
                 raise InputError(f"`{name}` is a share and must be at most 1, got {getattr(self, name)}")
 

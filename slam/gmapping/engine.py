@@ -42,7 +42,8 @@ class GMapping:
         self.config = config or GMappingConfig()
         self._rng = np.random.default_rng(seed)
         workers = Workers(self.config.threads)
-        self._maps = TileMaps(self.config.particles, self.config.delta, self.config.fullness, workers)
+        config = self.config
+        self._maps = TileMaps(config.particles, config.delta, config.fullness, workers, config.ray_margin)
         self._matcher = ScanMatcher(self.config.matcher, workers)
         self._motion = MotionModel(self.config.srr, self.config.srt, self.config.str_, self.config.stt)
         self._paths = PathTree()

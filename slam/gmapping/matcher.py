@@ -107,6 +107,7 @@ class ScanMatcher:
                 config.sigma / maps.cell,
                 config.straightness,
                 maps.directory,
+                maps.counts,
                 maps.means,
                 maps.bits,
                 systems,

@@ -14,24 +14,25 @@ Array = NDArray[np.float64]
 
 
 def count_rays(
-    x0: float, y0: float, ends: Array, is_hit: NDArray[np.bool_], shape: tuple[int, int]
+    x0: float, y0: float, ends: Array, is_hit: NDArray[np.bool_], shape: tuple[int, int], margin: float = 0.0
 ) -> tuple[NDArray[np.int64], Array]:
     """Return counts (rows, cols, 2) of hits and visits, and the sums (rows, cols, 2) of hit points from the corner of
-    their cells, of rays from (x0, y0) to `ends` (n, 2)."""
+    their cells, of rays from (x0, y0) to `ends` (n, 2); the last share `margin` of those that hit visits nothing."""
     counts, sums = np.zeros((*shape, 2), dtype=np.int64), np.zeros((*shape, 2))
     for end, hit in zip(ends, is_hit, strict=True):
-        cells = ray_cells(x0, y0, end[0], end[1])
+        share = 1.0 - margin if hit else 1.0
+        cells = ray_cells(x0, y0, x0 + share * (end[0] - x0), y0 + share * (end[1] - y0))
         rows, cols = cells[:-1].T
         counts[rows, cols, 1] += 1
         if hit:
-            row, col = cells[-1]
+            col, row = np.floor(end).astype(int)
             counts[row, col] += 1
             sums[row, col] += end - (col, row)
     return counts, sums
 
 
 def normal_equations(
-    pose: Array, points: Array, half: int, scale: float, straightness: float, centres: Array
+    pose: Array, points: Array, half: int, scale: float, straightness: float, centres: Array, hits: Array
 ) -> tuple[Array, float]:
     """Return what `match_kernels.accumulate` does: (3, 4) weighted [H | g] and the mean loss.
 
@@ -42,6 +43,7 @@ def normal_equations(
         scale: Distance at which a point counts a quarter.
         straightness: Largest ratio of the variances across and along a line.
         centres: (m, 2) x, y mean hit points of the occupied cells.
+        hits: (m,) how many points each is the mean of: its weight in a line.
     """
     system, losses = np.zeros((3, 4)), []
     cells = np.floor(centres)
@@ -53,13 +55,16 @@ def normal_equations(
             losses.append(1.0)
             continue
         nearest = seen[np.argmin(np.sum((centres[seen] - point) ** 2, axis=1))]
-        around = centres[np.abs(cells - cells[nearest]).max(axis=1) <= 2]
+        beside = np.abs(cells - cells[nearest]).max(axis=1) <= 2
+        around, weights = centres[beside], hits[beside]
         jacobian = np.array([[1.0, 0.0, -arm[1]], [0.0, 1.0, arm[0]]])
         residual = point - centres[nearest]
-        variances, axes = np.linalg.eigh(np.cov(around.T, bias=True)) if len(around) >= 3 else (np.ones(2), np.eye(2))
+        variances, axes = np.ones(2), np.eye(2)
+        if len(around) >= 3:
+            variances, axes = np.linalg.eigh(np.cov(around.T, bias=True, aweights=weights))
         if variances[0] <= straightness * variances[1]:
             normal = axes[:, :1].T
-            residual, jacobian = normal @ (point - around.mean(axis=0)), normal @ jacobian
+            residual, jacobian = normal @ (point - np.average(around, axis=0, weights=weights)), normal @ jacobian
         error = residual @ residual / scale**2
         system += jacobian.T @ np.column_stack((jacobian, residual)) / (1.0 + error) ** 2
         losses.append(error / (1.0 + error))

@@ -41,10 +41,15 @@ def _mark_ray(x0, y0, x1, y1, needed):
 
 
 @njit(cache=True, nogil=True)
-def write_rays(x0, y0, ends, is_hit, fullness, directory, counts, means, bits):
-    """Count a visit of every cell between (x0, y0) and each end; where `is_hit`, a hit in the cell of the end."""
+def write_rays(x0, y0, ends, is_hit, margin, fullness, directory, counts, means, bits):
+    """Count a visit of every cell between (x0, y0) and each end; where `is_hit`, a hit in the cell of the end.
+
+    The last share `margin` of a ray that hit something is not counted: how far it went is not known so well.
+    """
     for k in range(len(ends)):
-        _visit_ray(x0, y0, ends[k, 0], ends[k, 1], fullness, directory, counts, bits)
+        share = 1.0 - margin if is_hit[k] else 1.0
+        x1, y1 = x0 + share * (ends[k, 0] - x0), y0 + share * (ends[k, 1] - y0)
+        _visit_ray(x0, y0, x1, y1, fullness, directory, counts, bits)
     for k in range(len(ends)):
         if is_hit[k]:
             _hit(ends[k, 0], ends[k, 1], fullness, directory, counts, means, bits)
@@ -95,10 +100,10 @@ def mark_particles(start, stop, origins, ends, needed):
 
 
 @njit(cache=True, nogil=True)
-def write_particles(start, stop, origins, ends, is_hit, fullness, directory, counts, means, bits):
+def write_particles(start, stop, origins, ends, is_hit, margin, fullness, directory, counts, means, bits):
     """`write_rays` for particles start..stop, whose needed tiles are theirs alone."""
     for p in range(start, stop):
-        write_rays(origins[p, 0], origins[p, 1], ends[p], is_hit, fullness, directory[p], counts, means, bits)
+        write_rays(origins[p, 0], origins[p, 1], ends[p], is_hit, margin, fullness, directory[p], counts, means, bits)
 
 
 @njit(cache=True, nogil=True)

@@ -26,10 +26,12 @@ class TileMaps:
         cell: Side of a cell [m].
         fullness: A cell is occupied when more than this share of its visits were hits.
         workers: Threads to write with.
+        margin: The last share of a ray before a hit that visits nothing.
     """
 
-    def __init__(self, particles: int, cell: float, fullness: float, workers: Workers) -> None:
+    def __init__(self, particles: int, cell: float, fullness: float, workers: Workers, margin: float = 0.0) -> None:
         self.cell = cell
+        self.margin = margin
         self.fullness = fullness
         self._workers = workers
         self.origin = np.zeros(2, dtype=np.int64)  # tile coordinates (column, row) of directory[:, 0, 0]
@@ -72,7 +74,17 @@ class TileMaps:
         self._own(needed)
         self._workers.run(
             lambda start, stop: write_particles(
-                start, stop, origins, ends, is_hit, self.fullness, self.directory, self.counts, self.means, self.bits
+                start,
+                stop,
+                origins,
+                ends,
+                is_hit,
+                self.margin,
+                self.fullness,
+                self.directory,
+                self.counts,
+                self.means,
+                self.bits,
             ),
             count,
         )

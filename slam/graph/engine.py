@@ -73,6 +73,7 @@ class Cartographer:
         self._online: list[Array] = []
         self._poses_local: list[Array] = []
         self._inserted: list[int] = []
+        self._doubted: list[tuple[int, Array]] = []
         self._scans: list[LaserScan] = []
         self._suspects: list[tuple[Array, LaserScan]] = []
         self._suspected = 0
@@ -106,12 +107,22 @@ class Cartographer:
             if self._global:
                 self._global.add_node(result.pose, result.insertion)
         self._find(odometry, scan, result.pose)
+        self._settle(result)
         self._poses_local.append(result.pose)
         bridge = self._global.local_to_global if self._global else np.zeros(3)
         self._online.append(compose(bridge, result.pose))
         diagnostics = {"score": result.match.score} if result.match else {}
         located = self._search is None and not (result.doubtful or self._unsure)
         return SlamUpdate(self.pose, result.insertion is not None, diagnostics, located)
+
+    def _settle(self, result: LocalResult) -> None:
+        """Keep where doubtful scans fit best; once a doubt is over and the robot was not lost, they have been there."""
+        if result.doubtful and result.match:
+            self._doubted.append((len(self._poses_local), result.match.pose))
+            return
+        for k, pose in self._doubted:
+            self._poses_local[k] = pose
+        self._doubted = []
 
     def _weighed(
         self, watch: Watch, graph: GlobalSlam, result: LocalResult, odometry: Array, scan: LaserScan
@@ -177,7 +188,7 @@ class Cartographer:
         self._breaks.append(first)
         graph.begin_piece(sum(k >= first for k in self._inserted[-len(self._suspects) :]))
         self._local.restart()
-        self._suspects, self._suspected, self._unsure = [], 0, False
+        self._suspects, self._suspected, self._unsure, self._doubted = [], 0, False, []
 
     def _find(self, odometry: Array, scan: LaserScan, pose_local: Array) -> None:
         """Go on with the search, if there is one; when it succeeds, join the new piece of the drive to the map."""

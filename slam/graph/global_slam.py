@@ -48,7 +48,7 @@ class GlobalSlamConfig:
     kernel_width: float = 4.0
     odometry_share: float = 0.02
     reject_beyond: float = 12.0
-    final_residual: tuple[float, float] = (0.2, 0.0175)
+    final_residual: tuple[float, float] = (0.1, 0.0175)
     settled: tuple[float, float] = (0.05, 0.02)
     passes: int = 2
     nearest: int = 4

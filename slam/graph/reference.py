@@ -102,6 +102,7 @@ def inserted(
     returns: int,
     surface: int,
     prior_visits: float,
+    margin: float,
 ) -> tuple[Array, Array, Array]:
     """Return hits, visits and field after `insert_scan` of a scan that no cell has counted yet."""
     hits, visits = hits_before.astype(np.float64), visits_before.astype(np.float64)
@@ -112,7 +113,8 @@ def inserted(
         hits[j : j + 2, i : i + 2] += share
         met[j : j + 2, i : i + 2] = True
     for k in [*range(returns), *range(returns + surface, len(cells))]:
-        columns, rows = crossed(origin, cells[k]).T
+        end = origin + (1.0 - margin) * (cells[k] - origin) if k < returns else cells[k]
+        columns, rows = crossed(origin, end).T
         passed[rows, columns] = True
     visits += met | passed
     seen = (met | passed) & (hits > 0.0)

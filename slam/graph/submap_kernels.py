@@ -20,6 +20,7 @@ def insert_scan(
     returns: int,
     surface: int,
     prior_visits: float,
+    margin: float,
 ) -> None:
     """Count one scan in the grids (rows, cols), in place.
 
@@ -38,11 +39,16 @@ def insert_scan(
         returns: Number of returns.
         surface: Number of points on surfaces between returns.
         prior_visits: Visits without a return that every cell starts with.
+        margin: The last share of a ray up to a return, which is not counted as passed.
     """
     _share_returns(hits, visits, field, stamps, stamp, cells, returns + surface, prior_visits)
+    x0, y0 = origin[0], origin[1]
     for k in range(len(cells)):
-        if not returns <= k < returns + surface:
-            _pass_ray(hits, visits, field, stamps, stamp, origin[0], origin[1], cells[k, 0], cells[k, 1], prior_visits)
+        if returns <= k < returns + surface:
+            continue
+        dx, dy = cells[k, 0] - x0, cells[k, 1] - y0
+        share = 1.0 - margin if k < returns else 1.0
+        _pass_ray(hits, visits, field, stamps, stamp, x0, y0, x0 + share * dx, y0 + share * dy, prior_visits)
 
 
 @njit(cache=True, nogil=True)

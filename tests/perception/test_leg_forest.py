@@ -11,7 +11,7 @@ from tagalong.perception.legs.clusters import cluster_scan
 from tagalong.perception.legs.detector import LegDetector, LegDetectorConfig
 from tagalong.perception.legs.features import FEATURE_NAMES
 from tagalong.perception.legs.forest import SHIPPED, LegForest, read_card
-from tagalong.perception.legs.forest_kernel import vote_reference
+from tagalong.perception.legs.forest_kernel import is_sound, vote_reference
 from tagalong.scripts.training.train_legs import flatten_forest
 from tagalong.slam.errors import InputError
 from tagalong.slam.scan import LaserScan
@@ -87,6 +87,12 @@ def test_a_forest_with_damaged_arrays_is_refused(learned, tmp_path, key, value):
     np.savez(tmp_path / "broken.npz", **content)
     with pytest.raises(InputError, match="damaged"):
         LegForest.load(tmp_path / "broken.npz")
+
+
+def test_a_forest_whose_walks_meet_is_refused():
+    feature, right = np.array([0, 0, -1, -1]), np.array([3, 3, 0, 0])
+    assert not is_sound(feature, right, np.array([0]), 1)
+    assert is_sound(np.array([0, 0, -1, -1, -1]), np.array([4, 3, 0, 0, 0]), np.array([0]), 1)
 
 
 @pytest.mark.parametrize("content", [b"", b"no zip", b"PK\x03\x04 cut off"])

@@ -1,14 +1,23 @@
 """The judge of loop closures knows right ones from wrong ones; the cells of the experiment cover what they claim."""
 
+import gzip
 import os
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from tagalong.scripts.experiments import graph_slam
-from tagalong.scripts.experiments.intel_reference import corrected_poses, related_poses
+from tagalong.scripts.experiments.intel_reference import (
+    CORRECTED,
+    corrected_poses,
+    corrected_readings,
+    published_poses,
+    related_poses,
+)
 from tagalong.scripts.results_table import result_rows
+from tagalong.slam.engine import make_slam
 from tagalong.slam.geometry import between, compose
 from tagalong.slam.graph.constraints import Constraint, Kind
 from tagalong.slam.logs.carmen import read_carmen
@@ -31,6 +40,25 @@ def test_a_closure_is_right_within_20_cm_and_1_degree_of_the_reference():
     assert judged["returned"] == {"count": 5, "right": 3, "near": 4}
 
 
+def test_a_submap_lies_where_the_reference_puts_most_of_its_nodes():
+    truth = np.column_stack((np.arange(12.0), np.zeros(12), np.zeros(12)))
+    made = [Constraint(0, k, truth[k], np.eye(3), Kind.INTRA) for k in range(11)]
+    made.append(Constraint(0, 11, truth[11], np.eye(3), Kind.INTER, searched=True))
+    engine, off = SimpleNamespace(node_scans=list(range(12)), constraints=tuple(made)), np.radians(3.0)
+    for noisy, right in (([0], 1), ([0, 1, 2, 3, 4], 1), ([0, 1, 2, 3, 4, 5, 6], 0), ([11], 0)):
+        reference = truth.copy()
+        reference[noisy, 2] += off
+        judged = graph_slam.closures(engine, reference)  # pyright: ignore[reportArgumentType]
+        assert judged["searched"]["right"] == right, noisy
+
+
+def test_corrected_scans_are_readings_by_the_order_of_the_lines(tmp_path):
+    words = ["PARAM", "ODOM", "ODOM", "FLASER", "ODOM", "ODOM", "FLASER", "NEFF", "ODOM", "ODOM", "ODOM", "FLASER"]
+    with gzip.open(tmp_path / "log.gz", "wt") as lines:
+        lines.writelines(f"{word} 1.0 2.0\n" for word in words)
+    assert corrected_readings(tmp_path / "log.gz").tolist() == [1, 2, 4]
+
+
 def test_every_cell_has_a_name_of_its_own_and_every_drive_with_people_is_mapped_three_ways(tmp_path):
     cells = graph_slam.cells(tmp_path, tmp_path)
     assert len({cell.name for cell in cells}) == len(cells)
@@ -48,9 +76,23 @@ def test_graph_slam_has_its_row_in_the_table_of_results():
 def test_the_references_of_the_intel_log_agree_with_each_other(data_folder):
     logs = data_folder / "slam_logs"
     drive = read_carmen(logs / "intel_every5th.log.gz")
-    corrected = corrected_poses(logs, drive)
-    related = related_poses(logs, drive, corrected)
-    apart = between(corrected, compose(corrected[0], between(related[0], related)))
+    local = make_slam("cartographer", global_=None)
+    for odometry, scan in zip(drive.odometry[:900], drive.scans[:900], strict=True):
+        local.update(odometry, scan)
+    part = replace(drive, odometry=drive.odometry[:900], scans=drive.scans[:900])
+    every = published_poses(logs, drive)
+    published, corrected = every[:900], corrected_poses(logs, part, local.trajectory())
+    known = corrected_readings(logs / CORRECTED)
+    same = np.isin(5 * np.arange(1, 900) - 4, known).nonzero()[0] + 1  # scan k is reading 5 k - 4 (README of the logs)
+    readings = np.searchsorted(known, 5 * same - 4)
+    exact = read_carmen(logs / CORRECTED).odometry[readings]
+    assert len(same) > 40
+    np.testing.assert_allclose(published[same], exact, atol=1e-3)
+    apart = between(published, corrected)
+    assert np.median(np.hypot(apart[:, 0], apart[:, 1])) < 0.05
+    assert np.degrees(np.median(np.abs(apart[:, 2]))) < 0.5
+    related = related_poses(logs, drive, every)
+    apart = between(every, compose(every[0], between(related[0], related)))
     assert np.median(np.hypot(apart[:, 0], apart[:, 1])) < 0.3
 
 

@@ -1,12 +1,14 @@
 """`tagalong localize` on a synthetic building, and what it says of bad input."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from tagalong.scripts import cli
 from tagalong.slam.geometry import between, compose
 from tagalong.slam.grid import GridConfig, render_map
+from tagalong.slam.logs.carmen import read_carmen
 from tagalong.slam.logs.carmen_writer import write_carmen
 from tagalong.slam.logs.drive import RecordedDrive
 from tagalong.slam.logs.ros_map import write_ros_map
@@ -70,6 +72,18 @@ def test_a_start_may_be_given(building, tmp_path):
     words = ["localize", str(folder / "drive.log"), "--map", str(folder / "map.yaml"), "--quiet"]
     assert cli.main([*words, "--out", str(tmp_path), "--start", "-1.9", "-0.7", "8"]) == 0
     assert json.loads((tmp_path / "metrics.json").read_text())["first_sure_scan"] == 0
+
+
+def test_grossly_wrong_odometry_is_said_once_in_one_line(building, tmp_path, capsys):
+    folder, _ = building
+    right = read_carmen(folder / "drive.log")
+    write_carmen(tmp_path / "wrong.log", replace(right, odometry=right.odometry * [2.0, 2.0, 1.0]))
+    for log, wrong in ((folder / "drive.log", False), (tmp_path / "wrong.log", True)):
+        words = ["localize", str(log), "--map", str(folder / "map.yaml"), "--quiet", "--out", str(tmp_path / "out")]
+        assert cli.main(words) == 0
+        said = capsys.readouterr().err
+        assert said.count("grossly wrong") == said.count("\n") == int(wrong)
+        assert ("2.0" in said) == wrong
 
 
 @pytest.mark.parametrize(

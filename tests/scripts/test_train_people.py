@@ -7,7 +7,7 @@ import pytest
 from tagalong.perception.rgbd.people import RgbdPeople
 from tagalong.perception.rgbd.person_svm import PersonSvm
 from tagalong.scripts.cli import main
-from tagalong.scripts.training.evaluate_people import joined, score_frame
+from tagalong.scripts.training.evaluate_people import PeopleScores, joined, score_frame
 from tagalong.scripts.training.rgbd_frames import LabelledFrame, draw_frames
 from tagalong.scripts.training.rgbd_props import PROPS
 from tagalong.scripts.training.train_people import TEST_SCENES, TRAIN_SCENES
@@ -75,8 +75,19 @@ def test_recall_precision_and_calibration_are_counted_right():
     assert scores.right.tolist() == [True, False]
     assert (scores.recall(), scores.precision()) == (0.5, 0.5)
     assert scores.calibration_error == pytest.approx((0.1 + 0.7) / 2)
+    assert (scores.recall_at(0.9), scores.recall_at(1.0)) == (0.5, 0.5)  # the likelier one is right
     twice = joined([scores, scores])
     assert (twice.frames, len(twice.found), twice.recall()) == (2, 4, 0.5)
+
+
+def test_recall_at_a_precision_is_that_of_the_lowest_threshold_that_is_precise_enough():
+    said = {"likelihood": np.array([0.9, 0.8, 0.8, 0.6, 0.5]), "right": np.array([True, True, False, True, True])}
+    scores = PeopleScores(np.array([0.9, 0.8, 0.6, 0.5]), np.ones(4), np.zeros(4), **said, frames=1)
+    assert scores.recall_at(0.95) == 0.25
+    assert scores.recall_at(0.75) == 1.0
+    assert scores.recall_at(0.81) == 0.25
+    said["right"] = ~said["right"]
+    assert PeopleScores(np.ones(1), np.ones(1), np.zeros(1), **said, frames=1).recall_at(0.95) == 0.0
 
 
 def test_people_hidden_by_half_or_more_do_not_count_and_are_not_false_either():

@@ -72,9 +72,10 @@ def test_the_grid_kernel_equals_numpy():
     np.testing.assert_array_equal(grids[0][1], grids[1][1])
 
 
-def test_counted_cells_equal_numpy():
+@pytest.mark.parametrize("margin", [0.0, 0.1])
+def test_counted_cells_equal_numpy(margin):
     rng = np.random.default_rng(1)
-    maps = TileMaps(1, 0.05, FULLNESS, Workers(1))
+    maps = TileMaps(1, 0.05, FULLNESS, Workers(1), margin)
     points = room_scan(rng, 500)
     is_hit = rng.random(500) < 0.8
     pose = np.array([[0.31, -0.22, 0.4]])
@@ -82,7 +83,7 @@ def test_counted_cells_equal_numpy():
     counts, means, occupied = plain(maps)
     turn = np.array([[np.cos(0.4), np.sin(0.4)], [-np.sin(0.4), np.cos(0.4)]])
     start, ends = maps.to_cells(pose[0, :2]), maps.to_cells(points @ turn + pose[0, :2])
-    expected, sums = reference.count_rays(*start, ends, is_hit, counts.shape[:2])
+    expected, sums = reference.count_rays(*start, ends, is_hit, counts.shape[:2], margin)
     np.testing.assert_array_equal(counts, expected)
     hit = expected[..., 0] > 0
     np.testing.assert_allclose(means[hit], (sums[hit] / expected[hit][:, :1]), atol=1e-5)
@@ -92,17 +93,17 @@ def test_counted_cells_equal_numpy():
 def test_normal_equations_equal_numpy_and_a_step_solves_them():
     rng = np.random.default_rng(2)
     maps = written_maps(rng)
-    _, means, occupied = plain(maps)
+    counts, means, occupied = plain(maps)
     rows, cols = np.nonzero(occupied)
-    centres = np.stack((cols, rows), axis=-1) + means[rows, cols]
+    centres, hits = np.stack((cols, rows), axis=-1) + means[rows, cols], counts[rows, cols, 0]
     pose = np.append(maps.to_cells(np.array([0.05, -0.03])), 0.02)
     points = room_scan(rng, 150) / 0.05
     system = np.zeros((3, 4))
     known, lines = np.full(len(points), -1), np.zeros((len(points), 5))
-    tiles = maps.directory[0], maps.means, maps.bits
+    tiles = maps.directory[0], maps.counts, maps.means, maps.bits
     for _ in range(2):  # lines looked up anew, then remembered
         _, loss = accumulate(pose, points, 1, 3, 2.0, 0.15, *tiles, known, lines, system)
-    expected, expected_loss = reference.normal_equations(pose, points, 3, 2.0, 0.15, centres)
+    expected, expected_loss = reference.normal_equations(pose, points, 3, 2.0, 0.15, centres, hits)
     np.testing.assert_allclose(system, expected, rtol=1e-6, atol=1e-4)
     assert loss == pytest.approx(expected_loss, rel=1e-6)
     step = np.zeros(3)

@@ -115,8 +115,8 @@ def test_a_scan_is_inserted_as_numpy_does():
     hits, visits = rng.random(shape).astype(np.float32), np.full(shape, 3.0, np.float32)
     field, stamps = np.zeros(shape, np.float32), np.zeros(shape, np.int16)
     cells = np.column_stack((rng.uniform(2.0, 76.0, 90), rng.uniform(2.0, 56.0, 90)))
-    wanted = reference.inserted(hits, visits, origin, cells, 50, 20, 0.5)
-    insert_scan(hits, visits, field, stamps, 7, origin, cells, 50, 20, 0.5)
+    wanted = reference.inserted(hits, visits, origin, cells, 50, 20, 0.5, 0.1)
+    insert_scan(hits, visits, field, stamps, 7, origin, cells, 50, 20, 0.5, 0.1)
     for got, expected in zip((hits, visits, field), wanted, strict=True):
         np.testing.assert_allclose(got, expected, atol=1e-5)
 

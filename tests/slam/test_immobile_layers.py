@@ -163,16 +163,35 @@ def test_the_ends_of_a_door_go_with_its_leaf_though_they_touch_the_jambs():
         assert value_at(grid.movable(), 3.02, jamb) == 0.0
 
 
-def test_what_stands_beside_a_thing_that_has_left_stays():
+def test_what_leaves_with_a_door_does_not_reach_along_the_wall():
+    grid = ImmobileLayers()
+    for wall in (3.02, 3.07):  # the wall's returns move on by a cell: the first one is firm, and free now
+        for _ in range(60):
+            grid.write(ORIGIN, door_scan(wall, wall))
+    for _ in range(20):
+        grid.write(ORIGIN, door_scan(6.02, 3.07))
+    movable = grid.movable()
+    assert [value_at(movable, 3.02, side) for side in (-0.42, 0.02, 0.42)] == [1.0, 1.0, 1.0]
+    assert [value_at(movable, 3.02, side) for side in (-0.72, 0.72)] == [0.0, 0.0]
+    assert min(value_at(grid.to_map(), 3.07, side) for side in np.arange(0.57, 0.85, 0.05)) > 0.9
+
+
+def test_a_door_that_somebody_walks_through_while_it_is_let_go_stays_movable():
     grid = ImmobileLayers()
     for _ in range(100):
-        grid.write(ORIGIN, door_scan(3.02))
-    for _ in range(20):
-        grid.write(ORIGIN, door_scan(6.02))
-    for _ in range(100):
-        grid.write(ORIGIN, door_scan(6.02))
-    wide = [value_at(grid.to_map(), 3.02, side) for side in np.arange(0.56, 0.85, 0.05)]
-    assert min(wide) > 0.9
+        grid.write(ORIGIN, wall_scan(3.02))
+    somebody = np.abs(wall_scan(3.02).bearings) < 0.05
+    for step in range(40):
+        passes = somebody & (8 <= step < 14)
+        grid.write(ORIGIN, passer(passes), np.where(passes, 0.5, 2.0))
+    assert value_at(grid.to_map(), 3.02, 0.02) < 0.5
+    assert value_at(grid.movable(), 3.02, 0.02) == 1.0
+
+
+def passer(passes):
+    """Scan through an open door at 3.02 m in which somebody is met by the beams that `passes` (n,) says."""
+    scan = wall_scan(6.02)
+    return LaserScan(np.where(passes, 3.02 / np.cos(scan.bearings), scan.ranges), scan.bearings, 0.1, 30.0)
 
 
 def test_what_the_camera_saw_of_the_door_in_the_next_cell_goes_with_it():
@@ -250,6 +269,8 @@ def test_wrong_inputs_are_errors():
         LayersConfig(edges=(0.1, 0.5, 0.4, 2.0))
     with pytest.raises(InputError, match="laser_height"):
         LayersConfig(laser_height=2.5)
+    with pytest.raises(InputError, match="together"):
+        LayersConfig(together=-1)
     with pytest.raises(InputError, match="overlooked"):
         LayersConfig(overlooked=0.1)
     with pytest.raises(InputError, match="believed"):

@@ -49,6 +49,15 @@ def fed(engine, poses, odometry, rng, lines=WALLS):
     return updates, odometry
 
 
+def among_people(pose, bearings, away=0.9, half=0.2):
+    """Return the building and people around a robot at `pose`, each a box of side 2 `half`."""
+    people = []
+    for bearing in bearings:
+        x, y = transform_points(pose, away * np.array([[np.cos(bearing), np.sin(bearing)]]))[0]
+        people += ring((x - half, y - half), (x + half, y - half), (x + half, y + half), (x - half, y + half))
+    return np.concatenate((WALLS, people))
+
+
 @pytest.fixture
 def mapped():
     """Return an engine that has mapped the building, the odometry and the true pose there; the map frame is true."""
@@ -109,6 +118,79 @@ def test_carried_into_another_building_it_is_not_located_and_its_map_stays(mappe
     assert engine.relocalizations == 0
     assert abs(engine.map().occupied.sum() - before) < 20
     assert len(engine.trajectory()) == 115
+
+
+def test_while_scans_are_doubtful_the_odometry_carries_the_pose_on(mapped):
+    engine, odometry, _, rng = mapped
+    after = ahead((-3.8, 0.9, -1.2), (0.1, 0.0, 0.03), 2)
+    last = engine.pose
+    for pose, motion in zip(after, ((0.1, 0.0, 0.0), (0.15, 0.02, 0.1)), strict=True):
+        odometry, last = compose(odometry, motion), compose(last, motion)
+        update = engine.update(odometry, cast(WALLS, pose, rng))
+        assert not update.located
+        assert not update.integrated
+        np.testing.assert_allclose(update.pose, last, atol=1e-9)
+
+
+def test_what_a_lost_robot_sees_is_not_drawn_until_it_is_found(mapped):
+    engine, odometry, _, rng = mapped
+    before = engine.map().occupied_points
+    updates, _ = fed(engine, ahead((-4.0, 0.0, 0.0), (0.15, 0.0, 0.0), 25), odometry, rng, ELSEWHERE)
+    assert engine.losses == 1
+    assert sum(update.integrated for update in updates) >= 10  # it maps on, apart from the map
+    drawn = engine.map().occupied_points
+    new = np.linalg.norm(drawn[:, None] - before[None], axis=-1).min(axis=1) > 0.1
+    assert not new.any()
+
+
+def test_people_all_around_do_not_make_the_robot_lost(mapped):
+    engine, odometry, last, rng = mapped
+    after, located = ahead(last, (0.1, 0.0, 0.05), 20), []
+    for k, pose in enumerate(after):
+        odometry = compose(odometry, between(after[k - 1], pose)) if k else odometry
+        update = engine.update(odometry, cast(among_people(pose, (0.3, -0.8, 1.5, 2.6, -2.0)), pose, rng))
+        located.append(update.located)
+        assert distance(update.pose, pose) < 0.05
+    assert (engine.losses, engine.relocalizations) == (0, 0)
+    assert located == [False, False, True] * 6 + [False, False]  # nothing on the map fits better: the third is believed
+
+
+def test_once_a_doubt_is_over_the_doubtful_scans_lie_where_they_fitted_not_where_bad_odometry_put_them(mapped):
+    engine, odometry, last, rng = mapped
+    after, online = ahead(last, (0.1, 0.0, 0.05), 12), []
+    for k, pose in enumerate(after):
+        motion = between(after[k - 1], pose) if k else np.zeros(3)
+        crowded = k in (3, 4)
+        odometry = compose(odometry, motion + np.array([0.0, 0.0, 0.07 if crowded else 0.0]))
+        lines = among_people(pose, (0.3, -0.8, 1.5)) if crowded else WALLS
+        update = engine.update(odometry, cast(lines, pose, rng))
+        online.append(update.pose)
+        assert update.located != crowded
+    assert abs(between(after[4], online[4])[2]) > 0.1
+    final = engine.trajectory()[-12:]
+    assert np.abs(between(np.array(after), final)[:, 2]).max() < np.radians(0.5)
+
+
+def test_what_score_is_usual_follows_the_scores_up_and_down():
+    submap = Submap(SubmapConfig(), np.zeros(3))
+    bearings = np.linspace(-np.pi, np.pi, 200, endpoint=False)
+    circle = 3.0 * np.stack((np.cos(bearings), np.sin(bearings)), axis=-1)
+    submap.insert(np.zeros(2), circle, len(circle), np.empty((0, 2)))
+    odd = circle.copy()
+    odd[:50] *= 0.5  # a quarter of the beams end where the others went through
+
+    def doubtful(usual, score):
+        watch = Watch(WatchConfig())
+        for old in usual:
+            assert not watch.doubts(submap, circle, np.zeros(2), np.zeros(3), old)
+        return watch.doubts(submap, odd, np.zeros(2), np.zeros(3), score)
+
+    high, low = [0.8] * 100, [0.4] * 100
+    assert [doubtful(low, score) for score in (0.28, 0.32, 0.58)] == [True, False, False]
+    assert [doubtful(low + high, score) for score in (0.32, 0.58, 0.62)] == [True, True, False]
+    assert [doubtful(high + low, score) for score in (0.28, 0.32, 0.58)] == [True, False, False]
+    assert doubtful([0.8, 0.4], 0.58)  # one scan says little
+    assert not doubtful([0.8, 0.4], 0.595)  # 0.75 of 0.78
 
 
 def test_where_another_place_looks_almost_the_same_it_does_not_stay_sure_of_the_wrong_one():

@@ -10,7 +10,7 @@ from ....envs.scenes.scene import Scene
 from ....slam.geometry import transform_points
 from ....slam.logs.ros_map import write_ros_map
 from ....slam.occupancy_map import OccupancyMap
-from ...figures.canvas import BLUE, FAINT, GREEN, INK, ORANGE, RED, PlanCanvas, save_png, side_by_side
+from ...figures.canvas import BLUE, FAINT, GREEN, INK, ORANGE, RED, Colour, PlanCanvas, save_png, side_by_side
 from ...figures.maps import FREE, UNKNOWN
 from ..following.map_files import load_map
 from ..report import Figure
@@ -22,6 +22,7 @@ Array = NDArray[np.float64]
 LASER_BLUE = (90, 190, 225)
 _RED_MARKS = ("a", "b", "c")
 _FLAT_M = 0.5
+_INSIDE, _BELOW, _BESIDE = np.array([0.28, 0.25]), np.array([0.2, -0.3]), np.array([-0.27, -0.15])
 
 
 class DriveMaps:
@@ -65,7 +66,7 @@ class DriveMaps:
         return self._saved(
             folder / "fig6_desk.png",
             side_by_side(pictures),
-            "Fig. 6: four desks and their chairs. By the laser alone they are legs; the camera marks their tops.",
+            "Fig. 6: four desks and their chairs. The laser sees legs; the camera marks their tops where it saw them.",
         )
 
     def draw_integrated(self, folder: Path) -> Figure:
@@ -73,7 +74,7 @@ class DriveMaps:
         canvas = self._canvas("laser and camera in one map")
         self._kinds(canvas, self.grid("immobile"), self.grid("immobile", "laser"))
         movable = self.grid("immobile", "movable")
-        canvas.cells(self._world(movable.cell_centres(movable.probability > 0.5)), movable.resolution, GREEN)
+        self._cells(canvas, movable.cell_centres(movable.probability > 0.5), movable.resolution, GREEN)
         names = ("wall", RED), ("other, by camera", BLUE), ("by laser", LASER_BLUE), ("movable", GREEN)
         canvas.legend([*names, ("free", FREE), ("unknown", UNKNOWN)])
         caption = "Fig. 7: what marked each cell. Green is the layer of movable things, which are not in the map."
@@ -98,8 +99,8 @@ class DriveMaps:
         for title, name in (("a: immobile area, laser and camera", "immobile"), ("b: occupancy grid", "conventional")):
             grid = self.grid(name)
             canvas = self._canvas(title)
-            canvas.cells(self._world(grid.cell_centres(grid.free)), grid.resolution, FREE, _COVER)
-            canvas.cells(self._world(grid.occupied_points), grid.resolution, INK, _COVER)
+            self._cells(canvas, grid.cell_centres(grid.free), grid.resolution, FREE)
+            self._cells(canvas, grid.occupied_points, grid.resolution, INK)
             self._marks(canvas)
             pictures.append(canvas.finished())
         caption = "Fig. 9: both maps at the end of the same drive, on the same poses."
@@ -108,11 +109,18 @@ class DriveMaps:
     def _kinds(self, canvas: PlanCanvas, grid: OccupancyMap, laser: OccupancyMap) -> None:
         """Draw the cells of `grid`, coloured by who marked them."""
         canvas.polygon(self._frame_of(canvas), UNKNOWN)
-        canvas.cells(self._world(grid.cell_centres(grid.free)), grid.resolution, FREE, _COVER)
+        self._cells(canvas, grid.cell_centres(grid.free), grid.resolution, FREE)
         cells = grid.occupied_points
         wall, by_laser = _among(cells, self._walls, grid.resolution), marked(laser, cells)
         for mine, colour in ((~by_laser & ~wall, BLUE), (by_laser & ~wall, LASER_BLUE), (wall, RED)):
-            canvas.cells(self._world(cells[mine]), grid.resolution, colour, _COVER)
+            self._cells(canvas, cells[mine], grid.resolution, colour)
+
+    def _cells(self, canvas: PlanCanvas, centres: Array, side: float, colour: Colour) -> None:
+        """Fill the cells with `centres` (n, 2), map frame, in pieces: the map is turned against the picture."""
+        steps = (np.arange(_PIECES) + 0.5) / _PIECES - 0.5
+        offsets = side * np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
+        pieces = (centres[:, None] + offsets).reshape(-1, 2)
+        canvas.cells(self._world(pieces), _OVERLAP * side / _PIECES, colour, _COVER / _PIECES)
 
     def _canvas(self, title: str) -> PlanCanvas:
         canvas = PlanCanvas(*self._bounds(), title, size=(900, 620))
@@ -132,11 +140,10 @@ class DriveMaps:
             colour = RED if name in _RED_MARKS else GREEN
             canvas.line(np.vstack((polygon, polygon[:1])), colour, 2.5)
             low, high = polygon.min(axis=0), polygon.max(axis=0)
-            middle = (low + high) / 2.0
-            beside = np.array([low[0] - 0.35, middle[1]])
-            below = low + np.array([0.2, -0.3])
             flat = high[1] - low[1] < _FLAT_M
-            canvas.label(below if flat else middle if name in _RED_MARKS else beside, name, colour)
+            beside = np.array([low[0], high[1]]) + _BESIDE  # not on the cells that somebody left
+            inside = low + (_BELOW if flat else _INSIDE)
+            canvas.label(inside if name in _RED_MARKS else beside, name, colour)
 
     def _world(self, points: Array) -> Array:
         return transform_points(self._T_world_map, points)
@@ -147,6 +154,7 @@ class DriveMaps:
 
 
 _COVER = 4.0
+_PIECES, _OVERLAP = 4, 1.3
 
 
 def _among(cells: Array, others: Array, resolution: float) -> NDArray[np.bool_]:

@@ -8,13 +8,14 @@ from numpy.typing import NDArray
 from ....envs.camera.config import RgbdConfig
 from ....perception.rgbd.planes import Surface
 from ....slam.geometry import transform_points
-from ...figures.plots import new_figure, save_figure
+from ...figures.plots import name_colours, new_figure, save_figure
 from ..report import Figure
 from .drives import LASER
 from .exhibits import Exhibit
 
 Array = NDArray[np.float64]
 
+_CEILING_M = 2.6
 _LAMBDAS = (0.5, 1.0, 2.0, 4.0, 6.0, 10.0)
 _COLOURS = {
     Surface.NOTHING: (0, 0, 0),
@@ -32,13 +33,22 @@ def draw_curves(folder: Path) -> Figure:
     """Draw Fig. 1: by what an observation multiplies the odds, over the probability of an object."""
     figure = new_figure(7, 4.5)
     axes = figure.add_subplot()
-    probability = np.linspace(0.0, 0.95, 200)
-    axes.plot(probability, probability / (1.0 - probability), "k", lw=2.5, label="occupancy grid, P / (1 - P)")
-    for lam in _LAMBDAS:
-        axes.plot(probability, lam * probability, label=f"immobile area, lambda = {lam:g}")
-    axes.axhline(1.0, color="0.6", lw=1, ls=":")
-    axes.set(xlabel="probability of an object, P(O)", ylabel="factor of the odds", xlim=(0.0, 1.0), ylim=(0.0, 10.0))
-    axes.legend()
+    probability = np.linspace(0.0, 1.0, 400)
+    axes.plot(
+        probability[:-1], (1.0 / (1.0 - probability[:-1])) - 1.0, "k", lw=2.5, label="occupancy grid: P / (1 - P)"
+    )
+    for lam in reversed(_LAMBDAS):  # from top to bottom, as the lines lie
+        axes.plot(probability, lam * probability, label=f"immobile area: lambda P, lambda = {lam:g}")
+    axes.axhline(1.0, color="0.4", lw=1, ls=":")
+    axes.annotate("the odds stay as they are", (0.995, 1.1), ha="right", color="0.3", fontsize=8)
+    axes.set(
+        title="What one observation does to a cell",
+        xlabel="probability of an object, P(O)",
+        ylabel="the odds are multiplied by",
+        xlim=(0.0, 1.0),
+        ylim=(0.0, 10.0),
+    )
+    axes.legend(loc="upper left")
     axes.grid(alpha=0.3)
     save_figure(folder / "fig1_curves.png", figure)
     caption = "Fig. 1: what one observation multiplies the odds of a cell by; at 1 nothing changes."
@@ -60,14 +70,25 @@ def draw_ranges(folder: Path) -> Figure:
     above.plot(0.0, 0.0, "k^", ms=8)
     above.set(title="from above", xlabel="ahead [m]", ylabel="to the left [m]", aspect="equal")
     above.legend(loc="upper left")
-    far, high = camera.range_max, camera.camera_height
+    ahead = np.linspace(camera.range_min, camera.range_max, 200)
     slope = np.tan(camera.vertical_fov / 2.0)
-    side.fill([0.0, far, far], [high, high + far * slope, high - far * slope], color="#d62728", alpha=0.3)
-    side.plot([0.0, LASER.range_max], [LASER.height] * 2, color="#20a0c8", lw=3)
+    lowest, highest = camera.camera_height - slope * ahead, camera.camera_height + slope * ahead
+    side.fill_between(ahead, np.maximum(lowest, 0.0), np.minimum(highest, _CEILING_M), color="#d62728", alpha=0.3)
+    side.plot([LASER.range_min, LASER.range_max], [LASER.height] * 2, color="#20a0c8", lw=3)
+    side.plot([0.0, 0.0], [0.0, camera.camera_height], "k", lw=3)
     side.axhline(0.0, color="k")
-    side.axhline(2.6, color="0.5", ls=":")
-    side.annotate("ceiling", (9.0, 2.65))
-    side.set(title="from the side", xlabel="ahead [m]", ylabel="height [m]", ylim=(-0.1, 3.2), xlim=(-0.5, 10.5))
+    side.axhline(_CEILING_M, color="0.5", ls=":")
+    for text, place in (
+        ("ceiling", (0.1, _CEILING_M + 0.05)),
+        (
+            f"camera, {np.degrees(camera.vertical_fov):.0f} deg, {camera.range_min:g} to {camera.range_max:g} m",
+            (3.2, 1.4),
+        ),
+        (f"laser, at {LASER.height:.2f} m, to {LASER.range_max:g} m", (5.0, LASER.height + 0.06)),
+        ("robot", (0.1, 0.05)),
+    ):
+        side.annotate(text, place)
+    side.set(title="from the side", xlabel="ahead [m]", ylabel="height [m]", ylim=(-0.1, 3.0), xlim=(-0.5, 10.5))
     save_figure(folder / "fig3_ranges.png", figure)
     caption = "Fig. 3: the laser sees 270 degrees at 0.32 m, the camera 70 x 60 degrees from 1.00 m, on the same axis."
     return Figure(file=folder / "fig3_ranges.png", caption=caption)
@@ -75,7 +96,7 @@ def draw_ranges(folder: Path) -> Figure:
 
 def draw_scene(exhibit: Exhibit, folder: Path) -> Figure:
     """Draw Fig. 4: one scene, the laser's returns, the camera's points from above."""
-    figure = new_figure(15, 5)
+    figure = new_figure(15, 5.4)
     picture, laser, camera = (figure.add_subplot(1, 3, place) for place in (1, 2, 3))
     picture.imshow(exhibit.colour, interpolation="nearest")
     picture.set(title=f"the scene at {float(exhibit.time_s):.0f} s", xticks=[], yticks=[])
@@ -89,15 +110,16 @@ def draw_scene(exhibit: Exhibit, folder: Path) -> Figure:
     for axes, title in ((laser, "by the laser"), (camera, "by the camera (floor and ceiling left out)")):
         axes.plot(0.0, 0.0, "r^", ms=9)
         axes.set(title=title, aspect="equal", xlim=(-6.0, 6.0), ylim=(-2.0, 9.0), xlabel="to the right [m]")
-    laser.set(ylabel="ahead [m]")
+        axes.set(ylabel="ahead [m]")
+    name_colours(figure, _LEGEND)
     save_figure(folder / "fig4_scene.png", figure)
     caption = "Fig. 4: the laser sees far and wide in one plane; the camera sees narrower, and in space."
-    return Figure(file=folder / "fig4_scene.png", caption=f"{caption} {_LEGEND}")
+    return Figure(file=folder / "fig4_scene.png", caption=caption)
 
 
 def draw_planes(exhibit: Exhibit, folder: Path) -> Figure:
     """Draw Fig. 5: the planes of one frame."""
-    figure = new_figure(15, 3.2)
+    figure = new_figure(15, 3.6)
     masks = [("floor", Surface.FLOOR), ("ceiling", Surface.CEILING), ("walls", Surface.WALL)]
     pictures = [("colour", exhibit.colour), ("all planes", _coloured(exhibit))]
     for name, surface in masks:
@@ -107,13 +129,23 @@ def draw_planes(exhibit: Exhibit, folder: Path) -> Figure:
         axes = figure.add_subplot(1, len(pictures), place + 1)
         axes.imshow(image, interpolation="nearest")
         axes.set(title=name, xticks=[], yticks=[])
+    name_colours(figure, _LEGEND)
     save_figure(folder / "fig5_planes.png", figure)
-    return Figure(file=folder / "fig5_planes.png", caption=f"Fig. 5: the planes of that frame. {_LEGEND}")
+    return Figure(file=folder / "fig5_planes.png", caption="Fig. 5: the planes of that frame.")
 
 
-_LEGEND = (
-    "Floor brown, ceiling light blue, walls red, tops blue, other upright planes green, people yellow, the rest grey."
-)
+_NAMES = {
+    Surface.FLOOR: "floor",
+    Surface.CEILING: "ceiling",
+    Surface.WALL: "wall",
+    Surface.TOP: "level top",
+    Surface.FACE: "other upright plane",
+    Surface.OTHER: "no plane",
+    Surface.NOTHING: "not measured, or at an edge",
+}
+
+
+_LEGEND = {**{name: _COLOURS[surface] for surface, name in _NAMES.items()}, "somebody": _PERSON}
 
 
 def _coloured(exhibit: Exhibit) -> NDArray[np.uint8]:
