@@ -145,7 +145,7 @@ def test_the_shared_lines_of_two_scans_place_global_better_in_a_hall_seen_along(
         ]
     )  # fmt: skip
     rng, errors = np.random.default_rng(0), []
-    matchers = [GlobalMatcher(GlobalConfig(shared=SharedLinesConfig(doubt=doubt))) for doubt in (0.002, np.inf)]
+    matchers = [GlobalMatcher(GlobalConfig(shared=SharedLinesConfig(doubt=doubt))) for doubt in (0.0025, np.inf)]
     for _ in range(80):
         at = np.array([rng.uniform(-1.5, 1.0), *rng.uniform(-0.5, 0.5, 2)])
         moved = compose(at, rng.uniform(-0.1, 0.1, 3))
