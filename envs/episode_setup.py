@@ -13,6 +13,7 @@ from ..perception.rgbd.people import NoPeopleFinder, RgbdPeopleFinder
 from ..perception.rgbd.people_finder import PeopleFinder
 from ..perception.tracking.camera import NoLegs
 from ..perception.tracking.leader import LeaderSelector
+from ..perception.tracking.leader_body import BodyLeaderSelector
 from ..perception.tracking.tracker import PeopleTracker
 from ..slam.ekf.engine import EkfSlam
 from ..slam.errors import unknown_name
@@ -24,7 +25,7 @@ from .immobile_map import Drawing, ImmobileDrawing, OwnDrawing
 from .interface import FollowInterface
 from .lidar import LidarConfig
 from .mappers import EngineMapper, GraphMapper, Mapper, NoMapper
-from .mind import Mind, NobodyLeads, PeopleSource, TrackedPeopleSource
+from .mind import Mind, NobodyLeads, PeopleSource, Selector, TrackedPeopleSource
 from .oracle import TrueMapper, TruePeopleSource, TrueRgbdPeopleFinder
 from .robot import RobotConfig
 from .sight import CameraSight, NoSight, Sight
@@ -126,9 +127,15 @@ class MindFactory:
     def make(self, world: World, rng: np.random.Generator) -> Mind:
         """Return a mind that knows nothing yet."""
         seed = int(rng.integers(2**31))
-        selector = LeaderSelector(self._perception) if self._config.leader else NobodyLeads()
         mapper, drawing, sight = self._mapper(world, seed), self._drawing(world), self._sight(world)
-        return Mind(self._people(world), selector, mapper, drawing, sight, self._perception)
+        return Mind(self._people(world), self._selector(seed), mapper, drawing, sight, self._perception)
+
+    def _selector(self, seed: int) -> Selector:
+        if not self._config.leader:
+            return NobodyLeads()
+        if self._forest is None:  # known by truth, by one number for ever, or without any legs
+            return LeaderSelector(self._perception)
+        return BodyLeaderSelector(self._perception, np.random.default_rng(seed))
 
     def _drawing(self, world: World) -> Drawing:
         return OwnDrawing() if self._config.mapping == "occupancy" else ImmobileDrawing(world.config.lidar.height)

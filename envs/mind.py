@@ -63,15 +63,15 @@ class TrackedPeopleSource:
 class Selector(Protocol):
     """Chooses and keeps the leader."""
 
-    def update(self, people: People, robot_pose: Array) -> Leader | None:
-        """Return the leader among `people` (odometry frame), seen from the robot's pose (3,); None for none."""
+    def update(self, people: People, robot_pose: Array, scan: LaserScan) -> Leader | None:
+        """Return the leader among `people` (odometry frame), in a scan from the robot's pose (3,); None for none."""
         ...
 
 
 class NobodyLeads:
     """There is no leader to choose."""
 
-    def update(self, people: People, robot_pose: Array) -> None:
+    def update(self, people: People, robot_pose: Array, scan: LaserScan) -> None:
         """Choose nobody."""
 
 
@@ -143,7 +143,7 @@ class Mind:
         self._measure_velocity(scan.time_s, odometry)
         sightings = self._sight.update(scan.time_s, odometry)
         people = self._people.update(scan, odometry, sightings[-1].people if sightings else None)
-        leader = self._selector.update(people, odometry)
+        leader = self._selector.update(people, odometry, scan)
         near = near_points(scan, people_points_lidar(people, odometry, scan), self._config.zeta)
         near |= near_points(scan, self._people.suspects_lidar(scan), self._config.suspect_radius)
         filtered = scan.without(near)

@@ -7,6 +7,7 @@ from filterpy.kalman import KalmanFilter
 from numpy.typing import ArrayLike, NDArray
 
 from ...slam.errors import InputError
+from ...slam.scan import LaserScan
 from ..config import PerceptionConfig
 from .kalman import predict_single, single_target
 from .people import People
@@ -90,10 +91,10 @@ class LeaderSelector:
         self._search: KalmanFilter | None = None
         self._twins: set[int] = set()
 
-    def update(self, people: People, robot_pose: ArrayLike) -> Leader | None:
+    def update(self, people: People, robot_pose: ArrayLike, scan: LaserScan | None = None) -> Leader | None:
         """Return the leader among `people` with the robot at `robot_pose` (3,), both in the odometry frame.
 
-        None means: nobody has been chosen yet.
+        None means: nobody has been chosen yet. The scan does not matter here.
         """
         dt, self._time_s = people.time_s - self._time_s, people.time_s
         before = self._leader
@@ -117,7 +118,7 @@ class LeaderSelector:
         if self._leader is None:
             self._chosen_s = people.time_s
         nearest = int(apart.argmin())
-        self._leader = _as_leader(people, nearest, int(people.ids[nearest]))
+        self._leader = as_leader(people, nearest, int(people.ids[nearest]))
 
     def _keep(self, people: People, before: Leader) -> None:
         """Go on with the leader's track, or with its twin once it is unseen."""
@@ -129,7 +130,7 @@ class LeaderSelector:
         able = self._is_twin(people) & (people.unseen_s == 0.0) & (apart < np.inf)
         if people.unseen_s[own] > config.twin_patience_s and able.any():
             own = int(np.argmin(np.where(able, apart, np.inf)))
-        self._leader = _as_leader(people, own, before.id)
+        self._leader = as_leader(people, own, before.id)
 
     def _is_twin(self, people: People) -> NDArray[np.bool_]:
         return np.array([int(number) in self._twins for number in people.ids], dtype=bool)
@@ -148,7 +149,7 @@ class LeaderSelector:
         apart[(people.age_s > unseen_s + config.search_overlap_s) & ~self._is_twin(people)] = np.inf
         if len(people) and apart.min() < gate:
             self._search = None
-            self._leader = _as_leader(people, int(apart.argmin()), before.id)
+            self._leader = as_leader(people, int(apart.argmin()), before.id)
         else:
             position, velocity = search.x[:2].copy(), search.x[2:].copy()
             self._leader = Leader(before.id, -1, position, velocity, False, 0.0, unseen_s)
@@ -161,7 +162,8 @@ def numbered_by_leader(people: People, leader: Leader | None) -> People:
     return replace(people, ids=np.where(people.ids == leader.track_id, leader.id, people.ids))
 
 
-def _as_leader(people: People, index: int, number: int) -> Leader:
+def as_leader(people: People, index: int, number: int) -> Leader:
+    """Return person `index` of `people` as the leader, who has that `number`."""
     return Leader(
         id=number,
         track_id=int(people.ids[index]),

@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from ..config import PerceptionConfig
 from . import track_kernels as kernels
+from .people import SeenLegs
 
 Array = NDArray[np.float64]
 
@@ -78,6 +79,12 @@ class LegTracks:
         Tracks without a detection stay predicted; their scan counts as confidence 0 (eq. 6).
         """
         kernels.correct_legs(self.rows, match, z, d, self._config.r, self._config.confidence_weight(dt))
+
+    def seen_now(self, people: int) -> SeenLegs:
+        """Return the legs seen in the last scan; the first 2 `people` tracks are those of people."""
+        rows = np.flatnonzero(self.rows["unseen_s"] == 0.0)
+        owner = np.where(rows < 2 * people, rows // 2, -1)
+        return SeenLegs(self.rows["seen"][rows], self.rows["confidence"][rows], owner)
 
     def measure_apart(self, dt: float) -> None:
         """Take the present distances into their running means."""

@@ -1,6 +1,6 @@
 """The people that the tracker believes in, after one scan."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -8,6 +8,29 @@ from numpy.typing import ArrayLike, NDArray
 from ...slam.geometry import inverse, transform_points
 
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class SeenLegs:
+    """Legs seen in one scan, also those of nobody who is known.
+
+    Attributes:
+        positions: (k, 2) [m].
+        confidence: (k,) of their tracks, by eq. 6, in [0, 1].
+        owner: (k,) row of the person whose leg it is; -1 for nobody's.
+    """
+
+    positions: Array
+    confidence: Array
+    owner: NDArray[np.intp]
+
+    def __len__(self) -> int:
+        return len(self.owner)
+
+
+def no_legs() -> SeenLegs:
+    """Return no legs at all."""
+    return SeenLegs(np.zeros((0, 2)), np.zeros(0), np.zeros(0, dtype=np.intp))
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,6 +47,7 @@ class People:
         variance: (n,) first element of each covariance [m^2].
         unseen_s: (n,) time since a leg of the person was last seen; 0: in this scan [s].
         age_s: (n,) time since both legs were first tracked, before they were known as a person [s].
+        seen_legs: The legs that were seen in this scan.
     """
 
     time_s: float
@@ -35,6 +59,7 @@ class People:
     variance: Array
     unseen_s: Array
     age_s: Array
+    seen_legs: SeenLegs = field(default_factory=no_legs)
 
     def __len__(self) -> int:
         return len(self.ids)
@@ -53,4 +78,5 @@ class People:
             positions=transform_points(T_robot_odom, self.positions),
             velocities=transform_points(turn, self.velocities),
             legs=transform_points(T_robot_odom, self.legs.reshape(-1, 2)).reshape(-1, 2, 2),
+            seen_legs=replace(self.seen_legs, positions=transform_points(T_robot_odom, self.seen_legs.positions)),
         )

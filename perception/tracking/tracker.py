@@ -388,4 +388,5 @@ class PeopleTracker:
             variance=people["p"][:, 0].copy(),
             unseen_s=people["unseen_s"].copy(),
             age_s=people["age_s"].copy(),
+            seen_legs=self._legs.seen_now(len(people)),
         )

@@ -99,7 +99,7 @@ def split_trials(
     random, the rotation to either side; `nan`: a random one of the full circle.
 
     Args:
-        scans: What is drawn from.
+        scans: What is drawn from, each once before any comes again.
         count: How many trials.
         translation: Of the guess's error [m].
         rotation: Of the guess's error [rad].
@@ -110,7 +110,7 @@ def split_trials(
     rng = np.random.default_rng(seed)
     disturbance = np.random.default_rng((seed, 1))
     trials = []
-    for index in rng.integers(len(scans), size=count):
+    for index in _draw(len(scans), count, rng):
         reference, new = _halves(scans[index], noise, people, disturbance)
         offset = rng.choice([-1.0, 1.0], size=2) * translation / np.sqrt(2.0)
         turn = rng.uniform(-np.pi, np.pi) if np.isnan(rotation) else rng.choice([-1.0, 1.0]) * rotation
@@ -126,6 +126,12 @@ def box_trials(scans: Sequence[LaserScan], count: int, linear: float, angular: f
         guess = rng.uniform(-1.0, 1.0, 3) * (linear, linear, angular)
         trials.append(Trial(*split_scan(scans[index]), guess, np.zeros(3)))
     return trials
+
+
+def _draw(of: int, count: int, rng: np.random.Generator) -> NDArray[np.int64]:
+    """Return `count` indices below `of`, each once in every round."""
+    rounds = [rng.permutation(of) for _ in range(-(-count // of))] if of > 0 else []
+    return np.concatenate([np.empty(0, dtype=np.int64), *rounds])[:count]
 
 
 def _halves(scan: LaserScan, noise: float, people: int, rng: np.random.Generator) -> tuple[LaserScan, LaserScan]:

@@ -5,7 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.stats import binomtest, t
+from scipy.stats import binom, binomtest, t
+
+from ...slam.errors import InputError
 
 
 @dataclass(frozen=True)
@@ -58,6 +60,15 @@ def t_mean(values: ArrayLike) -> Estimate:
     return Estimate(float(sample.mean()), float(sample.mean()) - half, float(sample.mean()) + half, len(sample))
 
 
+def quantile_interval(values: ArrayLike, quantile: float) -> tuple[float, float]:
+    """Return the 95 % interval of a quantile of what `values` (n,) are drawn from, by order statistics."""
+    sample = np.sort(np.asarray(values, dtype=np.float64))
+    if len(sample) == 0:
+        return np.nan, np.nan
+    low, high = (int(binom.ppf(level, len(sample), quantile)) for level in (0.025, 0.975))
+    return float(sample[max(low - 1, 0)]), float(sample[min(high, len(sample) - 1)])
+
+
 def share(successes: Sequence[bool]) -> Estimate:
     """Return the share of true values with its Wilson interval."""
     count = len(successes)
@@ -65,3 +76,42 @@ def share(successes: Sequence[bool]) -> Estimate:
         return Estimate(np.nan, np.nan, np.nan, 0)
     interval = binomtest(int(sum(successes)), count).proportion_ci(method="wilson")
     return Estimate(sum(successes) / count, float(interval.low), float(interval.high), count)
+
+
+@dataclass(frozen=True)
+class Paired:
+    """Two answers to each of the same questions, compared.
+
+    Attributes:
+        only_first: To how many the first alone is right.
+        only_second: To how many the second alone is.
+        difference: Share of right answers, the second's less the first's.
+        low: Lower end of its 95 % interval.
+        high: Upper end of that.
+        p: Of McNemar's exact test: how likely such a difference is if both are equally good.
+        n: How many questions.
+    """
+
+    only_first: int
+    only_second: int
+    difference: float
+    low: float
+    high: float
+    p: float
+    n: int
+
+
+def paired_shares(first: Sequence[bool], second: Sequence[bool]) -> Paired:
+    """Return how two sequences of answers to the same questions compare (McNemar 1947; Wald's interval).
+
+    Raises:
+        InputError: If they are not equally long, or empty.
+    """
+    a, b = np.asarray(first, dtype=bool), np.asarray(second, dtype=bool)
+    if a.shape != b.shape or len(a) == 0:
+        raise InputError(f"need as many answers of both, at least one, got {a.shape} and {b.shape}")
+    lost, won, n = int((a & ~b).sum()), int((~a & b).sum()), len(a)
+    difference = (won - lost) / n
+    half = 1.96 * np.sqrt(max((won + lost) / n - difference**2, 0.0) / n)
+    p = float(binomtest(won, won + lost).pvalue) if won + lost else 1.0
+    return Paired(lost, won, difference, difference - half, difference + half, p, n)

@@ -67,6 +67,8 @@ class GlobalConfig:
         second_maxima: How many maxima of the second search are looked at, at most; 0: there is none.
         second_refined: How many of them are refined, those that explain the scans best after a few steps.
         second_separation: When a further maximum of the second search counts.
+        far: What a pose counts less, if there was a second search, for each square metre of its squared distance from
+            the guess: of two that explain the scans as well, the nearer one is taken.
         beside: Poses within this (m, rad) are one answer.
         noise: Of the points that `refinement` is made for [m]. Where theirs is 2, 4, 8 times that, its tolerance,
             its gap, its last scale, `sigma` and the lengths of `shared` are larger.
@@ -92,6 +94,7 @@ class GlobalConfig:
     second_maxima: int = 40
     second_refined: int = 16
     second_separation: Separation = _SECOND_SEPARATION
+    far: float = 0.01
     beside: tuple[float, float] = (0.2, 0.04)
     noise: float = 0.007
     refinement: IterativeConfig = _REFINEMENT
@@ -102,8 +105,8 @@ class GlobalConfig:
             raise InputError(f"need `maxima`, `points` >= 1, `sigma`, `noise` > 0, `margin` >= 0, got {self}")
         if not (0.0 <= self.unseen <= 1.0 and self.beyond >= 0.0 and self.second_maxima >= 0):
             raise InputError(f"need `unseen` in [0, 1], `beyond` [m], `second_maxima` >= 0, got {self}")
-        if not (self.second_refined >= 1 and self.sure >= 0.0):
-            raise InputError(f"need `second_refined` >= 1 and `sure` >= 0, got {self}")
+        if not (self.second_refined >= 1 and min(self.sure, self.far) >= 0.0):
+            raise InputError(f"need `second_refined` >= 1, `sure`, `far` >= 0, got {self}")
 
 
 class GlobalMatcher:
@@ -126,14 +129,16 @@ class GlobalMatcher:
         if not found.maxima or len(tool.surfaces(reference)) < 3:
             return tool.judge(reference, points, Refined(centre, 0, False))
         refined, scores = self._refine(tool, reference, surfaces_new, found)
-        maxima, looked_at = found.maxima, found.looked_at
+        maxima, looked_at, worth = found.maxima, found.looked_at, scores
         if config.second_maxima > 0 and not self._is_sure(tool, tool.surfaces(reference), surfaces_new, max(scores)):
             second = self.search_views(reference, points, centre)
             second = replace(second, maxima=self._most_promising(tool, reference, surfaces_new, second.maxima))
             more, more_scores = self._refine(tool, reference, surfaces_new, second)
             refined, scores = refined + more, scores + more_scores
             maxima, looked_at = maxima + second.maxima, looked_at + second.looked_at
-        first = self._choose(refined, scores)
+            off = np.array([pose.pose[:2] for pose in refined]) - centre[:2]
+            worth = list(np.array(scores) - config.far * (off**2).sum(axis=1))
+        first = self._choose(refined, worth)
         best = tool.polish_both(reference, surfaces_new, refined[first], replace(tool.config.surfaces, even=True))
         settled = settle(tool.surfaces(reference).points, points, best.pose, self._shared[level])
         best = replace(best, pose=settled)
@@ -260,13 +265,13 @@ class GlobalMatcher:
             scores.append(self._explains(tool, odd, even, np.zeros(3)) if enough else 1.0)
         return float(np.mean(scores))
 
-    def _choose(self, refined: list[Refined], scores: list[float]) -> int:
-        """Return the index of the pose that explains the scans best; of those beside it, that of the highest maximum.
+    def _choose(self, refined: list[Refined], worth: list[float]) -> int:
+        """Return the index of the pose of most worth; of those beside it, that of the highest maximum.
 
         Between poses a hand's breadth apart the share of explained points decides little: sparse points like to meet
         one beam aside.
         """
-        best = int(np.argmax(scores))
+        best = int(np.argmax(worth))
         linear, angular = self.config.beside
         for k in range(best):
             apart = compose(inverse(refined[best].pose), refined[k].pose)

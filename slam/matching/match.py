@@ -19,6 +19,7 @@ class Match:
             along a corridor, have the variance of the matcher's prior, metres wide.
         score: Share of the new scan's points that meet a surface of the reference there, in [0, 1].
         converged: Whether the matcher believes in the pose: it came to rest, enough points agree, nothing else fits.
+            See `is_blind` for what it cannot know.
         iterations: Steps of the refinement.
         evaluations: Poses scored by the search before it; 0 where there is none.
         ambiguous: Whether another pose, elsewhere, explains the scan about as well (only a search can tell).
@@ -35,6 +36,14 @@ class Match:
     ambiguous: bool = False
     alternatives: NDArray[np.float64] | None = None
     searched: NDArray[np.float64] | None = None
+
+    @property
+    def is_blind(self) -> bool:
+        """Whether the scans leave a direction open, as along a corridor: a standard deviation above 0.5 m or rad.
+
+        A blind match may have `converged`: it is right but for that direction.
+        """
+        return bool(np.linalg.eigvalsh(self.covariance)[-1] > 0.25)
 
 
 class Matcher(Protocol):

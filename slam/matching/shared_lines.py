@@ -42,11 +42,11 @@ class SharedLinesConfig:
     single: float = 2.0
     gap: float = 0.2
     obliquity: float = 8.0
-    longest: int = 20
+    longest: int = 12
     span: float = 0.012
     step: float = 0.006
     prior: float = 0.015
-    doubt: float = 0.002
+    doubt: float = 0.0025
 
     def coarser(self, factor: float) -> "SharedLinesConfig":
         """Return the same for `factor` times the noise."""

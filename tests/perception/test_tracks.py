@@ -96,3 +96,15 @@ def test_what_is_believed_of_the_offset_fades():
     person_tracks.predict(people, CONFIG.offset_time_s, CONFIG)
     assert people["offset"][0] == pytest.approx([0.1 / np.e, 0.0])
     assert people["age_s"][0] == pytest.approx(1.0 + CONFIG.offset_time_s)
+
+
+def test_legs_seen_now_say_whose_they_are(stage):
+    history, truth = stage.walk([[1.0, -1.0]], [[0.0, 1.2]], 2.0)
+    legs = history[-1].seen_legs
+    assert legs.owner.tolist() == [0, 0]
+    assert legs.positions.mean(axis=0) == pytest.approx(truth[-1][0], abs=0.2)
+    loose = stage.show([[1.0, 1.5], [3.0, 0.0]]).seen_legs
+    assert sorted(loose.owner.tolist()) == [-1, 0]  # the other leg was not seen
+    assert loose.positions[loose.owner == -1][0] == pytest.approx([3.0, 0.0], abs=0.1)
+    moved = stage.show([[1.0, 1.5], [3.0, 0.0]]).in_frame_of((1.0, 0.0, np.pi / 2.0)).seen_legs
+    assert moved.positions[moved.owner == -1][0] == pytest.approx([0.0, -2.0], abs=0.1)

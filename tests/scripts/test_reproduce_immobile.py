@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from tagalong.scripts.experiments import rgbd_planes
 from tagalong.scripts.reproduce.experiment import load_experiment
-from tagalong.scripts.reproduce.immobile import measures
-from tagalong.scripts.reproduce.immobile.counted import Share
+from tagalong.scripts.reproduce.immobile import measures, tables
+from tagalong.scripts.reproduce.immobile.counted import Counted, Share
 from tagalong.scripts.reproduce.immobile.drives import lab_drive, lab_world
-from tagalong.scripts.reproduce.immobile.plan import CLEAN, SHAKEN, plan_of
+from tagalong.scripts.reproduce.immobile.plan import CLEAN, SHAKEN, cell_name, plan_of
 from tagalong.scripts.reproduce.run import run_experiment
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import inverse
@@ -117,6 +117,37 @@ def test_a_ray_that_passes_beside_a_cell_of_the_door_does_not_see_it_open():
 def test_shares_are_written_with_their_counts():
     assert str(Share(1, 8)) == "12.5 % (1 of 8)"
     assert str(Share(0, 0)) == "none"
+
+
+def drive_row(people, door_late, laser_known=100):
+    """What one drive returned, as far as it is counted: `people` cells left of 50, `door_late` cells of 40."""
+    maps = {"people_cells": people, "table": [100, 96], "chair": [100, 97], "known": {"a": 200, "b": 200}}
+    maps |= {"static_lost": 5, "wrongly_free": {"a": [0, 0], "b": [0, 0]}}
+    laser = {**maps, "known": {"a": laser_known, "b": laser_known}}
+    door = {"cells": 40 if door_late is not None else 0, "within_2_s": 40 - (door_late or 0)}
+    rows = {"conventional": {**maps, "people_cells": 50}, "laser": laser, "immobile": maps}
+    return {"maps": rows, "door": {"immobile": door}, "static_cells": 1000}
+
+
+def test_an_error_more_than_doubles_by_counts_and_its_interval_is_over_the_drives():
+    shaken = "vibration 2 deg"
+    rows = {cell_name(CLEAN, 0): drive_row(1, 1), cell_name(CLEAN, 1): drive_row(1, 0)}
+    rows |= {cell_name(shaken, 0): drive_row(2, 3), cell_name(shaken, 1): drive_row(2, 1)}
+    counted = Counted(rows, (0, 1))
+    beyond = counted.beyond_double("immobile", shaken)
+    assert beyond["people cells left"].mean == pytest.approx(0.0)
+    assert beyond["door cells not cleared in 2 s"].mean == pytest.approx(1.0 / 40.0)
+    assert counted.known("immobile", "a", shaken).value == pytest.approx(2.0)
+    ((_, people, door, *_),) = tables.doubled_table(counted, [shaken]).rows
+    assert people.startswith("yes: +0.00")
+    assert door.startswith("NO: +2.50")
+
+
+def test_a_door_that_never_opened_has_no_verdict():
+    rows = {cell_name(name, 0): drive_row(0, None) for name in (CLEAN, "vibration 2 deg")}
+    ((_, people, door, *_),) = tables.doubled_table(Counted(rows, (0,)), ["vibration 2 deg"]).rows
+    assert people == "yes: +0.00"
+    assert door == "-"
 
 
 def test_the_plan_holds_every_disturbance_for_every_seed():

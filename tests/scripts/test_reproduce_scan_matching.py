@@ -28,6 +28,7 @@ TINY = Extent(
     point_trials=4,
     exact_trials=1,
     pairs=2,
+    near_pairs=3,
     consecutive=3,
     step=7,
 )
@@ -91,6 +92,7 @@ def test_no_matcher_is_confidently_wrong_about_scans_that_say_little(matcher):
     for kind, count in degenerate(matcher, 5)["kinds"].items():
         assert count["confidently_wrong"] == 0, kind
         assert count["finite"] == 5, kind
+        assert count["blind"] == count["believed"], kind
 
 
 def test_verdicts_follow_the_interval():
@@ -105,6 +107,14 @@ def test_a_cost_is_read_between_two_points_on_a_logarithmic_scale():
     assert crossing(cost, share, 0.9) == pytest.approx(10**2.5)
     assert crossing(cost, share, 0.4) == 10.0
     assert crossing(cost, share * 0.8, 0.9) == np.inf
+
+
+def test_each_scan_is_asked_about_once_before_any_is_asked_again():
+    scans = simulated_scans()[:7]
+    firsts = [trial.reference.ranges[3] for trial in split_trials(scans, 17, 0.5, 0.1, 0)]
+    assert len(set(firsts[:7])) == len(set(firsts[7:14])) == 7
+    assert len(firsts) == 17
+    assert split_trials(scans, 0, 0.5, 0.1, 0) == []
 
 
 def test_people_stand_before_the_walls_and_walk_on_between_the_scans():

@@ -1,5 +1,7 @@
 import numpy as np
-from tagalong.scripts.experiments.statistics import bootstrap_mean, share, t_mean
+import pytest
+from tagalong.scripts.experiments.statistics import bootstrap_mean, paired_shares, quantile_interval, share, t_mean
+from tagalong.slam.errors import InputError
 
 
 def test_the_bootstrap_interval_of_a_mean_covers_it_about_as_often_as_it_says():
@@ -34,3 +36,25 @@ def test_one_value_has_no_interval():
     estimate = t_mean([2.0, np.nan])
     assert (estimate.mean, estimate.n) == (2.0, 1)
     assert np.isnan(estimate.low)
+
+
+def test_paired_answers_are_compared_where_they_differ():
+    first = [True] * 80 + [True] * 9 + [False] * 1 + [False] * 10
+    second = [True] * 80 + [False] * 9 + [True] * 1 + [False] * 10
+    paired = paired_shares(first, second)
+    assert (paired.only_first, paired.only_second, paired.n) == (9, 1, 100)
+    assert paired.difference == pytest.approx(-0.08)
+    assert paired.p == pytest.approx(22 / 1024)  # two tails of ten coins
+    assert paired.low < -0.08 < paired.high < 0.0
+    assert paired_shares(first, first).p == 1.0
+    with pytest.raises(InputError):
+        paired_shares(first, second[:-1])
+
+
+def test_the_interval_of_a_quantile_covers_it_about_as_often_as_it_says():
+    rng = np.random.default_rng(2)
+    intervals = np.array([quantile_interval(rng.random(400), 0.95) for _ in range(400)])
+    inside = ((intervals[:, 0] <= 0.95) & (intervals[:, 1] >= 0.95)).mean()
+    assert 0.92 < inside < 0.985
+    assert np.isnan(quantile_interval([], 0.95)).all()
+    assert quantile_interval([3.0], 0.95) == (3.0, 3.0)

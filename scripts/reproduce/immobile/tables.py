@@ -96,10 +96,7 @@ def doubled_table(counted: Counted, disturbances: Sequence[str]) -> Table:
     calm, rows = counted.errors(METHOD), []
     for disturbance in disturbances:
         errors, beyond = counted.errors(METHOD, disturbance), counted.beyond_double(METHOD, disturbance)
-        words = [
-            f"{'yes' if errors[name].value <= 2.0 * calm[name].value + 1e-12 else 'NO'}: {_points(beyond[name])}"
-            for name in BOUNDS
-        ]
+        words = [_doubled(errors[name], calm[name], beyond[name]) for name in BOUNDS]
         rows.append((disturbance, *words))
     return Table(
         title="Disturbed: does each error at most double?",
@@ -114,9 +111,12 @@ Yes or no by all drives together; a single cell more than twice as many counts. 
 undisturbed one, in percentage points: mean over the drives, and its 95 % interval (Student's)."""
 
 
-def _points(beyond: Estimate) -> str:
+def _doubled(error: Share, calm: Share, beyond: Estimate) -> str:
+    if not (error.whole and calm.whole):
+        return "-"
+    verdict = "yes" if error.value <= 2.0 * calm.value + 1e-12 else "NO"
     ends = f" [{100.0 * beyond.low:+.2f}, {100.0 * beyond.high:+.2f}]" if beyond.n > 1 else ""
-    return f"{100.0 * beyond.mean:+.2f}{ends}"
+    return f"{verdict}: {100.0 * beyond.mean:+.2f}{ends}"
 
 
 def door_table(counted: Counted) -> Table:

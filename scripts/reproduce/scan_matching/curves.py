@@ -165,12 +165,12 @@ def draw_pairs(answers: Answers, folder: Path) -> Figure:
     buildings = answers.plan.views
     figure = new_figure(4.0 + 4.0 * len(buildings), 5.2)
     columns = len(buildings) + ("intel" in buildings)
-    place = 1
+    place, colours = 1, dict(zip(PAIR_MATCHERS, _many(len(PAIR_MATCHERS)), strict=True))
     if "intel" in buildings:
         axes = figure.add_subplot(1, columns, place)
-        for matcher, colour in zip(PAIR_MATCHERS, _many(len(PAIR_MATCHERS)), strict=True):
+        for matcher in PAIR_MATCHERS:
             found = [answers.results[distance_name(matcher, reach)]["success"] for reach in DISTANCES]
-            _line(axes, range(len(DISTANCES)), found, colour, matcher, 100.0)
+            _line(axes, range(len(DISTANCES)), found, colours[matcher], matcher, 100.0)
         axes.set_xticks(range(len(DISTANCES)), [f"{a:g}-{b:g}" for a, b in DISTANCES])
         axes.set(title="Intel, no guess", xlabel="distance [m]", ylabel="success ratio [%]", ylim=(-3, 103))
         axes.grid(alpha=0.3)
@@ -178,9 +178,9 @@ def draw_pairs(answers: Answers, folder: Path) -> Figure:
         place += 1
     for building in buildings:
         axes = figure.add_subplot(1, columns, place)
-        for matcher, colour in zip(VIEW_MATCHERS, _many(len(VIEW_MATCHERS)), strict=True):
+        for matcher in VIEW_MATCHERS:
             found = [answers.results[view_name(building, matcher, turn)]["success"] for turn in TURNS]
-            _line(axes, range(len(TURNS)), found, colour, matcher, 100.0)
+            _line(axes, range(len(TURNS)), found, colours[matcher], matcher, 100.0)
         axes.set_xticks(range(len(TURNS)), [f"{a:g}-{b:g}" for a, b in TURNS])
         axes.set(title=f"{building.capitalize()}, wrong guess", xlabel="turn between the views [deg]", ylim=(-3, 103))
         axes.grid(alpha=0.3)

@@ -14,14 +14,15 @@ KINDS = ("empty", "three points", "NaN", "all too near", "all at the farthest ra
 
 
 def degenerate(matcher: str, trials: int) -> dict[str, Any]:
-    """Return, for each kind, how many answers were believed, and how many of those were confidently wrong.
+    """Return, for each kind, how many answers were believed, and how many of those blind, how many confidently wrong.
 
+    Blind: the covariance says that a direction is open (`Match.is_blind`), which is so for all kinds.
     Confidently wrong: believed, and off by more than three standard deviations of the answer's own covariance plus
     0.10 m and 0.02 rad, in the direction where the error is.
     """
     tool, rng, counts = make_contestant(matcher), np.random.default_rng(0), {}
     for kind in KINDS:
-        believed, wrong, finite = 0, 0, 0
+        believed, blind, wrong, finite = 0, 0, 0, 0
         for _ in range(trials):
             at = np.array([*rng.uniform(-0.4, 0.4, 2), rng.uniform(-np.pi, np.pi)])
             moved = compose(at, [*rng.uniform(-0.1, 0.1, 2), rng.uniform(-0.1, 0.1)])
@@ -32,9 +33,10 @@ def degenerate(matcher: str, trials: int) -> dict[str, Any]:
             error[2] = (error[2] + np.pi) % (2 * np.pi) - np.pi
             bound = 3.0 * np.sqrt(np.diag(match.covariance)) + (0.10, 0.10, 0.02)
             believed += match.converged
+            blind += match.converged and match.is_blind
             wrong += match.converged and bool((np.abs(error) > bound).any())
             finite += bool(np.isfinite(match.pose).all() and np.isfinite(match.covariance).all())
-        counts[kind] = {"believed": believed, "confidently_wrong": wrong, "finite": finite}
+        counts[kind] = {"believed": believed, "blind": blind, "confidently_wrong": wrong, "finite": finite}
     return {"trials": trials, "kinds": counts}
 
 

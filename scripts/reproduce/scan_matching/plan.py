@@ -47,6 +47,7 @@ class Extent:
         point_trials: At the paper's two points.
         exact_trials: Of the exact search, over all logs.
         pairs: Real pairs a cell.
+        near_pairs: Real pairs a cell, of views that differ little: two matchers are compared on them.
         consecutive: Consecutive scans a log.
         step: Of the genetic configurations, 1: all.
     """
@@ -57,6 +58,7 @@ class Extent:
     point_trials: int = 1000
     exact_trials: int = 200
     pairs: int = 300
+    near_pairs: int = 1000
     consecutive: int = 400
     step: int = 1
 
@@ -68,6 +70,7 @@ QUICK = Extent(
     point_trials=200,
     exact_trials=12,
     pairs=60,
+    near_pairs=60,
     consecutive=100,
     step=2,
 )
@@ -206,6 +209,8 @@ class Plan:
             for matcher in VIEW_MATCHERS:
                 for turns in TURNS:
                     arguments = {**wrong, "matcher": matcher, "turns": list(turns)}
+                    if turns == TURNS[0]:
+                        arguments["pairs"] = self.extent.near_pairs
                     made.append(Cell(name=view_name(building, matcher, turns), function=views, arguments=arguments))
         return made
 

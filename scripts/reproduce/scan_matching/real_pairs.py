@@ -29,7 +29,7 @@ def views(
     guess: str,
     pairs: int,
 ) -> dict[str, Any]:
-    """Return how often a matcher finds the pose of the corrected log, within 0.20 m and 2 deg.
+    """Return how often, and for which pairs, a matcher finds the pose of the corrected log, within 0.20 m and 2 deg.
 
     Args:
         folder: Of the logs.
@@ -54,6 +54,7 @@ def views(
         believed.append(match.converged)
         ambiguous.append(match.ambiguous)
     return {
+        "right": [int(g) for g in good],
         "success": share(good).to_dict(),
         "believed": share(believed).to_dict(),
         "right_of_believed": share([g for g, b in zip(good, believed, strict=True) if b]).to_dict(),

@@ -12,7 +12,7 @@ from ....slam.geometry import between
 from ....slam.matching import Match, Matcher
 from ....slam.matching.hybrid import HybridMatcher
 from ...experiments.scan_pairs import Trial, blind_direction, is_success, split_trials
-from ...experiments.statistics import bootstrap_mean, share
+from ...experiments.statistics import bootstrap_mean, quantile_interval, share
 from .contestants import make_contestant, quantiles, scans_of, spread
 
 PRE_LINEAR, PRE_ANGULAR = 0.30, 0.1
@@ -148,7 +148,8 @@ def timed_match(tool: Matcher, trial: Trial) -> Answer:
 
 def converged_errors(errors: NDArray[np.float64]) -> dict[str, Any]:
     """Return statistics of the errors (n, 3) of the trials that converged."""
+    millimetres, degrees = np.hypot(errors[:, 0], errors[:, 1]) * 1e3, np.degrees(np.abs(errors[:, 2]))
     return {
-        "error_mm": quantiles(np.hypot(errors[:, 0], errors[:, 1]) * 1e3),
-        "error_deg": quantiles(np.degrees(np.abs(errors[:, 2]))),
+        name: {**quantiles(values), "p95_interval": list(quantile_interval(values, 0.95)) if len(values) else None}
+        for name, values in (("error_mm", millimetres), ("error_deg", degrees))
     }

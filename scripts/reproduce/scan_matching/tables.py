@@ -322,15 +322,18 @@ def degenerate_table(answers: Answers) -> Table:
     found: Mapping[str, Any] = {n.split("/")[1]: r for n, r in answers.results.items() if n.startswith("degenerate/")}
     kinds = tuple(next(iter(found.values()))["kinds"])
     rows = [
-        (name, *(f"{r['kinds'][k]['believed']} / {r['kinds'][k]['confidently_wrong']}" for k in kinds))
+        (
+            name,
+            *(" / ".join(str(r["kinds"][k][key]) for key in ("believed", "blind", "confidently_wrong")) for k in kinds),
+        )
         for name, r in found.items()
     ]
     return Table(
-        title="Scans that say little or nothing: believed / confidently wrong, of 10",
+        title="Scans that say little or nothing: believed / of those blind / confidently wrong, of 10",
         columns=("matcher", *kinds),
         rows=rows,
-        note="Confidently wrong: believed, and off by more than three of the answer's own standard deviations and 0.10 "
-        "m or 0.02 rad. Along a corridor a believed answer has a standard deviation of metres.",
+        note="Blind: the covariance says that a direction is open, as along a corridor (`Match.is_blind`). Confidently "
+        "wrong: believed, and off by more than three of the answer's own standard deviations and 0.10 m or 0.02 rad.",
     )
 
 

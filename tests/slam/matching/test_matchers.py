@@ -145,7 +145,7 @@ def test_the_shared_lines_of_two_scans_place_global_better_in_a_hall_seen_along(
         ]
     )  # fmt: skip
     rng, errors = np.random.default_rng(0), []
-    matchers = [GlobalMatcher(GlobalConfig(shared=SharedLinesConfig(doubt=doubt))) for doubt in (0.002, np.inf)]
+    matchers = [GlobalMatcher(GlobalConfig(shared=SharedLinesConfig(doubt=doubt))) for doubt in (0.0025, np.inf)]
     for _ in range(80):
         at = np.array([rng.uniform(-1.5, 1.0), *rng.uniform(-0.5, 0.5, 2)])
         moved = compose(at, rng.uniform(-0.1, 0.1, 3))
@@ -155,6 +155,25 @@ def test_the_shared_lines_of_two_scans_place_global_better_in_a_hall_seen_along(
         errors.append([np.hypot(error[0], error[1]) for error in found])
     settled, polished = np.mean(errors, axis=0)
     assert settled < 0.98 * polished
+
+
+def test_of_two_places_that_explain_the_scans_as_well_global_takes_the_one_nearer_to_the_guess():
+    oblong = np.array([[-3, -2, 3, -2], [3, -2, 3, 2], [3, 2, -3, 2], [-3, 2, -3, -2]], dtype=float)
+    rng, found = np.random.default_rng(0), []
+    reference = scan_of(oblong, [0, 0, 0], FULL[::2], 0.006, rng)
+    at = np.array([0.7, 0.3, 0.2])
+    scan = scan_of(oblong, at, FULL[::2], 0.006, rng)
+    # A crowd before the walls, which no pose explains: `sure` is out of reach, free space is searched too.
+    crowd = rng.random(len(scan)) < 0.3
+    scan = replace(scan, ranges=np.where(crowd, scan.ranges * rng.uniform(0.3, 0.8, len(scan)), scan.ranges))
+    turned = np.array([-0.7, -0.3, 0.2 - np.pi])
+    for far in (0.01, 0.0):
+        matcher = GlobalMatcher(GlobalConfig(far=far, sure=2.0))
+        for guess in (at, turned):
+            pose = matcher.match(reference, scan, guess).pose
+            found.append(bool(np.hypot(*between(guess, pose)[:2]) < 0.1))
+    assert found[:2] == [True, True]
+    assert found[2] != found[3]
 
 
 def test_global_recovers_where_icp_does_not():

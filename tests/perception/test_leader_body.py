@@ -1,0 +1,157 @@
+"""The leader known by its body: people who pass, hide and are mistaken for each other, in an open room."""
+
+import numpy as np
+import pytest
+from tagalong.perception.config import PerceptionConfig
+from tagalong.perception.tracking.leader import LeaderSelector
+from tagalong.perception.tracking.leader_body import BodyLeaderSelector
+from tagalong.perception.tracking.people import People, SeenLegs
+from tagalong.slam.errors import InputError
+from tagalong.slam.scan import LaserScan
+
+ORIGIN = np.zeros(3)
+BEARINGS = np.deg2rad(np.arange(-135.0, 135.1, 0.5))
+DT = 0.1
+
+
+def scan_of(places, time_s, wall=None):
+    """A scan from the origin of discs of 0.15 m at `places`, and of a wall at x = `wall[0]` for y in `wall[1:]`."""
+    directions = np.stack((np.cos(BEARINGS), np.sin(BEARINGS)), axis=1)
+    ranges = np.full(len(BEARINGS), np.inf)
+    for place in places:
+        along, across = directions @ place, directions @ np.array([-place[1], place[0]])
+        hit = (along > 0.0) & (np.abs(across) < 0.15)
+        ranges[hit] = np.minimum(ranges[hit], along[hit] - np.sqrt(0.15**2 - across[hit] ** 2))
+    if wall is not None:
+        with np.errstate(divide="ignore"):
+            far = np.where(directions[:, 0] > 0.05, wall[0] / directions[:, 0], np.inf)
+        y = far * directions[:, 1]
+        ranges = np.where((y > wall[1]) & (y < wall[2]), np.minimum(ranges, far), ranges)
+    return LaserScan(ranges, BEARINGS, 0.1, 20.0, time_s=time_s)
+
+
+class Room:
+    """Shows a selector people, given by number, place, velocity and whether they are seen, step by step."""
+
+    def __init__(self, selector):
+        self.selector, self.time_s, self.unseen = selector, 0.0, {}
+
+    def show(self, tracked, loose=(), wall=None):
+        """Show `tracked` (number, place, velocity, seen) and the places of `loose` bodies without a track."""
+        self.time_s += DT
+        legs, owner = [], []
+        for row, (number, place, _, seen) in enumerate(tracked):
+            self.unseen[number] = 0.0 if seen else self.unseen.get(number, 0.0) + DT
+            if seen:
+                legs += [place + np.array([0.0, 0.1]), place - np.array([0.0, 0.1])]
+                owner += [row, row]
+        for place in loose:
+            legs += [place + np.array([0.0, 0.1]), place - np.array([0.0, 0.1])]
+            owner += [-1, -1]
+        count = len(tracked)
+        people = People(
+            time_s=self.time_s,
+            ids=np.array([number for number, *_ in tracked], dtype=np.int64),
+            positions=np.array([place for _, place, *_ in tracked]).reshape(-1, 2),
+            velocities=np.array([velocity for *_, velocity, _ in tracked]).reshape(-1, 2),
+            confidence=np.full(count, 0.8),
+            legs=np.zeros((count, 2, 2)),
+            variance=np.full(count, 0.05),
+            unseen_s=np.array([self.unseen[number] for number, *_ in tracked]),
+            age_s=np.full(count, self.time_s),
+            seen_legs=SeenLegs(np.array(legs).reshape(-1, 2), np.full(len(legs), 0.8), np.array(owner, dtype=np.intp)),
+        )
+        bodies = [place for _, place, _, seen in tracked if seen] + list(loose)
+        return self.selector.update(people, ORIGIN, scan_of(bodies, self.time_s, wall))
+
+
+def body_selector(seed=0):
+    return BodyLeaderSelector(PerceptionConfig(), np.random.default_rng(seed))
+
+
+def passing(selector):
+    """The leader walks left, a bystander right; where they meet, their tracks change bodies. The leader at the end."""
+    room, speed = Room(selector), np.array([0.0, 0.8])
+    for k in range(60):
+        leader, other = np.array([1.6, -1.6 + 0.08 * k]), np.array([2.3, 2.4 - 0.08 * k])
+        changed = leader[1] > other[1]
+        first, second = (other, -speed), (leader, speed)
+        if not changed:
+            first, second = second, first
+        found = room.show([(0, *first, True), (1, *second, True)])
+    return found
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_leader_is_the_body_that_walks_on_when_two_tracks_change_bodies(seed):
+    found = passing(body_selector(seed))
+    assert found.track_id == 1
+    assert found.id == 0
+    assert found.visible
+    assert passing(LeaderSelector(PerceptionConfig())).track_id == 0  # by number alone the bystander is followed
+
+
+def behind_the_wall(selector, returns):
+    """The leader goes behind a wall; a bystander who was there all the time stays in view beyond it."""
+    room, wall = Room(selector), (2.0, 0.4, 2.0)
+    still = np.zeros(2)
+    for k in range(100):
+        leader, walks = np.array([2.4, -1.0 + 0.07 * k]), np.array([0.0, 0.7])
+        bystander = np.array([2.6, -0.3])
+        hidden = 0.5 < leader[1] < 2.2
+        ended = leader[1] > 1.2
+        tracked = [(1, bystander, still, True)]
+        if not ended:
+            tracked.append((0, leader, walks, not hidden))
+        elif not hidden and returns:
+            tracked.append((2, leader, walks, True))
+        found = room.show(tracked, wall=wall)
+    return found
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_hidden_leader_is_found_where_it_comes_out_and_a_bystander_seen_before_is_not_taken(seed):
+    assert behind_the_wall(body_selector(seed), returns=True).track_id == 2
+    lost = behind_the_wall(body_selector(seed), returns=False)
+    assert lost.track_id == -1
+    assert not lost.visible
+    assert lost.unseen_s > 3.0
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_leader_whose_track_was_stolen_is_seen_by_legs_that_are_nobodys(seed):
+    room = Room(body_selector(seed))
+    for k in range(60):
+        leader, other = np.array([1.6, -1.6 + 0.08 * k]), np.array([2.3, 2.4 - 0.08 * k])
+        speed = np.array([0.0, 0.8])
+        if leader[1] < other[1]:
+            found = room.show([(0, leader, speed, True), (1, other, -speed, True)])
+        else:  # both tracks go on with the bystander
+            both = [(0, other + np.array([0.15, 0.0]), -speed, True), (1, other, -speed, True)]
+            found = room.show(both, loose=[leader])
+    assert found.visible
+    assert found.track_id == -1
+    assert np.hypot(*(found.position - leader)) < 0.3
+
+
+def test_a_leader_alone_is_its_track(monkeypatch):
+    room = Room(body_selector())
+    monkeypatch.setattr("tagalong.perception.tracking.leader_body.BodyCloud", None)  # it needs no cloud
+    for k in range(40):
+        place = np.array([1.5, -1.0 + 0.05 * k])
+        found = room.show([(0, place, np.array([0.0, 0.5]), True), (1, place + 1.6, np.zeros(2), True)])
+    assert found.track_id == 0
+    assert found.position.tolist() == place.tolist()
+
+
+def test_the_same_draws_find_the_same_leader():
+    first, second = passing(body_selector(3)), passing(body_selector(3))
+    assert first.position.tobytes() == second.position.tobytes()
+
+
+def test_without_a_scan_no_body_is_known():
+    room = Room(LeaderSelector(PerceptionConfig()))
+    room.show([(0, np.array([1.5, 0.0]), np.zeros(2), True)])
+    people = People(*([0.0] + [np.zeros(0)] * 8))
+    with pytest.raises(InputError, match="only with the scan at hand"):
+        body_selector().update(people, ORIGIN)
