@@ -10,7 +10,7 @@ from ..slam.errors import InputError
 from ..slam.scan import LaserScan
 from .groups import GROUP_SEEN
 from .mj import MjData, MjModel, mujoco
-from .ray_kernel import BOX, CYLINDER, ELLIPSOID, cast_beams
+from .ray_kernel import BOX, CYLINDER, ELLIPSOID, add_noise, cast_beams
 
 Array = NDArray[np.float64]
 
@@ -147,10 +147,10 @@ class Lidar:
     def measure(self, exact: Array, rng: np.random.Generator, time_s: float) -> LaserScan:
         """Return the sweep that a real scanner makes of the `exact` ranges (beams,)."""
         config = self.config
-        sigma = np.where(exact <= config.near, config.sigma_near, config.sigma_far)
-        ranges = exact + sigma * rng.standard_normal(config.beams)
-        ranges = np.where(np.isfinite(exact), np.minimum(np.maximum(ranges, 0.0), config.range_max), np.inf)
-        ranges[rng.random(config.beams) < config.dropout] = np.nan
+        noise, chance = rng.standard_normal(config.beams), rng.random(config.beams)
+        sigmas = config.near, config.sigma_near, config.sigma_far
+        ranges = np.empty(config.beams)
+        add_noise(exact, noise, chance, *sigmas, config.range_max, config.dropout, ranges)
         return LaserScan(
             ranges,
             config.bearings,

@@ -62,7 +62,8 @@ def cast_beams(
         for behind in (0.0, 2.0 * np.pi):
             low = max(int(np.floor((start - behind) / spacing)), 0)
             high = min(int(np.ceil((start - behind + width) / spacing)) + 1, count)
-            _cast_some(low, high, near, origin, directions, geom, shape, size, position, rotation, distance, met)
+            if low < high:
+                _cast_some(low, high, near, origin, directions, geom, shape, size, position, rotation, distance, met)
 
 
 @njit(cache=True, nogil=True)
@@ -238,3 +239,38 @@ def _root(a: float, b: float, c: float) -> float:
     if low >= 0.0:
         return low
     return high if high >= 0.0 else -1.0
+
+
+@njit(cache=True, nogil=True)
+def add_noise(
+    exact: Array,
+    noise: Array,
+    chance: Array,
+    near: float,
+    sigma_near: float,
+    sigma_far: float,
+    farthest: float,
+    dropout: float,
+    ranges: Array,
+) -> None:
+    """Write into `ranges` (n,) what a scanner measures of the `exact` ones (n,), `inf` where nothing is met [m].
+
+    Args:
+        exact: (n,) [m].
+        noise: (n,) standard normal draws.
+        chance: (n,) uniform draws in [0, 1): a beam fails below `dropout` and gives NaN.
+        near: Up to this range the deviation is `sigma_near`, beyond it `sigma_far` [m].
+        sigma_near: [m].
+        sigma_far: [m].
+        farthest: Largest range that is given [m].
+        dropout: Share of the beams that fail.
+        ranges: (n,) written [m].
+    """
+    for i in range(len(exact)):
+        if chance[i] < dropout:
+            ranges[i] = np.nan
+        elif np.isfinite(exact[i]):
+            measured = exact[i] + (sigma_near if exact[i] <= near else sigma_far) * noise[i]
+            ranges[i] = min(max(measured, 0.0), farthest)
+        else:
+            ranges[i] = np.inf

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from .errors import InputError
 from .geometry import transform_points
-from .scan_kernel import fill_beam_points
+from .scan_kernel import fill_beam_points, returns
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +73,16 @@ class LaserScan:
     @cached_property
     def points(self) -> NDArray[np.float64]:
         """(M, 2) end points of the returns in the laser frame [m], in beam order."""
-        return self.beam_points[self.is_return]
+        return self._returns[0]
+
+    @cached_property
+    def beams(self) -> NDArray[np.int64]:
+        """(M,) the beam that each of `points` belongs to."""
+        return self._returns[1]
+
+    @cached_property
+    def _returns(self) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+        return returns(self.ranges, _directions(self.bearings.tobytes()), self.range_min, self.range_max)
 
     @cached_property
     def points_robot(self) -> NDArray[np.float64]:

@@ -77,7 +77,7 @@ def cluster_scan(
     points = scan.points
     spacing = (scan.bearings[-1] - scan.bearings[0]) / max(len(scan) - 1, 1) if len(scan) else 1.0
     start, end = split_by_distance(points, alpha, beta, far_width / spacing if spacing > 0.0 else 0.0)
-    return Clusters(points, np.flatnonzero(scan.is_return), start, end)
+    return Clusters(points, scan.beams, start, end)
 
 
 @njit(cache=True, nogil=True)

@@ -43,52 +43,51 @@ def describe_surroundings(points, ranges, bearings, start, end, spacing, widest,
 @njit(cache=True, nogil=True, error_model="numpy")
 def _ends(points, ranges, bearings, a, b, spacing, row):
     """Columns 0 to 4: range jumps and gaps just beyond the two ends."""
-    jumps = np.full(2, JUMP_LIMIT)
-    gaps = np.full(2, JUMP_LIMIT)
+    jump_low, jump_high, gap_low, gap_high = np.inf, -np.inf, np.inf, -np.inf
     occluded = 0
     for side in range(2):
         inner = a if side == 0 else b - 1
         outer = a - 1 if side == 0 else b
-        if outer < 0 or outer >= len(ranges) or abs(bearings[outer] - bearings[inner]) > MISSING_BEAMS * spacing:
-            continue
-        jump = ranges[outer] - ranges[inner]
-        gap = np.hypot(points[outer, 0] - points[inner, 0], points[outer, 1] - points[inner, 1])
-        jumps[side] = min(max(jump, -JUMP_LIMIT), JUMP_LIMIT)
-        gaps[side] = min(gap, JUMP_LIMIT)
-        occluded += jump < -0.05
-    row[SHAPE_COUNT] = jumps.min()
-    row[SHAPE_COUNT + 1] = jumps.max()
-    row[SHAPE_COUNT + 2] = gaps.min()
-    row[SHAPE_COUNT + 3] = gaps.max()
+        jump, gap = JUMP_LIMIT, JUMP_LIMIT
+        if 0 <= outer < len(ranges) and abs(bearings[outer] - bearings[inner]) <= MISSING_BEAMS * spacing:
+            jump = ranges[outer] - ranges[inner]
+            gap = np.hypot(points[outer, 0] - points[inner, 0], points[outer, 1] - points[inner, 1])
+            occluded += jump < -0.05
+            jump, gap = min(max(jump, -JUMP_LIMIT), JUMP_LIMIT), min(gap, JUMP_LIMIT)
+        jump_low, jump_high = min(jump_low, jump), max(jump_high, jump)
+        gap_low, gap_high = min(gap_low, gap), max(gap_high, gap)
+    row[SHAPE_COUNT] = jump_low
+    row[SHAPE_COUNT + 1] = jump_high
+    row[SHAPE_COUNT + 2] = gap_low
+    row[SHAPE_COUNT + 3] = gap_high
     row[SHAPE_COUNT + 4] = occluded
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _beside(ranges, bearings, a, b, spacing, row):
     """Columns 5 to 10: range differences in two windows beside each end; beams without a return count as open."""
-    sides = np.empty((2, 3))
     for side in range(2):
         inner = a if side == 0 else b - 1
         step = -1 if side == 0 else 1
         near = min(BESIDE / ranges[inner], 1.5)
         far = min(FAR_BESIDE / ranges[inner], 2.0)
-        total = np.zeros(2)
-        count = np.zeros(2)
-        sides[side, 1] = OPEN
+        least, near_sum, far_sum, near_count, far_count = OPEN, 0.0, 0.0, 0.0, 0.0
         i = inner + step
         while 0 <= i < len(ranges) and abs(bearings[i] - bearings[inner]) <= far:
             difference = min(max(ranges[i] - ranges[inner], NEARER_LIMIT), OPEN)
-            window = 0 if abs(bearings[i] - bearings[inner]) <= near else 1
-            total[window] += difference - OPEN
-            count[window] += 1.0
-            if window == 0:
-                sides[side, 1] = min(sides[side, 1], difference)
+            if abs(bearings[i] - bearings[inner]) <= near:
+                near_sum += difference - OPEN
+                near_count += 1.0
+                least = min(least, difference)
+            else:
+                far_sum += difference - OPEN
+                far_count += 1.0
             i += step
-        sides[side, 0] = OPEN + total[0] / max(np.floor(near / spacing), count[0], 1.0)
-        sides[side, 2] = OPEN + total[1] / max(np.floor((far - near) / spacing), count[1], 1.0)
-    for k in range(3):
-        row[SHAPE_COUNT + 5 + 2 * k] = sides[:, k].min()
-        row[SHAPE_COUNT + 6 + 2 * k] = sides[:, k].max()
+        near_mean = OPEN + near_sum / max(np.floor(near / spacing), near_count, 1.0)
+        far_mean = OPEN + far_sum / max(np.floor((far - near) / spacing), far_count, 1.0)
+        for k, value in ((5, near_mean), (7, least), (9, far_mean)):
+            row[SHAPE_COUNT + k] = value if side == 0 else min(row[SHAPE_COUNT + k], np.float32(value))
+            row[SHAPE_COUNT + k + 1] = value if side == 0 else max(row[SHAPE_COUNT + k + 1], np.float32(value))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

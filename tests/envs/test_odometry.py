@@ -47,3 +47,12 @@ def test_random_errors_do_not_depend_on_the_rate_of_updates():
 def test_an_unknown_quality_is_answered_with_the_known_ones():
     with pytest.raises(InputError, match="good, perfect, slipping, typical"):
         odometry_quality("superb")
+
+
+def test_several_motions_at_once_are_the_same_motions_one_by_one():
+    poses = np.cumsum(np.random.default_rng(4).normal(0.0, 0.05, (8, 3)), axis=0)
+    once, one_by_one = (WheelOdometry(QUALITIES["slipping"], np.random.default_rng(1), np.zeros(3)) for _ in range(2))
+    for pose in poses:
+        one_by_one.update(pose)
+    np.testing.assert_array_equal(once.update(poses), one_by_one.pose)
+    np.testing.assert_array_equal(once.last_true, poses[-1])

@@ -175,8 +175,7 @@ def test_two_runs_are_equal_and_a_reset_tracker_starts_anew(make_stage):
     first, second = make_stage(), make_stage()
     runs = [s.walk([[1.0, -1.0], [2.0, 1.0]], [[0.0, 1.2], [0.1, -1.0]], 3.0)[0] for s in (first, second)]
     for a, b in zip(*runs, strict=True):
-        for field in dataclasses.fields(a):
-            np.testing.assert_array_equal(getattr(a, field.name), getattr(b, field.name))
+        np.testing.assert_equal(dataclasses.asdict(a), dataclasses.asdict(b))
     first.tracker.reset()
     assert len(first.show(np.zeros((0, 2)))) == 0
     third, _ = first.walk([[1.0, -1.0]], [[0.0, 1.2]], 3.0)

@@ -15,3 +15,11 @@ def test_ends_of_beams_are_those_of_plain_numpy():
     fill_beam_points_reference(ranges, directions, 0.1, 10.0, theirs)
     np.testing.assert_array_equal(ours, theirs)
     np.testing.assert_array_equal(LaserScan(ranges, angles, 0.1, 10.0).beam_points, theirs)
+
+
+def test_points_and_beams_are_those_of_the_returns():
+    ranges = np.array([1.0, np.nan, np.inf, 0.01, 30.0, 30.1, -2.0, 2.5])
+    scan = LaserScan(ranges, np.linspace(-1.0, 1.0, 8), 0.1, 30.0)
+    np.testing.assert_array_equal(scan.beams, [0, 4, 7])
+    np.testing.assert_array_equal(scan.beams, np.flatnonzero(scan.is_return))
+    np.testing.assert_array_equal(scan.points, scan.beam_points[scan.is_return])
