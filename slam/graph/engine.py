@@ -106,6 +106,7 @@ class Cartographer:
             self._scans.append(scan)
             if self._global:
                 self._global.add_node(result.pose, result.insertion)
+                self._remember(self._global, odometry, scan)
         self._find(odometry, scan, result.pose)
         self._settle(result)
         self._poses_local.append(result.pose)
@@ -140,6 +141,15 @@ class Cartographer:
         else:
             return result
         return self._local.update(odometry, scan)
+
+    def _remember(self, graph: GlobalSlam, odometry: Array, scan: LaserScan) -> None:
+        """Let the watch hear what older submaps say of the newest node; a suspicion begins with its scan."""
+        share = graph.contradicted(np.array(scan.T_robot_lidar[:2])) if self._watch and not self._search else None
+        if self._watch and share is not None:
+            calm = self._watch.suspicion == 0.0
+            self._watch.remember(share)
+            if calm and self._watch.suspicion > 0.0:
+                self._suspects, self._suspected = [(odometry, scan)], 1
 
     def _suspect(self, watch: Watch, doubtful: bool, odometry: Array, scan: LaserScan) -> None:
         """Keep the scans since something began to be wrong."""

@@ -13,10 +13,12 @@ from .constraints import Constraint, ConstraintBuilder, ConstraintConfig, Kind
 from .extrapolator import Prediction
 from .local_slam import Insertion
 from .submap import Submap
+from .watch import contradictions
 
 Array = NDArray[np.float64]
 
 _LOOSE = np.array([30.0, 3.0])  # [m, rad] how badly the odometry ties a piece of the drive that has no place yet
+_SLACK = 0.4  # [m] by which a wall must stand before the end of a beam to contradict it
 _PLACED = np.array([0.1, 0.05])  # [m, rad] how well relocalization does
 
 
@@ -100,6 +102,7 @@ class GlobalSlam:
         self._submap_poses: list[Array] = []
         self._tied_at: dict[int, int] = {}
         self._tried_at: dict[int, int] = {}
+        self._last_ties: dict[int, Constraint] = {}
         self._matched = 0
         self._travelled = np.inf
         self._new = False
@@ -181,6 +184,30 @@ class GlobalSlam:
         self._close_loops(index)
         if self._new and (index + 1) % self._config.adjust_every == 0:
             self._adjust()
+
+    def contradicted(self, foot: Array) -> float | None:
+        """Return the share of the last node's beams that contradict older submaps.
+
+        Those count that tied it, or a node shortly before; it lies in each of them where that tie and local SLAM since
+        then put it, however the graph has drifted.
+
+        Args:
+            foot: (2,) the laser, robot frame [m].
+
+        Returns:
+            The mean over the submaps that were tied last; None: there are none.
+        """
+        index, node = len(self.nodes) - 1, self.nodes[-1]
+        ties = [c for c in self._last_ties.values() if index - c.node <= self._config.known_for]
+        ties = [c for c in ties if self._piece_of_node[c.node] == self._piece_of_node[-1]]
+        shares = []
+        for tie in sorted(ties, key=lambda c: (-c.node, c.submap))[: self._config.nearest]:
+            submap = self._submaps[tie.submap]
+            motion = between(self.nodes[tie.node].pose_local, node.pose_local)
+            pose = compose(submap.pose_local, compose(tie.pose, motion))
+            place = submap.field, submap.visits, submap.corner, submap.resolution
+            shares.append(contradictions(*place, foot, node.points, pose, _SLACK) / max(len(node.points), 1))
+        return sum(shares) / len(shares) if shares else None
 
     def finish(self) -> None:
         """Match every node with every near submap and adjust; does nothing where no node is new."""
@@ -266,6 +293,9 @@ class GlobalSlam:
         for constraint in constraints:
             self.constraints.append(constraint)
             self._tied_at[constraint.submap] = constraint.node
+            last = self._last_ties.get(constraint.submap)
+            if last is None or constraint.node >= last.node:
+                self._last_ties[constraint.submap] = constraint
             self._new = True
 
     def _adjust(self, final: bool = False) -> None:

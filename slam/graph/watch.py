@@ -56,15 +56,48 @@ class WatchConfig:
                 raise InputError(f"`{name}` must be positive, got {value}")
 
 
+class Suspicion:
+    """Sums up by how much the shares of contradicting beams are above what is usual.
+
+    Args:
+        unusual: What a share may be above the usual one without counting.
+
+    Attributes:
+        level: The sum; 0: nothing unusual.
+        peak: The highest level since it was 0.
+    """
+
+    def __init__(self, unusual: float) -> None:
+        self._unusual = unusual
+        self._usual = self._share = 0.0
+        self.level = self.peak = 0.0
+
+    def add(self, share: float) -> None:
+        """Add what a scan says, of whose beams such a share contradicts what was mapped."""
+        self.level = max(0.0, self.level + share - self._usual - self._unusual)
+        self._share = share
+        self.peak = max(self.peak, self.level) if self.level > 0.0 else 0.0
+        if self.level == 0.0:
+            self._usual += _MEMORY * (share - self._usual)
+
+    def drop(self) -> None:
+        """Begin to sum anew."""
+        self.level = self.peak = 0.0
+
+    def acquit(self) -> None:
+        """As large a share as the last one is usual here."""
+        self._usual = max(self._usual, self._share)
+        self.drop()
+
+
 class Watch:
-    """Judges matches of local SLAM.
+    """Judges matches of local SLAM, by the submap they were made on and by older ones that the robot still sees.
 
     Args:
         config: Settings.
 
     Attributes:
         in_doubt: How many scans in a row were doubtful.
-        suspicion: By how much the last scans contradicted the submap more than scans usually do; 0: they did not.
     """
 
     def __init__(self, config: WatchConfig) -> None:
@@ -73,15 +106,17 @@ class Watch:
         self._pardoned = False
         self._plain = 0
         self.in_doubt = 0
-        self._usual_share = 0.0
-        self._share = 0.0
-        self._peak = 0.0
-        self.suspicion = 0.0
+        self._here, self._before = Suspicion(config.unusual), Suspicion(config.unusual)
+
+    @property
+    def suspicion(self) -> float:
+        """By how much the last scans contradicted submaps more than scans usually do; 0: they did not."""
+        return max(self._here.level, self._before.level)
 
     @property
     def suspicious(self) -> bool:
         """Whether the scans since it began to suspect contradict the submap so much that somebody should look."""
-        return self._peak >= self._config.suspicious
+        return max(self._here.peak, self._before.peak) >= self._config.suspicious
 
     @property
     def alarmed(self) -> bool:
@@ -96,7 +131,8 @@ class Watch:
     def restart(self) -> None:
         """Begin anew with another submap; what is usual stays."""
         self.in_doubt = self._plain = 0
-        self.suspicion = self._peak = 0.0
+        self._here.drop()
+        self._before.drop()
 
     def pardon(self) -> None:
         """Nothing better is known than where the robot was thought to be: the next scan is believed."""
@@ -105,8 +141,12 @@ class Watch:
 
     def acquit(self) -> None:
         """The robot is where it was thought to be: as many contradicting beams as in the last scan are usual here."""
-        self._usual_share = max(self._usual_share, self._share)
-        self.suspicion = self._peak = 0.0
+        self._here.acquit()
+        self._before.acquit()
+
+    def remember(self, share: float) -> None:
+        """Take the share of a scan's beams that contradict older submaps: what looks alike here differs there."""
+        self._before.add(share)
 
     def doubts(self, submap: Submap, points: Array, foot: Array, pose: Array, score: float) -> bool:
         """Return whether a match is doubtful.
@@ -124,7 +164,7 @@ class Watch:
             poor, contradicted = config.settled_poor, config.settled_contradicted
         place = submap.field, submap.visits, submap.corner, submap.resolution
         share = contradictions(*place, foot, points, pose, config.slack) / len(points)
-        self._suspect(share)
+        self._here.add(share)
         if score < poor * self._usual and not self._pardoned and share > contradicted:
             self.in_doubt += 1
             self._plain += score < config.plain_poor * self._usual and share > config.plain_contradicted
@@ -133,14 +173,6 @@ class Watch:
         self._pardoned = False
         self.in_doubt = self._plain = 0
         return False
-
-    def _suspect(self, share: float) -> None:
-        """Add what a scan says, of whose beams such a share contradicts the submap."""
-        self.suspicion = max(0.0, self.suspicion + share - self._usual_share - self._config.unusual)
-        self._share = share
-        self._peak = max(self._peak, self.suspicion) if self.suspicion > 0.0 else 0.0
-        if self.suspicion == 0.0:
-            self._usual_share += _MEMORY * (share - self._usual_share)
 
 
 @njit(cache=True, nogil=True)

@@ -1,5 +1,7 @@
 """A robot that is carried away while it maps: SLAM notices, says so, and joins the rest of the drive to its map."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from tagalong.slam.engine import make_slam
@@ -225,6 +227,46 @@ def test_a_few_contradicting_beams_in_every_scan_become_suspicious_until_they_ar
     for _ in range(20):
         assert not watch.doubts(*odd)
         assert watch.suspicion == 0.0
+
+
+def test_older_submaps_that_tied_the_robot_contradict_what_it_does_not_see_there():
+    engine, rng, poses = make_slam("cartographer"), np.random.default_rng(0), tour()
+    assert isinstance(engine, Cartographer)
+    graph, foot = engine._global, np.zeros(2)  # pyright: ignore[reportPrivateUsage]
+    assert graph is not None
+    _, odometry = fed(engine, poses[:20], poses[0], rng)
+    assert graph.contradicted(foot) is None  # no older submap yet
+    fed(engine, np.concatenate((poses[20:], poses[1:])), odometry, rng)
+    seen = graph.contradicted(foot)
+    assert seen is not None
+    assert seen < 0.03
+    node = graph.nodes[-1]
+    for away in ((1.0, 0.0, 0.0), (0.0, 0.0, np.pi)):
+        graph.nodes[-1] = replace(node, points=transform_points(np.array(away), node.points))
+        elsewhere = graph.contradicted(foot)
+        assert elsewhere is not None
+        assert elsewhere > 0.15
+    graph.begin_piece(disowned=1)
+    graph._last_ties = {s: c for s, c in graph._last_ties.items() if c.node < len(graph.nodes) - 1}  # pyright: ignore[reportPrivateUsage]
+    assert graph.contradicted(foot) is None  # lost: it is not known how it lies to those
+
+
+def test_what_older_submaps_contradict_becomes_suspicious_by_itself_and_is_weighed(mapped, monkeypatch):
+    watch = Watch(WatchConfig())
+    for share, level in ((0.01, 0.0), (0.1, 0.08), (0.1, 0.16), (0.0, 0.14)):
+        watch.remember(share)
+        assert watch.suspicion == pytest.approx(level, abs=0.003)
+    assert watch.suspicious
+    watch.acquit()
+    assert (watch.suspicion, watch.suspicious) == (0.0, False)
+    engine, odometry, last, rng = mapped
+    weighed, monkeyed = [], engine._relocalization
+    monkeypatch.setattr(engine, "_relocalization", lambda graph: weighed.append(1) or monkeyed(graph))
+    monkeypatch.setattr(engine._global, "contradicted", lambda foot: 0.2)
+    updates, _ = fed(engine, ahead(last, (0.1, 0.0, 0.05), 8), odometry, rng)
+    assert weighed == [1]  # and acquitted, as the whole map says that it is here: so much is usual from then on
+    assert engine.losses == 0
+    assert updates[-1].located
 
 
 def test_without_a_watch_or_a_graph_nobody_notices():

@@ -24,17 +24,18 @@ SIZE_COLOURS = {"small": _GREEN, "medium": "#eb7000", "large": _RED}
 def draw_patterns(folder: Path) -> Figure:
     """Draw Fig. 2: what both lookup tables mark around one point."""
     figure = new_figure(8.0, 4.0)
+    point = np.zeros(2)  # where four cells meet, so that the patterns are as even as they can be
     for k, (pattern, title) in enumerate(
         (("gaussian", "GLASM-g: radial, 8 bits"), ("square", "GLASM: square, binary"))
     ):
-        grid = build_lookup(np.array([[0.05, 0.05]]), LookupConfig(pattern=pattern))  # pyright: ignore[reportArgumentType]
+        grid = build_lookup(point[None], LookupConfig(pattern=pattern))  # pyright: ignore[reportArgumentType]
         rows, cols = grid.values.shape
         x0, y0 = grid.origin
         extent = (x0, x0 + cols * grid.resolution, y0, y0 + rows * grid.resolution)
         axes = figure.add_subplot(1, 2, k + 1)
         axes.imshow(grid.values, cmap="gray_r", vmin=0, vmax=255, origin="lower", extent=extent)
-        axes.plot(0.05, 0.05, "+", color=_RED, markersize=10)
-        axes.set(title=title, xlabel="x [m]", ylabel="y [m]", xlim=(-0.75, 0.85), ylim=(-0.75, 0.85))
+        axes.plot(*point, "+", color=_RED, markersize=10)
+        axes.set(title=title, xlabel="x [m]", ylabel="y [m]", xlim=(-0.8, 0.8), ylim=(-0.8, 0.8))
     file = save_figure(folder / "fig-2-lookup-patterns.png", figure)
     config = LookupConfig()
     caption = (
