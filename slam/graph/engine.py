@@ -25,6 +25,7 @@ _COARSE = 0.05  # [m] cells of the map on which a lost robot is searched for
 _NEW_NODES = 10  # a map without so many of the last nodes still serves for that
 _WEIGHED = 3  # a suspicion is weighed with each so many scans ...
 _SUSPECTS = 9  # ... by so many at most
+_EXPLAINED = 0.5  # share of the beams that must end at walls of the map where the robot is believed to have stayed
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -174,7 +175,8 @@ class Cartographer:
         """Weigh the place where local SLAM has put the doubtful scans against the rest of the map.
 
         Where neither that place nor another that explains them well stands out, it is not sure for now. Where nothing
-        on the map explains them well, people are about.
+        on the map explains them well, people are about; and where that place explains half of their beams, and is not
+        surely less likely than another, the robot is not lost, however badly they fit on the newest submap.
         """
         if self._search or not result.match:
             return watch.plainly_lost
@@ -187,7 +189,8 @@ class Cartographer:
             watch.acquit()
             return False
         self._unsure = True
-        return watch.plainly_lost or (outcome.moved and (watch.alarmed or outcome.belief.sure))
+        plainly = watch.plainly_lost and outcome.explained < _EXPLAINED
+        return plainly or (outcome.moved and (watch.alarmed or outcome.belief.sure))
 
     def _lose(self, graph: GlobalSlam, search: Relocalization) -> None:
         """Begin a new piece of the drive with the next update, and the search on the map without it."""

@@ -26,12 +26,15 @@ class Contest:
         moved: Whether another place is likelier and explains what was seen well.
         rivalled: Whether another place explains what was seen well and is likelier, or nearly as likely.
         belief: What is believed of all places.
+        explained: Share of the beams that end at walls of the map if the robot is where it was thought to be; 0 where
+            that is surely less likely than another place.
     """
 
     stays: bool
     moved: bool
     rivalled: bool
     belief: Belief
+    explained: float = 0.0
 
 
 def contest(
@@ -70,4 +73,5 @@ def contest(
     there = (np.hypot(off[:, 0], off[:, 1]) <= linear) & (np.abs(off[:, 2]) <= angular)
     well = ~there & (belief.explained >= config.search.well_explained)
     likely = belief.log_ratios > -np.log(config.search.sure_ratio)
-    return Contest(bool(there[0]), bool(well[0]), bool((well & likely).any()), belief)
+    explained = float(belief.explained[there & likely].max(initial=0.0))
+    return Contest(bool(there[0]), bool(well[0]), bool((well & likely).any()), belief, explained)

@@ -1,6 +1,7 @@
 """A robot that is carried away while it maps: SLAM notices, says so, and joins the rest of the drive to its map."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -267,6 +268,19 @@ def test_what_older_submaps_contradict_becomes_suspicious_by_itself_and_is_weigh
     assert weighed == [1]  # and acquitted, as the whole map says that it is here: so much is usual from then on
     assert engine.losses == 0
     assert updates[-1].located
+
+
+@pytest.mark.parametrize(("explained", "lost"), [(0.6, 0), (0.4, 1)])
+def test_badly_fitting_scans_that_the_whole_map_explains_by_half_do_not_make_it_lost(
+    mapped, monkeypatch, explained, lost
+):
+    engine, odometry, last, rng = mapped
+    belief = SimpleNamespace(poses=np.zeros((1, 3)), sure=False)
+    verdict = SimpleNamespace(stays=False, moved=False, rivalled=False, belief=belief, explained=explained)
+    search = SimpleNamespace(contest=lambda *_: verdict, begin=lambda: None, update=lambda *_: None)
+    monkeypatch.setattr(engine, "_relocalization", lambda graph: search)
+    fed(engine, ahead(last, (0.0, 0.0, 0.02), 4), odometry, rng, ELSEWHERE)
+    assert engine.losses == lost
 
 
 def test_without_a_watch_or_a_graph_nobody_notices():
