@@ -44,7 +44,7 @@ def two_legs_and_a_wall():
 def test_the_vote_is_scikit_learns_predict_proba(learned):
     theirs, rows, ours = learned
     on_thresholds = rows.copy()
-    on_thresholds[:, 0] = np.float32(theirs.estimators_[0].tree_.threshold[0])
+    on_thresholds[:, ours.feature[ours.roots[0]]] = ours.value[ours.roots[0]]
     for sample in (rows, on_thresholds):
         np.testing.assert_allclose(ours.vote(sample), theirs.predict_proba(sample)[:, 1], atol=1e-6)
 

@@ -8,8 +8,10 @@ import pytest
 from tagalong.slam.engine import make_slam
 from tagalong.slam.geometry import between, compose, transform_points
 from tagalong.slam.graph.engine import Cartographer, CartographerConfig
+from tagalong.slam.graph.relocalization import searchable
 from tagalong.slam.graph.submap import Submap, SubmapConfig
 from tagalong.slam.graph.watch import Watch, WatchConfig, contradictions
+from tagalong.slam.localization.contest import contest
 from tagalong.slam.matching import make_matcher
 from walls import cast
 
@@ -281,6 +283,13 @@ def test_badly_fitting_scans_that_the_whole_map_explains_by_half_do_not_make_it_
     monkeypatch.setattr(engine, "_relocalization", lambda graph: search)
     fed(engine, ahead(last, (0.0, 0.0, 0.02), 4), odometry, rng, ELSEWHERE)
     assert engine.losses == lost
+
+
+def test_a_contest_says_what_is_explained_where_the_robot_is_and_nothing_where_it_surely_is_not(mapped):
+    engine, odometry, last, rng = mapped
+    place, scans = searchable(engine.map_at(0.05)), [(odometry, cast(WALLS, last, rng))]
+    assert contest(place, scans, last).explained > 0.8
+    assert contest(place, scans, np.array([-3.8, 0.9, -1.2])).explained == 0.0
 
 
 def test_without_a_watch_or_a_graph_nobody_notices():
