@@ -10,6 +10,7 @@ from ..perception.config import PerceptionConfig
 from ..perception.legs.detector import Detections
 from ..perception.people_filter import near_points, people_points_lidar, suspect_points_lidar
 from ..perception.rgbd.frame import RgbdFrame
+from ..perception.stages import Stages, completed
 from ..perception.tracking.camera import SeenPeople
 from ..perception.tracking.leader import Leader
 from ..perception.tracking.people import People
@@ -27,7 +28,7 @@ Array = NDArray[np.float64]
 class PeopleSource(Protocol):
     """Where the robot's knowledge of people comes from."""
 
-    def update(self, scan: LaserScan, odometry: Array, seen: SeenPeople | None) -> People:
+    def update_in_stages(self, scan: LaserScan, odometry: Array, seen: SeenPeople | None) -> Stages[People]:
         """Take one scan with its odometry pose (3,), and whom a camera saw, if it did.
 
         Returns:
@@ -47,9 +48,9 @@ class TrackedPeopleSource:
         self._tracker, self._suspect_confidence = tracker, suspect_confidence
         self._detections: Detections | None = None
 
-    def update(self, scan: LaserScan, odometry: Array, seen: SeenPeople | None) -> People:
+    def update_in_stages(self, scan: LaserScan, odometry: Array, seen: SeenPeople | None) -> Stages[People]:
         """Take one scan with its odometry pose (3,), and whom a camera saw; return the people, odometry frame."""
-        update = self._tracker.update(scan, odometry, seen)
+        update = yield from self._tracker.update_in_stages(scan, odometry, seen)
         self._detections = update.detections
         return update.people
 
@@ -140,13 +141,21 @@ class Mind:
 
     def update(self, scan: LaserScan, odometry: Array) -> Belief:
         """Take one scan and the odometry pose (3,) at its time; return what is believed now."""
+        return completed(self.update_in_stages(scan, odometry))
+
+    def update_in_stages(self, scan: LaserScan, odometry: Array) -> Stages[Belief]:
+        """Do as `update`, with pauses."""
         self._measure_velocity(scan.time_s, odometry)
         sightings = self._sight.update(scan.time_s, odometry)
-        people = self._people.update(scan, odometry, sightings[-1].people if sightings else None)
+        seen = sightings[-1].people if sightings else None
+        people = yield from self._people.update_in_stages(scan, odometry, seen)
+        yield
         leader = self._selector.update(people, odometry, scan)
+        yield
         near = near_points(scan, people_points_lidar(people, odometry, scan), self._config.zeta)
         near |= near_points(scan, self._people.suspects_lidar(scan), self._config.suspect_radius)
         filtered = scan.without(near)
+        yield
         self._mapper.update(odometry, filtered)
         grid = self._drawing.update(self._mapper, scan, near, [sighting.view for sighting in sightings])
         return Belief(

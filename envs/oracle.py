@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from ..perception.rgbd.frame import RgbdFrame
 from ..perception.rgbd.people import RgbdPeople
 from ..perception.rgbd.planes import Planes
+from ..perception.stages import Stages
 from ..perception.tracking.camera import SeenPeople
 from ..perception.tracking.people import People
 from ..slam.geometry import between, compose, inverse, transform_points
@@ -36,8 +37,9 @@ class TruePeopleSource:
     def __init__(self, world: World) -> None:
         self._world = world
 
-    def update(self, scan: LaserScan, odometry: Array, seen: SeenPeople | None) -> People:
+    def update_in_stages(self, scan: LaserScan, odometry: Array, seen: SeenPeople | None) -> Stages[People]:
         """Return the people in the odometry frame; ids are their true numbers."""
+        yield
         truth = self._world.truth
         T_odom_world = compose(odometry, inverse(truth.robot_pose))
         turn = np.array([0.0, 0.0, T_odom_world[2]])

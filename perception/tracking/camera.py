@@ -11,6 +11,7 @@ from ..config import PerceptionConfig
 from ..legs.clusters import Clusters
 from ..legs.detector import Detections
 from ..rgbd.people import RgbdPeople
+from ..stages import Stages
 from . import kalman
 from .association import assign, distances
 
@@ -40,8 +41,9 @@ class SeenPeople:
 class NoLegs:
     """A detector that finds no legs: for people by the camera alone."""
 
-    def detect(self, scan: LaserScan) -> Detections:
+    def detect_in_stages(self, scan: LaserScan) -> Stages[Detections]:
         """Return nothing, whatever `scan` shows."""
+        yield
         none = np.zeros(0, dtype=np.int64)
         clusters = Clusters(np.empty((0, 2)), none, none, none)
         return Detections(np.empty((0, 2)), np.empty(0), np.zeros(0, dtype=bool), clusters)

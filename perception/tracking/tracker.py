@@ -1,7 +1,6 @@
 """People from leg detections, scan by scan (Ye 2021, section II.A)."""
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,7 +10,8 @@ from ...slam.geometry import compose, transform_points
 from ...slam.scan import LaserScan
 from ..config import PerceptionConfig
 from ..legs.clusters import Clusters
-from ..legs.detector import Detections
+from ..legs.detector import Detections, Detector
+from ..stages import Stages, completed
 from . import person_tracks
 from .association import assign, distances
 from .camera import CameraSightings, SeenPeople
@@ -24,14 +24,6 @@ from .person_tracks import Sightings
 from .track_kernels import any_moved, any_sure_walker, any_wide, points_of_things, spread_among, surviving
 
 Array = NDArray[np.float64]
-
-
-class Detector(Protocol):
-    """Finds legs in one scan."""
-
-    def detect(self, scan: LaserScan) -> Detections:
-        """Return the clusters of `scan` with their confidence, positions in the robot frame."""
-        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,29 +73,40 @@ class PeopleTracker:
         Raises:
             InputError: If the scan is not later than the one before.
         """
+        return completed(self.update_in_stages(scan, odometry, seen))
+
+    def update_in_stages(
+        self, scan: LaserScan, odometry: ArrayLike, seen: SeenPeople | None = None
+    ) -> Stages[TrackerUpdate]:
+        """Do as `update`, with pauses."""
         pose, dt = np.array(odometry, dtype=np.float64), self._step(scan.time_s)
-        detections = self._detector.detect(scan)
+        detections = yield from self._detector.detect_in_stages(scan)
+        yield
         z = transform_points(pose, detections.positions[detections.human])
         d = detections.confidence[detections.human]
         self._legs.predict(dt)
         person_tracks.predict(self._people, dt, self._config)
         self._lost.predict(dt)
         match = self._adopt(self._associate(z), z)
+        yield
         self._legs.correct(match, z, d, dt)
         sightings = person_tracks.measure(self._people, match[: 2 * len(self._people)].reshape(-1, 2), z, d)
         sightings = self._see_legs_in_one(sightings, detections, pose, scan.time_s)
         person_tracks.correct(self._people, sightings, dt, self._config)
+        yield
         self._carry_hidden_legs(match)
         self._legs.measure_apart(dt)
         self._count_owned(dt)
         match = self._exchange_legs(match)
         thing = ~detections.human
         thing[detections.human] = self._is_still(match, len(z))
+        yield
         self._end_tracks()
         self._begin_legs(match, z, d)
         T_odom_lidar = compose(pose, scan.T_robot_lidar)
         points = transform_points(T_odom_lidar, detections.clusters.points)
         self._start_people(points, scan.time_s)
+        yield
         if seen is not None:
             self._see_by_camera(seen, scan.time_s, dt)
         self._mark_grid(points, detections.clusters, thing, pose, scan.time_s, dt)

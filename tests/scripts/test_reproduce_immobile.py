@@ -13,7 +13,7 @@ from tagalong.scripts.reproduce.immobile.drives import lab_drive, lab_world
 from tagalong.scripts.reproduce.immobile.plan import CLEAN, SHAKEN, cell_name, plan_of
 from tagalong.scripts.reproduce.run import run_experiment
 from tagalong.slam.errors import InputError
-from tagalong.slam.geometry import inverse
+from tagalong.slam.geometry import inverse, transform_points
 from tagalong.slam.logs.ros_map import read_ros_map
 from tagalong.slam.occupancy_map import OccupancyMap
 from tagalong.slam.scan import LaserScan
@@ -81,6 +81,9 @@ def test_the_door_is_cleared_when_the_map_lets_go_of_what_the_scan_sees_through(
     world = lab_world(0)
     T_map_world = inverse(world.start)
     watch = measures.DoorWatch(world.scene, T_map_world, RESOLUTION)
+    assert watch.cells / RESOLUTION % 1.0 == pytest.approx(0.5)  # centres
+    leaf = transform_points(inverse(T_map_world), watch.cells) - world.scene.doors[0].hinge
+    assert np.hypot(*leaf.T).max() < world.scene.doors[0].width
     low, high = watch.cells.min(axis=0) - 1.0, watch.cells.max(axis=0) + 1.0
     size = np.ceil((high - low) / RESOLUTION).astype(int)
     full = OccupancyMap(np.ones(size[::-1], dtype=np.float32), RESOLUTION, (float(low[0]), float(low[1])))

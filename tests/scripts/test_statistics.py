@@ -65,6 +65,7 @@ def test_the_interval_of_a_quantile_covers_it_about_as_often_as_it_says():
     intervals = np.array([quantile_interval(rng.random(400), 0.95) for _ in range(400)])
     inside = ((intervals[:, 0] <= 0.95) & (intervals[:, 1] >= 0.95)).mean()
     assert 0.92 < inside < 0.985
+    assert quantile_interval(np.arange(1.0, 101.0), 0.5) == (40.0, 61.0)  # ranks by the binomial distribution
     assert np.isnan(quantile_interval([], 0.95)).all()
     assert quantile_interval([3.0], 0.95) == (3.0, 3.0)
 
