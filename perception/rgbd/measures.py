@@ -136,19 +136,24 @@ def _border(depth, label, row, col, down, right, step):
 def count_borders_reference(depth: Array, label: NDArray[np.int32], step: float, counts: Array) -> None:
     """Do what `count_borders` does, in numpy: shifted pictures, one step farther out each time."""
     for up, (down, right) in ((0, (0, -1)), (0, (0, 1)), (1, (-1, 0))):
+        border = np.where(label >= 0, np.int64(Border.UNMEASURED), -1)
         undecided = label >= 0
         for away in range(1, _REACH + 1):
             beyond = _shifted(depth, away * down, away * right, np.inf) - depth
             other = _shifted(label, away * down, away * right, -2)
-            found = np.full(label.shape, -1)
-            found[np.isfinite(beyond)] = Border.TOUCHING
-            found[beyond > step], found[beyond < -step] = Border.FREE, Border.HIDDEN
-            found[other == -2] = Border.CUT
+            border[undecided & (other == label)] = -1
             undecided &= other != label
-            decided = undecided & (found >= 0)
-            np.add.at(counts, (label[decided], up, found[decided]), 1.0)
-            undecided &= ~decided
-        np.add.at(counts, (label[undecided], up, int(Border.UNMEASURED)), 1.0)
+            for mine, kind in (
+                (np.abs(beyond) <= step, Border.TOUCHING),
+                (np.isfinite(beyond) & (beyond > step), Border.FREE),
+                (beyond < -step, Border.HIDDEN),
+                (other == -2, Border.CUT),
+            ):
+                border[undecided & mine] = kind
+                undecided &= ~mine
+        met = border >= 0
+        for candidate, kind in zip(label[met].tolist(), border[met].tolist(), strict=True):
+            counts[candidate, up, kind] += 1.0
 
 
 def _shifted(picture: NDArray[Any], down: int, right: int, outside: float) -> NDArray[Any]:

@@ -134,5 +134,12 @@ def score_frame(people: RgbdPeople, drawn: LabelledFrame) -> PeopleScores:
         if away[person, k] <= MATCH_DISTANCE:
             found[person], error[person], right[k] = people.likelihood[k], away[person, k], True
     near = np.hypot(*people.positions.T) <= FARTHEST
-    of_people = (each[listed] for each in (found, distance, visible, error))
-    return PeopleScores(*of_people, people.likelihood[near], right[near], 1)
+    return PeopleScores(
+        found=found[listed],
+        distance=distance[listed],
+        visible=visible[listed],
+        error=error[listed],
+        likelihood=people.likelihood[near],
+        right=right[near],
+        frames=1,
+    )
