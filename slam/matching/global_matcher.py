@@ -41,6 +41,7 @@ _REFINEMENT = replace(
 
 _SCOUTS, _SCOUT_STEPS = 3, 6  # every third point, six steps: which maxima of the second search are promising
 _BEYOND_DOUBT = 0.96  # of the best score there is: enough, whatever the scans let one expect
+_NEARLY = 0.97  # of the most worth: what poses side by side may lack and still be as good
 _LEVELS = 4  # of noise: 1, 2, 4 and 8 times that of a SICK
 
 
@@ -223,19 +224,20 @@ class GlobalMatcher:
         The share of hits among what both could see of each other, hits and contradictions (and a fifth of the
         reference's points, so that a few hits at the rim do not win), plus `whole` times the share of hits of the scan
         that has more of them: of two views the nearer one shows part of what the farther one shows, all of it, and
-        along a corridor little else tells where.
+        along a corridor little else tells where. A point counts its range (see `agreement`).
         """
         config = self.config
         sigma = max(config.sigma, 2.0 * tool.config.last_scale)
-        hits, against, most = 0.0, 0.0, 0.0
+        hits, against, most, whole = 0.0, 0.0, 0.0, 0.0
         for points, T, seen in ((new, pose, reference), (reference, inverse(pose), new)):
-            met, contradicted = agreement(
+            met, contradicted, most = agreement(
                 points.points, T, seen.points, seen.rays, seen.feet, seen.normals, seen.first,
                 sigma, config.margin,
             )  # fmt: skip
-            hits, against, most = hits + met, against + contradicted, max(most, met / len(points))
-        both = hits / (hits + config.free_space * against + 0.2 * len(reference))
-        return float((both + config.whole * most) / (1.0 + config.whole))
+            hits, against, whole = hits + met, against + contradicted, max(whole, met / most)
+        # `most` is now what the reference's points count.
+        both = hits / (hits + config.free_space * against + 0.2 * most)
+        return float((both + config.whole * whole) / (1.0 + config.whole))
 
     def _most_promising(
         self, tool: IterativeMatcher, reference: LaserScan, new: Surfaces, maxima: tuple[Maximum, ...]
@@ -252,7 +254,8 @@ class GlobalMatcher:
         """Return whether a score is as good as the scans let one expect."""
         config = self.config
         # A hit of every point, among those and a fifth of the reference's.
-        most = (len(reference) + len(new)) / (1.2 * len(reference) + len(new))
+        first, second = (float((points.points * points.rays).sum()) for points in (reference, new))
+        most = (first + second) / (1.2 * first + second)
         most = (most + config.whole) / (1.0 + config.whole)
         return score >= _BEYOND_DOUBT * most or score >= config.sure * self._expected(tool, reference, new)
 
@@ -266,7 +269,7 @@ class GlobalMatcher:
         return float(np.mean(scores))
 
     def _choose(self, refined: list[Refined], worth: list[float]) -> int:
-        """Return the index of the pose of most worth; of those beside it, that of the highest maximum.
+        """Return the index of the pose of most worth; of those beside it and nearly as good, that of the highest maximum.
 
         Between poses a hand's breadth apart the share of explained points decides little: sparse points like to meet
         one beam aside.
@@ -275,7 +278,8 @@ class GlobalMatcher:
         linear, angular = self.config.beside
         for k in range(best):
             apart = compose(inverse(refined[best].pose), refined[k].pose)
-            if np.hypot(apart[0], apart[1]) <= linear and abs(wrap_angle(apart[2])) <= angular:
+            beside = np.hypot(apart[0], apart[1]) <= linear and abs(wrap_angle(apart[2])) <= angular
+            if beside and worth[k] >= _NEARLY * worth[best]:
                 return k
         return best
 

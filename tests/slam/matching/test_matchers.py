@@ -176,6 +176,29 @@ def test_of_two_places_that_explain_the_scans_as_well_global_takes_the_one_neare
     assert found[2] != found[3]
 
 
+# A narrow corridor with an alcove, a hall at its end: what tells where, and which way round, is far and has few beams.
+LONG = np.array(
+    [
+        [-3, -0.6, 9, -0.6], [-3, 0.6, 4, 0.6], [4, 0.6, 4, 1.8], [4, 1.8, 5.2, 1.8], [5.2, 1.8, 5.2, 0.6],
+        [5.2, 0.6, 9, 0.6], [9, -0.6, 9, -1.4], [9, -1.4, 10.5, -1.4], [10.5, -1.4, 10.5, 1], [10.5, 1, 9, 1],
+        [9, 1, 9, 0.6], [-3, -0.6, -3, 0.6],
+    ],
+    dtype=float,
+)  # fmt: skip
+
+
+def test_the_far_end_of_a_corridor_outweighs_the_walls_beside_the_laser():
+    rng, matcher = np.random.default_rng(0), make_matcher("global")
+    for _ in range(6):
+        at = np.array([rng.uniform(-0.5, 0.5), *rng.uniform(-0.1, 0.1, 2)])
+        moved = compose(at, [rng.uniform(1.0, 1.9), *rng.uniform(-0.15, 0.15, 2)])
+        truth = between(at, moved)
+        guess = truth + rng.uniform(-1, 1, 3) * [1, 1, np.pi]
+        match = matcher.match(*(scan_of(LONG, pose, noise=0.01, rng=rng) for pose in (at, moved)), guess)
+        np.testing.assert_allclose(between(truth, match.pose), 0.0, atol=0.1)
+        assert not match.ambiguous
+
+
 def test_global_recovers_where_icp_does_not():
     rng = np.random.default_rng(4)
     at, moved = np.array([0.2, -0.3, 0.4]), np.array([0.3, 0.1, 2.9])
