@@ -46,8 +46,8 @@ def turn_of(x, y):  # pragma: no cover
 def agreement(points, pose, reference, rays, feet, normals, first, sigma, margin):  # pragma: no cover
     """Return (hits, contradictions, most) of `points` (N, 2), at `pose`, with a reference scan's surfaces.
 
-    Each point counts its range [m], `most` is the sum of those: beams stand close on what is near, so that a wall beside
-    the laser, which looks alike along a whole corridor, would outvote all that stands ahead. A hit counts
+    Each point counts its range [m], `most` is the sum of those: beams stand close on what is near, so that a wall
+    beside the laser, alike along a whole corridor, would outvote all that stands ahead. A hit counts
     exp(-e^2 / 2 sigma^2) of it, e the distance from the line of the nearest return [m]. A point that lies nearer than
     the reference's return in that direction stands where the reference saw free space: it contradicts by how much
     nearer it is [m], at most 1, and by 1 more where that exceeds `margin` [m].
