@@ -218,6 +218,14 @@ def test_where_the_views_are_alike_what_stands_near_counts_by_its_beams():
     assert with_beams > without + 0.15
 
 
+def test_a_scan_explains_itself_but_for_the_fifth_that_is_taken_for_granted():
+    matcher = GlobalMatcher(GlobalConfig())
+    tool = IterativeMatcher(matcher.config.refinement)
+    seen = find_surfaces(scan_of(ROOM, [0, 0, 0], FULL), matcher.config.refinement.surfaces)
+    score = matcher._explains(tool, seen, seen, np.zeros(3))  # pyright: ignore[reportPrivateUsage]
+    assert score == pytest.approx((2.0 / 2.2 + 0.5) / 1.5, abs=2e-3)
+
+
 def test_of_poses_side_by_side_the_higher_maximum_is_taken_unless_it_explains_less():
     matcher = GlobalMatcher(GlobalConfig())
     poses = [Refined(np.array([x, 0.0, 0.0]), 1, True) for x in (0.1, 0.0, 1.0)]
