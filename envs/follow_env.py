@@ -219,7 +219,7 @@ class FollowEnv(gym.Env[Any, Any]):
         self._belief: Belief = self._mind.update(world.scan(), world.odometry)
         self._mind.look(world.frames)
         self._truth: TrueState = world.truth
-        self.coverage.update(self._belief.filtered, self._truth.robot_pose)
+        self.coverage.update(self._belief.sifted, self._truth.robot_pose)
         self._covered = self.coverage.share
         self._trail = [self._truth.robot_pose[:2]]
         if self.render_mode == "human":
@@ -315,7 +315,7 @@ class FollowEnv(gym.Env[Any, Any]):
         self._mind.look(world.frames)
         yield
         self._truth = world.truth
-        self.coverage.update(self._belief.filtered, self._truth.robot_pose)
+        self.coverage.update(self._belief.sifted, self._truth.robot_pose)
         self._trail.append(self._truth.robot_pose[:2])
 
     def _checked(self, action: ArrayLike) -> NDArray[np.float64]:

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..perception.config import PerceptionConfig
-from ..perception.legs.detector import Detections
-from ..perception.people_filter import near_points, people_points_lidar, suspect_points_lidar
+from ..perception.legs.detector import Detections, no_detections
+from ..perception.people_filter import SiftedScan
 from ..perception.rgbd.frame import RgbdFrame
 from ..perception.stages import Stages, completed
 from ..perception.tracking.camera import SeenPeople
@@ -36,17 +36,18 @@ class PeopleSource(Protocol):
         """
         ...
 
-    def suspects_lidar(self, scan: LaserScan) -> Array:
-        """Return (n, 2) places in the last scan, in the laser frame [m], that may be legs of people not known yet."""
+    @property
+    def detections(self) -> Detections:
+        """What was found in the last scan: legs, some of people not known yet."""
         ...
 
 
 class TrackedPeopleSource:
     """People found by the tracker, in the scans and in what a camera saw."""
 
-    def __init__(self, tracker: PeopleTracker, suspect_confidence: float) -> None:
-        self._tracker, self._suspect_confidence = tracker, suspect_confidence
-        self._detections: Detections | None = None
+    def __init__(self, tracker: PeopleTracker) -> None:
+        self._tracker = tracker
+        self._detections = no_detections()
 
     def update_in_stages(self, scan: LaserScan, odometry: Array, seen: SeenPeople | None) -> Stages[People]:
         """Take one scan with its odometry pose (3,), and whom a camera saw; return the people, odometry frame."""
@@ -54,11 +55,10 @@ class TrackedPeopleSource:
         self._detections = update.detections
         return update.people
 
-    def suspects_lidar(self, scan: LaserScan) -> Array:
-        """Return (n, 2) what looks like legs in the last scan, in the laser frame [m]."""
-        if self._detections is None:
-            return np.empty((0, 2))
-        return suspect_points_lidar(self._detections, scan, self._suspect_confidence)
+    @property
+    def detections(self) -> Detections:
+        """What the tracker's detector found in the last scan."""
+        return self._detections
 
 
 class Selector(Protocol):
@@ -81,8 +81,7 @@ class Belief:
     """What the robot believes after a step.
 
     Attributes:
-        scan: The latest scan as measured.
-        filtered: The same without people.
+        sifted: The latest scan, with and without people.
         odometry: (3,) T_odom_robot.
         velocity: (3,) of the robot by odometry: forward, left, turn [m/s, m/s, rad/s].
         people: People in the odometry frame.
@@ -92,8 +91,7 @@ class Belief:
         map_pose: (3,) T_map_robot; NaN without a map.
     """
 
-    scan: LaserScan
-    filtered: LaserScan
+    sifted: SiftedScan
     odometry: Array
     velocity: Array
     people: People
@@ -101,6 +99,16 @@ class Belief:
     leader: Leader | None
     map: OccupancyMap
     map_pose: Array
+
+    @property
+    def scan(self) -> LaserScan:
+        """The latest scan as measured."""
+        return self.sifted.scan
+
+    @property
+    def filtered(self) -> LaserScan:
+        """The same without people."""
+        return self.sifted.without_people
 
     @property
     def leader_id(self) -> int:
@@ -152,15 +160,11 @@ class Mind:
         yield
         leader = self._selector.update(people, odometry, scan)
         yield
-        near = near_points(scan, people_points_lidar(people, odometry, scan), self._config.zeta)
-        near |= near_points(scan, self._people.suspects_lidar(scan), self._config.suspect_radius)
-        filtered = scan.without(near)
-        yield
-        self._mapper.update(odometry, filtered)
-        grid = self._drawing.update(self._mapper, scan, near, [sighting.view for sighting in sightings])
+        sifted = SiftedScan(scan, odometry, people, self._people.detections, self._config)
+        self._mapper.update(odometry, sifted)
+        grid = self._drawing.update(self._mapper, sifted, [sighting.view for sighting in sightings])
         return Belief(
-            scan=scan,
-            filtered=filtered,
+            sifted=sifted,
             odometry=odometry,
             velocity=self._velocity,
             people=people,

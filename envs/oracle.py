@@ -6,6 +6,8 @@ No other module of the robot's mind reads the true state.
 import numpy as np
 from numpy.typing import NDArray
 
+from ..perception.legs.detector import Detections, no_detections
+from ..perception.people_filter import SiftedScan
 from ..perception.rgbd.frame import RgbdFrame
 from ..perception.rgbd.people import RgbdPeople
 from ..perception.rgbd.planes import Planes
@@ -58,9 +60,10 @@ class TruePeopleSource:
             age_s=np.full(len(near), truth.time_s),
         )
 
-    def suspects_lidar(self, scan: LaserScan) -> Array:
-        """Return (0, 2): everybody is known."""
-        return np.empty((0, 2))
+    @property
+    def detections(self) -> Detections:
+        """None: everybody is known."""
+        return no_detections()
 
 
 class TrueRgbdPeopleFinder:
@@ -93,7 +96,7 @@ class TrueMapper:
         self._growing = GrowingMap()
         self._path = np.zeros((0, 3))
 
-    def update(self, odometry: Array, scan: LaserScan) -> None:
+    def update(self, odometry: Array, sifted: SiftedScan) -> None:
         """Draw the scan where it was truly taken."""
         pose = self.pose
         if len(self._path):
@@ -101,7 +104,7 @@ class TrueMapper:
             if np.hypot(moved[0], moved[1]) < MAP_STEP_M and abs(moved[2]) < MAP_STEP_M:
                 return
         self._path = np.vstack((self._path, pose))
-        self._growing.add(scan, self._path)
+        self._growing.add(sifted.without_people, self._path)
 
     @property
     def map(self) -> OccupancyMap:

@@ -58,6 +58,13 @@ class Detections:
         return len(self.positions)
 
 
+def no_detections() -> Detections:
+    """Return that nothing at all was found."""
+    none = np.zeros(0, dtype=np.int64)
+    clusters = Clusters(np.empty((0, 2)), none, none, none)
+    return Detections(np.empty((0, 2)), np.empty(0), np.zeros(0, dtype=bool), clusters)
+
+
 class Detector(Protocol):
     """Finds legs in one scan."""
 

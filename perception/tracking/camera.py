@@ -8,8 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from ...slam.geometry import transform_points
 from ...slam.scan import LaserScan
 from ..config import PerceptionConfig
-from ..legs.clusters import Clusters
-from ..legs.detector import Detections
+from ..legs.detector import Detections, no_detections
 from ..rgbd.people import RgbdPeople
 from ..stages import Stages
 from . import kalman
@@ -44,9 +43,7 @@ class NoLegs:
     def detect_in_stages(self, scan: LaserScan) -> Stages[Detections]:
         """Return nothing, whatever `scan` shows."""
         yield
-        none = np.zeros(0, dtype=np.int64)
-        clusters = Clusters(np.empty((0, 2)), none, none, none)
-        return Detections(np.empty((0, 2)), np.empty(0), np.zeros(0, dtype=bool), clusters)
+        return no_detections()
 
 
 class CameraSightings:
