@@ -61,9 +61,9 @@ def make_follower(name: str, interface: FollowInterface | None = None) -> Follow
     """
     if ":" in name:
         return load_follower(name, interface or FollowInterface())
-    if (Path(name) / "policy.npz").is_file():
-        return LearnedFollower(interface, name)
     everybody = {**FOLLOWERS, **EXPLORERS}
+    if name not in everybody and Path(name).is_dir():
+        return LearnedFollower(interface, name)
     if name not in everybody:
         raise unknown_name("follower", name, tuple(everybody))
     return everybody[name](interface or FollowInterface())

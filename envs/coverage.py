@@ -4,9 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from ..perception.people_filter import SiftedScan
 from ..slam.geometry import compose, transform_points
 from ..slam.grid import scan_rays
-from ..slam.scan import LaserScan
 from .coverage_kernels import sweep
 from .robot import RobotConfig
 from .scenes.occupancy import true_map
@@ -44,8 +44,9 @@ class Coverage:
         self._wanted = truth.free & _visible(~truth.free, self._standing(scene, truth.free, width / 2.0))
         self._seen = np.zeros_like(self._nothing)
 
-    def update(self, scan: LaserScan, T_world_robot: Array) -> None:
-        """Take a scan without people, taken at the true pose (3,)."""
+    def update(self, sifted: SiftedScan, T_world_robot: Array) -> None:
+        """Take a scan, taken at the true pose (3,); its people do not count."""
+        scan = sifted.without_people
         T_world_lidar = compose(T_world_robot, scan.T_robot_lidar)
         ends = transform_points(T_world_lidar, scan_rays(scan, FARTHEST_M, clear_no_return=True)[0])
         x, y = (T_world_lidar[:2] - self._origin) / CELL_M
@@ -80,7 +81,7 @@ class NoCoverage:
 
     share = float("nan")
 
-    def update(self, scan: LaserScan, T_world_robot: Array) -> None:
+    def update(self, sifted: SiftedScan, T_world_robot: Array) -> None:
         """Ignore the scan."""
 
 

@@ -150,7 +150,7 @@ class MindFactory:
             return TruePeopleSource(world)
         p = self._perception
         detector = NoLegs() if self._forest is None else LegDetector(self._forest, p.detector())
-        return TrackedPeopleSource(PeopleTracker(p, detector), p.suspect_confidence)
+        return TrackedPeopleSource(PeopleTracker(p, detector))
 
     def _mapper(self, world: World, seed: int) -> Mapper:
         if self._config.slam is None:

@@ -9,6 +9,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import ArrayLike, NDArray
 
+from ..perception.stages import Stages, completed
 from ..slam.errors import InputError
 from .coverage import Coverage, NoCoverage
 from .endings import Ending, EndingRule
@@ -25,6 +26,7 @@ from .truth import TrueState
 from .world import World, WorldState
 
 Observation = dict[str, NDArray[Any]]
+StepResult = tuple[Observation, float, bool, bool, dict[str, Any]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -217,17 +219,24 @@ class FollowEnv(gym.Env[Any, Any]):
         self._belief: Belief = self._mind.update(world.scan(), world.odometry)
         self._mind.look(world.frames)
         self._truth: TrueState = world.truth
-        self.coverage.update(self._belief.filtered, self._truth.robot_pose)
+        self.coverage.update(self._belief.sifted, self._truth.robot_pose)
         self._covered = self.coverage.share
         self._trail = [self._truth.robot_pose[:2]]
         if self.render_mode == "human":
             self.render()
         return self._observer.observe(self._belief, world.frames), self._info(self._facts(0.0), Ending(), {})
 
-    def step(self, action: ArrayLike) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+    def step(self, action: ArrayLike) -> StepResult:
         """Drive for one control period; see the class."""
-        wanted = self._checked(action)
-        self._advance(wanted)
+        return completed(self.step_in_stages(action))
+
+    def step_in_stages(self, action: ArrayLike) -> Stages[StepResult]:
+        """Return the work of `step`, which can take turns with that of other environments; `action` is checked now."""
+        return self._step(self.world, self._checked(action))
+
+    def _step(self, world: World, wanted: NDArray[np.float64]) -> Stages[StepResult]:
+        yield from self._advance(world, wanted)
+        yield
         facts = self._facts(float(np.linalg.norm(wanted - self._action)))
         self._action, self._covered = wanted, facts.coverage
         terms = reward_terms(facts) if self.config.leader else exploration_terms(facts, self.config.coverage_goal)
@@ -235,8 +244,9 @@ class FollowEnv(gym.Env[Any, Any]):
         if self.render_mode == "human":
             self.render()
         info = self._info(facts, ending, terms)
+        yield
         return (
-            self._observer.observe(self._belief, self.world.frames),
+            self._observer.observe(self._belief, world.frames),
             sum(terms.values()),
             ending.terminated,
             False,
@@ -296,15 +306,16 @@ class FollowEnv(gym.Env[Any, Any]):
         """Copy `memory` deeply, but for the world and the leg detector's forest, which it may point to."""
         return copy.deepcopy(memory, {id(old_world): new_world, **self._minds.shared})
 
-    def _advance(self, wanted: NDArray[np.float64]) -> None:
-        world = self.world
+    def _advance(self, world: World, wanted: NDArray[np.float64]) -> Stages[None]:
         start_s, before = world.time_s, world.odometry
-        world.step(wanted * self._top)
+        yield from world.step_in_stages(wanted * self._top)
+        yield
         for scan, odometry in timed_odometry(world.scans, start_s, before, world.time_s, world.odometry):
-            self._belief = self._mind.update(scan, odometry)
+            self._belief = yield from self._mind.update_in_stages(scan, odometry)
         self._mind.look(world.frames)
+        yield
         self._truth = world.truth
-        self.coverage.update(self._belief.filtered, self._truth.robot_pose)
+        self.coverage.update(self._belief.sifted, self._truth.robot_pose)
         self._trail.append(self._truth.robot_pose[:2])
 
     def _checked(self, action: ArrayLike) -> NDArray[np.float64]:

@@ -4,16 +4,13 @@ from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..perception.immobile.mapper import ImmobileMapper, ImmobileMapperConfig
 from ..perception.immobile.view import View
+from ..perception.people_filter import SiftedScan
 from ..slam.immobile_layers import LayersConfig
 from ..slam.occupancy_map import OccupancyMap
-from ..slam.scan import LaserScan
 from .mappers import LONGEST_RAY_M, Mapper
-
-Array = NDArray[np.float64]
 
 _PERSON = 0.9
 _REDRAW_S = 0.45
@@ -22,10 +19,8 @@ _REDRAW_S = 0.45
 class Drawing(Protocol):
     """Chooses, or draws, the map that the robot believes in."""
 
-    def update(
-        self, mapper: Mapper, scan: LaserScan, near_people: NDArray[np.bool_], views: Sequence[View]
-    ) -> OccupancyMap:
-        """Take a scan, which of its beams (N,) met people, and the camera's views that have become ready by now.
+    def update(self, mapper: Mapper, sifted: SiftedScan, views: Sequence[View]) -> OccupancyMap:
+        """Take a scan, and the camera's views that have become ready by now.
 
         Returns:
             The map on the poses of `mapper`.
@@ -36,9 +31,7 @@ class Drawing(Protocol):
 class OwnDrawing:
     """The mapper's own occupancy map."""
 
-    def update(
-        self, mapper: Mapper, scan: LaserScan, near_people: NDArray[np.bool_], views: Sequence[View]
-    ) -> OccupancyMap:
+    def update(self, mapper: Mapper, sifted: SiftedScan, views: Sequence[View]) -> OccupancyMap:
         """Return the mapper's map."""
         return mapper.map
 
@@ -56,13 +49,11 @@ class ImmobileDrawing:
         self._map = self.mapper.grid.to_map()
         self._drawn_s = -np.inf
 
-    def update(
-        self, mapper: Mapper, scan: LaserScan, near_people: NDArray[np.bool_], views: Sequence[View]
-    ) -> OccupancyMap:
+    def update(self, mapper: Mapper, sifted: SiftedScan, views: Sequence[View]) -> OccupancyMap:
         """Write the scan, and the views; return the map, drawn anew about twice a second."""
-        self.mapper.add_scan(mapper.pose, scan, np.where(near_people, _PERSON, 0.0))
+        self.mapper.add_scan(mapper.pose, sifted.scan, np.where(sifted.near_people, _PERSON, 0.0))
         for view in views:
             self.mapper.add_view(view)
-        if scan.time_s - self._drawn_s > _REDRAW_S:
-            self._map, self._drawn_s = self.mapper.grid.to_map(), scan.time_s
+        if sifted.scan.time_s - self._drawn_s > _REDRAW_S:
+            self._map, self._drawn_s = self.mapper.grid.to_map(), sifted.scan.time_s
         return self._map

@@ -5,6 +5,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ..perception.people_filter import SiftedScan
 from ..slam.engine import SlamEngine
 from ..slam.grid import GridConfig, OccupancyGrid
 from ..slam.occupancy_map import OccupancyMap
@@ -19,8 +20,8 @@ LONGEST_RAY_M = 20.0
 class Mapper(Protocol):
     """A map and the robot's pose in it."""
 
-    def update(self, odometry: Array, scan: LaserScan) -> None:
-        """Take one people-free scan and its odometry pose (3,)."""
+    def update(self, odometry: Array, sifted: SiftedScan) -> None:
+        """Take one scan, of which the map needs what is left without people, and its odometry pose (3,)."""
         ...
 
     @property
@@ -81,9 +82,9 @@ class EngineMapper:
         self.engine = engine
         self._map: OccupancyMap | None = None
 
-    def update(self, odometry: Array, scan: LaserScan) -> None:
-        """Take one people-free scan and its odometry pose (3,)."""
-        if self.engine.update(odometry, scan).integrated:
+    def update(self, odometry: Array, sifted: SiftedScan) -> None:
+        """Take one scan, without its people, and its odometry pose (3,)."""
+        if self.engine.update(odometry, sifted.without_people).integrated:
             self._map = None
 
     @property
@@ -115,10 +116,10 @@ class GraphMapper:
         self.engine = engine
         self._growing = GrowingMap()
 
-    def update(self, odometry: Array, scan: LaserScan) -> None:
-        """Take one people-free scan and its odometry pose (3,)."""
-        if self.engine.update(odometry, scan).integrated:
-            self._growing.add(scan, self.engine.node_poses)
+    def update(self, odometry: Array, sifted: SiftedScan) -> None:
+        """Take one scan, without its people, and its odometry pose (3,)."""
+        if self.engine.update(odometry, sifted.without_people).integrated:
+            self._growing.add(sifted.without_people, self.engine.node_poses)
 
     @property
     def map(self) -> OccupancyMap:
@@ -138,7 +139,7 @@ class NoMapper:
         self._map = OccupancyMap(np.full((1, 1), np.nan, dtype=np.float32), 1.0, (0.0, 0.0))
         self._pose = np.full(3, np.nan)
 
-    def update(self, odometry: Array, scan: LaserScan) -> None:
+    def update(self, odometry: Array, sifted: SiftedScan) -> None:
         """Ignore the scan."""
 
     @property

@@ -7,9 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..perception.config import PerceptionConfig
-from ..perception.legs.detector import Detections
-from ..perception.people_filter import near_points, people_points_lidar, suspect_points_lidar
+from ..perception.legs.detector import Detections, no_detections
+from ..perception.people_filter import SiftedScan
 from ..perception.rgbd.frame import RgbdFrame
+from ..perception.stages import Stages, completed
 from ..perception.tracking.camera import SeenPeople
 from ..perception.tracking.leader import Leader
 from ..perception.tracking.people import People
@@ -27,7 +28,7 @@ Array = NDArray[np.float64]
 class PeopleSource(Protocol):
     """Where the robot's knowledge of people comes from."""
 
-    def update(self, scan: LaserScan, odometry: Array, seen: SeenPeople | None) -> People:
+    def update_in_stages(self, scan: LaserScan, odometry: Array, seen: SeenPeople | None) -> Stages[People]:
         """Take one scan with its odometry pose (3,), and whom a camera saw, if it did.
 
         Returns:
@@ -35,29 +36,29 @@ class PeopleSource(Protocol):
         """
         ...
 
-    def suspects_lidar(self, scan: LaserScan) -> Array:
-        """Return (n, 2) places in the last scan, in the laser frame [m], that may be legs of people not known yet."""
+    @property
+    def detections(self) -> Detections:
+        """What was found in the last scan: legs, some of people not known yet."""
         ...
 
 
 class TrackedPeopleSource:
     """People found by the tracker, in the scans and in what a camera saw."""
 
-    def __init__(self, tracker: PeopleTracker, suspect_confidence: float) -> None:
-        self._tracker, self._suspect_confidence = tracker, suspect_confidence
-        self._detections: Detections | None = None
+    def __init__(self, tracker: PeopleTracker) -> None:
+        self._tracker = tracker
+        self._detections = no_detections()
 
-    def update(self, scan: LaserScan, odometry: Array, seen: SeenPeople | None) -> People:
+    def update_in_stages(self, scan: LaserScan, odometry: Array, seen: SeenPeople | None) -> Stages[People]:
         """Take one scan with its odometry pose (3,), and whom a camera saw; return the people, odometry frame."""
-        update = self._tracker.update(scan, odometry, seen)
+        update = yield from self._tracker.update_in_stages(scan, odometry, seen)
         self._detections = update.detections
         return update.people
 
-    def suspects_lidar(self, scan: LaserScan) -> Array:
-        """Return (n, 2) what looks like legs in the last scan, in the laser frame [m]."""
-        if self._detections is None:
-            return np.empty((0, 2))
-        return suspect_points_lidar(self._detections, scan, self._suspect_confidence)
+    @property
+    def detections(self) -> Detections:
+        """What the tracker's detector found in the last scan."""
+        return self._detections
 
 
 class Selector(Protocol):
@@ -80,8 +81,7 @@ class Belief:
     """What the robot believes after a step.
 
     Attributes:
-        scan: The latest scan as measured.
-        filtered: The same without people.
+        sifted: The latest scan, with and without people.
         odometry: (3,) T_odom_robot.
         velocity: (3,) of the robot by odometry: forward, left, turn [m/s, m/s, rad/s].
         people: People in the odometry frame.
@@ -91,8 +91,7 @@ class Belief:
         map_pose: (3,) T_map_robot; NaN without a map.
     """
 
-    scan: LaserScan
-    filtered: LaserScan
+    sifted: SiftedScan
     odometry: Array
     velocity: Array
     people: People
@@ -100,6 +99,16 @@ class Belief:
     leader: Leader | None
     map: OccupancyMap
     map_pose: Array
+
+    @property
+    def scan(self) -> LaserScan:
+        """The latest scan as measured."""
+        return self.sifted.scan
+
+    @property
+    def filtered(self) -> LaserScan:
+        """The same without people."""
+        return self.sifted.without_people
 
     @property
     def leader_id(self) -> int:
@@ -140,18 +149,22 @@ class Mind:
 
     def update(self, scan: LaserScan, odometry: Array) -> Belief:
         """Take one scan and the odometry pose (3,) at its time; return what is believed now."""
+        return completed(self.update_in_stages(scan, odometry))
+
+    def update_in_stages(self, scan: LaserScan, odometry: Array) -> Stages[Belief]:
+        """Do as `update`, with pauses."""
         self._measure_velocity(scan.time_s, odometry)
         sightings = self._sight.update(scan.time_s, odometry)
-        people = self._people.update(scan, odometry, sightings[-1].people if sightings else None)
+        seen = sightings[-1].people if sightings else None
+        people = yield from self._people.update_in_stages(scan, odometry, seen)
+        yield
         leader = self._selector.update(people, odometry, scan)
-        near = near_points(scan, people_points_lidar(people, odometry, scan), self._config.zeta)
-        near |= near_points(scan, self._people.suspects_lidar(scan), self._config.suspect_radius)
-        filtered = scan.without(near)
-        self._mapper.update(odometry, filtered)
-        grid = self._drawing.update(self._mapper, scan, near, [sighting.view for sighting in sightings])
+        yield
+        sifted = SiftedScan(scan, odometry, people, self._people.detections, self._config)
+        self._mapper.update(odometry, sifted)
+        grid = self._drawing.update(self._mapper, sifted, [sighting.view for sighting in sightings])
         return Belief(
-            scan=scan,
-            filtered=filtered,
+            sifted=sifted,
             odometry=odometry,
             velocity=self._velocity,
             people=people,

@@ -6,9 +6,12 @@ No other module of the robot's mind reads the true state.
 import numpy as np
 from numpy.typing import NDArray
 
+from ..perception.legs.detector import Detections, no_detections
+from ..perception.people_filter import SiftedScan
 from ..perception.rgbd.frame import RgbdFrame
 from ..perception.rgbd.people import RgbdPeople
 from ..perception.rgbd.planes import Planes
+from ..perception.stages import Stages
 from ..perception.tracking.camera import SeenPeople
 from ..perception.tracking.people import People
 from ..slam.geometry import between, compose, inverse, transform_points
@@ -36,8 +39,9 @@ class TruePeopleSource:
     def __init__(self, world: World) -> None:
         self._world = world
 
-    def update(self, scan: LaserScan, odometry: Array, seen: SeenPeople | None) -> People:
+    def update_in_stages(self, scan: LaserScan, odometry: Array, seen: SeenPeople | None) -> Stages[People]:
         """Return the people in the odometry frame; ids are their true numbers."""
+        yield
         truth = self._world.truth
         T_odom_world = compose(odometry, inverse(truth.robot_pose))
         turn = np.array([0.0, 0.0, T_odom_world[2]])
@@ -56,9 +60,10 @@ class TruePeopleSource:
             age_s=np.full(len(near), truth.time_s),
         )
 
-    def suspects_lidar(self, scan: LaserScan) -> Array:
-        """Return (0, 2): everybody is known."""
-        return np.empty((0, 2))
+    @property
+    def detections(self) -> Detections:
+        """None: everybody is known."""
+        return no_detections()
 
 
 class TrueRgbdPeopleFinder:
@@ -91,7 +96,7 @@ class TrueMapper:
         self._growing = GrowingMap()
         self._path = np.zeros((0, 3))
 
-    def update(self, odometry: Array, scan: LaserScan) -> None:
+    def update(self, odometry: Array, sifted: SiftedScan) -> None:
         """Draw the scan where it was truly taken."""
         pose = self.pose
         if len(self._path):
@@ -99,7 +104,7 @@ class TrueMapper:
             if np.hypot(moved[0], moved[1]) < MAP_STEP_M and abs(moved[2]) < MAP_STEP_M:
                 return
         self._path = np.vstack((self._path, pose))
-        self._growing.add(scan, self._path)
+        self._growing.add(sifted.without_people, self._path)
 
     @property
     def map(self) -> OccupancyMap:

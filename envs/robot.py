@@ -95,7 +95,7 @@ class Robot:
             wanted = np.array([wanted[0], 0.0, wanted[1]])
         speed = np.hypot(wanted[0], wanted[1])
         scale = min(1.0, self.config.max_speed / speed) if speed > 0.0 else 1.0
-        turn = np.clip(wanted[2], -self.config.max_turn_rate, self.config.max_turn_rate)
+        turn = min(max(float(wanted[2]), -self.config.max_turn_rate), self.config.max_turn_rate)
         return np.array([wanted[0] * scale, wanted[1] * scale, turn])
 
     def ramp(self, wanted: Array, dt: float) -> Array:

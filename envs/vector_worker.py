@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 from gymnasium.vector import AutoresetMode
-from gymnasium.wrappers import TimeLimit
 from numpy.typing import NDArray
 
+from ..perception.stages import in_turn
 from ..slam.errors import InputError
-from .follow_env import FollowEnv
+from .follow_env import FollowEnv, StepResult
 
 Row = tuple[Any, float, bool, bool, dict[str, Any], Any, dict[str, Any] | None]
 """Observation, reward, terminated, truncated, info, and of an episode that ended in this step its last observation and
@@ -96,7 +96,7 @@ def joined(tables: list[dict[str, Any]], count: int) -> dict[str, Any] | None:
 
 
 class Share:
-    """Some environments that are stepped one after the other.
+    """Some environments that are stepped in turn, stage by stage.
 
     Args:
         count: How many.
@@ -106,22 +106,26 @@ class Share:
     """
 
     def __init__(self, count: int, mode: AutoresetMode, max_episode_steps: int | None, fields: dict[str, Any]) -> None:
-        single = [FollowEnv(**fields) for _ in range(count)]
-        self._envs = [TimeLimit(env, max_episode_steps) if max_episode_steps else env for env in single]
-        self._mode = mode
+        self._envs = [FollowEnv(**fields) for _ in range(count)]
+        self._mode, self._limit = mode, max_episode_steps or np.inf
         self._ended = np.zeros(count, dtype=bool)
+        self._steps = np.zeros(count, dtype=np.int64)
 
     def reset(self, seeds: list[int | None], options: dict[str, Any] | None, chosen: list[bool]) -> list[Any]:
         """Return (observation, info) of each environment that is `chosen`, None of the others."""
         results: list[Any] = []
-        for i, (env, seed, wanted) in enumerate(zip(self._envs, seeds, chosen, strict=True)):
-            self._ended[i] = self._ended[i] and not wanted
-            results.append(env.reset(seed=seed, options=options) if wanted else None)
+        for i, (seed, wanted) in enumerate(zip(seeds, chosen, strict=True)):
+            results.append(self._restart(i, seed=seed, options=options) if wanted else None)
         return results
 
     def step(self, actions: Any) -> Rows:
         """Return what became of each environment under `actions` (count, ...)."""
-        rows = [self._step(i, env, actions[i]) for i, env in enumerate(self._envs)]
+        if self._mode == AutoresetMode.DISABLED and self._ended.any():
+            ended = int(np.flatnonzero(self._ended)[0])
+            raise InputError(f"the episode of environment {ended} of this worker has ended: reset it first")
+        going = np.flatnonzero(~self._ended).tolist()
+        results = dict(zip(going, in_turn([self._envs[i].step_in_stages(actions[i]) for i in going]), strict=True))
+        rows = [self._row(i, results.get(i)) for i in range(len(self._envs))]
         alike = None if any(row[6] is not None for row in rows) else columns([row[4] for row in rows])
         return Rows(
             observations=stacked([row[0] for row in rows]),
@@ -136,21 +140,24 @@ class Share:
         """Return a picture of each environment."""
         return [env.render() for env in self._envs]
 
-    def _step(self, i: int, env: Any, action: Any) -> Row:
-        if self._ended[i]:
-            if self._mode == AutoresetMode.DISABLED:
-                raise InputError(f"the episode of environment {i} of this worker has ended: reset it first")
-            self._ended[i] = False
-            observation, info = env.reset()
+    def _row(self, i: int, result: StepResult | None) -> Row:
+        """Return what became of environment i by the `result` of its step; None: its episode had ended before."""
+        if result is None:
+            observation, info = self._restart(i)
             return observation, 0.0, False, False, info, None, None
-        observation, reward, terminated, truncated, info = env.step(action)
-        ended = terminated or truncated
-        if ended and self._mode == AutoresetMode.SAME_STEP:
+        observation, reward, terminated, _, info = result
+        self._steps[i] += 1
+        truncated = bool(self._steps[i] >= self._limit)
+        self._ended[i] = terminated or truncated
+        if self._ended[i] and self._mode == AutoresetMode.SAME_STEP:
             last, last_info = observation, info
-            observation, info = env.reset()
+            observation, info = self._restart(i)
             return observation, reward, terminated, truncated, info, last, last_info
-        self._ended[i] = ended
         return observation, reward, terminated, truncated, info, None, None
+
+    def _restart(self, i: int, **how: Any) -> tuple[Any, dict[str, Any]]:
+        self._ended[i], self._steps[i] = False, 0
+        return self._envs[i].reset(**how)
 
 
 def answer(share: Share, name: str, arguments: tuple[Any, ...]) -> tuple[Any, Exception | None]:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..perception.rgbd.frame import RgbdFrame
+from ..perception.stages import Stages, completed
 from ..slam.scan import LaserScan
 from .building import build
 from .camera.looks import dress
@@ -156,11 +157,16 @@ class World:
         Raises:
             InputError: If the command does not fit the drive or is not finite.
         """
+        completed(self.step_in_stages(command))
+
+    def step_in_stages(self, command: ArrayLike) -> Stages[None]:
+        """Do as `step`, with pauses."""
         wanted = self._robot.command(command)
         self._contact_person = self._contact_static = False
         scans: list[LaserScan] = []
         frames: list[RgbdFrame] = []
         self._crowd.decide(self._ticks_per_step * TICK, self._robot_row(), self._progress)
+        yield
         poses = np.empty((self._ticks_per_step, 3))
         for tick in range(self._ticks_per_step):
             self.data.ctrl[:] = self._robot.ramp(wanted, TICK)
@@ -175,11 +181,13 @@ class World:
             poses[tick] = self.data.qpos[:3]
             self._ticks += 1
             if self._ticks % self._ticks_per_scan == 0:
+                yield
                 self._take_scan()
                 scans.append(self._scans[-1])
             if self._ticks_per_frame and self._ticks % self._ticks_per_frame == 0:
                 self._take_frame()
                 frames.append(self._frames[-1])
+        yield
         self._odometry.update(poses)
         self._scans = tuple(scans) or self._scans[-1:]
         self._frames = tuple(frames) or self._frames[-1:]

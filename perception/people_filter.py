@@ -1,10 +1,14 @@
 """Keeps people out of scans before they reach a map (Ye 2021, section II.B)."""
 
+from dataclasses import dataclass
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..slam.geometry import inverse, transform_points
 from ..slam.scan import LaserScan
+from .config import PerceptionConfig
 from .legs.detector import Detections
 from .nearness_kernel import near_any
 from .tracking.people import People
@@ -40,3 +44,35 @@ def people_points_lidar(people: People, odometry: ArrayLike, scan: LaserScan) ->
     """Return (3 n, 2) centres and legs of `people` (odometry frame) in the frame of the laser that took `scan`."""
     points_robot = transform_points(inverse(odometry), people.points)
     return transform_points(inverse(np.asarray(scan.T_robot_lidar)), points_robot)
+
+
+@dataclass(frozen=True, eq=False)
+class SiftedScan:
+    """A scan that people can be taken out of; that is done when somebody asks, once.
+
+    Attributes:
+        scan: As measured.
+        odometry: (3,) T_odom_robot at its time.
+        people: Who is known, odometry frame.
+        detections: What the leg detector said about the scan.
+        config: How near to people, and to what may be people, returns are dropped.
+    """
+
+    scan: LaserScan
+    odometry: NDArray[np.float64]
+    people: People
+    detections: Detections
+    config: PerceptionConfig
+
+    @cached_property
+    def near_people(self) -> NDArray[np.bool_]:
+        """(N,) the beams whose return is near somebody, or near what may become somebody."""
+        config, scan = self.config, self.scan
+        near = near_points(scan, people_points_lidar(self.people, self.odometry, scan), config.zeta)
+        suspects = suspect_points_lidar(self.detections, scan, config.suspect_confidence)
+        return near | near_points(scan, suspects, config.suspect_radius)
+
+    @cached_property
+    def without_people(self) -> LaserScan:
+        """The scan with these beams dropped: neither a hit nor a free ray."""
+        return self.scan.without(self.near_people)

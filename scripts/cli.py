@@ -8,6 +8,7 @@ from importlib import import_module
 
 from .. import __version__
 from ..slam.errors import InputError, MissingExtraError
+from ..slam.files import require_writable
 
 # name -> what it does; the code is in commands/NAME.py, imported only when it is used
 COMMANDS: dict[str, str] = {
@@ -62,4 +63,6 @@ def _run(words: list[str]) -> int:
     if options.command is None:
         parser.print_help()
         return 0
+    if getattr(options, "out", None) is not None:
+        require_writable(options.out)
     return int(options.run(options))

@@ -52,6 +52,21 @@ def made_folder(path: str | os.PathLike[str]) -> Path:
     return folder
 
 
+def require_writable(path: str | os.PathLike[str]) -> None:
+    """Make sure that `path` could be written, before hours of work are spent on what goes there; leaves nothing behind.
+
+    Raises:
+        InputError: If the nearest folder above it that exists takes no files, or is no folder.
+    """
+    target = Path(path)
+    there = next(folder for folder in (target, *target.absolute().parents) if folder.exists())
+    try:
+        with tempfile.TemporaryFile(dir=there if there.is_dir() or there != target else there.parent):
+            pass
+    except OSError as error:
+        raise InputError(f"{target}: cannot be written ({there}: {error.strerror})") from error
+
+
 def write_text(path: str | os.PathLike[str], text: str) -> None:
     """Write `text` (UTF-8, `\\n` line ends) to `path`, whole or not at all."""
     with replacing(path) as temporary:

@@ -79,30 +79,31 @@ class OccupancyGrid:
 
     def write(self, T_map_robot: ArrayLike, scan: LaserScan) -> None:
         """Write one scan, taken at the pose `T_map_robot` (3,)."""
-        T_map_lidar = compose(T_map_robot, scan.T_robot_lidar)
-        points_lidar, is_hit = scan_rays(scan, self.config.max_range, self.config.clear_no_return)
-        if not len(points_lidar):
-            return
-        cells = np.concatenate((T_map_lidar[None, :2], transform_points(T_map_lidar, points_lidar)))
-        cells /= self.config.resolution
-        self._reach(cells)
-        cells -= self._corner
-        self._scans += 1
-        write_observation(
-            cells[0, 0],
-            cells[0, 1],
-            cells[1:],
-            np.where(is_hit, _log_odds(self.config.hit), np.nan),
-            _log_odds(self.config.miss),
-            self.config.limit,
-            self._scans,
-            self._log_odds,
-            self._stamps,
-        )
+        points, is_hit = scan_rays(scan, self.config.max_range, self.config.clear_no_return)
+        hits = np.where(is_hit, _log_odds(self.config.hit), np.nan)
+        self._observe(compose(T_map_robot, scan.T_robot_lidar), points, hits, _log_odds(self.config.miss))
 
     def to_map(self) -> OccupancyMap:
         """Return the grid as it is now, cut to what is known; cells that no ray met are NaN."""
         return self._cut((1.0 / (1.0 + np.exp(-self._log_odds))).astype(np.float32))
+
+    def _observe(
+        self, T_map_sensor: NDArray[np.float64], points: NDArray[np.float64], hits: NDArray[np.float64], miss: float
+    ) -> None:
+        """Write rays to `points` (n, 2), sensor frame, growing where needed.
+
+        Args:
+            T_map_sensor: (3,) pose of the sensor.
+            points: Where the rays end [m].
+            hits: (n,) log-odds of what is there; NaN: nothing is there.
+            miss: Log-odds of the cells that the rays pass.
+        """
+        if not len(points):
+            return
+        cells = self._cells(np.concatenate((T_map_sensor[None, :2], transform_points(T_map_sensor, points))))
+        self._scans += 1
+        x, y = cells[0]
+        write_observation(x, y, cells[1:], hits, miss, self.config.limit, self._scans, self._log_odds, self._stamps)
 
     def _cut(self, probability: NDArray[np.float32]) -> OccupancyMap:
         """Return `probability` (rows, cols) of all cells as a map, cut to what is known."""
@@ -117,6 +118,12 @@ class OccupancyGrid:
         probability = np.where(known[window], probability[window], np.float32(np.nan))
         x, y = (self._corner + np.array([cols[0], rows[0]])) * self.config.resolution
         return OccupancyMap(probability, self.config.resolution, (float(x), float(y)))
+
+    def _cells(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return `points` (n, 2), map frame [m], as cells, after growing so that all are inside."""
+        cells = points / self.config.resolution
+        self._reach(cells)
+        return cells - self._corner
 
     def _reach(self, cells: NDArray[np.float64]) -> None:
         """Grow until all `cells` (n, 2) x, y are inside."""

@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .errors import InputError
-from .geometry import compose, transform_points
+from .geometry import compose
 from .grid import GridConfig, OccupancyGrid, scan_rays
-from .grid_kernels import write_observation
 from .occupancy_map import OccupancyMap
 from .scan import LaserScan
 
@@ -129,25 +128,9 @@ class ImmobileGrid(OccupancyGrid):
         """
         if not np.all(np.isnan(lambdas) | (lambdas > 0.0)):
             raise InputError(f"lambda must be positive, got {np.nanmin(lambdas)}")
-        if not len(points):
-            return
         order = np.argsort(lambdas, kind="stable")
-        cells = np.concatenate((T_map_sensor[None, :2], transform_points(T_map_sensor, points[order])))
-        cells /= self.config.resolution
-        self._reach(cells)
-        cells -= self._corner
-        self._scans += 1
-        write_observation(
-            cells[0, 0],
-            cells[0, 1],
-            cells[1:],
-            np.log(lambdas[order] * self.config.hit),
-            float(np.log(UNKNOWN * self.config.miss)),
-            self.config.limit,
-            self._scans,
-            self._log_odds,
-            self._stamps,
-        )
+        hits = np.log(lambdas[order] * self.config.hit)
+        self._observe(T_map_sensor, points[order], hits, float(np.log(UNKNOWN * self.config.miss)))
         self._firm |= self._log_odds >= self.config.firm
 
 

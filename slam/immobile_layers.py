@@ -271,12 +271,6 @@ class ImmobileLayers(OccupancyGrid):
     def _cut(self, probability: NDArray[np.float32]) -> OccupancyMap:
         return self._cut_known(probability, np.asarray((self._stamps > 0).any(axis=0)))
 
-    def _cells(self, points: Array) -> Array:
-        """Return `points` (n, 2), map frame [m], as cells, after growing so that all are inside."""
-        cells = points / self.config.resolution
-        self._reach(cells)
-        return cells - self._corner
-
     def _recognised(self, row: NDArray[np.intp], col: NDArray[np.intp]) -> NDArray[np.bool_]:
         """Return (n,) whether cells firmly hold what was recognised for certain, in any layer."""
         firm = (self._spans[1][:, row, col] > 0.0) & (self._log_odds[:, row, col] >= self.config.firm)

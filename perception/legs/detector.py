@@ -1,6 +1,7 @@
 """From a scan to the legs in it: clusters, features, forest."""
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,6 +9,7 @@ from numpy.typing import NDArray
 from ...slam.errors import InputError
 from ...slam.geometry import transform_points
 from ...slam.scan import LaserScan
+from ..stages import Stages, completed
 from .centres_kernel import move_to_centres
 from .clusters import DEFAULT_ALPHA, DEFAULT_BETA, Clusters, cluster_scan
 from .forest import LegForest
@@ -56,6 +58,21 @@ class Detections:
         return len(self.positions)
 
 
+def no_detections() -> Detections:
+    """Return that nothing at all was found."""
+    none = np.zeros(0, dtype=np.int64)
+    clusters = Clusters(np.empty((0, 2)), none, none, none)
+    return Detections(np.empty((0, 2)), np.empty(0), np.zeros(0, dtype=bool), clusters)
+
+
+class Detector(Protocol):
+    """Finds legs in one scan."""
+
+    def detect_in_stages(self, scan: LaserScan) -> Stages[Detections]:
+        """Return the clusters of `scan` with their confidence, positions in the robot frame."""
+        ...
+
+
 class LegDetector:
     """Finds legs in single scans."""
 
@@ -65,8 +82,13 @@ class LegDetector:
 
     def detect(self, scan: LaserScan) -> Detections:
         """Return the clusters of `scan` with their confidence and leg centres."""
+        return completed(self.detect_in_stages(scan))
+
+    def detect_in_stages(self, scan: LaserScan) -> Stages[Detections]:
+        """Do as `detect`, with pauses."""
         clusters = cluster_scan(scan, self.config.alpha, self.config.beta, self.config.far_width)
-        confidence = self.forest.confidence(scan, clusters)
+        yield
+        confidence = yield from self.forest.confidence_in_stages(scan, clusters)
         positions = transform_points(scan.T_robot_lidar, leg_centres(clusters))
         return Detections(positions, confidence, confidence >= self.config.gamma, clusters)
 

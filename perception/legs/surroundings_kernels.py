@@ -11,6 +11,7 @@ NEARER_LIMIT = -1.0
 OPEN = 1.5  # the value of a beam without a return in the windows beside a cluster [m]
 BESIDE, FAR_BESIDE = 0.3, 0.8  # widths of the windows beside the ends [m]
 RADII = (0.3, 0.6, 1.2)  # of the rings around the mean point [m]
+FAR = 1.21  # beyond all rings, whatever the last bit of a distance [m]
 IN_LINE = 0.05
 WIDEST_MATE = 0.5
 LONGEST_STANCE = 0.8
@@ -106,6 +107,9 @@ def _rings(points, ranges, bearings, a, b, spacing, centre, row):
         i = inner + step
         while 0 <= i < len(ranges) and abs(bearings[i] - bearings[inner]) <= reach:
             x, y = points[i, 0] - centre[0], points[i, 1] - centre[1]
+            if x * x + y * y > FAR * FAR:  # spares most points the exact distance
+                i += stride
+                continue
             away = np.hypot(x, y)
             if away < RADII[2]:
                 length = ranges[i] * spacing * abs(stride)

@@ -11,9 +11,8 @@ from ...slam.geometry import transform_points
 from .frame import RgbdFrame
 from .heads import Candidates, HeadConfig, find_candidates
 from .people import RgbdPeople
-from .person_svm import PersonSvm
+from .person_svm import PersonSvm, candidate_features
 from .planes import Planes, Surface
-from .windows import candidate_windows
 
 Array = NDArray[np.float64]
 
@@ -64,7 +63,7 @@ class PeopleFinder:
         """Return the people in `frame`, whose planes are known; the likeliest first."""
         config = self._config
         candidates = find_candidates(planes, config.heads)
-        likelihood = self._svm.likelihood(candidate_windows(frame, candidates))
+        likelihood = self._svm.likelihood(candidate_features(frame, planes, candidates))
         middles = body_centres(candidates, config.behind)
         order = np.argsort(-likelihood, kind="stable")
         owner = np.full(len(order), -1, dtype=np.int64)

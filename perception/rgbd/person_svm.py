@@ -12,15 +12,20 @@ from numpy.typing import NDArray
 
 from ...slam.errors import InputError
 from ...slam.files import replacing, write_json
+from .frame import RgbdFrame
+from .heads import Candidates
 from .hog import hog, hog_length
-from .windows import CHANNELS, COLUMNS, ROWS
+from .measures import MEASURES_LENGTH, candidate_measures, soft_bins
+from .planes import Planes
+from .windows import CHANNELS, COLUMNS, ROWS, candidate_windows
 
 Array = NDArray[np.float64]
 
 MODEL = Path(__file__).resolve().parent.parent / "models" / "people_rgbd.npz"
 SOFTNESS = 0.02
 """Of the blocks' norm: noise on an even surface is no pattern."""
-LENGTH = hog_length(ROWS, COLUMNS, CHANNELS)
+_OF_WINDOW = hog_length(ROWS, COLUMNS, CHANNELS)
+LENGTH = _OF_WINDOW + MEASURES_LENGTH
 """How many features there are."""
 
 
@@ -77,15 +82,18 @@ class PersonSvm:
         """Return (n,) how far each row of `features` (n, LENGTH) is on the side of people."""
         return features.astype(np.float64) @ self.weights.astype(np.float64) + self.bias
 
-    def likelihood(self, windows: NDArray[np.float32]) -> Array:
-        """Return (n,) how likely each of `windows` (n, CHANNELS, ROWS, COLUMNS) shows somebody, in [0, 1]."""
-        return 1.0 / (1.0 + np.exp(-(self.slope * self.score(window_features(windows)) + self.offset)))
+    def likelihood(self, features: NDArray[np.float32]) -> Array:
+        """Return (n,) how likely each candidate with `features` (n, LENGTH) is somebody, in [0, 1]."""
+        return 1.0 / (1.0 + np.exp(-(self.slope * self.score(features) + self.offset)))
 
 
-def window_features(windows: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Return (n, LENGTH) the gradients' histograms of `windows` (n, CHANNELS, ROWS, COLUMNS)."""
-    features = np.empty((len(windows), LENGTH), dtype=np.float32)
-    hog(windows, SOFTNESS, features)
+def candidate_features(frame: RgbdFrame, planes: Planes, candidates: Candidates) -> NDArray[np.float32]:
+    """Return (n, LENGTH): gradients' histograms of the candidates' windows, then the soft bins of their measures."""
+    features = np.empty((len(candidates), LENGTH), dtype=np.float32)
+    histograms = np.empty((len(candidates), _OF_WINDOW), dtype=np.float32)
+    hog(candidate_windows(frame, candidates), SOFTNESS, histograms)
+    features[:, :_OF_WINDOW] = histograms
+    features[:, _OF_WINDOW:] = soft_bins(candidate_measures(frame, planes, candidates))
     return features
 
 

@@ -22,7 +22,8 @@ def candidate_windows(frame: RgbdFrame, candidates: Candidates) -> NDArray[np.fl
     """Return (n, CHANNELS, ROWS, COLUMNS): brightness in [0, 1]; depth before and behind the candidate, in [-1, 1]; its
     own pixels, 1, among all others, 0.
 
-    Where nothing was measured, which is at edges, the depth counts as the background's.
+    All others are as bright as the candidate is on average: what is beside and behind it says nothing about it. Where
+    nothing was measured, which is at edges, the depth counts as the background's.
     """
     down = frame.camera.focal[1]
     luma = (frame.colour @ _LUMA) / np.float32(255.0)
@@ -40,6 +41,9 @@ def candidate_windows(frame: RgbdFrame, candidates: Candidates) -> NDArray[np.fl
         scale = (height + 2.0 * _MARGIN) * down / depth / ROWS
         corner = (top - _MARGIN * down / depth, middle - COLUMNS * scale / 2.0)
         _sample(luma, frame.depth, mine, depth, corner[0], corner[1], scale, windows[k])
+    own = windows[:, 2]
+    mean = (windows[:, 0] * own).sum(axis=(1, 2)) / np.maximum(own.sum(axis=(1, 2)), 1e-6)
+    windows[:, 0] = own * windows[:, 0] + (1.0 - own) * mean[:, None, None]
     return windows
 
 

@@ -8,9 +8,9 @@ from numpy.typing import ArrayLike, NDArray
 from ...slam.geometry import transform_points
 from ...slam.scan import LaserScan
 from ..config import PerceptionConfig
-from ..legs.clusters import Clusters
-from ..legs.detector import Detections
+from ..legs.detector import Detections, no_detections
 from ..rgbd.people import RgbdPeople
+from ..stages import Stages
 from . import kalman
 from .association import assign, distances
 
@@ -40,11 +40,10 @@ class SeenPeople:
 class NoLegs:
     """A detector that finds no legs: for people by the camera alone."""
 
-    def detect(self, scan: LaserScan) -> Detections:
+    def detect_in_stages(self, scan: LaserScan) -> Stages[Detections]:
         """Return nothing, whatever `scan` shows."""
-        none = np.zeros(0, dtype=np.int64)
-        clusters = Clusters(np.empty((0, 2)), none, none, none)
-        return Detections(np.empty((0, 2)), np.empty(0), np.zeros(0, dtype=bool), clusters)
+        yield
+        return no_detections()
 
 
 class CameraSightings:

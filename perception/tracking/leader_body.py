@@ -143,7 +143,8 @@ class BodyLeaderSelector(LeaderSelector):
         if own < 0 or people.unseen_s[own] > 0.0:
             return False
         place, legs = people.positions[own], people.seen_legs
-        others = np.concatenate((legs.positions[legs.owner != own], np.delete(people.positions, own, axis=0)))
+        bodies = people.positions[:own], people.positions[own + 1 :]
+        others = np.concatenate((legs.positions[legs.owner != own], *bodies))
         apart = others - place
         return bool(((apart * apart).sum(axis=1) > self._body.alone**2).all())
 

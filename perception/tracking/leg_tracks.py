@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..config import PerceptionConfig
+from . import leg_kernels
 from . import track_kernels as kernels
 from .people import SeenLegs
 
@@ -50,8 +51,7 @@ class LegTracks:
     @property
     def moved(self) -> Array:
         """(n,) size of the area a track has been in: diagonal of the box around it [m]."""
-        size = self.rows["high"] - self.rows["low"]
-        return np.sqrt(size[:, 0] ** 2 + size[:, 1] ** 2)
+        return leg_kernels.moved(self.rows)
 
     def spread(self) -> Array:
         """Return (n, n) lengths of `apart` [m]."""
@@ -82,8 +82,7 @@ class LegTracks:
 
     def seen_now(self, people: int) -> SeenLegs:
         """Return the legs seen in the last scan; the first 2 `people` tracks are those of people."""
-        rows = np.flatnonzero(self.rows["unseen_s"] == 0.0)
-        owner = np.where(rows < 2 * people, rows // 2, -1)
+        rows, owner = leg_kernels.seen_now(self.rows, people)
         return SeenLegs(self.rows["seen"][rows], self.rows["confidence"][rows], owner)
 
     def measure_apart(self, dt: float) -> None:

@@ -61,6 +61,8 @@ class LostPeople:
 
     def may_be(self, positions: Array, age_s: Array, within: float) -> NDArray[np.bool_]:
         """Return (n,) whether legs at `positions` (n, 2), known for `age_s` (n,), can be somebody lost `within` [m]."""
+        if len(self._people) == 0:
+            return np.zeros(len(positions), dtype=bool)
         return np.asarray(self._cost(self._people, positions, age_s).min(axis=1, initial=np.inf) <= within)
 
     def _cost(self, lost: NDArray[np.void], positions: Array, age_s: Array) -> Array:

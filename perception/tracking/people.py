@@ -1,6 +1,6 @@
 """The people that the tracker believes in, after one scan."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -73,10 +73,16 @@ class People:
         """Return the same people with positions and velocities in the frame of the robot at `T_odom_robot` (3,)."""
         T_robot_odom = inverse(T_odom_robot)
         turn = np.array([0.0, 0.0, T_robot_odom[2]])
-        return replace(
-            self,
+        seen = self.seen_legs
+        return People(
+            time_s=self.time_s,
+            ids=self.ids,
             positions=transform_points(T_robot_odom, self.positions),
             velocities=transform_points(turn, self.velocities),
+            confidence=self.confidence,
             legs=transform_points(T_robot_odom, self.legs.reshape(-1, 2)).reshape(-1, 2, 2),
-            seen_legs=replace(self.seen_legs, positions=transform_points(T_robot_odom, self.seen_legs.positions)),
+            variance=self.variance,
+            unseen_s=self.unseen_s,
+            age_s=self.age_s,
+            seen_legs=SeenLegs(transform_points(T_robot_odom, seen.positions), seen.confidence, seen.owner),
         )

@@ -1,7 +1,6 @@
 """People from leg detections, scan by scan (Ye 2021, section II.A)."""
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,8 +10,9 @@ from ...slam.geometry import compose, transform_points
 from ...slam.scan import LaserScan
 from ..config import PerceptionConfig
 from ..legs.clusters import Clusters
-from ..legs.detector import Detections
-from . import person_tracks
+from ..legs.detector import Detections, Detector
+from ..stages import Stages, completed
+from . import leg_kernels, person_tracks
 from .association import assign, distances
 from .camera import CameraSightings, SeenPeople
 from .leg_tracks import LegTracks
@@ -24,14 +24,6 @@ from .person_tracks import Sightings
 from .track_kernels import any_moved, any_sure_walker, any_wide, points_of_things, spread_among, surviving
 
 Array = NDArray[np.float64]
-
-
-class Detector(Protocol):
-    """Finds legs in one scan."""
-
-    def detect(self, scan: LaserScan) -> Detections:
-        """Return the clusters of `scan` with their confidence, positions in the robot frame."""
-        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,29 +73,40 @@ class PeopleTracker:
         Raises:
             InputError: If the scan is not later than the one before.
         """
+        return completed(self.update_in_stages(scan, odometry, seen))
+
+    def update_in_stages(
+        self, scan: LaserScan, odometry: ArrayLike, seen: SeenPeople | None = None
+    ) -> Stages[TrackerUpdate]:
+        """Do as `update`, with pauses."""
         pose, dt = np.array(odometry, dtype=np.float64), self._step(scan.time_s)
-        detections = self._detector.detect(scan)
+        detections = yield from self._detector.detect_in_stages(scan)
+        yield
         z = transform_points(pose, detections.positions[detections.human])
         d = detections.confidence[detections.human]
         self._legs.predict(dt)
         person_tracks.predict(self._people, dt, self._config)
         self._lost.predict(dt)
         match = self._adopt(self._associate(z), z)
+        yield
         self._legs.correct(match, z, d, dt)
         sightings = person_tracks.measure(self._people, match[: 2 * len(self._people)].reshape(-1, 2), z, d)
         sightings = self._see_legs_in_one(sightings, detections, pose, scan.time_s)
         person_tracks.correct(self._people, sightings, dt, self._config)
+        yield
         self._carry_hidden_legs(match)
         self._legs.measure_apart(dt)
         self._count_owned(dt)
         match = self._exchange_legs(match)
         thing = ~detections.human
         thing[detections.human] = self._is_still(match, len(z))
+        yield
         self._end_tracks()
         self._begin_legs(match, z, d)
         T_odom_lidar = compose(pose, scan.T_robot_lidar)
         points = transform_points(T_odom_lidar, detections.clusters.points)
         self._start_people(points, scan.time_s)
+        yield
         if seen is not None:
             self._see_by_camera(seen, scan.time_s, dt)
         self._mark_grid(points, detections.clusters, thing, pose, scan.time_s, dt)
@@ -138,7 +141,7 @@ class PeopleTracker:
         other = missing + 1 - 2 * (missing % 2)
         known = self._legs.rows["age_s"][lone] > self._config.stride_time_s / 2.0
         limit = np.where(known, self._config.pair_width, self._config.pair_distance)
-        cost[self._legs.spread()[np.ix_(other, lone)] > limit] = np.inf
+        cost[leg_kernels.spread_between(self._legs.apart, other, lone) > limit] = np.inf
         rows, columns = assign(cost, self._config.reach)
         slots, taken = missing[rows], lone[columns]
         order = np.arange(len(self._legs))
@@ -170,12 +173,7 @@ class PeopleTracker:
 
     def _carry_hidden_legs(self, match: NDArray[np.intp]) -> None:
         """Let a person's unseen leg walk with the person, where its offset is believed to be."""
-        count = len(self._people)
-        x = np.repeat(self._people["x"], 2, axis=0)
-        x[0::2, :2] += self._people["offset"]
-        x[1::2, :2] -= self._people["offset"]
-        hidden = np.flatnonzero(match[: 2 * count] < 0)
-        self._legs.rows["x"][hidden] = x[hidden]
+        leg_kernels.carry_hidden(self._legs.rows, self._people, match)
 
     def _exchange_legs(self, match: NDArray[np.intp]) -> NDArray[np.intp]:
         """Mend people who were started from, or have taken over, a leg of somebody else."""
@@ -204,14 +202,10 @@ class PeopleTracker:
 
     def _is_still(self, match: NDArray[np.intp], count: int) -> NDArray[np.bool_]:
         """Return (count,) the detections of lone tracks that are old and never moved: things, not people."""
-        lone = self._legs.rows[2 * len(self._people) :]
-        old = (lone["age_s"] > self._config.still_time_s) & (
-            self._legs.moved[2 * len(self._people) :] < self._config.delta
+        config = self._config
+        return leg_kernels.still(
+            self._legs.rows, 2 * len(self._people), match, config.still_time_s, config.delta, count
         )
-        still = np.zeros(count, dtype=bool)
-        found = match[2 * len(self._people) :][old]
-        still[found[found >= 0]] = True
-        return still
 
     def _end_tracks(self) -> None:
         bounds = self._config.epsilon, self._config.c_min
@@ -224,8 +218,7 @@ class PeopleTracker:
             self._legs.take(np.flatnonzero(keep))
 
     def _begin_legs(self, match: NDArray[np.intp], z: Array, d: Array) -> None:
-        fresh = np.ones(len(z), dtype=bool)
-        fresh[match[match >= 0]] = False
+        fresh = leg_kernels.unmatched(match, len(z))
         self._legs.begin(z[fresh], d[fresh])
 
     def _start_people(self, points: Array, time_s: float) -> None:
@@ -235,10 +228,7 @@ class PeopleTracker:
         bounds = config.delta / 2.0, config.c_min, config.start_unseen_s
         if len(self._lost) == 0 and not any_moved(self._legs.rows, owned, *bounds):
             return
-        lone = self._legs.rows[owned:]
-        alive = owned + np.flatnonzero(
-            (lone["confidence"] > config.c_min) & (lone["unseen_s"] <= config.start_unseen_s)
-        )
+        alive = leg_kernels.promising(self._legs.rows, owned, config.c_min, config.start_unseen_s)
         moved, again = self._legs.moved[alive], self._may_be_met_again(alive)
         if not (again | (moved >= config.delta / 2.0)).any():
             return
@@ -363,16 +353,14 @@ class PeopleTracker:
 
     def _since_leg_s(self) -> Array:
         """Return (n,) the time since a leg of each person was seen apart [s]."""
-        return np.asarray(self._legs.rows["unseen_s"][: 2 * len(self._people)].reshape(-1, 2).min(axis=1))
+        return leg_kernels.since_leg(self._legs.rows, len(self._people))
 
     def _mark_grid(
         self, points: Array, clusters: Clusters, thing: NDArray[np.bool_], pose: Array, time_s: float, dt: float
     ) -> None:
         """Mark `points` (k, 2) of the clusters `thing`, but never where a person, or what may become one, stands."""
-        owned = 2 * len(self._people)
-        walkers = self._legs.positions[owned:][self._legs.moved[owned:] >= self._config.delta / 2.0]
-        legs = self._legs.positions[:owned]
-        human = np.concatenate((self._people["x"][:, :2], legs, walkers, self._lost.positions))
+        least = self._config.delta / 2.0
+        human = leg_kernels.human_places(self._people, self._legs.rows, least, self._lost.positions)
         kept = points_of_things(points, clusters.start, clusters.end, thing, human, self._config.zeta)
         self._grid.mark(kept, pose[:2], time_s, dt)
 

@@ -122,6 +122,7 @@ def _drive(options: argparse.Namespace) -> list[dict[str, Any]]:
     if options.follower in EXPLORERS:
         common |= _alone(options)
     envs = [gym.make(scenario.env, **{**common, **scenario.arguments}) for scenario in scenarios]
+    make_follower(options.follower, envs[0].get_wrapper_attr("interface"))  # who is unknown is told before any drive
     rows = []
     for k in tqdm(range(options.episodes), unit="episode", leave=False):
         scenario, env = scenarios[k % len(scenarios)], envs[k % len(scenarios)]

@@ -32,8 +32,9 @@ class PeopleScores:
     """What a finder said, over all frames.
 
     Attributes:
-        found: (n,) likelihood of the detection of each person who counts; 0 where there is none.
+        found: (n,) likelihood of the detection of each person of whom anything is in sight; 0 where there is none.
         distance: (n,) of these people from the robot [m].
+        visible: (n,) how much is seen of what the picture would show of each with nothing before them.
         error: (n,) distance between person and detection [m]; NaN where there is none.
         likelihood: (k,) of each detection within 6 m, however unlikely.
         right: (k,) whether it is somebody in sight, counting or not.
@@ -42,14 +43,21 @@ class PeopleScores:
 
     found: Array
     distance: Array
+    visible: Array
     error: Array
     likelihood: Array
     right: NDArray[np.bool_]
     frames: int
 
+    @property
+    def counted(self) -> NDArray[np.bool_]:
+        """(n,) who counts: people seen by half or more."""
+        return self.visible >= IN_SIGHT
+
     def recall(self, threshold: float = THRESHOLD) -> float:
-        """Return the share of people found with at least this likelihood."""
-        return float((self.found >= threshold).mean()) if len(self.found) else float("nan")
+        """Return the share of people who count that are found with at least this likelihood."""
+        found = self.found[self.counted]
+        return float((found >= threshold).mean()) if len(found) else float("nan")
 
     def precision(self, threshold: float = THRESHOLD) -> float:
         """Return the share of detections of at least this likelihood that are somebody."""
@@ -58,12 +66,16 @@ class PeopleScores:
 
     def recall_at(self, precision: float) -> float:
         """Return the best recall of all thresholds at which the precision is at least this; 0 if there is none."""
+        return self.recall(self.threshold_at(precision))
+
+    def threshold_at(self, precision: float) -> float:
+        """Return the least likelihood from which on the precision is at least this; infinity if there is none."""
         order = np.argsort(-self.likelihood, kind="stable")
         share = np.cumsum(self.right[order]) / np.arange(1, len(order) + 1)
         # detections of one likelihood are said together
         ends = np.append(np.diff(self.likelihood[order]) != 0.0, True)[: len(order)]
         good = self.likelihood[order][ends & (share >= precision)]
-        return self.recall(float(good.min())) if len(good) else 0.0
+        return float(good.min()) if len(good) else float("inf")
 
     @property
     def calibration_error(self) -> float:
@@ -77,10 +89,10 @@ class PeopleScores:
 
     def figures(self) -> dict[str, Any]:
         """Return the numbers of a table."""
-        hit = self.found >= THRESHOLD
+        hit = self.counted & (self.found >= THRESHOLD)
         return {
             "frames": self.frames,
-            "people": len(self.found),
+            "people": int(self.counted.sum()),
             "detections": int((self.likelihood >= THRESHOLD).sum()),
             "candidates": len(self.likelihood),
             "recall": round(self.recall(), 4),
@@ -100,7 +112,7 @@ def score_people(svm: PersonSvm, frames: Iterable[LabelledFrame]) -> PeopleScore
 
 def joined(parts: list[PeopleScores]) -> PeopleScores:
     """Return the scores of all parts."""
-    names = ("found", "distance", "error", "likelihood", "right")
+    names = ("found", "distance", "visible", "error", "likelihood", "right")
     arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
     return PeopleScores(**arrays, frames=sum(part.frames for part in parts))
 
@@ -111,8 +123,9 @@ def score_frame(people: RgbdPeople, drawn: LabelledFrame) -> PeopleScores:
     distance = np.hypot(*drawn.places.T)
     camera = drawn.frame.T_robot_camera
     bearing = np.arctan2(drawn.places[:, 1] - camera[1], drawn.places[:, 0] - camera[0]) - camera[2]
-    counts = (np.abs(bearing) < drawn.frame.camera.horizontal_fov / 2.0) & (distance <= FARTHEST)
-    counts &= (seen >= LEAST_PIXELS) & (seen >= IN_SIGHT * drawn.whole)
+    listed = (np.abs(bearing) < drawn.frame.camera.horizontal_fov / 2.0) & (distance <= FARTHEST)
+    listed &= seen >= LEAST_PIXELS
+    visible = seen / np.maximum(drawn.whole, 1)
     away = np.hypot(*(drawn.places[:, None] - people.positions[None]).transpose(2, 0, 1))
     away[seen < LEAST_PIXELS // 4] = np.inf
     found, error, right = np.zeros(len(seen)), np.full(len(seen), np.nan), np.zeros(len(people), dtype=bool)
@@ -121,4 +134,12 @@ def score_frame(people: RgbdPeople, drawn: LabelledFrame) -> PeopleScores:
         if away[person, k] <= MATCH_DISTANCE:
             found[person], error[person], right[k] = people.likelihood[k], away[person, k], True
     near = np.hypot(*people.positions.T) <= FARTHEST
-    return PeopleScores(found[counts], distance[counts], error[counts], people.likelihood[near], right[near], 1)
+    return PeopleScores(
+        found=found[listed],
+        distance=distance[listed],
+        visible=visible[listed],
+        error=error[listed],
+        likelihood=people.likelihood[near],
+        right=right[near],
+        frames=1,
+    )

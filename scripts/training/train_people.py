@@ -11,9 +11,8 @@ from sklearn.linear_model import LogisticRegression
 from sklearn.svm import LinearSVC
 
 from ...perception.rgbd.heads import find_candidates
-from ...perception.rgbd.person_svm import LENGTH, PersonSvm, window_features
+from ...perception.rgbd.person_svm import LENGTH, PersonSvm, candidate_features
 from ...perception.rgbd.planes import PlaneFinder
-from ...perception.rgbd.windows import candidate_windows
 from .evaluate_people import PeopleScores, score_people
 from .rgbd_frames import LabelledFrame, draw_frames
 
@@ -76,9 +75,10 @@ def collect(buildings: Iterable[list[LabelledFrame]]) -> PeopleSamples:
     features, persons, numbers = [np.empty((0, LENGTH), np.float32)], [np.empty(0, bool)], [np.empty(0, np.int64)]
     for number, frames in enumerate(buildings):
         for drawn in frames:
-            candidates = find_candidates(finder.find(drawn.frame))
+            planes = finder.find(drawn.frame)
+            candidates = find_candidates(planes)
             person, sure = _truth(drawn.person, candidates.label, len(candidates))
-            features.append(window_features(candidate_windows(drawn.frame, candidates))[sure])
+            features.append(candidate_features(drawn.frame, planes, candidates)[sure])
             persons.append(person[sure])
             numbers.append(np.full(np.count_nonzero(sure), number))
     return PeopleSamples(np.concatenate(features), np.concatenate(persons), np.concatenate(numbers))
@@ -132,7 +132,7 @@ def _card(
     svm: PersonSvm, samples: PeopleSamples, scores: PeopleScores, config: PeopleTrainConfig, seed: int
 ) -> dict[str, Any]:
     return {
-        "model": "people in RGB-D frames: HOG of brightness and relative depth, linear SVM, Platt's calibration",
+        "model": "people in RGB-D frames: HOG of brightness and depth, measures, linear SVM, Platt's calibration",
         "command": f"tagalong train people --seed {seed} --out DIR",
         "seed": seed,
         "config": asdict(config),

@@ -41,6 +41,7 @@ _REFINEMENT = replace(
 
 _SCOUTS, _SCOUT_STEPS = 3, 6  # every third point, six steps: which maxima of the second search are promising
 _BEYOND_DOUBT = 0.96  # of the best score there is: enough, whatever the scans let one expect
+_NEARLY = 0.97  # of the most worth: less than that, and of poses side by side from different views one is better
 _LEVELS = 4  # of noise: 1, 2, 4 and 8 times that of a SICK
 
 
@@ -62,6 +63,8 @@ class GlobalConfig:
         rival: Another pose that reaches this share of the best final score makes the match ambiguous.
         sure: A final score that makes the second search needless, as a share of how well the odd beams of each scan
             explain its even ones: leaves and chair legs look different to every beam.
+        endpoints: What the share that a pose's maximum has in the first search counts, if that search is enough: the
+            views are alike then, and every point counts the same there.
         unseen: Worth in the second search of a point where the reference saw nothing, in [0, 1].
         beyond: How far beyond the reference's table such points count [m].
         second_maxima: How many maxima of the second search are looked at, at most; 0: there is none.
@@ -87,8 +90,9 @@ class GlobalConfig:
     margin: float = 0.3
     free_space: float = 0.5
     whole: float = 0.5
-    rival: float = 0.95
+    rival: float = 0.9
     sure: float = 1.0
+    endpoints: float = 0.5
     unseen: float = 0.78
     beyond: float = 4.0
     second_maxima: int = 40
@@ -105,8 +109,8 @@ class GlobalConfig:
             raise InputError(f"need `maxima`, `points` >= 1, `sigma`, `noise` > 0, `margin` >= 0, got {self}")
         if not (0.0 <= self.unseen <= 1.0 and self.beyond >= 0.0 and self.second_maxima >= 0):
             raise InputError(f"need `unseen` in [0, 1], `beyond` [m], `second_maxima` >= 0, got {self}")
-        if not (self.second_refined >= 1 and min(self.sure, self.far) >= 0.0):
-            raise InputError(f"need `second_refined` >= 1, `sure`, `far` >= 0, got {self}")
+        if not (self.second_refined >= 1 and min(self.sure, self.far, self.endpoints) >= 0.0):
+            raise InputError(f"need `second_refined` >= 1, `sure`, `far`, `endpoints` >= 0, got {self}")
 
 
 class GlobalMatcher:
@@ -129,7 +133,8 @@ class GlobalMatcher:
         if not found.maxima or len(tool.surfaces(reference)) < 3:
             return tool.judge(reference, points, Refined(centre, 0, False))
         refined, scores = self._refine(tool, reference, surfaces_new, found)
-        maxima, looked_at, worth = found.maxima, found.looked_at, scores
+        maxima, looked_at, nearly = found.maxima, found.looked_at, 0.0
+        worth = np.array(scores) + config.endpoints * np.array([maximum.score for maximum in maxima])
         if config.second_maxima > 0 and not self._is_sure(tool, tool.surfaces(reference), surfaces_new, max(scores)):
             second = self.search_views(reference, points, centre)
             second = replace(second, maxima=self._most_promising(tool, reference, surfaces_new, second.maxima))
@@ -137,8 +142,8 @@ class GlobalMatcher:
             refined, scores = refined + more, scores + more_scores
             maxima, looked_at = maxima + second.maxima, looked_at + second.looked_at
             off = np.array([pose.pose[:2] for pose in refined]) - centre[:2]
-            worth = list(np.array(scores) - config.far * (off**2).sum(axis=1))
-        first = self._choose(refined, worth)
+            worth, nearly = np.array(scores) - config.far * (off**2).sum(axis=1), _NEARLY
+        first = self._choose(refined, worth, nearly)
         best = tool.polish_both(reference, surfaces_new, refined[first], replace(tool.config.surfaces, even=True))
         settled = settle(tool.surfaces(reference).points, points, best.pose, self._shared[level])
         best = replace(best, pose=settled)
@@ -223,19 +228,20 @@ class GlobalMatcher:
         The share of hits among what both could see of each other, hits and contradictions (and a fifth of the
         reference's points, so that a few hits at the rim do not win), plus `whole` times the share of hits of the scan
         that has more of them: of two views the nearer one shows part of what the farther one shows, all of it, and
-        along a corridor little else tells where.
+        along a corridor little else tells where. A point counts its range (see `agreement`).
         """
         config = self.config
         sigma = max(config.sigma, 2.0 * tool.config.last_scale)
-        hits, against, most = 0.0, 0.0, 0.0
+        hits, against, most, whole = 0.0, 0.0, 0.0, 0.0
         for points, T, seen in ((new, pose, reference), (reference, inverse(pose), new)):
-            met, contradicted = agreement(
+            met, contradicted, most = agreement(
                 points.points, T, seen.points, seen.rays, seen.feet, seen.normals, seen.first,
                 sigma, config.margin,
             )  # fmt: skip
-            hits, against, most = hits + met, against + contradicted, max(most, met / len(points))
-        both = hits / (hits + config.free_space * against + 0.2 * len(reference))
-        return float((both + config.whole * most) / (1.0 + config.whole))
+            hits, against, whole = hits + met, against + contradicted, max(whole, met / most)
+        # `most` is now what the reference's points count.
+        both = hits / (hits + config.free_space * against + 0.2 * most)
+        return float((both + config.whole * whole) / (1.0 + config.whole))
 
     def _most_promising(
         self, tool: IterativeMatcher, reference: LaserScan, new: Surfaces, maxima: tuple[Maximum, ...]
@@ -252,7 +258,8 @@ class GlobalMatcher:
         """Return whether a score is as good as the scans let one expect."""
         config = self.config
         # A hit of every point, among those and a fifth of the reference's.
-        most = (len(reference) + len(new)) / (1.2 * len(reference) + len(new))
+        first, second = (float((points.points * points.rays).sum()) for points in (reference, new))
+        most = (first + second) / (1.2 * first + second)
         most = (most + config.whole) / (1.0 + config.whole)
         return score >= _BEYOND_DOUBT * most or score >= config.sure * self._expected(tool, reference, new)
 
@@ -265,17 +272,18 @@ class GlobalMatcher:
             scores.append(self._explains(tool, odd, even, np.zeros(3)) if enough else 1.0)
         return float(np.mean(scores))
 
-    def _choose(self, refined: list[Refined], worth: list[float]) -> int:
+    def _choose(self, refined: list[Refined], worth: NDArray[np.float64], nearly: float) -> int:
         """Return the index of the pose of most worth; of those beside it, that of the highest maximum.
 
-        Between poses a hand's breadth apart the share of explained points decides little: sparse points like to meet
-        one beam aside.
+        That one has to be worth `nearly` as much, as a share. Between poses a hand's breadth apart the share of
+        explained points decides little: sparse points like to meet one beam aside.
         """
         best = int(np.argmax(worth))
         linear, angular = self.config.beside
         for k in range(best):
             apart = compose(inverse(refined[best].pose), refined[k].pose)
-            if np.hypot(apart[0], apart[1]) <= linear and abs(wrap_angle(apart[2])) <= angular:
+            beside = np.hypot(apart[0], apart[1]) <= linear and abs(wrap_angle(apart[2])) <= angular
+            if beside and worth[k] >= nearly * worth[best]:
                 return k
         return best
 

@@ -44,16 +44,20 @@ def turn_of(x, y):  # pragma: no cover
 
 @numba.njit(cache=True, nogil=True)
 def agreement(points, pose, reference, rays, feet, normals, first, sigma, margin):  # pragma: no cover
-    """Return (sum of hits, sum of contradictions) of `points` (N, 2), at `pose`, with a reference scan's surfaces.
+    """Return (hits, contradictions, most) of `points` (N, 2), at `pose`, with a reference scan's surfaces.
 
-    A hit counts exp(-e^2 / 2 sigma^2), e the distance from the line of the nearest return [m]. A point that lies nearer
-    than the reference's return in that direction stands where the reference saw free space: it contradicts by how much
+    Each point counts its range [m], `most` is the sum of those: beams stand close on what is near, so that a wall
+    beside the laser, alike along a whole corridor, would outvote all that stands ahead. A hit counts
+    exp(-e^2 / 2 sigma^2) of it, e the distance from the line of the nearest return [m]. A point that lies nearer than
+    the reference's return in that direction stands where the reference saw free space: it contradicts by how much
     nearer it is [m], at most 1, and by 1 more where that exceeds `margin` [m].
     """
-    hits, contradictions = 0.0, 0.0
+    hits, contradictions, most = 0.0, 0.0, 0.0
     cos, sin = np.cos(pose[2]), np.sin(pose[2])
     beside = -1
     for n in range(len(points)):
+        weight = np.sqrt(points[n, 0] ** 2 + points[n, 1] ** 2)
+        most += weight
         x = cos * points[n, 0] - sin * points[n, 1] + pose[0]
         y = sin * points[n, 0] + cos * points[n, 1] + pose[1]
         j, square = nearest_point(x, y, 1.0, reference, rays, first, 0.09, beside)
@@ -62,11 +66,11 @@ def agreement(points, pose, reference, rays, feet, normals, first, sigma, margin
             if normals[j, 0] != 0.0 or normals[j, 1] != 0.0:
                 error = normals[j, 0] * (feet[j, 0] - x) + normals[j, 1] * (feet[j, 1] - y)
                 square = error * error
-            hits += np.exp(-0.5 * square / (sigma * sigma))
+            hits += weight * np.exp(-0.5 * square / (sigma * sigma))
         gap = range_ahead(x, y, reference, rays, first) - np.sqrt(x * x + y * y)
         if gap > 0.0:
-            contradictions += min(gap, 1.0) + (1.0 if gap > margin else 0.0)
-    return hits, contradictions
+            contradictions += weight * (min(gap, 1.0) + (1.0 if gap > margin else 0.0))
+    return hits, contradictions, most
 
 
 @numba.njit(cache=True, nogil=True)

@@ -11,10 +11,20 @@ from tagalong.envs.metrics.exploration import exploration_metrics
 from tagalong.envs.rollout import rollout
 from tagalong.envs.scenes.scene import Scene
 from tagalong.envs.scenes.solids import Solid
+from tagalong.perception.config import PerceptionConfig
+from tagalong.perception.people_filter import SiftedScan
+from tagalong.perception.tracking.camera import NoLegs
+from tagalong.perception.tracking.tracker import PeopleTracker
 from tagalong.slam.errors import InputError
 from tagalong.slam.scan import LaserScan
 
 SMALL = {"beams": 361, "slam": None}
+
+
+def of_nobody(scan):
+    """A scan in which nobody is known or suspected."""
+    update = PeopleTracker(PerceptionConfig(), NoLegs()).update(scan, np.zeros(3))
+    return SiftedScan(scan, update.odometry, update.people, update.detections, PerceptionConfig())
 
 
 def make(**arguments):
@@ -75,25 +85,26 @@ def test_one_look_around_sees_the_whole_room_and_what_is_out_of_reach_does_not_c
     assert wanted.sum() * CELL_M**2 == pytest.approx(16.0, rel=0.1)
     assert coverage.share == 0.0
     assert not seen.any()
-    coverage.update(square_scan(2.0, np.linspace(-np.pi, np.pi, 1441)), np.zeros(3))
+    coverage.update(of_nobody(square_scan(2.0, np.linspace(-np.pi, np.pi, 1441))), np.zeros(3))
     assert coverage.share > 0.97
 
 
 def test_half_a_look_sees_half_of_the_room_and_people_hide_what_is_behind_them():
     bearings = np.linspace(-np.pi / 2, np.pi / 2, 721)
     coverage = Coverage(two_rooms())
-    coverage.update(square_scan(2.0, bearings), np.zeros(3))
+    coverage.update(of_nobody(square_scan(2.0, bearings)), np.zeros(3))
     assert coverage.share == pytest.approx(0.5, abs=0.04)
     scan = square_scan(2.0, bearings)
     hidden = LaserScan(np.where(np.abs(bearings) < 0.3, np.nan, scan.ranges), bearings, 0.05, 30.0)
     behind = Coverage(two_rooms())
-    behind.update(hidden, np.zeros(3))
+    behind.update(of_nobody(hidden), np.zeros(3))
     assert behind.share < coverage.share - 0.03
 
 
 def test_what_is_too_far_away_is_not_seen():
     coverage = Coverage(two_rooms())
-    coverage.update(LaserScan(np.full(5, 25.0), np.linspace(-0.01, 0.01, 5), 0.05, 30.0), np.array([-5.0, 0.0, 0.0]))
+    far = LaserScan(np.full(5, 25.0), np.linspace(-0.01, 0.01, 5), 0.05, 30.0)
+    coverage.update(of_nobody(far), np.array([-5.0, 0.0, 0.0]))
     _, seen, corner = coverage.cells
     assert (np.nonzero(seen)[1].max() + 1) * CELL_M + corner[0] == pytest.approx(-5.0 + FARTHEST_M, abs=2 * CELL_M)
 

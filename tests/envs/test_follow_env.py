@@ -235,8 +235,8 @@ def test_a_fast_laser_feeds_every_sweep_to_the_tracker():
     times = []
     _, _ = env.reset(seed=0)
     mind = env.unwrapped._mind
-    update = mind.update
-    mind.update = lambda scan, odometry: times.append(scan.time_s) or update(scan, odometry)
+    update = mind.update_in_stages
+    mind.update_in_stages = lambda scan, odometry: times.append(scan.time_s) or update(scan, odometry)
     for _ in range(3):
         env.step([0.5, 0.2])
     assert np.allclose(times, np.arange(1, 13) * 0.025)

@@ -6,12 +6,13 @@ from tagalong.envs.people.meeting import first_coming, group_comes
 
 FAR_ROBOT = np.array([-50.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.3, 0.25])
 AHEAD = np.array([[1.0, 0.0]] * 3)
+HERE = np.array([7.0, -4.0])
 
 
 def people(*rows):
-    """Positions (3, 2) and velocities (3, 2); person 0 stands in the origin and walks along x."""
+    """Positions (3, 2) and velocities (3, 2); person 0 stands at `HERE`, from where `rows` count, and walks along x."""
     table = np.array([(0.0, 0.0, 1.0, 0.0), *rows], dtype=np.float64)
-    return table[:, :2].copy(), table[:, 2:].copy()
+    return table[:, :2] + HERE, table[:, 2:].copy()
 
 
 @pytest.mark.parametrize(
@@ -54,4 +55,5 @@ def test_the_group_comes_if_one_of_it_or_the_robot_walks_towards_somebody(other,
     assert not group_comes(1, 0, FAR_ROBOT, *arguments)
     robot = FAR_ROBOT.copy()
     robot[[0, 1, 4, 5]] = other
+    robot[:2] += HERE
     assert group_comes(1, 0, robot, *arguments) is comes

@@ -68,6 +68,18 @@ def test_the_limit_of_steps_is_that_of_the_id_and_the_spaces_are_batched():
     env.close()
 
 
+def test_an_action_that_is_refused_moves_nobody():
+    env = native("tagalong/Corridor-v0", workers=1)
+    env.reset(seed=0)
+    actions = np.zeros((COUNT, 2))
+    actions[-1] = np.nan
+    with pytest.raises(InputError, match="finite"):
+        env.step(actions)
+    *_, infos = env.step(np.zeros((COUNT, 2)))
+    np.testing.assert_allclose(infos["time_s"], 0.1)
+    env.close()
+
+
 def test_some_environments_can_be_reset_alone():
     env = native("tagalong/Corridor-v0", autoreset_mode=AutoresetMode.DISABLED, max_episode_steps=2)
     first, _ = env.reset(seed=0)

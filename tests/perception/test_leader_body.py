@@ -118,6 +118,19 @@ def test_a_hidden_leader_is_found_where_it_comes_out_and_a_bystander_seen_before
     assert lost.unseen_s > 3.0
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_nobody_who_was_seen_beside_the_leader_is_taken_for_it_later_though_never_tracked(seed):
+    room, wall, taken = Room(body_selector(seed)), (2.0, 0.4, 2.0), 0
+    for k in range(140):
+        leader, walks = np.array([2.4, -1.0 + 0.07 * k]), np.array([0.0, 0.7])
+        stroll = np.array([0.0, 0.025 * k])  # two others, who stroll on while the leader is hidden for good
+        others = [np.array([1.5, -2.6]) + stroll, np.array([1.8, -1.8]) + stroll]
+        tracked = [(0, leader, walks, leader[1] < 0.5)] if leader[1] < 1.2 else []
+        found = room.show(tracked, loose=others, wall=wall)
+        taken += leader[1] > 0.6 and found.visible
+    assert taken == 0
+
+
 @pytest.mark.parametrize("seed", range(5))
 def test_a_leader_whose_track_was_stolen_is_seen_by_legs_that_are_nobodys(seed):
     room = Room(body_selector(seed))

@@ -1,8 +1,9 @@
 from types import SimpleNamespace
 
 import numpy as np
+from tagalong.perception.config import PerceptionConfig
 from tagalong.perception.legs.detector import Detections
-from tagalong.perception.people_filter import filter_people, people_points_lidar, suspect_points_lidar
+from tagalong.perception.people_filter import SiftedScan, filter_people, people_points_lidar, suspect_points_lidar
 from tagalong.slam.scan import LaserScan
 
 
@@ -38,3 +39,17 @@ def test_people_are_placed_in_the_frame_of_the_laser():
     np.testing.assert_allclose(
         people_points_lidar(people, (1.0, 1.0, np.pi / 2), scan), [[1.8, 0], [2.8, 0]], atol=1e-12
     )
+
+
+def test_a_sifted_scan_drops_who_is_known_and_who_may_be_somebody_each_by_its_own_distance():
+    bearings = np.radians([-60.0, -3.0, 0.0, 30.0, 33.0, 60.0])
+    scan = LaserScan(np.full(6, 4.0), bearings, 0.1, 30.0)
+    ends = scan.beam_points
+    people = SimpleNamespace(points=ends[2:3])
+    confidence = np.array([0.5, 0.49])
+    found = Detections(ends[[3, 5]], confidence, confidence >= 0.3, clusters=None)
+    config = PerceptionConfig(zeta=0.25, suspect_radius=0.1, suspect_confidence=0.5)
+    sifted = SiftedScan(scan, np.zeros(3), people, found, config)
+    np.testing.assert_array_equal(sifted.near_people, [False, True, True, True, False, False])
+    np.testing.assert_array_equal(np.isnan(sifted.without_people.ranges), sifted.near_people)
+    np.testing.assert_array_equal(sifted.scan.ranges, 4.0)

@@ -5,8 +5,17 @@ import pytest
 from tagalong.perception.rgbd.frame import Pinhole, RgbdFrame
 from tagalong.perception.rgbd.heads import HeadConfig, find_candidates, with_neighbours
 from tagalong.perception.rgbd.hog import hog, hog_length, hog_reference
+from tagalong.perception.rgbd.measures import (
+    BORDER_STEP,
+    MEASURES,
+    Border,
+    candidate_measures,
+    count_borders,
+    count_borders_reference,
+    soft_bins,
+)
 from tagalong.perception.rgbd.people_finder import PeopleFinder, PeopleFinderConfig, spread
-from tagalong.perception.rgbd.person_svm import LENGTH, MODEL, PersonSvm, read_card
+from tagalong.perception.rgbd.person_svm import LENGTH, MODEL, PersonSvm, candidate_features, read_card
 from tagalong.perception.rgbd.planes import PlaneFinder
 from tagalong.perception.rgbd.windows import CHANNELS, COLUMNS, ROWS, candidate_windows
 from tagalong.slam.errors import InputError
@@ -90,6 +99,86 @@ def test_windows_show_people_of_any_distance_in_the_same_size():
     assert set(np.unique(near[1].round(2))) >= {0.0, 1.0}
 
 
+def measured(frame):
+    """Shares of the borders at the sides and above, extents and flatness of the frame's only candidate."""
+    planes = PlaneFinder().find(frame)
+    (row,) = candidate_measures(frame, planes, find_candidates(planes))
+    return row[:5], row[5:10], row[10:16], row[16:]
+
+
+def test_a_person_is_measured():
+    sides, above, extents, (face, wall, largest) = measured(standing(*person(3.0, 0.0)))
+    across, thick, top, bottom, distance, area = extents
+    assert sides[Border.FREE] == pytest.approx(1.0)
+    assert above[Border.FREE] == pytest.approx(1.0)
+    assert across == pytest.approx(0.44 / np.sqrt(12.0), abs=0.02)
+    assert thick < 0.01
+    assert (top, bottom, distance) == pytest.approx((1.75, 0.1, 3.0), abs=0.04)
+    assert area == pytest.approx(0.44 * 1.35 + 0.18 * 0.3, rel=0.1)
+    assert face > 0.99  # a cut-out is flat
+    assert 0.95 < largest <= face
+    assert wall == 0.0
+
+
+def test_what_is_seen_through_a_gap_has_nearer_things_at_its_sides():
+    gap = (1.5, -1.0, -0.1, 0.0, 2.1), (1.5, 0.1, 1.0, 0.0, 2.1)
+    frame = standing((3.0, -0.6, 0.6, 0.1, 1.75), *gap)
+    planes = PlaneFinder().find(frame)
+    found = find_candidates(planes)
+    between = np.argmin(np.abs(found.axes - (3.0, 0.0)).sum(axis=1))
+    row = candidate_measures(frame, planes, found)[between]
+    assert row[Border.HIDDEN] > 0.9
+    assert row[5 + Border.FREE] > 0.9
+
+
+def test_the_picture_cuts_people_and_things_touch_them_and_measure_nothing():
+    sides, above, *_ = measured(standing(*person(1.0, 0.0)))
+    assert above[Border.CUT] > 0.3
+    assert sides[Border.CUT] == 0.0
+    assert measured(standing(*person(2.5, 1.75)))[0][Border.CUT] > 0.4
+    label, depth = np.full((4, 9), -1, dtype=np.int32), np.full((4, 9), 3.0)
+    label[1:, 3:6], counts = 0, np.zeros((1, 2, len(Border)))
+    depth[:, 6:] = np.nan
+    count_borders(depth, label, BORDER_STEP, counts)
+    assert counts[0, 0].tolist() == [0.0, 0.0, 3.0, 0.0, 3.0]  # nothing measured as far as the picture goes: cut
+    assert counts[0, 1].tolist() == [0.0, 0.0, 3.0, 0.0, 0.0]
+
+
+def test_the_kernel_of_borders_does_what_its_reference_does():
+    rng = np.random.default_rng(0)
+    for _ in range(5):
+        label = np.repeat(np.repeat(rng.integers(-1, 3, (8, 10)), 5, axis=0), 7, axis=1).astype(np.int32)
+        depth = 3.0 + rng.integers(-1, 2, label.shape) * 0.2
+        depth[(label < 0) & (rng.random(depth.shape) < 0.8)] = np.nan  # what is somebody's was measured
+        ours, reference = np.zeros((3, 2, len(Border))), np.zeros((3, 2, len(Border)))
+        count_borders(depth, label, BORDER_STEP, ours)
+        count_borders_reference(depth, label, BORDER_STEP, reference)
+        assert ours.tolist() == reference.tolist()
+        assert (ours.sum(axis=(0, 1)) > 0).all()
+
+
+def test_soft_bins_share_a_value_out_between_its_neighbours():
+    values = np.full((2, MEASURES), 0.25)
+    values[1] = 99.0
+    bins = soft_bins(values).reshape(2, MEASURES, -1)
+    assert bins.sum(axis=2) == pytest.approx(1.0)
+    assert bins[0, 0].tolist() == pytest.approx([0.0, 0.0, 0.5, 0.5, 0.0, 0.0])  # halfway from 0.15 to 0.35
+    assert (bins[1, :, -1] == 1.0).all()
+
+
+def test_what_is_beside_and_behind_a_candidate_is_as_bright_as_it_is():
+    frame = standing(*person(3.0, 0.0))
+    window = candidate_windows(frame, candidates(frame))[0]
+    inside, outside = window[0][window[2] > 0.99], window[0][window[2] < 0.01]
+    assert inside.min() < 0.1 < inside.max()  # head and body
+    assert outside == pytest.approx(np.average(window[0], weights=window[2]), abs=0.02)
+
+
+def test_an_empty_room_has_no_features():
+    planes = PlaneFinder().find(standing())
+    assert candidate_features(standing(), planes, find_candidates(planes)).shape == (0, LENGTH)
+
+
 def patches(count=3, channels=2):
     return np.random.default_rng(0).random((count, channels, ROWS, COLUMNS)).astype(np.float32)
 
@@ -136,16 +225,16 @@ def test_damaged_classifiers_are_errors(tmp_path):
 def test_a_saved_classifier_says_the_same(tmp_path):
     svm = PersonSvm.load()
     svm.save(tmp_path / "people.npz", {"model": "copy"})
-    windows = patches(4, CHANNELS)
-    assert np.array_equal(PersonSvm.load(tmp_path / "people.npz").likelihood(windows), svm.likelihood(windows))
+    features = np.random.default_rng(0).random((4, LENGTH)).astype(np.float32)
+    assert np.array_equal(PersonSvm.load(tmp_path / "people.npz").likelihood(features), svm.likelihood(features))
     assert MODEL.with_suffix(".json").exists()
 
 
 class Certain(PersonSvm):
     """Takes everything for a person."""
 
-    def likelihood(self, windows):
-        return np.full(len(windows), 0.9)
+    def likelihood(self, features):
+        return np.full(len(features), 0.9)
 
 
 def test_pixels_and_places_of_people_are_given_in_the_robot_frame():

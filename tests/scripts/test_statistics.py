@@ -1,6 +1,15 @@
 import numpy as np
 import pytest
-from tagalong.scripts.experiments.statistics import bootstrap_mean, paired_shares, quantile_interval, share, t_mean
+from scipy.stats import binom
+from tagalong.scripts.experiments.statistics import (
+    bootstrap_mean,
+    paired_shares,
+    quantile_interval,
+    ratio,
+    share,
+    t_mean,
+    upper_bound,
+)
 from tagalong.slam.errors import InputError
 
 
@@ -56,5 +65,37 @@ def test_the_interval_of_a_quantile_covers_it_about_as_often_as_it_says():
     intervals = np.array([quantile_interval(rng.random(400), 0.95) for _ in range(400)])
     inside = ((intervals[:, 0] <= 0.95) & (intervals[:, 1] >= 0.95)).mean()
     assert 0.92 < inside < 0.985
+    assert quantile_interval(np.arange(1.0, 101.0), 0.5) == (40.0, 61.0)  # ranks by the binomial distribution
     assert np.isnan(quantile_interval([], 0.95)).all()
     assert quantile_interval([3.0], 0.95) == (3.0, 3.0)
+
+
+def test_the_most_that_is_believable_of_a_share():
+    assert upper_bound(0, 223) == pytest.approx(1.0 - 0.05 ** (1.0 / 223.0))
+    assert upper_bound(5, 5) == 1.0
+    bound = upper_bound(3, 40)
+    assert binom.cdf(3, 40, bound) == pytest.approx(0.05)
+    for wrong in ((1, 0), (3, 2), (-1, 4)):
+        with pytest.raises(InputError, match="share"):
+            upper_bound(*wrong)
+
+
+def test_the_interval_of_a_ratio_covers_it_about_as_often_as_it_says():
+    rng = np.random.default_rng(4)
+    inside = 0
+    for _ in range(1000):
+        below = rng.normal(4.0, 2.0, 5)
+        found = ratio(1.5 * below + rng.normal(0.0, 2.0, 5), below)
+        inside += found.low <= 1.5 <= found.high
+    assert 0.93 < inside / 1000 < 0.98
+
+
+def test_a_ratio_to_what_may_be_nothing_has_no_upper_end():
+    assert ratio([3.8, 4.0, 4.2], [1.9, 2.0, 2.1]).to_dict() == pytest.approx({"mean": 2, "low": 2, "high": 2, "n": 3})
+    open_ended = ratio([9.0, 9.1, 8.9, 9.0], [0.0, 0.0, 2.0, 0.0])
+    assert open_ended.mean == pytest.approx(18.0)
+    assert 0.0 < open_ended.low < 9.0
+    assert open_ended.high == np.inf
+    assert ratio([0.0, 0.0, 2.0, 0.0], [0.0, 0.0, 2.0, 0.0]).low == 0.0
+    assert np.isnan(ratio([1.0, 2.0], [0.0, 0.0]).mean)
+    assert np.isnan(ratio([1.0], [2.0]).low)

@@ -7,6 +7,7 @@ import pytest
 from tagalong.perception.rgbd.people import RgbdPeople
 from tagalong.perception.rgbd.person_svm import PersonSvm
 from tagalong.scripts.cli import main
+from tagalong.scripts.experiments.rgbd_people import by_distance, by_visible
 from tagalong.scripts.training.evaluate_people import PeopleScores, joined, score_frame
 from tagalong.scripts.training.rgbd_frames import LabelledFrame, draw_frames
 from tagalong.scripts.training.rgbd_props import PROPS
@@ -82,18 +83,23 @@ def test_recall_precision_and_calibration_are_counted_right():
 
 def test_recall_at_a_precision_is_that_of_the_lowest_threshold_that_is_precise_enough():
     said = {"likelihood": np.array([0.9, 0.8, 0.8, 0.6, 0.5]), "right": np.array([True, True, False, True, True])}
-    scores = PeopleScores(np.array([0.9, 0.8, 0.6, 0.5]), np.ones(4), np.zeros(4), **said, frames=1)
+    scores = PeopleScores(np.array([0.9, 0.8, 0.6, 0.5]), np.ones(4), np.ones(4), np.zeros(4), **said, frames=1)
     assert scores.recall_at(0.95) == 0.25
     assert scores.recall_at(0.75) == 1.0
     assert scores.recall_at(0.81) == 0.25
     said["right"] = ~said["right"]
-    assert PeopleScores(np.ones(1), np.ones(1), np.zeros(1), **said, frames=1).recall_at(0.95) == 0.0
+    assert PeopleScores(*np.ones((4, 1)), **said, frames=1).recall_at(0.95) == 0.0
 
 
 def test_people_hidden_by_half_or_more_do_not_count_and_are_not_false_either():
     scores = score_frame(found([[3.0, 0.0]], [0.9]), labelled([[3.0, 0.0]], whole=500))
-    assert len(scores.found) == 0
+    assert scores.visible.tolist() == [0.4]
+    assert scores.figures()["people"] == 0
+    assert np.isnan(scores.recall())
     assert scores.right.tolist() == [True]
+    assert by_visible(scores) == ["-", "1.000 (1)", "-", "-", "-"]
+    assert set(by_distance(scores)) == {"-"}
+    assert by_distance(score_frame(found([[3.0, 0.0]], [0.9]), labelled([[3.0, 0.0]])))[4] == "1.000 (1)"
 
 
 def test_a_second_detection_of_a_person_is_false():

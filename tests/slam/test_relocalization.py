@@ -272,13 +272,13 @@ def test_what_older_submaps_contradict_becomes_suspicious_by_itself_and_is_weigh
     assert updates[-1].located
 
 
-@pytest.mark.parametrize(("explained", "lost"), [(0.6, 0), (0.4, 1)])
-def test_badly_fitting_scans_that_the_whole_map_explains_by_half_do_not_make_it_lost(
-    mapped, monkeypatch, explained, lost
+@pytest.mark.parametrize(("explained", "elsewhere", "lost"), [(0.6, False, 0), (0.4, False, 1), (0.6, True, 1)])
+def test_badly_fitting_scans_make_it_lost_unless_the_map_explains_half_of_them_here_and_not_better_elsewhere(
+    mapped, monkeypatch, explained, elsewhere, lost
 ):
     engine, odometry, last, rng = mapped
     belief = SimpleNamespace(poses=np.zeros((1, 3)), sure=False)
-    verdict = SimpleNamespace(stays=False, moved=False, rivalled=False, belief=belief, explained=explained)
+    verdict = SimpleNamespace(stays=False, moved=elsewhere, rivalled=elsewhere, belief=belief, explained=explained)
     search = SimpleNamespace(contest=lambda *_: verdict, begin=lambda: None, update=lambda *_: None)
     monkeypatch.setattr(engine, "_relocalization", lambda graph: search)
     fed(engine, ahead(last, (0.0, 0.0, 0.02), 4), odometry, rng, ELSEWHERE)

@@ -136,7 +136,7 @@ def verdict_table(paper: PaperResults) -> Table:
         note="Raw minus filtered, paired by drive, with the 95 % interval; better or worse where it leaves out zero. "
         "Nobody there: the slow drives through the same buildings. Filtered scans cannot do better than that but by "
         "chance. Raw ones can where a leader, who keeps his distance, pulls every match back a little against an "
-        "engine that stretches corridors (by 0.1 to 0.2 %, GMapping more than the other).",
+        "engine that stretches corridors (GMapping, by 0.1 %).",
     )
 
 

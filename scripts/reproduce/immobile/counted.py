@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ...experiments.statistics import Estimate, t_mean
+from ...experiments.statistics import Estimate, ratio, upper_bound
 from .measures import HIDDEN
 from .plan import CLEAN, cell_name
 
@@ -17,6 +17,8 @@ BOUNDS = {
 }
 """Error -> the most that is asked of it, as a share; `GAIN` is the known area that is asked for."""
 GAIN = 1.3
+UNKNOWN = {mark: f"unknown cells in {mark}" for mark in HIDDEN}
+"""Mark -> the error of the known area in it."""
 
 
 @dataclass(frozen=True)
@@ -35,6 +37,11 @@ class Share:
     def value(self) -> float:
         """The part over the whole; NaN of nothing."""
         return self.part / self.whole if self.whole else float("nan")
+
+    @property
+    def bound(self) -> float:
+        """The most that is believable (`upper_bound`); NaN of nothing."""
+        return upper_bound(self.part, self.whole) if self.whole else float("nan")
 
     def __str__(self) -> str:
         return f"{100.0 * self.value:.1f} % ({self.part} of {self.whole})" if self.whole else "none"
@@ -66,6 +73,7 @@ class Counted:
                 self._sum(disturbance, seed, mapper, "static_lost"),
                 sum(row["static_cells"] for row in self._rows(disturbance, seed)),
             ),
+            **{UNKNOWN[mark]: self._unknown(disturbance, seed, mapper, mark) for mark in HIDDEN},
         }
 
     def known(self, mapper: str, mark: str, disturbance: str = CLEAN, seed: int | None = None) -> Share:
@@ -75,13 +83,16 @@ class Counted:
             sum(row["maps"]["laser"]["known"][mark] for row in self._rows(CLEAN, seed)),
         )
 
-    def beyond_double(self, mapper: str, disturbance: str) -> dict[str, Estimate]:
-        """Return by how much each disturbed error is more than twice the undisturbed one, over the drives.
+    def ratio(self, mapper: str, disturbance: str, name: str) -> Estimate:
+        """Return the disturbed error over the undisturbed one; its interval is over the drives.
 
-        The interval is Student's, of the drives' own differences: cells of one drive are not independent.
+        Cells of one drive are not independent.
         """
-        each = [(self.errors(mapper, disturbance, seed), self.errors(mapper, seed=seed)) for seed in self.seeds]
-        return {name: t_mean([e[name].value - 2.0 * calm[name].value for e, calm in each]) for name in BOUNDS}
+        parts = []
+        for each in (disturbance, CLEAN):
+            whole = self.errors(mapper, each)[name].whole
+            parts.append([self.errors(mapper, each, seed)[name].part / max(whole, 1) for seed in self.seeds])
+        return ratio(*parts)
 
     def wrongly_free(self, mapper: str) -> Share:
         """Return the cells of boxes, behind the screens, that count as free, of those that are known."""
@@ -106,6 +117,11 @@ class Counted:
         pairs = [row["maps"][mapper][kind] for row in self._rows(disturbance, seed)]
         seen = sum(pair[0] for pair in pairs)
         return Share(seen - sum(pair[1] for pair in pairs), seen)
+
+    def _unknown(self, disturbance: str, seed: int | None, mapper: str, mark: str) -> Share:
+        rows = self._rows(disturbance, seed)
+        whole = sum(row["hidden_cells"][mark] for row in rows)
+        return Share(whole - sum(row["maps"][mapper]["known"][mark] for row in rows), whole)
 
     def _door(self, disturbance: str, seed: int | None, mapper: str) -> Share:
         found = [row["door"][mapper] for row in self._rows(disturbance, seed) if mapper in row["door"]]

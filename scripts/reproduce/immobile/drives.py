@@ -204,7 +204,7 @@ class _Drive:
 
     def judged(self) -> dict[str, Any]:
         """Return the numbers, by mapper."""
-        scene, T = self.world.scene, self.T_world_map
+        scene, T, resolution = self.world.scene, self.T_world_map, self.conventional.config.resolution
         maps = {"conventional": self.conventional.to_map()}
         maps |= {name: mapper.grid.to_map() for name, mapper in self.mappers.items()}
         walked = np.unique(np.round(np.concatenate(self._walked), 1), axis=0)
@@ -214,6 +214,7 @@ class _Drive:
             "time_s": self.world.time_s,
             "pose_error_m": float(np.sqrt((error[:, :2] ** 2).sum(axis=1).mean())),
             "static_cells": len(static),
+            "hidden_cells": {m: measures.cells_in(scene.marks[m], T, resolution) for m in measures.HIDDEN},
             "maps": {
                 name: {
                     "people_cells": measures.people_cells(grid, T, scene, walked),

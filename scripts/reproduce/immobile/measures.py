@@ -56,6 +56,15 @@ def known_cells(grid: OccupancyMap, T_world_map: Array, polygon: Array) -> int:
     return int(inside(polygon, transform_points(T_world_map, grid.cell_centres(grid.known))).sum())
 
 
+def cells_in(polygon: Array, T_world_map: Array, resolution: float) -> int:
+    """Return how many cells of any map have their centres in `polygon` (k, 2), world frame [m]."""
+    corners = transform_points(inverse(T_world_map), polygon)
+    low, high = np.floor(corners.min(axis=0) / resolution), np.ceil(corners.max(axis=0) / resolution)
+    x, y = (np.arange(low[axis], high[axis]) for axis in (0, 1))
+    centres = (np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2) + 0.5) * resolution
+    return int(inside(polygon, transform_points(T_world_map, centres)).sum())
+
+
 def wrongly_free(grid: OccupancyMap, T_world_map: Array, scene: Scene, polygon: Array) -> tuple[int, int]:
     """Return how many cells in `polygon` are truly below or within a thing, and how many of them count as free."""
     free, known = (transform_points(T_world_map, grid.cell_centres(mask)) for mask in (grid.free, grid.known))

@@ -164,8 +164,16 @@ def test_points_in_seen_free_space_contradict_by_how_far_they_stand_in_it():
         (6.0, (0, 0)),
     ):
         points = transform_points([0.0, 0.0, 0.3], seen.points * (distance / 4.0))
-        hits, contradictions = agreement(points, np.array([0.0, 0.0, -0.3]), *arrays, 0.1, 0.3)
-        np.testing.assert_allclose((hits / 360, contradictions / 360), expected, atol=0.02)
+        hits, contradictions, most = agreement(points, np.array([0.0, 0.0, -0.3]), *arrays, 0.1, 0.3)
+        np.testing.assert_allclose((hits / most, contradictions / most), expected, atol=0.02)
+
+
+def test_a_point_counts_its_range_whether_it_hits_or_contradicts():
+    seen = ring(4.0)
+    arrays = (seen.points, seen.rays, seen.feet, seen.normals, seen.first)
+    points = np.array([[4.0, 0.0], [0.0, 1.0], [-2.0, 0.0]])  # on the wall, and 3 m and 2 m before it
+    hits, contradictions, most = agreement(points, np.zeros(3), *arrays, 0.1, 0.3)
+    np.testing.assert_allclose((hits, contradictions, most), (4.0, 1.0 * 2.0 + 2.0 * 2.0, 7.0), atol=0.02)
 
 
 def test_only_what_the_reference_saw_to_be_free_stays_worth_nothing():

@@ -8,7 +8,7 @@ from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between, compose
 from tagalong.slam.matching import MATCHERS, make_matcher
 from tagalong.slam.matching.global_matcher import GlobalConfig, GlobalMatcher
-from tagalong.slam.matching.iterative import IterativeMatcher
+from tagalong.slam.matching.iterative import IterativeMatcher, Refined
 from tagalong.slam.matching.lookup import LookupConfig, build_lookup
 from tagalong.slam.matching.shared_lines import SharedLinesConfig
 from tagalong.slam.matching.surfaces import find_surfaces, near_points
@@ -174,6 +174,68 @@ def test_of_two_places_that_explain_the_scans_as_well_global_takes_the_one_neare
             found.append(bool(np.hypot(*between(guess, pose)[:2]) < 0.1))
     assert found[:2] == [True, True]
     assert found[2] != found[3]
+
+
+# A narrow corridor with an alcove, a hall at its end: what tells where, and which way round, is far and has few beams.
+LONG = np.array(
+    [
+        [-3, -0.6, 9, -0.6], [-3, 0.6, 4, 0.6], [4, 0.6, 4, 1.8], [4, 1.8, 5.2, 1.8], [5.2, 1.8, 5.2, 0.6],
+        [5.2, 0.6, 9, 0.6], [9, -0.6, 9, -1.4], [9, -1.4, 10.5, -1.4], [10.5, -1.4, 10.5, 1], [10.5, 1, 9, 1],
+        [9, 1, 9, 0.6], [-3, -0.6, -3, 0.6],
+    ],
+    dtype=float,
+)  # fmt: skip
+
+
+def test_the_far_end_of_a_corridor_outweighs_the_walls_beside_the_laser():
+    rng, matcher = np.random.default_rng(0), make_matcher("global")
+    for _ in range(6):
+        at = np.array([rng.uniform(-0.5, 0.5), *rng.uniform(-0.1, 0.1, 2)])
+        moved = compose(at, [rng.uniform(1.0, 1.9), *rng.uniform(-0.15, 0.15, 2)])
+        truth = between(at, moved)
+        guess = truth + rng.uniform(-1, 1, 3) * [1, 1, np.pi]
+        match = matcher.match(*(scan_of(LONG, pose, noise=0.01, rng=rng) for pose in (at, moved)), guess)
+        np.testing.assert_allclose(between(truth, match.pose), 0.0, atol=0.1)
+        assert not match.ambiguous
+
+
+def test_where_the_views_are_alike_what_stands_near_counts_by_its_beams():
+    # Half a turn is told by a post of 8 cm before the laser only.
+    walls = np.array(
+        [
+            [-3, -2, 3, -2], [3, -2, 3, 2], [3, 2, -3, 2], [-3, 2, -3, -2], [0.5, 0.2, 0.58, 0.2],
+            [0.58, 0.2, 0.58, 0.28], [0.58, 0.28, 0.5, 0.28], [0.5, 0.28, 0.5, 0.2],
+        ]
+    )  # fmt: skip
+    rng, found = np.random.default_rng(0), []
+    matchers = [GlobalMatcher(replace(GlobalConfig(second_maxima=0), **some)) for some in ({}, {"endpoints": 0.0})]
+    for _ in range(30):
+        at = rng.uniform(-0.1, 0.1, 3)
+        scans = [scan_of(walls, at, FULL[first::4], 0.02, rng) for first in (0, 2)]
+        guess = rng.uniform(-0.5, 0.5, 3) * [1, 1, 6]
+        found.append([bool(np.abs(matcher.match(*scans, guess).pose).max() < 0.1) for matcher in matchers])
+    with_beams, without = np.mean(found, axis=0)
+    assert with_beams > without + 0.15
+
+
+def test_a_scan_explains_itself_but_for_the_fifth_that_is_taken_for_granted():
+    matcher = GlobalMatcher(GlobalConfig())
+    tool = IterativeMatcher(matcher.config.refinement)
+    seen = find_surfaces(scan_of(ROOM, [0, 0, 0], FULL), matcher.config.refinement.surfaces)
+    score = matcher._explains(tool, seen, seen, np.zeros(3))  # pyright: ignore[reportPrivateUsage]
+    assert score == pytest.approx((2.0 / 2.2 + 0.5) / 1.5, abs=2e-3)
+
+
+def test_of_poses_side_by_side_the_higher_maximum_is_taken_unless_it_explains_less():
+    matcher = GlobalMatcher(GlobalConfig())
+    poses = [Refined(np.array([x, 0.0, 0.0]), 1, True) for x in (0.1, 0.0, 1.0)]
+    for worth, nearly, expected in (
+        ((0.90, 1.0, 0.5), 0.0, 0),
+        ((0.90, 1.0, 0.5), 0.97, 1),
+        ((0.98, 1.0, 0.5), 0.97, 0),
+        ((0.98, 0.5, 1.0), 0.0, 2),  # a metre away is another place
+    ):
+        assert matcher._choose(poses, np.array(worth), nearly) == expected  # pyright: ignore[reportPrivateUsage]
 
 
 def test_global_recovers_where_icp_does_not():

@@ -1,0 +1,163 @@
+"""What a candidate is like apart from its picture: what bounds it, how large and how flat it is, where it stands.
+
+A piece of wall between two people has the outline of somebody, but what is beside it is nearer; a lamp has a head, but
+is thin; a banner is as large as somebody, but flat. Each measure is given in soft bins, so that a linear classifier may
+like the middle of its range best.
+"""
+
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from .frame import RgbdFrame
+from .heads import Candidates
+from .planes import Planes, Surface
+
+Array = NDArray[np.float64]
+
+
+class Border(IntEnum):
+    """What lies beyond the edge of a candidate, seen from the camera."""
+
+    FREE = 0
+    HIDDEN = 1
+    TOUCHING = 2
+    UNMEASURED = 3
+    CUT = 4
+
+
+BORDER_STEP = 0.15
+"""What lies beyond is farther or nearer if it differs by this in depth [m]."""
+_REACH = 4
+_SHARES = (0.0, 0.05, 0.15, 0.35, 0.65, 1.0)
+_KNOTS = np.array(
+    [
+        *[_SHARES] * (2 * len(Border)),
+        (0.03, 0.08, 0.13, 0.18, 0.25, 0.35),  # spread sideways
+        (0.01, 0.03, 0.06, 0.09, 0.13, 0.2),  # spread in depth
+        (1.25, 1.4, 1.55, 1.7, 1.85, 2.05),  # highest point
+        (0.0, 0.15, 0.4, 0.8, 1.1, 1.4),  # lowest point
+        (0.6, 1.0, 1.5, 2.5, 4.0, 6.0),  # distance
+        (0.02, 0.1, 0.2, 0.35, 0.55, 0.9),  # area in sight
+        *[(0.0, 0.1, 0.3, 0.5, 0.7, 1.0)] * 3,  # on upright planes, on walls, on the largest plane
+    ]
+)
+MEASURES = len(_KNOTS)
+MEASURES_LENGTH = _KNOTS.size
+"""How many numbers describe a candidate."""
+
+
+def candidate_measures(frame: RgbdFrame, planes: Planes, candidates: Candidates) -> Array:
+    """Return (n, MEASURES) of the candidates.
+
+    Shares of the edge at the sides that are `Border.FREE` and so on, the same of the upper edge; standard deviation of
+    the points along the longer and the shorter axis of what is seen from above [m]; greatest and least height [m];
+    distance [m]; area across the line of sight [m2]; shares of the points on upright planes that are no walls, on
+    walls, and on the plane that holds most of them.
+    """
+    measures = np.empty((len(candidates), MEASURES))
+    counts = np.zeros((len(candidates), 2, len(Border)))
+    count_borders(frame.depth, candidates.label, BORDER_STEP, counts)
+    shares = counts / np.maximum(counts.sum(axis=2, keepdims=True), 1.0)
+    measures[:, : 2 * len(Border)] = shares.reshape(len(candidates), 2 * len(Border))
+    for k in range(len(candidates)):
+        mine = candidates.label == k
+        measures[k, 2 * len(Border) :] = *_extents(frame, planes.points[mine], mine), *_flatness(planes, mine)
+    return measures
+
+
+def _flatness(planes: Planes, mine: NDArray[np.bool_]) -> tuple[float, float, float]:
+    surface, region = planes.surface[mine], planes.region[mine]
+    largest = np.bincount(region[region >= 0], minlength=1).max() / len(region)
+    return float((surface == Surface.FACE).mean()), float((surface == Surface.WALL).mean()), float(largest)
+
+
+def _extents(frame: RgbdFrame, of: Array, mine: NDArray[np.bool_]) -> tuple[float, ...]:
+    least, most = np.linalg.eigvalsh(np.cov(of[:, :2].T, bias=True))
+    across, down = frame.camera.focal
+    area = float((frame.depth[mine] ** 2).sum() / (across * down))
+    distance = float(np.hypot(*of[:, :2].mean(axis=0)))
+    spread = float(np.sqrt(max(most, 0.0))), float(np.sqrt(max(least, 0.0)))
+    return *spread, float(of[:, 2].max()), float(of[:, 2].min()), distance, area
+
+
+def soft_bins(measures: Array) -> NDArray[np.float32]:
+    """Return (n, MEASURES_LENGTH): each of `measures` (n, MEASURES) shared out between the two knots around it."""
+    bins = np.zeros((len(measures), *_KNOTS.shape), dtype=np.float32)
+    rows = np.arange(len(measures))
+    for k, knots in enumerate(_KNOTS):
+        place = np.interp(measures[:, k], knots, np.arange(len(knots)))
+        lower = np.minimum(place.astype(int), len(knots) - 2)
+        bins[rows, k, lower] = 1.0 - (place - lower)
+        bins[rows, k, lower + 1] = place - lower
+    return bins.reshape(len(measures), MEASURES_LENGTH)
+
+
+@njit(cache=True, nogil=True)
+def count_borders(depth, label, step, counts):
+    """Count what lies beyond the edges of each candidate: the first thing measured within a few pixels.
+
+    Args:
+        depth: (h, w) [m], NaN where nothing was measured.
+        label: (h, w) candidate of each pixel, -1 for none.
+        step: Least difference in depth of what is farther or nearer [m].
+        counts: (n, 2, Border) of the sides, and of the upper edge; added to.
+    """
+    height, width = label.shape
+    for row in range(height):
+        for col in range(width):
+            if label[row, col] >= 0:
+                for side in range(-1, 2):
+                    up = 1 if side == 0 else 0
+                    border = _border(depth, label, row, col, -up, side, step)
+                    if border >= 0:
+                        counts[label[row, col], up, border] += 1.0
+
+
+@njit(cache=True, nogil=True)
+def _border(depth, label, row, col, down, right, step):
+    """Return the `Border` at one side of a pixel, -1 if its own candidate goes on there."""
+    height, width = label.shape
+    for away in range(1, _REACH + 1):
+        i, j = row + away * down, col + away * right
+        if i < 0 or i >= height or j < 0 or j >= width:
+            return 4
+        if label[i, j] == label[row, col]:
+            return -1
+        if np.isfinite(depth[i, j]):
+            beyond = depth[i, j] - depth[row, col]
+            return 0 if beyond > step else 1 if beyond < -step else 2
+    return 3
+
+
+def count_borders_reference(depth: Array, label: NDArray[np.int32], step: float, counts: Array) -> None:
+    """Do what `count_borders` does, in numpy: shifted pictures, one step farther out each time."""
+    for up, (down, right) in ((0, (0, -1)), (0, (0, 1)), (1, (-1, 0))):
+        border = np.where(label >= 0, np.int64(Border.UNMEASURED), -1)
+        undecided = label >= 0
+        for away in range(1, _REACH + 1):
+            beyond = _shifted(depth, away * down, away * right, np.inf) - depth
+            other = _shifted(label, away * down, away * right, -2)
+            border[undecided & (other == label)] = -1
+            undecided &= other != label
+            for mine, kind in (
+                (np.abs(beyond) <= step, Border.TOUCHING),
+                (np.isfinite(beyond) & (beyond > step), Border.FREE),
+                (beyond < -step, Border.HIDDEN),
+                (other == -2, Border.CUT),
+            ):
+                border[undecided & mine] = kind
+                undecided &= ~mine
+        met = border >= 0
+        for candidate, kind in zip(label[met].tolist(), border[met].tolist(), strict=True):
+            counts[candidate, up, kind] += 1.0
+
+
+def _shifted(picture: NDArray[Any], down: int, right: int, outside: float) -> NDArray[Any]:
+    """Return (h, w) what `picture` has so many rows below and columns right of each pixel."""
+    padded = np.pad(picture, _REACH, constant_values=outside)
+    rows, cols = picture.shape
+    return padded[_REACH + down : _REACH + down + rows, _REACH + right : _REACH + right + cols]

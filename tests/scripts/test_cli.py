@@ -1,0 +1,46 @@
+"""What every command promises: bad input is told in one line before any work is done, with exit status 2."""
+
+import pytest
+from tagalong.scripts.cli import main
+from tagalong.slam.errors import InputError
+from tagalong.slam.files import require_writable
+
+
+def test_an_output_folder_that_cannot_be_is_told_before_the_work(tmp_path, capsys, monkeypatch):
+    (tmp_path / "file").write_text("")
+    monkeypatch.setattr("tagalong.scripts.commands.bench.run", lambda options: pytest.fail("it began to work"))
+    assert main(["bench", "--out", str(tmp_path / "file" / "deep" / "out")]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith(f"tagalong: {tmp_path}/file/deep/out: cannot be written ({tmp_path}/file: ")
+    assert error.count("\n") == 1
+
+
+def test_asking_whether_something_can_be_written_leaves_nothing_behind(tmp_path):
+    for there in ("new", "new/and/deep", "."):
+        require_writable(tmp_path / there)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_file_may_be_written_again_but_is_no_folder(tmp_path):
+    log = tmp_path / "drive.txt"
+    log.write_text("old")
+    require_writable(log)
+    assert log.read_text() == "old"
+    with pytest.raises(InputError, match=r"drive.txt: Not a directory"):
+        require_writable(log / "below")
+
+
+@pytest.mark.parametrize(
+    ("who", "complaint"),
+    [
+        ("nobody", "unknown follower 'nobody'"),
+        ("FOLDER", "a policy is a shipped one"),
+        ("a:b", "named as module:class"),
+    ],
+)
+def test_who_does_not_exist_is_told_before_any_drive(who, complaint, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("tagalong.scripts.commands.evaluate.rollout", lambda *_, **__: pytest.fail("it drove"))
+    assert main(["evaluate", str(tmp_path) if who == "FOLDER" else who, "--beams", "181"]) == 2
+    error = capsys.readouterr().err
+    assert complaint in error
+    assert error.count("\n") == 1
