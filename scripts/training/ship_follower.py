@@ -31,8 +31,8 @@ LIMITS = (
     "Trained by imitation alone, before what surrounds the network was settled (on the training half); never "
     "reinforced.",
     "The evaluation above is that of the training run, driven with what surrounded the network then.",
-    "Who falls behind is urged on by a rule, not by the network (`keep_up`), and steered round what it would touch by a "
-    "search among manoeuvres (`swerve`, `detour`).",
+    "Who falls behind is urged on by a rule, not by the network (`keep_up`), and steered round what it would touch by "
+    "a search among manoeuvres (`swerve`, `detour`).",
     "Maps (ADNN) were not measured since that changed; see `maps`.",
     "Trained in simulation alone; no real robot has driven it.",
     "It is told who leads by the tracker: when the tracker takes somebody else for the leader, it follows that person.",
