@@ -35,6 +35,8 @@ class MemoryConfig:
         dwell_s: Time that the search looks around standing still, before it turns: the laser sees three quarters of a
             circle, and people are found sooner from a robot at rest [s].
         search_turn_rate: Turn rate of the search [rad/s].
+        predicted: Whether a lost leader is approached where the tracker takes it to be by now, if it says so, instead
+            of where it would be at its last velocity.
     """
 
     position_s: float = 0.3
@@ -46,6 +48,7 @@ class MemoryConfig:
     approach_s: float = 8.0
     dwell_s: float = 3.0
     search_turn_rate: float = 0.5
+    predicted: bool = False
 
     def __post_init__(self) -> None:
         if not self.search_turn_rate > 0.0:
@@ -103,6 +106,8 @@ class LeaderMemory:
         elif self.goal.mode is not Mode.WAIT:
             self._unseen_s += self._step_s
             self.goal.mode = self._lost_mode()
+            if self._config.predicted and self.goal.mode is Mode.APPROACH and any(leader[:2]):
+                self.goal.x, self.goal.y = leader[:2]
         return self.goal
 
     def _correct(self, leader: list[float]) -> None:

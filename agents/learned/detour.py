@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 from ...slam.errors import InputError
 from ..memory import Goal, Mode
 from .guard import GuardConfig, box_gaps
-from .steering import State, SteeringConfig, steer_many
+from .manoeuvres import SPACING_M, drive_in_thought, resampled, thinned
+from .steering import State, SteeringConfig
 
 Array = NDArray[np.float64]
-_SPACING_M = 0.1
-_LONGEST_M = 2.5
+_REACH_M = 2.5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,6 +40,9 @@ class DetourConfig:
         off_trail: What a metre beside the trail costs, in metres along it.
         facing: What a radian of turning from the trail costs [m].
         tight: What no gap at all would cost [m].
+        touch: A manoeuvre that comes nearer to things than this is not driven; less than the guard's margin, or the
+            laser's noise would forbid one manoeuvre after the other [m].
+        keep: What it is worth to go on with the manoeuvre that was begun: who begins another every step stands [m].
         search: Whether a leader out of sight is looked for by this too.
     """
 
@@ -57,6 +60,8 @@ class DetourConfig:
     off_trail: float = 1.5
     facing: float = 0.3
     tight: float = 0.4
+    touch: float = 0.03
+    keep: float = 0.15
     search: bool = True
 
     def __post_init__(self) -> None:
@@ -84,6 +89,7 @@ class Detour:
     def reset(self) -> None:
         """Forget everything."""
         self._held_s = self._left_s = self._left_m = 0.0
+        self._begun = np.zeros((0, 5))
 
     def relieve(
         self, state: State, wish: tuple[float, float], goal: Goal, search_turn: float, trail: Array, things: Array
@@ -103,9 +109,10 @@ class Detour:
         if goal.mode is Mode.SEARCH and self.config.search:
             return 0.0, search_turn
         lost = goal.mode is Mode.APPROACH and self.config.search
-        path = _resampled(np.vstack((trail, (goal.x, goal.y))), 0.0 if lost else self.config.distance)
-        self._watch(state, len(path) * _SPACING_M)
+        path = resampled(np.vstack((trail, (goal.x, goal.y))), 0.0 if lost else self.config.distance)
+        self._watch(state, len(path) * SPACING_M)
         if not (lost or self._left_s > 0.0) or not len(path):
+            self._begun = np.zeros((0, 5))
             return wish
         return self._best(state, path, things)
 
@@ -122,12 +129,13 @@ class Detour:
             self._held_s, self._left_s, self._left_m = 0.0, c.relieved_s, c.relieved_m
 
     def _best(self, state: State, path: Array, things: Array) -> tuple[float, float]:
-        """Return the first part of the best manoeuvre."""
-        c, plans = self.config, self._plans
-        near = _thinned(things[np.hypot(things[:, 0], things[:, 1]) < 2.5])
-        poses, gap = self._driven(state, near)
+        """Return what the best manoeuvre wishes now, and remember it as begun."""
+        c, plans = self.config, np.vstack((self._plans, self._begun))
+        near = thinned(things, _REACH_M)
+        driven = drive_in_thought(state, plans, near, c.horizon_s, self._step_s, self._steering, self._guard)
+        poses, gap = driven.poses, driven.gaps
         now = float(box_gaps(np.zeros((1, 3)), near, self._guard).min(initial=np.inf))
-        arc = _SPACING_M * np.arange(1, len(path) + 1)
+        arc = SPACING_M * np.arange(1, len(path) + 1)
         off = np.hypot(path[:, 0] - poses[:, :1], path[:, 1] - poses[:, 1:2])
         reached = c.off_trail * off - arc
         k = np.argmin(reached, axis=1)
@@ -136,23 +144,13 @@ class Detour:
         bearing = np.abs((bearing + np.pi) % (2.0 * np.pi) - np.pi)
         tight = np.maximum(1.0 - gap / c.clear, 0.0) ** 2
         cost = reached[np.arange(len(k)), k] + c.facing * bearing + c.tight * tight
-        cost[gap < min(self._guard.margin, now - 0.002)] += 100.0
-        best = plans[int(np.argmin(cost))]
-        return float(best[0]), float(best[1])
-
-    def _driven(self, state: State, things: Array) -> tuple[Array, Array]:
-        """Return (n, 3) where each manoeuvre ends and (n,) the least gap on its way [m]."""
-        plans, dt = self._plans, self._step_s
-        states, poses = np.repeat(np.array([state]), len(plans), axis=0), np.zeros((len(plans), 3))
-        least = np.full(len(plans), np.inf)
-        for k in range(round(self.config.horizon_s / dt)):
-            wishes = np.where((k * dt < plans[:, 2])[:, None], plans[:, :2], plans[:, 3:])
-            states = steer_many(states, wishes, dt, self._steering)
-            middle, way = poses[:, 2] + 0.5 * states[:, 2] * dt, states[:, 0] * dt
-            poses = poses + np.column_stack((way * np.cos(middle), way * np.sin(middle), states[:, 2] * dt))
-            if k % 2:
-                least = np.minimum(least, box_gaps(poses, things, self._guard))
-        return poses, least
+        cost[gap < min(c.touch, now - 0.002)] += 100.0
+        cost[len(self._plans) :] -= c.keep
+        best = plans[int(np.argmin(cost))].copy()
+        wish = best[:2] if best[2] > 0.0 else best[3:]
+        best[2] = max(best[2] - self._step_s, 0.0)
+        self._begun = best[None]
+        return float(wish[0]), float(wish[1])
 
 
 class NoDetour:
@@ -166,17 +164,3 @@ class NoDetour:
     ) -> tuple[float, float]:
         """Return `wish`."""
         return wish
-
-
-def _resampled(path: Array, keep: float) -> Array:
-    """Return (k, 2) points of `path` every 0.1 m from here, at most 2.5 m, ending `keep` before its end [m]."""
-    whole = np.vstack((np.zeros(2), path))
-    arc = np.append(0.0, np.cumsum(np.hypot(*np.diff(whole, axis=0).T)))
-    ways = np.arange(_SPACING_M, min(arc[-1] - keep, _LONGEST_M), _SPACING_M)
-    return np.stack([np.interp(ways, arc, whole[:, k]) for k in (0, 1)], axis=1)
-
-
-def _thinned(points: Array) -> Array:
-    """Return one of `points` (n, 2) for each cell of 4 cm."""
-    cells = np.round(points / 0.04).astype(np.int64)
-    return points[np.unique(cells[:, 0] * 100_003 + cells[:, 1], return_index=True)[1]]

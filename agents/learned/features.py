@@ -83,7 +83,7 @@ class Features:
 
     def reset(self) -> None:
         """Forget everything."""
-        self._memory = LeaderMemory(MemoryConfig(), self._step_s)
+        self._memory = LeaderMemory(MemoryConfig(predicted=True), self._step_s)
         self._trail = Trail()
         self._unseen_s = 0.0
 

@@ -2,7 +2,7 @@
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +13,13 @@ from ..follower import Observation
 from .detour import DetourConfig
 from .features import FeatureConfig
 from .guard import GuardConfig
+from .keep_up import KeepUpConfig
 from .network import Network
 from .pilot import Pilot, PilotConfig
 from .steering import SteeringConfig
+from .swerve import SwerveConfig
 
+Part = TypeVar("Part", GuardConfig, KeepUpConfig, DetourConfig, SwerveConfig)
 SHIPPED = Path(__file__).parents[1] / "models"
 """Where the shipped policies are."""
 
@@ -75,13 +78,18 @@ def load_policy(policy: str | Path) -> tuple[dict[str, NDArray[np.float32]], Pil
 
 def pilot_config(fields: dict[str, Any]) -> PilotConfig:
     """Return the configuration that `dataclasses.asdict` made `fields` of."""
-    guard, detour = fields["guard"], fields.get("detour")
     return PilotConfig(
         features=FeatureConfig(**fields["features"]),
         steering=SteeringConfig(**fields["steering"]),
-        guard=None if guard is None else GuardConfig(**guard),
-        detour=None if detour is None else DetourConfig(**_with_tuples(detour)),
+        guard=_part(GuardConfig, fields["guard"]),
+        keep_up=_part(KeepUpConfig, fields.get("keep_up")),
+        detour=_part(DetourConfig, fields.get("detour")),
+        swerve=_part(SwerveConfig, fields.get("swerve")),
     )
+
+
+def _part(kind: type[Part], fields: dict[str, Any] | None) -> Part | None:
+    return None if fields is None else kind(**_with_tuples(fields))
 
 
 def _with_tuples(fields: dict[str, Any]) -> dict[str, Any]:

@@ -26,7 +26,7 @@ class GuardConfig:
     Attributes:
         half_length: Half of the robot's length [m].
         half_width: Half of its width [m].
-        margin: Gap kept to every return, several times the laser's noise; who is nearer may not come nearer [m].
+        margin: Gap kept to every return, a few times the laser's noise; who is nearer may not come nearer [m].
         reach: Returns farther than this from the laser do not matter [m].
         leader_near: A leader farther than this is no thing to be touched: it walks on [m].
         leader_body: Returns nearer to it than this are the leader [m].
@@ -37,7 +37,7 @@ class GuardConfig:
 
     half_length: float = 0.275
     half_width: float = 0.259
-    margin: float = 0.06
+    margin: float = 0.04
     reach: float = 1.4
     leader_near: float = 0.9
     leader_body: float = 0.45

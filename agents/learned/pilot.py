@@ -1,4 +1,4 @@
-"""Between an environment and a network: features before it; detour, guard and steering behind; one episode long."""
+"""Between an environment and a network: features before it; what keeps it from harm behind it; one episode long."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -12,7 +12,9 @@ from ..scan_points import as_action
 from .detour import Detour, DetourConfig, NoDetour
 from .features import FeatureConfig, Features
 from .guard import Guard, GuardConfig, NoGuard
+from .keep_up import KeepUp, KeepUpConfig, NoKeepUp
 from .steering import REST, SteeringConfig, steer
+from .swerve import NoSwerve, Swerve, SwerveConfig
 
 Floats = NDArray[np.float32]
 
@@ -25,20 +27,25 @@ class PilotConfig:
         features: What it is told.
         steering: How its wishes are driven.
         guard: What is not driven whatever is wished; None for no guard.
-        detour: When the network is relieved; None for never. It needs a guard.
+        keep_up: What is wished at least while the leader gets away; None for no such thing. Like the next two it
+            needs a guard.
+        detour: When the network is relieved; None for never.
+        swerve: How wishes that would touch something are changed in time; None for not before the guard does.
     """
 
     features: FeatureConfig = field(default_factory=FeatureConfig)
     steering: SteeringConfig = field(default_factory=SteeringConfig)
     guard: GuardConfig | None = field(default_factory=GuardConfig)
+    keep_up: KeepUpConfig | None = field(default_factory=KeepUpConfig)
     detour: DetourConfig | None = field(default_factory=DetourConfig)
+    swerve: SwerveConfig | None = field(default_factory=SwerveConfig)
 
 
 class Pilot:
-    """Features, guard and steering of one episode; training and driving use the same.
+    """Features, guard, steering and the like of one episode; training and driving use the same.
 
     Args:
-        config: All three.
+        config: All of them.
         interface: Scales of the environment.
     """
 
@@ -46,10 +53,21 @@ class Pilot:
         self.config, self._interface = config, interface
         self._features = Features(config.features, interface)
         self._guard = Guard(config.guard, config.steering, interface) if config.guard is not None else NoGuard()
+        self._keep_up: KeepUp | NoKeepUp = NoKeepUp()
         self._detour: Detour | NoDetour = NoDetour()
-        if config.guard is not None and config.detour is not None:
-            self._detour = Detour(config.detour, config.guard, config.steering, 1.0 / interface.control_hz)
+        self._swerve: Swerve | NoSwerve = NoSwerve()
+        if config.guard is not None:
+            self._relieve(config, config.guard, 1.0 / interface.control_hz)
         self.reset()
+
+    def _relieve(self, config: PilotConfig, guard: GuardConfig, step_s: float) -> None:
+        """Take what is only safe with a guard."""
+        if config.keep_up is not None:
+            self._keep_up = KeepUp(config.keep_up)
+        if config.detour is not None:
+            self._detour = Detour(config.detour, guard, config.steering, step_s)
+        if config.swerve is not None:
+            self._swerve = Swerve(config.swerve, guard, config.steering, step_s)
 
     def reset(self) -> None:
         """Forget the last episode; stand."""
@@ -67,14 +85,16 @@ class Pilot:
     def drive(self, output: Sequence[float] | Floats) -> Floats:
         """Return the environment's action for an output (2,) of the network in [-1, 1]; once a step."""
         steering, step_s = self.config.steering, 1.0 / self._interface.control_hz
+        f, things = self._features, self._guard.things
         wish = steering.wish((float(output[0]), float(output[1])))
+        wish = steering.within(*self._keep_up.urge(wish, f.goal, f.trail))
         part = step_s / (step_s + steering.wish_s)
         self._wish = (
             self._wish[0] + part * (wish[0] - self._wish[0]),
             self._wish[1] + part * (wish[1] - self._wish[1]),
         )
-        f, things = self._features, self._guard.things
-        wish = self._detour.relieve(self.commanded, self._wish, f.goal, f.search_turn, f.trail, things)
+        wish = self._swerve.around(self.commanded, self._wish, f.goal, f.trail, things)
+        wish = self._detour.relieve(self.commanded, wish, f.goal, f.search_turn, f.trail, things)
         speed, turn = self._guard.allow(self.commanded, wish)
         self.commanded = steer(self.commanded, speed, turn, step_s, steering)
         return as_action(self.commanded[0], self.commanded[2], self._interface)

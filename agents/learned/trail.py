@@ -7,6 +7,8 @@ Array = NDArray[np.float64]
 
 SPACING_M = 0.1
 LONGEST = 80
+JUMP_M = 1.0
+"""To a leader who is seen again farther than this from where the trail ends, the robot may go straight: a new trail."""
 
 
 class Trail:
@@ -33,7 +35,10 @@ class Trail:
         self.points = np.stack((cos * moved[:, 0] + sin * moved[:, 1], cos * moved[:, 1] - sin * moved[:, 0]), axis=1)
         if leader is not None:
             last = self.points[-1] if len(self.points) else np.full(2, np.inf)
-            if np.hypot(leader[0] - last[0], leader[1] - last[1]) > SPACING_M:
+            apart = np.hypot(leader[0] - last[0], leader[1] - last[1])
+            if apart > JUMP_M:
+                self.points = np.array([leader])
+            elif apart > SPACING_M:
                 self.points = np.vstack((self.points, leader))[-LONGEST:]
         self._pass()
 

@@ -3,7 +3,8 @@
 The window is searched exactly on the lookup table of GLASM-g, so no population can miss its maximum; a few further
 maxima are refined too, and the one wins that explains both scans best, free space included. Where even that one
 explains them badly, as for views that share little, a second exact search scores free space as well: a point where the
-reference saw nothing is worth most of a hit, a point where it saw free space nothing.
+reference saw nothing is worth most of a hit, a point where it saw free space nothing. How well a pose explains two
+views is counted by range, not by beams: of a corridor's two ends and many doors the far points tell which is which.
 """
 
 from dataclasses import dataclass, field, replace

@@ -33,7 +33,7 @@ def scan_of(pose):
 
 def pursue(detour, seconds, seen=lambda t: True):
     """Drive by somebody who wishes straight at the leader, wall or no wall; return the poses and the least gap."""
-    pilot = Pilot(replace(PilotConfig(), detour=detour), INTERFACE)
+    pilot = Pilot(replace(PilotConfig(), keep_up=None, detour=detour, swerve=None), INTERFACE)
     arc = np.append(0.0, np.cumsum(np.hypot(*np.diff(WAY, axis=0).T)))
     pose, poses, least = np.zeros(3), [], np.inf
     for k in range(round(10 * seconds)):
@@ -92,6 +92,33 @@ def test_who_gets_on_or_may_well_stand_is_left_alone():
 
 def test_who_is_where_the_leader_was_last_looks_around():
     assert relieved(REST, (1.0, 0.0), Goal(Mode.SEARCH, 0.3, 0.0), [[0.3, 0.0]], search_turn=-0.5) == (0.0, -0.5)
+
+
+def wishes_before_a_wall(keep):
+    """Return what is wished, held up before a short wall, step by step, by a robot that does not move at all."""
+    detour = Detour(DetourConfig(keep=keep), GUARD, SteeringConfig(), 0.1)
+    goal, trail = Goal(Mode.FOLLOW, 3.0, 0.0), np.array([[1.0, 0.0], [2.0, 0.0]])
+    wall = np.column_stack((np.full(9, 0.5), np.linspace(-0.25, 0.25, 9)))
+    return [detour.relieve(REST, (0.5, 0.0), goal, 0.0, trail, wall) for _ in range(24)][9:]
+
+
+def test_a_manoeuvre_that_was_begun_goes_on_to_its_second_part_instead_of_beginning_anew():
+    anew = wishes_before_a_wall(keep=0.0)
+    assert set(anew) == {anew[0]}
+    on = wishes_before_a_wall(keep=0.15)
+    assert on[0] == anew[0]
+    assert on[-1] == (0.0, 0.0)  # the robot has not moved, so the second part still is to stand before the wall
+
+
+def test_a_manoeuvre_may_come_a_little_nearer_to_things_than_the_guard_would_let_the_network():
+    gate = np.array([[0.8, 0.295], [0.8, -0.295]])  # table legs: driven through, the robot comes as near as 0.036 m
+    goal, trail = Goal(Mode.FOLLOW, 3.0, 0.0), np.array([[1.0, 0.0], [2.0, 0.0]])
+    wishes = []
+    for touch in (DetourConfig().touch, GUARD.margin):
+        detour = Detour(DetourConfig(touch=touch), GUARD, SteeringConfig(), 0.1)
+        wishes.append([detour.relieve(REST, (0.5, 0.0), goal, 0.0, trail, gate) for _ in range(12)][-1])
+    assert wishes[0] == (0.9, 0.0)
+    assert wishes[1] != (0.9, 0.0)
 
 
 def test_a_horizon_within_the_first_part_is_refused():

@@ -1,6 +1,7 @@
 """Learned followers without torch: steering, what the network is told, the network in numpy, the shipped policy."""
 
 import json
+from dataclasses import replace
 
 import gymnasium as gym
 import numpy as np
@@ -12,6 +13,7 @@ from tagalong.agents.learned.features import FeatureConfig, Features
 from tagalong.agents.learned.follower import SHIPPED, LearnedFollower, load_policy
 from tagalong.agents.learned.guard import Guard, GuardConfig
 from tagalong.agents.learned.network import Network
+from tagalong.agents.learned.pilot import PilotConfig
 from tagalong.agents.learned.steering import REST, SteeringConfig, steer, steer_many
 from tagalong.agents.learned.trail import Trail
 from tagalong.envs.interface import FollowInterface
@@ -87,6 +89,17 @@ def test_the_trail_stays_where_the_leader_walked_while_the_robot_drives():
     )
 
 
+def test_a_leader_who_is_seen_again_elsewhere_begins_a_new_trail():
+    trail = Trail()
+    for k in range(8):
+        trail.update((0.0, 0.0, 0.0), 0.1, (1.0 + 0.15 * k, 0.0))
+    trail.update((0.0, 0.0, 0.0), 0.1, None)
+    trail.update((0.0, 0.0, 0.0), 0.1, (2.05, 0.9))  # a gap that may have been walked
+    assert len(trail.points) > 5
+    trail.update((0.0, 0.0, 0.0), 0.1, (-0.5, 2.0))
+    assert trail.points == pytest.approx(np.array([[-0.5, 2.0]]))
+
+
 @pytest.mark.parametrize("beams", [360, 1081])
 def test_features_are_finite_and_of_the_shapes_that_are_promised(beams):
     config = FeatureConfig()
@@ -107,6 +120,14 @@ def test_a_sector_tells_its_nearest_return_whatever_the_number_of_beams():
         told = Features(FeatureConfig(), interface(beams)).update({**observation(beams), "scan": scan}, REST)["scan"]
         assert told[0].argmin() in (44, 45)
         assert told[0].min() == pytest.approx(0.6 / 6.0)
+
+
+def test_a_lost_leader_is_taken_to_be_where_the_tracker_predicts_it():
+    features = Features(FeatureConfig(), interface())
+    features.update(observation(), REST)
+    for _ in range(10):
+        features.update(observation(leader=(0.4, 2.0, 0.0, 0.0, 0.0, 0.0)), REST)
+    assert (features.goal.x, features.goal.y) == pytest.approx((0.4, 2.0))
 
 
 def test_features_share_no_memory_between_steps():
@@ -170,6 +191,11 @@ def test_the_shipped_policy_is_small_and_its_card_tells_what_a_user_must_know():
     assert {"data", "command", "seed", "suites", "limits", "pilot", "evaluation"} <= set(card)
 
 
+def test_the_shipped_card_says_what_surrounds_the_network_now():
+    config = load_policy("follower")[1]
+    assert config == replace(PilotConfig(), features=config.features)
+
+
 def test_the_shipped_policy_says_the_same_through_onnx():
     runtime = pytest.importorskip("onnxruntime")
     arrays, config = load_policy("follower")
@@ -181,11 +207,12 @@ def test_the_shipped_policy_says_the_same_through_onnx():
         assert batch[0] == pytest.approx(network(inputs), abs=1e-5)
 
 
-def test_the_shipped_policy_follows_its_leader_through_the_corridor_more_smoothly_than_pid():
-    env = gym.make("tagalong/Corridor-v0", slam=None, beams=360, people_count=1)
-    episodes = {name: rollout(env, make_follower(name, env.unwrapped.interface), seed=3) for name in ("learned", "pid")}
-    assert episodes["learned"].ending == "tour_done"
-    jerk = {name: episode.metrics["jerk_rms_mps3"] for name, episode in episodes.items()}
+def test_the_shipped_policy_follows_its_leader_through_the_corridor_with_half_of_pids_jerk():
+    env = gym.make("tagalong/Corridor-v0", slam=None, people_count=1)
+    drivers = {name: make_follower(name, env.unwrapped.interface) for name in ("learned", "pid")}
+    episodes = {name: [rollout(env, one, seed=seed) for seed in (3, 4, 5)] for name, one in drivers.items()}
+    assert all(episode.ending == "tour_done" for episode in episodes["learned"])
+    jerk = {name: np.mean([one.metrics["jerk_rms_mps3"] for one in part]) for name, part in episodes.items()}
     assert jerk["learned"] < 0.5 * jerk["pid"]
 
 

@@ -128,6 +128,20 @@ def test_an_unseen_leader_stays_where_it_is_while_the_robot_turns():
     assert goal.mode is Mode.APPROACH
 
 
+@pytest.mark.parametrize(
+    ("predicted", "told", "place"),
+    [(False, (1.0, 1.5), (2.0, 0.0)), (True, (1.0, 1.5), (1.0, 1.5)), (True, (0.0, 0.0), (2.0, 0.0))],
+)
+def test_a_lost_leader_is_where_the_tracker_predicts_it_only_if_that_is_wanted_and_told(predicted, told, place):
+    memory = LeaderMemory(MemoryConfig(predicted=predicted), 0.1)
+    memory.update([2.0, 0.0, 0.0, 0.0, 1.0, 1.0], (0.0, 0.0, 0.0))
+    for _ in range(10):
+        goal = memory.update([*told, 0.0, 0.0, 0.0, 0.0], (0.0, 0.0, 0.0))
+    assert goal.mode is Mode.APPROACH
+    assert (goal.x, goal.y) == pytest.approx(place)
+    assert not MemoryConfig().predicted  # PID goes to where it would be by its last velocity
+
+
 def test_an_unknown_follower_is_refused_with_the_list():
     with pytest.raises(InputError, match="followers: dwa, frontier, learned, pid"):
         make_follower("pdi")
