@@ -119,7 +119,7 @@ def count_borders(depth, label, step, counts):
 
 @njit(cache=True, nogil=True)
 def _border(depth, label, row, col, down, right, step):
-    """Return the `Border` at one side of a pixel, -1 if its own candidate goes on there."""
+    """Return the number of the `Border` at one side of a pixel, -1 if its own candidate goes on there."""
     height, width = label.shape
     for away in range(1, _REACH + 1):
         i, j = row + away * down, col + away * right
