@@ -51,6 +51,12 @@ def test_the_building_is_the_maps_and_the_tours_are_the_seeds():
     assert not np.array_equal(first.routes["tour"], second.routes["tour"])
 
 
+@pytest.mark.parametrize("seed", [373, 583, 709])
+def test_where_the_ends_that_were_drawn_lie_together_others_are_drawn(seed):
+    scene = make_scene("floor_plan", np.random.default_rng(seed), request=SceneRequest())
+    assert np.hypot(*np.diff(scene.routes["tour"], axis=0).T).sum() > 14.0
+
+
 def test_a_map_that_was_written_anew_is_read_anew(tmp_path):
     path = write(tmp_path, hall())
     assert len(plan(path).solids) == 4
