@@ -18,8 +18,8 @@ It gave (five drives of about 280 s):
     people from  MOTA in view          MOTA all round        people's returns      of who never moves    others
                                                              removed                                     removed
     laser        0.330 [0.045, 0.616]  0.295 [0.059, 0.531]  0.959 [0.941, 0.976]  0.964 [0.935, 0.993]  0.003
-    camera       0.976 [0.970, 0.982]  0.474 [0.464, 0.485]  0.416 [0.393, 0.438]  0.362 [0.326, 0.398]  0.000
-    both         0.986 [0.981, 0.991]  0.759 [0.748, 0.771]  0.989 [0.986, 0.991]  0.987 [0.983, 0.991]  0.003
+    camera       0.978 [0.973, 0.983]  0.479 [0.471, 0.488]  0.414 [0.391, 0.438]  0.364 [0.329, 0.398]  0.000
+    both         0.988 [0.986, 0.990]  0.764 [0.758, 0.769]  0.989 [0.986, 0.991]  0.987 [0.983, 0.991]  0.003
 
 By the laser hardly anybody is known who has not moved; that most of their returns are removed all the same is the
 mind's suspicion: whatever looks like a leg is kept out of the map until it is known (without it 0.23 were removed). The
