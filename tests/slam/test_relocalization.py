@@ -10,7 +10,7 @@ from tagalong.slam.geometry import between, compose, transform_points
 from tagalong.slam.graph.engine import Cartographer, CartographerConfig
 from tagalong.slam.graph.relocalization import searchable
 from tagalong.slam.graph.submap import Submap, SubmapConfig
-from tagalong.slam.graph.watch import Watch, WatchConfig, contradictions
+from tagalong.slam.graph.watch import Suspicion, Watch, WatchConfig, contradictions
 from tagalong.slam.localization.contest import contest
 from tagalong.slam.matching import make_matcher
 from walls import cast
@@ -230,6 +230,15 @@ def test_a_few_contradicting_beams_in_every_scan_become_suspicious_until_they_ar
     for _ in range(20):
         assert not watch.doubts(*odd)
         assert watch.suspicion == 0.0
+
+
+def test_as_many_contradicting_beams_as_there_always_are_become_usual():
+    suspicion = Suspicion(0.02)
+    for _ in range(200):
+        suspicion.add(0.015)
+        assert suspicion.level == 0.0
+    suspicion.add(0.05)
+    assert suspicion.level == pytest.approx(0.05 - 0.015 - 0.02, abs=1e-4)
 
 
 def test_older_submaps_that_tied_the_robot_contradict_what_it_does_not_see_there():
