@@ -33,7 +33,6 @@ LIMITS = (
     "The evaluation above is that of the training run, driven with what surrounded the network then.",
     "Who falls behind is urged on by a rule, not by the network (`keep_up`), and steered round what it would touch by "
     "a search among manoeuvres (`swerve`, `detour`).",
-    "Maps (ADNN) were not measured since that changed; see `maps`.",
     "Trained in simulation alone; no real robot has driven it.",
     "It is told who leads by the tracker: when the tracker takes somebody else for the leader, it follows that person.",
     "For a robot of a Dingo's size (0.55 x 0.52 m) at up to 1.3 m/s with a laser of 270 degrees, 10 steps a second.",
@@ -52,14 +51,16 @@ def make_card(card: Mapping[str, Any], comparison: Path | None) -> dict[str, Any
     measured = {} if comparison is None else json.loads((comparison / "comparison.json").read_text())
     suites = measured.get("suites", {})
     command = f"tagalong train follower --algo {card['algorithm']} --preset {card['preset']} --seed {card['seed']}"
+    unmapped = [name for name, part in suites.items() if not _mapped(part)]
+    without = f" (without maps, --no-slam: {', '.join(unmapped)})" if unmapped else ""
     return {
-        **card,
+        **{name: field for name, field in card.items() if name != "maps"},
         "command": command,
         "data": DATA,
         "limits": [*measured_limits(suites), *LIMITS],
         "suites": suites,
         "suites_command": "python -m tagalong.scripts.experiments.follower_comparison --followers learned pid "
-        f"--no-slam --plot --episodes {max((part['episodes'] for part in suites.values()), default=37)}",
+        f"--plot --episodes {max((part['episodes'] for part in suites.values()), default=37)}{without}",
     }
 
 
@@ -84,7 +85,25 @@ def measured_limits(suites: Mapping[str, Any]) -> list[str]:
         f"Of the {sum(counts) - sum(done['learned'])} tours that it does not end, it loses its leader for good in "
         f"{lost}; contacts: {touched['learned']}, PID {touched['pid']}.",
         f"Jerk is {jerk / pid_jerk:.2f} of PID's; RMS error of the distance {off:.2f} m, PID {pid_off:.2f} m.",
+        _maps(suites),
     ]
+
+
+def _maps(suites: Mapping[str, Any]) -> str:
+    """Return in words how the maps compare, and where there are none."""
+    found = []
+    for name, part in suites.items():
+        if _mapped(part):
+            test = part["paired"]["pid"]["adnn_truth_to_map_m"]
+            learned, pid = (100.0 * part["figures"][who]["adnn_truth_to_map_m"]["mean"] for who in ("learned", "pid"))
+            found.append(f"{name} {learned:.1f} (PID {pid:.1f}, p {test['p']:.2g})")
+    missing = [name for name, part in suites.items() if not _mapped(part)]
+    words = f"Maps, ADNN truth to map [cm]: {', '.join(found)}; " if found else "Maps (ADNN): "
+    return words + (f"not measured in: {', '.join(missing)}." if missing else "measured in all suites.")
+
+
+def _mapped(part: Mapping[str, Any]) -> bool:
+    return part["figures"]["learned"]["adnn_truth_to_map_m"]["n"] > 0
 
 
 def _ended(part: Mapping[str, Any], who: str, ending: str) -> int:

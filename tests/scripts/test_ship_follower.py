@@ -9,13 +9,18 @@ from tagalong.agents.learned.pilot import PilotConfig
 from tagalong.scripts.training import ship_follower
 
 
-def part(episodes, learned, pid, jerk=1.0, off=0.2):
-    """One suite of a comparison, each follower's endings by name; PID's jerk is 2.5 and its error 0.4."""
+def part(episodes, learned, pid, jerk=1.0, off=0.2, maps=None):
+    """One suite of a comparison, each follower's endings by name; PID's jerk is 2.5, its error 0.4, its maps' 0.03."""
     figures = {
-        who: {"endings": endings, "jerk_rms_mps3": {"mean": a}, "distance_error_rms_m": {"mean": b}}
-        for who, endings, a, b in (("learned", learned, jerk, off), ("pid", pid, 2.5, 0.4))
+        who: {
+            "endings": endings,
+            "jerk_rms_mps3": {"mean": a},
+            "distance_error_rms_m": {"mean": b},
+            "adnn_truth_to_map_m": {"mean": None if maps is None else c, "n": 0 if maps is None else episodes},
+        }
+        for who, endings, a, b, c in (("learned", learned, jerk, off, maps), ("pid", pid, 2.5, 0.4, 0.03))
     }
-    return {"episodes": episodes, "figures": figures}
+    return {"episodes": episodes, "figures": figures, "paired": {"pid": {"adnn_truth_to_map_m": {"p": 0.271}}}}
 
 
 SUITES = {
@@ -25,18 +30,19 @@ SUITES = {
         {"tour_done": 39, "collision_person": 1},
         jerk=1.2,
     ),
-    "corridor": part(40, {"tour_done": 40}, {"tour_done": 38, "leader_lost": 2}, jerk=0.8),
+    "corridor": part(40, {"tour_done": 40}, {"tour_done": 38, "leader_lost": 2}, jerk=0.8, maps=0.02),
 }
 
 
 def test_the_limits_say_in_words_what_the_figures_show():
-    done, lost, smooth = ship_follower.measured_limits(SUITES)
+    done, lost, smooth, maps = ship_follower.measured_limits(SUITES)
     assert "76 of 80, PID 77: office 36 of 40 (PID 39); corridor 40 of 40 (PID 38)" in done
     assert done.endswith("reached in: corridor.")
     assert "Of the 4 tours" in lost
     assert "in 3; contacts: 1, PID 1" in lost
     assert "0.40 of PID's" in smooth
     assert "0.20 m, PID 0.40 m" in smooth
+    assert maps.endswith("[cm]: corridor 2.0 (PID 3.0, p 0.27); not measured in: office.")
     assert ship_follower.measured_limits({}) == []
 
 
@@ -57,6 +63,7 @@ def test_a_renewed_card_keeps_the_training_and_takes_the_figures_and_what_surrou
     card = json.loads((shipped / "follower.json").read_text())
     assert card["minutes"] == 7.0
     assert card["suites"] == SUITES
+    assert card["suites_command"].endswith("--plot --episodes 40 (without maps, --no-slam: office)")
     config = follower.pilot_config(card["pilot"])
     assert config == replace(PilotConfig(), features=replace(PilotConfig().features, sectors=30))
 
