@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ..slam.errors import InputError, unknown_name
 from ..slam.geometry import compose, inverse, transform_points
+from .camera.opengl import open_renderer
 from .mind import Belief
 from .mj import mujoco
 from .topview import Snapshot, TopView, Tracks
@@ -191,12 +192,7 @@ def _captions(truth: TrueState, belief: Belief) -> tuple[tuple[str, str], ...]:
 def _open_renderer(world: World) -> Any:
     if not has_display():
         os.environ.setdefault("MUJOCO_GL", "egl")
-    try:
-        return mujoco.Renderer(world.model, 480, 640)
-    except Exception as error:  # MuJoCo raises different kinds for each way in which OpenGL can be missing
-        raise InputError(
-            f'render_backend="mujoco" needs OpenGL ({error}); render_backend="topview" does not'
-        ) from error
+    return open_renderer(world.model, 480, 640, instead='render_backend="topview"')
 
 
 def _open_viewer(world: World) -> Any:

@@ -74,8 +74,14 @@ class OpenGlCamera:
         return np.arccos(np.clip(facing, 0.0, 1.0))
 
 
-def open_renderer(model: MjModel, height: int, width: int) -> Any:
+def open_renderer(model: MjModel, height: int, width: int, instead: str = 'the camera back end "rays"') -> Any:
     """Return MuJoCo's renderer of pictures of `height` x `width` pixels.
+
+    Args:
+        model: What is drawn.
+        height: Of the pictures.
+        width: Of the pictures.
+        instead: What needs no OpenGL, for the error.
 
     Raises:
         InputError: If there is no OpenGL.
@@ -85,5 +91,5 @@ def open_renderer(model: MjModel, height: int, width: int) -> Any:
     except Exception as error:  # MuJoCo raises different kinds for each way in which OpenGL can be missing
         raise InputError(
             f"OpenGL is not present ({error}); on a machine without a display, set MUJOCO_GL=egl before Python starts; "
-            'the camera back end "rays" needs nothing of this'
+            f"{instead} needs nothing of this"
         ) from error
