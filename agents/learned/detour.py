@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ...slam.errors import InputError
 from ..memory import Goal, Mode
 from .guard import GuardConfig, box_gaps
-from .manoeuvres import SPACING_M, drive_in_thought, resampled, thinned
+from .manoeuvres import SPACING_M, drive_in_thought, resampled, thinned, turned_away
 from .steering import State, SteeringConfig
 
 Array = NDArray[np.float64]
@@ -140,10 +140,8 @@ class Detour:
         reached = c.off_trail * off - arc
         k = np.argmin(reached, axis=1)
         ahead = path[np.minimum(k + 4, len(path) - 1)]
-        bearing = np.arctan2(ahead[:, 1] - poses[:, 1], ahead[:, 0] - poses[:, 0]) - poses[:, 2]
-        bearing = np.abs((bearing + np.pi) % (2.0 * np.pi) - np.pi)
         tight = np.maximum(1.0 - gap / c.clear, 0.0) ** 2
-        cost = reached[np.arange(len(k)), k] + c.facing * bearing + c.tight * tight
+        cost = reached[np.arange(len(k)), k] + c.facing * turned_away(poses, ahead) + c.tight * tight
         cost[gap < min(c.touch, now - 0.002)] += 100.0
         cost[len(self._plans) :] -= c.keep
         best = plans[int(np.argmin(cost))].copy()

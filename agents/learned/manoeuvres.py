@@ -60,6 +60,15 @@ def drive_in_thought(
     return Driven(poses, least)
 
 
+def turned_away(poses: Array, places: Array) -> Array:
+    """Return (n,) the angle [rad], 0 to pi, by which who stands at each of `poses` (n, 3) faces away from `places`.
+
+    Those are (n, 2), or (2,) for one place [m].
+    """
+    bearing = np.arctan2(places[..., 1] - poses[:, 1], places[..., 0] - poses[:, 0]) - poses[:, 2]
+    return np.abs((bearing + np.pi) % (2.0 * np.pi) - np.pi)
+
+
 def resampled(path: Array, keep: float) -> Array:
     """Return (k, 2) points of `path` every 0.1 m from here, at most 2.5 m, ending `keep` before its end [m]."""
     whole = np.vstack((np.zeros(2), path))

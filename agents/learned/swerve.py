@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ...slam.errors import InputError
 from ..memory import Goal, Mode
 from .guard import GuardConfig
-from .manoeuvres import Driven, drive_in_thought, resampled, thinned
+from .manoeuvres import Driven, drive_in_thought, resampled, thinned, turned_away
 from .steering import State, SteeringConfig
 
 Array = NDArray[np.float64]
@@ -93,19 +93,14 @@ class Swerve:
         driven = self._driven(state, tried, near)
         tight = np.maximum(1.0 - driven.gaps / c.clear, 0.0) ** 2
         cost = c.slower * np.abs(tried[:, 0] - wish[0]) + c.turning * np.abs(tried[:, 1] - wish[1]) + c.tight * tight
-        cost += c.blocked * (driven.gaps < self._guard.margin) + c.facing * self._turned_away(driven.poses, goal)
+        then = np.array((goal.x + goal.vx * c.ahead_s, goal.y + goal.vy * c.ahead_s))
+        cost += c.blocked * (driven.gaps < self._guard.margin) + c.facing * turned_away(driven.poses, then)
         path = resampled(np.vstack((trail, (goal.x, goal.y))), 0.0)
         if len(path):
             x, y = driven.poses[:, :1], driven.poses[:, 1:2]
             cost += c.off_trail * np.hypot(path[:, 0] - x, path[:, 1] - y).min(axis=1)
         best = tried[int(np.argmin(cost))]
         return float(best[0]), float(best[1])
-
-    def _turned_away(self, poses: Array, goal: Goal) -> Array:
-        """Return (n,) the angle [rad] between the heading of each pose and where the leader will be by then."""
-        x, y = (place + speed * self.config.ahead_s for place, speed in ((goal.x, goal.vx), (goal.y, goal.vy)))
-        bearing = np.arctan2(y - poses[:, 1], x - poses[:, 0]) - poses[:, 2]
-        return np.abs((bearing + np.pi) % (2.0 * np.pi) - np.pi)
 
     def _driven(self, state: State, wishes: Array, things: Array) -> Driven:
         plans = np.column_stack((wishes, np.full(len(wishes), np.inf), wishes))

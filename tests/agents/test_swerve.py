@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tagalong.agents.learned.guard import GuardConfig
-from tagalong.agents.learned.manoeuvres import drive_in_thought, resampled, thinned
+from tagalong.agents.learned.manoeuvres import drive_in_thought, resampled, thinned, turned_away
 from tagalong.agents.learned.pilot import Pilot, PilotConfig
 from tagalong.agents.learned.steering import SteeringConfig
 from tagalong.agents.learned.swerve import Swerve, SwerveConfig
@@ -63,6 +63,12 @@ def test_a_manoeuvre_in_thought_goes_where_it_leads_and_tells_how_near_it_came()
     assert driven.gaps == pytest.approx(1.5 - 1.0 - GUARD.half_length)
     turned = drive_in_thought((0.0, 0.0, 1.0, 0.0), np.array([[0, 1.0, 0.5, 0, -1.0]]), POST, 0.5, 0.1, STEERING, GUARD)
     assert turned.poses[0] == pytest.approx((0.0, 0.0, 0.5))
+
+
+def test_who_faces_away_is_told_by_the_lesser_angle():
+    poses = np.array([[0.0, 0.0, 0.0], [1.0, 1.0, 3.0], [2.0, 0.0, -3.0]])
+    assert turned_away(poses, np.array([1.0, 0.0])) == pytest.approx([0.0, 2 * np.pi - 3.0 - np.pi / 2, np.pi - 3.0])
+    assert turned_away(poses, poses[:, :2] + (0.0, 1.0))[0] == pytest.approx(np.pi / 2)
 
 
 def test_a_path_is_resampled_from_here_to_so_much_before_its_end():
