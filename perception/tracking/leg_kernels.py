@@ -8,14 +8,18 @@ import numpy as np
 from numba import njit
 
 
+@njit(inline="always")
+def _length(x, y):
+    return np.sqrt(x**2 + y**2)
+
+
 @njit(cache=True, nogil=True)
 def moved(legs):
     """Return (n,) how large the area is that each of `legs` has been in: the diagonal of the box around it [m]."""
     low, high = legs["low"], legs["high"]
     size = np.empty(len(legs))
     for i in range(len(legs)):
-        width, height = high[i, 0] - low[i, 0], high[i, 1] - low[i, 1]
-        size[i] = np.sqrt(width**2 + height**2)
+        size[i] = _length(high[i, 0] - low[i, 0], high[i, 1] - low[i, 1])
     return size
 
 
@@ -38,10 +42,9 @@ def still(legs, first, match, age_s, least, count):
     low, high, age = legs["low"], legs["high"], legs["age_s"]
     found = np.zeros(count, np.bool_)
     for i in range(first, len(legs)):
-        if match[i] >= 0 and age[i] > age_s:
-            width, height = high[i, 0] - low[i, 0], high[i, 1] - low[i, 1]
-            if np.sqrt(width**2 + height**2) < least:
-                found[match[i]] = True
+        small = _length(high[i, 0] - low[i, 0], high[i, 1] - low[i, 1]) < least
+        if small and match[i] >= 0 and age[i] > age_s:
+            found[match[i]] = True
     return found
 
 
@@ -67,8 +70,7 @@ def human_places(people, legs, least, lost):
     for i in range(count):
         places[i, 0], places[i, 1] = bodies[i, 0], bodies[i, 1]
     for i in range(len(legs)):
-        width, height = high[i, 0] - low[i, 0], high[i, 1] - low[i, 1]
-        if i < 2 * len(people) or np.sqrt(width**2 + height**2) >= least:
+        if i < 2 * len(people) or _length(high[i, 0] - low[i, 0], high[i, 1] - low[i, 1]) >= least:
             places[count, 0], places[count, 1] = x[i, 0], x[i, 1]
             count += 1
     for i in range(len(lost)):
@@ -117,6 +119,5 @@ def spread_between(apart, rows, columns):
     spread = np.empty((len(rows), len(columns)))
     for i in range(len(rows)):
         for j in range(len(columns)):
-            x, y = apart[rows[i], columns[j], 0], apart[rows[i], columns[j], 1]
-            spread[i, j] = np.sqrt(x**2 + y**2)
+            spread[i, j] = _length(apart[rows[i], columns[j], 0], apart[rows[i], columns[j], 1])
     return spread
