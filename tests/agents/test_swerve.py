@@ -104,8 +104,11 @@ def test_points_are_thinned_to_one_a_cell_and_far_ones_left_out():
     assert sorted(thinned(points, 2.0)[:, 0]) == pytest.approx([1.0, 1.2])
 
 
-def turned(swerve):
-    """Return the least turn rate while a network drives straight at a post that the leader passed on the right."""
+def turned(swerve, aside=0.0):
+    """Return the least turn rate while a network drives straight at a post that the leader passed on the right.
+
+    `aside`: it is no post but somebody who walks out of the way so fast [m/s].
+    """
     bearings = np.deg2rad(np.linspace(-135.0, 135.0, 271))
     pilot = Pilot(replace(PilotConfig(), keep_up=None, detour=None, swerve=swerve), FollowInterface(bearings=bearings))
     least = 0.0
@@ -116,7 +119,7 @@ def turned(swerve):
             {
                 "scan": scan,
                 "leader": np.array([1.6, -0.8, 0.6, 0.0, 0.9, 1.0], dtype=np.float32),
-                "people": np.zeros((6, 6), dtype=np.float32),
+                "people": np.array([[1.7 - 0.06 * k, 0.0, 0.0, aside, 0.9, 1.0]], dtype=np.float32),
                 "velocity": np.array((pilot.commanded[0], pilot.commanded[2]), dtype=np.float32),
             }
         )
@@ -128,6 +131,7 @@ def turned(swerve):
 def test_the_pilot_swerves_before_the_guard_has_to_brake():
     assert turned(SwerveConfig()) < -0.05
     assert turned(None) == pytest.approx(0.0, abs=1e-9)
+    assert turned(SwerveConfig(), aside=1.5) == pytest.approx(0.0, abs=1e-9)
 
 
 def test_looking_no_time_ahead_is_refused():
