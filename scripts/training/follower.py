@@ -4,7 +4,7 @@ import argparse
 import time
 from pathlib import Path
 
-from ...slam.errors import InputError, MissingExtraError
+from ...slam.errors import MissingExtraError
 
 ALGORITHMS = ("ppo", "sac", "recurrent-ppo")
 PRESETS = ("office", "office-map", "corridor")
@@ -44,8 +44,6 @@ def add_follower_arguments(models: "argparse._SubParsersAction[argparse.Argument
 
 def train_follower(options: argparse.Namespace) -> int:
     """Train, or go on with training; print a line on the progress now and then."""
-    if options.seed < 0:
-        raise InputError(f"--seed must not be negative, got {options.seed}")
     try:
         from ...agents.training.presets import make_preset
         from ...agents.training.run import RunConfig, TrainingRun

@@ -11,6 +11,7 @@ from ..geometry import between, compose, wrap_angle
 from ..grid import GridConfig, render_map, scan_rays
 from ..occupancy_map import OccupancyMap
 from ..scan import LaserScan
+from ..settings import with_settings
 from .config import GMappingConfig
 from .matcher import ScanMatcher
 from .motion import MotionModel
@@ -61,10 +62,9 @@ class GMapping:
         """Return an engine with fields of `GMappingConfig` as keywords.
 
         Raises:
-            TypeError: If a field is unknown.
-            InputError: If a value is out of its range.
+            InputError: If a field is unknown, or a value out of its range.
         """
-        return cls(GMappingConfig(**options), seed)
+        return cls(with_settings(GMappingConfig(), options), seed)
 
     def update(self, odometry: ArrayLike, scan: LaserScan) -> SlamUpdate:
         """Take one scan and the robot's odometry pose T_odom_robot (3,) at that time."""
