@@ -3,6 +3,7 @@
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, fields
+from numbers import Integral
 from typing import Any
 
 from ..slam.errors import InputError, unknown_name
@@ -104,8 +105,8 @@ class FollowConfig:
             raise InputError(f'`people="camera"` needs "rgbd" among `sensors`, got {self.sensors}')
         for name, least in (("people_slots", 1), ("map_cells", 1), ("people_count", int(self.leader))):
             value = getattr(self, name)
-            if value is not None and value < least:
-                raise InputError(f"`{name}` must be at least {least}, got {value}")
+            if value is not None and (not isinstance(value, Integral) or value < least):
+                raise InputError(f"`{name}` must be a whole number of at least {least}, got {value}")
         if not 0.0 < self.coverage_goal <= 1.0:
             raise InputError(f"`coverage_goal` must be in (0, 1], got {self.coverage_goal}")
         for name in ("map_resolution", "lost_limit_s", "top_turn_rate", "control_hz", "lidar_hz", "camera_hz"):

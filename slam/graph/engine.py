@@ -13,6 +13,7 @@ from ..grid import GridConfig, ScanRays, draw, render_map
 from ..localization.place_map import PlaceMap
 from ..occupancy_map import OccupancyMap
 from ..scan import LaserScan
+from ..settings import with_settings
 from .constraints import Constraint
 from .global_slam import GlobalSlam, GlobalSlamConfig
 from .local_slam import LocalResult, LocalSlam, LocalSlamConfig
@@ -90,10 +91,9 @@ class Cartographer:
         """Return an engine with fields of `CartographerConfig` as keywords; nothing is random, so `seed` says nothing.
 
         Raises:
-            TypeError: If a field is unknown.
-            InputError: If a value is out of its range.
+            InputError: If a field is unknown, or a value out of its range.
         """
-        return cls(CartographerConfig(**options))
+        return cls(with_settings(CartographerConfig(), options))
 
     def update(self, odometry: ArrayLike, scan: LaserScan) -> SlamUpdate:
         """Take one scan and the robot's odometry pose T_odom_robot (3,) at that time."""

@@ -1,7 +1,9 @@
 """Local SLAM in a synthetic room whose walls are known."""
 
 import numpy as np
+import pytest
 from tagalong.slam.engine import make_slam
+from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between, compose
 from tagalong.slam.graph.active_submaps import ActiveSubmapsConfig
 from tagalong.slam.graph.constraints import Kind
@@ -60,6 +62,13 @@ def test_scans_that_say_nothing_leave_the_pose_to_the_odometry():
         engine.update(pose, LaserScan(blind[k % 4], BEARINGS, 0.05, 20.0))
     np.testing.assert_allclose(engine.trajectory(), odometry, atol=1e-9)
     assert not engine.map().occupied.any()
+
+
+def test_a_pose_out_of_this_world_is_an_error_and_no_huge_grid():
+    scan = cast(WALLS, np.zeros(3), np.random.default_rng(0), bearings=BEARINGS)
+    engine = run(make_slam("cartographer"), [np.zeros(3)], [scan])
+    with pytest.raises(InputError, match="a submap would grow to"):
+        run(engine, [[1e7, 0.0, 0.0]], [scan])
 
 
 def test_a_second_round_is_tied_to_the_submaps_of_the_first():
