@@ -74,17 +74,19 @@ class GMapping:
         diagnostics: dict[str, float] = {}
         if self._odometry is None:
             self._poses[:] = odometry
-            self._integrate(scan)
+            integrated = True
         else:
             self._motion.add(between(self._odometry, odometry))
-            if self._is_due(scan):
+            integrated = self._is_due(scan)
+            if integrated:
                 diagnostics = self._process(scan)
-                self._integrate(scan)
+        if integrated:
+            self._integrate(scan)
         self._odometry = odometry
         self._layers.append(len(self._matched) - 1)
         self._offsets.append(self._motion.mean)
         self._online.append(self.pose)
-        return SlamUpdate(self.pose, not self._motion.travelled and not self._motion.turned, diagnostics)
+        return SlamUpdate(self.pose, integrated, diagnostics)
 
     @property
     def pose(self) -> Array:
