@@ -104,8 +104,8 @@ def test_a_broken_g2o_line_is_named(tmp_path, line):
 
 
 def test_a_damaged_gzipped_graph_is_one_clear_error(tmp_path):
-    packed = bytearray(gzip.compress(b"VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\nEDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n"))
-    packed[25] ^= 0xFF
+    packed = bytearray(gzip.compress(b"VERTEX_SE2 0 0 0 0\n" + b"FIX 0\n" * 1000))
+    packed[-20] ^= 0xFF
     (tmp_path / "broken.g2o.gz").write_bytes(packed)
     with pytest.raises(InputError, match="cut or broken"):
         read_g2o(tmp_path / "broken.g2o.gz")
