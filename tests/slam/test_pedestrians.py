@@ -42,6 +42,14 @@ def test_what_is_wrong_is_said(tmp_path, text, word):
         read_pedestrians(tmp_path / "walks.txt")
 
 
+def test_a_damaged_gzip_file_is_one_clear_error(tmp_path):
+    packed = bytearray(gzip.compress(PLAIN.encode() * 50))
+    packed[25] ^= 0xFF
+    (tmp_path / "walks.txt.gz").write_bytes(packed)
+    with pytest.raises(InputError, match="cut or broken"):
+        read_pedestrians(tmp_path / "walks.txt.gz")
+
+
 @pytest.mark.skipif(DATA is None, reason="needs TAGALONG_DATA with recorded walks")
 @pytest.mark.parametrize(
     ("file", "people", "speed"),
