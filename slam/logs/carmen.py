@@ -163,8 +163,8 @@ def _robotlaser(words: list[bytes]) -> _Record:
         12,
         "laser x y theta, robot x y theta, tv rv, three safety distances, time",
     )
-    if not (np.isfinite(head[1:5]).all() and head[4] > 0.0):
-        raise ValueError(f"expected finite angles and a positive max_range, got {head[1:5]}")
+    if not (np.isfinite(head[1:5]).all() and head[3] > 0.0 and head[4] > 0.0):
+        raise ValueError(f"expected finite angles, a positive resolution and a positive max_range, got {head[1:5]}")
     bearings = _fan(count, float(head[1]), float(head[3]))
     laser, robot = _poses(tail)
     return _Record(ranges, bearings, float(head[4]), laser, robot, float(tail[11]))

@@ -4,9 +4,7 @@ ETH: Pellegrini et al. 2009; UCY: Lerner et al. 2007. A line is `frame id x y`, 
 `obsmat` form), in metres. Frames are counted in video frames; one step between two annotated ones lasts 0.4 s.
 """
 
-import gzip
 import os
-import zlib
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from .text import numbered_lines
 
 Array = NDArray[np.float64]
 
@@ -53,7 +52,7 @@ def read_pedestrians(path: str | os.PathLike[str]) -> list[RecordedWalk]:
             goes 100 m from one row to the next.
     """
     file = Path(path)
-    rows = [_numbers(file, number, line) for number, line in enumerate(_lines(file), start=1) if line.strip()]
+    rows = [_numbers(file, number, line) for number, line in numbered_lines(file) if line.strip()]
     if len({len(row) for row in rows}) > 1:
         raise InputError(f"{file}: some lines have 4 numbers and some 8")
     y = 4 if rows and len(rows[0]) == 8 else 3
@@ -86,15 +85,6 @@ def _walks(table: Array) -> list[RecordedWalk]:
         if len(part) >= _FEWEST:
             walks.append(RecordedWalk(int(part[0, 1]), part[:, 0] / step * STEP_S, part[:, 2:4].copy()))
     return walks
-
-
-def _lines(file: Path) -> list[str]:
-    try:
-        content = file.read_bytes()
-        text = (gzip.decompress(content) if content[:2] == b"\x1f\x8b" else content).decode()
-    except (OSError, EOFError, UnicodeDecodeError, zlib.error) as error:
-        raise InputError(f"{file}: the walks cannot be read ({error})") from error
-    return text.splitlines()
 
 
 def _numbers(file: Path, number: int, line: str) -> list[float]:
