@@ -72,7 +72,7 @@ class WorldConfig:
         for name in ("people", "standing"):
             value = getattr(self, name)
             whole = isinstance(value, Integral) and not isinstance(value, bool)
-            if (name, value) != ("people", None) and not (whole and value >= 0):
+            if (name, value) != ("people", None) and not (whole and int(value) >= 0):
                 raise InputError(f"`{name}` must be a whole number of at least 0, got {value!r}")
         whole_ratio("the control period 1 / `control_hz`", 1.0 / self.control_hz, TICK)
         whole_ratio("the laser's period 1 / `rate_hz`", 1.0 / self.lidar.rate_hz, TICK)
