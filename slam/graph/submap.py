@@ -98,6 +98,11 @@ class Submap:
             self.config.ray_margin,
         )
 
+    def finish(self) -> None:
+        """Drop what only further scans would need, almost half of the memory: there will be none."""
+        self._hits = np.zeros((0, 0), np.float32)
+        self._stamps = np.zeros((0, 0), np.int16)
+
     @property
     def resolution(self) -> float:
         """Side of a cell [m]."""

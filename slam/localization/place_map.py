@@ -169,5 +169,8 @@ def _centres(values: NDArray[np.floating], factor: int) -> NDArray[np.floating]:
     rows, cols = (-(-size // factor) * factor for size in values.shape)
     padded = np.pad(values, ((0, rows - values.shape[0]), (0, cols - values.shape[1])), mode="edge")
     first, second = (factor - 1) // 2, factor // 2
-    corners = [padded[a::factor, b::factor] for a in (first, second) for b in (first, second)]
-    return np.mean(corners, axis=0)
+    total = padded[first::factor, first::factor] + padded[first::factor, second::factor]
+    total += padded[second::factor, first::factor]
+    total += padded[second::factor, second::factor]
+    total /= 4.0
+    return total
