@@ -2,6 +2,7 @@
 
 import os
 import sys
+from collections.abc import Callable
 from importlib import import_module
 from inspect import signature
 from typing import Any
@@ -30,7 +31,17 @@ def load_follower(path: str, interface: FollowInterface) -> Follower:
         raise InputError(f"a follower of your own is named as module:class, got {path!r} ({error})") from error
     if not callable(make):
         raise InputError(f"a follower of your own is a class or a function that makes one, got {path!r}: {make!r}")
-    follower: Any = make(interface=interface) if "interface" in signature(make).parameters else make()
+    follower = _made(make, path, interface)
     if not (callable(getattr(follower, "reset", None)) and callable(getattr(follower, "act", None))):
         raise InputError(f"a follower has `reset()` and `act(observation)`; {path} has not")
     return follower
+
+
+def _made(make: Callable[..., Any], path: str, interface: FollowInterface) -> Any:
+    try:
+        asked = signature(make)
+        arguments = {"interface": interface} if "interface" in asked.parameters else {}
+        asked.bind(**arguments)
+    except (TypeError, ValueError) as error:  # ValueError: some built-in things do not tell what they take
+        raise InputError(f"{path} is made without arguments, or with `interface` alone ({error})") from error
+    return make(**arguments)

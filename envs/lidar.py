@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from numbers import Integral
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,8 +50,8 @@ class LidarConfig:
     height: float = 0.2
 
     def __post_init__(self) -> None:
-        if self.beams < 2:
-            raise InputError(f"`beams` of the lidar must be at least 2, got {self.beams}")
+        if not isinstance(self.beams, Integral) or self.beams < 2:
+            raise InputError(f"`beams` of the lidar must be a whole number of at least 2, got {self.beams}")
         if not 0.0 < self.field_of_view <= 2.0 * np.pi:
             raise InputError(f"`field_of_view` must be in (0, 2 pi] [rad], got {self.field_of_view}")
         if not 0.0 <= self.range_min < self.range_max:

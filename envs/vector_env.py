@@ -11,7 +11,9 @@ thirds of the time of one after the other.
 
 import multiprocessing as mp
 import os
-from typing import Any
+from collections.abc import Sequence
+from numbers import Integral
+from typing import Any, cast
 
 import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
@@ -68,6 +70,7 @@ class FollowVectorEnv(VectorEnv[Any, Any, Any]):
         self.single_observation_space, self.single_action_space = single.observation_space, single.action_space
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
+        self._last: dict[str, NDArray[Any]] | None = None
         self._shares = [part.tolist() for part in np.array_split(np.arange(num_envs), workers)]
         self._start(context, max_episode_steps, fields)
 
@@ -86,22 +89,20 @@ class FollowVectorEnv(VectorEnv[Any, Any, Any]):
         self._own = Share(len(self._shares[-1]), *rest)
 
     def reset(
-        self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
+        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Any, dict[str, Any]]:
         """Start episodes in all environments, or in those of `options["reset_mask"]` (num_envs,).
 
         Args:
             seed: Of the first environment, or one for each.
             options: As of `FollowEnv`.
+
+        Raises:
+            InputError: If a seed for each, the mask or an option is wrong, or not all begin at first.
         """
-        each = [None if seed is None or isinstance(seed, list) else seed + i for i in range(self.num_envs)]
-        seeds = list(seed) if isinstance(seed, list) else each
-        if len(seeds) != self.num_envs:
-            raise InputError(f"needs a seed for each of the {self.num_envs} environments, got {len(seeds)}")
+        seeds = self._seeds(seed)
         wanted = dict(options or {})
-        mask = np.asarray(wanted.pop("reset_mask", np.ones(self.num_envs, dtype=bool)))
-        if mask.shape != (self.num_envs,) or mask.dtype != bool:
-            raise InputError(f"`reset_mask` must be boolean of shape ({self.num_envs},), got {mask.dtype} {mask.shape}")
+        mask = self._chosen(wanted.pop("reset_mask", np.ones(self.num_envs, dtype=bool)))
         tasks = [([seeds[i] for i in part], wanted, [bool(mask[i]) for i in part]) for part in self._shares]
         results = [result for results in self._ask("reset", tasks) for result in results]
         infos: dict[str, Any] = {}
@@ -109,10 +110,32 @@ class FollowVectorEnv(VectorEnv[Any, Any, Any]):
             if result is not None:
                 infos = self._add_info(infos, result[1], i)
         fresh = stacked([result[0] for result in results if result is not None])
-        if not mask.all():
-            fresh = {key: self._place(self._last[key], values, mask) for key, values in fresh.items()}
+        if self._last is not None and not mask.all():
+            fresh = {key: self._place(self._last[key], fresh[key], mask) for key in fresh}
         self._last = fresh
         return {key: values.copy() for key, values in fresh.items()}, infos
+
+    def _seeds(self, seed: int | Sequence[int | None] | None) -> list[int | None]:
+        """Return the seed of each environment."""
+        if seed is None:
+            return [None] * self.num_envs
+        if isinstance(seed, Integral):
+            return [int(seed) + i for i in range(self.num_envs)]
+        seeds = [None if one is None else int(one) for one in cast("Sequence[int | None]", seed)]
+        if len(seeds) != self.num_envs:
+            raise InputError(f"needs a seed for each of the {self.num_envs} environments, got {len(seeds)}")
+        return seeds
+
+    def _chosen(self, reset_mask: Any) -> Flags:
+        """Return (num_envs,) which environments begin anew."""
+        mask = np.asarray(reset_mask)
+        if mask.shape != (self.num_envs,) or mask.dtype != bool:
+            raise InputError(f"`reset_mask` must be boolean of shape ({self.num_envs},), got {mask.dtype} {mask.shape}")
+        if not mask.any():
+            raise InputError("`reset_mask` chooses nobody: at least one must be true")
+        if self._last is None and not mask.all():
+            raise InputError("`reset_mask` is for later: reset the environments as a whole at first")
+        return mask
 
     def step(self, actions: Any) -> tuple[Any, NDArray[np.float64], Flags, Flags, dict[str, Any]]:
         """Drive all environments for one control period; `actions` (num_envs, a)."""
@@ -138,7 +161,8 @@ class FollowVectorEnv(VectorEnv[Any, Any, Any]):
             return infos
         infos, i = {}, 0
         for share in shares:
-            for info, last, last_info in share.infos or [(row, None, None) for row in split(share.columns or {})]:
+            alike = split(share.columns or {}, len(share.rewards))
+            for info, last, last_info in share.infos or [(row, None, None) for row in alike]:
                 if last_info is not None:
                     infos = self._add_info(infos, {"final_obs": last, "final_info": last_info}, i)
                 infos = self._add_info(infos, info, i)

@@ -66,12 +66,13 @@ def columns(infos: list[dict[str, Any]]) -> dict[str, Any] | None:
     return table
 
 
-def split(table: dict[str, Any]) -> list[dict[str, Any]]:
-    """Return the k infos that `columns` made `table` of."""
-    rows: list[dict[str, Any]] = []
+def split(table: dict[str, Any], count: int) -> list[dict[str, Any]]:
+    """Return the `count` infos that `columns` made `table` of; those of an empty table are empty."""
+    rows: list[dict[str, Any]] = [{} for _ in range(count)]
     for name, values in table.items():
-        each = split(values) if isinstance(values, dict) else values
-        rows = rows or [{} for _ in each]
+        each = split(values, count) if isinstance(values, dict) else values
+        if isinstance(values, np.ndarray) and values.dtype == bool and values.ndim == 1:
+            each = values.tolist()  # Gymnasium batches Python's, not numpy's, as arrays of booleans
         for row, value in zip(rows, each, strict=True):
             row[name] = value
     return rows

@@ -65,4 +65,6 @@ def _run(words: list[str]) -> int:
         return 0
     if getattr(options, "out", None) is not None:
         require_writable(options.out)
+    if (getattr(options, "seed", None) or 0) < 0:
+        raise InputError(f"--seed must not be negative, got {options.seed}")
     return int(options.run(options))

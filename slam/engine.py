@@ -7,7 +7,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import InputError, unknown_name
+from .errors import unknown_name
 from .occupancy_map import OccupancyMap
 from .scan import LaserScan
 
@@ -76,7 +76,8 @@ def make_slam(name: str, **config: Any) -> SlamEngine:
 
     Args:
         name: "gmapping", "cartographer" or "ekf" (landmarks).
-        config: Fields of the engine's configuration, e.g. `particles=30, seed=0`.
+        config: Fields of the engine's configuration, e.g. `particles=30, seed=0`; those of a part of it by their path,
+            e.g. `**{"local.insertion_voxel": 0.1}`.
 
     Raises:
         InputError: If the name or a field is unknown, or a value is out of its range.
@@ -85,7 +86,4 @@ def make_slam(name: str, **config: Any) -> SlamEngine:
         raise unknown_name("SLAM engine", name, tuple(_ENGINES))
     module, kind = _ENGINES[name]
     engine = getattr(import_module(f".{module}", __package__), kind)
-    try:
-        return engine.from_options(**config)
-    except TypeError as error:
-        raise InputError(f"SLAM engine {name!r}: {error}") from error
+    return engine.from_options(**config)

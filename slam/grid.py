@@ -1,6 +1,7 @@
 """A log-odds occupancy grid that grows, and maps rendered from a trajectory and its scans."""
 
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,12 +9,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from .errors import InputError
 from .geometry import compose, transform_points
-from .grid_kernels import write_observation
+from .grid_kernels import place_rays, write_observation, write_observations
 from .occupancy_map import OccupancyMap
 from .scan import LaserScan
 
 _MOST_CELLS = 1e9
 _MARGIN = 64  # cells to grow beyond what is asked, so that growing is rare
+_AT_ONCE = 500  # scans that are drawn together
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,6 +63,28 @@ def scan_rays(
     return np.stack((ranges * np.cos(bearings), ranges * np.sin(bearings)), axis=-1), is_hit
 
 
+@dataclass(frozen=True, eq=False)
+class ScanRays:
+    """What a grid takes of a scan, the same wherever the robot was.
+
+    Attributes:
+        T_robot_lidar: (3,) pose of the laser [m, m, rad].
+        points: (n, 2) the ends of the rays, laser frame [m].
+        log_odds: (n,) of what is there; NaN: nothing was hit.
+    """
+
+    T_robot_lidar: NDArray[np.float64]
+    points: NDArray[np.float64]
+    log_odds: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, scan: LaserScan, config: GridConfig) -> "ScanRays":
+        """Return the rays of a scan."""
+        points, is_hit = scan_rays(scan, config.max_range, config.clear_no_return)
+        mount = np.array(scan.T_robot_lidar, dtype=np.float64)
+        return cls(mount, points, np.where(is_hit, _log_odds(config.hit), np.nan))
+
+
 class OccupancyGrid:
     """Log-odds of occupancy; each scan updates each cell it met once, a hit before a miss.
 
@@ -79,13 +103,33 @@ class OccupancyGrid:
 
     def write(self, T_map_robot: ArrayLike, scan: LaserScan) -> None:
         """Write one scan, taken at the pose `T_map_robot` (3,)."""
-        points, is_hit = scan_rays(scan, self.config.max_range, self.config.clear_no_return)
-        hits = np.where(is_hit, _log_odds(self.config.hit), np.nan)
-        self._observe(compose(T_map_robot, scan.T_robot_lidar), points, hits, _log_odds(self.config.miss))
+        rays = ScanRays.of(scan, self.config)
+        self._observe(compose(T_map_robot, rays.T_robot_lidar), rays.points, rays.log_odds, _log_odds(self.config.miss))
 
     def to_map(self) -> OccupancyMap:
         """Return the grid as it is now, cut to what is known; cells that no ray met are NaN."""
         return self._cut((1.0 / (1.0 + np.exp(-self._log_odds))).astype(np.float32))
+
+    def _write_together(self, seen: Sequence[tuple[NDArray[np.float64], ScanRays]]) -> None:
+        """Do what `write` does, to the same bytes: pairs of T_map_robot (3,) and the rays (one at least) of a scan."""
+        sensors = [compose(pose, rays.T_robot_lidar).tolist() for pose, rays in seen]
+        places = np.array([(x, y, math.cos(theta), math.sin(theta)) for x, y, theta in sensors])
+        points = np.concatenate([rays.points for _, rays in seen])
+        firsts = np.cumsum([0, *(len(rays.points) for _, rays in seen)])
+        starts, ends, spans = np.empty((len(seen), 2)), np.empty(points.shape), np.empty((len(seen), 2, 2))
+        place_rays(places, points, firsts, self.config.resolution, starts, ends, spans)
+        corner, size = self._corner, np.array(self._log_odds.shape[:-3:-1])
+        corners = np.empty((len(seen) + 1, 2), dtype=np.int64)
+        lower, upper = np.floor(spans[:, 0]).astype(np.int64), np.floor(spans[:, 1]).astype(np.int64) + 1
+        for k in range(len(seen)):
+            corner, size = self._around(corner, size, lower[k], upper[k])
+            corners[k] = corner
+        corners[-1] = corner
+        self._grow(corner, size)
+        hits = np.concatenate([rays.log_odds for _, rays in seen])
+        miss, limit, stamp = _log_odds(self.config.miss), self.config.limit, self._scans + 1
+        write_observations(starts, ends, firsts, corners, hits, miss, limit, stamp, self._log_odds, self._stamps)
+        self._scans += len(seen)
 
     def _observe(
         self, T_map_sensor: NDArray[np.float64], points: NDArray[np.float64], hits: NDArray[np.float64], miss: float
@@ -130,31 +174,51 @@ class OccupancyGrid:
         size = np.array(self._log_odds.shape[:-3:-1])
         lower = np.floor(cells.min(axis=0)).astype(np.int64)
         upper = np.floor(cells.max(axis=0)).astype(np.int64) + 1
-        if size.all() and (lower >= self._corner).all() and (upper <= self._corner + size).all():
-            return
+        self._grow(*self._around(self._corner, size, lower, upper))
+
+    def _around(
+        self, corner: NDArray[np.int64], size: NDArray[np.int64], lower: NDArray[np.int64], upper: NDArray[np.int64]
+    ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Return the corner and size of a grid of `corner` and `size` (2,), once it reaches from `lower` to `upper`."""
+        if size.all() and (lower >= corner).all() and (upper <= corner + size).all():
+            return corner, size
         lower, upper = lower - _MARGIN, upper + _MARGIN
         if size.all():
-            lower, upper = np.minimum(lower, self._corner), np.maximum(upper, self._corner + size)
+            lower, upper = np.minimum(lower, corner), np.maximum(upper, corner + size)
         if float(np.prod((upper - lower).astype(np.float64))) > _MOST_CELLS:
             width, height = (upper - lower) * self.config.resolution
             raise InputError(f"the map would grow to {width:.0f} x {height:.0f} m; a pose or a range is wrong")
-        col, row = self._corner - lower if size.all() else (0, 0)
+        return lower, upper - lower
+
+    def _grow(self, corner: NDArray[np.int64], size: NDArray[np.int64]) -> None:
+        """Grow to a `corner` and `size` (2,) x, y that hold all cells there are."""
+        old_size = np.array(self._log_odds.shape[:-3:-1])
+        if (corner == self._corner).all() and (size == old_size).all():
+            return
+        col, row = self._corner - corner if old_size.all() else (0, 0)
         for name in self._layers:
             old = getattr(self, name)
-            grown = np.zeros((*old.shape[:-2], *(upper - lower)[::-1]), dtype=old.dtype)
+            grown = np.zeros((*old.shape[:-2], *size[::-1]), dtype=old.dtype)
             grown[..., row : row + old.shape[-2], col : col + old.shape[-1]] = old
             setattr(self, name, grown)
-        self._corner = lower
+        self._corner = corner
+
+
+def draw(trajectory: NDArray[np.float64], scans: Sequence[ScanRays], config: GridConfig | None = None) -> OccupancyMap:
+    """Return the map that `scans` draw, by rays of the same `config`, at the poses of `trajectory` (n, 3)."""
+    grid = OccupancyGrid(config)
+    seen = [(pose, rays) for pose, rays in zip(trajectory, scans, strict=True) if len(rays.points)]
+    for first in range(0, len(seen), _AT_ONCE):
+        grid._write_together(seen[first : first + _AT_ONCE])
+    return grid.to_map()
 
 
 def render_map(
     trajectory: NDArray[np.float64], scans: Iterable[LaserScan], config: GridConfig | None = None
 ) -> OccupancyMap:
     """Return the map that `scans` draw when taken at the poses of `trajectory` (n, 3) T_map_robot."""
-    grid = OccupancyGrid(config)
-    for pose, scan in zip(trajectory, scans, strict=True):
-        grid.write(pose, scan)
-    return grid.to_map()
+    config = config or GridConfig()
+    return draw(trajectory, [ScanRays.of(scan, config) for scan in scans], config)
 
 
 def _log_odds(probability: float) -> float:

@@ -5,6 +5,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from .rays import ray_cells, ray_start
+from .rigid_kernel import move_points
 
 
 @njit(cache=True, nogil=True)
@@ -40,6 +41,52 @@ def write_observation(x0, y0, ends, log_beta, miss, limit, stamp, log_odds, stam
             else:
                 next_y += y_stride
                 row += row_step
+
+
+@njit(cache=True, nogil=True)
+def place_rays(places, points, firsts, resolution, starts, ends, spans):
+    """Place the rays of n scans and say which cells each of them needs.
+
+    Args:
+        places: (n, 4) x, y of the sensors [m], cos and sin of their headings.
+        points: (N, 2) where the rays end, sensor frames [m].
+        firsts: (n + 1,) the rays of scan k are firsts[k] .. firsts[k + 1]; it has at least one.
+        resolution: Side of a cell [m].
+        starts: (n, 2) the sensors, written.
+        ends: (N, 2) the ends of the rays, written.
+        spans: (n, 2, 2) lowest x, y and highest x, y of each scan's start and ends, written.
+    """
+    for k in range(len(places)):
+        rays = ends[firsts[k] : firsts[k + 1]]
+        move_points(places[k, 0], places[k, 1], places[k, 2], places[k, 3], points[firsts[k] : firsts[k + 1]], rays)
+        for axis in range(2):
+            low = high = starts[k, axis] = places[k, axis] / resolution
+            for n in range(len(rays)):
+                rays[n, axis] /= resolution
+                low, high = min(low, rays[n, axis]), max(high, rays[n, axis])
+            spans[k, 0, axis], spans[k, 1, axis] = low, high
+
+
+@njit(cache=True, nogil=True)
+def write_observations(starts, ends, firsts, corners, log_beta, miss, limit, stamp, log_odds, stamps):
+    """Do what `write_observation` does for n scans, one after the other.
+
+    Args:
+        starts: (n, 2) x, y of where the rays of each begin, from the origin of the map.
+        ends: (N, 2) x, y of where they end, likewise.
+        firsts: (n + 1,) the rays of scan k are firsts[k] .. firsts[k + 1].
+        corners: (n + 1, 2) x, y from which scan k counts its cells; the last one is that of cell [0, 0].
+        log_beta: (N,) as of `write_observation`, and so are the rest.
+        stamp: Number of the first scan.
+    """
+    for k in range(len(starts)):
+        x, y = corners[k]
+        rays = ends[firsts[k] : firsts[k + 1]] - corners[k]
+        col, row = corners[k] - corners[-1]
+        write_observation(
+            starts[k, 0] - x, starts[k, 1] - y, rays, log_beta[firsts[k] : firsts[k + 1]], miss, limit, stamp + k,
+            log_odds[row:, col:], stamps[row:, col:],
+        )  # fmt: skip
 
 
 def write_observation_reference(

@@ -49,6 +49,7 @@ def test_a_follower_of_ones_own_takes_15_lines_and_is_evaluated_by_the_same_comm
     done = subprocess.run([*command, "--out", "out"], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert "distance error RMS" in done.stdout
+    assert "nan .." not in done.stdout  # one episode has no interval
     assert (tmp_path / "out" / "evaluation.json").exists()
 
 

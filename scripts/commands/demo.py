@@ -52,8 +52,8 @@ def run(options: argparse.Namespace) -> int:
 
     if options.people < 1:
         raise InputError(f"--people counts the leader and must be at least 1, got {options.people}")
-    if options.standing < 0 or options.seed < 0:
-        raise InputError("--standing and --seed must not be negative")
+    if options.standing < 0:
+        raise InputError(f"--standing must not be negative, got {options.standing}")
     tour = TourConfig(
         scene=options.scene, people=options.people, standing=options.standing, seed=options.seed, slam="gmapping"
     )

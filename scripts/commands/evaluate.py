@@ -1,6 +1,7 @@
 """`tagalong evaluate`: drives a follower through many episodes and prints figures with intervals."""
 
 import argparse
+import math
 from pathlib import Path
 from typing import Any
 
@@ -178,6 +179,10 @@ def _row(episode: Episode) -> dict[str, Any]:
 
 def _lines(estimates: dict[str, Estimate]) -> list[tuple[str, str, str]]:
     return [
-        (title, f"{estimate.mean:.3f}", f"{estimate.low:.3f} .. {estimate.high:.3f} (n = {estimate.n})")
+        (title, f"{estimate.mean:.3f}", f"{_interval(estimate)}(n = {estimate.n})")
         for title, estimate in estimates.items()
     ]
+
+
+def _interval(estimate: Estimate) -> str:
+    return "" if math.isnan(estimate.low) else f"{estimate.low:.3f} .. {estimate.high:.3f} "

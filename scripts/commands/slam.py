@@ -57,7 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         metavar="NAME=VALUE",
         dest="settings",
-        help="a field of the engine's configuration, e.g. particles=50; may be repeated",
+        help="a field of the engine's configuration, e.g. particles=50 or local.insertion_voxel=0.1; may be repeated",
     )
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
 
@@ -82,8 +82,10 @@ def _settings(words: list[str]) -> dict[str, Any]:
     settings: dict[str, Any] = {}
     for word in words:
         name, equals, value = word.partition("=")
-        if not equals or not name.isidentifier():
+        if not equals or not all(part.isidentifier() for part in name.split(".")):
             raise InputError(f"--set needs NAME=VALUE, got {word!r}")
+        if name == "seed":
+            raise InputError("the seed has an option of its own: --seed")
         try:
             settings[name] = ast.literal_eval(value)
         except (ValueError, SyntaxError):

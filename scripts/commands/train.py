@@ -94,8 +94,8 @@ def run(options: argparse.Namespace) -> int:
 def _train_people(options: argparse.Namespace) -> int:
     """Train, write the classifier with its card, print how it scores."""
     counts = {name: getattr(options, name) for name in PEOPLE_COUNTS}
-    if options.seed < 0 or min(counts.values()) < 1 or options.buildings < PeopleTrainConfig().folds:
-        raise InputError("--seed must not be negative, --buildings at least 5, --frames and --test-... positive")
+    if min(counts.values()) < 1 or options.buildings < PeopleTrainConfig().folds:
+        raise InputError("--buildings must be at least 5, --frames and --test-... positive")
     svm, card, scores = train_people(PeopleTrainConfig(**counts), options.seed)
     path = options.out / MODEL.name
     svm.save(path, card)
@@ -109,8 +109,8 @@ def _train_legs(options: argparse.Namespace) -> int:
     if options.forest == "real" and options.data is None:
         raise InputError("--forest real needs --data DIR with the labelled recordings")
     counts = {name: getattr(options, name) for name in COUNTS}
-    if options.seed < 0 or min(counts.values()) < 1:
-        raise InputError("--seed must not be negative, --scans, --drives, --test-... and --trees must be positive")
+    if min(counts.values()) < 1:
+        raise InputError("--scans, --drives, --test-... and --trees must be positive")
     config = TrainConfig(**counts)
     train = train_real if options.forest == "real" else train_simulation
     if options.data is None:

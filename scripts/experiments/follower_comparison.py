@@ -24,12 +24,12 @@ from ...envs.rollout import rollout
 from ...envs.scenes.occupancy import true_map
 from ...envs.suites import FIRST_SEED, SUITES, suite
 from ...slam.errors import InputError
-from ...slam.files import made_folder, write_json
+from ...slam.files import made_folder, write_json, write_text
 from ...slam.quality.score import score_map
 from ..figures.plots import new_figure, save_figure
 from ..tables import format_table
 from .hardware import describe_machine
-from .statistics import bootstrap_mean, share
+from .statistics import Estimate, bootstrap_mean, share
 
 DEFAULT_SUITES = ("office", "corridor", "meeting_room", "floor_plan", "crowd", "hurried")
 FIGURES = {
@@ -107,7 +107,8 @@ def draw_trade_off(result: dict[str, Any], path: Path) -> Path:
             spans = [[[v["mean"] - v["low"]], [v["high"] - v["mean"]]] for v in (jerk, done)]
             axes.errorbar(jerk["mean"], done["mean"], spans[1], spans[0], "o", capsize=3, label=who)
         axes.set(title=f"{name.replace('_', ' ')}, {part['episodes']} episodes", xlabel="jerk RMS [m/s3]")
-        axes.set(ylabel="tours done", ylim=(0.5, 1.02))
+        least = min(figures["success"]["low"] for figures in part["figures"].values())
+        axes.set(ylabel="tours done", ylim=(min(0.5, least - 0.02), 1.02))
         axes.set_xlim(left=0.0)
         axes.grid(alpha=0.3)
         axes.legend(loc="lower left")
@@ -138,6 +139,21 @@ def _values(rows: Sequence[dict[str, Any]], key: str) -> np.ndarray:
     return np.array([np.nan if row[key] is None else row[key] for row in rows], dtype=np.float64)
 
 
+def finished_rows(file: Path) -> list[dict[str, Any]]:
+    """Return the episodes in `file`, none where it is not there yet; a last line cut by a kill is taken off.
+
+    Raises:
+        InputError: If another line is no episode.
+    """
+    whole = file.read_text(encoding="utf-8").split("\n") if file.is_file() else [""]
+    if whole.pop():
+        write_text(file, "".join(f"{line}\n" for line in whole))
+    try:
+        return [json.loads(line) for line in whole]
+    except json.JSONDecodeError as error:
+        raise InputError(f"{file}: a line is no finished episode ({error})") from error
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Drive what is missing, print and write the comparison."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -149,7 +165,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--out", type=Path, default=Path("out/followers"), metavar="DIR")
     options = parser.parse_args(arguments)
     file = made_folder(options.out) / "episodes.jsonl"
-    rows = [json.loads(line) for line in file.read_text().splitlines()] if file.is_file() else []
+    rows = finished_rows(file)
     done = {(row["follower"], row["suite"], row["episode"]) for row in rows}
     more = {"slam": None} if options.no_slam else {}
     envs = {name: [gym.make(one.env, **{**one.arguments, **more}) for one in suite(name)] for name in options.suites}
@@ -174,10 +190,7 @@ def _lines(figures: dict[str, Any]) -> list[tuple[str, ...]]:
     return [
         (
             title,
-            *(
-                f"{part[key]['mean']:.3f} [{part[key]['low']:.3f}, {part[key]['high']:.3f}]"
-                for part in figures.values()
-            ),
+            *(Estimate(**part[key]).text(digits=3) for part in figures.values()),
         )
         for key, title in titles.items()
     ]

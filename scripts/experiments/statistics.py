@@ -31,17 +31,20 @@ class Estimate:
         return {"mean": self.mean, "low": self.low, "high": self.high, "n": self.n}
 
     def text(self, scale: float = 1.0, digits: int = 2) -> str:
-        """Return "mean [low, high]", each times `scale`."""
+        """Return "mean [low, high]", each times `scale`; the mean alone where there is no interval."""
         mean, low, high = (f"{value * scale:.{digits}f}" for value in (self.mean, self.low, self.high))
-        return f"{mean} [{low}, {high}]"
+        return mean if np.isnan(self.low) else f"{mean} [{low}, {high}]"
 
 
 def bootstrap_mean(values: ArrayLike, *, resamples: int = 2000, seed: int = 0) -> Estimate:
-    """Return the mean of `values` (n,) with its percentile bootstrap interval; NaN are left out."""
+    """Return the mean of `values` (n,) with its percentile bootstrap interval; NaN are left out.
+
+    With one value the ends of the interval are NaN: nothing says how far it is from the mean.
+    """
     sample = np.asarray(values, dtype=np.float64)
     sample = sample[np.isfinite(sample)]
-    if len(sample) == 0:
-        return Estimate(np.nan, np.nan, np.nan, 0)
+    if len(sample) < 2:
+        return Estimate(float(sample.mean()) if len(sample) else np.nan, np.nan, np.nan, len(sample))
     picks = np.random.default_rng(seed).integers(len(sample), size=(resamples, len(sample)))
     low, high = np.quantile(sample[picks].mean(axis=1), [0.025, 0.975])
     return Estimate(float(sample.mean()), float(low), float(high), len(sample))

@@ -58,7 +58,7 @@ def _sheet(
     canvas.dots(points[shown & on_people], ORANGE, 2.4)
     canvas.polygon(transform_points(_FORWARD_IS_UP, _ROBOT), BLUE)
     legend = [("robot", BLUE), ("walls and things", INK)]
-    canvas.legend([*legend, ("people", ORANGE)] if on_people.any() or len(people) else legend)
+    canvas.legend([*legend, ("taken for people", ORANGE)] if on_people.any() or len(people) else legend)
     return canvas.finished()
 
 

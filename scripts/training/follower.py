@@ -4,7 +4,7 @@ import argparse
 import time
 from pathlib import Path
 
-from ...slam.errors import InputError, MissingExtraError
+from ...slam.errors import MissingExtraError
 
 ALGORITHMS = ("ppo", "sac", "recurrent-ppo")
 PRESETS = ("office", "office-map", "corridor")
@@ -44,8 +44,6 @@ def add_follower_arguments(models: "argparse._SubParsersAction[argparse.Argument
 
 def train_follower(options: argparse.Namespace) -> int:
     """Train, or go on with training; print a line on the progress now and then."""
-    if options.seed < 0:
-        raise InputError(f"--seed must not be negative, got {options.seed}")
     try:
         from ...agents.training.presets import make_preset
         from ...agents.training.run import RunConfig, TrainingRun
@@ -58,7 +56,11 @@ def train_follower(options: argparse.Namespace) -> int:
         workers=options.workers,
         max_minutes=options.max_minutes,
     )
-    progress = TrainingRun(config, options.out, Progress()).train()
+    lines = ProgressLines()
+    run = TrainingRun(config, options.out, lines)
+    if run.progress.minutes:
+        lines.go_on(run.progress.minutes)
+    progress = run.train()
     if progress.best == float("-inf"):
         print(f"stopped after {progress.minutes:.1f} minutes, before the first policy: the same command goes on")
         return 1
@@ -66,11 +68,16 @@ def train_follower(options: argparse.Namespace) -> int:
     return 0
 
 
-class Progress:
-    """Prints a line if the last one is old, or if it tells of a result."""
+class ProgressLines:
+    """Prints a line if the last one is old, or if it tells of a result, with the minutes that the run took so far."""
 
     def __init__(self, every_s: float = 10.0) -> None:
         self._every_s, self._began, self._last = every_s, time.monotonic(), float("-inf")
+
+    def go_on(self, minutes: float) -> None:
+        """Say that a run goes on which took so many minutes before."""
+        self._began -= 60.0 * minutes
+        self("going on from the last checkpoint")
 
     def __call__(self, line: str) -> None:
         """Take a line."""

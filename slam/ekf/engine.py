@@ -16,6 +16,7 @@ from ..landmarks.clustering import Clusterer, make_clusterer
 from ..landmarks.objects import SightingConfig, Sightings, see_landmarks
 from ..occupancy_map import OccupancyMap
 from ..scan import LaserScan
+from ..settings import with_settings
 from .association import Comparison, Pairs, compare, joint_compatibility, nearest_neighbour
 from .calibrated_motion import OdometryNoise
 from .config import EkfSlamConfig
@@ -24,6 +25,7 @@ from .slip import Slip, find_slip
 
 Array = NDArray[np.float64]
 
+_PARTS = {"odometry": OdometryNoise, "sighting": SightingConfig}
 _REACH = 1.5  # landmarks so much beyond the range are compared, too, besides three sigmas [m]
 
 
@@ -58,14 +60,14 @@ class EkfSlam:
         """Return an engine; `options` are fields of `EkfSlamConfig`, of its `odometry` and of its `sighting`.
 
         `seed` is taken as from the other engines; nothing is drawn.
+
+        Raises:
+            InputError: If a field is unknown, or a value out of its range.
         """
         del seed
-        parts: dict[str, Any] = {}
-        for name, kind in (("odometry", OdometryNoise), ("sighting", SightingConfig)):
-            own = {field.name: options.pop(field.name) for field in fields(kind) if field.name in options}
-            if own:
-                parts[name] = kind(**own)
-        return cls(EkfSlamConfig(**parts, **options))
+        part_of = {field.name: part for part, kind in _PARTS.items() for field in fields(kind)}
+        named = {f"{part_of[name]}.{name}" if name in part_of else name: value for name, value in options.items()}
+        return cls(with_settings(EkfSlamConfig(), named))
 
     @property
     def config(self) -> EkfSlamConfig:

@@ -11,6 +11,7 @@ from ..geometry import between, compose, wrap_angle
 from ..grid import GridConfig, render_map, scan_rays
 from ..occupancy_map import OccupancyMap
 from ..scan import LaserScan
+from ..settings import with_settings
 from .config import GMappingConfig
 from .matcher import ScanMatcher
 from .motion import MotionModel
@@ -61,10 +62,9 @@ class GMapping:
         """Return an engine with fields of `GMappingConfig` as keywords.
 
         Raises:
-            TypeError: If a field is unknown.
-            InputError: If a value is out of its range.
+            InputError: If a field is unknown, or a value out of its range.
         """
-        return cls(GMappingConfig(**options), seed)
+        return cls(with_settings(GMappingConfig(), options), seed)
 
     def update(self, odometry: ArrayLike, scan: LaserScan) -> SlamUpdate:
         """Take one scan and the robot's odometry pose T_odom_robot (3,) at that time."""
@@ -74,17 +74,19 @@ class GMapping:
         diagnostics: dict[str, float] = {}
         if self._odometry is None:
             self._poses[:] = odometry
-            self._integrate(scan)
+            integrated = True
         else:
             self._motion.add(between(self._odometry, odometry))
-            if self._is_due(scan):
+            integrated = self._is_due(scan)
+            if integrated:
                 diagnostics = self._process(scan)
-                self._integrate(scan)
+        if integrated:
+            self._integrate(scan)
         self._odometry = odometry
         self._layers.append(len(self._matched) - 1)
         self._offsets.append(self._motion.mean)
         self._online.append(self.pose)
-        return SlamUpdate(self.pose, not self._motion.travelled and not self._motion.turned, diagnostics)
+        return SlamUpdate(self.pose, integrated, diagnostics)
 
     @property
     def pose(self) -> Array:

@@ -63,6 +63,8 @@ class ActiveSubmaps:
 
     def restart(self) -> None:
         """Finish the active submaps: the next scan begins a new one, apart from all before."""
+        for submap in self.submaps[self._first :][-2:]:
+            submap.finish()
         self._first = len(self.submaps)
         self._last = None
 
@@ -82,6 +84,8 @@ class ActiveSubmaps:
         if not self.begun or self._full(self.submaps[-1]):
             self.submaps.append(Submap(self._config.submap, pose))
             self._travelled = 0.0
+            for submap in self.submaps[self._first : -2][-1:]:
+                submap.finish()
         first = max(len(self.submaps) - 2, self._first)
         for submap in self.submaps[first:]:
             submap.insert(origin, surface, returns, free_ends)

@@ -9,10 +9,11 @@ from numpy.typing import ArrayLike, NDArray
 from ..engine import SlamUpdate
 from ..errors import InputError
 from ..geometry import between, compose, wrap_angle
-from ..grid import GridConfig, render_map
+from ..grid import GridConfig, ScanRays, draw, render_map
 from ..localization.place_map import PlaceMap
 from ..occupancy_map import OccupancyMap
 from ..scan import LaserScan
+from ..settings import with_settings
 from .constraints import Constraint
 from .global_slam import GlobalSlam, GlobalSlamConfig
 from .local_slam import LocalResult, LocalSlam, LocalSlamConfig
@@ -21,7 +22,7 @@ from .watch import Watch, WatchConfig
 
 Array = NDArray[np.float64]
 
-_COARSE = 0.05  # [m] cells of the map on which a lost robot is searched for
+_SEARCHED = GridConfig(resolution=0.05)  # of the map on which a lost robot is searched for
 _NEW_NODES = 10  # a map without so many of the last nodes still serves for that
 _WEIGHED = 3  # a suspicion is weighed with each so many scans ...
 _SUSPECTS = 9  # ... by so many at most
@@ -76,6 +77,7 @@ class Cartographer:
         self._inserted: list[int] = []
         self._doubted: list[tuple[int, Array]] = []
         self._scans: list[LaserScan] = []
+        self._rays: list[ScanRays] = []
         self._suspects: list[tuple[Array, LaserScan]] = []
         self._suspected = 0
         self._unsure = False
@@ -89,10 +91,9 @@ class Cartographer:
         """Return an engine with fields of `CartographerConfig` as keywords; nothing is random, so `seed` says nothing.
 
         Raises:
-            TypeError: If a field is unknown.
-            InputError: If a value is out of its range.
+            InputError: If a field is unknown, or a value out of its range.
         """
-        return cls(CartographerConfig(**options))
+        return cls(with_settings(CartographerConfig(), options))
 
     def update(self, odometry: ArrayLike, scan: LaserScan) -> SlamUpdate:
         """Take one scan and the robot's odometry pose T_odom_robot (3,) at that time."""
@@ -167,8 +168,9 @@ class Cartographer:
         """Return what looks for the doubtful scans on the map of all scans whose place is known."""
         if len(self._scans) >= self._place[0] + _NEW_NODES:
             placed = np.flatnonzero(graph.placed)
-            poses, scans = graph.node_poses[placed], [self._scans[k] for k in placed]
-            self._place = len(self._scans), searchable(render_map(poses, scans, GridConfig(resolution=_COARSE)))
+            self._rays += [ScanRays.of(scan, _SEARCHED) for scan in self._scans[len(self._rays) :]]
+            grid = draw(graph.node_poses[placed], [self._rays[k] for k in placed], _SEARCHED)
+            self._place = len(self._scans), searchable(grid)
         return Relocalization(self._place[1], self._suspects)
 
     def _is_lost(self, watch: Watch, graph: GlobalSlam, search: Relocalization, result: LocalResult) -> bool:
@@ -176,7 +178,9 @@ class Cartographer:
 
         Where neither that place nor another that explains them well stands out, it is not sure for now. Where nothing
         on the map explains them well, people are about; and where that place explains half of their beams, and is not
-        surely less likely than another, the robot is not lost, however badly they fit on the newest submap.
+        surely less likely than another, the robot is not lost, however badly they fit on the newest submap. Where
+        they fit on that, and only older submaps say that the robot is just beside, it has drifted: no one moved it,
+        and loop closure will.
         """
         if self._search or not result.match:
             return watch.plainly_lost
@@ -190,7 +194,7 @@ class Cartographer:
             return False
         self._unsure = True
         plainly = watch.plainly_lost and outcome.explained < _EXPLAINED
-        return plainly or (outcome.moved and (watch.alarmed or outcome.belief.sure))
+        return plainly or (outcome.moved and (watch.alarmed or (outcome.belief.sure and not outcome.beside)))
 
     def _lose(self, graph: GlobalSlam, search: Relocalization) -> None:
         """Begin a new piece of the drive with the next update, and the search on the map without it."""

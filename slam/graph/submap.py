@@ -10,6 +10,7 @@ from ..errors import InputError
 from .submap_kernels import bounds, insert_scan
 
 _MARGIN_CELLS = 8  # beyond the farthest return: taps of the spline and of neighbouring cells stay inside
+_MOST_CELLS = 100_000_000  # of a submap: 500 m x 500 m at 5 cm
 _GROWTH_M = 4.0  # a grid that must grow gets so much more on that side
 
 
@@ -97,6 +98,11 @@ class Submap:
             self.config.ray_margin,
         )
 
+    def finish(self) -> None:
+        """Drop what only further scans would need, almost half of the memory: there will be none."""
+        self._hits = np.zeros((0, 0), np.float32)
+        self._stamps = np.zeros((0, 0), np.int16)
+
     @property
     def resolution(self) -> float:
         """Side of a cell [m]."""
@@ -117,6 +123,9 @@ class Submap:
         left, below = (max(0, -low[k]) + (more if low[k] < 0 else 0) for k in range(2))
         right, above = (max(0, high[k] - n + 1) + (more if high[k] >= n else 0) for k, n in enumerate((cols, rows)))
         if left or below or right or above:
+            wide, tall = cols + left + right, rows + below + above
+            if wide * tall > _MOST_CELLS:
+                raise InputError(f"a submap would grow to {wide * h:.0f} x {tall * h:.0f} m; a pose or range is wrong")
             pad = ((below, above), (left, right))
             self._hits, self._visits = np.pad(self._hits, pad), np.pad(self._visits, pad)
             self.field, self._stamps = np.pad(self.field, pad), np.pad(self._stamps, pad)

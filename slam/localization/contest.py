@@ -28,6 +28,8 @@ class Contest:
         belief: What is believed of all places.
         explained: Share of the beams that end at walls of the map if the robot is where it was thought to be; 0 where
             that is surely less likely than another place.
+        beside: Whether the likeliest place is so near to it that a search would not tell the two apart: drift leads
+            from the one to the other, nobody has to carry the robot.
     """
 
     stays: bool
@@ -35,6 +37,7 @@ class Contest:
     rivalled: bool
     belief: Belief
     explained: float = 0.0
+    beside: bool = False
 
 
 def contest(
@@ -74,4 +77,6 @@ def contest(
     well = ~there & (belief.explained >= config.search.well_explained)
     likely = belief.log_ratios > -np.log(config.search.sure_ratio)
     explained = float(belief.explained[there & likely].max(initial=0.0))
-    return Contest(bool(there[0]), bool(well[0]), bool((well & likely).any()), belief, explained)
+    apart = config.search.separation
+    beside = bool(np.hypot(*off[0, :2]) <= apart.linear and abs(off[0, 2]) <= apart.angular)
+    return Contest(bool(there[0]), bool(well[0]), bool((well & likely).any()), belief, explained, beside)

@@ -28,7 +28,8 @@ class PlaceMapConfig:
         search_sigma: Width of a wall on the grid of the global search [m].
         unseen: Worth of a point where the map knows nothing, in the global search: places at its edge are found, too.
         unseen_margin: So far around the map, too [m].
-        top_level: The global search starts from blocks of 2^top_level cells.
+        top_level: The global search starts from blocks of 2^top_level cells, so that most of it is one sweep ...
+        most_blocks: ... or from larger ones, where there would be more than so many for each heading: memory.
     """
 
     resolution: float = 0.05
@@ -37,7 +38,8 @@ class PlaceMapConfig:
     search_sigma: float = 0.15
     unseen: float = 0.4
     unseen_margin: float = 8.0
-    top_level: int = 3
+    top_level: int = 1
+    most_blocks: int = 100_000
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
@@ -107,7 +109,15 @@ class PlaceMap:
         margin = int(self.config.unseen_margin / cell)
         likelihood = np.pad(likelihood, margin, constant_values=self.config.unseen)
         corner = (float(self.outer_corner[0] - margin * cell), float(self.outer_corner[1] - margin * cell))
-        return build_pyramid(ScoreGrid.from_likelihood(likelihood, corner, cell), top_level=self.config.top_level)
+        grid = ScoreGrid.from_likelihood(likelihood, corner, cell)
+        return build_pyramid(grid, top_level=self._top_level(2.0 * self.half_side / cell))
+
+    def _top_level(self, side: float) -> int:
+        """Return the level that a search starts from, over a square of a side of so many cells."""
+        level = self.config.top_level
+        while (side / (1 << level)) ** 2 > self.config.most_blocks:
+            level += 1
+        return level
 
     @property
     def centre(self) -> Array:
@@ -159,5 +169,8 @@ def _centres(values: NDArray[np.floating], factor: int) -> NDArray[np.floating]:
     rows, cols = (-(-size // factor) * factor for size in values.shape)
     padded = np.pad(values, ((0, rows - values.shape[0]), (0, cols - values.shape[1])), mode="edge")
     first, second = (factor - 1) // 2, factor // 2
-    corners = [padded[a::factor, b::factor] for a in (first, second) for b in (first, second)]
-    return np.mean(corners, axis=0)
+    total = padded[first::factor, first::factor] + padded[first::factor, second::factor]
+    total += padded[second::factor, first::factor]
+    total += padded[second::factor, second::factor]
+    total /= 4.0
+    return total

@@ -97,9 +97,9 @@ def read_beesoft_map(path: str | os.PathLike[str]) -> OccupancyMap:
     for number, line in numbered_lines(file):
         where, words = f"{file}:{number}", line.split()
         if shape is None and words[:1] == [_GRID]:
-            shape = tuple(int(n) for n in numbers(words[1:3], where, "the size of the grid"))
-            if len(shape) != 2 or min(shape) < 1:
+            if len(words) < 3 or not (words[1].isdecimal() and words[2].isdecimal() and int(words[1]) * int(words[2])):
                 raise InputError(f"{where}: the size of the grid needs two positive numbers, got {words[1:]}")
+            shape = int(words[1]), int(words[2])
         elif shape is None:
             if words[:1] == [_RESOLUTION]:
                 resolution = _CM * numbers(words[1:2], where, "the side of a cell [cm]")[0] if words[1:] else 0.0
@@ -107,7 +107,10 @@ def read_beesoft_map(path: str | os.PathLike[str]) -> OccupancyMap:
             if len(words) != shape[1]:
                 raise InputError(f"{where}: needs {shape[1]} values, got {len(words)}")
             lines.append(numbers(words, where, "a probability or -1"))
-    if shape is None or not resolution > 0.0:
+            wrong = [value for value in lines[-1] if not value <= 1.0]
+            if wrong:
+                raise InputError(f"{where}: expected a probability or -1, got {wrong[0]:g}")
+    if shape is None or not 0.0 < resolution < np.inf:
         raise InputError(f"{file}: no map found; expected `{_RESOLUTION} CM` and `{_GRID} NX NY`")
     if len(lines) < shape[0]:
         raise InputError(f"{file}: the grid is cut: needs {shape[0]} lines, got {len(lines)}")

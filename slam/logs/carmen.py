@@ -137,9 +137,17 @@ def _poses(values: NDArray[np.float64]) -> tuple[Pose, Pose]:
     return (x, y, theta), (odom_x, odom_y, odom_theta)
 
 
+def _ranges(words: list[bytes], count: int) -> NDArray[np.float64]:
+    ranges = _floats(words, count, f"{count} ranges")
+    bad = np.flatnonzero(~(ranges >= 0.0))
+    if len(bad):
+        raise ValueError(f"expected ranges from 0 m on, got {ranges[bad[0]]} in beam {bad[0] + 1} of {count}")
+    return ranges
+
+
 def _flaser(words: list[bytes]) -> _Record:
     count = _count(words, 1, "ranges")
-    ranges = _floats(words[2:], count, f"{count} ranges")
+    ranges = _ranges(words[2:], count)
     tail = _floats(words[2 + count :], 7, "x y theta odom_x odom_y odom_theta time")
     laser, robot = _poses(tail)
     return _Record(ranges, _half_circle(count), None, laser, robot, float(tail[6]))
@@ -148,15 +156,15 @@ def _flaser(words: list[bytes]) -> _Record:
 def _robotlaser(words: list[bytes]) -> _Record:
     head = _floats(words[1:8], 7, "type start_angle fov resolution max_range accuracy remission_mode")
     count = _count(words, 8, "ranges")
-    ranges = _floats(words[9:], count, f"{count} ranges")
+    ranges = _ranges(words[9:], count)
     remissions = _count(words, 9 + count, "remission values")
     tail = _floats(
         words[10 + count + remissions :],
         12,
         "laser x y theta, robot x y theta, tv rv, three safety distances, time",
     )
-    if not (np.isfinite(head[1:5]).all() and head[4] > 0.0):
-        raise ValueError(f"expected finite angles and a positive max_range, got {head[1:5]}")
+    if not (np.isfinite(head[1:5]).all() and head[3] > 0.0 and head[4] > 0.0):
+        raise ValueError(f"expected finite angles, a positive resolution and a positive max_range, got {head[1:5]}")
     bearings = _fan(count, float(head[1]), float(head[3]))
     laser, robot = _poses(tail)
     return _Record(ranges, bearings, float(head[4]), laser, robot, float(tail[11]))

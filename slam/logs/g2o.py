@@ -4,7 +4,7 @@ Lines: `VERTEX_SE2 id x y theta` and `EDGE_SE2 i j dx dy dtheta I11 I12 I13 I22 
 information matrix; `FIX id` is ignored, poses are kept in the order of their lines.
 """
 
-import gzip
+import math
 import os
 from pathlib import Path
 
@@ -13,6 +13,7 @@ import numpy as np
 from ..errors import InputError
 from ..files import write_text
 from ..pose_graph.pose_graph import PoseGraph
+from .text import numbered_lines
 
 _UPPER = np.triu_indices(3)
 
@@ -21,17 +22,20 @@ def read_g2o(path: str | os.PathLike[str]) -> PoseGraph:
     """Return the graph in a g2o file, plain or gzipped.
 
     Raises:
-        InputError: If the file cannot be read, or a line is cut, not numeric or names an unknown vertex.
+        InputError: If the file cannot be read, or a line is cut, holds no finite number, names an unknown vertex or one
+            that was there before.
     """
     path = Path(path)
     names: dict[int, int] = {}
     poses: list[list[float]] = []
     edges: list[tuple[int, int]] = []
     values: list[list[float]] = []
-    for number, words in enumerate(_lines(path), start=1):
+    for number, line in numbered_lines(path):
+        words = line.split()
         try:
             if words[:1] == ["VERTEX_SE2"]:
-                names[int(words[1])] = len(poses)
+                if names.setdefault(int(words[1]), len(poses)) != len(poses):
+                    raise ValueError(f"vertex {words[1]} comes twice")
                 poses.append(_floats(words[2:], 3))
             elif words[:1] == ["EDGE_SE2"]:
                 edges.append((names[int(words[1])], names[int(words[2])]))
@@ -58,22 +62,13 @@ def write_g2o(path: str | os.PathLike[str], graph: PoseGraph) -> None:
     write_text(path, "\n".join(lines) + "\n")
 
 
-def _lines(path: Path) -> list[list[str]]:
-    try:
-        content = path.read_bytes()
-        if content[:2] == b"\x1f\x8b":
-            content = gzip.decompress(content)
-        return [line.split() for line in content.decode("utf-8").splitlines()]
-    except (EOFError, gzip.BadGzipFile, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: not a text file or a whole gzip file ({error})") from error
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror})") from error
-
-
 def _floats(words: list[str], count: int) -> list[float]:
     if len(words) < count:
         raise ValueError(f"the line is cut: expected {count} numbers, got {len(words)}")
-    return [float(word) for word in words[:count]]
+    values = [float(word) for word in words[:count]]
+    if not all(map(math.isfinite, values)):
+        raise ValueError(f"expected finite numbers, got {' '.join(words[:count])}")
+    return values
 
 
 def _text(values: np.ndarray) -> str:

@@ -3,6 +3,8 @@
 import os
 from pathlib import Path
 
+import numpy as np
+
 from ..errors import InputError
 from .bag_messages import is_bag
 from .beesoft import is_beesoft_log, read_beesoft_log
@@ -28,11 +30,18 @@ def read_log(
     """
     path = Path(path)
     if is_bag(path):
-        return read_rosbag(path, scan_topic, odometry_topic)
+        return _measured(path, read_rosbag(path, scan_topic, odometry_topic))
     if path.is_dir():
         raise InputError(f"{path}: a folder without metadata.yaml is no ROS 2 bag")
     if scan_topic is not None or odometry_topic is not None:
         raise InputError(f"{path}: only a ROS bag has topics to choose")
     if is_beesoft_log(path):
-        return read_beesoft_log(path)
-    return read_urg_log(path) if is_urg_log(path) else read_carmen(path)
+        return _measured(path, read_beesoft_log(path))
+    return _measured(path, read_urg_log(path) if is_urg_log(path) else read_carmen(path))
+
+
+def _measured(path: Path, drive: RecordedDrive) -> RecordedDrive:
+    """Return the drive if any beam of it met anything."""
+    if not any(np.isfinite(scan.ranges).any() for scan in drive.scans):
+        raise InputError(f"{path}: none of the {len(drive)} scans holds a measured distance; nothing can be mapped")
+    return drive

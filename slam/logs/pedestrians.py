@@ -4,7 +4,6 @@ ETH: Pellegrini et al. 2009; UCY: Lerner et al. 2007. A line is `frame id x y`, 
 `obsmat` form), in metres. Frames are counted in video frames; one step between two annotated ones lasts 0.4 s.
 """
 
-import gzip
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,12 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from .text import numbered_lines
 
 Array = NDArray[np.float64]
 
 STEP_S = 0.4
 """Time between two annotated frames [s]."""
 _FEWEST = 6
+_FARTHEST_STEP_M = 100.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,16 +48,23 @@ def read_pedestrians(path: str | os.PathLike[str]) -> list[RecordedWalk]:
     """Return the walks of at least 6 points in a file, plain or gzip.
 
     Raises:
-        InputError: If the file cannot be read, a line has neither 4 nor 8 numbers, or nobody walks in it.
+        InputError: If the file cannot be read, a line has neither 4 nor 8 numbers, nobody walks in it, or somebody
+            goes 100 m from one row to the next.
     """
     file = Path(path)
-    rows = [_numbers(file, number, line) for number, line in enumerate(_lines(file), start=1) if line.strip()]
+    rows = [_numbers(file, number, line) for number, line in numbered_lines(file) if line.strip()]
     if len({len(row) for row in rows}) > 1:
         raise InputError(f"{file}: some lines have 4 numbers and some 8")
     y = 4 if rows and len(rows[0]) == 8 else 3
     walks = _walks(np.array([(row[0], row[1], row[2], row[y]) for row in rows])) if rows else []
     if not walks:
         raise InputError(f"{file}: nobody walks for {_FEWEST} steps or more in it")
+    for walk in walks:
+        farthest = float(np.abs(np.diff(walk.points, axis=0)).max())
+        if farthest > _FARTHEST_STEP_M:
+            raise InputError(
+                f"{file}: person {walk.person} goes {farthest:.3g} m from one row to the next: nobody walks that far"
+            )
     return walks
 
 
@@ -77,15 +85,6 @@ def _walks(table: Array) -> list[RecordedWalk]:
         if len(part) >= _FEWEST:
             walks.append(RecordedWalk(int(part[0, 1]), part[:, 0] / step * STEP_S, part[:, 2:4].copy()))
     return walks
-
-
-def _lines(file: Path) -> list[str]:
-    try:
-        content = file.read_bytes()
-        text = (gzip.decompress(content) if content[:2] == b"\x1f\x8b" else content).decode()
-    except (OSError, EOFError, UnicodeDecodeError) as error:
-        raise InputError(f"{file}: the walks cannot be read ({error})") from error
-    return text.splitlines()
 
 
 def _numbers(file: Path, number: int, line: str) -> list[float]:

@@ -46,7 +46,7 @@ def read_relations(path: str | os.PathLike[str]) -> Relations:
     """Read relations: `t1 t2 x y z roll pitch yaw` (times), or `i1 i2 x y yaw` (indices of readings).
 
     Raises:
-        InputError: With file and line, if a line has another number of columns than 8 or 5, or no number.
+        InputError: With file and line, if a line has another number of columns than 8 or 5, or no finite number.
     """
     rows = _rows(path, (5, 8), "`t1 t2 x y z roll pitch yaw` or `i1 i2 x y yaw`")
     by_reading = rows.shape[1] == 5
@@ -57,7 +57,7 @@ def read_readings(path: str | os.PathLike[str]) -> Readings:
     """Read readings: `index time log_time odom_x odom_y odom_theta`, index counting from 0.
 
     Raises:
-        InputError: With file and line, if a line has not six numbers or the indices do not count from 0.
+        InputError: With file and line, if a line has not six finite numbers or the indices do not count from 0.
     """
     rows = _rows(path, (6,), "`index time log_time odom_x odom_y odom_theta`")
     wrong = np.nonzero(rows[:, 0] != np.arange(len(rows)))[0]
@@ -75,7 +75,10 @@ def _rows(path: str | os.PathLike[str], columns: tuple[int, ...], layout: str) -
         where = f"{os.fspath(path)}:{number}"
         if len(words) not in columns or (rows and len(words) != len(rows[0])):
             raise InputError(f"{where}: a line needs {layout}, got {len(words)} words")
-        rows.append(numbers(words, where, "a number"))
+        row = numbers(words, where, "a number")
+        if not np.isfinite(row).all():
+            raise InputError(f"{where}: expected finite numbers, got {' '.join(words)}")
+        rows.append(row)
     if not rows:
         raise InputError(f"{os.fspath(path)}: needs at least one line {layout}, got none")
     return np.array(rows)

@@ -58,6 +58,8 @@ def read_ros_map(path: str | os.PathLike[str]) -> OccupancyMap:
     if mode != "trinary":
         raise InputError(f"{file}: only the mode trinary is supported, got {mode!r}")
     resolution = _number(file, entries, "resolution")
+    if not resolution > 0.0:
+        raise InputError(f"{file}: `resolution` must be positive [m], got {resolution:g}")
     occupied_above, free_below = _number(file, entries, "occupied_thresh"), _number(file, entries, "free_thresh")
     if not 0.0 <= free_below <= occupied_above <= 1.0:
         raise InputError(f"{file}: needs 0 <= free_thresh <= occupied_thresh <= 1, got {free_below}, {occupied_above}")
@@ -89,7 +91,9 @@ def _origin(file: Path, entries: dict[str, Value]) -> tuple[float, float]:
     try:
         x, y, yaw = map(float, value or ())
     except ValueError:
-        raise InputError(f"{file}: the key `origin` needs [x, y, yaw], got {value!r}") from None
+        x = y = yaw = np.nan
+    if not np.isfinite([x, y, yaw]).all():
+        raise InputError(f"{file}: the key `origin` needs [x, y, yaw], got {value!r}")
     if yaw != 0.0:
         raise InputError(f"{file}: a map that is turned against its frame is not supported (yaw 0), got yaw {yaw}")
     return x, y
@@ -102,7 +106,7 @@ def _read_pgm(path: Path) -> NDArray[np.float64]:
     except OSError as error:
         raise InputError(f"{path}: the map's image cannot be read ({error.strerror})") from error
     blank = rb"(?:\s|#[^\n]*\n)+"
-    header = re.match(rb"(P[25])" + blank + rb"(\d+)" + blank + rb"(\d+)" + blank + rb"(\d+)\s", content)
+    header = re.match(rb"(P[25])" + blank + rb"(\d{1,9})" + blank + rb"(\d{1,9})" + blank + rb"(\d{1,9})\s", content)
     if header is None:
         raise InputError(f"{path}: the map's image must be a PGM (P5 or P2), got {content[:16]!r}...")
     cols, rows, white = (int(header[i]) for i in (2, 3, 4))
@@ -113,8 +117,12 @@ def _read_pgm(path: Path) -> NDArray[np.float64]:
         values = (np.frombuffer(body, np.uint8) if header[1] == b"P5" else np.array(body.split(), dtype=np.int64))[
             : cols * rows
         ]
-    except ValueError as error:
+    except (ValueError, OverflowError) as error:
         raise InputError(f"{path}: a P2 image holds whole numbers ({error})") from error
     if len(values) != cols * rows:
         raise InputError(f"{path}: the image is cut: needs {cols} x {rows} pixels, got {len(values)}")
+    if values.min() < 0 or values.max() > white:
+        raise InputError(
+            f"{path}: shades are from 0 to the image's maximum {white}, got {values.min()}, {values.max()}"
+        )
     return values.reshape(rows, cols) / white

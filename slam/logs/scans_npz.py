@@ -20,7 +20,8 @@ def read_scans_npz(path: str | os.PathLike[str]) -> list[LaserScan]:
     `bag_time`, else `stamp`, each (scans,); a file without either gives zeros.
 
     Raises:
-        InputError: If the file cannot be read, an array is missing (named) or has another shape.
+        InputError: If the file cannot be read, an array is missing (named) or has another shape, or an angle or a limit
+            makes no sense.
     """
     path = Path(path)
     arrays = _load(path)
@@ -30,12 +31,20 @@ def read_scans_npz(path: str | os.PathLike[str]) -> list[LaserScan]:
     times = arrays.get("bag_time", arrays.get("stamp", np.zeros(len(ranges))))
     if times.shape != (len(ranges),):
         raise InputError(f"{path}: times must have shape ({len(ranges)},), one a scan, got {times.shape}")
-    bearings = float(arrays["angle_min"]) + float(arrays["angle_increment"]) * np.arange(ranges.shape[1])
-    limits = float(arrays["range_min"]), float(arrays["range_max"])
+    first, step, *limits = (_number(path, name, arrays[name]) for name in NEEDED[1:])
+    if not step > 0.0:
+        raise InputError(f"{path}: `angle_increment` must be positive [rad], got {step}")
+    bearings = first + step * np.arange(ranges.shape[1])
     return [
         LaserScan(row.astype(np.float64), bearings, *limits, time_s=float(time))
         for row, time in zip(ranges, times - times[0], strict=True)
     ]
+
+
+def _number(path: Path, name: str, value: NDArray[np.float64]) -> float:
+    if value.size != 1 or not np.isfinite(value).all():
+        raise InputError(f"{path}: `{name}` must be one finite number, got {value.tolist()}")
+    return float(value.item())
 
 
 def _load(path: Path) -> dict[str, NDArray[np.float64]]:

@@ -109,7 +109,8 @@ def dynamic_residue(cells: CommonCells, people: ArrayLike, radius: float = 0.12)
 
     Args:
         cells: Both maps on one lattice; the reference is the truth, mapped without people.
-        people: (..., 2) places where people's feet were, in the frame of the reference [m].
+        people: (..., 2) places where people's feet were, in the frame of the reference [m]; NaN for a foot that was
+            not there.
         radius: A cell within this distance of such a place was crossed [m].
 
     Raises:
@@ -122,8 +123,9 @@ def dynamic_residue(cells: CommonCells, people: ArrayLike, radius: float = 0.12)
     rows, cols = np.nonzero(free)
     centres = np.stack((cols, rows), axis=-1) * cells.resolution + cells.resolution / 2.0 + np.asarray(cells.origin)
     crossed = np.zeros_like(free)
-    if places.size and len(centres):
-        distance, _ = KDTree(places.reshape(-1, 2)).query(centres, distance_upper_bound=radius)
+    places = places[np.isfinite(places).all(axis=-1)]
+    if len(places) and len(centres):
+        distance, _ = KDTree(places).query(centres, distance_upper_bound=radius)
         crossed[rows, cols] = np.isfinite(distance)
     left = int((crossed & cells.estimate_occupied).sum())
     return DynamicResidue(left, left * cells.resolution**2, _share(crossed & cells.estimate_occupied, crossed))

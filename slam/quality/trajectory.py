@@ -116,8 +116,10 @@ def relative_error(estimate: Array, reference: Array, step: int = 1) -> Relative
 def associate(times_a: Array, times_b: Array, max_gap_s: float = 0.01) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Return the indices (k,) and (k,) of the poses that belong together: nearest in time, each used once at most.
 
+    They come in the order of time, whatever that of the poses, so that `relative_error` sees steps of the motion.
+
     Args:
-        times_a: (n,) times [s].
+        times_a: (n,) times [s], in any order.
         times_b: (m,) times [s], in any order.
         max_gap_s: Times farther apart than this do not belong together [s].
     """
@@ -134,6 +136,7 @@ def associate(times_a: Array, times_b: Array, max_gap_s: float = 0.01) -> tuple[
     by_gap = by_gap[gaps[by_gap] <= max_gap_s]
     _, first = np.unique(nearest[by_gap], return_index=True)
     chosen = np.sort(by_gap[first])
+    chosen = chosen[np.argsort(times_a[chosen], kind="stable")]
     return chosen, order[nearest[chosen]]
 
 

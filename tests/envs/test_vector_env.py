@@ -58,6 +58,22 @@ def test_it_is_equal_to_single_environments_step_by_step(mode):
     theirs.close()
 
 
+@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
+def test_it_is_equal_where_episodes_end_at_different_times(mode):
+    """A process whose environments all begin anew has infos of another form than the others."""
+    ours, theirs = native(max_episode_steps=4, autoreset_mode=mode), one_by_one(mode, 4)
+    actions, later = np.zeros((COUNT, 2), dtype=np.float32), np.array([False, False, True])
+    for env in (ours, theirs):
+        env.reset(seed=5)
+        env.step(actions)
+    same(ours.reset(seed=8, options={"reset_mask": later}), theirs.reset(seed=8, options={"reset_mask": later}))
+    for _ in range(9):
+        for part, other in zip(ours.step(actions), theirs.step(actions), strict=True):
+            same(part, other)
+    ours.close()
+    theirs.close()
+
+
 def test_the_limit_of_steps_is_that_of_the_id_and_the_spaces_are_batched():
     env = native("tagalong/Corridor-v0")
     assert env.spec is not None
@@ -106,9 +122,20 @@ def test_what_is_wrong_is_said():
         env.reset(seed=[1, 2])
     with pytest.raises(InputError, match="unknown reset option"):
         env.reset(seed=1, options={"peple": 2})
+    with pytest.raises(InputError, match="whole at first"):
+        env.reset(seed=1, options={"reset_mask": np.array([True, False, True])})
+    with pytest.raises(InputError, match="chooses nobody"):
+        env.reset(seed=1, options={"reset_mask": np.zeros(COUNT, dtype=bool)})
     env.reset(seed=1)
     with pytest.raises(InputError, match="an action for each"):
         env.step(np.zeros((2, 2)))
+    env.close()
+
+
+@pytest.mark.parametrize("kind", [tuple, np.array])
+def test_seeds_come_in_any_sequence(kind):
+    env = native("tagalong/Corridor-v0", workers=1)
+    same(env.reset(seed=[4, 2, 9]), env.reset(seed=kind([4, 2, 9])))
     env.close()
 
 

@@ -36,6 +36,8 @@ def test_a_file_may_be_written_again_but_is_no_folder(tmp_path):
         ("nobody", "unknown follower 'nobody'"),
         ("FOLDER", "a policy is a shipped one"),
         ("a:b", "named as module:class"),
+        ("json:loads", "json:loads is made without arguments, or with `interface` alone"),
+        ("json:JSONDecoder", "a follower has `reset()` and `act(observation)`"),
     ],
 )
 def test_who_does_not_exist_is_told_before_any_drive(who, complaint, tmp_path, capsys, monkeypatch):

@@ -1,8 +1,11 @@
 """Followers compared: figures of each, paired tests, and the plot of tours done over jerk."""
 
+import json
+
 import numpy as np
 import pytest
-from tagalong.scripts.experiments.follower_comparison import FIGURES, compare, draw_trade_off
+from tagalong.scripts.experiments.follower_comparison import FIGURES, compare, draw_trade_off, finished_rows
+from tagalong.slam.errors import InputError
 
 
 def rows(follower, jerk, done):
@@ -39,3 +42,27 @@ def test_the_trade_off_is_drawn(result, tmp_path):
     pytest.importorskip("matplotlib")
     file = draw_trade_off(result, tmp_path / "trade_off.png")
     assert file.stat().st_size > 5000
+
+
+def test_nobody_is_below_the_plot(monkeypatch, tmp_path):
+    pytest.importorskip("matplotlib")
+    from tagalong.scripts.experiments import follower_comparison
+
+    kept = []
+    monkeypatch.setattr(follower_comparison, "save_figure", lambda path, figure: kept.append(figure) or path)
+    seldom = rows("seldom", np.ones(20), [True] * 2 + [False] * 18)
+    draw_trade_off(compare(seldom, ["seldom"]), tmp_path / "x.png")
+    assert kept[0].axes[0].get_ylim()[0] < 0.03  # Wilson's lower end of 2 of 20
+
+
+def test_an_episode_that_was_cut_in_the_writing_is_driven_again(tmp_path):
+    file = tmp_path / "episodes.jsonl"
+    assert finished_rows(file) == []
+    whole = rows("smooth", [1.0, 2.0], [True, True])
+    file.write_text("".join(json.dumps(row) + "\n" for row in whole) + '{"follower": "smo')
+    assert finished_rows(file) == whole
+    assert finished_rows(file) == whole
+    assert file.read_text().endswith("}\n")
+    file.write_text("no episode\n" + json.dumps(whole[0]) + "\n")
+    with pytest.raises(InputError, match=r"episodes\.jsonl: a line is no finished episode"):
+        finished_rows(file)

@@ -15,6 +15,7 @@ from tagalong.scripts.reproduce.following.plan import (
     reference_cells,
     tour_cell,
 )
+from tagalong.scripts.reproduce.following.sweep import ratio_text
 from tagalong.slam.errors import InputError
 from tagalong.slam.scan import LaserScan
 
@@ -52,6 +53,17 @@ def test_a_verdict_needs_an_interval_that_leaves_zero_out():
     assert Pair(better.raw, better.filtered, False).verdict == "worse"
     assert Pair(np.array([1.0, 2.0, 3.0]), np.array([2.0, 1.0, 3.0]), True).verdict == "no effect"
     assert Pair(np.array([3.0]), np.array([1.0]), True).verdict == "no effect"
+
+
+def test_ratios_are_drawn_without_an_exponent():
+    assert [ratio_text(ratio) for ratio in (0.054, 0.61, 1.0, 9.94, 85.2, 130.4)] == [
+        "0.054",
+        "0.61",
+        "1",
+        "9.9",
+        "85",
+        "130",
+    ]
 
 
 def test_a_shorter_laser_sees_nothing_beyond_its_range():

@@ -29,6 +29,14 @@ def test_who_is_clearly_better_gets_more_signs():
     assert found["pid", "joystick"].high < 0.8
 
 
+@pytest.mark.parametrize("order", [slice(None), slice(None, None, -1)])
+def test_who_is_better_does_not_depend_on_the_order_of_equal_differences(order):
+    worse = np.repeat([6.0, 4.0], [21, 9])[order]
+    found = compare({"pid": worse, "joystick": np.full(30, 5.0)})["pid", "joystick"]
+    assert found.p < 0.05
+    assert found.better == "joystick"
+
+
 def test_equal_guides_get_equal_signs():
     found = three(1.0, 1.0, 1.0, spread=0.05)
     assert set(pluses(tuple(METHODS), found).values()) == {1}

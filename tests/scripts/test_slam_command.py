@@ -146,7 +146,13 @@ def test_gmapping_twice_with_one_seed_gives_the_same_bytes(log, tmp_path):
     [
         (["slam", "none.log", "--out", "out"], "none.log: cannot be read"),
         (["slam", "LOG", "--out", "out", "--method", "slom"], "unknown SLAM engine 'slom'; SLAM engines:"),
-        (["slam", "LOG", "--out", "out", "--set", "partikel=3"], "partikel"),
+        (["slam", "LOG", "--out", "out", "--set", "partikel=3"], "unknown GMappingConfig field 'partikel'"),
+        (["slam", "LOG", "--out", "out", "--set", "particles=many"], "`particles` must be a number, got 'many'"),
+        (["slam", "LOG", "--out", "out", "--set", "seed=3"], "--seed"),
+        (["slam", "LOG", "--out", "out", "--seed", "-1"], "--seed must not be negative, got -1"),
+        (["slam", "LOG", "--out", "out", "--method", "ekf", "--set", "gate=no"], "`gate` must be a number"),
+        (["slam", "LOG", "--out", "out", "--method", "cartographer", "--set", "local=3"], "local.matcher"),
+        (["slam", "BLIND", "--out", "out"], "none of the 2 scans holds a measured distance"),
         (["slam", "LOG", "--out", "out", "--set", "particles"], "--set needs NAME=VALUE"),
         (["slam", "LOG", "--out", "out", "--set", "particles=-3"], "`particles` must be positive"),
         (["slam", "LOG", "--out", "out", "--resolution", "0"], "--resolution must lie in"),
@@ -160,7 +166,8 @@ def test_mistakes_end_with_2_and_one_line_and_no_file(log, tmp_path, monkeypatch
     whole = log.read_bytes()
     (tmp_path / "cut.log.gz").write_bytes(whole[: len(whole) // 2])
     (tmp_path / "empty.log").write_text("")
-    names = {"LOG": str(log), "CUT": "cut.log.gz", "EMPTY": "empty.log"}
+    (tmp_path / "blind.log").write_text("FLASER 3 0 0 0 0 0 0 0 0 0 0 h 0\n" * 2)
+    names = {"LOG": str(log), "CUT": "cut.log.gz", "EMPTY": "empty.log", "BLIND": "blind.log"}
     assert cli.main([names.get(word, word) for word in words]) == 2
     printed = capsys.readouterr()
     assert printed.out == ""

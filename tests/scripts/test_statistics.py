@@ -28,6 +28,16 @@ def test_nan_values_are_left_out_and_nothing_gives_nan():
     assert np.isnan(share([]).mean)
 
 
+@pytest.mark.parametrize("mean", [bootstrap_mean, t_mean])
+def test_one_value_has_no_interval(mean):
+    one = mean([0.021])
+    assert (one.mean, one.n) == (0.021, 1)
+    assert np.isnan([one.low, one.high]).all()
+    assert one.text(100.0, 1) == "2.1"
+    assert mean([1.0, 1.0]).text() == "1.00 [1.00, 1.00]"
+    assert mean([2.0, np.nan]).n == 1
+
+
 def test_a_share_of_all_successes_has_an_upper_end_of_one_and_an_honest_lower_end():
     estimate = share([True] * 30)
     assert estimate.mean == 1.0
@@ -39,12 +49,6 @@ def test_students_interval_of_few_values_covers_the_mean_as_often_as_it_says():
     rng = np.random.default_rng(2)
     estimates = [t_mean(rng.normal(3.0, 1.0, 4)) for _ in range(400)]
     assert 0.92 <= np.mean([e.low <= 3.0 <= e.high for e in estimates]) <= 0.98
-
-
-def test_one_value_has_no_interval():
-    estimate = t_mean([2.0, np.nan])
-    assert (estimate.mean, estimate.n) == (2.0, 1)
-    assert np.isnan(estimate.low)
 
 
 def test_paired_answers_are_compared_where_they_differ():

@@ -65,6 +65,10 @@ def test_a_bad_log_is_one_clear_error(tmp_path, text, complaint):
         (MAP.replace("0.25", "wall"), ":5: expected a probability or -1, got 'wall'"),
         (MAP.rsplit("0.0 ", 1)[0], "the grid is cut: needs 2 lines, got 1"),
         (MAP.replace(": 2 3", ": 2"), ":3: the size of the grid needs two positive numbers"),
+        (MAP.replace(": 2 3", ": nan 3"), ":3: the size of the grid needs two positive numbers"),
+        (MAP.replace("0.25", "7"), ":5: expected a probability or -1, got 7"),
+        (MAP.replace("0.25", "nan"), ":5: expected a probability or -1, got nan"),
+        (MAP.replace("resolution 10", "resolution inf"), "no map found"),
         (MAP.replace("resolution 10", "resolution 0"), "no map found"),
     ],
 )

@@ -98,6 +98,13 @@ def test_every_scan_has_a_pose_and_the_first_is_the_first_odometry():
     np.testing.assert_array_equal(slam.trajectory()[-1], slam.pose)
 
 
+@pytest.mark.parametrize("engine", ["gmapping", "ekf"])
+def test_scans_of_a_robot_that_stands_still_are_not_called_integrated(engine):
+    _, odometry, scans = drive(steps=6)
+    slam = make_slam(engine)
+    assert [slam.update(odometry[0], scan).integrated for scan in scans] == [True] + 5 * [False]
+
+
 @pytest.mark.parametrize("ranges", [np.full(181, np.nan), np.full(181, np.inf), np.zeros(181), np.zeros(0)])
 def test_a_scan_without_returns_is_carried_by_odometry(ranges):
     bearings = np.linspace(-1.0, 1.0, len(ranges))

@@ -174,6 +174,22 @@ def test_a_rendered_map_has_walls_where_they_are_and_is_free_inside():
     assert not OccupancyGrid().to_map().known.any()
 
 
+def test_scans_drawn_together_make_the_bytes_of_scans_written_one_by_one(monkeypatch):
+    monkeypatch.setattr("tagalong.slam.grid._AT_ONCE", 7)
+    rng, config = np.random.default_rng(6), GridConfig(resolution=0.1, max_range=6.0)
+    bearings = np.linspace(-np.pi, np.pi, 90, endpoint=False)
+    scans = [LaserScan(rng.uniform(0.5, 9.0, 90), bearings, 0.1, 8.0, T_robot_lidar=(0.2, 0.1, 0.3)) for _ in range(20)]
+    scans[4] = LaserScan(np.full(90, np.nan), bearings, 0.1, 8.0)  # says nothing
+    poses = np.cumsum(rng.normal(0.0, (2.0, 2.0, 1.0), (20, 3)), axis=0)  # the grid grows to all sides
+    poses[0] = 0.0  # rays along the lines between cells
+    grid = OccupancyGrid(config)
+    for pose, scan in zip(poses, scans, strict=True):
+        grid.write(pose, scan)
+    one_by_one, together = grid.to_map(), render_map(poses, scans, config)
+    assert together.origin == one_by_one.origin
+    assert together.probability.tobytes() == one_by_one.probability.tobytes()
+
+
 def test_a_grid_refuses_to_grow_beyond_reason():
     scan = LaserScan(np.array([5.0]), np.array([0.0]), 0.1, 8.0)
     with pytest.raises(InputError, match="the map would grow to"):

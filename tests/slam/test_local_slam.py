@@ -1,9 +1,11 @@
 """Local SLAM in a synthetic room whose walls are known."""
 
 import numpy as np
+import pytest
 from tagalong.slam.engine import make_slam
+from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between, compose
-from tagalong.slam.graph.active_submaps import ActiveSubmapsConfig
+from tagalong.slam.graph.active_submaps import ActiveSubmaps, ActiveSubmapsConfig
 from tagalong.slam.graph.constraints import Kind
 from tagalong.slam.graph.engine import Cartographer
 from tagalong.slam.graph.local_slam import LocalSlamConfig
@@ -62,6 +64,13 @@ def test_scans_that_say_nothing_leave_the_pose_to_the_odometry():
     assert not engine.map().occupied.any()
 
 
+def test_a_pose_out_of_this_world_is_an_error_and_no_huge_grid():
+    scan = cast(WALLS, np.zeros(3), np.random.default_rng(0), bearings=BEARINGS)
+    engine = run(make_slam("cartographer"), [np.zeros(3)], [scan])
+    with pytest.raises(InputError, match="a submap would grow to"):
+        run(engine, [[1e7, 0.0, 0.0]], [scan])
+
+
 def test_a_second_round_is_tied_to_the_submaps_of_the_first():
     rng = np.random.default_rng(3)
     truth, odometry = drive(rng, steps=120)
@@ -77,3 +86,27 @@ def test_a_second_round_is_tied_to_the_submaps_of_the_first():
     ties = [(c.submap, engine.node_scans[c.node]) for c in engine.constraints if c.kind is Kind.INTER]
     assert any(submap < 3 and scan > half for submap, scan in ties)
     assert engine.rejected == 0
+
+
+def test_finished_submaps_keep_what_is_matched_on_and_drop_what_only_insertion_needs():
+    active = ActiveSubmaps(ActiveSubmapsConfig(min_scans=1, scans=2))
+    bearings = np.linspace(-np.pi, np.pi, 60, endpoint=False)
+    circle = 3.0 * np.stack((np.cos(bearings), np.sin(bearings)), axis=-1)
+
+    def insert(count):
+        for _ in range(count):
+            active.insert(np.zeros(3), np.zeros(2), circle, len(circle), np.empty((0, 2)))
+        return [submap._hits.size > 0 and submap._stamps.size > 0 for submap in active.submaps]
+
+    def fields():
+        return [(submap.field.tobytes(), submap.visits.tobytes()) for submap in active.submaps]
+
+    assert insert(4) == [True, True]
+    before = fields()[0]
+    assert insert(4) == [False, False, True, True]
+    assert fields()[0] == before
+    before = fields()
+    active.restart()
+    assert insert(0) == [False] * 4
+    assert insert(1) == [False] * 4 + [True]
+    assert fields()[:4] == before

@@ -8,7 +8,7 @@ from tagalong.slam.grid import GridConfig, render_map
 from tagalong.slam.localization import reference
 from tagalong.slam.localization.evidence_kernels import beam_likelihoods
 from tagalong.slam.localization.localizer import Localizer, LocalizerConfig, State
-from tagalong.slam.localization.place_map import PlaceMap
+from tagalong.slam.localization.place_map import PlaceMap, PlaceMapConfig
 from tagalong.slam.occupancy_map import OccupancyMap
 from tagalong.slam.scan import LaserScan
 from walls import BEARINGS, cast
@@ -202,3 +202,15 @@ def test_a_map_without_walls_and_a_start_that_is_no_pose_are_refused(room):
         Localizer(room).update((0.0, 0.0), cast(ROOM, np.zeros(3), np.random.default_rng(0)))
     with pytest.raises(InputError, match="patience"):
         LocalizerConfig(patience=0)
+
+
+def test_the_search_starts_from_blocks_as_small_as_memory_allows_and_finds_the_same(room):
+    assert len(PlaceMap(room).pyramid.levels) == 2
+    blocks = (2.0 * PlaceMap(room).half_side / 0.1) ** 2
+    for share, levels in ((1 / 3.9, 2), (1 / 4.1, 3), (1 / 17.0, 4)):
+        place = PlaceMap(room, PlaceMapConfig(most_blocks=int(share * blocks)))
+        assert len(place.pyramid.levels) == levels
+        updates, _ = driven(Localizer(place), ROOM, (0.2, 0.7, -2.9), (0.05, 0.0, 0.05), 6, np.random.default_rng(0))
+        same, _ = driven(Localizer(room), ROOM, (0.2, 0.7, -2.9), (0.05, 0.0, 0.05), 6, np.random.default_rng(0))
+        assert [u.state for u in updates] == [u.state for u in same]
+        np.testing.assert_array_equal(updates[-1].pose, same[-1].pose)

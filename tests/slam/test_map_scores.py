@@ -85,6 +85,7 @@ def test_residue_counts_ghosts_where_somebody_walked_and_nothing_else():
     assert residue.cells == 1
     assert residue.area_m2 == pytest.approx(0.01)
     assert residue.share == pytest.approx(0.5)
+    assert dynamic_residue(cells, [*at, (np.nan, np.nan)], radius=0.04) == residue  # a foot that was not there
     nobody = dynamic_residue(cells, np.empty((7, 0, 2)))
     assert nobody.cells == 0
     assert np.isnan(nobody.share)

@@ -1,5 +1,6 @@
 """Adjustment, initialisation and files of pose graphs."""
 
+import gzip
 import os
 from pathlib import Path
 
@@ -84,12 +85,30 @@ def test_a_g2o_file_comes_back_as_it_was(tmp_path):
     np.testing.assert_allclose(again.information, graph.information, rtol=1e-15)
 
 
-@pytest.mark.parametrize("line", ["EDGE_SE2 0 7 1 0 0 1 0 0 1 0 1", "EDGE_SE2 0 1 1 0", "VERTEX_SE2 2 a 0 0"])
+@pytest.mark.parametrize(
+    "line",
+    [
+        "EDGE_SE2 0 7 1 0 0 1 0 0 1 0 1",
+        "EDGE_SE2 0 1 1 0",
+        "EDGE_SE2 0 1 1 0 0 inf 0 0 1 0 1",
+        "VERTEX_SE2 2 a 0 0",
+        "VERTEX_SE2 2 nan 0 0",
+        "VERTEX_SE2 1 2 0 0",
+    ],
+)
 def test_a_broken_g2o_line_is_named(tmp_path, line):
     path = tmp_path / "broken.g2o"
     path.write_text(f"VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\n{line}\n")
     with pytest.raises(InputError, match=r"broken\.g2o, line 3"):
         read_g2o(path)
+
+
+def test_a_damaged_gzipped_graph_is_one_clear_error(tmp_path):
+    packed = bytearray(gzip.compress(b"VERTEX_SE2 0 0 0 0\n" + b"FIX 0\n" * 1000))
+    packed[-20] ^= 0xFF
+    (tmp_path / "broken.g2o.gz").write_bytes(packed)
+    with pytest.raises(InputError, match="cut or broken"):
+        read_g2o(tmp_path / "broken.g2o.gz")
 
 
 @pytest.mark.parametrize("name", sorted(OPTIMA))

@@ -77,6 +77,13 @@ def test_both_layouts_are_read_and_mistakes_named(tmp_path):
     timed.write_text("10.5 11.5 1 2 0 0 0 0.5\n1 2 3\n")
     with pytest.raises(InputError, match=r"a:2: .*got 3 words"):
         read_relations(timed)
+    for file, line in ((timed, "10.5 nan 1 2 0 0 0 0.5\n"), (indexed, "3 7 inf 2 0.5\n")):
+        file.write_text(line)
+        with pytest.raises(InputError, match=":1: expected finite numbers"):
+            read_relations(file)
+    readings.write_text("0 10.2 0.2 1 nan 3\n")
+    with pytest.raises(InputError, match="c:1: expected finite numbers"):
+        read_readings(readings)
     readings.write_text("1 10.2 0.2 1 2 3\n")
     with pytest.raises(InputError, match="count from 0, got 1"):
         read_readings(readings)

@@ -287,11 +287,44 @@ def test_badly_fitting_scans_make_it_lost_unless_the_map_explains_half_of_them_h
 ):
     engine, odometry, last, rng = mapped
     belief = SimpleNamespace(poses=np.zeros((1, 3)), sure=False)
-    verdict = SimpleNamespace(stays=False, moved=elsewhere, rivalled=elsewhere, belief=belief, explained=explained)
+    verdict = SimpleNamespace(
+        stays=False, moved=elsewhere, rivalled=elsewhere, belief=belief, explained=explained, beside=True
+    )
     search = SimpleNamespace(contest=lambda *_: verdict, begin=lambda: None, update=lambda *_: None)
     monkeypatch.setattr(engine, "_relocalization", lambda graph: search)
     fed(engine, ahead(last, (0.0, 0.0, 0.02), 4), odometry, rng, ELSEWHERE)
     assert engine.losses == lost
+
+
+@pytest.mark.parametrize(("beside", "sure", "lost"), [(False, True, 1), (True, True, 0), (False, False, 0)])
+def test_where_only_older_submaps_contradict_a_surely_likelier_place_beside_is_drift_and_no_loss(
+    mapped, monkeypatch, beside, sure, lost
+):
+    engine, odometry, last, rng = mapped
+    belief = SimpleNamespace(poses=np.zeros((1, 3)), sure=sure)
+    verdict = SimpleNamespace(stays=False, moved=True, rivalled=True, belief=belief, explained=0.0, beside=beside)
+    search = SimpleNamespace(contest=lambda *_: verdict, begin=lambda: None, update=lambda *_: None)
+    monkeypatch.setattr(engine, "_relocalization", lambda graph: search)
+    monkeypatch.setattr(engine._global, "contradicted", lambda foot: 0.2)
+    updates, _ = fed(engine, ahead(last, (0.1, 0.0, 0.05), 8), odometry, rng)
+    assert engine.losses == lost
+    assert not updates[-1].located  # nor is it sure
+
+
+def test_a_contest_tells_a_place_beside_from_one_elsewhere(mapped):
+    engine, odometry, last, rng = mapped
+    place, scans = searchable(engine.map_at(0.05)), [(odometry, cast(WALLS, last, rng))]
+    for away, beside in (
+        ((0.0, 0.0, 0.0), True),
+        ((0.4, 0.0, 0.0), True),
+        ((0.6, 0.0, 0.0), False),
+        ((0.0, 0.0, 0.5), False),
+    ):
+        here = compose(last, np.array(away))
+        outcome = contest(place, scans, here)
+        assert distance(outcome.belief.poses[0], last) < 0.1
+        assert outcome.beside == beside
+        assert outcome.stays == (away == (0.0, 0.0, 0.0))
 
 
 def test_a_contest_says_what_is_explained_where_the_robot_is_and_nothing_where_it_surely_is_not(mapped):

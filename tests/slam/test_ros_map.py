@@ -59,11 +59,12 @@ def test_text_images_comments_negation_and_block_lists_are_read(tmp_path):
     [
         ("resolution: 0.05\n", "", "`resolution` needs a number, got nothing"),
         ("resolution: 0.05", "resolution: fine", "`resolution` needs a number, got 'fine'"),
-        ("resolution: 0.05", "resolution: -1", "`resolution` must be positive"),
+        ("resolution: 0.05", "resolution: -1", r"m\.yaml: `resolution` must be positive"),
         ("[-1.25, 3.5, 0.0]", "[-1.25, 3.5]", r"`origin` needs \[x, y, yaw\]"),
         ("[-1.25, 3.5, 0.0]", "[-1.25, 3.5, 0.3]", "turned against its frame"),
         ("[-1.25, 3.5, 0.0]", "[-1.25, 3.5, 0.3", r"m\.yaml:3: a list must end"),
         ("[-1.25, 3.5, 0.0]", "nowhere", "`origin` needs"),
+        ("[-1.25, 3.5, 0.0]", "[nan, 3.5, 0.0]", r"m\.yaml: the key `origin` needs \[x, y, yaw\]"),
         ("free_thresh: 0.196", "free_thresh: 0.9", "free_thresh <= occupied_thresh"),
         ("negate: 0", "mode: scale", "only the mode trinary"),
         ("negate: 0", "negate: 0\nnegate: 1", r"m\.yaml:5: the key 'negate' comes twice"),
@@ -73,12 +74,18 @@ def test_text_images_comments_negation_and_block_lists_are_read(tmp_path):
         ("m.pgm", "m.yaml", r"must be a PGM \(P5 or P2\)"),
         ("m.pgm", "cut.pgm", "the image is cut: needs 3 x 2 pixels, got 5"),
         ("m.pgm", "deep.pgm", "8-bit image"),
+        ("m.pgm", "huge.pgm", "must be a PGM"),
+        ("m.pgm", "pale.pgm", "shades are from 0 to the image's maximum 255, got 0, 999"),
+        ("m.pgm", "far.pgm", "a P2 image holds whole numbers"),
     ],
 )
 def test_mistakes_are_named(tmp_path, old, new, message):
     (tmp_path / "m.pgm").write_bytes(b"P5\n3 2\n255\n" + bytes(6))
     (tmp_path / "cut.pgm").write_bytes(b"P5\n3 2\n255\n" + bytes(5))
     (tmp_path / "deep.pgm").write_bytes(b"P5\n3 2\n65535\n" + bytes(12))
+    (tmp_path / "huge.pgm").write_bytes(b"P5\n" + b"9" * 5000 + b" 2\n255\n")
+    (tmp_path / "pale.pgm").write_text("P2\n3 2\n255\n0 1 2 3 4 999\n")
+    (tmp_path / "far.pgm").write_text(f"P2\n3 2\n255\n0 1 2 3 4 {10**30}\n")
     assert YAML.count(old) == 1
     (tmp_path / "m.yaml").write_text(YAML.replace(old, new))
     with pytest.raises(InputError, match=message):

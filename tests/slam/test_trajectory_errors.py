@@ -98,6 +98,17 @@ def test_poses_are_associated_by_nearest_time_once_each():
     assert b.tolist() == [2, 0]
 
 
+def test_pose_to_pose_errors_do_not_depend_on_the_order_of_the_lines():
+    rng = np.random.default_rng(0)
+    times = 0.1 * np.arange(50)
+    reference = np.stack((times, np.sin(times), 0.1 * times), axis=-1)
+    estimate = reference + rng.normal(0.0, 0.01, reference.shape)
+    mixed = rng.permutation(50)
+    a, b = associate(times[mixed], times)
+    assert b.tolist() == list(range(50))
+    assert relative_error(estimate[mixed][a], reference[b]) == relative_error(estimate, reference)
+
+
 @settings(deadline=None, max_examples=50)
 @given(st.integers(1, 40), st.integers(1, 40), st.integers(0, 10_000))
 def test_associated_pairs_are_unique_and_near(n, m, seed):

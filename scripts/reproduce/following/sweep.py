@@ -167,19 +167,26 @@ def _heat_map(swept: SweepResults, metric: str, title: str, folder: Path) -> Fig
             for (i, j), ratio in np.ndenumerate(ratios):
                 if np.isfinite(ratio):
                     dark = abs(np.log2(ratio)) > 0.6 * _SHOWN
-                    axes.text(j, i, f"{ratio:.2g}", ha="center", va="center", fontsize=8, color="w" if dark else "k")
+                    colour = "w" if dark else "k"
+                    axes.text(j, i, ratio_text(ratio), ha="center", va="center", fontsize=8, color=colour)
             axes.set_xticks(range(len(s.people)), [str(count) for count in s.people])
             labels = [f"{usable:.0f} m, {odometry}" for usable, odometry in lines]
             axes.set_yticks(range(len(lines)), labels if column == 0 else [""] * len(lines), fontsize=8)
             axes.set_title(f"{TITLES[scene]}\n{VARIANTS[variant]}", fontsize=8)
             axes.set_xlabel("people", fontsize=8)
     if image is not None:
-        bar = figure.colorbar(image, ax=figure.axes, ticks=np.log2([0.1, 0.25, 0.5, 1, 2, 4, 10]), shrink=0.8)
+        ticks = np.log2([0.1, 0.25, 0.5, 1, 2, 4, 10])
+        bar = figure.colorbar(image, ax=figure.axes, ticks=ticks, shrink=0.8, extend="both")
         bar.ax.set_yticklabels(["0.1", "0.25", "0.5", "1", "2", "4", "10"])
     figure.suptitle(f"{title}: raw over filtered", fontsize=10)
     path = save_figure(folder / f"sweep_{metric}.png", figure)
     caption = f"{title}, raw over filtered: blue, filtering helps; red, it harms. Mean of {s.repeats} drives."
     return Figure(file=path, caption=caption)
+
+
+def ratio_text(ratio: float) -> str:
+    """Return two digits of a ratio, never with an exponent."""
+    return f"{ratio:.0f}" if ratio >= 10.0 else f"{ratio:.2g}"
 
 
 def _ratios(swept: SweepResults, metric: str, scene: str, variant: str, lines: list[tuple[float, str]]) -> Array:

@@ -6,7 +6,7 @@ from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import wilcoxon
+from scipy.stats import rankdata, wilcoxon
 
 Array = NDArray[np.float64]
 
@@ -102,10 +102,9 @@ def _p_value(x: Array, y: Array) -> float:
 
 
 def _shift(x: Array, y: Array) -> float:
-    """Return the sign that the signed ranks of x - y lean to."""
+    """Return the sign that the signed ranks of x - y lean to; equal differences share their ranks, as in the test."""
     difference = x - y
-    ranks = np.argsort(np.argsort(np.abs(difference))) + 1.0
-    return float(np.sum(np.sign(difference) * ranks))
+    return float(np.sum(np.sign(difference) * rankdata(np.abs(difference))))
 
 
 def _holm(raw: Mapping[tuple[str, str], float]) -> dict[tuple[str, str], float]:

@@ -1,0 +1,54 @@
+"""Fields of a configuration by name, as a user gives them: checked, those of its parts with dots."""
+
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass, replace
+from numbers import Real
+from typing import Any, TypeVar
+
+from .errors import InputError, unknown_name
+
+Config = TypeVar("Config")
+
+
+def with_settings(config: Config, settings: Mapping[str, Any]) -> Config:
+    """Return a copy of a configuration with some fields changed.
+
+    Args:
+        config: A dataclass, whose values are the defaults.
+        settings: Field -> value; "local.ceres.steps" is the field `steps` of `config.local.ceres`.
+
+    Raises:
+        InputError: If a field is unknown, or a value is no number, text or part where the default is one; and whatever
+            the configuration itself says of its values.
+    """
+    known = tuple(field.name for field in fields(config))  # pyright: ignore[reportArgumentType]
+    changes: dict[str, Any] = {}
+    parts: dict[str, dict[str, Any]] = {}
+    for name, value in settings.items():
+        head, dot, rest = name.partition(".")
+        if head not in known:
+            raise unknown_name(f"{type(config).__name__} field", head, known)
+        if dot:
+            parts.setdefault(head, {})[rest] = value
+        else:
+            changes[head] = _checked(head, value, getattr(config, head))
+    for head, inner in parts.items():
+        part = changes.get(head, getattr(config, head))
+        if not is_dataclass(part):
+            raise InputError(f"`{head}` of {type(config).__name__} has no fields, asked for {next(iter(inner))!r}")
+        changes[head] = with_settings(part, inner)
+    return replace(config, **changes)  # pyright: ignore[reportArgumentType]
+
+
+def _checked(name: str, value: object, default: object) -> object:
+    """Return the value if it is of the kind of its default; None for a whole part switches that part off."""
+    if default is None or (value is None and is_dataclass(default)):
+        return value
+    if isinstance(default, Real) and not isinstance(value, Real):
+        raise InputError(f"`{name}` must be a number, got {value!r}")
+    if isinstance(default, str) and not isinstance(value, str):
+        raise InputError(f"`{name}` must be a text, got {value!r}")
+    if is_dataclass(default) and not is_dataclass(value):
+        inner = ", ".join(f"{name}.{field.name}" for field in fields(default))
+        raise InputError(f"`{name}` is no single value; its fields are {inner}; got {value!r}")
+    return value

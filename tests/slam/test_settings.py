@@ -1,0 +1,56 @@
+"""Fields of a configuration by name."""
+
+from dataclasses import dataclass, field
+
+import pytest
+from tagalong.slam.engine import make_slam
+from tagalong.slam.errors import InputError
+from tagalong.slam.settings import with_settings
+
+
+@dataclass(frozen=True)
+class Inner:
+    steps: int = 3
+    name: str = "cubic"
+    limit: float | None = None
+
+
+@dataclass(frozen=True)
+class Outer:
+    inner: Inner | None = field(default_factory=Inner)
+    size: float = 1.5
+
+
+def test_fields_and_those_of_parts_are_changed_and_the_rest_stays():
+    assert with_settings(Outer(), {}) == Outer()
+    assert with_settings(Outer(), {"size": 2, "inner.steps": 5}) == Outer(Inner(steps=5), 2)
+    assert with_settings(Outer(Inner(name="linear")), {"inner.steps": 5}).inner == Inner(5, "linear")
+    assert with_settings(Outer(), {"inner": None}).inner is None
+    assert with_settings(Outer(), {"inner": Inner(7), "inner.limit": 0.5}).inner == Inner(7, limit=0.5)
+
+
+@pytest.mark.parametrize(
+    ("settings", "complaint"),
+    [
+        ({"siz": 1}, "unknown Outer field 'siz'; Outer fields: inner, size"),
+        ({"inner.step": 1}, "unknown Inner field 'step'"),
+        ({"size": "2"}, "`size` must be a number, got '2'"),
+        ({"size": None}, "`size` must be a number, got None"),
+        ({"inner.name": 3}, "`name` must be a text, got 3"),
+        ({"inner": 3}, "`inner` is no single value; its fields are inner.steps, inner.name, inner.limit"),
+        ({"size.x": 3}, "`size` of Outer has no fields"),
+        ({"inner": None, "inner.steps": 3}, "`inner` of Outer has no fields"),
+    ],
+)
+def test_what_does_not_fit_is_named(settings, complaint):
+    with pytest.raises(InputError) as error:
+        with_settings(Outer(), settings)
+    assert complaint in str(error.value)
+
+
+def test_engines_take_settings_of_their_parts():
+    engine = make_slam("cartographer", **{"local.insertion_voxel": 0.1, "global_": None})
+    assert engine.config.local.insertion_voxel == 0.1
+    assert engine.config.global_ is None
+    ekf = make_slam("ekf", gate=4.0, widest=0.4)
+    assert (ekf.config.gate, ekf.config.sighting.widest) == (4.0, 0.4)
