@@ -16,6 +16,7 @@ from ..slam.files import write_text
 FIRST_LINE = "tagalong joystick log 1"
 SHIPPED = Path(__file__).parent / "joystick_logs"
 """Folder of the logs that come with the program, all by the operator model: corridor, meeting_room, office."""
+_LONGEST = 10_000_000
 MODEL = "operator model, not a human"
 """What stands under "made by" where the operator model held the stick."""
 
@@ -94,6 +95,8 @@ def read_joystick_log(path: str | os.PathLike[str]) -> JoystickLog:
         lines = (shipped if shipped.is_file() else Path(path)).read_text(encoding="utf-8").splitlines()
     except OSError as error:
         raise InputError(f"{path}: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: not a joystick log: it is no text ({error})") from error
     if not lines or lines[0] != FIRST_LINE or "step forward turn" not in lines[:12]:
         raise InputError(f"{path}: not a joystick log: its first line should be {FIRST_LINE!r}")
     table = lines.index("step forward turn")
@@ -102,6 +105,7 @@ def read_joystick_log(path: str | os.PathLike[str]) -> JoystickLog:
         actions = _held(lines[table + 1 :], int(header["steps"]))
         kwargs = json.loads(header["kwargs"])
         made_by, env, seed, step_s = header["made by"], header["env"], int(header["seed"]), float(header["step_s"])
+        _check_values(kwargs, actions, step_s)
     except (KeyError, ValueError, IndexError) as error:
         raise InputError(f"{path}: damaged joystick log ({error})") from error
     return JoystickLog(made_by, env, kwargs, seed, actions, step_s)
@@ -109,11 +113,25 @@ def read_joystick_log(path: str | os.PathLike[str]) -> JoystickLog:
 
 def _held(lines: Sequence[str], steps: int) -> NDArray[np.float32]:
     """Return (steps, 2): each position of the stick held until the next one."""
+    if not 0 <= steps <= _LONGEST:
+        raise ValueError(f"steps: 0 to {_LONGEST}, got {steps}")
     actions = np.zeros((steps, 2), dtype=np.float32)
     for line in lines:
         step, forward, turn = line.split()
+        if not 0 <= int(step) < steps:
+            raise ValueError(f"step {step} is none of the {steps}")
         actions[int(step) :] = (float(forward), float(turn))
     return actions
+
+
+def _check_values(kwargs: Any, actions: NDArray[np.float32], step_s: float) -> None:
+    """Raise a ValueError that says what cannot be."""
+    if not isinstance(kwargs, dict):
+        raise ValueError(f"kwargs: names with values, got {kwargs!r}")
+    if not 0.0 < step_s < np.inf:
+        raise ValueError(f"step_s: a time in seconds, got {step_s}")
+    if not (np.abs(actions) <= 1.0).all():
+        raise ValueError("the stick is in [-1, 1]")
 
 
 class JoystickReplay:

@@ -30,8 +30,9 @@ class ScanPoints:
 
     def near(self, observation: Observation, within: float) -> Array:
         """Return (n, 2) returns in the robot frame that lie nearer to the laser than `within` [m]."""
-        ranges = observation["scan"][self._beams].astype(np.float64) * self._interface.range_max
-        near = ranges < within
+        scan = observation["scan"][self._beams]
+        ranges = scan.astype(np.float64) * self._interface.range_max
+        near = (ranges < within) & (scan < 1.0)
         return self._origin + ranges[near, None] * self._directions[near]
 
 

@@ -16,7 +16,7 @@ from ..perception.tracking.leader import LeaderSelector
 from ..perception.tracking.leader_body import BodyLeaderSelector
 from ..perception.tracking.tracker import PeopleTracker
 from ..slam.ekf.engine import EkfSlam
-from ..slam.errors import unknown_name
+from ..slam.errors import InputError, unknown_name
 from ..slam.gmapping.engine import GMapping
 from ..slam.graph.engine import Cartographer
 from .camera.config import RgbdConfig
@@ -56,6 +56,12 @@ def world_config(config: FollowConfig, options: Mapping[str, Any] | None) -> Wor
     Raises:
         InputError: If a value is out of its range.
     """
+    robot = RobotConfig(drive=config.drive)
+    if config.top_turn_rate > robot.max_turn_rate:
+        limit = f"{robot.max_turn_rate} rad/s, the robot's limit"
+        raise InputError(f"`top_turn_rate` must be at most {limit}, got {config.top_turn_rate}")
+    if config.leader and (options or {}).get("people") == 0:
+        raise InputError("option `people` counts the leader: with one it must be at least 1, got 0")
     fields: dict[str, Any] = {
         "scene": config.scene,
         "split": config.split,
@@ -71,7 +77,7 @@ def world_config(config: FollowConfig, options: Mapping[str, Any] | None) -> Wor
         **{**fields, **(options or {})},
         lidar=lidar_config(config),
         camera=camera_config(config),
-        robot=RobotConfig(drive=config.drive),
+        robot=robot,
         control_hz=config.control_hz,
     )
 

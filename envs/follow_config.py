@@ -1,10 +1,12 @@
 """The configuration of a follow environment."""
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, fields
-from numbers import Integral
+from numbers import Integral, Real
 from typing import Any
+
+import numpy as np
 
 from ..slam.errors import InputError, unknown_name
 
@@ -12,6 +14,16 @@ PEOPLE_SOURCES = ("tracker", "camera", "truth")
 SENSORS = ("lidar", "rgbd")
 MAPPINGS = ("occupancy", "immobile")
 SLAM_SOURCES = ("gmapping", "cartographer", "ekf", "truth", None)
+_POSITIVE = (
+    "field_of_view",
+    "laser_range",
+    "lidar_hz",
+    "camera_hz",
+    "control_hz",
+    "map_resolution",
+    "lost_limit_s",
+    "top_turn_rate",
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,15 +47,16 @@ class FollowConfig:
         leader_style: Manner of the leader: "steady", "hurried", "waits"; None draws one from the seed.
         odometry: Quality of the wheel odometry: "good", "typical", "slipping".
         drive: "differential" or "holonomic".
-        top_turn_rate: Turn rate at action +1 [rad/s]; forward speed at action +1 is the robot's 1.3 m/s.
+        top_turn_rate: Turn rate at action +1 [rad/s], at most the robot's 4; forward speed at action +1 is
+            the robot's 1.3 m/s.
         beams: Beams of the laser.
         field_of_view: Angle between its first and its last beam [rad].
         laser_range: Its range [m].
         lidar_hz: Scans a second [1/s]; a multiple of `control_hz`.
         sensors: Which sensors there are: "lidar" always, and "rgbd" for the camera and its observations.
         camera_pixels: Columns and rows of the camera.
-        camera_hz: Frames a second [1/s]; a multiple of `control_hz`.
-        control_hz: Steps a second [1/s].
+        camera_hz: Frames a second [1/s]; the time between two must be a multiple of 0.025 s.
+        control_hz: Steps a second [1/s]; a step must be a multiple of 0.025 s.
         people_slots: Most people in observation `people`; the nearest are kept.
         map_cells: Side of observation `map` [cells].
         map_resolution: Side of a cell of observation `map` [m].
@@ -95,7 +108,8 @@ class FollowConfig:
             raise unknown_name("mapping", self.mapping, MAPPINGS)
         if self.mapping == "immobile" and self.slam is None:
             raise InputError('`mapping="immobile"` needs poses: choose a `slam` other than None')
-        object.__setattr__(self, "sensors", tuple(sorted(set(self.sensors))))
+        sensors = (self.sensors,) if isinstance(self.sensors, str) else self.sensors
+        object.__setattr__(self, "sensors", tuple(sorted(set(sensors))))
         for name in self.sensors:
             if name not in SENSORS:
                 raise unknown_name("sensor", name, SENSORS)
@@ -103,15 +117,40 @@ class FollowConfig:
             raise InputError(f'`sensors` must hold "lidar", which the robot cannot do without, got {self.sensors}')
         if self.people == "camera" and "rgbd" not in self.sensors:
             raise InputError(f'`people="camera"` needs "rgbd" among `sensors`, got {self.sensors}')
-        for name, least in (("people_slots", 1), ("map_cells", 1), ("people_count", int(self.leader))):
+        self._check_numbers()
+
+    def _check_numbers(self) -> None:
+        for name in ("leader", "coverage", "ends_on_contact"):
+            if not isinstance(getattr(self, name), bool | np.bool_):
+                raise InputError(f"`{name}` must be True or False, got {getattr(self, name)!r}")
+        least = {"people_slots": 1, "map_cells": 1, "people_count": int(self.leader), "standing": 0, "beams": 2}
+        for name, value in least.items():
+            if (name, getattr(self, name)) != ("people_count", None):
+                _check_whole(name, getattr(self, name), value)
+        for name in _POSITIVE:
             value = getattr(self, name)
-            if value is not None and (not isinstance(value, Integral) or value < least):
-                raise InputError(f"`{name}` must be a whole number of at least {least}, got {value}")
-        if not 0.0 < self.coverage_goal <= 1.0:
-            raise InputError(f"`coverage_goal` must be in (0, 1], got {self.coverage_goal}")
-        for name in ("map_resolution", "lost_limit_s", "top_turn_rate", "control_hz", "lidar_hz", "camera_hz"):
-            if not getattr(self, name) > 0.0:
-                raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
+            endless = name == "lost_limit_s" and value == math.inf
+            if not _is_number(value) or not value > 0.0 or (math.isinf(value) and not endless):
+                raise InputError(f"`{name}` must be a positive number, got {value!r}")
+        if not _is_number(self.coverage_goal) or not 0.0 < self.coverage_goal <= 1.0:
+            raise InputError(f"`coverage_goal` must be in (0, 1], got {self.coverage_goal!r}")
+        if not isinstance(self.camera_pixels, Sequence) or len(self.camera_pixels) != 2:
+            raise InputError(f"`camera_pixels` are two numbers, columns and rows, got {self.camera_pixels!r}")
+        for value in self.camera_pixels:
+            _check_whole("camera_pixels", value, 2)
+        if abs(self.lidar_hz / self.control_hz - max(1, round(self.lidar_hz / self.control_hz))) > 1e-9:
+            raise InputError(
+                f"`lidar_hz` must be a whole multiple of `control_hz`, got {self.lidar_hz} and {self.control_hz}"
+            )
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, Real) and not isinstance(value, bool)
+
+
+def _check_whole(name: str, value: Any, least: int) -> None:
+    if not isinstance(value, Integral) or isinstance(value, bool) or value < least:
+        raise InputError(f"`{name}` must be a whole number of at least {least}, got {value!r}")
 
 
 def make_config(arguments: Mapping[str, Any]) -> FollowConfig:

@@ -188,6 +188,7 @@ class FollowEnv(gym.Env[Any, Any]):
 
     def __init__(self, *, render_mode: str | None = None, render_backend: str = "topview", **fields: Any) -> None:
         self.config = make_config(fields)
+        world_config(self.config, None)  # says now what would be wrong at the first reset
         self.render_mode = render_mode
         self.metadata = {
             "render_modes": [mode for mode in type(self).metadata["render_modes"] if mode != "human" or has_display()],
@@ -274,17 +275,28 @@ class FollowEnv(gym.Env[Any, Any]):
 
     @property
     def truth(self) -> TrueState:
-        """What is really so, now; for recording and metrics."""
+        """What is really so, now; for recording and metrics.
+
+        Raises:
+            InputError: Before the first `reset`.
+        """
+        _ = self.world
         return self._truth
 
     @property
     def belief(self) -> Belief:
-        """What the robot believes, now."""
+        """What the robot believes, now.
+
+        Raises:
+            InputError: Before the first `reset`.
+        """
+        _ = self.world
         return self._belief
 
     def own_map(self) -> OwnMap:
         """Return the robot's own map and its pose in it, as its SLAM knows them now."""
-        return OwnMap(self._belief.map, self._belief.map_pose)
+        belief = self.belief
+        return OwnMap(belief.map, belief.map_pose)
 
     def save_state(self) -> EnvState:
         """Return a snapshot: `restore_state` of it continues with the same bytes."""

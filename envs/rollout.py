@@ -74,16 +74,18 @@ def rollout(
         env: A `FollowEnv`, wrapped or not; wrappers see every step.
         follower: Acts; it is reset first.
         seed: Seed of the episode; None continues the environment's generator.
-        steps: Most steps; None runs until the episode ends.
+        steps: Most steps, at least 1; None runs until the episode ends.
         options: Options of `reset`.
         after_step: Called after `reset` and after each step, e.g. to render.
 
     Raises:
-        InputError: If `env` is not a `FollowEnv` inside.
+        InputError: If `env` is not a `FollowEnv` inside, or `steps` is not positive.
     """
     inner = env.unwrapped
     if not isinstance(inner, FollowEnv):
         raise InputError(f"`rollout` needs a FollowEnv, got {inner!r}")
+    if steps is not None and steps < 1:
+        raise InputError(f"`steps` must be at least 1, got {steps}")
     observation, _ = env.reset(seed=seed, options=options)
     follower.reset()
     recorder, done, info = Recorder(inner), False, {"ending": ""}

@@ -1,6 +1,7 @@
 """The configuration of one episode's simulator."""
 
 from dataclasses import dataclass, field
+from numbers import Integral
 
 from ..slam.errors import InputError, unknown_name
 from .camera.config import RgbdConfig
@@ -70,7 +71,8 @@ class WorldConfig:
         self.request()
         for name in ("people", "standing"):
             value = getattr(self, name)
-            if (name, value) != ("people", None) and (not isinstance(value, int) or value < 0):
+            whole = isinstance(value, Integral) and not isinstance(value, bool)
+            if (name, value) != ("people", None) and not (whole and int(value) >= 0):
                 raise InputError(f"`{name}` must be a whole number of at least 0, got {value!r}")
         whole_ratio("the control period 1 / `control_hz`", 1.0 / self.control_hz, TICK)
         whole_ratio("the laser's period 1 / `rate_hz`", 1.0 / self.lidar.rate_hz, TICK)

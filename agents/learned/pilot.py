@@ -74,12 +74,14 @@ class Pilot:
         self._features.reset()
         self._guard.reset()
         self._detour.reset()
+        self._people = np.zeros((0, 6))
         self.commanded = REST
         self._wish = (0.0, 0.0)
 
     def inputs(self, observation: Observation) -> dict[str, Floats]:
         """Return the inputs of the network for an observation; once a step."""
         self._guard.look(observation)
+        self._people = observation["people"].astype(np.float64)
         return self._features.update(observation, self.commanded)
 
     def drive(self, output: Sequence[float] | Floats) -> Floats:
@@ -93,7 +95,7 @@ class Pilot:
             self._wish[0] + part * (wish[0] - self._wish[0]),
             self._wish[1] + part * (wish[1] - self._wish[1]),
         )
-        wish = self._swerve.around(self.commanded, self._wish, f.goal, f.trail, things)
+        wish = self._swerve.around(self.commanded, self._wish, f.goal, f.trail, things, self._people)
         wish = self._detour.relieve(self.commanded, wish, f.goal, f.search_turn, f.trail, things)
         speed, turn = self._guard.allow(self.commanded, wish)
         self.commanded = steer(self.commanded, speed, turn, step_s, steering)

@@ -3,7 +3,8 @@
 The guard behind it brakes at the last moment, and who has been stopped with a corner before a door post has lost two
 seconds, and often the leader. So what is wished is driven in thought; if it comes too near to things, others like it
 are tried, slower and turning otherwise, and weighed by how much they change, whether they face the leader, and how near
-to its trail they end: where the leader walked there is room.
+to its trail they end: where the leader walked there is room. Bystanders are minded where they walk to: who waits for
+one to clear the doorway, or turns away from one who leaves, is too late.
 """
 
 from dataclasses import dataclass
@@ -19,6 +20,7 @@ from .steering import State, SteeringConfig
 
 Array = NDArray[np.float64]
 _REACH_M = 2.2
+_WALKS_MPS, _BODY_M = 0.2, 0.45
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,6 +29,7 @@ class SwerveConfig:
 
     Attributes:
         ahead_s: How far wishes are driven in thought [s].
+        foresight_s: Bystanders who walk are minded where they will be after this time [s].
         trigger: Others are tried when the wish comes nearer to things than this [m].
         clear: Gap that is wanted on the way [m].
         shares: Of the wished speed that are tried.
@@ -41,6 +44,7 @@ class SwerveConfig:
     """
 
     ahead_s: float = 1.2
+    foresight_s: float = 0.6
     trigger: float = 0.1
     clear: float = 0.16
     shares: tuple[float, ...] = (0.25, 0.5, 0.75, 1.0)
@@ -71,7 +75,7 @@ class Swerve:
         self.config, self._guard, self._steering, self._step_s = config, guard, steering, step_s
 
     def around(
-        self, state: State, wish: tuple[float, float], goal: Goal, trail: Array, things: Array
+        self, state: State, wish: tuple[float, float], goal: Goal, trail: Array, things: Array, people: Array
     ) -> tuple[float, float]:
         """Return `wish`, or what is better wished instead.
 
@@ -81,8 +85,9 @@ class Swerve:
             goal: Where the leader is taken to be.
             trail: (k, 2) the leader's trail from here on, robot frame [m].
             things: (n, 2) what must not be touched, robot frame [m].
+            people: (m, 6) bystanders, as in the observation.
         """
-        near = thinned(things, _REACH_M)
+        near = thinned(foreseen(things, people, self.config.foresight_s), _REACH_M)
         if goal.mode is not Mode.FOLLOW or not len(near) or max(wish[0], state[0]) < 0.1:
             return wish
         if self._driven(state, np.array([wish]), near).gaps[0] >= self.config.trigger:
@@ -107,11 +112,21 @@ class Swerve:
         return drive_in_thought(state, plans, things, self.config.ahead_s, self._step_s, self._steering, self._guard)
 
 
+def foreseen(things: Array, people: Array, ahead_s: float) -> Array:
+    """Return `things` (n, 2), those of bystanders who walk (m, 6, as in the observation) moved by `ahead_s` [s]."""
+    moved = things.copy()
+    for x, y, vx, vy, _, there in people.tolist():
+        if there > 0.5 and np.hypot(vx, vy) > _WALKS_MPS:
+            theirs = np.hypot(things[:, 0] - x, things[:, 1] - y) < _BODY_M
+            moved[theirs] = things[theirs] + (vx * ahead_s, vy * ahead_s)
+    return moved
+
+
 class NoSwerve:
     """Leaves it to the guard."""
 
     def around(
-        self, state: State, wish: tuple[float, float], goal: Goal, trail: Array, things: Array
+        self, state: State, wish: tuple[float, float], goal: Goal, trail: Array, things: Array, people: Array
     ) -> tuple[float, float]:
         """Return `wish`."""
         return wish

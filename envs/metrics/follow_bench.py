@@ -17,7 +17,7 @@ RECOVERED_S = 5.0
 
 
 def follow_bench_metrics(history: History) -> dict[str, float]:
-    """Return Follow-Bench's figures; NaN where there is no target.
+    """Return Follow-Bench's figures; what is about the target is NaN where there is none.
 
     - `fb_success`: 1 if the tour was done, nothing was touched and every loss (of more than 1 s) recovered within 5 s.
     - `fb_path_m`, `fb_search_path_m`, `fb_search_s`: way of the robot, the part of it without the target in sight, and
@@ -39,18 +39,19 @@ def follow_bench_metrics(history: History) -> dict[str, float]:
     gaps = [(end - start) * step for start, end in run_lengths(lost)]
     touched = bool(history.contact_person.any() or history.contact_static.any())
     recovered = all(gap <= RECOVERED_S for gap in gaps if gap > LOST_AFTER_S)
+    led, nan = history.leader_index >= 0, float("nan")
     surface = history.surface_distance
-    target = surface[:, history.leader_index]
+    target = surface[:, history.leader_index] if led else np.full(len(history), nan)
     return {
-        "fb_success": float(bool(history.tour_done[-1]) and not touched and recovered),
+        "fb_success": float(bool(history.tour_done[-1]) and not touched and recovered) if led else nan,
         "fb_path_m": float(ways.sum()),
-        "fb_search_path_m": float(ways[lost[1:]].sum()),
-        "fb_search_s": float(lost.sum() * step),
+        "fb_search_path_m": float(ways[lost[1:]].sum()) if led else nan,
+        "fb_search_s": float(lost.sum() * step) if led else nan,
         "fb_speed_mps": float(np.mean(np.linalg.norm(velocity, axis=1))),
         "fb_acceleration_mps2": _mean_norm(np.diff(velocity, axis=0) / step),
         "fb_jerk_mps3": _mean_norm(np.diff(velocity, n=2, axis=0) / step**2),
-        "fb_personal_s": float(np.sum((target >= PRIVATE_M) & (target <= PERSONAL_M)) * step),
-        "fb_private_s": float(np.sum(surface.min(axis=1) < PRIVATE_M) * step),
+        "fb_personal_s": float(np.sum((target >= PRIVATE_M) & (target <= PERSONAL_M)) * step) if led else nan,
+        "fb_private_s": float(np.sum(surface.min(axis=1, initial=np.inf) < PRIVATE_M) * step),
     }
 
 

@@ -15,6 +15,8 @@ from ...slam.scan import LaserScan
 from ..config import PerceptionConfig
 from . import cloud_kernels as kernels
 from .association import distances
+from .doubles import Doubles
+from .foreign_legs import ForeignLegs
 from .leader import Leader, LeaderConfig, LeaderSelector, as_leader
 from .leader_cloud import BodyCloud, CloudConfig, View
 from .people import People, SeenLegs
@@ -41,6 +43,9 @@ class BodyConfig:
         newborn_s: Who appears while the leader is out of sight may be it, and has no right to legs for so long [s].
         known_again: A leg this near to where a leg was that was not the leader's is none of the leader's either [m].
         known_apart: A leg that is nobody's, this far from the leader in view, is not the leader's [m].
+        foreign: The same while that leg is followed from scan to scan, though the leader's track may take it [m].
+        double_s: Somebody tracked at the leader's own place for longer than this is a second track of the leader,
+            and has no right to legs of its own [s].
         radius: A track this near to bodies is theirs [m].
         take: A track takes over as the leader when more than this share of the cloud is at it.
         keep: The leader's own track stays the leader with this share, unless one has `lead` more.
@@ -63,6 +68,8 @@ class BodyConfig:
     newborn_s: float = 1.0
     known_again: float = 0.3
     known_apart: float = 1.0
+    foreign: float = 0.7
+    double_s: float = 0.8
     radius: float = 0.5
     take: float = 0.5
     keep: float = 0.25
@@ -106,6 +113,8 @@ class BodyLeaderSelector(LeaderSelector):
         self._own = -1
         self._others = np.zeros((0, 2))
         self._met_s: dict[int, float] = {}
+        self._foreign = ForeignLegs()
+        self._doubles = Doubles(self._leader_config.twin_distance, self._body.double_s)
 
     def update(self, people: People, robot_pose: ArrayLike, scan: LaserScan | None = None) -> Leader | None:
         """Return the leader among `people` with the robot at `robot_pose` (3,), both in the odometry frame.
@@ -124,6 +133,7 @@ class BodyLeaderSelector(LeaderSelector):
             raise InputError("a leader is known by its body only with the scan at hand, got None")
         dt, self._time_s = people.time_s - self._time_s, people.time_s
         before = self._leader
+        self._foreign.look(people.seen_legs.positions, dt)
         if before is None or people.time_s - self._chosen_s < self._leader_config.onset_s:
             self._choose(people, np.asarray(robot_pose, dtype=np.float64)[:2])
             self._own = -1 if self._leader is None else self._leader.track_id
@@ -135,6 +145,7 @@ class BodyLeaderSelector(LeaderSelector):
                 self._leader = self._find(people, own, before, dt, View.of(scan, robot_pose))
             self._remember_others(people.seen_legs, self._leader)
         self._meet(people)
+        self._doubles.watch(people, self._leader, dt)
         self._before = people
         return self._leader
 
@@ -144,7 +155,7 @@ class BodyLeaderSelector(LeaderSelector):
             return False
         place, legs = people.positions[own], people.seen_legs
         bodies = people.positions[:own], people.positions[own + 1 :]
-        others = np.concatenate((legs.positions[legs.owner != own], *bodies))
+        others = np.concatenate((legs.positions[legs.owner != own], *bodies, self._foreign.places))
         apart = others - place
         return bool(((apart * apart).sum(axis=1) > self._body.alone**2).all())
 
@@ -168,7 +179,7 @@ class BodyLeaderSelector(LeaderSelector):
         c, before = self._body, self._before
         claim = np.zeros(len(legs))
         if before is not None and len(legs):
-            others = before.ids != self._own
+            others = (before.ids != self._own) & ~self._doubles.among(before)
             places = before.positions[others] + dt * before.velocities[others]
             known = np.array([self._time_s - self._met_s[int(number)] > c.newborn_s for number in before.ids[others]])
             seen = np.exp(-before.unseen_s[others] / c.forget_s) * known
@@ -178,6 +189,7 @@ class BodyLeaderSelector(LeaderSelector):
             apart = distances(legs.positions[loose], self._others).min(axis=1, initial=np.inf)
             claim[loose] = apart < c.known_again
         explained = cloud.explained(legs.positions) + 1e-6
+        claim[self._foreign.doubted(legs.owner == own, explained, dt)] = c.other_claim
         return explained / (explained + claim)
 
     def _decide(self, cloud: BodyCloud, people: People, before: Leader, dt: float, free: Array) -> Leader:
@@ -210,6 +222,7 @@ class BodyLeaderSelector(LeaderSelector):
         """Keep the places of legs that are nobody's and not the leader's, while it is in view; follow them later."""
         c, loose = self._body, legs.positions[legs.owner < 0]
         if leader.visible:
+            self._foreign.note((legs.owner < 0) & (np.hypot(*(legs.positions - leader.position).T) > c.foreign))
             self._others = loose[np.hypot(*(loose - leader.position).T) > c.known_apart]
         elif len(self._others) and len(loose):
             apart = distances(loose, self._others)

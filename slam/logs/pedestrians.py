@@ -19,6 +19,7 @@ Array = NDArray[np.float64]
 STEP_S = 0.4
 """Time between two annotated frames [s]."""
 _FEWEST = 6
+_FARTHEST_STEP_M = 100.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +48,8 @@ def read_pedestrians(path: str | os.PathLike[str]) -> list[RecordedWalk]:
     """Return the walks of at least 6 points in a file, plain or gzip.
 
     Raises:
-        InputError: If the file cannot be read, a line has neither 4 nor 8 numbers, or nobody walks in it.
+        InputError: If the file cannot be read, a line has neither 4 nor 8 numbers, nobody walks in it, or somebody
+            goes 100 m from one row to the next.
     """
     file = Path(path)
     rows = [_numbers(file, number, line) for number, line in numbered_lines(file) if line.strip()]
@@ -57,6 +59,12 @@ def read_pedestrians(path: str | os.PathLike[str]) -> list[RecordedWalk]:
     walks = _walks(np.array([(row[0], row[1], row[2], row[y]) for row in rows])) if rows else []
     if not walks:
         raise InputError(f"{file}: nobody walks for {_FEWEST} steps or more in it")
+    for walk in walks:
+        farthest = float(np.abs(np.diff(walk.points, axis=0)).max())
+        if farthest > _FARTHEST_STEP_M:
+            raise InputError(
+                f"{file}: person {walk.person} goes {farthest:.3g} m from one row to the next: nobody walks that far"
+            )
     return walks
 
 

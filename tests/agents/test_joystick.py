@@ -79,6 +79,29 @@ def test_what_is_no_log_is_refused(tmp_path, text):
         read_joystick_log(tmp_path / "nowhere.txt")
 
 
+@pytest.mark.parametrize(
+    ("was", "now", "said"),
+    [
+        ("kwargs: {", "kwargs: 3 {", "damaged"),
+        ('kwargs: {"leader": false, "people_count": 2}', "kwargs: 3", "names with values"),
+        ("step_s: 0.1", "step_s: nan", "time in seconds"),
+        ("steps: ", "steps: 99999999999", "steps"),
+        ("steps: ", "steps: -", "steps"),
+        ("step forward turn", "step forward turn\n-3 0.5 0.0", "none of the"),
+        ("step forward turn", "step forward turn\n0 nan 0.0", "the stick"),
+        ("step forward turn", "step forward turn\n0 1.5 0.0", "the stick"),
+        ("made by: keyboard", "made by: \udcff", "no text"),
+    ],
+)
+def test_damage_to_a_log_is_named(tmp_path, was, now, said):
+    write_joystick_log(tmp_path / "log.txt", some_log())
+    text = (tmp_path / "log.txt").read_text()
+    assert was in text
+    (tmp_path / "log.txt").write_text(text.replace(was, now, 1), errors="surrogateescape")
+    with pytest.raises(InputError, match=rf"log\.txt.*{said}"):
+        read_joystick_log(tmp_path / "log.txt")
+
+
 def drive(route, seconds, people=NOBODY, config=None, start=(0.0, 0.0, 0.0)):
     """Let the operator drive an ideal robot; return rows of (x, y, theta, speed, turn)."""
     operator = OperatorModel(np.asarray(route, dtype=float), np.random.default_rng(0), config)

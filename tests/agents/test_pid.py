@@ -9,6 +9,7 @@ from tagalong.agents.avoidance import AvoidanceConfig, free_heading, free_length
 from tagalong.agents.memory import LeaderMemory, MemoryConfig, Mode
 from tagalong.agents.pid import PIDConfig
 from tagalong.agents.pid_axis import Axis, AxisConfig
+from tagalong.agents.scan_points import ScanPoints
 from tagalong.envs.interface import FollowInterface
 from tagalong.slam.errors import InputError
 
@@ -41,6 +42,11 @@ def drive(follower, leader_at, seconds, hidden=lambda t: False, step=0.1):
         rows.append((t, x, y, theta, lx, ly, speed, turn))
         x, y, theta = x + speed * math.cos(theta) * step, y + speed * math.sin(theta) * step, theta + turn * step
     return np.array(rows)
+
+
+def test_what_a_short_laser_does_not_reach_is_no_obstacle():
+    points = ScanPoints(FollowInterface(bearings=np.array([0.0, 0.5]), range_max=2.0, T_robot_lidar=(0.0, 0.0, 0.0)))
+    assert points.near({"scan": np.array([0.5, 1.0], dtype=np.float32)}, 2.5).tolist() == [[1.0, 0.0]]
 
 
 def test_the_distance_settles_at_1_3_m_behind_a_straight_leader():

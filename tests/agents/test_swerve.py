@@ -8,7 +8,7 @@ from tagalong.agents.learned.guard import GuardConfig
 from tagalong.agents.learned.manoeuvres import drive_in_thought, resampled, thinned, turned_away
 from tagalong.agents.learned.pilot import Pilot, PilotConfig
 from tagalong.agents.learned.steering import SteeringConfig
-from tagalong.agents.learned.swerve import Swerve, SwerveConfig
+from tagalong.agents.learned.swerve import Swerve, SwerveConfig, foreseen
 from tagalong.agents.memory import Goal, Mode
 from tagalong.envs.interface import FollowInterface
 from tagalong.slam.errors import InputError
@@ -18,9 +18,13 @@ ON = (0.8, 0.0, 0.0, 0.0)
 POST = np.array([[1.0, 0.0], [1.0, 0.03], [1.0, -0.03]])
 
 
-def around(wish, goal, things=POST, trail=((0.5, 0.0),), state=ON, **fields):
+NOBODY = np.zeros((0, 6))
+
+
+def around(wish, goal, things=POST, trail=((0.5, 0.0),), state=ON, people=NOBODY, **fields):
     swerve = Swerve(SwerveConfig(**fields), GUARD, STEERING, 0.1)
-    return swerve.around(state, wish, goal, np.asarray(trail, dtype=np.float64), np.asarray(things, dtype=np.float64))
+    trail, things = np.asarray(trail, dtype=np.float64), np.asarray(things, dtype=np.float64)
+    return swerve.around(state, wish, goal, trail, things, np.asarray(people, dtype=np.float64))
 
 
 def gap_of(wish, state=ON, things=POST):
@@ -48,6 +52,24 @@ def test_what_touches_nothing_is_driven_as_wished():
     assert around((0.8, 0.1), goal, things=np.zeros((0, 2))) == (0.8, 0.1)
     assert around((0.8, 0.1), goal, things=[[0.5, 0.9], [0.5, -0.9]]) == (0.8, 0.1)
     assert around((0.8, 0.0), goal) != (0.8, 0.0)
+
+
+def test_bystanders_who_walk_are_minded_where_they_will_be():
+    things = np.array([[1.0, 0.3], [1.0, -0.3], [3.0, 0.0]])
+    walker, stander = [1.0, 0.1, 0.0, 1.0, 0.9, 1.0], [3.0, 0.2, 0.1, 0.0, 0.9, 1.0]
+    moved = foreseen(things, np.array([walker, stander, [0.0] * 6]), 0.6)
+    assert moved == pytest.approx(np.array([[1.0, 0.9], [1.0, 0.3], [3.0, 0.0]]))
+    assert things[0, 1] == 0.3
+    assert foreseen(things, np.array([[*walker[:5], 0.0]]), 0.6) == pytest.approx(things)
+
+
+def test_who_leaves_the_way_is_not_swerved_and_who_comes_into_it_is():
+    goal = Goal(Mode.FOLLOW, 2.0, 0.0, 0.8, 0.0)
+    assert around((0.8, 0.0), goal, people=[[1.1, 0.0, 0.0, 1.5, 0.9, 1.0]]) == (0.8, 0.0)
+    beside, comes = POST + np.array([0.0, 0.9]), [[1.1, 0.9, 0.0, -1.5, 0.9, 1.0]]
+    assert around((0.8, 0.0), goal, things=beside) == (0.8, 0.0)
+    assert around((0.8, 0.0), goal, things=beside, people=comes) != (0.8, 0.0)
+    assert around((0.8, 0.0), goal, things=beside, people=comes, foresight_s=0.0) == (0.8, 0.0)
 
 
 def test_who_stands_or_has_lost_the_leader_is_left_to_the_detour():
@@ -82,8 +104,11 @@ def test_points_are_thinned_to_one_a_cell_and_far_ones_left_out():
     assert sorted(thinned(points, 2.0)[:, 0]) == pytest.approx([1.0, 1.2])
 
 
-def turned(swerve):
-    """Return the least turn rate while a network drives straight at a post that the leader passed on the right."""
+def turned(swerve, aside=0.0):
+    """Return the least turn rate while a network drives straight at a post that the leader passed on the right.
+
+    `aside`: it is no post but somebody who walks out of the way so fast [m/s].
+    """
     bearings = np.deg2rad(np.linspace(-135.0, 135.0, 271))
     pilot = Pilot(replace(PilotConfig(), keep_up=None, detour=None, swerve=swerve), FollowInterface(bearings=bearings))
     least = 0.0
@@ -94,7 +119,7 @@ def turned(swerve):
             {
                 "scan": scan,
                 "leader": np.array([1.6, -0.8, 0.6, 0.0, 0.9, 1.0], dtype=np.float32),
-                "people": np.zeros((6, 6), dtype=np.float32),
+                "people": np.array([[1.7 - 0.06 * k, 0.0, 0.0, aside, 0.9, 1.0]], dtype=np.float32),
                 "velocity": np.array((pilot.commanded[0], pilot.commanded[2]), dtype=np.float32),
             }
         )
@@ -106,6 +131,7 @@ def turned(swerve):
 def test_the_pilot_swerves_before_the_guard_has_to_brake():
     assert turned(SwerveConfig()) < -0.05
     assert turned(None) == pytest.approx(0.0, abs=1e-9)
+    assert turned(SwerveConfig(), aside=1.5) == pytest.approx(0.0, abs=1e-9)
 
 
 def test_looking_no_time_ahead_is_refused():

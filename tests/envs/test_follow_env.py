@@ -177,7 +177,46 @@ def test_an_unknown_option_or_argument_is_refused_with_the_list():
         with pytest.raises(InputError, match=f"`{name}`.* whole number of at least .*, got {value}"):
             make(**{name: value})
     with pytest.raises(InputError, match="unknown scene 'plasa'"):
-        make(scene="plasa").reset()
+        make(scene="plasa")
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("laser_range", "30"),
+        ("laser_range", np.inf),
+        ("control_hz", np.nan),
+        ("control_hz", 7.0),
+        ("lidar_hz", 5.0),
+        ("top_turn_rate", 6.0),
+        ("lost_limit_s", -1.0),
+        ("standing", -1),
+        ("people_count", True),
+        ("camera_pixels", (64.5, 48)),
+        ("camera_pixels", 64),
+        ("leader", "no"),
+        ("coverage_goal", "all"),
+        ("odometry", "bad"),
+    ],
+)
+def test_what_no_episode_could_have_is_refused_when_the_environment_is_made(name, value):
+    with pytest.raises(InputError, match=name):
+        make(**{name: value})
+
+
+def test_who_leads_counts_among_the_people_of_an_episode():
+    env = make(people="truth", sensors="lidar", lost_limit_s=np.inf)
+    with pytest.raises(InputError, match="counts the leader"):
+        env.reset(seed=0, options={"people": 0})
+    env.reset(seed=0, options={"people": np.int64(1)})
+    assert len(env.unwrapped.truth.people) == 1
+    make(people="truth", leader=False).reset(seed=0, options={"people": 0})
+
+
+@pytest.mark.parametrize("ask", [lambda env: env.truth, lambda env: env.belief, lambda env: env.own_map()])
+def test_before_the_first_reset_there_is_nothing_to_know(ask):
+    with pytest.raises(InputError, match="call `reset` first"):
+        ask(make(people="truth").unwrapped)
 
 
 def test_a_wrong_action_is_refused():
@@ -261,3 +300,5 @@ def test_a_rollout_records_what_happened_and_can_be_repeated():
 def test_rollout_needs_a_follow_env():
     with pytest.raises(InputError, match="needs a FollowEnv"):
         rollout(gym.make("CartPole-v1"), make_follower("pid"))
+    with pytest.raises(InputError, match="`steps` must be at least 1"):
+        rollout(make(people="truth"), make_follower("pid"), steps=0)

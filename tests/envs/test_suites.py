@@ -71,6 +71,18 @@ def test_success_needs_the_tour_no_contact_and_recovered_losses(episode):
         assert figures["fb_search_s"] == pytest.approx(0.1 * lost)
 
 
+def test_what_is_about_the_target_is_nan_where_nobody_leads(episode):
+    history = episode.history
+    led, alone = follow_bench_metrics(history), follow_bench_metrics(replace(history, leader_index=-1))
+    about_target = {"fb_success", "fb_search_path_m", "fb_search_s", "fb_personal_s"}
+    assert {name for name, value in alone.items() if np.isnan(value)} == about_target
+    assert all(alone[name] == led[name] for name in led.keys() - about_target)
+    rows = len(history)
+    nobody = {"person_position": np.zeros((rows, 0, 2)), "person_velocity": np.zeros((rows, 0, 2))}
+    empty = replace(history, leader_index=-1, person_radius=np.zeros(0), **nobody)
+    assert follow_bench_metrics(empty)["fb_private_s"] == 0.0
+
+
 def test_the_command_evaluates_a_suite(tmp_path, capsys):
     words = ["evaluate", "pid", "--suite", "follow-bench", "--episodes", "4", "--perception", "truth", "--beams", "91"]
     assert main([*words, "--out", str(tmp_path)]) == 0

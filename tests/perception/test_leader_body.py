@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tagalong.perception.config import PerceptionConfig
 from tagalong.perception.tracking.leader import LeaderSelector
-from tagalong.perception.tracking.leader_body import BodyLeaderSelector
+from tagalong.perception.tracking.leader_body import BodyConfig, BodyLeaderSelector
 from tagalong.perception.tracking.people import People, SeenLegs
 from tagalong.slam.errors import InputError
 from tagalong.slam.scan import LaserScan
@@ -129,6 +129,54 @@ def test_nobody_who_was_seen_beside_the_leader_is_taken_for_it_later_though_neve
         found = room.show(tracked, loose=others, wall=wall)
         taken += leader[1] > 0.6 and found.visible
     assert taken == 0
+
+
+def sliding(seed, hidden=0, **body):
+    """The leader passes somebody who only stands; its track slides over to who stands. Its place, and the leader.
+
+    `hidden`: for so many scans after that, nothing else is seen of it.
+    """
+    room = Room(BodyLeaderSelector(PerceptionConfig(), np.random.default_rng(seed), BodyConfig(**body)))
+    stands = np.array([2.4, 0.0])
+    for k in range(50):
+        leader, walks = np.array([1.6, -1.5 + 0.06 * k]), np.array([0.0, 0.6])
+        if leader[1] < -0.1:
+            found = room.show([(0, leader, walks, True)], loose=[stands])
+        else:
+            found = room.show([(0, stands, np.zeros(2), True)], loose=[leader] if k >= 24 + hidden else [])
+    return leader, found
+
+
+@pytest.mark.parametrize("hidden", [0, 2])
+@pytest.mark.parametrize("seed", range(5))
+def test_legs_of_somebody_who_stood_there_before_do_not_become_the_leaders_with_its_track(seed, hidden):
+    leader, found = sliding(seed, hidden)
+    assert found.visible
+    assert np.hypot(*(found.position - leader)) < 0.4
+    leader, found = sliding(seed, hidden, foreign=np.inf)
+    assert np.hypot(*(found.position - leader)) > 1.0
+
+
+def doubled(seed, **body):
+    """Each leg of a leader who waits has started a person; when it walks on, one stays with what stands there."""
+    room = Room(BodyLeaderSelector(PerceptionConfig(), np.random.default_rng(seed), BodyConfig(**body)))
+    still, walks = np.zeros(2), np.array([0.0, 1.1])
+    for k in range(60):
+        leader = np.array([1.6, -1.0 + 0.11 * max(k - 25, 0)])
+        if k < 25:
+            found = room.show(
+                [(0, leader, still, True), (1, leader + np.array([0.2, 0.0]), still, True)][: 1 + (k > 12)]
+            )
+        else:
+            tracks = [(0, np.array([1.6, -1.0]), still, k < 33), (1, leader, walks, True)]
+            found = room.show(tracks if k < 38 else tracks[1:])
+    return found
+
+
+def test_a_second_track_of_the_leader_carries_it_on():
+    carried = [[doubled(seed, **fields).track_id == 1 for seed in range(6)] for fields in ({}, {"double_s": np.inf})]
+    assert sum(carried[0]) == 6
+    assert sum(carried[1]) <= 2  # somebody else's legs
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -42,6 +42,13 @@ def test_what_is_wrong_is_said(tmp_path, text, word):
         read_pedestrians(tmp_path / "walks.txt")
 
 
+def test_ways_that_nobody_walks_are_refused(tmp_path):
+    rows = [f"{6 * k} 1 {0.5 * k} 0.0" for k in range(12)]
+    (tmp_path / "walks.txt").write_text("\n".join([*rows, "72 1 1e300 0.0"]))
+    with pytest.raises(InputError, match="person 1 goes 1e\\+300 m"):
+        read_pedestrians(tmp_path / "walks.txt")
+
+
 def test_a_damaged_gzip_file_is_one_clear_error(tmp_path):
     packed = bytearray(gzip.compress(PLAIN.encode() * 50))
     packed[25] ^= 0xFF
