@@ -95,6 +95,10 @@ def judge(estimate: Path, reference: Path, options: ScoringOptions | None = None
     """
     options = options or ScoringOptions()
     kinds = kind_of(estimate), kind_of(reference)
+    if options.people is not None and kinds[1] != "map":
+        raise InputError(f"true feet of people judge a map; {reference.name} is none")
+    if options.readings is not None and kinds[1] != "relations":
+        raise InputError(f"odometry of readings goes with relations; {reference.name} holds none")
     if kinds == ("map", "map"):
         return _judge_map(estimate, reference, options)
     if kinds == ("trajectory", "relations"):
@@ -203,10 +207,8 @@ def _judge_map(estimate: Path, reference: Path, options: ScoringOptions) -> Judg
 def _feet_on_reference(people: Path, estimate: Path, T_ref_est: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the places (n, f, 2) of feet in the frame of the reference map [m]."""
     feet = read_feet(people)
-    truth, trajectory = (
-        people.with_name(people.name.replace(".people.npz", ".gt.tum")),
-        estimate.parent / "trajectory.tum",
-    )
+    truth = people.with_name(f"{people.name.removesuffix('.npz').removesuffix('.people')}.gt.tum")
+    trajectory = estimate.parent / "trajectory.tum"
     if not (truth.exists() and trajectory.exists()):
         return feet
     T_world_robot, T_est_robot = read_tum(truth).poses, read_tum(trajectory).poses

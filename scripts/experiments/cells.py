@@ -1,10 +1,12 @@
 """Resumable cells: independent pieces of an experiment, each with a result file of its own.
 
 A cell that has its file is not run again, so an experiment killed at any moment continues where it was and loses at
-most the cells that were running. A file that was made with other arguments is made anew.
+most the cells that were running. A file that was made with other arguments is made anew, and so is what needs it. One
+that was made by other code stays, for code changes often and results seldom: how many there are is said on stderr.
 """
 
 import json
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +17,7 @@ from tqdm import tqdm
 
 from ...slam.files import made_folder, write_json
 from .backends import parallel_backend, results_of
+from .hardware import code_fingerprint
 
 TIMING = "timing"
 """The key of a result, at any depth, under which stands what depends on the clock; nothing else may."""
@@ -39,15 +42,12 @@ class Cell:
     needs: tuple[str, ...] = ()
 
     def stored(self, folder: Path) -> dict[str, Any] | None:
-        """Return the result in `folder`, or None where there is none for these arguments."""
-        path = self._path(folder)
-        if not path.exists():
-            return None
-        try:
-            content = json.loads(path.read_text(encoding="utf-8"))
-        except json.JSONDecodeError:
-            return None
-        return content["result"] if content.get("arguments") == self._plain_arguments else None
+        """Return the result in `folder`, or None where there is none for these arguments, or its files are gone."""
+        return self._content(folder).get("result")
+
+    def code(self, folder: Path) -> str | None:
+        """Return the fingerprint of the code that made the result in `folder`, or None where there is none."""
+        return self._content(folder).get("code")
 
     def run(self, folder: Path) -> dict[str, Any]:
         """Compute the result, store it in `folder` and return it as it was stored."""
@@ -57,13 +57,25 @@ class Cell:
         if self.needs:
             more["inputs"] = [files_of(name, folder) for name in self.needs]
         result = dict(self.function(**self.arguments, **more))
-        write_json(self._path(folder), {"arguments": self._plain_arguments, "result": result})
+        content = {"arguments": self._plain_arguments, "code": code_fingerprint(), "result": result}
+        write_json(self._path(folder), content)
         stored = self.stored(folder)
         assert stored is not None
         return stored
 
     def _path(self, folder: Path) -> Path:
         return folder / f"{self.name}.json"
+
+    def _content(self, folder: Path) -> dict[str, Any]:
+        """Return what the file holds; nothing where it is of no use."""
+        if self.keeps_files and not files_of(self.name, folder).is_dir():
+            return {}
+        try:
+            content = json.loads(self._path(folder).read_text(encoding="utf-8"))
+        except (FileNotFoundError, ValueError):
+            return {}
+        usable = isinstance(content, dict) and content.get("arguments") == self._plain_arguments
+        return content if usable else {}
 
     @property
     def _plain_arguments(self) -> dict[str, Any]:
@@ -93,8 +105,12 @@ def run_cells(
         MissingExtraError: If its package is not installed.
     """
     target = Path(folder)
-    results = {cell.name: cell.stored(target) for cell in cells}
+    results: dict[str, Any] = {}
+    for cell in cells:
+        whole = all(results.get(name, True) is not None for name in cell.needs)
+        results[cell.name] = cell.stored(target) if whole else None
     missing = [cell for cell in cells if results[cell.name] is None]
+    _warn_of_other_code([cell for cell in cells if results[cell.name] is not None], target)
     with (
         parallel_backend(backend, jobs),
         tqdm(total=len(cells), initial=len(cells) - len(missing), desc=label, unit="cell") as progress,
@@ -104,6 +120,14 @@ def run_cells(
                 results[name] = result
                 progress.update()
     return results
+
+
+def _warn_of_other_code(finished: Sequence[Cell], folder: Path) -> None:
+    """Say on stderr how many of the finished cells were not made by the code that runs now."""
+    other = sum(cell.code(folder) != code_fingerprint() for cell in finished)
+    if other:
+        said = f"{other} of {len(finished)} finished cells in {folder} were made by other code than this"
+        print(f"tagalong: {said}; remove them to make them anew", file=sys.stderr)
 
 
 def _waves(cells: Sequence[Cell]) -> list[list[Cell]]:

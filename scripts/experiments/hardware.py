@@ -1,8 +1,10 @@
 """What a measurement was made with."""
 
+import hashlib
 import platform
 import sys
 import time
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -11,6 +13,8 @@ import numpy as np
 
 from ... import __version__
 
+_ROOMS = ("slam", "perception", "envs", "agents", "scripts")
+_DECIDING = (".py", ".npz", ".json", ".onnx", ".safetensors")
 _PACKAGES = ("gymnasium", "mujoco", "numpy", "scipy", "scikit-learn", "numba")
 
 
@@ -24,6 +28,17 @@ def describe_machine() -> dict[str, Any]:
         "tagalong": __version__,
         "packages": {name: _version(name) for name in _PACKAGES},
     }
+
+
+@cache
+def code_fingerprint() -> str:
+    """Return 16 hexadecimal digits that change with any byte of the package's code or of the models it ships."""
+    package, digest = Path(__file__).parents[2], hashlib.sha256()
+    for room in _ROOMS:
+        for file in sorted((package / room).rglob("*")):
+            if file.suffix in _DECIDING:
+                digest.update(f"{file.relative_to(package).as_posix()}\n".encode() + file.read_bytes())
+    return digest.hexdigest()[:16]
 
 
 def joblib_cores() -> int:

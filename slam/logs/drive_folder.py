@@ -74,15 +74,18 @@ def read_feet(path: str | os.PathLike[str]) -> NDArray[np.float64]:
     """Return `feet` (scans, feet, 2) of a NAME.people.npz, world frame [m].
 
     Raises:
-        InputError: If the file is missing, is no npz or has no such array.
+        InputError: If the file is missing, is no npz or has no such array of this shape.
     """
     content = read_arrays(path)
     if "feet" not in content:
         raise InputError(f"{os.fspath(path)}: needs an array `feet` (scans, feet, 2), got none of that name")
     try:
-        return np.asarray(content["feet"], dtype=np.float64)
+        feet = np.asarray(content["feet"], dtype=np.float64)
     except (ValueError, TypeError) as error:
         raise InputError(f"{os.fspath(path)}: no readable npz file ({error})") from error
+    if feet.ndim != 3 or feet.shape[2] != 2:
+        raise InputError(f"{os.fspath(path)}: `feet` must have shape (scans, feet, 2), got {feet.shape}")
+    return feet
 
 
 def _named(stem: Path, ending: str) -> Path:

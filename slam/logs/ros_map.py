@@ -15,6 +15,7 @@ from .flat_yaml import Value, read_flat_yaml
 # what map_saver writes: white is free, black is occupied, this grey is unknown
 _FREE, _OCCUPIED, _UNKNOWN = 254, 0, 205
 _TRUTH = {"true": "1", "false": "0"}
+_RESOLUTIONS = 0.001, 10.0  # [m] sides of cells that make sense; others are a unit taken for another
 _OCCUPIED_THRESHOLD, _FREE_THRESHOLD = 0.65, 0.196
 
 
@@ -58,8 +59,10 @@ def read_ros_map(path: str | os.PathLike[str]) -> OccupancyMap:
     if mode != "trinary":
         raise InputError(f"{file}: only the mode trinary is supported, got {mode!r}")
     resolution = _number(file, entries, "resolution")
-    if not resolution > 0.0:
-        raise InputError(f"{file}: `resolution` must be positive [m], got {resolution:g}")
+    if not _RESOLUTIONS[0] <= resolution <= _RESOLUTIONS[1]:
+        raise InputError(
+            f"{file}: `resolution` must lie in [{_RESOLUTIONS[0]:g}, {_RESOLUTIONS[1]:g}] m, got {resolution:g}"
+        )
     occupied_above, free_below = _number(file, entries, "occupied_thresh"), _number(file, entries, "free_thresh")
     if not 0.0 <= free_below <= occupied_above <= 1.0:
         raise InputError(f"{file}: needs 0 <= free_thresh <= occupied_thresh <= 1, got {free_below}, {occupied_above}")

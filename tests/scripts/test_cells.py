@@ -1,12 +1,15 @@
 import importlib.util
 import json
+import re
+import shutil
 import subprocess
 import sys
 import time
 from pathlib import Path
 
 import pytest
-from tagalong.scripts.experiments.cells import Cell, run_cells
+from tagalong.scripts.experiments.cells import Cell, files_of, run_cells
+from tagalong.scripts.experiments.hardware import code_fingerprint
 from tagalong.slam.errors import MissingExtraError
 
 
@@ -75,10 +78,47 @@ def test_a_cell_finds_the_files_of_those_that_it_needs(tmp_path):
     assert run_cells([*numbers, total], tmp_path)["sum"] == {"sum": 7}
 
 
+def test_what_needs_a_cell_that_is_made_anew_is_made_anew_too(tmp_path):
+    def run(value):
+        number = Cell(name="n", function=write_number, arguments={"value": value}, keeps_files=True)
+        return run_cells([number, Cell(name="sum", function=add_numbers, arguments={}, needs=("n",))], tmp_path)["sum"]
+
+    assert run(3) == {"sum": 3}
+    assert run(4) == {"sum": 4}
+    shutil.rmtree(files_of("n", tmp_path))
+    assert run(4) == {"sum": 4}
+    assert (files_of("n", tmp_path) / "number.txt").exists()
+
+
+@pytest.mark.parametrize("content", [b"[]", b"{}", b"\xff\xfe", b""])
+def test_a_file_that_is_no_result_is_made_anew(tmp_path, log, content):
+    run_cells(cells(log, (1,)), tmp_path)
+    (tmp_path / "part/1.json").write_bytes(content)
+    assert run_cells(cells(log, (1,)), tmp_path)["part/1"] == {"square": 1}
+
+
+def test_results_of_other_code_are_kept_and_counted(tmp_path, log, monkeypatch, capsys):
+    run_cells(cells(log, (1, 2)), tmp_path)
+    run_cells(cells(log, (1, 2, 3)), tmp_path)
+    assert "other code" not in capsys.readouterr().err
+    monkeypatch.setattr("tagalong.scripts.experiments.cells.code_fingerprint", lambda: "another")
+    assert run_cells(cells(log, (1, 2, 3, 4)), tmp_path)["part/4"]["square"] == 16
+    said = [line for line in capsys.readouterr().err.splitlines() if line.startswith("tagalong: ")]
+    assert len(said) == 1
+    assert f"3 of 3 finished cells in {tmp_path} were made by other code" in said[0]
+    assert Path(log).read_text().split() == ["1", "2", "3", "4"]
+
+
+def test_the_fingerprint_of_the_code_is_the_same_every_time():
+    assert code_fingerprint() == code_fingerprint.__wrapped__()
+    assert re.fullmatch("[0-9a-f]{16}", code_fingerprint())
+
+
 _KILLED = """
 import sys, time
 from pathlib import Path
-from tagalong.scripts.experiments.cells import Cell, run_cells
+from tagalong.scripts.experiments.cells import Cell, files_of, run_cells
+from tagalong.scripts.experiments.hardware import code_fingerprint
 from tagalong.slam.errors import MissingExtraError
 
 def slow(value):

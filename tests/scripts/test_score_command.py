@@ -40,6 +40,7 @@ def here(tmp_path, monkeypatch):
     write_ros_map("static", l_room())
     write_ros_map("raw", l_room(ghosts=True))
     np.savez_compressed("people.npz", feet=np.full((5, 2, 2), (0.525, 0.1)))
+    np.savez_compressed("flat.npz", feet=np.zeros((5, 2)))
     Path("relations.txt").write_text("100.0 102.0 1.69 0.9 0 0 0 0.338983\n")
     Path("words.txt").write_text("hello world\n")
     Path("odometry.log").write_text("FLASER 2 1.0 1.0 0 0 0 0 0 0 1.0 host 1.0\n" * 3)
@@ -107,6 +108,10 @@ def test_feet_of_another_frame_are_placed_by_the_two_trajectories(here, capsys):
     words = ["map/map.yaml", "static.yaml", "--people", "drive.people.npz", "--json", "s.json"]
     assert score(capsys, *words)[0] == 0
     assert json.loads(Path("s.json").read_text())["dynamic_residue"]["cells"] == 4
+    Path("drive.people.npz").rename("drive.npz")
+    assert score(capsys, *words[:3], "drive.npz", *words[4:])[0] == 0  # by whatever name
+    assert json.loads(Path("s.json").read_text())["dynamic_residue"]["cells"] == 4
+    Path("drive.npz").rename("drive.people.npz")
     write_tum("drive.gt.tum", Trajectory(np.arange(4.0), poses[:4]))
     status, _, err = score(capsys, *words)
     assert status == 2
@@ -124,6 +129,9 @@ def test_feet_of_another_frame_are_placed_by_the_two_trajectories(here, capsys):
         (["late.tum", "relations.txt"], "are the clocks the same?"),
         (["words.txt", "truth.tum"], "neither a TUM trajectory"),
         (["raw.yaml", "static.yaml", "--people", "truth.tum"], "no readable npz"),
+        (["raw.yaml", "static.yaml", "--people", "flat.npz"], "`feet` must have shape (scans, feet, 2), got (5, 2)"),
+        (["moved.tum.gz", "truth.tum", "--people", "people.npz"], "true feet of people judge a map"),
+        (["raw.yaml", "static.yaml", "--readings", "truth.tum"], "odometry of readings goes with relations"),
         (["moved.tum.gz", "truth.tum", "--overlay", "o.png"], "--overlay draws two maps"),
         (["moved.tum.gz", "truth.tum", "--max-gap", "-1"], "--max-gap must not be negative"),
         (["moved.tum.gz", "truth.tum", "--json", "truth.tum/s.json"], "cannot be written"),

@@ -59,7 +59,9 @@ def test_text_images_comments_negation_and_block_lists_are_read(tmp_path):
     [
         ("resolution: 0.05\n", "", "`resolution` needs a number, got nothing"),
         ("resolution: 0.05", "resolution: fine", "`resolution` needs a number, got 'fine'"),
-        ("resolution: 0.05", "resolution: -1", r"m\.yaml: `resolution` must be positive"),
+        ("resolution: 0.05", "resolution: -1", r"m\.yaml: `resolution` must lie in \[0.001, 10\] m, got -1"),
+        ("resolution: 0.05", "resolution: 0.000005", r"`resolution` must lie in \[0.001, 10\] m, got 5e-06"),
+        ("resolution: 0.05", "resolution: 50", r"`resolution` must lie in \[0.001, 10\] m, got 50"),
         ("[-1.25, 3.5, 0.0]", "[-1.25, 3.5]", r"`origin` needs \[x, y, yaw\]"),
         ("[-1.25, 3.5, 0.0]", "[-1.25, 3.5, 0.3]", "turned against its frame"),
         ("[-1.25, 3.5, 0.0]", "[-1.25, 3.5, 0.3", r"m\.yaml:3: a list must end"),
