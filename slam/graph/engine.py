@@ -26,6 +26,7 @@ _SEARCHED = GridConfig(resolution=0.05)  # of the map on which a lost robot is s
 _NEW_NODES = 10  # a map without so many of the last nodes still serves for that
 _WEIGHED = 3  # a suspicion is weighed with each so many scans ...
 _SUSPECTS = 9  # ... by so many at most
+_DRIFT = 2.0  # standard deviations of the odometry by which local SLAM may be led astray
 _EXPLAINED = 0.5  # share of the beams that must end at walls of the map where the robot is believed to have stayed
 
 
@@ -176,15 +177,17 @@ class Cartographer:
     def _is_lost(self, watch: Watch, graph: GlobalSlam, search: Relocalization, result: LocalResult) -> bool:
         """Weigh the place where local SLAM has put the doubtful scans against the rest of the map.
 
-        Where neither that place nor another that explains them well stands out, it is not sure for now. Where nothing
-        on the map explains them well, people are about; and where that place explains half of their beams, and is not
-        surely less likely than another, the robot is not lost, however badly they fit on the newest submap. Where
-        they fit on that, and only older submaps say that the robot is just beside, it has drifted: no one moved it,
-        and loop closure will.
+        Where neither that place nor another that explains them well stands out, it is not sure for now, nor where one
+        other place alone is much likelier. Where nothing on the map explains them well, people are about, unless
+        another place is sure nevertheless; and where that place explains half of their beams, and is not surely less
+        likely than another, the robot is not lost, however badly they fit on the newest submap. Where they fit on
+        that, and only older submaps say that the robot is beside, by no more than the odometry may have erred on its
+        last steps, it has drifted: no one moved it, and loop closure will.
         """
         if self._search or not result.match:
             return watch.plainly_lost
-        outcome = search.contest(compose(graph.local_to_global, result.match.pose), self._unsure)
+        here = compose(graph.local_to_global, result.match.pose)
+        outcome = search.contest(here, self._unsure, _DRIFT * graph.drift)
         if outcome is None:
             return watch.plainly_lost
         surely_here = outcome.stays and (outcome.belief.sure or not len(outcome.belief.poses))
@@ -194,7 +197,9 @@ class Cartographer:
             return False
         self._unsure = True
         plainly = watch.plainly_lost and outcome.explained < _EXPLAINED
-        return plainly or (outcome.moved and (watch.alarmed or (outcome.belief.sure and not outcome.beside)))
+        if watch.alarmed:
+            return plainly or outcome.moved or (outcome.surpassed and not outcome.beside)
+        return outcome.moved and outcome.belief.sure and not outcome.beside
 
     def _lose(self, graph: GlobalSlam, search: Relocalization) -> None:
         """Begin a new piece of the drive with the next update, and the search on the map without it."""

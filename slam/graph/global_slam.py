@@ -126,6 +126,12 @@ class GlobalSlam:
         return np.array(self._node_poses).reshape(-1, 3)
 
     @property
+    def drift(self) -> float:
+        """Standard deviation of the way over as many nodes as a submap that tied one counts as well placed for [m]."""
+        steps = np.array([node.motion.sigma[0] for node in self.nodes[-self._config.known_for :]])
+        return float(np.sqrt((steps**2).sum()))
+
+    @property
     def placed(self) -> NDArray[np.bool_]:
         """(n,) whether the place of each node on the map is known: not so for pieces after a kidnapping."""
         return np.array([self._placed[piece] for piece in self._piece_of_node], dtype=np.bool_)

@@ -37,16 +37,17 @@ class Relocalization:
         self._place, self._scans = place, scans
         self._localizer: Localizer | None = None
 
-    def contest(self, here: Array, doubted: bool = False) -> Contest | None:
+    def contest(self, here: Array, doubted: bool = False, drift: float = 0.0) -> Contest | None:
         """Weigh `here` (3,), T_map_robot at the last scan, against the rest of the map; None: there is no map.
 
         Args:
             here: Where local SLAM has put the robot.
             doubted: Whether that did not stand out in an earlier contest.
+            drift: So far local SLAM may have been led astray [m].
         """
         if self._place is None:
             return None
-        return contest(self._place, self._scans, here, trust=_DOUBTED if doubted else None)
+        return contest(self._place, self._scans, here, trust=_DOUBTED if doubted else None, drift=drift)
 
     def begin(self) -> None:
         """Begin to search, with all scans but the last, which is to come by `update`."""

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from ..geometry import between
 from ..scan import LaserScan
 from .evidence import Evidence
-from .global_search import Belief, GlobalSearch
+from .global_search import Belief, GlobalSearch, GlobalSearchConfig
 from .localizer import LocalizerConfig
 from .place_map import PlaceMap
 from .view import ViewMaker
@@ -24,12 +24,14 @@ class Contest:
     Attributes:
         stays: Whether no other place is likelier; so, too, where the map knows nothing of the place.
         moved: Whether another place is likelier and explains what was seen well.
-        rivalled: Whether another place explains what was seen well and is likelier, or nearly as likely.
+        rivalled: Whether another place explains what was seen well and is likelier, or nearly as likely; so, too, where
+            it explains but half, and no third place is likely.
+        surpassed: Whether another place is surely where the robot is, however well it explains what was seen.
         belief: What is believed of all places.
         explained: Share of the beams that end at walls of the map if the robot is where it was thought to be; 0 where
             that is surely less likely than another place.
-        beside: Whether the likeliest place is so near to it that a search would not tell the two apart: drift leads
-            from the one to the other, nobody has to carry the robot.
+        beside: Whether the likeliest place is so near to it that a search would not tell the two apart, or that drift
+            leads from the one to the other: nobody has to carry the robot.
     """
 
     stays: bool
@@ -38,6 +40,7 @@ class Contest:
     belief: Belief
     explained: float = 0.0
     beside: bool = False
+    surpassed: bool = False
 
 
 def contest(
@@ -46,6 +49,7 @@ def contest(
     here: Array,
     config: LocalizerConfig | None = None,
     trust: float | None = None,
+    drift: float = 0.0,
 ) -> Contest:
     """Weigh `here` (3,), T_map_robot at the last scan, against the rest of the map.
 
@@ -55,6 +59,7 @@ def contest(
         here: Where the robot is thought to be.
         config: Settings of localization.
         trust: How many times likelier that is than any other place beforehand; None: `config.trust`.
+        drift: So far it may have been led astray [m].
     """
     config = config or LocalizerConfig()
     trust = config.trust if trust is None else trust
@@ -71,12 +76,27 @@ def contest(
     belief = search.look()
     if not len(belief.poses):
         return Contest(True, False, False, belief)
-    linear, angular = config.search.same
+    return weigh(here, belief, config.search, drift)
+
+
+def weigh(here: Array, belief: Belief, config: GlobalSearchConfig, drift: float) -> Contest:
+    """Say how `here` (3,) fared by what is believed now.
+
+    Args:
+        here: Where the robot is thought to be, T_map_robot.
+        belief: At least one place.
+        config: What counts as the same, as likely, as well explained.
+        drift: So far it may have been led astray [m].
+    """
+    linear, angular = config.same
     off = between(here, belief.poses)
     there = (np.hypot(off[:, 0], off[:, 1]) <= linear) & (np.abs(off[:, 2]) <= angular)
-    well = ~there & (belief.explained >= config.search.well_explained)
-    likely = belief.log_ratios > -np.log(config.search.sure_ratio)
+    well = ~there & (belief.explained >= config.well_explained)
+    likely = belief.log_ratios > -np.log(config.sure_ratio)
     explained = float(belief.explained[there & likely].max(initial=0.0))
-    apart = config.search.separation
-    beside = bool(np.hypot(*off[0, :2]) <= apart.linear and abs(off[0, 2]) <= apart.angular)
-    return Contest(bool(there[0]), bool(well[0]), bool((well & likely).any()), belief, explained, beside)
+    apart = config.separation
+    beside = bool(np.hypot(*off[0, :2]) <= max(apart.linear, drift) and abs(off[0, 2]) <= apart.angular)
+    alone = likely.sum() == 1 and belief.explained[0] >= config.least_explained
+    rivalled = bool((well & likely).any() or (alone and not there[0]))
+    surpassed = bool(not there[0] and belief.sure)
+    return Contest(bool(there[0]), bool(well[0]), rivalled, belief, explained, beside, surpassed)
