@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .errors import InputError
 
@@ -36,6 +37,21 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
         temporary.replace(target)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def read_arrays(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
+    """Return the arrays of an npz file by name, without pickles.
+
+    Raises:
+        InputError: If there is no such file, or it is damaged or no npz.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as content:
+            return {name: content[name] for name in content.files}
+    except FileNotFoundError:
+        raise InputError(f"{os.fspath(path)}: no such file") from None
+    except Exception as error:  # a damaged byte may stop the zip, its compression, the header's parser or the array
+        raise InputError(f"{os.fspath(path)}: no readable npz file ({error})") from error
 
 
 def made_folder(path: str | os.PathLike[str]) -> Path:

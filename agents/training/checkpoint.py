@@ -8,7 +8,7 @@ from typing import Any
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv
 
-from ...slam.files import write_json
+from ...slam.files import replacing, write_json
 from .models import CLASSES
 
 _INDEX = "checkpoint.json"
@@ -40,7 +40,8 @@ class Progress:
 def save_checkpoint(folder: Path, model: BaseAlgorithm, progress: Progress) -> None:
     """Write the model, then the index that points to it, then drop the model before."""
     name = f"model_{progress.rounds}_{progress.rollouts}.zip"
-    model.save(folder / name)
+    with replacing(folder / name) as temporary:  # it may have the name of the one before
+        model.save(temporary)
     best = None if progress.best == float("-inf") else progress.best
     write_json(folder / _INDEX, {**progress.__dict__, "best": best, "model": name})
     for old in folder.glob("model_*.zip"):

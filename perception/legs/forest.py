@@ -6,13 +6,12 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...slam.errors import InputError
-from ...slam.files import replacing, write_json
+from ...slam.files import read_arrays, replacing, write_json
 from ...slam.scan import LaserScan
 from ..stages import Stages, completed
 from .clusters import Clusters
@@ -56,13 +55,13 @@ class LegForest:
 
     @classmethod
     def _read(cls, path: Path) -> "LegForest":
+        if not path.exists():
+            raise InputError(f"no leg forest {str(path)!r}: give {' or '.join(SHIPPED)}, or a file")
         try:
-            with np.load(path, allow_pickle=False) as content:
-                names = tuple(str(name) for name in content["feature_names"])
-                arrays = {key: content[key].astype(kind) for key, kind in _ARRAYS.items()}
-        except FileNotFoundError:
-            raise InputError(f"no leg forest {str(path)!r}: give {' or '.join(SHIPPED)}, or a file") from None
-        except (OSError, ValueError, KeyError, EOFError, BadZipFile) as error:
+            content = read_arrays(path)
+            names = tuple(str(name) for name in content["feature_names"])
+            arrays = {key: content[key].astype(kind) for key, kind in _ARRAYS.items()}
+        except (InputError, KeyError, ValueError, TypeError) as error:
             raise InputError(f"{path} is not a leg forest (npz of `tagalong train legs`): {error}") from None
         if names != FEATURE_NAMES:
             raise InputError(f"{path} was trained on other features ({len(names)}) than these ({len(FEATURE_NAMES)})")

@@ -5,13 +5,12 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...slam.errors import InputError
-from ...slam.files import replacing, write_json
+from ...slam.files import read_arrays, replacing, write_json
 from .frame import RgbdFrame
 from .heads import Candidates
 from .hog import hog, hog_length
@@ -61,13 +60,13 @@ class PersonSvm:
         Raises:
             InputError: If there is none, or the file is damaged or made for other features.
         """
+        if not Path(path).exists():
+            raise InputError(f"there is no classifier of people at {path}")
         try:
-            with np.load(path, allow_pickle=False) as content:
-                weights, rest = content["weights"].astype(np.float32), content["calibration"].astype(np.float64)
-                bias, slope, offset = (float(value) for value in rest)
-        except FileNotFoundError:
-            raise InputError(f"there is no classifier of people at {path}") from None
-        except (OSError, ValueError, KeyError, EOFError, BadZipFile) as error:
+            content = read_arrays(path)
+            weights, rest = content["weights"].astype(np.float32), content["calibration"].astype(np.float64)
+            bias, slope, offset = (float(value) for value in rest)
+        except (InputError, KeyError, ValueError, TypeError) as error:
             raise InputError(f"{path} is no classifier of people (npz of `tagalong train people`): {error}") from None
         return cls(weights, bias, slope, offset)
 

@@ -5,7 +5,6 @@ not there at that time.
 """
 
 import os
-import zipfile
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -13,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..files import replacing
+from ..files import read_arrays, replacing
 from .carmen import read_carmen
 from .carmen_writer import write_carmen
 from .drive import RecordedDrive
@@ -77,12 +76,12 @@ def read_feet(path: str | os.PathLike[str]) -> NDArray[np.float64]:
     Raises:
         InputError: If the file is missing, is no npz or has no such array of this shape.
     """
+    content = read_arrays(path)
+    if "feet" not in content:
+        raise InputError(f"{os.fspath(path)}: needs an array `feet` (scans, feet, 2), got none of that name")
     try:
-        with np.load(path, allow_pickle=False) as content:
-            feet = np.asarray(content["feet"], dtype=np.float64)
-    except KeyError as error:
-        raise InputError(f"{os.fspath(path)}: needs an array `feet` (scans, feet, 2), got none of that name") from error
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
+        feet = np.asarray(content["feet"], dtype=np.float64)
+    except (ValueError, TypeError) as error:
         raise InputError(f"{os.fspath(path)}: no readable npz file ({error})") from error
     if feet.ndim != 3 or feet.shape[2] != 2:
         raise InputError(f"{os.fspath(path)}: `feet` must have shape (scans, feet, 2), got {feet.shape}")

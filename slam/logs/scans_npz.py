@@ -2,12 +2,12 @@
 
 import os
 from pathlib import Path
-from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from ..files import read_arrays
 from ..scan import LaserScan
 
 NEEDED = ("ranges", "angle_min", "angle_increment", "range_min", "range_max")
@@ -49,13 +49,14 @@ def _number(path: Path, name: str, value: NDArray[np.float64]) -> float:
 
 def _load(path: Path) -> dict[str, NDArray[np.float64]]:
     try:
-        with np.load(path, allow_pickle=False) as content:
-            missing = [name for name in NEEDED if name not in content]
-            if missing:
-                raise InputError(f"{path}: needs the arrays {', '.join(NEEDED)}; missing: {', '.join(missing)}")
-            names = [*NEEDED, *(name for name in ("bag_time", "stamp") if name in content)]
-            return {name: np.asarray(content[name], dtype=np.float64) for name in names}
-    except (OSError, ValueError, BadZipFile, AttributeError) as error:
-        if isinstance(error, InputError):
-            raise
+        content = read_arrays(path)
+    except InputError as error:
+        raise InputError(f"{path} is no .npz file of scans: {error}") from None
+    missing = [name for name in NEEDED if name not in content]
+    if missing:
+        raise InputError(f"{path}: needs the arrays {', '.join(NEEDED)}; missing: {', '.join(missing)}")
+    names = [*NEEDED, *(name for name in ("bag_time", "stamp") if name in content)]
+    try:
+        return {name: np.asarray(content[name], dtype=np.float64) for name in names}
+    except (ValueError, TypeError) as error:
         raise InputError(f"{path} is no .npz file of scans: {error}") from None

@@ -217,6 +217,11 @@ def test_damaged_classifiers_are_errors(tmp_path):
     (tmp_path / "bad.npz").write_bytes(b"nothing")
     with pytest.raises(InputError, match="tagalong train people"):
         PersonSvm.load(tmp_path / "bad.npz")
+    damaged = bytearray(MODEL.read_bytes())
+    damaged[200] ^= 0xFF
+    (tmp_path / "bad.npz").write_bytes(damaged)
+    with pytest.raises(InputError, match="tagalong train people"):
+        PersonSvm.load(tmp_path / "bad.npz")
     np.savez(tmp_path / "short.npz", weights=np.ones(5, np.float32), calibration=np.ones(3))
     with pytest.raises(InputError, match="weights"):
         PersonSvm.load(tmp_path / "short.npz")
