@@ -31,7 +31,7 @@ class Estimate:
         return {"mean": self.mean, "low": self.low, "high": self.high, "n": self.n}
 
     def text(self, scale: float = 1.0, digits: int = 2) -> str:
-        """Return "mean [low, high]", each times `scale`; the mean alone where there is no interval, "-" of no values."""
+        """Return "mean [low, high]", each times `scale`; the mean alone without an interval, "-" of no values."""
         if np.isnan(self.mean):
             return "-"
         mean, low, high = (f"{value * scale:.{digits}f}" for value in (self.mean, self.low, self.high))
