@@ -58,6 +58,7 @@ def episode_row(follower: str, name: str, k: int, env: gym.Env) -> dict[str, Any
         "follower": follower,
         "suite": name,
         "episode": k,
+        "slam": inner.config.slam is not None,
         "ending": episode.ending,
         **{key: float(figures[key]) if np.isfinite(figures[key]) else None for key in FIGURES},
     }
@@ -139,8 +140,10 @@ def _values(rows: Sequence[dict[str, Any]], key: str) -> np.ndarray:
     return np.array([np.nan if row[key] is None else row[key] for row in rows], dtype=np.float64)
 
 
-def finished_rows(file: Path) -> list[dict[str, Any]]:
-    """Return the episodes in `file`, none where it is not there yet; a last line cut by a kill is taken off.
+def finished_rows(file: Path, slam: bool = True) -> list[dict[str, Any]]:
+    """Return the episodes in `file` with or without SLAM, none where it is not there yet.
+
+    A last line cut by a kill is taken off.
 
     Raises:
         InputError: If another line is no episode.
@@ -149,9 +152,11 @@ def finished_rows(file: Path) -> list[dict[str, Any]]:
     if whole.pop():
         write_text(file, "".join(f"{line}\n" for line in whole))
     try:
-        return [json.loads(line) for line in whole]
+        rows = [json.loads(line) for line in whole]
     except json.JSONDecodeError as error:
         raise InputError(f"{file}: a line is no finished episode ({error})") from error
+    # older files do not say it: only with SLAM is there a map
+    return [row for row in rows if row.get("slam", row["adnn_truth_to_map_m"] is not None) == slam]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -165,7 +170,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--out", type=Path, default=Path("out/followers"), metavar="DIR")
     options = parser.parse_args(arguments)
     file = made_folder(options.out) / "episodes.jsonl"
-    rows = finished_rows(file)
+    rows = finished_rows(file, not options.no_slam)
     done = {(row["follower"], row["suite"], row["episode"]) for row in rows}
     more = {"slam": None} if options.no_slam else {}
     envs = {name: [gym.make(one.env, **{**one.arguments, **more}) for one in suite(name)] for name in options.suites}

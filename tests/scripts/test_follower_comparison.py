@@ -58,7 +58,7 @@ def test_nobody_is_below_the_plot(monkeypatch, tmp_path):
 def test_an_episode_that_was_cut_in_the_writing_is_driven_again(tmp_path):
     file = tmp_path / "episodes.jsonl"
     assert finished_rows(file) == []
-    whole = rows("smooth", [1.0, 2.0], [True, True])
+    whole = [row | {"slam": True} for row in rows("smooth", [1.0, 2.0], [True, True])]
     file.write_text("".join(json.dumps(row) + "\n" for row in whole) + '{"follower": "smo')
     assert finished_rows(file) == whole
     assert finished_rows(file) == whole
@@ -66,3 +66,13 @@ def test_an_episode_that_was_cut_in_the_writing_is_driven_again(tmp_path):
     file.write_text("no episode\n" + json.dumps(whole[0]) + "\n")
     with pytest.raises(InputError, match=r"episodes\.jsonl: a line is no finished episode"):
         finished_rows(file)
+
+
+def test_episodes_without_slam_do_not_stand_for_those_with_it(tmp_path):
+    file = tmp_path / "episodes.jsonl"
+    (one,) = rows("smooth", [1.0], [True])
+    with_map, without = one | {"adnn_truth_to_map_m": 0.02}, one  # as older files have them
+    told = one | {"slam": True}
+    file.write_text("".join(json.dumps(row) + "\n" for row in (with_map, without, told)))
+    assert finished_rows(file, True) == [with_map, told]
+    assert finished_rows(file, False) == [without]
