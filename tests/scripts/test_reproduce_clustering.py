@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from tagalong.scripts.reproduce.clustering.animation import LEGEND
 from tagalong.scripts.reproduce.clustering import pictures
+from tagalong.scripts.reproduce.clustering.animation import LEGEND
 from tagalong.scripts.reproduce.clustering.cells import GAPS, recovery_cell
 from tagalong.scripts.reproduce.clustering.drives import ROBOTS, shortened, simulate
 from tagalong.scripts.reproduce.clustering.example import COLUMNS, odometry_covariances
