@@ -10,7 +10,7 @@ from ..envs.interface import FollowInterface
 from .dynamic_window import DynamicWindow, DynamicWindowConfig, Surroundings
 from .follower import Observation
 from .memory import Goal, LeaderMemory, MemoryConfig, Mode
-from .scan_points import ScanPoints, as_action, own_velocity, without
+from .scan_points import ScanPoints, as_action, leader_row, own_velocity, without
 
 Array = NDArray[np.float64]
 
@@ -55,7 +55,7 @@ class DWAFollower:
 
     def act(self, observation: Observation) -> NDArray[np.float32]:
         """Return the action (forward, turn), or (forward, 0, turn) for a holonomic robot, each in [-1, 1]."""
-        goal = self._memory.update([float(v) for v in observation["leader"]], own_velocity(observation))
+        goal = self._memory.update(leader_row(observation), own_velocity(observation))
         if goal.mode is Mode.WAIT:
             self._window.reset()
             return as_action(0.0, 0.0, self.interface)

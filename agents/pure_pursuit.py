@@ -12,7 +12,7 @@ from ..slam.errors import InputError
 from .avoidance import AvoidanceConfig, free_heading
 from .follower import Observation
 from .memory import Goal, LeaderMemory, MemoryConfig, Mode
-from .scan_points import ScanPoints, as_action, own_velocity, without
+from .scan_points import ScanPoints, as_action, leader_row, own_velocity, without
 
 Array = NDArray[np.float64]
 
@@ -75,7 +75,7 @@ class PurePursuitFollower:
     def act(self, observation: Observation) -> NDArray[np.float32]:
         """Return the action (forward, turn), or (forward, 0, turn) for a holonomic robot, each in [-1, 1]."""
         velocity = own_velocity(observation)
-        goal = self._memory.update([float(v) for v in observation["leader"]], velocity)
+        goal = self._memory.update(leader_row(observation), velocity)
         self._carry_along(velocity)
         if goal.mode is Mode.WAIT:
             return self._command(0.0, 0.0)

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..envs.interface import FollowInterface
+from ..slam.errors import InputError
 from .follower import Observation
 
 Array = NDArray[np.float64]
@@ -48,6 +49,17 @@ def own_velocity(observation: Observation) -> tuple[float, float, float]:
     """Return the robot's own (forward, left, turn) of an observation [m/s, m/s, rad/s]."""
     own = [float(v) for v in observation["velocity"]]
     return own[0], own[1] if len(own) == 3 else 0.0, own[-1]
+
+
+def leader_row(observation: Observation) -> list[float]:
+    """Return (6,) the leader of an observation, columns `LEADER_COLUMNS`.
+
+    Raises:
+        InputError: If nobody leads in the environment.
+    """
+    if "leader" not in observation:
+        raise InputError("this follower needs a leader, the environment has none (`leader=False`)")
+    return [float(v) for v in observation["leader"]]
 
 
 def as_action(speed: float, turn: float, interface: FollowInterface) -> NDArray[np.float32]:

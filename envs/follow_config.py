@@ -31,7 +31,8 @@ class FollowConfig:
     """Everything that defines an environment; its fields are the keyword arguments of `FollowEnv`.
 
     Attributes:
-        scene: Building: "corridor", "floor_plan", "lab", "landmarks", "meeting_room", "office" or "plain_corridor".
+        scene: Building: "corridor", "floor_plan", "lab", "landmarks", "meeting_room", "office" or "plain_corridor"; or
+            one of Follow-Bench's situations: "narrow_corridor", "doorway", "intersection", "clutter".
         split: Of which half offices are drawn: "train" or "test"; no building of one is ever in the other.
         floor_plan: File `map.yaml` of a ROS map for the scene "floor_plan"; None takes a built-in plan.
         walking_paths: File of recorded walks (`frame id x y` or the `obsmat` form of the ETH and UCY recordings, plain
@@ -45,7 +46,7 @@ class FollowConfig:
         people_count: Walking people in the building, the leader included; may be 0 without one.
         standing: Further people who come to stand still beside the route.
         leader_style: Manner of the leader: "steady", "hurried", "waits"; None draws one from the seed.
-        odometry: Quality of the wheel odometry: "good", "typical", "slipping".
+        odometry: Quality of the wheel odometry: "perfect", "good", "typical", "slipping".
         drive: "differential" or "holonomic".
         top_turn_rate: Turn rate at action +1 [rad/s], at most the robot's 4; forward speed at action +1 is
             the robot's 1.3 m/s.

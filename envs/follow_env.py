@@ -117,7 +117,7 @@ class FollowEnv(gym.Env[Any, Any]):
     | `personal_space` | -s clip(1 - space / 0.45 m, 0, 1), space to the nearest bystander | people want room |
     | `smoothness` | -0.1 norm of the change of the action | smooth motion maps better |
     | `lost` | -0.2 s while the robot sees no leader or takes somebody else for it | search actively |
-    | `collision` | -20 on a contact | safety |
+    | `collision` | -20 in each step with a contact | safety |
     | `tour` | +20 at the tour's end without contact | finish |
 
     Without a leader:
@@ -141,7 +141,7 @@ class FollowEnv(gym.Env[Any, Any]):
     | `people` | number of walking people, the leader included |
     | `standing` | number of further people who come to stand still for 25 s |
     | `leader_style` | "steady", "hurried", "waits" (when the robot lags behind) |
-    | `odometry` | "good", "typical", "slipping" |
+    | `odometry` | "perfect", "good", "typical", "slipping" |
 
     ## Episode end
 

@@ -138,10 +138,16 @@ class FollowVectorEnv(VectorEnv[Any, Any, Any]):
         return mask
 
     def step(self, actions: Any) -> tuple[Any, NDArray[np.float64], Flags, Flags, dict[str, Any]]:
-        """Drive all environments for one control period; `actions` (num_envs, a)."""
-        actions = np.asarray(actions)
+        """Drive all environments for one control period; `actions` (num_envs, a).
+
+        Raises:
+            InputError: If an action is missing, too many, of another shape or not finite; then nobody has moved.
+        """
+        actions = np.asarray(actions, dtype=np.float64)
         if len(actions) != self.num_envs:
             raise InputError(f"needs an action for each of the {self.num_envs} environments, got {len(actions)}")
+        if actions.shape != self.action_space.shape or not np.isfinite(actions).all():
+            raise InputError(f"actions have shape {self.action_space.shape} and are finite, got {actions}")
         shares: list[Rows] = self._ask("step", [(actions[part],) for part in self._shares])
         self._last = {
             key: np.concatenate([share.observations[key] for share in shares]) for key in shares[0].observations

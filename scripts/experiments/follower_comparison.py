@@ -9,10 +9,12 @@ paired difference between the first follower and the others with Wilcoxon's sign
 
 import argparse
 import json
+import math
 from collections.abc import Sequence
+from functools import cache
 from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import gymnasium as gym
 import numpy as np
@@ -30,6 +32,9 @@ from ..figures.plots import new_figure, save_figure
 from ..tables import format_table
 from .hardware import describe_machine
 from .statistics import Estimate, bootstrap_mean, share
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 DEFAULT_SUITES = ("office", "corridor", "meeting_room", "floor_plan", "crowd", "hurried")
 FIGURES = {
@@ -58,6 +63,7 @@ def episode_row(follower: str, name: str, k: int, env: gym.Env) -> dict[str, Any
         "follower": follower,
         "suite": name,
         "episode": k,
+        "slam": inner.config.slam is not None,
         "ending": episode.ending,
         **{key: float(figures[key]) if np.isfinite(figures[key]) else None for key in FIGURES},
     }
@@ -90,29 +96,36 @@ def compare(rows: Sequence[dict[str, Any]], followers: Sequence[str]) -> dict[st
     return result
 
 
+TRADE_OFFS = (("jerk_rms_mps3", "success"), ("distance_error_rms_m", "personal_space_compliance"))
+"""What costs what, x and y of the plots: calm driving tours, and staying close the bystanders their room."""
+
+
 def draw_trade_off(result: dict[str, Any], path: Path) -> Path:
-    """Draw tours done over jerk, each with its 95 % interval: a plot a suite, a colour a follower.
+    """Draw tours done over jerk, and personal space kept over the error of the distance, each with its 95 % interval.
 
     Args:
-        result: As `compare` returns it.
+        result: As `compare` returns it: two plots a suite, one above the other, a colour a follower.
         path: PNG file to write.
     """
     columns = min(3, len(result))
     rows = -(-len(result) // columns)
-    figure = new_figure(4.2 * columns, 3.6 * rows)
-    for place, (name, part) in enumerate(result.items()):
-        axes = figure.add_subplot(rows, columns, place + 1)
+    figure = new_figure(4.2 * columns, 3.2 * rows * len(TRADE_OFFS))
+    for (band, pair), (place, (name, part)) in product(enumerate(TRADE_OFFS), enumerate(result.items())):
+        axes = figure.add_subplot(len(TRADE_OFFS) * rows, columns, band * rows * columns + place + 1)
         for who, figures in part["figures"].items():
-            jerk, done = figures["jerk_rms_mps3"], figures["success"]
-            spans = [[[v["mean"] - v["low"]], [v["high"] - v["mean"]]] for v in (jerk, done)]
-            axes.errorbar(jerk["mean"], done["mean"], spans[1], spans[0], "o", capsize=3, label=who)
-        axes.set(title=f"{name.replace('_', ' ')}, {part['episodes']} episodes", xlabel="jerk RMS [m/s3]")
-        least = min(figures["success"]["low"] for figures in part["figures"].values())
-        axes.set(ylabel="tours done", ylim=(min(0.5, least - 0.02), 1.02))
+            _point(axes, who, figures[pair[0]], figures[pair[1]])
+        axes.set(title=f"{name.replace('_', ' ')}, {part['episodes']} episodes", xlabel=FIGURES[pair[0]])
+        least = min(figures[pair[1]]["low"] for figures in part["figures"].values())
+        axes.set(ylabel=FIGURES.get(pair[1], "tours done"), ylim=(min(0.8, least - 0.02), 1.01))
         axes.set_xlim(left=0.0)
         axes.grid(alpha=0.3)
         axes.legend(loc="lower left")
     return save_figure(path, figure)
+
+
+def _point(axes: "Axes", who: str, x: dict[str, Any], y: dict[str, Any]) -> None:
+    spans = [[[v["mean"] - v["low"]], [v["high"] - v["mean"]]] for v in (x, y)]
+    axes.errorbar(x["mean"], y["mean"], spans[1], spans[0], "o", capsize=3, label=who)
 
 
 def _figures(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
@@ -139,8 +152,12 @@ def _values(rows: Sequence[dict[str, Any]], key: str) -> np.ndarray:
     return np.array([np.nan if row[key] is None else row[key] for row in rows], dtype=np.float64)
 
 
-def finished_rows(file: Path) -> list[dict[str, Any]]:
+def finished_rows(file: Path, maps: float = math.inf) -> list[dict[str, Any]]:
     """Return the episodes in `file`, none where it is not there yet; a last line cut by a kill is taken off.
+
+    Args:
+        file: A line an episode.
+        maps: Episodes below this number count if they were driven with SLAM, the others if without.
 
     Raises:
         InputError: If another line is no episode.
@@ -149,9 +166,11 @@ def finished_rows(file: Path) -> list[dict[str, Any]]:
     if whole.pop():
         write_text(file, "".join(f"{line}\n" for line in whole))
     try:
-        return [json.loads(line) for line in whole]
+        rows = [json.loads(line) for line in whole]
     except json.JSONDecodeError as error:
         raise InputError(f"{file}: a line is no finished episode ({error})") from error
+    # older files do not say it: only with SLAM is there a map
+    return [row for row in rows if row.get("slam", row["adnn_truth_to_map_m"] is not None) == (row["episode"] < maps)]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -160,19 +179,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--followers", nargs="+", default=["learned", "pid"], metavar="WHO")
     parser.add_argument("--suites", nargs="+", default=list(DEFAULT_SUITES), choices=sorted(SUITES), metavar="SUITE")
     parser.add_argument("--episodes", type=int, default=100, metavar="N")
-    parser.add_argument("--no-slam", action="store_true", help="build no maps: several times faster, no ADNN")
+    parser.add_argument(
+        "--maps", type=int, metavar="N", help="build maps in the first N episodes only (default: in all): faster"
+    )
     parser.add_argument("--plot", action="store_true", help="draw tours done over jerk (extra viz)")
     parser.add_argument("--out", type=Path, default=Path("out/followers"), metavar="DIR")
     options = parser.parse_args(arguments)
     file = made_folder(options.out) / "episodes.jsonl"
-    rows = finished_rows(file)
+    maps = math.inf if options.maps is None else options.maps
+    rows = finished_rows(file, maps)
+    scenario = cache(_scenario)  # an environment serves all episodes of its scenario
     done = {(row["follower"], row["suite"], row["episode"]) for row in rows}
-    more = {"slam": None} if options.no_slam else {}
-    envs = {name: [gym.make(one.env, **{**one.arguments, **more}) for one in suite(name)] for name in options.suites}
     for k in range(options.episodes):
         for name, who in product(options.suites, options.followers):
             if (who, name, k) not in done:
-                rows.append(episode_row(who, name, k, envs[name][k % len(envs[name])]))
+                rows.append(episode_row(who, name, k, scenario(name, k % len(suite(name)), k < maps)))
                 with file.open("a", encoding="utf-8") as lines:
                     lines.write(json.dumps(rows[-1]) + "\n")
     result = compare(rows, options.followers)
@@ -183,6 +204,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"\n{name}, {part['episodes']} episodes each")
         print(format_table(("figure", *options.followers), _lines(part["figures"])))
     return 0
+
+
+def _scenario(name: str, number: int, mapped: bool) -> gym.Env:
+    one = suite(name)[number]
+    return gym.make(one.env, **{**one.arguments, **({} if mapped else {"slam": None})})
 
 
 def _lines(figures: dict[str, Any]) -> list[tuple[str, ...]]:

@@ -8,6 +8,7 @@ DATA holds the folder slam_logs, REFERENCE simulated logs NAME.log.gz with true 
 without the returns on true feet, NAME-filtered.log.gz.
 """
 
+import argparse
 import sys
 import time
 from collections.abc import Mapping, Sequence
@@ -283,8 +284,17 @@ def _counts(engine: Cartographer) -> dict[str, Any]:
 
 def main(words: Sequence[str]) -> int:
     """Run the experiment: DATA REFERENCE OUT [JOBS]."""
-    out = Path(words[2])
-    results = run_cells(cells(Path(words[0]), Path(words[1])), out, jobs=int(words[3]) if len(words) > 3 else 1)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("data", type=Path, metavar="DATA", help="holds the folder slam_logs")
+    parser.add_argument("reference", type=Path, metavar="REFERENCE", help="simulated logs")
+    parser.add_argument("out", type=Path, metavar="OUT", help="where the results go")
+    parser.add_argument("jobs", type=int, nargs="?", default=1, metavar="JOBS", help="processes (default: 1)")
+    options = parser.parse_args(words)
+    for folder in (options.data / "slam_logs", options.reference):
+        if not folder.is_dir():
+            parser.error(f"{folder} is not a folder")
+    out: Path = options.out
+    results = run_cells(cells(options.data, options.reference), out, jobs=options.jobs)
     write_json(out / "summary.json", {"machine": describe_machine(), "results": results})
     print(tables(results))
     return 0

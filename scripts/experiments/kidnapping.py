@@ -7,6 +7,7 @@ Run: python -m tagalong.scripts.experiments.kidnapping LOGS OUT [TRIALS] [JOBS] 
 The seed says which building a scene is, and where robots are carried to.
 """
 
+import argparse
 import copy
 import sys
 import time
@@ -240,9 +241,18 @@ def _interval(row: Mapping[str, float]) -> str:
 
 def main(words: Sequence[str]) -> int:
     """Run the experiment: LOGS OUT [TRIALS] [JOBS] [SEED]."""
-    out, trials = Path(words[1]), int(words[2]) if len(words) > 2 else 100
-    jobs, seed = int(words[3]) if len(words) > 3 else 1, int(words[4]) if len(words) > 4 else 0
-    results = run_cells(cells(Path(words[0]), trials, seed), out, jobs=jobs)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("logs", type=Path, metavar="LOGS", help="folder of recorded logs")
+    parser.add_argument("out", type=Path, metavar="OUT", help="where the results go")
+    for name, default in (("trials", 100), ("jobs", 1), ("seed", 0)):
+        parser.add_argument(
+            name, type=int, nargs="?", default=default, metavar=name.upper(), help=f"(default: {default})"
+        )
+    options = parser.parse_args(words)
+    if not options.logs.is_dir():
+        parser.error(f"{options.logs} is not a folder")
+    out, trials, seed = options.out, options.trials, options.seed
+    results = run_cells(cells(options.logs, trials, seed), out, jobs=options.jobs)
     table = summary(results)
     write_json(out / "summary.json", {"machine": describe_machine(), "seed": seed, "trials": trials, "results": table})
     rows = [

@@ -31,7 +31,9 @@ class Estimate:
         return {"mean": self.mean, "low": self.low, "high": self.high, "n": self.n}
 
     def text(self, scale: float = 1.0, digits: int = 2) -> str:
-        """Return "mean [low, high]", each times `scale`; the mean alone where there is no interval."""
+        """Return "mean [low, high]", each times `scale`; the mean alone without an interval, "-" of no values."""
+        if np.isnan(self.mean):
+            return "-"
         mean, low, high = (f"{value * scale:.{digits}f}" for value in (self.mean, self.low, self.high))
         return mean if np.isnan(self.low) else f"{mean} [{low}, {high}]"
 

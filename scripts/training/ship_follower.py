@@ -51,8 +51,8 @@ def make_card(card: Mapping[str, Any], comparison: Path | None) -> dict[str, Any
     measured = {} if comparison is None else json.loads((comparison / "comparison.json").read_text())
     suites = measured.get("suites", {})
     command = f"tagalong train follower --algo {card['algorithm']} --preset {card['preset']} --seed {card['seed']}"
-    unmapped = [name for name, part in suites.items() if not _mapped(part)]
-    without = f" (without maps, --no-slam: {', '.join(unmapped)})" if unmapped else ""
+    mapped = {name: part["figures"]["learned"]["adnn_truth_to_map_m"]["n"] for name, part in suites.items()}
+    how = f" (--maps: {', '.join(f'{name} {n}' for name, n in mapped.items())})"
     return {
         **{name: field for name, field in card.items() if name != "maps"},
         "command": command,
@@ -60,7 +60,7 @@ def make_card(card: Mapping[str, Any], comparison: Path | None) -> dict[str, Any
         "limits": [*measured_limits(suites), *LIMITS],
         "suites": suites,
         "suites_command": "python -m tagalong.scripts.experiments.follower_comparison --followers learned pid "
-        f"--plot --episodes {max((part['episodes'] for part in suites.values()), default=37)}{without}",
+        f"--plot --episodes {max((part['episodes'] for part in suites.values()), default=37)}{how}",
     }
 
 
@@ -96,7 +96,7 @@ def _maps(suites: Mapping[str, Any]) -> str:
         if _mapped(part):
             test = part["paired"]["pid"]["adnn_truth_to_map_m"]
             learned, pid = (100.0 * part["figures"][who]["adnn_truth_to_map_m"]["mean"] for who in ("learned", "pid"))
-            found.append(f"{name} {learned:.1f} (PID {pid:.1f}, p {test['p']:.2g})")
+            found.append(f"{name} {learned:.1f} (PID {pid:.1f}, p {test['p']:.2g}, {test['n']} episodes)")
     missing = [name for name, part in suites.items() if not _mapped(part)]
     words = f"Maps, ADNN truth to map [cm]: {', '.join(found)}; " if found else "Maps (ADNN): "
     return words + (f"not measured in: {', '.join(missing)}." if missing else "measured in all suites.")

@@ -48,11 +48,6 @@ class TileMaps:
         """How many tiles are stored."""
         return len(self.bits) - 1 - self._free_count
 
-    @property
-    def bytes_used(self) -> int:
-        """Memory of the stored tiles and directories [bytes]."""
-        return self.tiles * SIDE * (SIDE * 12 + 4) + self.directory.nbytes
-
     def to_cells(self, points_map: Array) -> Array:
         """Return points (..., 2) of the map frame [m] in cells from the directory's corner."""
         return points_map / self.cell - self.origin * SIDE

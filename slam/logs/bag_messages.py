@@ -104,6 +104,6 @@ def open_bag(path: str | os.PathLike[str]) -> Iterator[Bag]:
     except (InputError, MissingExtraError, GeneratorExit):
         raise
     except Exception as error:  # damaged bytes raise whatever struct, lz4, sqlite and the library raise for them
-        raise InputError(
-            f"{path}: no readable ROS bag ({' '.join(str(error).split()) or type(error).__name__})"
-        ) from error
+        said = " ".join(str(error).split()) or type(error).__name__
+        hint = "; if it was cut, `rosbag reindex` restores what is there" if "index" in said.lower() else ""
+        raise InputError(f"{path}: no readable ROS bag ({said}){hint}") from error

@@ -143,7 +143,10 @@ def _headers_are_good(headers: Array, recorded: Array, odometry: _Poses | None) 
 def _scan(message: Any, time_s: float, mount: Pose, flipped: bool, where: str) -> LaserScan:
     """Return the scan of a message, its bearings ascending."""
     ranges = np.asarray(message.ranges, dtype=np.float64)
-    bearings = message.angle_min + message.angle_increment * np.arange(len(ranges))
+    first, step = message.angle_min, message.angle_increment
+    if not (np.isfinite(first) and np.isfinite(step) and (step != 0.0 or len(ranges) < 2)):
+        raise InputError(f"{where}: beams need a finite angle and step [rad], got {first} and {step}")
+    bearings = first + step * np.arange(len(ranges))
     if flipped:
         bearings = -bearings
     if len(bearings) > 1 and bearings[1] < bearings[0]:

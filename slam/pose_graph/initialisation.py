@@ -3,8 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
+from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
+from ..errors import InputError
 from .pose_graph import PoseGraph
 
 Array = NDArray[np.float64]
@@ -16,9 +18,16 @@ def initialise(graph: PoseGraph, fixed: int = 0) -> PoseGraph:
 
     Headings: the unit numbers u_j = u_i exp(i dtheta) in the least-squares sense, each scaled back to length 1. Then
     the positions that fit the measured translations under these headings. Both are linear, hence have no wrong optima.
+
+    Raises:
+        InputError: If the measurements do not tie all poses together.
     """
     poses = graph.poses.copy()
-    i = graph.edges[:, 0]
+    i, j = graph.edges.T
+    ties = sparse.coo_matrix((np.ones(len(i)), (i, j)), shape=(len(poses), len(poses)))
+    pieces = connected_components(ties, directed=False, return_labels=False)
+    if pieces > 1:
+        raise InputError(f"a graph is initialised as a whole, got {pieces} pieces that no measurement ties together")
     turns = np.exp(1j * graph.measurements[:, 2])
     start = np.exp(1j * poses[fixed, 2])
     units = _solve(len(poses), graph.edges, graph.information[:, 2, 2], turns, np.zeros(len(i), complex), fixed, start)

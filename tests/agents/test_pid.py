@@ -49,6 +49,13 @@ def test_what_a_short_laser_does_not_reach_is_no_obstacle():
     assert points.near({"scan": np.array([0.5, 1.0], dtype=np.float32)}, 2.5).tolist() == [[1.0, 0.0]]
 
 
+@pytest.mark.parametrize("name", ["pid", "pure_pursuit", "dwa"])
+def test_who_needs_a_leader_says_so_where_nobody_leads(name):
+    observation = {"scan": np.ones(BEAMS, dtype=np.float32), "velocity": np.zeros(2), "people": np.zeros((6, 6))}
+    with pytest.raises(InputError, match="needs a leader"):
+        make_follower(name, INTERFACE).act(observation)
+
+
 def test_the_distance_settles_at_1_3_m_behind_a_straight_leader():
     rows = drive(PIDFollower(INTERFACE), lambda t: (1.3 + 0.9 * t, 0.0), 15.0)
     distance = np.hypot(rows[:, 4] - rows[:, 1], rows[:, 5] - rows[:, 2])

@@ -85,13 +85,14 @@ def test_the_limit_of_steps_is_that_of_the_id_and_the_spaces_are_batched():
 
 
 def test_an_action_that_is_refused_moves_nobody():
-    disturbed, undisturbed = native(workers=1), native(workers=1)
+    disturbed, undisturbed = native(), native(workers=1)
     same(disturbed.reset(seed=0), undisturbed.reset(seed=0))
     actions, refused = np.zeros((COUNT, 2)), np.zeros((COUNT, 2))
     refused[-1] = np.nan
     for _ in range(20):
-        with pytest.raises(InputError, match="finite"):
-            disturbed.step(refused)
+        for wrong in (refused, np.zeros((COUNT, 3))):
+            with pytest.raises(InputError, match="finite"):
+                disturbed.step(wrong)
         for part, other in zip(disturbed.step(actions), undisturbed.step(actions), strict=True):
             same(part, other)
     disturbed.close()

@@ -52,13 +52,16 @@ def test_nobody_is_below_the_plot(monkeypatch, tmp_path):
     monkeypatch.setattr(follower_comparison, "save_figure", lambda path, figure: kept.append(figure) or path)
     seldom = rows("seldom", np.ones(20), [True] * 2 + [False] * 18)
     draw_trade_off(compare(seldom, ["seldom"]), tmp_path / "x.png")
-    assert kept[0].axes[0].get_ylim()[0] < 0.03  # Wilson's lower end of 2 of 20
+    tours, space = kept[0].axes
+    assert tours.get_ylim()[0] < 0.03  # Wilson's lower end of 2 of 20
+    assert (tours.get_ylabel(), space.get_ylabel()) == ("tours done", "personal space kept")
+    assert space.get_ylim()[0] < 0.5
 
 
 def test_an_episode_that_was_cut_in_the_writing_is_driven_again(tmp_path):
     file = tmp_path / "episodes.jsonl"
     assert finished_rows(file) == []
-    whole = rows("smooth", [1.0, 2.0], [True, True])
+    whole = [row | {"slam": True} for row in rows("smooth", [1.0, 2.0], [True, True])]
     file.write_text("".join(json.dumps(row) + "\n" for row in whole) + '{"follower": "smo')
     assert finished_rows(file) == whole
     assert finished_rows(file) == whole
@@ -66,3 +69,14 @@ def test_an_episode_that_was_cut_in_the_writing_is_driven_again(tmp_path):
     file.write_text("no episode\n" + json.dumps(whole[0]) + "\n")
     with pytest.raises(InputError, match=r"episodes\.jsonl: a line is no finished episode"):
         finished_rows(file)
+
+
+def test_episodes_without_slam_do_not_stand_for_those_with_it(tmp_path):
+    file = tmp_path / "episodes.jsonl"
+    (one,) = rows("smooth", [1.0], [True])
+    with_map, without = one | {"adnn_truth_to_map_m": 0.02}, one  # as older files have them
+    told, later = one | {"slam": True}, one | {"slam": False, "episode": 5}
+    file.write_text("".join(json.dumps(row) + "\n" for row in (with_map, without, told, later)))
+    assert finished_rows(file) == [with_map, told]
+    assert finished_rows(file, 0) == [without, later]
+    assert finished_rows(file, 5) == [with_map, told, later]

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from tagalong.scripts.experiments import graph_slam
+from tagalong.scripts.experiments import graph_slam, kidnapping
 from tagalong.scripts.experiments.intel_reference import (
     CORRECTED,
     corrected_poses,
@@ -57,6 +57,25 @@ def test_corrected_scans_are_readings_by_the_order_of_the_lines(tmp_path):
     with gzip.open(tmp_path / "log.gz", "wt") as lines:
         lines.writelines(f"{word} 1.0 2.0\n" for word in words)
     assert corrected_readings(tmp_path / "log.gz").tolist() == [1, 2, 4]
+
+
+@pytest.mark.parametrize(
+    ("main", "words", "missing"),
+    [(graph_slam.main, ("none", "none", "out"), "none/slam_logs"), (kidnapping.main, ("none", "out"), "none")],
+)
+def test_the_experiments_say_what_they_need(tmp_path, monkeypatch, capsys, main, words, missing):
+    monkeypatch.chdir(tmp_path)
+    for given, status, said in (
+        (["--help"], 0, "OUT"),
+        ([], 2, "required: "),
+        (words, 2, f"{missing} is not a folder"),
+    ):
+        with pytest.raises(SystemExit) as ended:
+            main(given)
+        assert ended.value.code == status
+        printed = capsys.readouterr()
+        assert said in printed.out + printed.err
+    assert not any(tmp_path.iterdir())
 
 
 def test_every_cell_has_a_name_of_its_own_and_every_drive_with_people_is_mapped_three_ways(tmp_path):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tagalong.scripts.reproduce.clustering import pictures
 from tagalong.scripts.reproduce.clustering.animation import LEGEND
 from tagalong.scripts.reproduce.clustering.cells import GAPS, recovery_cell
 from tagalong.scripts.reproduce.clustering.drives import ROBOTS, shortened, simulate
@@ -99,11 +100,20 @@ def test_nees_within_its_bounds_is_counted():
     assert consistency([{"nees": [2.0 * value for value in row["nees"]]} for row in rows]).inside < 0.1
 
 
+def test_no_nees_is_above_the_plot(tmp_path, monkeypatch):
+    kept = []
+    monkeypatch.setattr(pictures, "save_figure", lambda path, figure: kept.append(figure) or path)
+    pictures.draw_consistency(consistency([{"nees": [3.0] * 20 + [40.0]}]), tmp_path)
+    assert kept[0].axes[0].get_ylim()[1] > 40.0
+
+
 def test_recovery_counts_who_is_back():
     row = {"seen_again": True, "before_m": 0.01, "peak_m": 0.3, "worst_later_m": 0.05, "blind_way_m": 6.0}
     rows = [{name: row | {"within_3_m": 0.02 if k else 0.4} for name in GAPS} for k in range(20)]
     assert recovery(rows)["6 m"]["back"].mean == pytest.approx(0.95)
-    assert recovery([{name: {"seen_again": False} for name in GAPS}])["6 m"]["worlds"] == 0
+    never = [{name: {"seen_again": False} for name in GAPS}]
+    assert recovery(never)["6 m"]["worlds"] == 0
+    assert recovery_table(never).rows[0][2:8] == ["-", "-", "- of 0", "-", "-", "-"]
     assert len(recovery_table(rows).rows) == len(GAPS)
 
 

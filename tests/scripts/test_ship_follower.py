@@ -20,7 +20,11 @@ def part(episodes, learned, pid, jerk=1.0, off=0.2, maps=None):
         }
         for who, endings, a, b, c in (("learned", learned, jerk, off, maps), ("pid", pid, 2.5, 0.4, 0.03))
     }
-    return {"episodes": episodes, "figures": figures, "paired": {"pid": {"adnn_truth_to_map_m": {"p": 0.271}}}}
+    return {
+        "episodes": episodes,
+        "figures": figures,
+        "paired": {"pid": {"adnn_truth_to_map_m": {"p": 0.271, "n": episodes}}},
+    }
 
 
 SUITES = {
@@ -42,7 +46,7 @@ def test_the_limits_say_in_words_what_the_figures_show():
     assert "in 3; contacts: 1, PID 1" in lost
     assert "0.40 of PID's" in smooth
     assert "0.20 m, PID 0.40 m" in smooth
-    assert maps.endswith("[cm]: corridor 2.0 (PID 3.0, p 0.27); not measured in: office.")
+    assert maps.endswith("[cm]: corridor 2.0 (PID 3.0, p 0.27, 40 episodes); not measured in: office.")
     assert ship_follower.measured_limits({}) == []
 
 
@@ -63,7 +67,7 @@ def test_a_renewed_card_keeps_the_training_and_takes_the_figures_and_what_surrou
     card = json.loads((shipped / "follower.json").read_text())
     assert card["minutes"] == 7.0
     assert card["suites"] == SUITES
-    assert card["suites_command"].endswith("--plot --episodes 40 (without maps, --no-slam: office)")
+    assert card["suites_command"].endswith("--plot --episodes 40 (--maps: office 0, corridor 40)")
     config = follower.pilot_config(card["pilot"])
     assert config == replace(PilotConfig(), features=replace(PilotConfig().features, sectors=30))
 

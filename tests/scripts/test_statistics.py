@@ -36,6 +36,7 @@ def test_one_value_has_no_interval(mean):
     assert one.text(100.0, 1) == "2.1"
     assert mean([1.0, 1.0]).text() == "1.00 [1.00, 1.00]"
     assert mean([2.0, np.nan]).n == 1
+    assert mean([]).text() == mean([np.nan]).text() == "-"
 
 
 def test_a_share_of_all_successes_has_an_upper_end_of_one_and_an_honest_lower_end():

@@ -103,6 +103,12 @@ def test_a_broken_g2o_line_is_named(tmp_path, line):
         read_g2o(path)
 
 
+def test_a_graph_in_pieces_is_not_initialised():
+    ends, seen = np.array([[0, 1], [2, 3]]), np.array([[1.0, 0.0, 0.0]] * 2)
+    with pytest.raises(InputError, match="got 2 pieces"):
+        initialise(PoseGraph.of(np.zeros((4, 3)), ends, seen, np.tile(np.eye(3), (2, 1, 1))))
+
+
 def test_a_damaged_gzipped_graph_is_one_clear_error(tmp_path):
     packed = bytearray(gzip.compress(b"VERTEX_SE2 0 0 0 0\n" + b"FIX 0\n" * 1000))
     packed[-20] ^= 0xFF

@@ -189,6 +189,21 @@ def test_broken_bags_end_with_one_line_and_status_two(tmp_path, capsys, name, co
     assert error.count("\n") == 1
 
 
+def test_a_bag_cut_in_the_middle_is_named_with_what_restores_it(tmp_path):
+    whole = write_drive(tmp_path / "whole.bag").read_bytes()
+    (tmp_path / "cut.bag").write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(InputError, match=r"cut\.bag: no readable ROS bag .*`rosbag reindex` restores"):
+        read_log(tmp_path / "cut.bag")
+
+
+@pytest.mark.parametrize("increment", [np.nan, np.inf, 0.0])
+def test_beams_without_directions_are_one_clear_error(tmp_path, increment):
+    with BagWriter(tmp_path / "odd.bag") as bag:
+        bag.scan(1.0, [1.0] * 5, increment=increment)
+    with pytest.raises(InputError, match=r"odd\.bag: /scan: beams need a finite angle and step"):
+        read_log(tmp_path / "odd.bag")
+
+
 def test_a_folder_that_is_no_bag_and_a_bag_without_scans_are_named(tmp_path):
     with pytest.raises(InputError, match=r"no ROS 2 bag"):
         read_log(tmp_path)

@@ -139,7 +139,7 @@ def draw_consistency(found: Consistency, folder: Path) -> Figure:
     for bound in (found.low, found.high):
         axes.axhline(bound, color="#d62728", lw=1, ls="--")
     axes.axhline(3.0, color="0.6", lw=1)
-    axes.set(xlabel="step (0.1 s)", ylabel="average NEES of the pose", ylim=(0.0, 6.0))
+    axes.set(xlabel="step (0.1 s)", ylabel="average NEES of the pose", ylim=(0.0, max(6.0, 1.05 * found.average.max())))
     caption = "Average NEES; red the 95 % bounds of a filter whose covariance is right."
     return Figure(file=save_figure(folder / "nees.png", figure), caption=caption)
 

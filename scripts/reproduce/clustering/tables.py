@@ -1,6 +1,6 @@
 """Tables of the report."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -127,12 +127,12 @@ def recovery_table(rows: Sequence[Mapping[str, Any]]) -> Table:
             [
                 name,
                 str(found["worlds"]),
-                f"{100.0 * found['peak_m']:.0f}",
+                _or_dash(found["peak_m"], lambda metres: f"{100.0 * metres:.0f}"),
                 found["back"].text(100.0, 1),
                 found["of_those_beyond"].text(100.0, 1) + f" of {found['of_those_beyond'].n}",
                 found["stayed"].text(100.0, 1),
-                f"{found['p_more_than_95']:.2g}",
-                f"{100.0 * found['after_m']:.1f}",
+                _or_dash(found["p_more_than_95"], lambda p: f"{p:.2g}"),
+                _or_dash(found["after_m"], lambda metres: f"{100.0 * metres:.1f}"),
                 str(found["lost_before"]),
             ]
         )
@@ -154,6 +154,10 @@ def recovery_table(rows: Sequence[Mapping[str, Any]]) -> Table:
         "3 m are counted from the first landmark seen again. A slip is a jump of the odometry by 0.1 to 0.5 m and up "
         "to 10 degrees that no covariance knows of. p: exact binomial test that the share is more than 95 %.",
     )
+
+
+def _or_dash(value: float | None, text: Callable[[float], str]) -> str:
+    return "-" if value is None else text(value)
 
 
 def sweep_tables(rows: Sequence[Mapping[str, Any]]) -> list[Table]:
