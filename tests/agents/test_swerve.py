@@ -61,6 +61,10 @@ def test_bystanders_who_walk_are_minded_where_they_will_be():
     assert moved == pytest.approx(np.array([[1.0, 0.9], [1.0, 0.3], [3.0, 0.0]]))
     assert things[0, 1] == 0.3
     assert foreseen(things, np.array([[*walker[:5], 0.0]]), 0.6) == pytest.approx(things)
+    slow, stroll = [1.0, 0.1, 0.15, 0.0, 0.9, 1.0], [1.0, 0.1, 0.3, 0.0, 0.9, 1.0]
+    assert foreseen(things, np.array([slow]), 1.0) == pytest.approx(things)
+    wall = np.array([[1.4, 0.1], [1.6, 0.1]])  # the nearer one may be a leg, the other is none
+    assert foreseen(wall, np.array([stroll]), 1.0) == pytest.approx(np.array([[1.7, 0.1], [1.6, 0.1]]))
 
 
 def test_who_leaves_the_way_is_not_swerved_and_who_comes_into_it_is():

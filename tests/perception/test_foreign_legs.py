@@ -71,7 +71,7 @@ def people_at(places, unseen_s=0.0):
         confidence=np.full(count, 0.8),
         legs=np.zeros((count, 2, 2)),
         variance=np.full(count, 0.05),
-        unseen_s=np.array([0.0, unseen_s]),
+        unseen_s=np.array([0.0, unseen_s, 0.0][:count]),
         age_s=np.ones(count),
         seen_legs=SeenLegs(none, np.zeros(0), np.zeros(0, dtype=np.intp)),
     )
@@ -87,6 +87,10 @@ def watched(place, steps, **fields):
 def test_who_is_tracked_at_the_leaders_place_for_long_is_its_double():
     pair = people_at([(0.0, 0.0), (0.3, 0.0)])
     assert watched((0.3, 0.0), 10)[0].among(pair).tolist() == [False, True]
+    doubles, leader = watched((0.3, 0.0), 0)
+    for _ in range(10):
+        doubles.watch(people_at([(0.0, 0.0), (0.3, 0.0), (3.0, 0.0)]), leader, DT)
+    assert doubles.among(people_at([(0.0, 0.0), (0.3, 0.0), (3.0, 0.0)])).tolist() == [False, True, False]
     assert watched((0.3, 0.0), 7)[0].among(pair).tolist() == [False, False]
     assert watched((0.5, 0.0), 10)[0].among(pair).tolist() == [False, False]
     assert watched((0.3, 0.0), 10, unseen_s=0.2)[0].among(pair).tolist() == [False, False]
