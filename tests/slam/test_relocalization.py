@@ -11,8 +11,7 @@ from tagalong.slam.graph.engine import Cartographer, CartographerConfig
 from tagalong.slam.graph.relocalization import searchable
 from tagalong.slam.graph.submap import Submap, SubmapConfig
 from tagalong.slam.graph.watch import Suspicion, Watch, WatchConfig, contradictions
-from tagalong.slam.localization.contest import contest, weigh
-from tagalong.slam.localization.global_search import Belief, GlobalSearchConfig
+from tagalong.slam.localization.contest import contest
 from tagalong.slam.matching import make_matcher
 from walls import cast
 
@@ -282,23 +281,23 @@ def test_what_older_submaps_contradict_becomes_suspicious_by_itself_and_is_weigh
     assert updates[-1].located
 
 
+def judged(monkeypatch, engine, *, surpassed=False, **verdict):
+    """Let every contest end in the same verdict; return the list that takes the drifts that they allowed."""
+    belief, drifts = SimpleNamespace(poses=np.zeros((1, 3)), sure=surpassed), []
+    outcome = SimpleNamespace(stays=False, belief=belief, surpassed=surpassed, **verdict)
+    search = SimpleNamespace(
+        contest=lambda here, doubted, drift: drifts.append(drift) or outcome, begin=lambda: None, update=lambda *_: None
+    )
+    monkeypatch.setattr(engine, "_relocalization", lambda graph: search)
+    return drifts
+
+
 @pytest.mark.parametrize(("explained", "elsewhere", "lost"), [(0.6, False, 0), (0.4, False, 1), (0.6, True, 1)])
 def test_badly_fitting_scans_make_it_lost_unless_the_map_explains_half_of_them_here_and_not_better_elsewhere(
     mapped, monkeypatch, explained, elsewhere, lost
 ):
     engine, odometry, last, rng = mapped
-    belief = SimpleNamespace(poses=np.zeros((1, 3)), sure=False)
-    verdict = SimpleNamespace(
-        stays=False,
-        moved=elsewhere,
-        rivalled=elsewhere,
-        belief=belief,
-        explained=explained,
-        beside=True,
-        surpassed=False,
-    )
-    search = SimpleNamespace(contest=lambda *_: verdict, begin=lambda: None, update=lambda *_: None)
-    monkeypatch.setattr(engine, "_relocalization", lambda graph: search)
+    judged(monkeypatch, engine, moved=elsewhere, rivalled=elsewhere, explained=explained, beside=True)
     fed(engine, ahead(last, (0.0, 0.0, 0.02), 4), odometry, rng, ELSEWHERE)
     assert engine.losses == lost
 
@@ -308,12 +307,7 @@ def test_where_only_older_submaps_contradict_a_surely_likelier_place_beside_is_d
     mapped, monkeypatch, beside, sure, lost
 ):
     engine, odometry, last, rng = mapped
-    belief = SimpleNamespace(poses=np.zeros((1, 3)), sure=sure)
-    verdict = SimpleNamespace(
-        stays=False, moved=True, rivalled=True, belief=belief, explained=0.0, beside=beside, surpassed=sure
-    )
-    search = SimpleNamespace(contest=lambda *_: verdict, begin=lambda: None, update=lambda *_: None)
-    monkeypatch.setattr(engine, "_relocalization", lambda graph: search)
+    judged(monkeypatch, engine, moved=True, rivalled=True, explained=0.0, beside=beside, surpassed=sure)
     monkeypatch.setattr(engine._global, "contradicted", lambda foot: 0.2)
     updates, _ = fed(engine, ahead(last, (0.1, 0.0, 0.05), 8), odometry, rng)
     assert engine.losses == lost
@@ -325,50 +319,11 @@ def test_badly_fitting_scans_make_it_lost_where_another_place_is_sure_though_it_
     mapped, monkeypatch, surpassed, beside, lost
 ):
     engine, odometry, last, rng = mapped
-    belief = SimpleNamespace(poses=np.zeros((1, 3)), sure=surpassed)
-    verdict = SimpleNamespace(
-        stays=False, moved=False, rivalled=True, belief=belief, explained=0.6, beside=beside, surpassed=surpassed
-    )
-    drifts = []
-    search = SimpleNamespace(
-        contest=lambda here, doubted, drift: drifts.append(drift) or verdict, begin=lambda: None, update=lambda *_: None
-    )
-    monkeypatch.setattr(engine, "_relocalization", lambda graph: search)
+    drifts = judged(monkeypatch, engine, moved=False, rivalled=True, explained=0.6, beside=beside, surpassed=surpassed)
     fed(engine, ahead(last, (0.0, 0.0, 0.02), 4), odometry, rng, ELSEWHERE)
     assert engine.losses == lost
     steps = [engine.config.local.extrapolator.sigma(node.motion.pose)[0] for node in engine._global.nodes]
     assert drifts[0] == pytest.approx(2.0 * np.sqrt(20.0) * np.mean(steps), rel=0.1)  # twenty steps, two deviations
-
-
-def believed(*places):
-    """Return the belief in `places`: pose, logarithm of the likelihood over the first's, share explained."""
-    poses, ratios, explained = zip(*places, strict=True)
-    needed = np.log(10.0) * (1.0 + 10.0 * max(0.0, 0.85 - explained[0]))
-    sure = len(places) < 2 or -ratios[1] > needed
-    return Belief(np.array(poses), np.array(ratios), np.array(explained), sure)
-
-
-def test_a_place_that_explains_half_and_is_likelier_than_any_other_is_a_rival_and_surpasses_where_it_is_sure():
-    config, here, there, third = GlobalSearchConfig(), (0.0, 0.0, 0.0), (0.0, 4.0, 3.1), (5.0, 0.0, 0.0)
-    for places, rivalled, surpassed in (
-        ([(there, 0.0, 0.74), (here, -4.0, 0.58)], True, False),  # a half-turn seen in a meeting room
-        ([(there, 0.0, 0.74), (here, -6.0, 0.58)], True, True),
-        ([(there, 0.0, 0.74), (here, -2.0, 0.58)], False, False),  # about as likely, and explained badly: people
-        ([(there, 0.0, 0.74), (third, -1.0, 0.7)], False, False),  # not mapped: it looks a little like many places
-        ([(there, 0.0, 0.45), (here, -4.0, 0.4)], False, False),
-        ([(here, 0.0, 0.9), (there, -2.0, 0.86)], True, False),
-        ([(here, 0.0, 0.9), (there, -9.0, 0.86)], False, False),
-    ):
-        outcome = weigh(np.array(here), believed(*places), config, 0.0)
-        assert (outcome.rivalled, outcome.surpassed) == (rivalled, surpassed), places
-        assert not outcome.moved
-
-
-def test_a_place_as_near_as_drift_leads_is_beside():
-    belief = believed(((0.9, 0.0, 0.1), 0.0, 0.9))
-    assert [weigh(np.zeros(3), belief, GlobalSearchConfig(), drift).beside for drift in (0.0, 0.8, 1.0)] == [
-        False, False, True,
-    ]  # fmt: skip
 
 
 def test_a_contest_tells_a_place_beside_from_one_elsewhere(mapped):

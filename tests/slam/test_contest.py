@@ -1,0 +1,36 @@
+"""Where the robot is held against the other places that are believed in."""
+
+import numpy as np
+from tagalong.slam.localization.contest import weigh
+from tagalong.slam.localization.global_search import Belief, GlobalSearchConfig
+
+
+def believed(*places):
+    """Return the belief in `places`: pose, logarithm of the likelihood over the first's, share explained."""
+    poses, ratios, explained = zip(*places, strict=True)
+    needed = np.log(10.0) * (1.0 + 10.0 * max(0.0, 0.85 - explained[0]))
+    sure = len(places) < 2 or -ratios[1] > needed
+    return Belief(np.array(poses), np.array(ratios), np.array(explained), sure)
+
+
+def test_a_place_that_explains_half_and_is_likelier_than_any_other_is_a_rival_and_surpasses_where_it_is_sure():
+    config, here, there, third = GlobalSearchConfig(), (0.0, 0.0, 0.0), (0.0, 4.0, 3.1), (5.0, 0.0, 0.0)
+    for places, rivalled, surpassed in (
+        ([(there, 0.0, 0.74), (here, -4.0, 0.58)], True, False),  # a half-turn seen in a meeting room
+        ([(there, 0.0, 0.74), (here, -6.0, 0.58)], True, True),
+        ([(there, 0.0, 0.74), (here, -2.0, 0.58)], False, False),  # about as likely, and explained badly: people
+        ([(there, 0.0, 0.74), (third, -1.0, 0.7)], False, False),  # not mapped: it looks a little like many places
+        ([(there, 0.0, 0.45), (here, -4.0, 0.4)], False, False),
+        ([(here, 0.0, 0.9), (there, -2.0, 0.86)], True, False),
+        ([(here, 0.0, 0.9), (there, -9.0, 0.86)], False, False),
+    ):
+        outcome = weigh(np.array(here), believed(*places), config, 0.0)
+        assert (outcome.rivalled, outcome.surpassed) == (rivalled, surpassed), places
+        assert not outcome.moved
+
+
+def test_a_place_as_near_as_drift_leads_is_beside():
+    belief = believed(((0.9, 0.0, 0.1), 0.0, 0.9))
+    assert [weigh(np.zeros(3), belief, GlobalSearchConfig(), drift).beside for drift in (0.0, 0.8, 1.0)] == [
+        False, False, True,
+    ]  # fmt: skip
