@@ -45,8 +45,10 @@ class LaserScan:
             raise InputError(
                 f"`ranges` and `bearings` must both have shape (N,), got {ranges.shape} and {bearings.shape}"
             )
-        if not 0.0 <= self.range_min < self.range_max:
-            raise InputError(f"need 0 <= `range_min` < `range_max` [m], got {self.range_min} and {self.range_max}")
+        if not 0.0 <= self.range_min < self.range_max < np.inf:
+            raise InputError(
+                f"need 0 <= `range_min` < `range_max` < inf [m], got {self.range_min} and {self.range_max}"
+            )
         object.__setattr__(self, "ranges", ranges)
         object.__setattr__(self, "bearings", bearings)
 
