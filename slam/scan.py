@@ -45,8 +45,10 @@ class LaserScan:
             raise InputError(
                 f"`ranges` and `bearings` must both have shape (N,), got {ranges.shape} and {bearings.shape}"
             )
-        if not 0.0 <= self.range_min < self.range_max:
-            raise InputError(f"need 0 <= `range_min` < `range_max` [m], got {self.range_min} and {self.range_max}")
+        if not 0.0 <= self.range_min < self.range_max < np.inf:
+            raise InputError(
+                f"need 0 <= `range_min` < `range_max` < inf [m], got {self.range_min} and {self.range_max}"
+            )
         if not _ascend(bearings.tobytes()):
             raise InputError(f"`bearings` must be finite and ascending [rad], got {bearings}")
         object.__setattr__(self, "ranges", ranges)

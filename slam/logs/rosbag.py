@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from ..geometry import wrap_angle
 from ..scan import LaserScan
-from .bag_messages import Bag, open_bag
+from .bag_messages import Bag, Message, open_bag
+from .beams import cut_behind, measured
 from .drive import RecordedDrive
 from .ros_frames import FrameTree, frame_name, planar, rotation_matrix, stamp_s
 
@@ -47,9 +48,10 @@ def read_rosbag(
 
     Topics are found by type: scans are `sensor_msgs/LaserScan`; odometry is `nav_msgs/Odometry`, or else what tf tells
     of the laser's ancestor in a frame that is called odom; where there is neither, `has_odometry` is false. The pose of
-    the laser on the robot is that of tf; a laser that hangs upside down has its beams turned over. Odometry is
-    interpolated at the times of the scans, and scans where it is missing for more than 1 s are left out; times are those of the message headers, or of the recorder where the headers
-    of scans and odometry disagree or stand still. What was assumed is told in `notes`.
+    the laser on the robot is that of tf; a laser that hangs upside down has its beams turned over, a sweep of the full
+    circle is cut behind the robot, and a range of 0 is no measurement. Odometry is interpolated at the times of the
+    scans; those in a gap of it of more than 1 s are left out. Times are those of the message headers, or of the
+    recorder where the headers of scans and odometry disagree or stand still. What was assumed is told in `notes`.
 
     Args:
         path: The bag.
@@ -76,7 +78,8 @@ def read_rosbag(
     by_header = _headers_are_good(headers, recorded, odometry)
     times = headers if by_header else recorded
     where = f"{path}: {topic}"
-    scans = [_scan(each.content, float(t), mount, flipped, where) for each, t in zip(messages, times, strict=True)]
+    reach = _farthest(messages)
+    scans = [_scan(m.content, float(t), reach, mount, flipped, where) for m, t in zip(messages, times, strict=True)]
     if odometry is None:
         notes.append("no odometry in the bag")
         return RecordedDrive(np.zeros((len(scans), 3)), scans, None, path.stem, has_odometry=False, notes=tuple(notes))
@@ -142,9 +145,15 @@ def _headers_are_good(headers: Array, recorded: Array, odometry: _Poses | None) 
     return bool(abs(offset - np.median(headers - recorded)) < _CLOCKS_S)
 
 
-def _scan(message: Any, time_s: float, mount: Pose, flipped: bool, where: str) -> LaserScan:
-    """Return the scan of a message, its bearings ascending."""
-    ranges = np.asarray(message.ranges, dtype=np.float64)
+def _farthest(messages: list[Message]) -> float:
+    """Return the largest range of all messages [m], 0 where nothing was met."""
+    largest = [np.max(m.content.ranges, initial=0.0, where=np.isfinite(m.content.ranges)) for m in messages]
+    return float(max(largest, default=0.0))
+
+
+def _scan(message: Any, time_s: float, reach: float, mount: Pose, flipped: bool, where: str) -> LaserScan:
+    """Return the scan of a message, its bearings ascending; a limit of `inf` is taken to be `reach` [m]."""
+    ranges = measured(np.asarray(message.ranges, dtype=np.float64), message.range_min)
     first, step = message.angle_min, message.angle_increment
     if not (np.isfinite(first) and np.isfinite(step) and (step != 0.0 or len(ranges) < 2)):
         raise InputError(f"{where}: beams need a finite angle and step [rad], got {first} and {step}")
@@ -153,8 +162,10 @@ def _scan(message: Any, time_s: float, mount: Pose, flipped: bool, where: str) -
         bearings = -bearings
     if len(bearings) > 1 and bearings[1] < bearings[0]:
         ranges, bearings = ranges[::-1], bearings[::-1]
+    ranges, bearings = cut_behind(ranges, bearings, mount[2])
+    limit = message.range_max if message.range_max < np.inf else max(reach, message.range_min + 1.0)
     try:
-        return LaserScan(ranges, bearings, message.range_min, message.range_max, time_s, mount)
+        return LaserScan(ranges, bearings, message.range_min, limit, time_s, mount)
     except InputError as error:
         raise InputError(f"{where}: {error}") from error
 
