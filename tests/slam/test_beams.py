@@ -64,7 +64,7 @@ def test_other_sweeps_stay_as_they_are(bearings, yaw):
 def test_zero_is_no_measurement_where_the_limit_does_not_say_so():
     np.testing.assert_array_equal(measured(np.array([0.0, 1.0, np.inf, np.nan])), [np.nan, 1.0, np.inf, np.nan])
     np.testing.assert_array_equal(measured(np.array([0.0, 1.0]), 0.05), [0.0, 1.0])
-    assert LaserScan(measured(np.array([0.0, 1.0])), np.zeros(2), 0.0, 5.0).is_return.tolist() == [False, True]
+    assert LaserScan(measured(np.array([0.0, 1.0])), np.arange(2.0), 0.0, 5.0).is_return.tolist() == [False, True]
 
 
 def test_arrays_of_a_driver_that_counts_from_zero_are_cut_behind_and_know_no_return_at_the_laser(tmp_path):
