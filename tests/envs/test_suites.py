@@ -61,7 +61,7 @@ def test_no_time_has_passed_before_the_first_step(episode):
     figures = follow_bench_metrics(replace(history, person_position=beside, leader_visible=never))
     assert figures["fb_private_s"] == pytest.approx(8.0)
     assert figures["fb_search_s"] == pytest.approx(8.0)
-    near = beside + [history.robot_radius + history.person_radius[0] + 0.6, 0.0]
+    near = beside + np.array((history.robot_radius + history.person_radius[0] + 0.6, 0.0))
     assert follow_bench_metrics(replace(history, person_position=near))["fb_personal_s"] == pytest.approx(8.0)
 
 
