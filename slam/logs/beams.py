@@ -32,4 +32,5 @@ def cut_behind(ranges: Array, bearings: Array, yaw: float = 0.0) -> tuple[Array,
     first = float(wrap_angle(-np.pi - yaw))
     turned = first + (bearings - first) % (2.0 * np.pi)
     order = np.argsort(turned, kind="stable")
+    order = order[np.diff(turned[order], prepend=-np.inf) > 0.0]  # of a last beam that is the first again, one
     return ranges[order], turned[order]
