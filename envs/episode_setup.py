@@ -131,12 +131,13 @@ class MindFactory:
         return {id(self._forest): self._forest, id(self._finder): self._finder}
 
     def make(self, world: World, rng: np.random.Generator) -> Mind:
-        """Return a mind that knows nothing yet."""
-        seed = int(rng.integers(2**31))
-        mapper, drawing, sight = self._mapper(world, seed), self._drawing(world), self._sight(world)
-        return Mind(self._people(world), self._selector(seed), mapper, drawing, sight, self._perception)
+        """Return a mind that knows nothing yet; its leader's cloud and its SLAM draw from streams of their own."""
+        leading = np.random.SeedSequence(int(rng.integers(2**31)))
+        (mapping,) = leading.spawn(1)
+        mapper, drawing, sight = self._mapper(world, mapping), self._drawing(world), self._sight(world)
+        return Mind(self._people(world), self._selector(leading), mapper, drawing, sight, self._perception)
 
-    def _selector(self, seed: int) -> Selector:
+    def _selector(self, seed: np.random.SeedSequence) -> Selector:
         if not self._config.leader:
             return NobodyLeads()
         if self._forest is None:  # known by truth, by one number for ever, or without any legs
@@ -158,7 +159,7 @@ class MindFactory:
         detector = NoLegs() if self._forest is None else LegDetector(self._forest, p.detector())
         return TrackedPeopleSource(PeopleTracker(p, detector))
 
-    def _mapper(self, world: World, seed: int) -> Mapper:
+    def _mapper(self, world: World, seed: np.random.SeedSequence) -> Mapper:
         if self._config.slam is None:
             return NoMapper()
         if self._config.slam == "truth":

@@ -45,8 +45,12 @@ class LaserScan:
             raise InputError(
                 f"`ranges` and `bearings` must both have shape (N,), got {ranges.shape} and {bearings.shape}"
             )
-        if not 0.0 <= self.range_min < self.range_max:
-            raise InputError(f"need 0 <= `range_min` < `range_max` [m], got {self.range_min} and {self.range_max}")
+        if not 0.0 <= self.range_min < self.range_max < np.inf:
+            raise InputError(
+                f"need 0 <= `range_min` < `range_max` < inf [m], got {self.range_min} and {self.range_max}"
+            )
+        if not _ascend(bearings.tobytes()):
+            raise InputError(f"`bearings` must be finite and ascending [rad], got {bearings}")
         object.__setattr__(self, "ranges", ranges)
         object.__setattr__(self, "bearings", bearings)
 
@@ -92,6 +96,13 @@ class LaserScan:
     def without(self, dropped: NDArray[np.bool_]) -> "LaserScan":
         """Return this scan with the beams where `dropped` (N,) is true turned into "no measurement" (NaN)."""
         return replace(self, ranges=np.where(dropped, np.nan, self.ranges))
+
+
+@lru_cache(maxsize=16)
+def _ascend(bearings: bytes) -> bool:
+    """Return whether `bearings` (N,) float64 are finite, each larger than the one before; sweeps share them."""
+    angles = np.frombuffer(bearings)
+    return bool(np.isfinite(angles).all() and (np.diff(angles) > 0.0).all())
 
 
 @lru_cache(maxsize=16)

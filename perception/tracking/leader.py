@@ -98,27 +98,30 @@ class LeaderSelector:
         """
         dt, self._time_s = people.time_s - self._time_s, people.time_s
         before = self._leader
-        if before is None or people.time_s - self._chosen_s < self._leader_config.onset_s:
-            self._choose(people, np.asarray(robot_pose, dtype=np.float64)[:2])
-        elif before.track_id in people.ids:
+        if self._choose(people, np.asarray(robot_pose, dtype=np.float64)[:2]) or before is None:
+            return self._leader
+        if before.track_id in people.ids:
             self._search = None
             self._keep(people, before)
         else:
             self._look_for(people, before, dt)
         return self._leader
 
-    def _choose(self, people: People, robot: Array) -> None:
-        if len(people) == 0:
-            return
+    def _choose(self, people: People, robot: Array) -> bool:
+        """Take the nearest of `people` as the leader; return False after onset, and if there is nobody to choose."""
+        onset = self._leader is None or people.time_s - self._chosen_s < self._leader_config.onset_s
+        if not onset or len(people) == 0:
+            return False
         config, apart = self._leader_config, np.hypot(*(people.positions - robot).T)
         self._waiting_since = min(self._waiting_since, people.time_s)
         patient = self._leader is None and people.time_s - self._waiting_since < config.patience_s
         if apart.min() > (config.onset_near if patient else config.onset_far):
-            return
+            return False
         if self._leader is None:
             self._chosen_s = people.time_s
         nearest = int(apart.argmin())
-        self._leader = as_leader(people, nearest, int(people.ids[nearest]))
+        self._leader, self._search = as_leader(people, nearest, int(people.ids[nearest])), None
+        return True
 
     def _keep(self, people: People, before: Leader) -> None:
         """Go on with the leader's track, or with its twin once it is unseen."""

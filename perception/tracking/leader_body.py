@@ -134,10 +134,9 @@ class BodyLeaderSelector(LeaderSelector):
         dt, self._time_s = people.time_s - self._time_s, people.time_s
         before = self._leader
         self._foreign.look(people.seen_legs.positions, dt)
-        if before is None or people.time_s - self._chosen_s < self._leader_config.onset_s:
-            self._choose(people, np.asarray(robot_pose, dtype=np.float64)[:2])
-            self._own = -1 if self._leader is None else self._leader.track_id
-        else:
+        if self._choose(people, np.asarray(robot_pose, dtype=np.float64)[:2]) and self._leader is not None:
+            self._own, self._cloud = self._leader.track_id, None
+        elif before is not None:
             own = int(np.argmax(people.ids == self._own)) if self._own in people.ids else _NOBODY
             if before.track_id == self._own and self._is_alone(people, own):
                 self._cloud, self._leader = None, as_leader(people, own, before.id)

@@ -39,7 +39,7 @@ class GMapping:
         seed: Seed of every random draw; two runs with one seed are equal to the byte, for any number of threads.
     """
 
-    def __init__(self, config: GMappingConfig | None = None, seed: int = 0) -> None:
+    def __init__(self, config: GMappingConfig | None = None, seed: int | np.random.SeedSequence = 0) -> None:
         self.config = config or GMappingConfig()
         self._rng = np.random.default_rng(seed)
         workers = Workers(self.config.threads)

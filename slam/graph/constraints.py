@@ -6,12 +6,12 @@ from enum import Enum
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter
 
 from ..errors import InputError
 from ..geometry import between, compose
 from ..search.branch_and_bound import SearchWindow, branch_and_bound
 from ..search.score_pyramid import ScoreGrid, ScorePyramid, build_pyramid
+from .blur_kernels import blurred_scores
 from .refine_kernels import refine_many, refine_pose
 from .scan_matcher import far_radius
 from .submap import Submap
@@ -200,9 +200,8 @@ class ConstraintBuilder:
     def _pyramid(self, index: int, submap: Submap) -> ScorePyramid:
         if index not in self._pyramids:
             h = submap.config.resolution
-            blurred = np.clip(2.5 * gaussian_filter(submap.field, 1.0), 0.0, 1.0)
             corner = submap.corner - 0.5 * h
-            grid = ScoreGrid.from_likelihood(blurred, (float(corner[0]), float(corner[1])), h)
+            grid = ScoreGrid(blurred_scores(submap.field), (float(corner[0]), float(corner[1])), h)
             self._pyramids[index] = build_pyramid(grid, margin=int(self._config.search_linear / h) + 1)
         return self._pyramids[index]
 

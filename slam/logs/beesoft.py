@@ -20,7 +20,7 @@ from ..geometry import between, wrap_angle
 from ..occupancy_map import OccupancyMap
 from ..scan import LaserScan
 from .drive import RecordedDrive
-from .text import numbered_lines, numbers
+from .text import first_line, numbered_lines, numbers
 
 _BEAMS = 180
 _BEARINGS = np.radians(np.arange(_BEAMS) - 89.5)
@@ -37,8 +37,7 @@ def is_beesoft_log(path: str | os.PathLike[str]) -> bool:
     Raises:
         InputError: If the file cannot be read.
     """
-    first = next((line.split() for _, line in numbered_lines(path) if line.strip()), [""])
-    return first[0] in ("L", "O")
+    return first_line(path).split()[:1] in (["L"], ["O"])
 
 
 def is_beesoft_map(path: str | os.PathLike[str]) -> bool:
@@ -47,8 +46,7 @@ def is_beesoft_map(path: str | os.PathLike[str]) -> bool:
     Raises:
         InputError: If the file cannot be read.
     """
-    first = next((line for _, line in numbered_lines(path) if line.strip()), "")
-    return first.startswith(("robot_specifications->", _GRID))
+    return first_line(path).startswith(("robot_specifications->", _GRID))
 
 
 def read_beesoft_log(path: str | os.PathLike[str]) -> RecordedDrive:

@@ -7,6 +7,7 @@ Layouts (CARMEN robot navigation toolkit, logger):
     ODOM x y theta tv rv accel ipc_time host logger_time
 """
 
+import codecs
 import gzip
 import os
 import zlib
@@ -21,6 +22,7 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from ..geometry import between, compose, wrap_angle
 from ..scan import LaserScan
+from .beams import cut_behind, measured
 from .drive import RecordedDrive
 
 Pose = tuple[float, float, float]
@@ -107,7 +109,7 @@ def _lines(path: Path) -> Iterator[tuple[int, list[bytes]]]:
         raise InputError(f"{path}: corrupt or cut gzip file ({error})") from error
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror})") from error
-    for number, line in enumerate(content.splitlines(), start=1):
+    for number, line in enumerate(content.removeprefix(codecs.BOM_UTF8).splitlines(), start=1):
         words = line.split()
         if words and not words[0].startswith(b"#"):
             yield number, words
@@ -189,9 +191,10 @@ def _scans(records: list[_Record], mounts: NDArray[np.float64]) -> list[LaserSca
     scans = []
     for record, (x, y, theta) in zip(records, mounts.tolist(), strict=True):
         limit = log_maximum if record.max_range is None else record.max_range
-        ranges = np.where(record.ranges > 0.0, record.ranges, np.nan)
+        ranges = measured(record.ranges)
         ranges[record.ranges >= limit] = np.inf
-        scans.append(LaserScan(ranges, record.bearings, 0.0, limit, record.time_s, (x, y, theta)))
+        ranges, bearings = cut_behind(ranges, record.bearings, theta)
+        scans.append(LaserScan(ranges, bearings, 0.0, limit, record.time_s, (x, y, theta)))
     return scans
 
 

@@ -38,11 +38,12 @@ def _lines(drive: RecordedDrive) -> Iterator[str]:
     for number, (pose, scan) in enumerate(zip(drive.odometry, drive.scans, strict=True)):
         step = _step(scan, number)
         laser = compose(pose, scan.T_robot_lidar)
-        head = f"{_PLANAR_LASER} {scan.bearings[0]:.9g} {step * (len(scan) - 1):.9g} {step:.9g} {scan.range_max:g}"
+        fan = f"{scan.bearings[0]:.9g} {step * (len(scan) - 1):.9g} {step:.9g}"
         poses = " ".join(f"{value:.6f}" for value in (*laser, *pose))
         time = f"{scan.time_s:.6f}"
         yield (
-            f"ROBOTLASER1 {head} {_ACCURACY_M} {_PLANAR_LASER} {len(scan)} {_ranges(scan)} 0 {poses} "
+            f"ROBOTLASER1 {_PLANAR_LASER} {fan} {_limit(scan):.12g} {_ACCURACY_M} {_PLANAR_LASER} {len(scan)} "
+            f"{_ranges(scan)} 0 {poses} "
             f"0 0 0 0 0 {time} tagalong {time}"
         )
 
@@ -59,9 +60,14 @@ def _step(scan: LaserScan, number: int) -> float:
     return float((scan.bearings[-1] - scan.bearings[0]) / (len(scan) - 1))
 
 
+def _limit(scan: LaserScan) -> float:
+    """Return the maximum range in whole millimetres, as ranges are written: what is below it must stay below it."""
+    return max(round(scan.range_max, 3), 1e-3)
+
+
 def _ranges(scan: LaserScan) -> str:
     values = np.zeros(len(scan))
     # a return at the very end of the range must not read as "no return"
-    values[scan.is_return] = np.minimum(scan.ranges[scan.is_return], scan.range_max - 1e-3)
-    values[scan.is_no_return] = scan.range_max
+    values[scan.is_return] = np.minimum(scan.ranges[scan.is_return], _limit(scan) - 1e-3)
+    values[scan.is_no_return] = _limit(scan)
     return " ".join(f"{value:.3f}" for value in values)

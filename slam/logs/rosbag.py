@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from ..geometry import wrap_angle
 from ..scan import LaserScan
-from .bag_messages import Bag, open_bag
+from .bag_messages import Bag, Message, open_bag
+from .beams import cut_behind, measured
 from .drive import RecordedDrive
 from .ros_frames import FrameTree, frame_name, planar, rotation_matrix, stamp_s
 
@@ -25,7 +26,8 @@ TRANSFORMS = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
 _BASES = ("base_link", "base_footprint", "base")  # REP 105, where the odometry does not name the robot's frame
 _LEVEL = 0.94  # cosine of the tilt from which on a laser is not called planar
 _CLOCKS_S = 0.5  # two clocks that differ by more are not the same
-_BEYOND_S = 0.2  # a scan so long before or after all odometry has none
+_BEYOND_S = 0.2  # a scan longer than this before or after all odometry has none
+_GAP_S = 1.0  # nor has one between two poses of it that are farther apart in time
 
 
 @dataclass(eq=False)
@@ -46,9 +48,10 @@ def read_rosbag(
 
     Topics are found by type: scans are `sensor_msgs/LaserScan`; odometry is `nav_msgs/Odometry`, or else what tf tells
     of the laser's ancestor in a frame that is called odom; where there is neither, `has_odometry` is false. The pose of
-    the laser on the robot is that of tf; a laser that hangs upside down has its beams turned over. Odometry is
-    interpolated at the times of the scans; times are those of the message headers, or of the recorder where the headers
-    of scans and odometry disagree or stand still. What was assumed is told in `notes`.
+    the laser on the robot is that of tf; a laser that hangs upside down has its beams turned over, a sweep of the full
+    circle is cut behind the robot, and a range of 0 is no measurement. Odometry is interpolated at the times of the
+    scans; those in a gap of it of more than 1 s are left out. Times are those of the message headers, or of the
+    recorder where the headers of scans and odometry disagree or stand still. What was assumed is told in `notes`.
 
     Args:
         path: The bag.
@@ -75,13 +78,15 @@ def read_rosbag(
     by_header = _headers_are_good(headers, recorded, odometry)
     times = headers if by_header else recorded
     where = f"{path}: {topic}"
-    scans = [_scan(each.content, float(t), mount, flipped, where) for each, t in zip(messages, times, strict=True)]
+    reach = _farthest(messages)
+    scans = [_scan(m.content, float(t), reach, mount, flipped, where) for m, t in zip(messages, times, strict=True)]
     if odometry is None:
         notes.append("no odometry in the bag")
         return RecordedDrive(np.zeros((len(scans), 3)), scans, None, path.stem, has_odometry=False, notes=tuple(notes))
     poses, inside = _at(times, np.array(odometry.times_s if by_header else odometry.recorded_s), odometry.poses)
     if not inside.any():
-        raise InputError(f"{path}: no scan of {topic} within {_BEYOND_S} s of any odometry of {odometry.source}")
+        limits = f"within {_BEYOND_S} s of it and between poses {_GAP_S} s apart at most"
+        raise InputError(f"{path}: no scan of {topic} has odometry of {odometry.source}: {limits}")
     if not inside.all():
         notes.append(f"{np.count_nonzero(~inside)} scans left out: no odometry at their time")
     kept = [scan for scan, good in zip(scans, inside, strict=True) if good]
@@ -140,9 +145,15 @@ def _headers_are_good(headers: Array, recorded: Array, odometry: _Poses | None) 
     return bool(abs(offset - np.median(headers - recorded)) < _CLOCKS_S)
 
 
-def _scan(message: Any, time_s: float, mount: Pose, flipped: bool, where: str) -> LaserScan:
-    """Return the scan of a message, its bearings ascending."""
-    ranges = np.asarray(message.ranges, dtype=np.float64)
+def _farthest(messages: list[Message]) -> float:
+    """Return the largest range of all messages [m], 0 where nothing was met."""
+    largest = [np.max(m.content.ranges, initial=0.0, where=np.isfinite(m.content.ranges)) for m in messages]
+    return float(max(largest, default=0.0))
+
+
+def _scan(message: Any, time_s: float, reach: float, mount: Pose, flipped: bool, where: str) -> LaserScan:
+    """Return the scan of a message, its bearings ascending; a limit of `inf` is taken to be `reach` [m]."""
+    ranges = measured(np.asarray(message.ranges, dtype=np.float64), message.range_min)
     first, step = message.angle_min, message.angle_increment
     if not (np.isfinite(first) and np.isfinite(step) and (step != 0.0 or len(ranges) < 2)):
         raise InputError(f"{where}: beams need a finite angle and step [rad], got {first} and {step}")
@@ -151,17 +162,25 @@ def _scan(message: Any, time_s: float, mount: Pose, flipped: bool, where: str) -
         bearings = -bearings
     if len(bearings) > 1 and bearings[1] < bearings[0]:
         ranges, bearings = ranges[::-1], bearings[::-1]
+    ranges, bearings = cut_behind(ranges, bearings, mount[2])
+    limit = message.range_max if message.range_max < np.inf else max(reach, message.range_min + 1.0)
     try:
-        return LaserScan(ranges, bearings, message.range_min, message.range_max, time_s, mount)
+        return LaserScan(ranges, bearings, message.range_min, limit, time_s, mount)
     except InputError as error:
         raise InputError(f"{where}: {error}") from error
 
 
 def _at(times_s: Array, known_s: Array, poses: list[Array]) -> tuple[Array, NDArray[np.bool_]]:
-    """Return poses (n, 3) at `times_s` (n,) between those known at `known_s`, and which of them are known (n,)."""
+    """Return poses (n, 3) at `times_s` (n,) between those known at `known_s`, and which of them are known (n,).
+
+    Not known are those farther than `_BEYOND_S` before or after all, and those in a gap longer than `_GAP_S`.
+    """
     order = np.argsort(known_s, kind="stable")
     known_s, known = known_s[order], np.array(poses)[order]
     known[:, 2] = np.unwrap(known[:, 2])
     result = np.stack([np.interp(times_s, known_s, column) for column in known.T], axis=-1)
     result[:, 2] = wrap_angle(result[:, 2])
-    return result, (times_s >= known_s[0] - _BEYOND_S) & (times_s <= known_s[-1] + _BEYOND_S)
+    before, after = np.searchsorted(known_s, times_s, "right") - 1, np.searchsorted(known_s, times_s, "left")
+    last = len(known_s) - 1
+    gaps = known_s[np.minimum(after, last)] - known_s[np.maximum(before, 0)]
+    return result, (gaps <= _GAP_S) & (times_s >= known_s[0] - _BEYOND_S) & (times_s <= known_s[last] + _BEYOND_S)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from ..files import read_arrays
 from ..scan import LaserScan
+from .beams import cut_behind, measured
 
 NEEDED = ("ranges", "angle_min", "angle_increment", "range_min", "range_max")
 
@@ -16,8 +17,9 @@ NEEDED = ("ranges", "angle_min", "angle_increment", "range_min", "range_max")
 def read_scans_npz(path: str | os.PathLike[str]) -> list[LaserScan]:
     """Return the scans in the file, in its order.
 
-    Beam i points at `angle_min + i * angle_increment`. Times [s] are counted from the first scan and come from
-    `bag_time`, else `stamp`, each (scans,); a file without either gives zeros.
+    Beam i points at `angle_min + i * angle_increment`; a range of 0 is no measurement, and a sweep of the full circle
+    is cut behind the laser. Times [s] are counted from the first scan and come from `bag_time`, else `stamp`, each
+    (scans,); a file without either gives zeros.
 
     Raises:
         InputError: If the file cannot be read, an array is missing (named) or has another shape, or an angle or a limit
@@ -36,7 +38,7 @@ def read_scans_npz(path: str | os.PathLike[str]) -> list[LaserScan]:
         raise InputError(f"{path}: `angle_increment` must be positive [rad], got {step}")
     bearings = first + step * np.arange(ranges.shape[1])
     return [
-        LaserScan(row.astype(np.float64), bearings, *limits, time_s=float(time))
+        LaserScan(*cut_behind(measured(row, limits[0]), bearings), *limits, time_s=float(time))
         for row, time in zip(ranges, times - times[0], strict=True)
     ]
 

@@ -13,8 +13,12 @@ from ..files import replacing
 _GZIP_MAGIC = b"\x1f\x8b"
 
 
-def numbered_lines(path: str | os.PathLike[str]) -> Iterator[tuple[int, str]]:
+def numbered_lines(path: str | os.PathLike[str], errors: str = "strict") -> Iterator[tuple[int, str]]:
     """Yield (line number from 1, line without its end) of a text file; gzip is found by content, not by name.
+
+    Args:
+        path: The file, in UTF-8, with or without the mark of it (BOM) that some editors put first.
+        errors: What becomes of bytes that are none: "strict" or "replace", as `open` knows them.
 
     Raises:
         InputError: If the file is missing, is no text, or its gzip stream is cut or broken.
@@ -24,7 +28,8 @@ def numbered_lines(path: str | os.PathLike[str]) -> Iterator[tuple[int, str]]:
         with file.open("rb") as raw:
             zipped = raw.read(2) == _GZIP_MAGIC
         with gzip.open(file, "rb") if zipped else file.open("rb") as binary:
-            for number, line in enumerate(io.TextIOWrapper(binary, encoding="utf-8"), start=1):  # type: ignore[arg-type]
+            text = io.TextIOWrapper(binary, encoding="utf-8-sig", errors=errors)  # type: ignore[arg-type]
+            for number, line in enumerate(text, start=1):
                 yield number, line.rstrip("\r\n")
     except UnicodeDecodeError as error:
         raise InputError(f"{file}: expected a text file (UTF-8), got bytes that are none") from error
@@ -32,6 +37,15 @@ def numbered_lines(path: str | os.PathLike[str]) -> Iterator[tuple[int, str]]:
         raise InputError(f"{file}: the gzip stream is cut or broken ({error})") from error
     except OSError as error:
         raise InputError(f"{file}: cannot be read ({error.strerror or error})") from error
+
+
+def first_line(path: str | os.PathLike[str]) -> str:
+    """Return the first line that says anything, "" if none does, to tell by what the file is; in any encoding.
+
+    Raises:
+        InputError: If the file cannot be read.
+    """
+    return next((line for _, line in numbered_lines(path, errors="replace") if line.strip()), "")
 
 
 def write_lines(path: str | os.PathLike[str], lines: Iterable[str]) -> None:

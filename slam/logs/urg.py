@@ -17,7 +17,7 @@ from ..errors import InputError
 from ..geometry import wrap_angle
 from ..scan import LaserScan
 from .drive import RecordedDrive
-from .text import numbered_lines, numbers
+from .text import first_line, numbered_lines, numbers
 
 _BEAMS = 683
 _BEARINGS = np.radians((np.arange(_BEAMS) - _BEAMS // 2) * 360.0 / 1024.0)
@@ -34,7 +34,7 @@ def is_urg_log(path: str | os.PathLike[str]) -> bool:
     Raises:
         InputError: If the file cannot be read.
     """
-    words = next((line.split() for _, line in numbered_lines(path) if line.strip()), [])
+    words = first_line(path).split()
     return len(words) in (_ENCODERS, _POSE) and words[0].lstrip("-").isdigit()
 
 

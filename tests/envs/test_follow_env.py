@@ -9,6 +9,7 @@ import pytest
 import tagalong  # noqa: F401 (registers the ids)
 from gymnasium.utils.env_checker import check_env
 from tagalong.agents import make_follower
+from tagalong.envs.follow_env import nobody_notes
 from tagalong.envs.registration import IDS, MAX_EPISODE_STEPS
 from tagalong.envs.rollout import rollout
 from tagalong.slam.errors import InputError
@@ -75,6 +76,16 @@ def test_episodes_of_one_generator_differ():
     env = make(people="truth")
     first, second = env.reset(seed=1)[0], env.reset()[0]
     assert not np.array_equal(first["scan"], second["scan"])
+
+
+def test_the_leaders_cloud_and_the_slam_draw_from_streams_of_their_own():
+    env = make(beams=30, slam="gmapping").unwrapped
+    env.reset(seed=3)
+    memory = env.save_state().memory["_mind"]
+    cloud, slam = memory._selector._rng, memory._mapper.engine._rng
+    assert isinstance(cloud, np.random.Generator)
+    assert isinstance(slam, np.random.Generator)
+    assert abs(np.corrcoef(cloud.standard_normal(1000), slam.standard_normal(1000))[0, 1]) < 0.15
 
 
 def test_observations_never_share_memory(mapping_drive):
@@ -295,6 +306,31 @@ def test_a_rollout_records_what_happened_and_can_be_repeated():
     assert (episode.seed, episode.ending) == (4, "")
     assert episode.history.robot_pose.tobytes() == again.history.robot_pose.tobytes()
     assert repr(episode.metrics) == repr(again.metrics)
+
+
+class Thrice(gym.Wrapper):
+    """Takes actions in [0, 1], does each three times, and pays in cents."""
+
+    def step(self, action):
+        for _ in range(3):
+            observation, reward, *rest = self.env.step(2.0 * action - 1.0)
+        return observation, 100.0 * reward, *rest
+
+
+def test_a_rollout_records_the_environment_itself_whatever_wraps_it():
+    class Half:
+        def reset(self):
+            """Nothing to forget."""
+
+        def act(self, observation):
+            return np.array([0.75, 0.5])
+
+    env = Thrice(make())
+    history = rollout(env, Half(), seed=4, steps=4).history
+    assert np.allclose(history.time_s, 0.1 * np.arange(13))
+    assert (history.action[1:] == [0.5, 0.0]).all()
+    assert history.reward.sum() == pytest.approx(sum(history.reward_terms.values()).sum())
+    assert env.unwrapped.witness is nobody_notes
 
 
 def test_rollout_needs_a_follow_env():

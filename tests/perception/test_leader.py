@@ -85,3 +85,31 @@ def test_a_second_track_on_the_leader_takes_over_when_the_leaders_own_is_unseen(
             numbers.append(leader.track_id)
         assert numbers[:2] == [0, 0]  # patience
         assert numbers[-1] == track
+
+
+def test_a_leader_who_vanishes_within_the_first_second_is_lost_and_known_again(stage):
+    template, selector = stage.show(np.zeros((0, 2))), LeaderSelector(stage.config)
+    chosen = selector.update(people_at(template, 0.1, [[1.3, 0.0]], [0.0]), ORIGIN)
+    assert chosen is not None
+    assert chosen.visible
+    for k in range(2, 9):
+        gone = selector.update(people_at(template, 0.1 * k, np.zeros((0, 2)), []), ORIGIN)
+        assert gone is not None
+        assert not gone.visible
+        assert gone.confidence == 0.0
+        assert gone.track_id == -1
+        assert np.isclose(gone.unseen_s, 0.1 * (k - 1))
+    far = selector.update(people_at(template, 0.9, [[9.0, 0.0]], [0.0]), ORIGIN)  # nobody to be chosen, nor the leader
+    assert far is not None
+    assert not far.visible
+    found = selector.update(people_at(template, 1.5, [[1.3, 0.0]], [0.0]), ORIGIN)
+    assert found is not None
+    assert found.visible
+    assert found.id == chosen.id
+
+
+def test_a_leader_beyond_the_onset_distance_is_followed_from_the_first_second_on(stage):
+    template, selector = stage.show(np.zeros((0, 2))), LeaderSelector(stage.config)
+    places = [[2.0 + 0.5 * k, 0.0] for k in range(8)]
+    leaders = [selector.update(people_at(template, 0.1 * k, [p], [0.0]), ORIGIN) for k, p in enumerate(places)]
+    assert [leader.position[0] for leader in leaders if leader is not None] == [p[0] for p in places]

@@ -216,3 +216,15 @@ def test_without_a_scan_no_body_is_known():
     people = People(*([0.0] + [np.zeros(0)] * 8))
     with pytest.raises(InputError, match="only with the scan at hand"):
         body_selector().update(people, ORIGIN)
+
+
+def test_a_leader_who_vanishes_within_the_first_second_is_not_seen():
+    room = Room(body_selector())
+    place, still = np.array([1.3, 0.0]), np.zeros(2)
+    assert room.show([(0, place, still, True)]).visible
+    gone = [room.show([]) for _ in range(6)]
+    assert not any(leader.visible for leader in gone)
+    assert [leader.track_id for leader in gone] == [-1] * 6
+    assert gone[-1].unseen_s == pytest.approx(0.6)
+    found = room.show([(0, place, still, True)])
+    assert (found.visible, found.track_id, found.id) == (True, 0, 0)

@@ -5,6 +5,7 @@ import pytest
 from scipy.optimize import minimize
 from tagalong.slam.geometry import between, compose, transform_points
 from tagalong.slam.graph import reference
+from tagalong.slam.graph.blur_kernels import blurred_scores, blurred_scores_reference
 from tagalong.slam.graph.correlative import correlate
 from tagalong.slam.graph.refine_kernels import refine_many, refine_pose
 from tagalong.slam.graph.scan_matcher import far_radius
@@ -28,6 +29,27 @@ def walls():
     rows, columns = np.nonzero(field)
     pick = np.arange(0, len(rows), 3)
     return field, CORNER + RESOLUTION * np.stack((columns[pick], rows[pick]), axis=-1)
+
+
+@pytest.mark.parametrize("share", [0.0005, 0.3])
+def test_scores_near_walls_only_are_those_of_a_filter_over_all_cells(share):
+    """However walls lie to the blocks that are computed: across their borders and corners, and beside empty ones."""
+    rng = np.random.default_rng(2)
+    for shape in ((9, 9), (32, 33), (75, 140), (200, 150)):
+        field = np.zeros(shape, np.float32)
+        inside = field[4:-4, 4:-4]
+        inside[:] = rng.random(inside.shape) * (rng.random(inside.shape) < share)
+        np.testing.assert_array_equal(blurred_scores(field), blurred_scores_reference(field))
+
+
+def test_a_lone_wall_is_worth_most_where_it_stands_and_nothing_five_cells_away():
+    field = np.zeros((64, 64), np.float32)
+    field[31, 32] = 0.5
+    scores = blurred_scores(field)
+    assert scores[31, 32] == scores.max() == round(255 * 2.5 * 0.5 * 0.3989**2)
+    assert not scores[:, 37:].any()
+    assert not scores[:27].any()
+    assert scores[31, 31] == scores[31, 33] == scores[30, 32] == scores[32, 32] > 0
 
 
 @pytest.mark.parametrize("kernel", [linearize, expand])

@@ -57,9 +57,9 @@ class BagWriter:
         serialize = self.store.serialize_cdr if self.ros2 else self.store.serialize_ros1
         self.writer.write(self.connections[topic], round(time * 1e9), serialize(message, kind))
 
-    def scan(self, time, ranges, topic="/scan", late=0.0, increment=0.1):
+    def scan(self, time, ranges, topic="/scan", late=0.0, increment=0.1, **other):
         fields = {"angle_min": -increment * 2, "angle_max": increment * 2, "angle_increment": increment,
-                  "time_increment": 0.0, "scan_time": 0.1, "range_min": 0.05, "range_max": 8.0}  # fmt: skip
+                  "time_increment": 0.0, "scan_time": 0.1, "range_min": 0.05, "range_max": 8.0, **other}  # fmt: skip
         message = self.of("sensor_msgs/msg/LaserScan", header=self.header("/laser", time), **fields,
                           ranges=np.array(ranges, np.float32), intensities=np.zeros(0, np.float32))  # fmt: skip
         self.write(topic, "sensor_msgs/msg/LaserScan", time + late, message)
@@ -163,6 +163,26 @@ def test_scans_before_all_odometry_are_left_out_and_told(tmp_path):
     assert drive.notes[-1] == "3 scans left out: no odometry at their time"
 
 
+def test_scans_in_a_gap_of_the_odometry_are_left_out_and_told(tmp_path):
+    with BagWriter(tmp_path / "gap.bag") as bag:
+        for time in TIMES:
+            bag.scan(time, [1.0] * 5)
+        for time in (TIMES[0] - 4.0, TIMES[0] + 0.15, TIMES[4], TIMES[4] + 1.0, TIMES[-1] + 3.0):
+            bag.odometry(time, moved(time))
+    drive = read_rosbag(tmp_path / "gap.bag")
+    inside = [time for time in TIMES if TIMES[0] + 0.15 <= time <= TIMES[4] + 1.0]
+    np.testing.assert_allclose(drive.times_s, inside, atol=1e-6)
+    np.testing.assert_allclose(between(np.array([moved(t) for t in inside]), drive.odometry), 0.0, atol=1e-6)
+    assert drive.notes[-1] == f"{len(TIMES) - len(inside)} scans left out: no odometry at their time"
+    with BagWriter(tmp_path / "none.bag") as bag:
+        for time in TIMES:
+            bag.scan(time, [1.0] * 5)
+        for time in (TIMES[0] - 4.0, TIMES[-1] + 4.0):
+            bag.odometry(time, moved(time))
+    with pytest.raises(InputError, match=r"no scan of /scan has odometry of /odom: .* poses 1\.0 s apart"):
+        read_rosbag(tmp_path / "none.bag")
+
+
 def test_headers_of_another_clock_give_way_to_the_times_of_the_recorder(tmp_path):
     with BagWriter(tmp_path / "clocks.bag") as bag:
         for time in TIMES:
@@ -202,6 +222,22 @@ def test_beams_without_directions_are_one_clear_error(tmp_path, increment):
         bag.scan(1.0, [1.0] * 5, increment=increment)
     with pytest.raises(InputError, match=r"odd\.bag: /scan: beams need a finite angle and step"):
         read_log(tmp_path / "odd.bag")
+
+
+def test_a_circle_cut_ahead_is_cut_behind_and_zero_and_infinite_limits_mean_what_drivers_mean(tmp_path):
+    ranges = np.full(360, 4.0)
+    ranges[[0, 10, 20]] = 2.0, 0.0, np.inf
+    circle = {"angle_min": -np.pi, "increment": np.radians(1.0), "range_min": 0.0, "range_max": np.inf}
+    with BagWriter(tmp_path / "backwards.bag") as bag:
+        bag.transform(999.0, "base_link", "laser", (0.0, 0.0, 0.3), (0.0, 0.0, 1.0, 0.0), "/tf_static")
+        bag.scan(1000.0, ranges, **circle)
+    scan = read_rosbag(tmp_path / "backwards.bag").scans[0]
+    assert (np.diff(scan.bearings) > 0.0).all()
+    ahead = int(np.argmin(np.where(scan.is_return, scan.ranges, np.inf)))
+    assert abs(ahead - 180) <= 1
+    np.testing.assert_allclose(scan.points_robot[np.searchsorted(scan.beams, ahead)], [2.0, 0.0], atol=1e-5)
+    assert scan.range_max == 4.0
+    assert (int(scan.is_return.sum()), int(scan.is_no_return.sum())) == (358, 1)
 
 
 def test_a_folder_that_is_no_bag_and_a_bag_without_scans_are_named(tmp_path):

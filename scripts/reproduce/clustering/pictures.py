@@ -182,6 +182,8 @@ def _ground(axes: Any, example: Example) -> None:
     axes.plot(*example["path"][:, :2].T, color=_GROUND, lw=1.2)
     axes.plot(*example["posts"].T, "o", color="black", ms=3)
     axes.set_aspect("equal")
+    axes.set_xlabel("x [m]", fontsize=7)
+    axes.set_ylabel("y [m]", fontsize=7)
     axes.tick_params(labelsize=7)
 
 

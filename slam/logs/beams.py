@@ -1,0 +1,36 @@
+"""Beams as a log has them, put into the order and the meaning of a `LaserScan`."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry import wrap_angle
+
+Array = NDArray[np.float64]
+
+_BEHIND = 0.75 * np.pi  # a sweep that begins and ends farther than this from straight ahead is left as it is [rad]
+
+
+def measured(ranges: Array, range_min: float = 0.0) -> Array:
+    """Return `ranges` (N,) [m] with NaN where a driver wrote 0 for "no measurement" and `range_min` [m] is 0, too."""
+    return np.where(ranges > 0.0, ranges, np.nan) if range_min <= 0.0 else ranges
+
+
+def cut_behind(ranges: Array, bearings: Array, yaw: float = 0.0) -> tuple[Array, Array]:
+    """Return a sweep's ranges and bearings (N,), those of a full circle such that it begins and ends behind the robot.
+
+    Drivers that count from 0 to 2 pi cut the circle straight ahead, where a leg would fall into two pieces.
+
+    Args:
+        ranges: (N,) [m].
+        bearings: (N,) ascending [rad].
+        yaw: How the laser is turned on the robot [rad].
+    """
+    span = bearings[-1] - bearings[0] if len(bearings) > 1 else 0.0
+    step = span / max(len(bearings) - 1, 1)
+    if span + 1.5 * step < 2.0 * np.pi or abs(wrap_angle(bearings[0] - 0.5 * step + yaw)) > _BEHIND:
+        return ranges, bearings
+    first = float(wrap_angle(-np.pi - yaw))
+    turned = first + (bearings - first) % (2.0 * np.pi)
+    order = np.argsort(turned, kind="stable")
+    order = order[np.diff(turned[order], prepend=-np.inf) > 0.0]  # of a last beam that is the first again, one
+    return ranges[order], turned[order]
