@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass, replace
 from numbers import Integral, Real
+from types import NoneType
 from typing import Any, TypeVar, get_args
 
 from .errors import InputError, unknown_name
@@ -41,8 +42,8 @@ def with_settings(config: Config, settings: Mapping[str, Any]) -> Config:
 
 
 def _checked(name: str, value: object, default: object, kind: object) -> object:
-    """Return the value if it is of the kind of its field; None for a whole part switches that part off."""
-    if default is None or (value is None and is_dataclass(default)):
+    """Return the value if it is of the kind of its field; None where the field may be None: a part is off then."""
+    if default is None or (value is None and NoneType in get_args(kind)):
         return value
     if isinstance(default, tuple):
         return _list_of_numbers(name, value, get_args(kind))
