@@ -16,11 +16,12 @@ from ...envs.suites import FIRST_SEED, SUITES, Scenario, suite
 from ...slam.errors import InputError
 from ...slam.files import write_json
 from ..experiments.hardware import describe_machine
-from ..experiments.statistics import Estimate, bootstrap_mean, share
+from ..experiments.statistics import Estimate, metric_mean, share
 from ..tables import format_table
 
 EPILOG = """\
-Every episode has its own seed: --seed, --seed + 1, ... Intervals are 95 %: Wilson for shares, bootstrap for means.
+Every episode has its own seed: --seed, --seed + 1, ... Intervals are 95 % each: Wilson's for shares,
+Student's for means.
 A tour counts as done when its leader was followed to the end without touching anybody or anything.
 
 Besides the shipped followers ({followers}), give your own: module:class, e.g. my_module:Bold for class Bold
@@ -160,7 +161,7 @@ def _by_scenario(rows: list[dict[str, Any]]) -> str:
 def summary(rows: list[dict[str, Any]]) -> dict[str, Estimate]:
     """Return the figures over all episodes by name."""
     if "leader_choices" not in rows[0]:
-        means = {title: bootstrap_mean([row[name] for row in rows]) for name, title in EXPLORATION_MEANS.items()}
+        means = {title: metric_mean(name, [row[name] for row in rows]) for name, title in EXPLORATION_MEANS.items()}
         return {"floor seen to 99 %": share([row["is_success"] for row in rows]), **means}
     choices = int(sum(row["leader_choices"] for row in rows))
     right = int(sum(row["leader_choices_right"] for row in rows))
@@ -168,7 +169,7 @@ def summary(rows: list[dict[str, Any]]) -> dict[str, Estimate]:
         "tours done": share([row["is_success"] for row in rows]),
         "free of contact": share([row["collision_free"] == 1.0 for row in rows]),
         "leader chosen right": share([True] * right + [False] * (choices - right)),
-        **{title: bootstrap_mean([row[name] for row in rows]) for name, title in MEANS.items()},
+        **{title: metric_mean(name, [row[name] for row in rows]) for name, title in MEANS.items()},
     }
 
 

@@ -2,10 +2,11 @@ import argparse
 
 import numpy as np
 import pytest
+from scipy.stats import ttest_rel
 from tagalong.scripts.experiments.cells import files_of, run_cells
 from tagalong.scripts.experiments.drive_files import limited, load_input
 from tagalong.scripts.reproduce.following.experiment import EXPERIMENT
-from tagalong.scripts.reproduce.following.judgement import Pair, pair
+from tagalong.scripts.reproduce.following.judgement import Pair, pair, sure_verdicts
 from tagalong.scripts.reproduce.following.plan import (
     QUICK_SWEEP,
     Sweep,
@@ -53,6 +54,25 @@ def test_a_verdict_needs_an_interval_that_leaves_zero_out():
     assert Pair(better.raw, better.filtered, False).verdict == "worse"
     assert Pair(np.array([1.0, 2.0, 3.0]), np.array([2.0, 1.0, 3.0]), True).verdict == "no effect"
     assert Pair(np.array([3.0]), np.array([1.0]), True).verdict == "no effect"
+
+
+def test_one_of_many_verdicts_is_sure_only_where_it_stands_their_number():
+    rng, no = np.random.default_rng(0), np.zeros(5)
+    raw = np.array([3.0, 3.2, 2.9, 3.4, 3.1])
+    assert Pair(raw, no, True).p == pytest.approx(ttest_rel(raw, no)[1])
+    assert (Pair(no, no, True).p, Pair(raw[:1], no[:1], True).p) == (1.0, 1.0)
+    assert Pair(raw, raw - 1.0, True).p < 1e-9
+    clear, weak = Pair(raw, no, True), Pair(raw, raw + np.array([-0.1, -0.3, -0.5, -0.6, -0.2]), True)
+    assert 0.02 < weak.p < 0.05
+    assert (clear.verdict, weak.verdict) == ("better", "better")
+    assert sure_verdicts([weak]) == ["better"]
+    chance = [Pair(rng.normal(size=5), no, True) for _ in range(20)]
+    assert sure_verdicts([clear, weak, *chance]) == ["better"] + ["no effect"] * 21
+
+
+def test_means_stay_where_a_metric_can_be():
+    low, high = Pair(np.array([0.9, 1.0]), np.array([0.0, 0.1]), False, most=1.0).means
+    assert (low.high, high.low) == (1.0, 0.0)
 
 
 def test_ratios_are_drawn_without_an_exponent():
