@@ -155,6 +155,21 @@ def test_a_frame_without_measurements_has_no_planes_and_no_clusters():
     assert len(find_clusters(planes)) == 0
 
 
+@pytest.mark.parametrize("written", [0.0, -1.0, np.inf])
+def test_what_cameras_write_for_no_measurement_is_none(written):
+    depth = room()[0].depth.copy()
+    depth[40:60, 30:90] = np.nan
+    theirs = np.where(np.isnan(depth), np.float32(written), depth)
+    kept = theirs.copy()
+    known, taken = (
+        RgbdFrame(d, np.zeros((106, 128, 3), np.uint8), CAMERA, 0.0, camera_height=HEIGHT) for d in (depth, theirs)
+    )
+    np.testing.assert_array_equal(taken.depth, known.depth)
+    assert taken.depth.dtype == np.float32
+    np.testing.assert_array_equal(theirs, kept)
+    np.testing.assert_array_equal(PlaneFinder().find(taken).surface, PlaneFinder().find(known).surface)
+
+
 def test_clusters_are_the_things_in_the_room():
     frame, truth = room(noise=1.0, boxes=[(2.0, -1.0, 0.0, 2.3, -0.6, 1.3), (3.0, 0.5, 0.0, 3.1, 1.1, 1.4)])
     clusters = find_clusters(PlaneFinder().find(frame))

@@ -45,6 +45,15 @@ def test_a_circle_that_begins_ahead_of_the_robot_is_cut_behind_it(yaw):
     assert on_leg == [2, 1]
 
 
+@pytest.mark.parametrize("count", [361, 370])
+def test_a_circle_that_ends_beyond_its_beginning_has_each_direction_once(count):
+    bearings = np.radians(np.arange(float(count)))
+    cut, turned = cut_behind(np.arange(float(count)), bearings)
+    assert sorted(cut.tolist()) == list(range(360))
+    np.testing.assert_allclose(np.diff(turned), np.radians(1.0), atol=1e-9)
+    assert len(LaserScan(cut, turned, 0.0, 400.0).points) == 360
+
+
 @pytest.mark.parametrize(
     ("bearings", "yaw"),
     [
