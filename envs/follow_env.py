@@ -340,7 +340,10 @@ class FollowEnv(gym.Env[Any, Any]):
         self._trail.append(self._truth.robot_pose[:2])
 
     def _checked(self, action: ArrayLike) -> NDArray[np.float64]:
-        wanted = np.asarray(action, dtype=np.float64)
+        try:
+            wanted = np.asarray(action, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise InputError(f"an action has shape {self._top.shape} and is finite, got {action!r}") from None
         if wanted.shape != self._top.shape or not np.isfinite(wanted).all():
             raise InputError(f"an action has shape {self._top.shape} and is finite, got {action!r}")
         return np.clip(wanted, -1.0, 1.0)

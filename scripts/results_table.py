@@ -37,15 +37,28 @@ def result_rows(results: Mapping[str, dict[str, Any]]) -> list[Row]:
     return rows
 
 
+def require_readme(readme: Path) -> str:
+    """Return the text of a README that has a place for the table.
+
+    Raises:
+        InputError: If it cannot be read, or the marks are missing.
+    """
+    try:
+        text = readme.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{readme}: cannot be read ({error})") from error
+    if BEGIN not in text or END not in text:
+        raise InputError(f"{readme}: needs the marks {BEGIN} and {END}")
+    return text
+
+
 def write_readme_table(readme: Path, rows: list[Row], machine: Mapping[str, Any], day: date) -> None:
     """Replace what stands between the two marks of the README.
 
     Raises:
-        InputError: If the marks are missing.
+        InputError: If there is no such README with the marks.
     """
-    text = readme.read_text(encoding="utf-8")
-    if BEGIN not in text or END not in text:
-        raise InputError(f"{readme}: needs the marks {BEGIN} and {END}")
+    text = require_readme(readme)
     before, after = text.split(BEGIN)[0], text.split(END)[1]
     lines = ["| measured | mean [95 % interval] | others | n |", "|---|---|---|---|"]
     lines += [f"| {' | '.join(row)} |" for row in rows]

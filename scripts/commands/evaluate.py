@@ -75,9 +75,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "follower", metavar="WHO", help=f"who drives: {names}, module:class, or a trained policy's folder"
     )
-    parser.add_argument("--env", choices=sorted(IDS), default="tagalong/Corridor-v0", help="where (%(default)s)")
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument("--env", choices=sorted(IDS), default="tagalong/Corridor-v0", help="where (%(default)s)")
+    where.add_argument("--suite", choices=sorted(SUITES), help="a set of unseen episodes, instead of --env")
     parser.add_argument("--episodes", type=int, default=30, metavar="N", help="how many (%(default)s)")
-    parser.add_argument("--suite", choices=sorted(SUITES), help="a set of unseen episodes, instead of --env")
     parser.add_argument(
         "--people", type=int, metavar="N", help="people, leader included (2; a suite has its own numbers)"
     )

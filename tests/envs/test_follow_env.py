@@ -230,6 +230,14 @@ def test_before_the_first_reset_there_is_nothing_to_know(ask):
         ask(make(people="truth").unwrapped)
 
 
+@pytest.mark.parametrize("action", ["x", None, [[0.0], [1.0, 2.0]], {"forward": 1.0}])
+def test_an_action_that_is_no_numbers_is_refused(action):
+    env = make().unwrapped
+    env.reset(seed=0)
+    with pytest.raises(InputError, match="an action has shape"):
+        env.step(action)
+
+
 def test_a_wrong_action_is_refused():
     env = make(people="truth").unwrapped
     with pytest.raises(InputError, match="call `reset` first"):
