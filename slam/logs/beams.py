@@ -18,8 +18,8 @@ def measured(ranges: Array, range_min: float = 0.0) -> Array:
 def cut_behind(ranges: Array, bearings: Array, yaw: float = 0.0) -> tuple[Array, Array]:
     """Return a sweep's ranges and bearings (N,), those of a full circle such that it begins and ends behind the robot.
 
-    Drivers that count from 0 to 2 pi cut the circle straight ahead, where a leg would fall into two pieces. Beams in the
-    direction of one before, as of those that end where they began, are left out then.
+    Drivers that count from 0 to 2 pi cut the circle straight ahead, where a leg would fall into two pieces. Beams in
+    the direction of one before, as of those that end where they began, are left out then.
 
     Args:
         ranges: (N,) [m].
