@@ -115,6 +115,8 @@ def _drive(options: argparse.Namespace) -> list[dict[str, Any]]:
     if options.suite is None:
         options.people = 2 if options.people is None else options.people
         walking = options.people - (options.follower in EXPLORERS)
+        if options.people < 1:
+            raise InputError(f"--people counts the leader, whom explorers do without: at least 1, got {options.people}")
         scenarios = (Scenario(name=options.env, env=options.env, arguments={"people_count": walking}),)
     elif options.people is not None:
         raise InputError(f"the suite {options.suite} has its own numbers of people: leave out --people")

@@ -47,6 +47,9 @@ def test_a_file_may_be_written_again_but_is_no_folder(tmp_path):
         ("teleop --operator gamepad --out new --gamepad FOLDER", "no gamepad at"),
         ("bench --steps 0", "--steps must be at least 1, got 0"),
         ("results --readme FILE", "needs the marks"),
+        ("evaluate random --people 0", "--people counts the leader"),
+        ("perceive FILE --out new --min-confidence nan", "--min-confidence must lie in [0, 1], got nan"),
+        ("perceive FILE --out new --min-confidence 2", "--min-confidence must lie in [0, 1], got 2.0"),
         ("results --readme nowhere", "nowhere: cannot be read"),
     ],
 )
