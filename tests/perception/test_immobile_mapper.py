@@ -109,6 +109,18 @@ def test_what_comes_into_an_empty_place_is_moving_and_what_was_always_there_is_n
     assert occupied_at(grid, 4.02, -1.0)
 
 
+@pytest.mark.parametrize("came", [True, False])
+def test_what_the_laser_saw_come_is_moving_to_the_camera_at_all_heights(came):
+    mapper = ImmobileMapper()
+    for step in range(1, 60):
+        there = (2.02, 0.02) if step > 40 or not came else None
+        mapper.add_scan(np.zeros(3), scan_of(post=there, time_s=0.1 * step))
+    frame = room_frame(5.9, board=(1.9, 0.0, 1.7))
+    mapper.add_view(make_view(frame, PlaneFinder().find(frame), nobody(53, 64)))
+    odds = mapper.grid.log_odds_around(np.zeros(3), np.tile((1.9, 0.0), (3, 1)), np.array([0.7, 1.1, 1.5]))
+    assert (odds <= 0.0).all() if came else (odds > 0.3).all()
+
+
 @pytest.mark.parametrize("every", [1, 5])
 def test_a_thing_that_was_once_taken_for_somebody_is_forgotten_when_the_camera_sees_no_one_there(every):
     mapper = ImmobileMapper()
