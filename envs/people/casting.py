@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 MOST_ON_ROUTE = 3
 """Most bystanders where their number is drawn and all walk on the leader's way."""
-_FROM_ROBOT, _FROM_SCRIPTED = 1.2, 0.7  # walkers begin no nearer, centre to centre [m]
+_FROM_ROBOT, _FROM_PEOPLE = 1.2, 0.6  # walkers begin no nearer, centre to centre [m]
 
 
 def cast_people(
@@ -121,24 +121,33 @@ def _places(
             place = stander_window(scene, arc[:person], rng)
             arc[person], casting.side[person] = place[0] + 0.1, place[2]
             casting.window[person] = place[:2]
+        aside = terrain.passing if role == Role.WALKER and not scene.lap else float(casting.side[person])
+        away.take(float(arc[person]), -sense[person] * aside if role == Role.WALKER else aside)
     return arc, sense
 
 
 class _Away:
-    """Who walks on a route that comes by its own start again, or by scripted people, must not begin there."""
+    """Who walks on a route that comes by itself again, or by scripted people, must not begin where somebody is."""
 
     def __init__(self, terrain: Terrain, start_arc: float, errands: tuple[Errand, ...]) -> None:
         self._terrain, self._robot = terrain, terrain.place(start_arc, 0.0)
-        self._scripted = np.array([errand.places[0][:2] for errand in errands]).reshape(-1, 2)
+        self._people = [np.array(errand.places[0][:2]) for errand in errands]
+
+    def take(self, arc: float, lateral: float) -> None:
+        """Note that somebody is at `arc` along the route and `lateral` to its left [m], as far as there is room."""
+        self._people.append(self._place(arc, lateral))
 
     def holds(self, arc: float) -> bool:
-        """Return whether both sides of the route at `arc` [m] are away from the robot and the scripted people."""
+        """Return whether both sides of the route at `arc` [m] are away from the robot and from people."""
         for side in (-1.0, 1.0):
-            place = self._terrain.place(arc, self._terrain.within_free(arc, side * self._terrain.passing))
-            people = np.hypot(*(self._scripted - place).T).min(initial=np.inf)
-            if np.hypot(*(self._robot - place)) < _FROM_ROBOT or people < _FROM_SCRIPTED:
+            place = self._place(arc, side * self._terrain.passing)
+            people = np.hypot(*(np.reshape(self._people, (-1, 2)) - place).T).min(initial=np.inf)
+            if np.hypot(*(self._robot - place)) < _FROM_ROBOT or people < _FROM_PEOPLE:
                 return False
         return True
+
+    def _place(self, arc: float, lateral: float) -> Array:
+        return self._terrain.place(arc, self._terrain.within_free(arc, lateral))
 
 
 def _apart(low: float, high: float, taken: Array, away: _Away, rng: np.random.Generator) -> float:
