@@ -58,6 +58,11 @@ def test_a_view_says_what_is_where():
     assert (view.lambdas[(view.surface == Surface.WALL) & (view.person < 0)] == 10.0).all()
     assert view.lambdas[view.person == 0] == pytest.approx(2.0 - 1.5 * 0.95)
     assert (view.person == 0).sum() > 100
+    assert (view.above[view.surface == Surface.WALL] == -np.inf).all()
+    assert (view.above[view.person == 0] == -np.inf).all()
+    thing = make_view(frame, PlaneFinder().find(frame), nobody(53, 64), ViewConfig(graze=0.2))
+    board = thing.cluster >= 0
+    np.testing.assert_allclose(thing.above[board], thing.points[board, 2] + 0.2, atol=0.05)
     with pytest.raises(InputError, match="top"):
         ViewConfig(top=1.5)
 

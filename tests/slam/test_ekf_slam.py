@@ -98,7 +98,7 @@ def test_joint_compatibility_sees_what_nearest_neighbour_cannot():
 def test_two_pairs_that_no_one_pose_explains_are_not_both_taken_though_each_is_the_only_one():
     # one error of the pose moves both landmarks alike in range; the two innovations oppose each other
     expected = np.array([[3.0, -1.0], [3.0, 1.0]])
-    z, R = expected + [[0.25, 0.0], [-0.25, 0.0]], np.tile(np.diag([0.01**2, 0.01**2]), (2, 1, 1))
+    z, R = expected + np.array([[0.25, 0.0], [-0.25, 0.0]]), np.tile(np.diag([0.01**2, 0.01**2]), (2, 1, 1))
     together = np.kron(np.ones((2, 2)), np.diag([0.1**2, 0.0]))
     apart = np.kron(np.eye(2), np.diag([0.1**2, 0.0]))
     assert len(nearest_neighbour(compare(z, R, expected, together), 9.21)) == 2
