@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tagalong.perception.immobile.mapper import ImmobileMapper, ImmobileMapperConfig
 from tagalong.perception.immobile.places import Places
-from tagalong.perception.immobile.view import ViewConfig, make_view
+from tagalong.perception.immobile.view import ViewConfig, ViewMaker, make_view
 from tagalong.perception.rgbd.frame import Pinhole, RgbdFrame
 from tagalong.perception.rgbd.people import NoPeopleFinder, RgbdPeople, nobody
 from tagalong.perception.rgbd.planes import PlaneFinder, Surface
@@ -217,6 +217,28 @@ def test_legs_that_a_tracker_knows_do_not_enter():
         mapper.add_scan(np.zeros(3), scan, np.where(near, 0.9, 0.0))
     assert not occupied_at(mapper.grid.to_map(), 1.87, 0.02)
     assert occupied_at(mapper.grid.to_map(), 4.02, 0.52)
+
+
+def test_a_place_is_as_likely_as_what_is_remembered_nearest_to_it():
+    places = Places(0.35)
+    assert places.likelihood(np.zeros((2, 2))).tolist() == [0.0, 0.0]
+    places.add(np.array([[3.0, 0.0], [5.0, 1.0]]), np.array([0.8, 0.6]), 0.0)
+    asked = np.array([[3.1, 0.1], [5.0, 0.7], [4.0, 0.5], [3.0, 0.4]])
+    assert places.likelihood(asked).tolist() == [0.8, 0.6, 0.0, 0.0]
+
+
+def test_a_view_holds_what_was_measured_and_belongs_to_something():
+    frame = room_frame(board=(2.0, 0.0, 1.7))
+    depth = frame.depth.copy()
+    depth[:, :8] = np.nan
+    depth[20:23, 12] = 1.2  # three pixels alone in the room
+    frame = replace(frame, depth=depth)
+    view = ViewMaker(config=ViewConfig(graze=0.3)).make(frame)
+    assert np.isfinite(view.points).all()
+    assert np.abs(view.points[:, 0] - 1.2).min() > 0.05
+    board = view.cluster >= 0
+    assert board.sum() > 100
+    np.testing.assert_allclose(view.above[board], view.points[board, 2] + 0.3, atol=0.05)
 
 
 def test_places_are_kept_while_somebody_or_something_hides_them():

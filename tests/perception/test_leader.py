@@ -35,6 +35,11 @@ def test_a_lost_leader_is_taken_up_again_under_the_same_identity(stage):
     lost = [leader for leader in leaders if leader is not None and leader.track_id == -1]
     assert len(lost) > 5
     assert not any(leader.visible for leader in lost)
+    speeds = np.array([leader.velocity for leader in lost])
+    assert speeds.shape == (len(lost), 2)
+    assert np.abs(speeds[:, 0]).max() < 0.15
+    assert (np.diff(speeds[:, 1]) < 0.0).all()  # it fades on its way
+    assert 0.0 < speeds[-1, 1] < speeds[0, 1] < 0.9
     found = leaders[-1]
     assert found is not None
     assert found.visible

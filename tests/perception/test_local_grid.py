@@ -45,6 +45,15 @@ def test_a_cell_is_occupied_while_something_stays_and_free_again_afterwards():
     assert grid.is_free(post, 10.0).all()
 
 
+def test_however_long_something_stood_it_is_forgotten_in_the_same_time():
+    grid, place = LocalGrid(0.05, 0.3, 3.0), np.array([[1.0, 1.0]])
+    for k in range(200):
+        grid.mark(place, np.zeros(2), 0.1 * k, 0.1)
+    half = 19.9 + 3.0 * np.log(1.0 / OCCUPIED)
+    assert not grid.is_free(place, half - 0.05)[0]
+    assert grid.is_free(place, half + 0.05)[0]
+
+
 def test_points_beyond_the_grid_leave_it_alone():
     grid = LocalGrid(0.05, 0.3, 3.0)
     near = np.array([[0.51, 0.51]])

@@ -35,6 +35,18 @@ def test_a_track_has_moved_as_far_as_the_box_around_its_places_is_large():
     assert legs.moved[0] == 0.0
 
 
+def test_how_far_two_tracks_stay_apart_is_the_length_of_their_mean_vector():
+    legs = tracks((1.0, 1.0), (1.3, 1.4), (-1.0, 1.0))
+    np.testing.assert_allclose(
+        legs.spread(), [[0.0, 0.5, 2.0], [0.5, 0.0, np.hypot(2.3, 0.4)], [2.0, np.hypot(2.3, 0.4), 0.0]]
+    )
+    for _ in range(50):  # legs that swing past each other are near in the mean
+        legs.rows["x"][1, :2] = 2.0 * legs.positions[0] - legs.positions[1]
+        legs.predict(0.1)
+        legs.measure_apart(0.1)
+    assert legs.spread()[0, 1] < 0.1
+
+
 def test_the_gate_opens_with_the_time_unseen_up_to_its_most():
     legs = tracks((0.0, 0.0), (5.0, 0.0), (10.0, 0.0))
     legs.rows["unseen_s"] = [0.0, 0.1, 60.0]
