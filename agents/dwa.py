@@ -44,7 +44,7 @@ class DWAFollower:
         self.config = config or DWAConfig()
         step_s = 1.0 / self.interface.control_hz
         self._memory = LeaderMemory(self.config.memory, step_s)
-        self._window = DynamicWindow(self.config.window, step_s)
+        self._window = DynamicWindow(self.config.window.within(self.interface), step_s)
         self._points = ScanPoints(self.interface)
         self.reset()
 

@@ -3,11 +3,12 @@
 Added to the original: people are predicted at constant velocity and keep a personal space of their own.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..envs.interface import FollowInterface
 from ..slam.errors import InputError
 
 Array = NDArray[np.float64]
@@ -67,6 +68,11 @@ class DynamicWindowConfig:
         for name in ("max_speed", "max_turn_rate", "acceleration", "turn_acceleration", "horizon_s", "radius"):
             if not getattr(self, name) > 0.0:
                 raise InputError(f"`{name}` of the dynamic window must be positive, got {getattr(self, name)}")
+
+    def within(self, interface: FollowInterface) -> "DynamicWindowConfig":
+        """Return the same with no speed beyond what actions can ask for."""
+        fastest, turn = min(self.max_speed, interface.max_speed), min(self.max_turn_rate, interface.max_turn_rate)
+        return replace(self, max_speed=fastest, max_turn_rate=turn)
 
 
 @dataclass(frozen=True, eq=False)

@@ -54,7 +54,7 @@ class FrontierExplorer:
         self._own_map = self.interface.own_map
         self.config = config or FrontierExplorerConfig()
         self._step_s = 1.0 / self.interface.control_hz
-        self._window = DynamicWindow(self.config.window, self._step_s)
+        self._window = DynamicWindow(self.config.window.within(self.interface), self._step_s)
         self._points = ScanPoints(self.interface)
         self.reset()
 

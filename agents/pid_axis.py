@@ -45,7 +45,11 @@ class Axis:
         self._last: float | None = None
 
     def update(self, error: float, *, saturated: bool = False) -> float:
-        """Return the output for `error`; while `saturated`, the integral only shrinks."""
+        """Return the output for `error`; while `saturated`, the integral only shrinks.
+
+        A jump of the error, as when a leader is seen again elsewhere, counts as its rate for a moment; behind the
+        follower's limits of acceleration 0.13 m/s and 0.08 rad/s of it are left at most, and nothing after a second.
+        """
         c = self._config
         step = c.integral * error * self._step_s
         if not saturated or step * self._integral < 0.0:

@@ -43,7 +43,7 @@ class TruePeopleSource:
         """Return the people in the odometry frame; ids are their true numbers."""
         yield
         truth = self._world.truth
-        T_odom_world = compose(odometry, inverse(truth.robot_pose))
+        T_odom_world = compose(self._world.odometry, inverse(truth.robot_pose))
         turn = np.array([0.0, 0.0, T_odom_world[2]])
         offset = truth.people.positions - truth.robot_pose[:2]
         near = np.flatnonzero(np.hypot(offset[:, 0], offset[:, 1]) < FARTHEST_M)
@@ -97,8 +97,10 @@ class TrueMapper:
         self._path = np.zeros((0, 3))
 
     def update(self, odometry: Array, sifted: SiftedScan) -> None:
-        """Draw the scan where it was truly taken."""
-        pose = self.pose
+        """Draw the scan where it was truly taken: an earlier one of this control period by the odometry since then."""
+        now, pose = self._world.odometry, self.pose
+        if not np.array_equal(odometry, now):
+            pose = compose(pose, between(now, odometry))
         if len(self._path):
             moved = between(self._path[-1], pose)
             if np.hypot(moved[0], moved[1]) < MAP_STEP_M and abs(moved[2]) < MAP_STEP_M:

@@ -3,7 +3,7 @@
 import argparse
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from importlib import import_module
 
 from .. import __version__
@@ -30,8 +30,13 @@ COMMANDS: dict[str, str] = {
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run `tagalong ARGUMENTS` and return the exit status: 0 fine, 1 a stated bound was missed, 2 bad input."""
     words = list(sys.argv[1:] if arguments is None else arguments)
+    return told(lambda: _run(words))
+
+
+def told(run: Callable[[], int]) -> int:
+    """Return the exit status of `run`; what its user did wrong is told in one line, with status 2."""
     try:
-        return _run(words)
+        return run()
     except (InputError, MissingExtraError) as error:
         print(f"tagalong: {error}", file=sys.stderr)
         return 2

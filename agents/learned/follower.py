@@ -9,12 +9,13 @@ from numpy.typing import NDArray
 
 from ...envs.interface import FollowInterface
 from ...slam.errors import InputError
+from ...slam.files import read_arrays
 from ..follower import Observation
 from .detour import DetourConfig
 from .features import FeatureConfig
 from .guard import GuardConfig
 from .keep_up import KeepUpConfig
-from .network import Network
+from .network import Network, check_arrays
 from .pilot import Pilot, PilotConfig
 from .steering import SteeringConfig
 from .swerve import SwerveConfig
@@ -68,10 +69,10 @@ def load_policy(policy: str | Path) -> tuple[dict[str, NDArray[np.float32]], Pil
         raise InputError(
             f"a policy is a shipped one ({shipped}) or a folder with policy.npz, policy.json; got {policy}"
         )
+    arrays = read_arrays(weights)
     try:
-        with np.load(weights, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
-        return arrays, pilot_config(json.loads(card.read_text())["pilot"])
+        check_arrays(arrays)
+        return arrays, pilot_config(json.loads(card.read_text(encoding="utf-8"))["pilot"])
     except (ValueError, KeyError, TypeError) as error:
         raise InputError(f"the policy {weights} does not fit this program: {error}") from error
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...slam.errors import InputError
-from ..scenes.scene import Scene
+from ..scenes.scene import Errand, Scene
 from .body import Physique, draw_physique
 from .crowd import Casting, CrowdState, Role
 from .leader import Leader, draw_leader
@@ -16,6 +16,7 @@ Array = NDArray[np.float64]
 
 MOST_ON_ROUTE = 3
 """Most bystanders where their number is drawn and all walk on the leader's way."""
+_FROM_ROBOT, _FROM_PEOPLE = 1.2, 0.6  # walkers begin no nearer, centre to centre [m]
 
 
 def cast_people(
@@ -59,7 +60,7 @@ def cast_people(
     physiques = [draw_physique(rng) for _ in range(count)]
     physiques[0] = leader_physique
     casting = _cast(np.array(roles, dtype=np.int64), physiques, scene, rng)
-    arc, sense = _places(scene, casting, start_arc + leader_rng.uniform(1.2, 1.5), rng)
+    arc, sense = _places(scene, terrain, casting, start_arc, start_arc + leader_rng.uniform(1.2, 1.5), rng)
     return casting, standing_still(terrain, casting, arc, sense, leader)
 
 
@@ -97,10 +98,13 @@ def without_leader(casting: Casting, state: CrowdState) -> tuple[Casting, CrowdS
     return kept, CrowdState(**people, leader=None)
 
 
-def _places(scene: Scene, casting: Casting, leader_arc: float, rng: np.random.Generator) -> tuple[Array, Array]:
+def _places(
+    scene: Scene, terrain: Terrain, casting: Casting, start_arc: float, leader_arc: float, rng: np.random.Generator
+) -> tuple[Array, Array]:
     """Return arc length and sense of everybody, 1.2 m apart; writes side and window of standers into `casting`."""
     length = scene.tour_length
     arc, sense = np.zeros(len(casting.roles)), np.ones(len(casting.roles))
+    away = _Away(terrain, start_arc, scene.errands)
     for person, role in enumerate(casting.roles):
         if role == Role.LEADER:
             arc[person] = leader_arc
@@ -111,19 +115,45 @@ def _places(scene: Scene, casting: Casting, leader_arc: float, rng: np.random.Ge
             casting.side[person] *= 10.0 * max(0.0, min(0.3, scene.half_width - 0.5))
         elif role == Role.WALKER:
             low, high = (0.3 * scene.lap, 0.75 * scene.lap) if scene.lap else (6.0, length - 1.0)
-            arc[person] = _apart(low + leader_arc, min(high + leader_arc, length), arc[:person], rng)
+            arc[person] = _apart(low + leader_arc, min(high + leader_arc, length), arc[:person], away, rng)
             sense[person] = 1.0 if scene.lap else rng.choice([-1.0, 1.0])
         else:
             place = stander_window(scene, arc[:person], rng)
             arc[person], casting.side[person] = place[0] + 0.1, place[2]
             casting.window[person] = place[:2]
+        aside = terrain.passing if role == Role.WALKER and not scene.lap else float(casting.side[person])
+        away.take(float(arc[person]), -sense[person] * aside if role == Role.WALKER else aside)
     return arc, sense
 
 
-def _apart(low: float, high: float, taken: Array, rng: np.random.Generator) -> float:
+class _Away:
+    """Who walks on a route that comes by itself again, or by scripted people, must not begin where somebody is."""
+
+    def __init__(self, terrain: Terrain, start_arc: float, errands: tuple[Errand, ...]) -> None:
+        self._terrain, self._robot = terrain, terrain.place(start_arc, 0.0)
+        self._people = [np.array(errand.places[0][:2]) for errand in errands]
+
+    def take(self, arc: float, lateral: float) -> None:
+        """Note that somebody is at `arc` along the route and `lateral` to its left [m], as far as there is room."""
+        self._people.append(self._place(arc, lateral))
+
+    def holds(self, arc: float) -> bool:
+        """Return whether both sides of the route at `arc` [m] are away from the robot and from people."""
+        for side in (-1.0, 1.0):
+            place = self._place(arc, side * self._terrain.passing)
+            people = np.hypot(*(np.reshape(self._people, (-1, 2)) - place).T).min(initial=np.inf)
+            if np.hypot(*(self._robot - place)) < _FROM_ROBOT or people < _FROM_PEOPLE:
+                return False
+        return True
+
+    def _place(self, arc: float, lateral: float) -> Array:
+        return self._terrain.place(arc, self._terrain.within_free(arc, lateral))
+
+
+def _apart(low: float, high: float, taken: Array, away: _Away, rng: np.random.Generator) -> float:
     for _ in range(200):
         arc = rng.uniform(low, high)
-        if np.all(np.abs(taken - arc) > 1.2):
+        if np.all(np.abs(taken - arc) > 1.2) and away.holds(arc):
             return float(arc)
     raise InputError(f"no room for so many people on {high - low:.0f} m of route: at most {int((high - low) / 3)} fit")
 

@@ -28,8 +28,10 @@ from ...envs.suites import FIRST_SEED, SUITES, suite
 from ...slam.errors import InputError
 from ...slam.files import made_folder, write_json, write_text
 from ...slam.quality.score import score_map
+from ..cli import told
 from ..figures.plots import new_figure, save_figure
 from ..tables import format_table
+from .arguments import at_least
 from .hardware import describe_machine
 from .statistics import Estimate, metric_mean, share
 
@@ -178,13 +180,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--followers", nargs="+", default=["learned", "pid"], metavar="WHO")
     parser.add_argument("--suites", nargs="+", default=list(DEFAULT_SUITES), choices=sorted(SUITES), metavar="SUITE")
-    parser.add_argument("--episodes", type=int, default=100, metavar="N")
+    parser.add_argument("--episodes", type=at_least(1), default=100, metavar="N")
     parser.add_argument(
-        "--maps", type=int, metavar="N", help="build maps in the first N episodes only (default: in all): faster"
+        "--maps",
+        type=at_least(0),
+        metavar="N",
+        help="build maps in the first N episodes only (default: in all): faster",
     )
     parser.add_argument("--plot", action="store_true", help="draw tours done over jerk (extra viz)")
     parser.add_argument("--out", type=Path, default=Path("out/followers"), metavar="DIR")
     options = parser.parse_args(arguments)
+    options.followers = list(dict.fromkeys(options.followers))
     file = made_folder(options.out) / "episodes.jsonl"
     maps = math.inf if options.maps is None else options.maps
     rows = finished_rows(file, maps)
@@ -223,4 +229,4 @@ def _lines(figures: dict[str, Any]) -> list[tuple[str, ...]]:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    raise SystemExit(told(main))

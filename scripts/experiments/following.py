@@ -23,6 +23,7 @@ from ...perception.tracking.people import People
 from ...perception.tracking.tracker import PeopleTracker
 from ...slam.errors import InputError
 from ...slam.logs.scans_npz import read_scans_npz
+from ..cli import told
 
 RADIUS = 0.75
 CHOICE_S = 3.0
@@ -109,4 +110,4 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    raise SystemExit(told(main))

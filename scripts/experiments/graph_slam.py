@@ -35,9 +35,11 @@ from ...slam.logs.tum import Trajectory, read_tum
 from ...slam.quality.relations import score_relations
 from ...slam.quality.trajectory import absolute_error
 from ...slam.scan import LaserScan
+from ..cli import told
 from ..slam_run import usable_times
 from ..tables import format_table
 from .acceptance import LOGS
+from .arguments import at_least
 from .cells import TIMING, Cell, run_cells
 from .hardware import describe_machine, reference_kernel_s
 from .intel_reference import READINGS, RELATIONS, corrected_poses, published_poses, related_poses
@@ -285,7 +287,7 @@ def main(words: Sequence[str]) -> int:
     parser.add_argument("data", type=Path, metavar="DATA", help="holds the folder slam_logs")
     parser.add_argument("reference", type=Path, metavar="REFERENCE", help="simulated logs")
     parser.add_argument("out", type=Path, metavar="OUT", help="where the results go")
-    parser.add_argument("jobs", type=int, nargs="?", default=1, metavar="JOBS", help="processes (default: 1)")
+    parser.add_argument("jobs", type=at_least(1), nargs="?", default=1, metavar="JOBS", help="processes (default: 1)")
     options = parser.parse_args(words)
     for folder in (options.data / "slam_logs", options.reference):
         if not folder.is_dir():
@@ -298,4 +300,4 @@ def main(words: Sequence[str]) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(told(lambda: main(sys.argv[1:])))

@@ -28,6 +28,7 @@ from ...slam.logs.carmen import read_carmen
 from ...slam.logs.drive import RecordedDrive
 from ...slam.occupancy_map import OccupancyMap
 from ...slam.quality.trajectory import absolute_error
+from ..cli import told
 from ..tables import format_table
 from .cells import TIMING, Cell, run_cells
 from .hardware import describe_machine
@@ -272,4 +273,4 @@ def main(words: Sequence[str]) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(told(lambda: main(sys.argv[1:])))

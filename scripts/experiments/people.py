@@ -21,10 +21,11 @@ from ...perception.legs.forest import LegForest
 from ...perception.people_filter import near_points, people_points_lidar
 from ...perception.tracking.leader import LeaderSelector
 from ...perception.tracking.tracker import PeopleTracker, TrackerUpdate
-from ...slam.errors import InputError
 from ...slam.files import write_json
 from ...slam.geometry import between, compose, inverse, transform_points, wrap_angle
 from ...slam.scan import LaserScan
+from ..cli import told
+from .arguments import at_least, positive
 from .clear_mot import ClearMot
 
 RANGE = 6.0
@@ -197,16 +198,14 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the experiment; see the module's docstring."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--scene", default="corridor")
-    parser.add_argument("--seeds", type=int, default=10)
-    parser.add_argument("--first-seed", type=int, default=0)
-    parser.add_argument("--people", type=int, default=4)
+    parser.add_argument("--seeds", type=at_least(1), default=10)
+    parser.add_argument("--first-seed", type=at_least(0), default=0)
+    parser.add_argument("--people", type=at_least(1), default=4)
     parser.add_argument("--preset", default="table2")
     parser.add_argument("--forest", default="simulation")
-    parser.add_argument("--seconds", type=float, default=120.0, help="longest drive [s]")
+    parser.add_argument("--seconds", type=positive, default=120.0, help="longest drive [s]")
     parser.add_argument("--out", type=Path, help="folder for people.json")
     options = parser.parse_args(arguments)
-    if options.seeds < 1 or options.people < 1:
-        raise InputError(f"need at least one seed and one person, got {options.seeds} and {options.people}")
     rows = []
     for row in drives(options):
         rows.append(row)
@@ -224,4 +223,4 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    raise SystemExit(told(main))

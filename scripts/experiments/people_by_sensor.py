@@ -43,8 +43,10 @@ from ...envs.world import World
 from ...slam.errors import InputError
 from ...slam.files import write_json
 from ...slam.geometry import compose, inverse, transform_points
+from ..cli import told
 from ..tables import format_table
 from ..training.rgbd_truth import WholeBodies
+from .arguments import at_least, positive
 from .clear_mot import ClearMot
 from .hardware import describe_machine
 from .people import LEAST_RETURNS, RANGE, returns_on_a_leg
@@ -150,13 +152,11 @@ def _who_never_moves(world: World) -> NDArray[np.bool_]:
 def main(arguments: list[str] | None = None) -> int:
     """Run the experiment; see the module's docstring."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seeds", type=int, default=5)
-    parser.add_argument("--first-seed", type=int, default=0)
-    parser.add_argument("--seconds", type=float, default=330.0, help="longest drive [s]")
+    parser.add_argument("--seeds", type=at_least(1), default=5)
+    parser.add_argument("--first-seed", type=at_least(0), default=0)
+    parser.add_argument("--seconds", type=positive, default=330.0, help="longest drive [s]")
     parser.add_argument("--out", type=Path, help="folder for people_by_sensor.json")
     options = parser.parse_args(arguments)
-    if options.seeds < 1:
-        raise InputError(f"need at least one seed, got {options.seeds}")
     drives = []
     for seed in range(options.first_seed, options.first_seed + options.seeds):
         drives.append(drive(seed, options.seconds))
@@ -200,4 +200,4 @@ def _figures(judges: list[SensorJudge]) -> dict[str, float]:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    raise SystemExit(told(main))

@@ -38,7 +38,9 @@ from ...perception.legs.forest import LegForest
 from ...perception.tracking.tracker import PeopleTracker
 from ...slam.files import write_json
 from ...slam.geometry import compose, inverse, transform_points
+from ..cli import told
 from ..tables import format_table
+from .arguments import at_least, positive
 from .hardware import describe_machine
 from .people import follow_command
 from .statistics import t_mean
@@ -101,8 +103,8 @@ def measure(seeds: int, seconds: float) -> list[dict[str, Any]]:
 def main(arguments: list[str] | None = None) -> int:
     """Run the experiment; see the module's docstring."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seeds", type=int, default=6)
-    parser.add_argument("--seconds", type=float, default=40.0, help="longest drive [s]")
+    parser.add_argument("--seeds", type=at_least(1), default=6)
+    parser.add_argument("--seconds", type=positive, default=40.0, help="longest drive [s]")
     parser.add_argument("--out", type=Path, help="folder for recall_by_distance.json")
     options = parser.parse_args(arguments)
     rows = measure(options.seeds, options.seconds)
@@ -125,4 +127,4 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    raise SystemExit(told(main))

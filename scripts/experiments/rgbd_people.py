@@ -45,14 +45,15 @@ from ...envs.world_config import WorldConfig
 from ...perception.rgbd.people_finder import PeopleFinder
 from ...perception.rgbd.person_svm import MODEL, PersonSvm
 from ...perception.rgbd.planes import PlaneFinder
-from ...slam.errors import InputError
 from ...slam.files import write_json
 from ...slam.geometry import inverse, transform_points
+from ..cli import told
 from ..figures.detections import save_detections
 from ..tables import format_table
 from ..training.evaluate_people import THRESHOLD, PeopleScores, score_people
 from ..training.rgbd_frames import LabelledFrame, draw_frames
 from ..training.rgbd_truth import WholeBodies
+from .arguments import at_least
 from .hardware import describe_machine
 
 Array = NDArray[np.float64]
@@ -120,14 +121,12 @@ def by_visible(scores: PeopleScores) -> list[str]:
 def main(arguments: list[str] | None = None) -> int:
     """Run the experiment; see the module's docstring."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seeds", type=int, default=5)
-    parser.add_argument("--first-seed", type=int, default=0)
+    parser.add_argument("--seeds", type=at_least(1), default=5)
+    parser.add_argument("--first-seed", type=at_least(0), default=0)
     parser.add_argument("--model", type=Path, default=MODEL, help="classifier (the shipped one)")
     parser.add_argument("--work", nargs="+", choices=("drive", "shaken", "crowd"), default=["drive", "shaken", "crowd"])
     parser.add_argument("--out", type=Path, help="folder for rgbd_people.json and detections.png")
     options = parser.parse_args(arguments)
-    if options.seeds < 1:
-        raise InputError(f"need at least one seed, got {options.seeds}")
     svm = PersonSvm.load(options.model)
     seeds = range(options.first_seed, options.first_seed + options.seeds)
     scores = {name: score_people(svm, (f for seed in seeds for f in work(name, seed))) for name in options.work}
@@ -164,4 +163,4 @@ def _draw(path: Path, svm: PersonSvm, seed: int, names: list[str]) -> None:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    raise SystemExit(told(main))

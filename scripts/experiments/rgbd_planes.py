@@ -29,9 +29,10 @@ from ...envs.operator import Operator
 from ...envs.world import World
 from ...envs.world_config import WorldConfig
 from ...perception.rgbd.planes import PlaneFinder, Planes, Surface
-from ...slam.errors import InputError
 from ...slam.files import write_json
+from ..cli import told
 from ..tables import format_table
+from .arguments import at_least
 from .hardware import describe_machine
 
 KINDS = {
@@ -114,12 +115,10 @@ def count_drive(seed: int, vibration: float, counts: Counts, longest_s: float = 
 def main(arguments: list[str] | None = None) -> int:
     """Run the experiment; see the module's docstring."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seeds", type=int, default=3)
-    parser.add_argument("--first-seed", type=int, default=0)
+    parser.add_argument("--seeds", type=at_least(1), default=3)
+    parser.add_argument("--first-seed", type=at_least(0), default=0)
     parser.add_argument("--out", type=Path, help="folder for rgbd_planes.json")
     options = parser.parse_args(arguments)
-    if options.seeds < 1:
-        raise InputError(f"need at least one seed, got {options.seeds}")
     results, rows = {}, []
     for name, vibration in VIBRATIONS.items():
         counts = Counts()
@@ -135,4 +134,4 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    raise SystemExit(told(main))

@@ -142,7 +142,10 @@ class TileMaps:
         columns, rows = (int(places) for places in upper - lower)
         if columns * rows > _MOST_PLACES:
             width, height = (columns * self.cell * SIDE, rows * self.cell * SIDE)
-            raise InputError(f"the map would grow to {width:.0f} x {height:.0f} m; the odometry or a range is wrong")
+            raise InputError(
+                f"the map would grow to {width:.0f} x {height:.0f} m in cells of {self.cell:g} m; "
+                "the odometry or a range is wrong, or the cells are too small"
+            )
         grown = np.zeros((len(self.directory), rows, columns), dtype=np.int32)
         if not first:
             column, row = self.origin - lower

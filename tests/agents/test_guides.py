@@ -247,6 +247,18 @@ def test_there_are_followers_and_explorers():
         make_follower("nobody")
 
 
+@pytest.mark.parametrize("make", [DWAFollower, RandomWalk])
+def test_what_is_planned_can_be_driven(make):
+    """A plan that turns faster than the robot may is cut on the way to the wheels: it would foresee another arc."""
+    limited = FollowInterface(bearings=BEARINGS, max_turn_rate=0.5, max_speed=0.4)
+    follower = make(limited)
+    for _ in range(30):
+        follower.act(observation([0.3, 2.5, 0.0, 0.0]))
+        assert abs(follower._window._turn) <= 0.5
+        assert abs(follower._window._speed) <= 0.4
+    assert DynamicWindowConfig().within(FollowInterface()) == DynamicWindowConfig()
+
+
 @pytest.mark.parametrize("name", ["pure_pursuit", "dwa", "random"])
 def test_a_holonomic_robot_gets_three_numbers(name):
     follower = make_follower(name, FollowInterface(bearings=BEARINGS, holonomic=True))

@@ -1,5 +1,6 @@
 """Learned followers without torch: steering, what the network is told, the network in numpy, the shipped policy."""
 
+import io
 import json
 from dataclasses import replace
 
@@ -19,6 +20,7 @@ from tagalong.agents.learned.trail import Trail
 from tagalong.envs.interface import FollowInterface
 from tagalong.envs.rollout import rollout
 from tagalong.slam.errors import InputError
+from tagalong.slam.files import read_arrays
 
 CONFIG = SteeringConfig()
 wishes = st.lists(st.tuples(st.floats(-2.0, 2.0), st.floats(-2.0, 2.0)), min_size=1, max_size=40)
@@ -179,10 +181,44 @@ def test_a_recurrent_network_remembers_until_reset():
 def test_a_policy_that_is_not_there_or_does_not_fit_is_refused(tmp_path):
     with pytest.raises(InputError, match="shipped one"):
         LearnedFollower(policy="nobody")
-    (tmp_path / "policy.npz").write_bytes(b"nonsense")
+    (tmp_path / "policy.npz").write_bytes((SHIPPED / "follower.npz").read_bytes())
     (tmp_path / "policy.json").write_text("{}")
     with pytest.raises(InputError, match="does not fit"):
         make_follower(str(tmp_path))
+
+
+def damaged(kind):
+    """The bytes of a policy's weights, damaged."""
+    whole = (SHIPPED / "follower.npz").read_bytes()
+    if kind in ("empty", "cut"):
+        return whole[: 0 if kind == "empty" else len(whole) // 2]
+    if kind == "a byte":
+        return whole[: len(whole) // 2] + bytes([whole[len(whole) // 2] ^ 255]) + whole[len(whole) // 2 + 1 :]
+    arrays = read_arrays(SHIPPED / "follower.npz")
+    if kind == "missing":
+        del arrays["vector.deviation"]
+    else:
+        arrays["dense.0.bias"] = np.nan * arrays["dense.0.bias"]
+    file = io.BytesIO()
+    np.savez(file, **arrays)
+    return file.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("kind", "said"),
+    [
+        ("empty", "no readable npz file"),
+        ("cut", "no readable npz file"),
+        ("a byte", "no readable npz file"),
+        ("missing", "array vector.deviation is missing"),
+        ("nan", "array dense.0.bias has values that are not finite numbers"),
+    ],
+)
+def test_a_damaged_policy_is_refused_in_one_line(tmp_path, kind, said):
+    (tmp_path / "policy.npz").write_bytes(damaged(kind))
+    (tmp_path / "policy.json").write_bytes((SHIPPED / "follower.json").read_bytes())
+    with pytest.raises(InputError, match=said):
+        LearnedFollower(None, tmp_path)
 
 
 def test_the_shipped_policy_is_small_and_its_card_tells_what_a_user_must_know():

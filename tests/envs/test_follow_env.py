@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 import tagalong  # noqa: F401 (registers the ids)
 from gymnasium.utils.env_checker import check_env
+from scipy.spatial import KDTree
 from tagalong.agents import make_follower
 from tagalong.envs.follow_env import nobody_notes
 from tagalong.envs.registration import IDS, MAX_EPISODE_STEPS
 from tagalong.envs.rollout import rollout
+from tagalong.envs.scenes.occupancy import true_map
 from tagalong.slam.errors import InputError
 
 SMALL = {"beams": 361, "slam": None}
@@ -314,6 +316,38 @@ def test_a_rollout_records_what_happened_and_can_be_repeated():
     assert (episode.seed, episode.ending) == (4, "")
     assert episode.history.robot_pose.tobytes() == again.history.robot_pose.tobytes()
     assert repr(episode.metrics) == repr(again.metrics)
+
+
+def test_a_fast_laser_with_true_poses_maps_as_sharply_as_a_slow_one():
+    """Sweeps within a control period belong to where the robot was then."""
+    env = make(scene="meeting_room", people="truth", slam="truth", lidar_hz=40.0, people_count=1, ends_on_contact=False)
+    env.reset(seed=3)
+    for k in range(40):
+        env.step([0.6, 1.0 if k % 20 < 10 else -1.0])
+    inner = env.unwrapped
+    truth = true_map(inner.world.scene, T_world_map=inner.world.start).occupied_points
+    off, _ = KDTree(truth).query(inner.own_map().map.occupied_points)
+    assert np.mean(np.asarray(off) > 0.06) < 0.05
+
+
+def test_truly_known_people_stand_still_in_the_odometry_frame_while_a_fast_laser_turns():
+    env = make(people="truth", lidar_hz=40.0, people_count=1, ends_on_contact=False)
+    env.reset(seed=0)
+    inner, places = env.unwrapped, []
+    source = inner._mind._people
+    update = source.update_in_stages
+    source.update_in_stages = lambda *given: kept(update(*given), places)
+    for _ in range(3):  # the leader has not set off yet
+        env.step([0.0, 1.0])
+    assert len(places) == 12
+    assert np.ptp(np.array(places)[:, 0], axis=0).max() < 0.03
+
+
+def kept(stages, places):
+    """Do the stages, and keep where the people are in the end."""
+    people = yield from stages
+    places.append(people.positions)
+    return people
 
 
 class Thrice(gym.Wrapper):

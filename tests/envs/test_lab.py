@@ -126,3 +126,15 @@ def test_the_camera_is_an_option_of_the_environment():
     assert not np.shares_memory(observation["rgb"], again["rgb"])
     with pytest.raises(InputError, match="lidar, rgbd"):
         gym.make("tagalong/Lab-v0", sensors={"lidar", "sonar"})
+
+
+@pytest.mark.parametrize("seed", [100018, 100045, 100114, 100116, 100159, 100201])
+def test_nobody_begins_inside_the_robot_or_inside_a_scripted_person(seed):
+    """The tour comes by its own start again."""
+    config = WorldConfig(scene="lab", people=None, split="test" if seed % 2 else "train", lidar=LidarConfig(beams=5))
+    world = World(config, np.random.default_rng(seed))
+    people = world.truth.people
+    places = np.vstack((people.positions, world.truth.robot_pose[:2]))
+    radii = np.append(people.radii, world.config.robot.radius)
+    gap = np.hypot(*(places[:, None] - places).transpose(2, 0, 1)) - radii[:, None] - radii
+    assert gap[np.triu_indices(len(gap), 1)].min() > 0.0

@@ -27,15 +27,16 @@ def feet_of_walker(position, velocity, time_s, step_s=0.5, width=0.2):
 
 @dataclass
 class ScriptedDetector:
-    """Reports the positions and confidences that were put into it; each is a cluster of four points."""
+    """Reports the positions and confidences that were put into it; each is a cluster of four points, `width` [m]."""
 
     positions: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
     confidence: np.ndarray = field(default_factory=lambda: np.zeros(0))
     gamma: float = PerceptionConfig().gamma
+    width: float = 0.1
 
     def detect_in_stages(self, scan):
         yield
-        corners = np.array([[-0.05, 0.0], [-0.02, -0.03], [0.02, -0.03], [0.05, 0.0]])
+        corners = self.width * np.array([[-0.5, 0.0], [-0.2, -0.3], [0.2, -0.3], [0.5, 0.0]])
         points = (self.positions[:, None] + corners).reshape(-1, 2)
         start = 4 * np.arange(len(self.positions))
         clusters = Clusters(points, np.arange(len(points)), start, start + 4)

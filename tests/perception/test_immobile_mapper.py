@@ -58,6 +58,11 @@ def test_a_view_says_what_is_where():
     assert (view.lambdas[(view.surface == Surface.WALL) & (view.person < 0)] == 10.0).all()
     assert view.lambdas[view.person == 0] == pytest.approx(2.0 - 1.5 * 0.95)
     assert (view.person == 0).sum() > 100
+    assert (view.above[view.surface == Surface.WALL] == -np.inf).all()
+    assert (view.above[view.person == 0] == -np.inf).all()
+    thing = make_view(frame, PlaneFinder().find(frame), nobody(53, 64), ViewConfig(graze=0.2))
+    board = thing.cluster >= 0
+    np.testing.assert_allclose(thing.above[board], thing.points[board, 2] + 0.2, atol=0.05)
     with pytest.raises(InputError, match="top"):
         ViewConfig(top=1.5)
 
@@ -77,6 +82,24 @@ def test_somebody_who_stands_still_is_removed_once_the_camera_knows_them_and_sta
     assert len(mapper.people.moving(26.0)) == 0
 
 
+def test_somebody_seen_for_sure_takes_back_what_was_written_of_their_body_and_somebody_doubtful_does_not():
+    frame = room_frame(2.0)
+    planes = PlaneFinder().find(frame)
+
+    def odds(*likelihood):
+        mapper, turned = ImmobileMapper(), (1.0, -2.0, 0.5)
+        for step in range(1, 22):
+            mapper.add_scan(turned, scan_of(post=(2.02, 0.02), time_s=0.1 * step))
+        seen = RgbdPeople(np.tile((1.9, 0.0), (len(likelihood), 1)), np.array(likelihood), nobody(53, 64).label)
+        mapper.add_view(make_view(frame, planes, seen))
+        return mapper.grid.log_odds_around(turned, np.array([(1.87, 0.02)]), mapper.config.grid.laser_height)[0]
+
+    assert odds() > 1.0
+    assert odds(0.45) == odds()
+    assert odds(0.55) < odds() - 0.1
+    assert odds(0.95) < odds(0.55)
+
+
 def test_what_comes_into_an_empty_place_is_moving_and_what_was_always_there_is_not():
     mapper = ImmobileMapper()
     for step in range(1, 40):
@@ -89,6 +112,18 @@ def test_what_comes_into_an_empty_place_is_moving_and_what_was_always_there_is_n
     assert not occupied_at(grid, 1.87, 0.02)
     assert occupied_at(grid, 2.86, 0.97)
     assert occupied_at(grid, 4.02, -1.0)
+
+
+@pytest.mark.parametrize("came", [True, False])
+def test_what_the_laser_saw_come_is_moving_to_the_camera_at_all_heights(came):
+    mapper = ImmobileMapper()
+    for step in range(1, 60):
+        there = (2.02, 0.02) if step > 40 or not came else None
+        mapper.add_scan(np.zeros(3), scan_of(post=there, time_s=0.1 * step))
+    frame = room_frame(5.9, board=(1.9, 0.0, 1.7))
+    mapper.add_view(make_view(frame, PlaneFinder().find(frame), nobody(53, 64)))
+    odds = mapper.grid.log_odds_around(np.zeros(3), np.tile((1.9, 0.0), (3, 1)), np.array([0.7, 1.1, 1.5]))
+    assert (odds <= 0.0).all() if came else (odds > 0.3).all()
 
 
 @pytest.mark.parametrize("every", [1, 5])

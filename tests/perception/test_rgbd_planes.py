@@ -114,6 +114,8 @@ def test_tilt_is_measured_and_corrected_to_a_tenth_of_a_degree(pitch, roll):
     ceiling = planes.points[truth == 1]
     slope = np.linalg.lstsq(np.column_stack((ceiling[:, :2], np.ones(len(ceiling)))), ceiling[:, 2], rcond=None)[0]
     assert np.degrees(np.hypot(*slope[:2])) < 0.1
+    x, y, _ = planes.points[truth == 2].T
+    assert np.quantile(np.minimum(np.abs(x - AHEAD), np.abs(np.abs(y) - SIDE)), 0.9) < 0.02
     assert (planes.surface[truth == 0] == Surface.FLOOR).mean() > 0.97
 
 

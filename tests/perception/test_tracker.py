@@ -187,3 +187,23 @@ def test_a_scan_that_is_not_later_is_refused(stage):
     stage.scans -= 1
     with pytest.raises(InputError, match="scan times must increase"):
         stage.show(np.zeros((0, 2)))
+
+
+@pytest.mark.parametrize(
+    ("width", "beside", "seen"), [(0.3, 0.0, True), (0.1, 0.0, False), (0.7, 0.0, False), (0.3, 0.5, False)]
+)
+def test_legs_that_look_like_one_wide_thing_where_the_person_must_be_are_the_person_for_a_while(
+    stage, width, beside, seen
+):
+    history, _ = stage.walk((2.0, -1.5), (0.0, 0.5), 4.0)
+    assert list(history[-1].ids) == [0]
+    stage.detector.width = width
+    both = []
+    for k in range(40):
+        people = stage.show((), things=(2.0 + beside, 0.5 + 0.05 * k))
+        both.append(len(people) == 1 and people.unseen_s[0] == 0.0)
+    long = round(stage.config.both_legs_s * stage.rate_hz)
+    if seen:
+        assert all(both[: long - 6])
+    assert not any(both[long:])
+    assert any(both) == seen

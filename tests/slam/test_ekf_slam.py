@@ -95,6 +95,17 @@ def test_joint_compatibility_sees_what_nearest_neighbour_cannot():
     assert len(nearest_neighbour(pairs, 9.21)) == 2
 
 
+def test_two_pairs_that_no_one_pose_explains_are_not_both_taken_though_each_is_the_only_one():
+    # one error of the pose moves both landmarks alike in range; the two innovations oppose each other
+    expected = np.array([[3.0, -1.0], [3.0, 1.0]])
+    z, R = expected + np.array([[0.25, 0.0], [-0.25, 0.0]]), np.tile(np.diag([0.01**2, 0.01**2]), (2, 1, 1))
+    together = np.kron(np.ones((2, 2)), np.diag([0.1**2, 0.0]))
+    apart = np.kron(np.eye(2), np.diag([0.1**2, 0.0]))
+    assert len(nearest_neighbour(compare(z, R, expected, together), 9.21)) == 2
+    assert len(joint_compatibility(compare(z, R, expected, together), 9.21)) == 1
+    assert joint_compatibility(compare(z, R, expected, apart), 9.21) == [(0, 0), (1, 1)]
+
+
 def test_localization_on_a_known_map_follows_the_robot():
     rng = np.random.default_rng(3)
     objects = rng.uniform(-8.0, 8.0, (20, 2))

@@ -41,6 +41,15 @@ def test_a_map_agrees_with_itself():
     assert (score.precision, score.recall, score.f1, score.iou, score.free_coverage) == (1, 1, 1, 1, 1)
 
 
+def test_free_cells_are_carried_over_up_to_the_edges():
+    field = drawn(["....", ".#..", "...."])
+    cells = common_cells(field, field)
+    left, low = (round(-place / 0.1) for place in cells.origin)
+    for carried in (cells.reference_free, cells.estimate_free):
+        np.testing.assert_array_equal(carried[low : low + 3, left : left + 4], field.free)
+        assert carried.sum() == 11
+
+
 def test_a_shift_by_one_cell_is_forgiven_by_the_tolerance_but_not_by_iou():
     moved = OccupancyMap(ROOM.probability, ROOM.resolution, (0.1, 0.0))
     score = score_cells(common_cells(moved, ROOM))

@@ -19,6 +19,24 @@ def test_a_slip_is_found_by_three_landmarks(slip):
     np.testing.assert_allclose(found.pose, true, atol=1e-6)
 
 
+@pytest.mark.parametrize(
+    ("slip", "two", "three"),
+    [
+        ((0.28, 0.0, 0.0), True, True),
+        ((0.32, 0.0, 0.0), False, True),
+        ((0.0, 0.0, 0.14), True, True),
+        ((0.0, 0.0, -0.16), False, True),
+        ((1.45, 0.0, 0.0), False, True),
+        ((1.55, 0.0, 0.0), False, False),
+        ((0.0, 0.0, 0.65), False, False),
+    ],
+)
+def test_two_sightings_agree_on_small_slips_only_and_three_on_larger_ones(slip, two, three):
+    seen = measure(np.array(slip), POSTS)
+    assert (find_slip(seen[:2], POSTS, np.zeros(3), 2) is not None) == two
+    assert (find_slip(seen[:3], POSTS, np.zeros(3), 2) is not None) == three
+
+
 def test_too_few_too_far_and_ambiguous_are_no_slips():
     assert find_slip(measure(np.zeros(3), POSTS)[:2], POSTS, np.array([1.0, 0.0, 0.0]), 2) is None
     assert find_slip(measure(np.array([4.0, 0.0, 0.0]), POSTS)[:3], POSTS, np.zeros(3), 3) is None
