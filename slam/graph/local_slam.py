@@ -11,6 +11,7 @@ from ..scan import LaserScan
 from .active_submaps import ActiveSubmaps, ActiveSubmapsConfig
 from .extrapolator import ExtrapolatorConfig, OdometryExtrapolator, Prediction
 from .motion_filter import MotionFilter, MotionFilterConfig
+from .open_way import open_way
 from .scan_matcher import Match, ScanMatcher, ScanMatcherConfig
 from .submap import Submap
 from .sweep import Sweep
@@ -118,7 +119,9 @@ class LocalSlam:
             self._extrapolator = OdometryExtrapolator(self._config.extrapolator, odometry)
         prediction = self._extrapolator.predict(odometry)
         points = self._voxel_filter.apply(scan.points_robot)
-        match = self._matcher.match(self._active.front, points, prediction) if self._active.begun else None
+        match = None
+        if self._active.begun:
+            match = self._matcher.match(self._active.front, points, prediction, open_way(scan, points))
         if match and self._watch:
             foot = np.array(scan.T_robot_lidar[:2], dtype=np.float64)
             if self._watch.doubts(self._active.front, points, foot, match.pose, match.score):

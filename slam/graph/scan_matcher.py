@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..geometry import wrap_angle
+from ..geometry import transform_points, wrap_angle
 from .correlative import correlate
 from .extrapolator import Prediction
 from .refine_kernels import refine_pose
@@ -16,6 +16,7 @@ from .refine_kernels import refine_pose
 Array = NDArray[np.float64]
 
 _SCORE_MEMORY = 0.1  # share of the newest score in the typical one
+_TRUSTED = 100.0  # times more than elsewhere odometry counts along a way that scans are blind along
 _SLIP = np.array([0.05, 0.1])  # [m, rad] what a wheel may slip at no motion
 
 
@@ -103,24 +104,34 @@ class ScanMatcher:
         self._config = config
         self._typical_score = 0.0
 
-    def match(self, submap: Walls, points: Array, prediction: Prediction) -> Match | None:
-        """Return the match of `points` (N, 2), robot frame [m]; None: there are too few points."""
+    def match(self, submap: Walls, points: Array, prediction: Prediction, blind: Array | None = None) -> Match | None:
+        """Return the match of a scan; None: there are too few points.
+
+        Args:
+            submap: What it is matched on.
+            points: (N, 2) robot frame [m].
+            prediction: Where the odometry expects it.
+            blind: (2,) direction that is left to the odometry, robot frame, as `open_way` returns it.
+        """
         config = self._config
         if len(points) < config.min_points:
             return None
-        match = self._match(submap, points, prediction)
+        match = self._match(submap, points, prediction, blind)
         if match.score < config.retry_below * self._typical_score:
             wide = Prediction(prediction.pose, config.retry_sigmas * prediction.sigma + _SLIP)
-            retried = self._match(submap, points, wide)
+            retried = self._match(submap, points, wide, blind)
             if retried.score > match.score + config.retry_gain * self._typical_score:
                 match = retried
         self._typical_score += _SCORE_MEMORY * (match.score - self._typical_score)
         return match
 
-    def _match(self, submap: Walls, points: Array, prediction: Prediction) -> Match:
+    def _match(self, submap: Walls, points: Array, prediction: Prediction, blind: Array | None) -> Match:
         config = self._config
         reach, angles, step = self._window(submap.resolution, points, prediction)
         prior, information = prediction.pose, prediction.information
+        if blind is not None and blind.any():
+            way = transform_points((0.0, 0.0, prior[2]), blind[None])[0]
+            information[:2, :2] += _TRUSTED * information[0, 0] * np.outer(way, way)
         place = (submap.field, submap.corner, submap.resolution)
         start = prior
         if reach or angles:
