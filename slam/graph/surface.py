@@ -16,17 +16,15 @@ _COS_BEND = np.cos(np.deg2rad(25.0))  # a surface does not bend more than this f
 
 
 @njit(cache=True, nogil=True)
-def surface_points(beam_points: Points, no_return: NDArray[np.bool_], spacing: float) -> tuple[Points, int]:
+def surface_points(beam_points: Points, spacing: float) -> tuple[Points, int]:
     """Return (points (M, 2), n): first n means of runs of returns, then points that fill the gaps on surfaces.
 
     Args:
         beam_points: (N, 2) ends of the beams in the order of the sweep, NaN where there is no return.
-        no_return: (N,) which of them are known to have met nothing: a surface ends there. A beam without any
-            measurement says nothing, surfaces go on behind it.
         spacing: Returns of neighbouring beams are joined while nearer than this to the first of them, and gaps are
             filled at this distance [m].
     """
-    means, ends = _runs(beam_points, no_return, spacing)
+    means, ends = _runs(beam_points, spacing)
     count = len(means)
     filled = np.empty((count * (int(_MAX_GAP / spacing) + 1) + 1, 2))
     filled[:count] = means
@@ -45,7 +43,7 @@ def surface_points(beam_points: Points, no_return: NDArray[np.bool_], spacing: f
 
 
 @njit(cache=True, nogil=True)
-def _runs(beam_points: Points, no_return: NDArray[np.bool_], spacing: float) -> tuple[Points, NDArray[np.bool_]]:
+def _runs(beam_points: Points, spacing: float) -> tuple[Points, NDArray[np.bool_]]:
     """Return (M, 2) means of runs of neighbouring returns, and whether a beam without return follows each."""
     means = np.empty_like(beam_points)
     ends = np.zeros(len(beam_points), np.bool_)
@@ -54,8 +52,6 @@ def _runs(beam_points: Points, no_return: NDArray[np.bool_], spacing: float) -> 
     for k in range(len(beam_points)):
         x, y = beam_points[k, 0], beam_points[k, 1]
         valid = not np.isnan(x)
-        if not (valid or no_return[k]):
-            continue
         if size > 0 and (not valid or (x - first_x) ** 2 + (y - first_y) ** 2 >= spacing * spacing):
             means[count, 0], means[count, 1] = sum_x / size, sum_y / size
             ends[count] = not valid

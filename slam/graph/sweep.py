@@ -39,7 +39,7 @@ class Sweep:
             free_ray_length: A beam without a return is free so far [m].
         """
         mount = np.asarray(scan.T_robot_lidar)
-        surface, returns = surface_points(scan.beam_points, scan.is_no_return, spacing)
+        surface, returns = surface_points(scan.beam_points, spacing)
         bearings = scan.bearings[scan.is_no_return]
         ends = min(free_ray_length, scan.range_max) * np.stack((np.cos(bearings), np.sin(bearings)), axis=-1)
         return cls(mount[:2], transform_points(mount, surface), returns, transform_points(mount, ends))
