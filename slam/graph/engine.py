@@ -184,6 +184,10 @@ class Cartographer:
         likely than another, the robot is not lost, however badly they fit on the newest submap. Where they fit on
         that, and only older submaps say that the robot is beside, by no more than the odometry may have erred on its
         last steps, it has drifted: no one moved it, and loop closure will.
+
+        Only scans that cannot belong to the newest submap at all make it lost. Those that fit badly are seen where
+        people walk and where short rays let local SLAM drift, and in a building that repeats itself another place then
+        explains them better: the robot is not sure where it is, but nobody has carried it there.
         """
         if self._search or not result.match:
             return watch.plainly_lost
@@ -197,10 +201,9 @@ class Cartographer:
             watch.acquit()
             return False
         self._unsure = True
-        plainly = watch.plainly_lost and outcome.explained < _EXPLAINED
-        if watch.alarmed:
-            return plainly or outcome.moved or (outcome.surpassed and not outcome.beside)
-        return outcome.moved and outcome.belief.sure and not outcome.beside
+        if not watch.plainly_lost:
+            return False
+        return outcome.explained < _EXPLAINED or outcome.moved or (outcome.surpassed and not outcome.beside)
 
     def _lose(self, graph: GlobalSlam, search: Relocalization) -> None:
         """Begin a new piece of the drive with the next update, and the search on the map without it."""
