@@ -132,6 +132,9 @@ class Cartographer:
         self, watch: Watch, graph: GlobalSlam, result: LocalResult, odometry: Array, scan: LaserScan
     ) -> LocalResult:
         """Weigh doubtful scans against the whole map where it is due; return what local SLAM makes of this one then."""
+        if result.apart:
+            self._leap(graph, odometry, scan)
+            return self._local.update(odometry, scan)
         self._suspect(watch, result.doubtful, odometry, scan)
         due = watch.suspicious and self._search is None and self._suspected % _WEIGHED == 0
         if not (watch.alarmed or due):
@@ -201,14 +204,25 @@ class Cartographer:
             return plainly or outcome.moved or (outcome.surpassed and not outcome.beside)
         return outcome.moved and outcome.belief.sure and not outcome.beside
 
-    def _lose(self, graph: GlobalSlam, search: Relocalization) -> None:
+    def _leap(self, graph: GlobalSlam, odometry: Array, scan: LaserScan) -> None:
+        """Begin new submaps after a gap, with this scan; the robot is lost if the odometry does not carry so far."""
+        self._suspects = [(odometry, scan)]
+        sigma = self._local.expected(odometry).sigma
+        if not (sigma <= graph.reach).all():
+            self._lose(graph, self._relocalization(graph), carried=False)
+            return
+        self._breaks.append(len(self._poses_local))
+        self._local.restart()
+        self._suspects, self._suspected, self._unsure, self._doubted = [], 0, False, []
+
+    def _lose(self, graph: GlobalSlam, search: Relocalization, carried: bool = True) -> None:
         """Begin a new piece of the drive with the next update, and the search on the map without it."""
         self.losses += 1
         self._search = search
         search.begin()
         first = len(self._poses_local) + 1 - len(self._suspects)
         self._breaks.append(first)
-        graph.begin_piece(sum(k >= first for k in self._inserted[-len(self._suspects) :]))
+        graph.begin_piece(sum(k >= first for k in self._inserted[-len(self._suspects) :]), carried)
         self._local.restart()
         self._suspects, self._suspected, self._unsure, self._doubted = [], 0, False, []
 

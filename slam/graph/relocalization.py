@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..localization.contest import Contest, contest
+from ..localization.contest import Contest, contest, fits
 from ..localization.localizer import Localizer
 from ..localization.place_map import PlaceMap
 from ..occupancy_map import OccupancyMap
@@ -34,7 +34,7 @@ class Relocalization:
     """
 
     def __init__(self, place: PlaceMap | None, scans: Sequence[tuple[Array, LaserScan]]) -> None:
-        self._place, self._scans = place, scans
+        self._place, self._scans = place, list(scans)
         self._localizer: Localizer | None = None
 
     def contest(self, here: Array, doubted: bool = False, drift: float = 0.0) -> Contest | None:
@@ -53,12 +53,16 @@ class Relocalization:
         """Begin to search, with all scans but the last, which is to come by `update`."""
         if self._place is not None:
             self._localizer = Localizer(self._place)
-        for odometry, scan in self._scans[:-1]:
+        scans, self._scans = self._scans[:-1], []
+        for odometry, scan in scans:
             self.update(odometry, scan)
 
     def update(self, odometry: Array, scan: LaserScan) -> Array | None:
         """Return (3,) T_map_robot at this scan, if it confirms the place that earlier ones found; else None."""
         if self._localizer is None:
             return None
+        config = self._localizer.config
+        self._scans = [*self._scans, (odometry, scan)][-config.search.views :]
         result = self._localizer.update(odometry, scan)
-        return result.pose if result.matched and result.belief is None else None
+        confirmed = result.matched and result.belief is None and result.pose is not None
+        return result.pose if confirmed and fits(self._localizer.place, self._scans, result.pose, config) else None
