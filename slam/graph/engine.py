@@ -142,6 +142,8 @@ class Cartographer:
         alarmed, search = watch.alarmed, self._relocalization(graph)
         if self._is_lost(watch, graph, search, result):
             self._lose(graph, search)
+        elif alarmed and watch.strayed:
+            self._leap(graph, odometry, scan)
         elif alarmed:
             watch.pardon()
         else:

@@ -127,7 +127,8 @@ class LocalSlam:
             if self._watch.sees_nothing(self._active.front, points, match.pose, match.score):
                 return LocalResult(prediction.pose, match, None, True, True)
             foot = np.array(scan.T_robot_lidar[:2], dtype=np.float64)
-            if self._watch.doubts(self._active.front, points, foot, match.pose, match.score):
+            assert self._extrapolator
+            if self._watch.doubts(self._active.front, points, foot, match.pose, match.score, self._extrapolator.way(prediction)):
                 return LocalResult(prediction.pose, match, None, True)
         pose = match.pose if match else prediction.pose
         if self._extrapolator and (match or not self._active.begun):
