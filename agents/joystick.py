@@ -105,7 +105,7 @@ def read_joystick_log(path: str | os.PathLike[str]) -> JoystickLog:
         actions = _held(lines[table + 1 :], int(header["steps"]))
         kwargs = json.loads(header["kwargs"])
         made_by, env, seed, step_s = header["made by"], header["env"], int(header["seed"]), float(header["step_s"])
-        _check_values(kwargs, actions, step_s)
+        _check_values(kwargs, actions, seed, step_s)
     except (KeyError, ValueError, IndexError) as error:
         raise InputError(f"{path}: damaged joystick log ({error})") from error
     return JoystickLog(made_by, env, kwargs, seed, actions, step_s)
@@ -124,10 +124,12 @@ def _held(lines: Sequence[str], steps: int) -> NDArray[np.float32]:
     return actions
 
 
-def _check_values(kwargs: Any, actions: NDArray[np.float32], step_s: float) -> None:
+def _check_values(kwargs: Any, actions: NDArray[np.float32], seed: int, step_s: float) -> None:
     """Raise a ValueError that says what cannot be."""
     if not isinstance(kwargs, dict):
         raise ValueError(f"kwargs: names with values, got {kwargs!r}")
+    if seed < 0:
+        raise ValueError(f"seed: not negative, got {seed}")
     if not 0.0 < step_s < np.inf:
         raise ValueError(f"step_s: a time in seconds, got {step_s}")
     if not (np.abs(actions) <= 1.0).all():

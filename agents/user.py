@@ -26,8 +26,10 @@ def load_follower(path: str, interface: FollowInterface) -> Follower:
     if os.getcwd() not in sys.path:
         sys.path.insert(0, os.getcwd())
     try:
+        if module_name.startswith("."):
+            raise ValueError("a module's name does not begin with a dot")
         make = getattr(import_module(module_name), name)
-    except (ImportError, AttributeError, ValueError) as error:
+    except (ImportError, AttributeError, ValueError, SyntaxError) as error:
         raise InputError(f"a follower of your own is named as module:class, got {path!r} ({error})") from error
     if not callable(make):
         raise InputError(f"a follower of your own is a class or a function that makes one, got {path!r}: {make!r}")

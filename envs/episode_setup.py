@@ -38,6 +38,9 @@ FAR_WIDTH_M = 0.12
 """A cluster needs as many points as a leg of this width gets beams, 2 or 3, by distance and spacing of the beams: 2
 from 3.1 m on with 360 beams, from 9.2 m on with 1081. What that gains: `scripts/experiments/recall_by_distance.py`."""
 
+PERCEPTION = PerceptionConfig(far_width=FAR_WIDTH_M)
+"""How the robot of the environments perceives people."""
+
 
 def check_options(options: Mapping[str, Any] | None) -> None:
     """Refuse options of `reset` that do not exist.
@@ -119,7 +122,7 @@ class MindFactory:
 
     def __init__(self, config: FollowConfig) -> None:
         self._config = config
-        self._perception = PerceptionConfig(far_width=FAR_WIDTH_M)
+        self._perception = PERCEPTION
         self._forest = LegForest.load("simulation") if config.people == "tracker" else None
         self._looks = "rgbd" in config.sensors and (config.people != "truth" or config.mapping == "immobile")
         found = self._looks and config.people != "truth"

@@ -1,6 +1,7 @@
 """The environment: a robot that follows a person through a building and maps it on the way."""
 
 import copy
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -27,6 +28,11 @@ from .world import World, WorldState
 
 Observation = dict[str, NDArray[Any]]
 StepResult = tuple[Observation, float, bool, bool, dict[str, Any]]
+Witness = Callable[[NDArray[np.float64], float, dict[str, float]], None]
+
+
+def nobody_notes(action: NDArray[np.float64], reward: float, terms: dict[str, float]) -> None:
+    """Be told of a step, and forget it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,6 +209,8 @@ class FollowEnv(gym.Env[Any, Any]):
         self._observer = Observer(self.config)
         self._renderer = make_renderer(render_mode, render_backend)
         self._world: World | None = None
+        self.witness: Witness = nobody_notes
+        """Is told of every step: the action, cut to [-1, 1], the reward, and its terms by name."""
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -244,11 +252,12 @@ class FollowEnv(gym.Env[Any, Any]):
         ending = self._endings.update(self._truth, facts)
         if self.render_mode == "human":
             self.render()
-        info = self._info(facts, ending, terms)
+        info, reward = self._info(facts, ending, terms), sum(terms.values())
+        self.witness(wanted, reward, terms)
         yield
         return (
             self._observer.observe(self._belief, world.frames),
-            sum(terms.values()),
+            reward,
             ending.terminated,
             False,
             info,
@@ -331,7 +340,10 @@ class FollowEnv(gym.Env[Any, Any]):
         self._trail.append(self._truth.robot_pose[:2])
 
     def _checked(self, action: ArrayLike) -> NDArray[np.float64]:
-        wanted = np.asarray(action, dtype=np.float64)
+        try:
+            wanted = np.asarray(action, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise InputError(f"an action has shape {self._top.shape} and is finite, got {action!r}") from None
         if wanted.shape != self._top.shape or not np.isfinite(wanted).all():
             raise InputError(f"an action has shape {self._top.shape} and is finite, got {action!r}")
         return np.clip(wanted, -1.0, 1.0)

@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
+SAME_TIME_S = 1e-6
+"""Times that differ by no more are the same: they are sums and differences of steps [s]."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -20,7 +22,7 @@ class History:
         time_s: (n,) simulated time [s].
         robot_pose: (n, 3) true pose [m, m, rad].
         robot_velocity: (n, 3) true velocity in the robot frame (forward, left, turn) [m/s, m/s, rad/s].
-        action: (n, a) action that led to the row, as it was given: the environment cuts it to [-1, 1]; row 0 is zero.
+        action: (n, a) action that led to the row, cut to [-1, 1]; row 0 is zero.
         reward: (n,) reward of the step; row 0 is zero.
         reward_terms: name -> (n,); the terms of a row sum to its reward.
         person_position: (n, p, 2) true centres [m].

@@ -6,15 +6,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..slam.geometry import transform_points
-from .follow_env import FollowEnv
+from .follow_env import FollowEnv, nobody_notes
 from .history import History
 
 
 class Recorder:
-    """Collects the rows of one episode.
+    """Collects the rows of one episode: every step of the environment itself, below whatever wraps it.
 
     Args:
-        env: The environment, after `reset`.
+        env: The environment, after `reset`; it tells of its steps until `stop`.
     """
 
     def __init__(self, env: FollowEnv) -> None:
@@ -22,6 +22,11 @@ class Recorder:
         self._rows: list[dict[str, Any]] = []
         self._terms: list[dict[str, float]] = []
         self.record(np.zeros(env.action_space.shape or ()), 0.0, {})
+        env.witness = self.record
+
+    def stop(self) -> None:
+        """Record no more."""
+        self._env.witness = nobody_notes
 
     def __len__(self) -> int:
         return len(self._rows)

@@ -88,13 +88,14 @@ def rollout(
         raise InputError(f"`steps` must be at least 1, got {steps}")
     observation, _ = env.reset(seed=seed, options=options)
     follower.reset()
-    recorder, done, info = Recorder(inner), False, {"ending": ""}
+    recorder, done, info, taken = Recorder(inner), False, {"ending": ""}, 0
     notify = after_step or (lambda _: None)
-    notify(inner)
-    while not done and (steps is None or len(recorder) <= steps):
-        action = follower.act(observation)
-        observation, reward, terminated, truncated, info = env.step(action)
-        recorder.record(action, float(reward), info["reward_terms"])
+    try:
         notify(inner)
-        done = terminated or truncated
+        while not done and (steps is None or taken < steps):
+            observation, _, terminated, truncated, info = env.step(follower.act(observation))
+            notify(inner)
+            done, taken = terminated or truncated, taken + 1
+    finally:
+        recorder.stop()
     return Episode(recorder.history(), info["ending"], seed, inner.config, dict(options or {}))

@@ -132,7 +132,7 @@ class PerceptionConfig:
     def __post_init__(self) -> None:
         for field in fields(self):
             value = getattr(self, field.name)
-            if not (value > 0 or (field.name == "far_width" and value == 0)):
+            if not (value > 0 or (field.name in ("far_width", "suspect_radius") and value == 0)):
                 raise InputError(f"`{field.name}` must be positive, got {value}")
         for name in ("gamma", "c_min", "confidence_gain", "sure_confidence", "camera_sure"):
             if getattr(self, name) >= 1.0:

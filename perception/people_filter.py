@@ -69,6 +69,8 @@ class SiftedScan:
         """(N,) the beams whose return is near somebody, or near what may become somebody."""
         config, scan = self.config, self.scan
         near = near_points(scan, people_points_lidar(self.people, self.odometry, scan), config.zeta)
+        if config.suspect_radius == 0.0:
+            return near
         suspects = suspect_points_lidar(self.detections, scan, config.suspect_confidence)
         return near | near_points(scan, suspects, config.suspect_radius)
 

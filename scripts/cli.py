@@ -64,7 +64,7 @@ def _run(words: list[str]) -> int:
         parser.print_help()
         return 0
     if getattr(options, "out", None) is not None:
-        require_writable(options.out)
+        require_writable(options.out, folder=getattr(options, "out_is_folder", True))
     if (getattr(options, "seed", None) or 0) < 0:
         raise InputError(f"--seed must not be negative, got {options.seed}")
     return int(options.run(options))

@@ -11,7 +11,7 @@ from ..slam.errors import InputError
 from ..slam.files import write_text
 from .experiments.acceptance import mean_of
 from .experiments.people import summary as tracking_summary
-from .experiments.statistics import bootstrap_mean, share
+from .experiments.statistics import share, t_mean
 
 BEGIN, END = "<!-- results:begin -->", "<!-- results:end -->"
 SCENE_TITLES = {"corridor": "corridor", "meeting_room": "meeting room"}
@@ -37,19 +37,35 @@ def result_rows(results: Mapping[str, dict[str, Any]]) -> list[Row]:
     return rows
 
 
+def require_readme(readme: Path) -> str:
+    """Return the text of a README that has a place for the table.
+
+    Raises:
+        InputError: If it cannot be read, or the marks are missing.
+    """
+    try:
+        text = readme.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{readme}: cannot be read ({error})") from error
+    if BEGIN not in text or END not in text:
+        raise InputError(f"{readme}: needs the marks {BEGIN} and {END}")
+    return text
+
+
 def write_readme_table(readme: Path, rows: list[Row], machine: Mapping[str, Any], day: date) -> None:
     """Replace what stands between the two marks of the README.
 
     Raises:
-        InputError: If the marks are missing.
+        InputError: If there is no such README with the marks.
     """
-    text = readme.read_text(encoding="utf-8")
-    if BEGIN not in text or END not in text:
-        raise InputError(f"{readme}: needs the marks {BEGIN} and {END}")
+    text = require_readme(readme)
     before, after = text.split(BEGIN)[0], text.split(END)[1]
     lines = ["| measured | mean [95 % interval] | others | n |", "|---|---|---|---|"]
     lines += [f"| {' | '.join(row)} |" for row in rows]
-    note = f"By `tagalong results` on {day.isoformat()}, {machine['processor']}, {machine['cores']} cores."
+    note = (
+        f"By `tagalong results` on {day.isoformat()}, {machine['processor']}, {machine['cores']} cores. Intervals are "
+        "Student's over n runs (shares: Wilson's), each of them alone."
+    )
     write_text(readme, f"{before}{BEGIN}\n" + "\n".join(lines) + f"\n\n{note}\n{END}{after}")
 
 
@@ -62,7 +78,7 @@ def _following_rows(tours: list[dict[str, Any]], title: str) -> list[Row]:
         return []
     done = share([row["ending"] == "tour_done" for row in tours])
     choices, right = mean_of(tours, "leader_choices").sum(), mean_of(tours, "leader_choices_right").sum()
-    error = bootstrap_mean(mean_of(tours, "distance_error_rms_m"))
+    error = t_mean(mean_of(tours, "distance_error_rms_m"), least=0.0)
     n = str(len(tours))
     return [
         (f"{title}: tours done without contact [%]", done.text(100, 1), "", n),
@@ -76,12 +92,12 @@ def _map_rows(results: Mapping[str, dict[str, Any]], scene: str, title: str) -> 
     maps, crowded = (_group(results, f"maps/{scene}/{standing}/") for standing in (0, 1))
     for name, paper in (("raw", ""), ("filtered", f"paper: {PAPER_ADNN_CM[scene]:.2f}")):
         if maps:
-            adnn = bootstrap_mean(mean_of(maps, name, "adnn", "mean_m"))
-            ate = bootstrap_mean(mean_of(maps, name, "ate_rmse_m"))
+            adnn = t_mean(mean_of(maps, name, "adnn", "mean_m"), least=0.0)
+            ate = t_mean(mean_of(maps, name, "ate_rmse_m"), least=0.0)
             rows.append((f"{title}: ADNN, {name} scans, 2 people [cm]", adnn.text(100), paper, str(len(maps))))
             rows.append((f"{title}: pose error (ATE), {name} scans [cm]", ate.text(100), "", str(len(maps))))
         if crowded:
-            cells = bootstrap_mean(mean_of(crowded, name, "dynamic_residue", "cells"))
+            cells = t_mean(mean_of(crowded, name, "dynamic_residue", "cells"), least=0.0)
             what = f"{title}: cells left by people, one standing, {name} scans"
             rows.append((what, cells.text(1, 1), "", str(len(crowded))))
     return rows
@@ -91,7 +107,7 @@ def _tracking_rows(drives: list[dict[str, Any]], title: str) -> list[Row]:
     if not drives:
         return []
     figures = tracking_summary([_with_arrays(row) for row in drives])
-    mota, n = bootstrap_mean(mean_of(drives, "mota")), str(len(drives))
+    mota, n = t_mean(mean_of(drives, "mota"), most=1.0), str(len(drives))
     removed = 100 * figures["removed_tracked"], 100 * figures["removed_people"], 100 * figures["removed_static"]
     return [
         (f"{title}: MOTA of walking people, 4 people", mota.text(1, 3), "", n),
@@ -113,5 +129,5 @@ def _log_rows(runs: list[dict[str, Any]], title: str, rival: str) -> list[Row]:
     if not runs:
         return []
     key, what = ("relation_m", "mean relation error") if "relation_m" in runs[0] else ("ate_rmse_m", "ATE rmse")
-    error = bootstrap_mean(mean_of(runs, key))
+    error = t_mean(mean_of(runs, key), least=0.0)
     return [(f"{title}: {what} [m]", error.text(1, 3), rival, str(len(runs)))]

@@ -34,7 +34,10 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     try:
         yield temporary
         temporary.chmod(0o644)
-        temporary.replace(target)
+        try:
+            temporary.replace(target)
+        except OSError as error:
+            raise InputError(f"{target}: cannot be written ({error.strerror})") from error
     finally:
         temporary.unlink(missing_ok=True)
 
@@ -68,13 +71,20 @@ def made_folder(path: str | os.PathLike[str]) -> Path:
     return folder
 
 
-def require_writable(path: str | os.PathLike[str]) -> None:
+def require_writable(path: str | os.PathLike[str], *, folder: bool = False) -> None:
     """Make sure that `path` could be written, before hours of work are spent on what goes there; leaves nothing behind.
 
+    Args:
+        path: Of a file, which may be there already; of a folder, which may be, too.
+        folder: Which of the two.
+
     Raises:
-        InputError: If the nearest folder above it that exists takes no files, or is no folder.
+        InputError: If it is the other one, or the nearest folder above it that exists takes no files, or is no folder.
     """
     target = Path(path)
+    if target.exists() and target.is_dir() != folder:
+        found, needed = ("a file", "a folder") if folder else ("a folder", "a file")
+        raise InputError(f"{target}: is {found}, where {needed} has to be written")
     there = next(folder for folder in (target, *target.absolute().parents) if folder.exists())
     try:
         with tempfile.TemporaryFile(dir=there if there.is_dir() or there != target else there.parent):

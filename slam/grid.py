@@ -187,7 +187,10 @@ class OccupancyGrid:
             lower, upper = np.minimum(lower, corner), np.maximum(upper, corner + size)
         if float(np.prod((upper - lower).astype(np.float64))) > _MOST_CELLS:
             width, height = (upper - lower) * self.config.resolution
-            raise InputError(f"the map would grow to {width:.0f} x {height:.0f} m; a pose or a range is wrong")
+            raise InputError(
+                f"the map would grow to {width:.0f} x {height:.0f} m in cells of {self.config.resolution:g} m; "
+                "a pose or a range is wrong, or the cells are too small"
+            )
         return lower, upper - lower
 
     def _grow(self, corner: NDArray[np.int64], size: NDArray[np.int64]) -> None:

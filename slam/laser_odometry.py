@@ -50,7 +50,8 @@ def laser_odometry(scans: list[LaserScan], matcher: str = "plicp") -> LaserOdome
         matched[k] = found.converged and not _farther(between(poses[k - 1], pose), _MOST_PER_SCAN)
         poses[k] = pose if matched[k] else guess
         step = between(poses[k - 1], poses[k]) * (1.0 if matched[k] else _SLOWING)
-        if not matched[k] or _farther(between(poses[key], poses[k]), _KEYFRAME):
+        lost = not matched[k] or _farther(between(poses[key], poses[k]), _KEYFRAME)
+        if lost and scans[k].is_return.any():  # a blind scan would be the reference of nothing
             key = k
     return LaserOdometry(poses, matched)
 

@@ -49,6 +49,8 @@ class LaserScan:
             raise InputError(
                 f"need 0 <= `range_min` < `range_max` < inf [m], got {self.range_min} and {self.range_max}"
             )
+        if not _ascend(bearings.tobytes()):
+            raise InputError(f"`bearings` must be finite and ascending [rad], got {bearings}")
         object.__setattr__(self, "ranges", ranges)
         object.__setattr__(self, "bearings", bearings)
 
@@ -94,6 +96,13 @@ class LaserScan:
     def without(self, dropped: NDArray[np.bool_]) -> "LaserScan":
         """Return this scan with the beams where `dropped` (N,) is true turned into "no measurement" (NaN)."""
         return replace(self, ranges=np.where(dropped, np.nan, self.ranges))
+
+
+@lru_cache(maxsize=16)
+def _ascend(bearings: bytes) -> bool:
+    """Return whether `bearings` (N,) float64 are finite, each larger than the one before; sweeps share them."""
+    angles = np.frombuffer(bearings)
+    return bool(np.isfinite(angles).all() and (np.diff(angles) > 0.0).all())
 
 
 @lru_cache(maxsize=16)

@@ -7,8 +7,7 @@ robot's own tracker sees it.
 
 import numpy as np
 
-from ..history import History, run_lengths
-from .following import LOST_AFTER_S
+from ..history import SAME_TIME_S, History, run_lengths
 
 PERSONAL_M, PRIVATE_M = 1.2, 0.45
 """Hall's personal and intimate distance [m]."""
@@ -27,7 +26,7 @@ def follow_bench_metrics(history: History) -> dict[str, float]:
     - `fb_personal_s`: time in which the target's surface is 0.45 to 1.2 m away (more is better).
     - `fb_private_s`: time in which anybody's is nearer than 0.45 m (less is better).
     """
-    step = history.step_s
+    step, after_start = history.step_s, slice(1, None)  # row 0 is before the first step: no time has passed
     heading = history.robot_pose[:, 2]
     forward, left = history.robot_velocity[:, 0], history.robot_velocity[:, 1]
     velocity = np.stack(
@@ -38,20 +37,21 @@ def follow_bench_metrics(history: History) -> dict[str, float]:
     lost = ~history.leader_visible & (np.arange(len(history)) >= (seen[0] if len(seen) else 0))
     gaps = [(end - start) * step for start, end in run_lengths(lost)]
     touched = bool(history.contact_person.any() or history.contact_static.any())
-    recovered = all(gap <= RECOVERED_S for gap in gaps if gap > LOST_AFTER_S)
+    recovered = all(gap <= RECOVERED_S + SAME_TIME_S for gap in gaps)
     led, nan = history.leader_index >= 0, float("nan")
     surface = history.surface_distance
     target = surface[:, history.leader_index] if led else np.full(len(history), nan)
+    personal, private = (target >= PRIVATE_M) & (target <= PERSONAL_M), surface.min(axis=1, initial=np.inf) < PRIVATE_M
     return {
         "fb_success": float(bool(history.tour_done[-1]) and not touched and recovered) if led else nan,
         "fb_path_m": float(ways.sum()),
-        "fb_search_path_m": float(ways[lost[1:]].sum()) if led else nan,
-        "fb_search_s": float(lost.sum() * step) if led else nan,
+        "fb_search_path_m": float(ways[lost[after_start]].sum()) if led else nan,
+        "fb_search_s": float(lost[after_start].sum() * step) if led else nan,
         "fb_speed_mps": float(np.mean(np.linalg.norm(velocity, axis=1))),
         "fb_acceleration_mps2": _mean_norm(np.diff(velocity, axis=0) / step),
         "fb_jerk_mps3": _mean_norm(np.diff(velocity, n=2, axis=0) / step**2),
-        "fb_personal_s": float(np.sum((target >= PRIVATE_M) & (target <= PERSONAL_M)) * step) if led else nan,
-        "fb_private_s": float(np.sum(surface.min(axis=1, initial=np.inf) < PRIVATE_M) * step),
+        "fb_personal_s": float(np.sum(personal[after_start]) * step) if led else nan,
+        "fb_private_s": float(np.sum(private[after_start]) * step),
     }
 
 

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...slam.geometry import wrap_angle
-from ..history import History, run_lengths
+from ..history import SAME_TIME_S, History, run_lengths
 
 FOLLOWING_DISTANCE = 1.3
 """Distance that the follower keeps from the leader, centre to centre [m]."""
@@ -58,7 +58,7 @@ def steady_steps(history: History) -> NDArray[np.bool_]:
     walking = np.flatnonzero(history.leader_walking)
     if len(walking) == 0:
         return np.zeros(len(history), dtype=bool)
-    return history.leader_walking & (history.time_s >= history.time_s[walking[0]] + SETTLING_S)
+    return history.leader_walking & (history.time_s - history.time_s[walking[0]] >= SETTLING_S - SAME_TIME_S)
 
 
 def leader_is_right(history: History) -> NDArray[np.bool_]:
@@ -73,7 +73,7 @@ def _losses(history: History) -> dict[str, float]:
     if len(seen) == 0:
         return {"leader_visible_share": 0.0, "losses": 0.0, "reacquired": 0.0, "reacquire_s": float("nan")}
     visible = history.leader_visible[seen[0] :]
-    gaps = [gap for gap in run_lengths(~visible) if (gap[1] - gap[0]) * history.step_s > LOST_AFTER_S]
+    gaps = [gap for gap in run_lengths(~visible) if (gap[1] - gap[0]) * history.step_s > LOST_AFTER_S + SAME_TIME_S]
     closed = [(end - start) * history.step_s for start, end in gaps if end < len(visible)]
     return {
         "leader_visible_share": _mean(visible),
@@ -88,7 +88,7 @@ def _choices(history: History) -> dict[str, float]:
     made, made_right = 0, 0
     for number in np.unique(history.leader_id[history.leader_id >= 0]):
         for start, end in run_lengths(history.leader_id == number):
-            settled = (history.time_s[start:end] - history.time_s[start]) > CHOICE_SETTLES_S
+            settled = (history.time_s[start:end] - history.time_s[start]) > CHOICE_SETTLES_S + SAME_TIME_S
             settled &= history.leader_visible[start:end]
             if settled.any():
                 made += 1

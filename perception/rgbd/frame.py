@@ -60,7 +60,8 @@ class RgbdFrame:
     The camera frame: x forward along its axis, y left, z up; it is believed to be level.
 
     Attributes:
-        depth: (height, width) float32, distance along the camera's axis [m]; NaN where nothing was measured.
+        depth: (height, width) float32, distance along the camera's axis [m]; NaN where nothing was measured, which is
+            what 0, less than 0 and `inf` become, as cameras write them.
         colour: (height, width, 3) uint8, red, green, blue.
         camera: The camera's geometry.
         time_s: Time of the exposure [s].
@@ -82,3 +83,6 @@ class RgbdFrame:
                 f"depth and colour of a camera of {size[0]} rows and {size[1]} columns must have shapes {size} and "
                 f"{(*size, 3)}, got {self.depth.shape} and {self.colour.shape}"
             )
+        unmeasured = (self.depth <= 0.0) | (self.depth == np.inf)
+        if unmeasured.any():
+            object.__setattr__(self, "depth", np.where(unmeasured, np.float32(np.nan), self.depth))

@@ -42,8 +42,7 @@ class PlaneConfig:
         level: Largest angle between a horizontal plane's normal and the vertical, before the tilt is known [rad].
         upright: The same after that; and of a vertical plane's normal from the horizontal [rad].
         connected: A vertical plane that comes this near to the ceiling is a wall [m].
-        tall: So is one that the picture's upper edge cuts, and that reaches this height where it is cut; or, where the
-            ceiling is not in sight, the share of the height between camera and this that it reaches [m].
+        tall: So is one that the picture's upper edge cuts, and that reaches this height [m].
         coplanar: Pieces of walls lie this near to each other's planes [m].
     """
 

@@ -5,6 +5,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from ...slam.engine import make_slam
 from ...slam.errors import InputError
 from ..experiments.following_tour import SCENES, TourConfig
 from ..experiments.map_comparison import MappingConfig
@@ -54,6 +55,7 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(f"--people counts the leader and must be at least 1, got {options.people}")
     if options.standing < 0:
         raise InputError(f"--standing must not be negative, got {options.standing}")
+    make_slam(options.method)  # what is unknown is told before the drive
     tour = TourConfig(
         scene=options.scene, people=options.people, standing=options.standing, seed=options.seed, slam="gmapping"
     )

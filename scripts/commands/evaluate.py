@@ -16,11 +16,12 @@ from ...envs.suites import FIRST_SEED, SUITES, Scenario, suite
 from ...slam.errors import InputError
 from ...slam.files import write_json
 from ..experiments.hardware import describe_machine
-from ..experiments.statistics import Estimate, bootstrap_mean, share
+from ..experiments.statistics import Estimate, metric_mean, share
 from ..tables import format_table
 
 EPILOG = """\
-Every episode has its own seed: --seed, --seed + 1, ... Intervals are 95 %: Wilson for shares, bootstrap for means.
+Every episode has its own seed: --seed, --seed + 1, ... Intervals are 95 % each: Wilson's for shares,
+Student's for means.
 A tour counts as done when its leader was followed to the end without touching anybody or anything.
 
 Besides the shipped followers ({followers}), give your own: module:class, e.g. my_module:Bold for class Bold
@@ -74,9 +75,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "follower", metavar="WHO", help=f"who drives: {names}, module:class, or a trained policy's folder"
     )
-    parser.add_argument("--env", choices=sorted(IDS), default="tagalong/Corridor-v0", help="where (%(default)s)")
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument("--env", choices=sorted(IDS), default="tagalong/Corridor-v0", help="where (%(default)s)")
+    where.add_argument("--suite", choices=sorted(SUITES), help="a set of unseen episodes, instead of --env")
     parser.add_argument("--episodes", type=int, default=30, metavar="N", help="how many (%(default)s)")
-    parser.add_argument("--suite", choices=sorted(SUITES), help="a set of unseen episodes, instead of --env")
     parser.add_argument(
         "--people", type=int, metavar="N", help="people, leader included (2; a suite has its own numbers)"
     )
@@ -113,6 +115,8 @@ def _drive(options: argparse.Namespace) -> list[dict[str, Any]]:
     if options.suite is None:
         options.people = 2 if options.people is None else options.people
         walking = options.people - (options.follower in EXPLORERS)
+        if options.people < 1:
+            raise InputError(f"--people counts the leader, whom explorers do without: at least 1, got {options.people}")
         scenarios = (Scenario(name=options.env, env=options.env, arguments={"people_count": walking}),)
     elif options.people is not None:
         raise InputError(f"the suite {options.suite} has its own numbers of people: leave out --people")
@@ -160,7 +164,7 @@ def _by_scenario(rows: list[dict[str, Any]]) -> str:
 def summary(rows: list[dict[str, Any]]) -> dict[str, Estimate]:
     """Return the figures over all episodes by name."""
     if "leader_choices" not in rows[0]:
-        means = {title: bootstrap_mean([row[name] for row in rows]) for name, title in EXPLORATION_MEANS.items()}
+        means = {title: metric_mean(name, [row[name] for row in rows]) for name, title in EXPLORATION_MEANS.items()}
         return {"floor seen to 99 %": share([row["is_success"] for row in rows]), **means}
     choices = int(sum(row["leader_choices"] for row in rows))
     right = int(sum(row["leader_choices_right"] for row in rows))
@@ -168,7 +172,7 @@ def summary(rows: list[dict[str, Any]]) -> dict[str, Estimate]:
         "tours done": share([row["is_success"] for row in rows]),
         "free of contact": share([row["collision_free"] == 1.0 for row in rows]),
         "leader chosen right": share([True] * right + [False] * (choices - right)),
-        **{title: bootstrap_mean([row[name] for row in rows]) for name, title in MEANS.items()},
+        **{title: metric_mean(name, [row[name] for row in rows]) for name, title in MEANS.items()},
     }
 
 

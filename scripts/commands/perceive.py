@@ -60,6 +60,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Read the scans, track people through them, write the tables."""
+    if not 0.0 <= options.min_confidence <= 1.0:
+        raise InputError(f"--min-confidence must lie in [0, 1], got {options.min_confidence}")
     config = perception_preset(options.preset)
     detector = LegDetector(LegForest.load(options.forest), config.detector())
     scans, odometry = _read(options)

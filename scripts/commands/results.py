@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the missing cells, print the table, write it."""
     from ..experiments.acceptance import FULL, QUICK, acceptance_cells
-    from ..results_table import result_rows, write_readme_table
+    from ..results_table import require_readme, result_rows, write_readme_table
 
     if options.jobs < 1:
         raise InputError(f"--jobs must be at least 1, got {options.jobs}")
@@ -43,6 +43,8 @@ def run(options: argparse.Namespace) -> int:
     data = options.data or (Path(variable) if variable else None)
     if data is not None and not (data / "slam_logs").is_dir():
         raise InputError(f"{data}: needs a folder slam_logs, found none")
+    if options.readme is not None:
+        require_readme(options.readme)
     extent = QUICK if options.quick else FULL
     results = run_cells(acceptance_cells(extent, data), options.out / "cells", jobs=options.jobs, label="results")
     rows, machine = result_rows(results), describe_machine()

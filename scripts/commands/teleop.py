@@ -49,6 +49,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--viewer", action="store_true", help="show MuJoCo's viewer; needs a display")
     parser.add_argument("--out", type=Path, metavar="LOG", help="where the joystick log goes")
+    parser.set_defaults(out_is_folder=False)
     parser.add_argument(
         "--replay", type=Path, metavar="LOG", help="replay this log instead, or a shipped one by its name"
     )

@@ -31,7 +31,7 @@ from ...slam.quality.score import score_map
 from ..figures.plots import new_figure, save_figure
 from ..tables import format_table
 from .hardware import describe_machine
-from .statistics import Estimate, bootstrap_mean, share
+from .statistics import Estimate, metric_mean, share
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -133,7 +133,7 @@ def _figures(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
     return {
         "success": share([ending == "tour_done" for ending in endings]).to_dict(),
         "endings": {ending or "out of time": endings.count(ending) for ending in sorted(set(endings))},
-        **{key: bootstrap_mean(_values(rows, key)).to_dict() for key in FIGURES},
+        **{key: metric_mean(key, _values(rows, key)).to_dict() for key in FIGURES},
     }
 
 

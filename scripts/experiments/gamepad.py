@@ -9,6 +9,7 @@ import struct
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from errno import EISDIR
 from pathlib import Path
 
 import numpy as np
@@ -70,6 +71,9 @@ def gamepad_events(device: str | os.PathLike[str] = "/dev/input/js0") -> Iterato
     """
     try:
         number = os.open(Path(device), os.O_RDONLY | os.O_NONBLOCK)
+        if Path(device).is_dir():
+            os.close(number)
+            raise IsADirectoryError(EISDIR, os.strerror(EISDIR))
     except OSError as error:
         raise InputError(
             f"no gamepad at {device} ({error.strerror}); --operator keyboard or model need none"

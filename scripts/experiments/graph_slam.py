@@ -26,7 +26,7 @@ from ...perception.people_filter import filter_people, people_points_lidar
 from ...perception.tracking.tracker import PeopleTracker
 from ...slam.files import write_json
 from ...slam.geometry import between, compose, inverse
-from ...slam.graph.constraints import Constraint, Kind
+from ...slam.graph.constraints import Kind
 from ...slam.graph.engine import Cartographer
 from ...slam.logs.carmen import read_carmen
 from ...slam.logs.drive import RecordedDrive
@@ -157,16 +157,13 @@ def closures(engine: Cartographer, reference: Array) -> dict[str, Any]:
     `returned`: every tie to a submap that was begun `APART` nodes before; `near`: agrees in position, whatever the
     heading.
     """
-    scans, inside = np.array(engine.node_scans), dict[int, list[Constraint]]()
-    for constraint in engine.constraints:
-        if constraint.kind is Kind.INTRA:
-            inside.setdefault(constraint.submap, []).append(constraint)
+    scans, inside = np.array(engine.node_scans), engine.submap_nodes
     ties = [c for c in engine.constraints if c.kind is Kind.INTER]
-    returned = [c for c in ties if abs(c.node - inside[c.submap][0].node) > APART]
-    submaps = {
-        s: compose(reference[scans[[m.node for m in members]]], inverse(np.array([m.pose for m in members])))
-        for s, members in inside.items()
-    }
+    returned = [c for c in ties if abs(c.node - next(iter(inside[c.submap]))) > APART]
+    submaps = [
+        compose(reference[scans[list(nodes)]], inverse(np.array(list(nodes.values())).reshape(-1, 3)))
+        for nodes in inside
+    ]
     result: dict[str, Any] = {}
     for name, chosen in (("searched", [c for c in ties if c.searched]), ("returned", returned)):
         right, near = 0, 0

@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 from ...agents.joystick import MODEL, JoystickLog, JoystickReplay
 from ...agents.operator_model import OperatorConfig, OperatorModel, Sight
 from ...envs.follow_env import FollowEnv
+from ...envs.registration import IDS
 from ...envs.rollout import Episode, rollout
+from ...slam.errors import InputError, unknown_name
 
 Watch = Callable[[FollowEnv], None]
 
@@ -77,8 +79,18 @@ def record_drive(
 
 
 def replay_drive(log: JoystickLog, watch: Watch | None = None) -> Episode:
-    """Replay a log in the environment of its header, open loop; with the same program it ends as it was recorded."""
+    """Replay a log in the environment of its header, open loop; with the same program it ends as it was recorded.
+
+    Raises:
+        InputError: If there is no such environment, or its steps are longer or shorter than the log's.
+    """
+    if log.env not in IDS:
+        raise unknown_name("environment", log.env, tuple(IDS))
     env = gym.make(log.env, **log.kwargs)
+    inner = env.unwrapped
+    assert isinstance(inner, FollowEnv)
+    if abs(log.step_s * inner.config.control_hz - 1.0) > 1e-4:
+        raise InputError(f"the log has steps of {log.step_s} s, its environment {inner.config.control_hz} in a second")
     episode = rollout(
         env,
         JoystickReplay(log, log.env, log.kwargs, log.seed),

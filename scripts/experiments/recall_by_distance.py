@@ -2,7 +2,7 @@
 
 A drive follows the true leader through an office among bystanders. A walking person counts as there when at least one
 beam meets a leg; recall is the share of such moments in which a track is within 0.75 m; false tracks are counted where
-nobody is within 1 m. Intervals are bootstrapped over drives.
+nobody is within 1 m. Intervals are Student's over drives.
 
 Command: python -m tagalong.scripts.experiments.recall_by_distance --seeds 12 --out out/recall
 
@@ -41,7 +41,7 @@ from ...slam.geometry import compose, inverse, transform_points
 from ..tables import format_table
 from .hardware import describe_machine
 from .people import follow_command
-from .statistics import bootstrap_mean
+from .statistics import t_mean
 
 EDGES = (0.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
 """Borders of the distances that are counted apart [m]."""
@@ -91,7 +91,7 @@ def measure(seeds: int, seconds: float) -> list[dict[str, Any]]:
                         "to_m": far,
                         "there": int(there.sum()),
                         "recall": float(found.sum() / max(1, there.sum())),
-                        "recall_of_drives": bootstrap_mean(shares).to_dict() if shares else None,
+                        "recall_of_drives": t_mean(shares, least=0.0, most=1.0).to_dict() if shares else None,
                         "false": int(false.sum()),
                     }
                 )

@@ -65,8 +65,14 @@ class PlanCanvas:
         pixels = np.array(self._image)
         height, width_px = pixels.shape[:2]
         mask = np.zeros((height, width_px), dtype=bool)
-        for dx in range(int((high - low)[:, 0].max())):
-            for dy in range(int((high - low)[:, 1].max())):
+        across, down = (high - low).max(axis=0).tolist()
+        if len(points) < across * down:  # few large squares, one by one
+            for (left, top), (right, bottom) in zip(
+                np.maximum(low, 0).tolist(), np.maximum(high, 0).tolist(), strict=True
+            ):
+                mask[top:bottom, left:right] = True
+        else:
+            for dx, dy in np.ndindex(across, down):
                 x, y = np.minimum(low[:, 0] + dx, high[:, 0] - 1), np.minimum(low[:, 1] + dy, high[:, 1] - 1)
                 inside = (x >= 0) & (y >= 0) & (x < width_px) & (y < height)
                 mask[y[inside], x[inside]] = True

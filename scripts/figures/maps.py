@@ -29,7 +29,7 @@ def map_canvas(grid: OccupancyMap, title: str = "", include: NDArray[np.float64]
     if len(known):
         # a few rays through windows and doors must not make the building small
         known = np.quantile(known, (_STRAY, 1.0 - _STRAY), axis=0)
-    low, high = _bounds(known if include is None else np.vstack((known, include)))
+    low, high = _bounds(known if include is None else np.vstack((known, include)), grid.resolution)
     canvas = PlanCanvas(low, high, title)
     canvas.polygon([low, (high[0], low[1]), high, (low[0], high[1])], UNKNOWN)
     canvas.cells(grid.cell_centres(grid.free), grid.resolution, FREE)
@@ -59,16 +59,17 @@ def overlay_picture(
     if T_ref_est is None:
         T_ref_est = register(estimate.occupied_points, points).T_ref_est
     moved = transform_points(T_ref_est, estimate.occupied_points)
-    canvas = PlanCanvas(*_bounds(np.vstack((points, moved))), title)
+    canvas = PlanCanvas(*_bounds(np.vstack((points, moved)), max(estimate.resolution, reference.resolution)), title)
     canvas.cells(points, reference.resolution, RED, _THINNEST_PX)
     canvas.cells(moved, estimate.resolution, BLUE, _THINNEST_PX, mix=True)
     canvas.legend([("reference", RED), ("estimate", BLUE), ("both", BOTH)])
     return canvas.finished()
 
 
-def _bounds(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _bounds(points: NDArray[np.float64], cell: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the corners (2,) and (2,) of a rectangle around `points` (n, 2), centres of cells of side `cell` [m]."""
     if len(points) == 0:
         return np.zeros(2), np.ones(2)
     low, high = points.min(axis=0), points.max(axis=0)
-    border = max(_BORDER_M, 0.02 * float((high - low).max()))
+    border = max(_BORDER_M, cell, 0.02 * float((high - low).max()))
     return low - border, high + border

@@ -29,7 +29,11 @@ def report_html(report: Report, machine: Mapping[str, Any], day: str) -> str:
         machine: What it was measured with, for the foot.
         day: When, for the foot.
     """
-    foot = f"Measured on {day}, {machine['processor']}, {machine['cores']} cores, tagalong {machine['tagalong']}."
+    foot = (
+        f"Measured on {day}, {machine['processor']}, {machine['cores']} cores, tagalong {machine['tagalong']}. "
+        "Each interval is a 95 % one by itself: of twenty, one is expected to miss what it estimates. Where tests are "
+        "corrected for their number, it is said."
+    )
     return "\n".join(
         (
             "<!DOCTYPE html>",

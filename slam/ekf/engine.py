@@ -205,6 +205,9 @@ class EkfSlam:
         apart = ekf.landmarks[near] - T_map_lidar[:2]
         r = np.hypot(apart[:, 0], apart[:, 1])
         bearing = wrap_angle(np.arctan2(apart[:, 1], apart[:, 0]) - T_map_lidar[2])
+        if not len(scan):
+            return near[:0]
+        bearing = np.where(bearing < scan.bearings[0], bearing + 2.0 * np.pi, bearing)  # of sweeps beyond pi
         inside = (bearing > scan.bearings[0]) & (bearing < scan.bearings[-1])
         beam = np.clip(np.searchsorted(scan.bearings, bearing), 0, len(scan) - 1)
         passed = np.where(np.isnan(scan.ranges[beam]), 0.0, scan.ranges[beam]) > r + 1.0

@@ -128,21 +128,27 @@ class TileMaps:
         self._free_count += new - old
 
     def _reach(self, points_map: Array) -> None:
-        """Grow the directories so that `points_map` (n, 2) and a margin lie inside."""
+        """Grow the directories so that `points_map` (n, 2) and a margin lie inside; the first ones begin there."""
         size = np.array(self.directory.shape[:0:-1])
         places = np.floor(points_map / (self.cell * SIDE)).astype(np.int64)
-        lower = np.minimum(places.min(axis=0) - 1, self.origin)
-        upper = np.maximum(places.max(axis=0) + 2, self.origin + size)
-        if (lower == self.origin).all() and (upper == self.origin + size).all():
+        first = self.tiles == 0
+        low, high = (places.min(axis=0),) * 2 if first else (self.origin, self.origin + size)
+        lower = np.minimum(places.min(axis=0) - 1, low)
+        upper = np.maximum(places.max(axis=0) + 2, high)
+        if (lower == low).all() and (upper == high).all():
             return
-        lower -= np.where(lower < self.origin, 4, 0)
-        upper += np.where(upper > self.origin + size, 4, 0)
+        lower -= np.where(lower < low, 4, 0)
+        upper += np.where(upper > high, 4, 0)
         columns, rows = (int(places) for places in upper - lower)
         if columns * rows > _MOST_PLACES:
             width, height = (columns * self.cell * SIDE, rows * self.cell * SIDE)
-            raise InputError(f"the map would grow to {width:.0f} x {height:.0f} m; the odometry or a range is wrong")
+            raise InputError(
+                f"the map would grow to {width:.0f} x {height:.0f} m in cells of {self.cell:g} m; "
+                "the odometry or a range is wrong, or the cells are too small"
+            )
         grown = np.zeros((len(self.directory), rows, columns), dtype=np.int32)
-        column, row = self.origin - lower
-        grown[:, row : row + size[1], column : column + size[0]] = self.directory
+        if not first:
+            column, row = self.origin - lower
+            grown[:, row : row + size[1], column : column + size[0]] = self.directory
         self.directory, self.origin = grown, lower
         self._references[0] = np.count_nonzero(grown == 0)

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from .submap import Submap, SubmapConfig
+from .sweep import Sweep
 
 Array = NDArray[np.float64]
 
@@ -68,15 +69,12 @@ class ActiveSubmaps:
         self._first = len(self.submaps)
         self._last = None
 
-    def insert(self, pose: Array, origin: Array, surface: Array, returns: int, free_ends: Array) -> tuple[int, ...]:
+    def insert(self, pose: Array, sweep: Sweep) -> tuple[int, ...]:
         """Insert a scan at `pose` (3,) T_local_robot; return the indices of the submaps that it stands in.
 
         Args:
             pose: Where the robot was.
-            origin: (2,) the laser, local frame [m].
-            surface: (N, 2) points on what the beams met, local frame [m].
-            returns: The first so many of them are ends of beams, the others lie between.
-            free_ends: (M, 2) ends of free rays, local frame [m].
+            sweep: What the scan draws, robot frame.
         """
         if self._last is not None:
             self._travelled += float(np.hypot(*(pose[:2] - self._last[:2])))
@@ -86,9 +84,9 @@ class ActiveSubmaps:
             self._travelled = 0.0
             for submap in self.submaps[self._first : -2][-1:]:
                 submap.finish()
-        first = max(len(self.submaps) - 2, self._first)
+        first, placed = max(len(self.submaps) - 2, self._first), sweep.at(pose)
         for submap in self.submaps[first:]:
-            submap.insert(origin, surface, returns, free_ends)
+            submap.insert(placed)
         return tuple(range(first, len(self.submaps)))
 
     def _full(self, youngest: Submap) -> bool:

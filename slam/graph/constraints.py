@@ -166,20 +166,32 @@ class ConstraintBuilder:
         ).best
         if found is None:
             return None
-        start = np.array(found.pose)
-        pose, curvature, rest, _ = refine_pose(
-            submap.field,
-            submap.corner,
-            submap.config.resolution,
-            points,
-            start,
-            start,
-            np.eye(3),
-            config.weight,
-            20,
-        )
+        return self._closure(index, submap, node, points, np.array(found.pose), config.search_min_score)
+
+    def again(self, constraint: Constraint, submap: Submap, points: Array) -> Constraint | None:
+        """Return what a global search found once, matched anew on the `submap` as it is drawn now; None: it is no more.
+
+        Args:
+            constraint: What was found.
+            submap: Its submap.
+            points: (N, 2) points of its node, robot frame [m].
+        """
+        start = compose(submap.pose_local, constraint.pose)
+        return self._closure(constraint.submap, submap, constraint.node, points, start, self._config.min_score)
+
+    def forget(self, index: int) -> None:
+        """Forget what was made of a submap that is drawn anew."""
+        self._pyramids.pop(index, None)
+
+    def _closure(
+        self, index: int, submap: Submap, node: int, points: Array, start: Array, least: float
+    ) -> Constraint | None:
+        """Return the closure of a node near `start` (3,) in the local frame, if it scores `least` of the typical."""
+        config = self._config
+        place = submap.field, submap.corner, submap.config.resolution
+        pose, curvature, rest, _ = refine_pose(*place, points, start, start, np.eye(3), config.weight, 20)
         score = 1.0 - rest / len(points)
-        if score < config.search_min_score * self.typical_score:
+        if score < least * self.typical_score:
             return None
         pose = between(submap.pose_local, pose)
         information = information_in_node(config.weight * curvature, pose[2], config.inter_sigma)

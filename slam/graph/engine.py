@@ -72,7 +72,8 @@ class Cartographer:
         watched = self.config.watch if self.config.global_ else None
         self._watch = Watch(watched) if watched else None
         self._local = LocalSlam(self.config.local, self._watch)
-        self._global = GlobalSlam(self.config.global_, self._local.submaps) if self.config.global_ else None
+        local, graph = self._local, self.config.global_
+        self._global = GlobalSlam(graph, local.submaps, local.sweep) if graph else None
         self._online: list[Array] = []
         self._poses_local: list[Array] = []
         self._inserted: list[int] = []
@@ -260,6 +261,11 @@ class Cartographer:
     def constraints(self) -> tuple[Constraint, ...]:
         """All constraints of the graph in force; those with `searched` are loop closures."""
         return tuple(self._global.constraints) if self._global else ()
+
+    @property
+    def submap_nodes(self) -> list[dict[int, Array]]:
+        """Of each submap, its nodes and where they stand in its drawing: (3,) T_submap_node."""
+        return self._global.drawn if self._global else []
 
     @property
     def rejected(self) -> int:

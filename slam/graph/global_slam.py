@@ -1,5 +1,6 @@
 """Global SLAM: nodes and submaps tied by constraints, adjusted so that loops close (Hess et al. 2016)."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -9,16 +10,19 @@ from ..errors import InputError
 from ..geometry import between, compose, inverse
 from ..pose_graph.adjustment import AdjustmentConfig, adjust
 from ..pose_graph.pose_graph import PoseGraph
+from ..scan import LaserScan
 from .constraints import Constraint, ConstraintBuilder, ConstraintConfig, Kind
 from .extrapolator import Prediction
 from .local_slam import Insertion
 from .submap import Submap
+from .sweep import Sweep
 from .watch import contradictions
 
 Array = NDArray[np.float64]
 
 _LOOSE = np.array([30.0, 3.0])  # [m, rad] how badly the odometry ties a piece of the drive that has no place yet
 _SLACK = 0.4  # [m] by which a wall must stand before the end of a beam to contradict it
+_ROUGHLY = 2  # near submaps that a node is matched with before the submaps are straightened
 _PLACED = np.array([0.1, 0.05])  # [m, rad] how well relocalization does
 _FOUND = np.array([0.1, 0.1, 0.05]) ** -2.0
 
@@ -36,11 +40,10 @@ class GlobalSlamConfig:
         kernel_width: Of INTER constraints, in standard deviations.
         odometry_share: Share of its information with which odometry ties a node to the one before.
         reject_beyond: INTER constraints that the adjusted graph contradicts by more standard deviations are dropped.
-        nearest: A node is matched with at most so many known submaps.
+        settled: A match that the adjusted graph meets as well as this is not made anew [m, rad].
+        nearest: A node is matched with at most so many known submaps; in the end with twice as many.
         search_every: One global search for each so many metres travelled [m].
         final_residual: INTER constraints that the finished graph misses by more are dropped [m, rad].
-        settled: A match that the adjusted graph meets as well as this is not made anew in a later round [m, rad].
-        passes: Rounds of matching every node with every near submap, and adjustment, when a trajectory is asked for.
     """
 
     constraints: ConstraintConfig = field(default_factory=ConstraintConfig)
@@ -53,7 +56,6 @@ class GlobalSlamConfig:
     reject_beyond: float = 12.0
     final_residual: tuple[float, float] = (0.1, 0.0175)
     settled: tuple[float, float] = (0.05, 0.02)
-    passes: int = 2
     nearest: int = 4
     search_every: float = 0.4
 
@@ -72,12 +74,14 @@ class Node:
         points: (N, 2) thinned returns, robot frame [m].
         submaps: The submaps that it stands in.
         motion: By the odometry from the node before to this one.
+        scan: The whole scan.
     """
 
     pose_local: Array
     points: Array
     submaps: tuple[int, ...]
     motion: Prediction
+    scan: LaserScan
 
 
 class GlobalSlam:
@@ -86,18 +90,22 @@ class GlobalSlam:
     Args:
         config: Settings.
         submaps: The growing list of submaps of local SLAM.
+        sweep: What a scan draws into a submap, robot frame.
 
     Attributes:
         constraints: All constraints in force.
+        drawn: Of each submap, its nodes and where they stand in its drawing: (3,) T_submap_node.
         rejected: Number of INTER constraints that were dropped.
     """
 
-    def __init__(self, config: GlobalSlamConfig, submaps: list[Submap]) -> None:
+    def __init__(self, config: GlobalSlamConfig, submaps: list[Submap], sweep: Callable[[LaserScan], Sweep]) -> None:
         self._config = config
         self._submaps = submaps
+        self._sweep = sweep
         self._builder = ConstraintBuilder(config.constraints)
         self.nodes: list[Node] = []
         self.constraints: list[Constraint] = []
+        self.drawn: list[dict[int, Array]] = []
         self.rejected = 0
         self._node_poses: list[Array] = []
         self._submap_poses: list[Array] = []
@@ -187,6 +195,7 @@ class GlobalSlam:
         for submap in self._submaps[len(self._submap_poses) :]:
             self._submap_poses.append(compose(bridge, submap.pose_local))
             self._piece_of_submap.append(len(self._placed) - 1)
+            self.drawn.append({})
         motion = insertion.motion
         if self.nodes and self._piece_of_node[-1] != len(self._placed) - 1 and self._carried[-1]:
             sigma = _PLACED if self._placed[-1] else _LOOSE
@@ -194,7 +203,7 @@ class GlobalSlam:
         if len(insertion.submaps) == 1 and insertion.match is None:
             self._stretch = index, insertion.submaps[0]
         self._piece_of_node.append(len(self._placed) - 1)
-        self.nodes.append(Node(pose_local, insertion.points, insertion.submaps, motion))
+        self.nodes.append(Node(pose_local, insertion.points, insertion.submaps, motion, insertion.scan))
         self._node_poses.append(compose(bridge, pose_local))
         curvature = insertion.match.information if insertion.match else None
         if insertion.match:
@@ -202,6 +211,7 @@ class GlobalSlam:
             self._builder.typical_score += (insertion.match.score - self._builder.typical_score) / self._matched
         for s in insertion.submaps:
             self.constraints.append(self._builder.intra(s, self._submaps[s], index, pose_local, curvature))
+            self.drawn[s][index] = self.constraints[-1].pose
         self._close_loops(index)
         if self._new and (index + 1) % self._config.adjust_every == 0:
             self._adjust()
@@ -231,24 +241,36 @@ class GlobalSlam:
         return sum(shares) / len(shares) if shares else None
 
     def finish(self) -> None:
-        """Match every node with every near submap and adjust; does nothing where no node is new."""
+        """Match every node with every near submap and adjust; does nothing where no node is new.
+
+        First roughly, then on submaps that the adjusted graph has straightened: one that was drawn while the robot
+        drove is bent by as much as local SLAM drifted meanwhile, and a match on it is turned by up to half a degree.
+        Last, those that found no match are tried again from where the graph has them then.
+        """
         if self._finished_nodes == len(self.nodes):
             return
         self._finished_nodes = len(self.nodes)
         self._adjust()
-        for turn in range(self._config.passes):
-            settled = self._settled() if turn > 0 else set[tuple[int, int]]()
-            self.constraints = [
-                c for c in self.constraints if c.kind is Kind.INTRA or c.searched or (c.submap, c.node) in settled
-            ]
-            near, centres = dict[int, list[int]](), self._centres()
-            for index in range(len(self.nodes)):
-                for s in self._near(index, centres)[: 2 * self._config.nearest]:
-                    if (s, index) not in settled:
-                        near.setdefault(s, []).append(index)
-            for s in sorted(near):
-                self._track(s, near[s], turn == 0)
-            self._adjust(final=turn + 1 == self._config.passes)
+        self._match_all(_ROUGHLY, wide=True, kept=self._settled())
+        self._adjust()
+        self._straighten()
+        self._match_all(2 * self._config.nearest, wide=False, kept=set())
+        self._adjust()
+        self._match_all(2 * self._config.nearest, wide=False, kept=self._settled())
+        self._adjust(final=True)
+
+    def _match_all(self, nearest: int, wide: bool, kept: set[tuple[int, int]]) -> None:
+        """Match every node with the `nearest` submaps anew, but for pairs that are `kept` or were searched for."""
+        self.constraints = [
+            c for c in self.constraints if c.kind is Kind.INTRA or c.searched or (c.submap, c.node) in kept
+        ]
+        near, centres = dict[int, list[int]](), self._centres()
+        for index in range(len(self.nodes)):
+            for s in self._near(index, centres)[:nearest]:
+                if (s, index) not in kept:
+                    near.setdefault(s, []).append(index)
+        for s in sorted(near):
+            self._track(s, near[s], wide)
 
     def _settled(self) -> set[tuple[int, int]]:
         """Return submap and node of the INTER constraints that the graph meets so well that matching finds no other."""
@@ -262,6 +284,23 @@ class GlobalSlam:
         linear, angular = self._config.settled
         good = (np.hypot(error[:, 0], error[:, 1]) <= linear) & (np.abs(error[:, 2]) <= angular)
         return {(ties[k].submap, ties[k].node) for k in np.flatnonzero(good).tolist()}
+
+    def _straighten(self) -> None:
+        """Draw every finished submap with its nodes where the graph has them; match what was searched for on these."""
+        for s in range(len(self._submaps) - 2):
+            submap, nodes = self._submaps[s], list(self.drawn[s])
+            poses = between(self._submap_poses[s], np.array([self._node_poses[k] for k in nodes]))
+            self.drawn[s] = dict(zip(nodes, poses, strict=True))
+            places = compose(submap.pose_local, poses)
+            sweeps = (self._sweep(self.nodes[k].scan).at(place) for k, place in zip(nodes, places, strict=True))
+            self._submaps[s] = submap.redrawn(sweeps)
+            self._builder.forget(s)
+        kept = list[Constraint]()
+        for c in self.constraints:
+            again = self._builder.again(c, self._submaps[c.submap], self.nodes[c.node].points) if c.searched else c
+            kept += [again] if again else []
+        self.rejected += len(self.constraints) - len(kept)
+        self.constraints = kept
 
     def _centres(self) -> Array:
         """Return (n, 2) the mean places of the laser in the finished submaps, global frame [m]."""

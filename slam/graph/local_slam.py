@@ -6,14 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..geometry import between, transform_points
+from ..geometry import between
 from ..scan import LaserScan
 from .active_submaps import ActiveSubmaps, ActiveSubmapsConfig
 from .extrapolator import ExtrapolatorConfig, OdometryExtrapolator, Prediction
 from .motion_filter import MotionFilter, MotionFilterConfig
 from .scan_matcher import Match, ScanMatcher, ScanMatcherConfig
 from .submap import Submap
-from .surface import surface_points
+from .sweep import Sweep
 from .voxel_filter import AdaptiveVoxelConfig, AdaptiveVoxelFilter
 from .watch import Watch
 
@@ -54,12 +54,14 @@ class Insertion:
         points: (N, 2) thinned returns for matching, robot frame [m].
         match: How it was matched; None: not at all (the first scan, or too few points).
         motion: By the odometry since the last inserted scan, in its frame; zero for the first.
+        scan: The scan itself.
     """
 
     submaps: tuple[int, ...]
     points: Array
     match: Match | None
     motion: Prediction
+    scan: LaserScan
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,18 +139,10 @@ class LocalSlam:
         if len(points) >= self._config.matcher.min_points and self._motion_filter.passes(pose):
             since = between(odometry if self._inserted_at is None else self._inserted_at, odometry)
             motion = Prediction(since, self._config.extrapolator.sigma(since))
-            insertion = Insertion(self._insert(pose, scan), points, match, motion)
+            insertion = Insertion(self._active.insert(pose, self.sweep(scan)), points, match, motion, scan)
             self._inserted_at = odometry
         return LocalResult(pose, match, insertion)
 
-    def _insert(self, pose: Array, scan: LaserScan) -> tuple[int, ...]:
-        config = self._config
-        mount = np.asarray(scan.T_robot_lidar)
-        surface, returns = surface_points(scan.beam_points, config.insertion_voxel)
-        surface = transform_points(pose, transform_points(mount, surface))
-        reach = min(config.submaps.submap.free_ray_length, scan.range_max)
-        bearings = scan.bearings[scan.is_no_return]
-        ends = reach * np.stack((np.cos(bearings), np.sin(bearings)), axis=-1)
-        free_ends = transform_points(pose, transform_points(mount, ends))
-        origin = transform_points(pose, mount[None, :2])[0]
-        return self._active.insert(pose, origin, surface, returns, free_ends)
+    def sweep(self, scan: LaserScan) -> Sweep:
+        """Return what a scan draws into a submap, robot frame."""
+        return Sweep.of(scan, self._config.insertion_voxel, self._config.submaps.submap.free_ray_length)

@@ -1,6 +1,7 @@
 """A submap: a grid of hit and visit counts that a short stretch of the drive fills, rigid once finished."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,6 +9,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from .submap_kernels import bounds, insert_scan
+from .sweep import Sweep
 
 _MARGIN_CELLS = 8  # beyond the farthest return: taps of the spline and of neighbouring cells stay inside
 _MOST_CELLS = 100_000_000  # of a submap: 500 m x 500 m at 5 cm
@@ -68,18 +70,10 @@ class Submap:
         self.field = np.zeros((1, 1), np.float32)
         self._stamps = np.zeros((1, 1), np.int16)
 
-    def insert(
-        self, origin: NDArray[np.float64], surface: NDArray[np.float64], returns: int, free_ends: NDArray[np.float64]
-    ) -> None:
-        """Count one scan.
-
-        Args:
-            origin: (2,) the laser in the local frame [m].
-            surface: (N, 2) points on what the beams met, local frame [m].
-            returns: The first so many of them are ends of beams, the others lie between.
-            free_ends: (M, 2) ends of the rays that are known to be free, local frame [m].
-        """
-        ends = np.concatenate((surface, free_ends))
+    def insert(self, sweep: Sweep) -> None:
+        """Count one scan, given in the local frame."""
+        origin, surface, returns = sweep.foot, sweep.surface, sweep.returns
+        ends = np.concatenate((surface, sweep.free_ends))
         self._cover(bounds(origin, ends))
         scale = 1.0 / self.config.resolution
         self.scans += 1
@@ -102,6 +96,14 @@ class Submap:
         """Drop what only further scans would need, almost half of the memory: there will be none."""
         self._hits = np.zeros((0, 0), np.float32)
         self._stamps = np.zeros((0, 0), np.int16)
+
+    def redrawn(self, sweeps: Iterable[Sweep]) -> "Submap":
+        """Return a finished submap in the place of this one, drawn from other `sweeps`, each in the local frame."""
+        submap = Submap(self.config, self.pose_local)
+        for sweep in sweeps:
+            submap.insert(sweep)
+        submap.finish()
+        return submap
 
     @property
     def resolution(self) -> float:

@@ -20,6 +20,7 @@ from .view import View, ViewMaker
 Array = NDArray[np.float64]
 
 _START_SIGMA = np.array([0.2, 0.1])  # [m, rad] how well a given start is known
+_START_REACH_M = 0.5  # a start is known to about this
 _MEMORY = 0.05  # share of the newest scan in the typical share explained
 
 
@@ -100,7 +101,7 @@ class Localizer:
         start: (3,) T_map_robot at the first scan [m, m, rad], within about 0.5 m and 15 degrees; None: it is searched.
 
     Raises:
-        InputError: If the map has no walls or no free space, or the start is not a finite pose.
+        InputError: If the map has no walls or no free space, or the start is not a finite pose near free space of it.
     """
 
     def __init__(
@@ -111,10 +112,20 @@ class Localizer:
         self._evidence = Evidence(self.place, self.config.evidence)
         self._search = GlobalSearch(self.place, self._evidence, self.config.search)
         self._views = ViewMaker(self.config.voxel_filter)
-        self._start = None if start is None else _pose(start, "start")
+        self._start = None if start is None else self._checked(_pose(start, "start"))
         self._tracker: OdometryExtrapolator | None = None
         self._updates: list[Array | None] = []
         self.lost = 0
+
+    def _checked(self, start: Array) -> Array:
+        """Return `start`, unless it lies where the map knows nothing: there no scan contradicts any pose."""
+        away = self.place.to_free_space(start[:2])
+        if away > _START_REACH_M:
+            raise InputError(
+                f"`start` must lie within {_START_REACH_M} m of the map's free space, ({start[0]:g}, {start[1]:g}) is "
+                f"{away:.1f} m away"
+            )
+        return start
 
     @property
     def pose(self) -> Array | None:

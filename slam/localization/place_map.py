@@ -129,6 +129,12 @@ class PlaceMap:
         """Half the longer side of the map [m]."""
         return 0.5 * self.resolution * max(self.states.shape)
 
+    def to_free_space(self, place: Array) -> float:
+        """Return the distance from a place (2,) to the nearest free cell's centre [m]."""
+        rows, cols = np.nonzero(self.states == FREE)
+        centres = self.corner + self.resolution * np.stack((cols, rows), axis=-1)
+        return float(np.hypot(*(centres - place).T).min(initial=np.inf))
+
     def is_free(self, places: Array) -> NDArray[np.bool_]:
         """Return (k,) whether the places (k, 2) [m] lie in free cells or beside one."""
         cells = np.floor((places - self.outer_corner) / self.resolution).astype(np.int64)

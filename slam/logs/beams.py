@@ -18,7 +18,8 @@ def measured(ranges: Array, range_min: float = 0.0) -> Array:
 def cut_behind(ranges: Array, bearings: Array, yaw: float = 0.0) -> tuple[Array, Array]:
     """Return a sweep's ranges and bearings (N,), those of a full circle such that it begins and ends behind the robot.
 
-    Drivers that count from 0 to 2 pi cut the circle straight ahead, where a leg would fall into two pieces.
+    Drivers that count from 0 to 2 pi cut the circle straight ahead, where a leg would fall into two pieces. Beams in
+    the direction of one before, as of those that end where they began, are left out then.
 
     Args:
         ranges: (N,) [m].
@@ -29,7 +30,8 @@ def cut_behind(ranges: Array, bearings: Array, yaw: float = 0.0) -> tuple[Array,
     step = span / max(len(bearings) - 1, 1)
     if span + 1.5 * step < 2.0 * np.pi or abs(wrap_angle(bearings[0] - 0.5 * step + yaw)) > _BEHIND:
         return ranges, bearings
+    once = bearings < bearings[0] + 2.0 * np.pi - 0.5 * step
     first = float(wrap_angle(-np.pi - yaw))
-    turned = first + (bearings - first) % (2.0 * np.pi)
+    turned = first + (bearings[once] - first) % (2.0 * np.pi)
     order = np.argsort(turned, kind="stable")
-    return ranges[order], turned[order]
+    return ranges[once][order], turned[order]

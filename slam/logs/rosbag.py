@@ -26,7 +26,8 @@ TRANSFORMS = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
 _BASES = ("base_link", "base_footprint", "base")  # REP 105, where the odometry does not name the robot's frame
 _LEVEL = 0.94  # cosine of the tilt from which on a laser is not called planar
 _CLOCKS_S = 0.5  # two clocks that differ by more are not the same
-_BEYOND_S = 0.2  # a scan so long before or after all odometry has none
+_BEYOND_S = 0.2  # a scan longer than this before or after all odometry has none
+_GAP_S = 1.0  # nor has one between two poses of it that are farther apart in time
 
 
 @dataclass(eq=False)
@@ -49,8 +50,8 @@ def read_rosbag(
     of the laser's ancestor in a frame that is called odom; where there is neither, `has_odometry` is false. The pose of
     the laser on the robot is that of tf; a laser that hangs upside down has its beams turned over, a sweep of the full
     circle is cut behind the robot, and a range of 0 is no measurement. Odometry is interpolated at the times of the
-    scans; times are those of the message headers, or of the recorder where the headers of scans and odometry disagree
-    or stand still. What was assumed is told in `notes`.
+    scans; those in a gap of it of more than 1 s are left out. Times are those of the message headers, or of the
+    recorder where the headers of scans and odometry disagree or stand still. What was assumed is told in `notes`.
 
     Args:
         path: The bag.
@@ -84,7 +85,8 @@ def read_rosbag(
         return RecordedDrive(np.zeros((len(scans), 3)), scans, None, path.stem, has_odometry=False, notes=tuple(notes))
     poses, inside = _at(times, np.array(odometry.times_s if by_header else odometry.recorded_s), odometry.poses)
     if not inside.any():
-        raise InputError(f"{path}: no scan of {topic} within {_BEYOND_S} s of any odometry of {odometry.source}")
+        limits = f"within {_BEYOND_S} s of it and between poses {_GAP_S} s apart at most"
+        raise InputError(f"{path}: no scan of {topic} has odometry of {odometry.source}: {limits}")
     if not inside.all():
         notes.append(f"{np.count_nonzero(~inside)} scans left out: no odometry at their time")
     kept = [scan for scan, good in zip(scans, inside, strict=True) if good]
@@ -169,10 +171,16 @@ def _scan(message: Any, time_s: float, reach: float, mount: Pose, flipped: bool,
 
 
 def _at(times_s: Array, known_s: Array, poses: list[Array]) -> tuple[Array, NDArray[np.bool_]]:
-    """Return poses (n, 3) at `times_s` (n,) between those known at `known_s`, and which of them are known (n,)."""
+    """Return poses (n, 3) at `times_s` (n,) between those known at `known_s`, and which of them are known (n,).
+
+    Not known are those farther than `_BEYOND_S` before or after all, and those in a gap longer than `_GAP_S`.
+    """
     order = np.argsort(known_s, kind="stable")
     known_s, known = known_s[order], np.array(poses)[order]
     known[:, 2] = np.unwrap(known[:, 2])
     result = np.stack([np.interp(times_s, known_s, column) for column in known.T], axis=-1)
     result[:, 2] = wrap_angle(result[:, 2])
-    return result, (times_s >= known_s[0] - _BEYOND_S) & (times_s <= known_s[-1] + _BEYOND_S)
+    before, after = np.searchsorted(known_s, times_s, "right") - 1, np.searchsorted(known_s, times_s, "left")
+    last = len(known_s) - 1
+    gaps = known_s[np.minimum(after, last)] - known_s[np.maximum(before, 0)]
+    return result, (gaps <= _GAP_S) & (times_s >= known_s[0] - _BEYOND_S) & (times_s <= known_s[last] + _BEYOND_S)

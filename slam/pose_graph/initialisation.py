@@ -20,8 +20,13 @@ def initialise(graph: PoseGraph, fixed: int = 0) -> PoseGraph:
     the positions that fit the measured translations under these headings. Both are linear, hence have no wrong optima.
 
     Raises:
-        InputError: If the measurements do not tie all poses together.
+        InputError: If the measurements do not tie all poses together, or one has no information of its angle or place.
     """
+    weights = np.stack(
+        (graph.information[:, 2, 2], 0.5 * (graph.information[:, 0, 0] + graph.information[:, 1, 1])), axis=-1
+    )
+    if not (weights > 0.0).all():
+        raise InputError("measurements of a graph that is initialised need positive information of angle and place")
     poses = graph.poses.copy()
     i, j = graph.edges.T
     ties = sparse.coo_matrix((np.ones(len(i)), (i, j)), shape=(len(poses), len(poses)))
@@ -30,12 +35,11 @@ def initialise(graph: PoseGraph, fixed: int = 0) -> PoseGraph:
         raise InputError(f"a graph is initialised as a whole, got {pieces} pieces that no measurement ties together")
     turns = np.exp(1j * graph.measurements[:, 2])
     start = np.exp(1j * poses[fixed, 2])
-    units = _solve(len(poses), graph.edges, graph.information[:, 2, 2], turns, np.zeros(len(i), complex), fixed, start)
+    units = _solve(len(poses), graph.edges, weights[:, 0], turns, np.zeros(len(i), complex), fixed, start)
     poses[:, 2] = np.angle(units)
     moved = (graph.measurements[:, 0] + 1j * graph.measurements[:, 1]) * np.exp(1j * poses[i, 2])
-    weights = 0.5 * (graph.information[:, 0, 0] + graph.information[:, 1, 1])
     origin = complex(poses[fixed, 0], poses[fixed, 1])
-    places = _solve(len(poses), graph.edges, weights, np.ones(len(i), complex), moved, fixed, origin)
+    places = _solve(len(poses), graph.edges, weights[:, 1], np.ones(len(i), complex), moved, fixed, origin)
     poses[:, 0], poses[:, 1] = places.real, places.imag
     return graph.with_poses(poses)
 

@@ -61,8 +61,8 @@ def score_relations(
         trajectory: Estimated poses, one a scan, with the times of the log.
         relations: By time or by reading.
         readings: Odometry of all readings; needed where the relations are by reading.
-        max_gap_s: Relations at moments farther than this from any pose, or with `readings` from poses farther than this
-            from any reading, are skipped and counted [s].
+        max_gap_s: Relations at moments farther than this from any pose, or with `readings` from any reading, or from
+            poses that are themselves farther than this from any reading, are skipped and counted [s].
 
     Raises:
         InputError: If the relations are by reading and there are no readings, or if no relation can be scored.
@@ -96,7 +96,8 @@ def _interpolated(trajectory: Trajectory, times: Array) -> tuple[Array, Array]:
 def _carried(trajectory: Trajectory, relations: Relations, readings: Readings) -> list[tuple[Array, Array]]:
     """Return, for both moments, poses (m, 3) carried on by odometry from the nearest scan.
 
-    Beside them how far (m,) that scan's time is from its reading's [s]: large where the clocks differ.
+    Beside them how far (m,) that scan's time is from its reading's, or the moment is from its own reading's, if that is
+    more [s]: large where the clocks differ.
     """
     scans = readings_of_scans(trajectory.times_s, readings.times_s)
     result = []
@@ -105,6 +106,8 @@ def _carried(trajectory: Trajectory, relations: Relations, readings: Readings) -
         scan = _nearest(scans, wanted)
         motion = between(readings.odometry[scans[scan]], readings.odometry[wanted])
         gaps = np.abs(trajectory.times_s[scan] - readings.times_s[scans[scan]])
+        if not relations.by_reading:
+            gaps = np.maximum(gaps, np.abs(readings.times_s[wanted] - moments))
         result.append((compose(trajectory.poses[scan], motion), gaps))
     return result
 

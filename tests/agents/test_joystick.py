@@ -1,6 +1,7 @@
 """Joystick logs and the operator model; no simulator but for one short replay."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -91,6 +92,7 @@ def test_what_is_no_log_is_refused(tmp_path, text):
         ("step forward turn", "step forward turn\n0 nan 0.0", "the stick"),
         ("step forward turn", "step forward turn\n0 1.5 0.0", "the stick"),
         ("made by: keyboard", "made by: \udcff", "no text"),
+        ("seed: 3", "seed: -3", "seed"),
     ],
 )
 def test_damage_to_a_log_is_named(tmp_path, was, now, said):
@@ -163,6 +165,21 @@ def test_a_drive_recorded_in_the_closed_loop_is_the_same_in_the_open_loop():
     episode = replay_drive(log)
     assert np.array_equal(episode.history.robot_pose[:-1], poses)
     assert episode.metrics["path_length_m"] > 1.0
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"env": "nowhere-v0"}, "unknown environment 'nowhere-v0'"),
+        ({"env": "tagalong/Corridor-v9"}, "unknown environment"),
+        ({"env": "a:b-v0"}, "unknown environment"),
+        ({"env": "CartPole-v1"}, "unknown environment"),
+        ({"step_s": 0.2}, r"steps of 0.2 s, its environment 10"),
+    ],
+)
+def test_a_log_of_no_environment_of_ours_is_not_replayed(changes, said):
+    with pytest.raises(InputError, match=said):
+        replay_drive(replace(some_log(), **changes))
 
 
 def test_the_operator_backs_out_when_the_robot_is_stuck():

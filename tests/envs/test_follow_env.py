@@ -9,6 +9,7 @@ import pytest
 import tagalong  # noqa: F401 (registers the ids)
 from gymnasium.utils.env_checker import check_env
 from tagalong.agents import make_follower
+from tagalong.envs.follow_env import nobody_notes
 from tagalong.envs.registration import IDS, MAX_EPISODE_STEPS
 from tagalong.envs.rollout import rollout
 from tagalong.slam.errors import InputError
@@ -229,6 +230,14 @@ def test_before_the_first_reset_there_is_nothing_to_know(ask):
         ask(make(people="truth").unwrapped)
 
 
+@pytest.mark.parametrize("action", ["x", None, [[0.0], [1.0, 2.0]], {"forward": 1.0}])
+def test_an_action_that_is_no_numbers_is_refused(action):
+    env = make().unwrapped
+    env.reset(seed=0)
+    with pytest.raises(InputError, match="an action has shape"):
+        env.step(action)
+
+
 def test_a_wrong_action_is_refused():
     env = make(people="truth").unwrapped
     with pytest.raises(InputError, match="call `reset` first"):
@@ -305,6 +314,31 @@ def test_a_rollout_records_what_happened_and_can_be_repeated():
     assert (episode.seed, episode.ending) == (4, "")
     assert episode.history.robot_pose.tobytes() == again.history.robot_pose.tobytes()
     assert repr(episode.metrics) == repr(again.metrics)
+
+
+class Thrice(gym.Wrapper):
+    """Takes actions in [0, 1], does each three times, and pays in cents."""
+
+    def step(self, action):
+        for _ in range(3):
+            observation, reward, *rest = self.env.step(2.0 * action - 1.0)
+        return observation, 100.0 * reward, *rest
+
+
+def test_a_rollout_records_the_environment_itself_whatever_wraps_it():
+    class Half:
+        def reset(self):
+            """Nothing to forget."""
+
+        def act(self, observation):
+            return np.array([0.75, 0.5])
+
+    env = Thrice(make())
+    history = rollout(env, Half(), seed=4, steps=4).history
+    assert np.allclose(history.time_s, 0.1 * np.arange(13))
+    assert (history.action[1:] == [0.5, 0.0]).all()
+    assert history.reward.sum() == pytest.approx(sum(history.reward_terms.values()).sum())
+    assert env.unwrapped.witness is nobody_notes
 
 
 def test_rollout_needs_a_follow_env():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tagalong.envs.history import History, run_lengths
 from tagalong.envs.metrics import episode_metrics
-from tagalong.envs.metrics.following import leader_is_right
+from tagalong.envs.metrics.following import leader_is_right, steady_steps
 from tagalong.envs.metrics.safety import time_to_collision
 from tagalong.envs.metrics.smoothness import WINDOW_S, ldlj, sparc
 
@@ -61,6 +61,18 @@ def test_steps_before_three_seconds_and_steps_of_a_standing_leader_do_not_count(
     walking[100:120] = False
     metrics = episode_metrics(straight_drive(person_position=far, leader_walking=walking))
     assert metrics["distance_error_rms_m"] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_times_that_differ_by_rounding_are_the_same():
+    drive = straight_drive()
+    for start in range(20, 170):
+        ids = np.full(201, -1)
+        ids[start : start + 11] = 7  # taken for a second, not for longer
+        assert episode_metrics(straight_drive(leader_id=ids))["leader_choices"] == 0.0
+    for first in range(170):
+        walking = drive.leader_walking.copy()
+        walking[:first] = False
+        assert np.flatnonzero(steady_steps(straight_drive(leader_walking=walking)))[0] == first + 30
 
 
 def test_a_leader_who_never_walks_has_no_distance_error():

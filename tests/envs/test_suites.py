@@ -46,12 +46,23 @@ def test_the_figures_of_follow_bench_are_what_they_say(episode):
     poses = history.robot_pose[:, :2]
     assert figures["fb_path_m"] == pytest.approx(sum(np.hypot(*(b - a)) for a, b in pairwise(poses)))
     gap = np.hypot(*(history.person_position[:, 0] - poses).T) - history.robot_radius - history.person_radius[0]
-    assert figures["fb_personal_s"] == pytest.approx(0.1 * sum(0.45 <= d <= 1.2 for d in gap))
+    assert figures["fb_personal_s"] == pytest.approx(0.1 * sum(0.45 <= d <= 1.2 for d in gap[1:]))
     assert figures["fb_success"] == 0.0
     still = replace(history, robot_velocity=np.tile([0.5, 0.0, 0.0], (81, 1)), robot_pose=np.zeros((81, 3)))
     constant = follow_bench_metrics(still)
     assert constant["fb_speed_mps"] == pytest.approx(0.5)
     assert constant["fb_acceleration_mps2"] == constant["fb_jerk_mps3"] == constant["fb_path_m"] == 0.0
+
+
+def test_no_time_has_passed_before_the_first_step(episode):
+    history = episode.history
+    beside = np.repeat(history.robot_pose[:, None, :2], history.person_position.shape[1], axis=1)
+    never = np.zeros(len(history), dtype=bool)
+    figures = follow_bench_metrics(replace(history, person_position=beside, leader_visible=never))
+    assert figures["fb_private_s"] == pytest.approx(8.0)
+    assert figures["fb_search_s"] == pytest.approx(8.0)
+    near = beside + np.array((history.robot_radius + history.person_radius[0] + 0.6, 0.0))
+    assert follow_bench_metrics(replace(history, person_position=near))["fb_personal_s"] == pytest.approx(8.0)
 
 
 def test_success_needs_the_tour_no_contact_and_recovered_losses(episode):

@@ -8,15 +8,15 @@ BEARINGS = np.linspace(-np.pi / 2, np.pi / 2, 181)
 RADIUS = 0.1
 
 
-def cast(pose, posts, rng, range_max=8.0, sigma=0.01):
-    """Return the scan (181 beams, 180 deg) of `posts` (k, 2) of 0.1 m radius from `pose` (3,)."""
+def cast(pose, posts, rng, range_max=8.0, sigma=0.01, bearings=BEARINGS):
+    """Return the scan (181 beams, 180 deg, or along `bearings`) of `posts` (k, 2) of 0.1 m radius from `pose` (3,)."""
     places = transform_points(inverse(pose), posts)
-    along = np.cos(BEARINGS)[:, None] * places[:, 0] + np.sin(BEARINGS)[:, None] * places[:, 1]
+    along = np.cos(bearings)[:, None] * places[:, 0] + np.sin(bearings)[:, None] * places[:, 1]
     beside = (places**2).sum(axis=1) - along**2
     hit = (beside < RADIUS**2) & (along > 0.0)
     ranges = np.where(hit, along - np.sqrt(np.maximum(RADIUS**2 - beside, 0.0)), np.inf).min(axis=1, initial=np.inf)
     ranges = np.where(ranges <= range_max, ranges + sigma * rng.standard_normal(len(ranges)), np.inf)
-    return LaserScan(ranges, BEARINGS, 0.1, range_max)
+    return LaserScan(ranges, bearings, 0.1, range_max)
 
 
 def circle_path(radius=6.0, laps=1.8, step=0.1):

@@ -79,6 +79,16 @@ def test_one_frame_or_a_doubtful_detection_makes_nobody(make_stage):
         assert len(doubtful.show(LEGS, seen=seen(doubtful, (2.0, 0.0), likelihood=0.6))) == 0
 
 
+@pytest.mark.parametrize(("every_s", "found"), [(1.4, True), (1.6, False)])
+def test_frames_too_far_apart_are_each_the_first(stage, every_s, found):
+    every = round(every_s * stage.rate_hz)
+    counts = [
+        len(stage.show(np.empty((0, 2)), seen=seen(stage, (2.0, 0.0)) if k % every == 0 else None))
+        for k in range(3 * every)
+    ]
+    assert any(counts) == found
+
+
 def test_two_people_seen_by_the_camera_alone_are_two_and_keep_their_numbers(stage):
     for k in range(50):
         places = [[2.0, -1.0 + 0.02 * k], [3.0, 1.0 - 0.02 * k]]

@@ -77,6 +77,24 @@ def test_somebody_who_stands_still_is_removed_once_the_camera_knows_them_and_sta
     assert len(mapper.people.moving(26.0)) == 0
 
 
+def test_somebody_seen_for_sure_takes_back_what_was_written_of_their_body_and_somebody_doubtful_does_not():
+    frame = room_frame(2.0)
+    planes = PlaneFinder().find(frame)
+
+    def odds(*likelihood):
+        mapper, turned = ImmobileMapper(), (1.0, -2.0, 0.5)
+        for step in range(1, 22):
+            mapper.add_scan(turned, scan_of(post=(2.02, 0.02), time_s=0.1 * step))
+        seen = RgbdPeople(np.tile((1.9, 0.0), (len(likelihood), 1)), np.array(likelihood), nobody(53, 64).label)
+        mapper.add_view(make_view(frame, planes, seen))
+        return mapper.grid.log_odds_around(turned, np.array([(1.87, 0.02)]), mapper.config.grid.laser_height)[0]
+
+    assert odds() > 1.0
+    assert odds(0.45) == odds()
+    assert odds(0.55) < odds() - 0.1
+    assert odds(0.95) < odds(0.55)
+
+
 def test_what_comes_into_an_empty_place_is_moving_and_what_was_always_there_is_not():
     mapper = ImmobileMapper()
     for step in range(1, 40):

@@ -108,5 +108,5 @@ def test_a_scan_without_returns_has_no_features(ranges):
 
 
 def test_points_on_one_spot_give_finite_features():
-    scan = LaserScan(np.full(4, 0.1), np.zeros(4), 0.0, 10.0)
+    scan = LaserScan(np.full(4, 0.1), 1e-9 * np.arange(4), 0.0, 10.0)
     assert np.isfinite(cluster_features(scan, cluster_scan(scan))).all()

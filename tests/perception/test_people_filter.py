@@ -53,3 +53,5 @@ def test_a_sifted_scan_drops_who_is_known_and_who_may_be_somebody_each_by_its_ow
     np.testing.assert_array_equal(sifted.near_people, [False, True, True, True, False, False])
     np.testing.assert_array_equal(np.isnan(sifted.without_people.ranges), sifted.near_people)
     np.testing.assert_array_equal(sifted.scan.ranges, 4.0)
+    as_the_paper = SiftedScan(scan, np.zeros(3), people, found, PerceptionConfig(zeta=0.25, suspect_radius=0.0))
+    np.testing.assert_array_equal(as_the_paper.near_people, [False, True, True, False, False, False])

@@ -99,6 +99,19 @@ def test_windows_show_people_of_any_distance_in_the_same_size():
     assert set(np.unique(near[1].round(2))) >= {0.0, 1.0}
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_the_middle_of_a_window_is_that_of_head_and_chest_whatever_is_carried_below(side):
+    low, high = sorted((side * 0.2, side * 0.45))
+    frame = standing(*person(3.0, 0.3), (3.0, 0.3 + low, 0.3 + high, 0.1, 0.7))
+    found = candidates(frame)
+    assert len(found) == 1
+    own = candidate_windows(frame, found)[0, 2]
+    columns = np.arange(COLUMNS) + 0.5
+    upper, lower = ((part * columns).sum() / part.sum() for part in (own[: ROWS // 3], own[ROWS * 2 // 3 :]))
+    assert upper == pytest.approx(COLUMNS / 2, abs=0.7)
+    assert side * (COLUMNS / 2 - lower) > 1.0  # left of the robot is left in the picture
+
+
 def measured(frame):
     """Shares of the borders at the sides and above, extents and flatness of the frame's only candidate."""
     planes = PlaneFinder().find(frame)

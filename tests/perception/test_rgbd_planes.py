@@ -90,7 +90,7 @@ def test_the_kernel_that_settles_pixels_does_what_its_reference_does():
     points[20:25, 30:60] = np.nan
     planes = np.array([[0, 0, 1, -HEIGHT], [0, 0, -1, HEIGHT - CEILING], [-1, 0, 0, -AHEAD], [0, 1, 0, -SIDE]], float)
     region = np.where(truth == 2, 2, truth).astype(np.int32)
-    region[::3] = -1
+    region[np.random.default_rng(1).random(region.shape) < 0.9] = -1  # few neighbours, so that each one matters
     first, second = np.empty_like(region), np.empty_like(region)
     settle(points, planes, region, 2, first)
     settle_reference(points, planes, region, 2, second)
@@ -114,6 +114,8 @@ def test_tilt_is_measured_and_corrected_to_a_tenth_of_a_degree(pitch, roll):
     ceiling = planes.points[truth == 1]
     slope = np.linalg.lstsq(np.column_stack((ceiling[:, :2], np.ones(len(ceiling)))), ceiling[:, 2], rcond=None)[0]
     assert np.degrees(np.hypot(*slope[:2])) < 0.1
+    x, y, _ = planes.points[truth == 2].T
+    assert np.quantile(np.minimum(np.abs(x - AHEAD), np.abs(np.abs(y) - SIDE)), 0.9) < 0.02
     assert (planes.surface[truth == 0] == Surface.FLOOR).mean() > 0.97
 
 
@@ -153,6 +155,21 @@ def test_a_frame_without_measurements_has_no_planes_and_no_clusters():
     assert len(planes.kinds) == 0
     assert (planes.surface == Surface.NOTHING).all()
     assert len(find_clusters(planes)) == 0
+
+
+@pytest.mark.parametrize("written", [0.0, -1.0, np.inf])
+def test_what_cameras_write_for_no_measurement_is_none(written):
+    depth = room()[0].depth.copy()
+    depth[40:60, 30:90] = np.nan
+    theirs = np.where(np.isnan(depth), np.float32(written), depth)
+    kept = theirs.copy()
+    known, taken = (
+        RgbdFrame(d, np.zeros((106, 128, 3), np.uint8), CAMERA, 0.0, camera_height=HEIGHT) for d in (depth, theirs)
+    )
+    np.testing.assert_array_equal(taken.depth, known.depth)
+    assert taken.depth.dtype == np.float32
+    np.testing.assert_array_equal(theirs, kept)
+    np.testing.assert_array_equal(PlaneFinder().find(taken).surface, PlaneFinder().find(known).surface)
 
 
 def test_clusters_are_the_things_in_the_room():

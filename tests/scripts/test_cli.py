@@ -16,8 +16,9 @@ def test_an_output_folder_that_cannot_be_is_told_before_the_work(tmp_path, capsy
 
 
 def test_asking_whether_something_can_be_written_leaves_nothing_behind(tmp_path):
-    for there in ("new", "new/and/deep", "."):
+    for there in ("new", "new/and/deep"):
         require_writable(tmp_path / there)
+    require_writable(tmp_path, folder=True)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -28,6 +29,47 @@ def test_a_file_may_be_written_again_but_is_no_folder(tmp_path):
     assert log.read_text() == "old"
     with pytest.raises(InputError, match=r"drive.txt: Not a directory"):
         require_writable(log / "below")
+    with pytest.raises(InputError, match=r"drive.txt: is a file, where a folder has to be written"):
+        require_writable(log, folder=True)
+    with pytest.raises(InputError, match="is a folder, where a file has to be written"):
+        require_writable(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("words", "complaint"),
+    [
+        ("demo --out FILE", "is a file, where a folder has to be written"),
+        ("demo --method slow", "unknown SLAM engine 'slow'"),
+        ("evaluate pid --out FILE", "is a file, where a folder has to be written"),
+        ("evaluate ..FILE:A", "named as module:class"),
+        ("evaluate damaged:A", "named as module:class, got 'damaged:A' (invalid syntax (damaged.py, line 1))"),
+        ("teleop --operator model --out FOLDER", "is a folder, where a file has to be written"),
+        ("teleop --operator gamepad --out new --gamepad FOLDER", "no gamepad at"),
+        ("bench --steps 0", "--steps must be at least 1, got 0"),
+        ("results --readme FILE", "needs the marks"),
+        ("evaluate random --people 0", "--people counts the leader"),
+        ("perceive FILE --out new --min-confidence nan", "--min-confidence must lie in [0, 1], got nan"),
+        ("perceive FILE --out new --min-confidence 2", "--min-confidence must lie in [0, 1], got 2.0"),
+        ("results --readme nowhere", "nowhere: cannot be read"),
+    ],
+)
+def test_what_cannot_end_well_does_not_begin(words, complaint, tmp_path, capsys, monkeypatch):
+    (tmp_path / "FILE").write_text("no table")
+    (tmp_path / "damaged.py").write_text("def f(:")
+    (tmp_path / "FOLDER").mkdir()
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("TAGALONG_DATA", raising=False)
+    assert main(words.split()) == 2
+    printed = capsys.readouterr()
+    assert complaint in printed.err
+    assert printed.err.count("\n") == 1
+    assert "following the leader" not in printed.out
+
+
+def test_a_suite_is_an_environment_of_its_own(capsys):
+    with pytest.raises(SystemExit):
+        main(["evaluate", "pid", "--suite", "corridor", "--env", "tagalong/Office-v0"])
+    assert "not allowed with argument" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

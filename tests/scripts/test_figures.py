@@ -105,6 +105,27 @@ def test_trajectories_are_drawn_on_the_map_even_beyond_it():
     assert count(trajectory_picture(room(), {}), BLUE) == 0
 
 
+def test_coarse_cells_are_shown_whole_and_drawn_at_once():
+    corner = np.full((2, 3), 0.9, dtype=np.float32)
+    corner[1, 1:] = 0.1
+    pixels = np.array(map_picture(OccupancyMap(corner, 10.0, (0.0, 0.0))))
+    ink, free = ((pixels == colour).all(axis=-1) for colour in (INK, FREE))
+    plan = slice(24, 24 + 900)  # below it stand scale bar and legend
+    rows, cols = np.nonzero(ink[plan])
+    # 30 x 20 m of cells in a picture of 40 x 30 m, 30 px a metre
+    assert (np.ptp(cols) + 1, np.ptp(rows) + 1) == pytest.approx((900, 600), abs=4)
+    assert ink[plan].sum() == pytest.approx(4 * 300**2, rel=0.02)
+    assert free[24 + 160 : 24 + 440, 24 + 460 : 24 + 1040].all()
+
+
+def test_large_and_small_squares_are_drawn_alike():
+    points = np.random.default_rng(0).uniform(-1.0, 11.0, (40, 2))
+    one_by_one, all_together = PlanCanvas((0, 0), (10, 10)), PlanCanvas((0, 0), (10, 10))
+    one_by_one.cells(points, 0.4, RED)
+    all_together.cells(np.tile(points, (200, 1)), 0.4, RED)
+    assert one_by_one.finished().tobytes() == all_together.finished().tobytes()
+
+
 def test_an_empty_map_is_a_picture_too():
     empty = OccupancyMap(np.full((3, 3), np.nan, dtype=np.float32), 0.1, (0.0, 0.0))
     assert map_picture(empty).width > 100

@@ -28,13 +28,13 @@ def test_a_closure_is_right_within_20_cm_and_1_degree_of_the_reference():
     truth = np.column_stack((rng.uniform(-5.0, 5.0, (200, 2)), rng.uniform(-3.0, 3.0, 200)))
     submap = compose(truth[0], [0.3, -0.2, 0.5])
     offsets = [(0.0, 0.0, 0.0), (0.19, 0.0, 0.0), (0.21, 0.0, 0.0), (0.0, 0.0, np.radians(1.5)), (0.0, 0.0, 0.01)]
-    made = [Constraint(0, 0, between(submap, truth[0]), np.eye(3), Kind.INTRA)]
+    made, drawn = [], {0: between(submap, truth[0])}
     for k, offset in enumerate(offsets):
         node = 150 + k
         seen = compose(between(submap, truth[node]), offset)
         made.append(Constraint(0, node, seen, np.eye(3), Kind.INTER, searched=k != 1))
     made.append(Constraint(0, 20, np.zeros(3), np.eye(3), Kind.INTER))  # too near the submap in time to count
-    engine = SimpleNamespace(node_scans=list(range(200)), constraints=tuple(made))
+    engine = SimpleNamespace(node_scans=list(range(200)), constraints=tuple(made), submap_nodes=[drawn])
     judged = graph_slam.closures(engine, truth)  # pyright: ignore[reportArgumentType]
     assert judged["searched"] == {"count": 4, "right": 2, "near": 3}
     assert judged["returned"] == {"count": 5, "right": 3, "near": 4}
@@ -42,9 +42,10 @@ def test_a_closure_is_right_within_20_cm_and_1_degree_of_the_reference():
 
 def test_a_submap_lies_where_the_reference_puts_most_of_its_nodes():
     truth = np.column_stack((np.arange(12.0), np.zeros(12), np.zeros(12)))
-    made = [Constraint(0, k, truth[k], np.eye(3), Kind.INTRA) for k in range(11)]
-    made.append(Constraint(0, 11, truth[11], np.eye(3), Kind.INTER, searched=True))
-    engine, off = SimpleNamespace(node_scans=list(range(12)), constraints=tuple(made)), np.radians(3.0)
+    made, off = (Constraint(0, 11, truth[11], np.eye(3), Kind.INTER, searched=True),), np.radians(3.0)
+    engine = SimpleNamespace(
+        node_scans=list(range(12)), constraints=made, submap_nodes=[{k: truth[k] for k in range(11)}]
+    )
     for noisy, right in (([0], 1), ([0, 1, 2, 3, 4], 1), ([0, 1, 2, 3, 4, 5, 6], 0), ([11], 0)):
         reference = truth.copy()
         reference[noisy, 2] += off

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tagalong.scripts.figures.plots import new_figure
 from tagalong.scripts.reproduce.clustering import pictures
 from tagalong.scripts.reproduce.clustering.animation import LEGEND
 from tagalong.scripts.reproduce.clustering.cells import GAPS, recovery_cell
@@ -10,7 +11,7 @@ from tagalong.scripts.reproduce.clustering.example import COLUMNS, odometry_cova
 from tagalong.scripts.reproduce.clustering.filters import errors_of, run_localization, run_slam, y_errors
 from tagalong.scripts.reproduce.clustering.judgement import Worlds, claim, compare_all, consistency, recovery, slowest
 from tagalong.scripts.reproduce.clustering.methods import METHODS, PAPER, cluster
-from tagalong.scripts.reproduce.clustering.pictures import draw_dynamics, draw_growth, draw_times
+from tagalong.scripts.reproduce.clustering.pictures import _ground, draw_dynamics, draw_growth, draw_times
 from tagalong.scripts.reproduce.clustering.tables import claim_table, methods_table, recovery_table, y_table
 from tagalong.scripts.reproduce.experiment import load_experiment
 
@@ -131,6 +132,12 @@ def test_tables_and_figures_are_made(worlds, drive, tmp_path):
     figures = [draw_times(worlds, tmp_path), draw_growth(worlds, example, tmp_path), draw_dynamics(example, tmp_path)]
     assert all(figure.file.stat().st_size > 5000 for figure in figures)
     assert len(LEGEND) == 9
+
+
+def test_places_are_drawn_on_axes_with_names_and_units(drive):
+    axes = new_figure(3, 3).add_subplot()
+    _ground(axes, {"path": drive.path, "posts": drive.posts})
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("x [m]", "y [m]")
 
 
 def _unit(count):

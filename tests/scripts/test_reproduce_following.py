@@ -2,10 +2,15 @@ import argparse
 
 import numpy as np
 import pytest
+from scipy.stats import ttest_rel
+from tagalong.envs.episode_setup import MindFactory
+from tagalong.envs.follow_config import FollowConfig
+from tagalong.envs.world import World, WorldConfig
 from tagalong.scripts.experiments.cells import files_of, run_cells
 from tagalong.scripts.experiments.drive_files import limited, load_input
+from tagalong.scripts.reproduce.following.drives import filtered_scans
 from tagalong.scripts.reproduce.following.experiment import EXPERIMENT
-from tagalong.scripts.reproduce.following.judgement import Pair, pair
+from tagalong.scripts.reproduce.following.judgement import Pair, pair, sure_verdicts
 from tagalong.scripts.reproduce.following.plan import (
     QUICK_SWEEP,
     Sweep,
@@ -17,6 +22,8 @@ from tagalong.scripts.reproduce.following.plan import (
 )
 from tagalong.scripts.reproduce.following.sweep import ratio_text
 from tagalong.slam.errors import InputError
+from tagalong.slam.logs.drive import RecordedDrive
+from tagalong.slam.logs.drive_folder import SimulatedDrive
 from tagalong.slam.scan import LaserScan
 
 
@@ -53,6 +60,41 @@ def test_a_verdict_needs_an_interval_that_leaves_zero_out():
     assert Pair(better.raw, better.filtered, False).verdict == "worse"
     assert Pair(np.array([1.0, 2.0, 3.0]), np.array([2.0, 1.0, 3.0]), True).verdict == "no effect"
     assert Pair(np.array([3.0]), np.array([1.0]), True).verdict == "no effect"
+
+
+def test_one_of_many_verdicts_is_sure_only_where_it_stands_their_number():
+    rng, no = np.random.default_rng(0), np.zeros(5)
+    raw = np.array([3.0, 3.2, 2.9, 3.4, 3.1])
+    assert Pair(raw, no, True).p == pytest.approx(ttest_rel(raw, no)[1])
+    assert (Pair(no, no, True).p, Pair(raw[:1], no[:1], True).p) == (1.0, 1.0)
+    assert Pair(raw, raw - 1.0, True).p < 1e-9
+    clear, weak = Pair(raw, no, True), Pair(raw, raw + np.array([-0.1, -0.3, -0.5, -0.6, -0.2]), True)
+    assert 0.02 < weak.p < 0.05
+    assert (clear.verdict, weak.verdict) == ("better", "better")
+    assert sure_verdicts([weak]) == ["better"]
+    chance = [Pair(rng.normal(size=5), no, True) for _ in range(20)]
+    assert sure_verdicts([clear, weak, *chance]) == ["better"] + ["no effect"] * 21
+
+
+def test_filtered_scans_of_a_drive_alone_are_those_of_the_environments_robot():
+    rng = np.random.default_rng(1)
+    world = World(WorldConfig(scene="corridor", people=4, leader=False), rng)
+    mind = MindFactory(FollowConfig(slam=None, leader=False)).make(world, rng)
+    scans, odometry, filtered = [], [], []
+    for _ in range(30):
+        world.step(np.array([0.5, 0.05]))
+        scans.append(world.scan())
+        odometry.append(world.odometry)
+        filtered.append(mind.update(scans[-1], odometry[-1]).filtered)
+    nobody = np.zeros((len(scans), 0, 2))
+    drive = SimulatedDrive(RecordedDrive(np.array(odometry), scans, None, "drive"), np.array(odometry), nobody)
+    for ours, theirs in zip(filtered_scans(drive), filtered, strict=True):
+        np.testing.assert_array_equal(ours.ranges, theirs.ranges)
+
+
+def test_means_stay_where_a_metric_can_be():
+    low, high = Pair(np.array([0.9, 1.0]), np.array([0.0, 0.1]), False, most=1.0).means
+    assert (low.high, high.low) == (1.0, 0.0)
 
 
 def test_ratios_are_drawn_without_an_exponent():

@@ -9,7 +9,7 @@ from tagalong.scripts.experiments import rgbd_planes
 from tagalong.scripts.reproduce.experiment import load_experiment
 from tagalong.scripts.reproduce.immobile import measures, tables
 from tagalong.scripts.reproduce.immobile.counted import Counted, Share
-from tagalong.scripts.reproduce.immobile.drives import lab_drive, lab_world
+from tagalong.scripts.reproduce.immobile.drives import MAPPERS, lab_drive, lab_world
 from tagalong.scripts.reproduce.immobile.plan import CLEAN, SHAKEN, cell_name, plan_of
 from tagalong.scripts.reproduce.run import run_experiment
 from tagalong.slam.errors import InputError
@@ -159,6 +159,23 @@ def test_of_no_errors_the_double_is_none_by_share_and_what_is_believable_by_boun
         table = {row[1]: row[2:] for row in tables.doubled_table(Counted(rows, (0,)), [shaken]).rows}
         verdicts.append(table[name][2:])
     assert verdicts == [("-", "yes", "yes"), ("-", "NO", "yes"), ("-", "NO", "NO")]
+
+
+def test_numbers_have_intervals_over_the_drives():
+    shaken = "vibration 2 deg"
+    rows = {cell_name(name, seed): drive_row(1 + 2 * seed, 0) for name in (CLEAN, shaken) for seed in (0, 1)}
+    for row in rows.values():
+        row["maps"] = dict.fromkeys(MAPPERS, row["maps"]["immobile"]) | row["maps"]
+    found = tables.numbers(Counted(rows, (0, 1)), [CLEAN, shaken])
+    people = found[CLEAN]["immobile"]["people cells left"]
+    assert (people["cells"], people["of"], people["n"]) == (4, 100, 2)
+    assert people["low"] < people["mean"] < people["high"]
+    assert people["mean"] == pytest.approx(people["cells"] / people["of"])
+    assert found[shaken]["immobile"]["people cells left"]["ratio_to_undisturbed"]["mean"] == pytest.approx(1.0)
+    assert "ratio_to_undisturbed" not in people
+    assert "known area in a over the laser's" in found[CLEAN]["immobile"]
+    one = tables.numbers(Counted(rows, (0,)), [CLEAN])[CLEAN]["immobile"]["people cells left"]
+    assert np.isnan([one["low"], one["high"]]).all()
 
 
 def test_a_door_that_never_opened_has_no_verdict():

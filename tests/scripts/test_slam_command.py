@@ -147,7 +147,7 @@ def test_gmapping_twice_with_one_seed_gives_the_same_bytes(log, tmp_path):
         (["slam", "none.log", "--out", "out"], "none.log: cannot be read"),
         (["slam", "LOG", "--out", "out", "--method", "slom"], "unknown SLAM engine 'slom'; SLAM engines:"),
         (["slam", "LOG", "--out", "out", "--set", "partikel=3"], "unknown GMappingConfig field 'partikel'"),
-        (["slam", "LOG", "--out", "out", "--set", "particles=many"], "`particles` must be a number, got 'many'"),
+        (["slam", "LOG", "--out", "out", "--set", "particles=many"], "`particles` must be a whole number, got 'many'"),
         (["slam", "LOG", "--out", "out", "--set", "seed=3"], "--seed"),
         (["slam", "LOG", "--out", "out", "--seed", "-1"], "--seed must not be negative, got -1"),
         (["slam", "LOG", "--out", "out", "--method", "ekf", "--set", "gate=no"], "`gate` must be a number"),

@@ -45,6 +45,15 @@ def test_a_circle_that_begins_ahead_of_the_robot_is_cut_behind_it(yaw):
     assert on_leg == [2, 1]
 
 
+@pytest.mark.parametrize("count", [361, 370])
+def test_a_circle_that_ends_beyond_its_beginning_has_each_direction_once(count):
+    bearings = np.radians(np.arange(float(count)))
+    cut, turned = cut_behind(np.arange(float(count)), bearings)
+    assert sorted(cut.tolist()) == list(range(360))
+    np.testing.assert_allclose(np.diff(turned), np.radians(1.0), atol=1e-9)
+    assert len(LaserScan(cut, turned, 0.0, 400.0).points) == 360
+
+
 @pytest.mark.parametrize(
     ("bearings", "yaw"),
     [
@@ -64,7 +73,7 @@ def test_other_sweeps_stay_as_they_are(bearings, yaw):
 def test_zero_is_no_measurement_where_the_limit_does_not_say_so():
     np.testing.assert_array_equal(measured(np.array([0.0, 1.0, np.inf, np.nan])), [np.nan, 1.0, np.inf, np.nan])
     np.testing.assert_array_equal(measured(np.array([0.0, 1.0]), 0.05), [0.0, 1.0])
-    assert LaserScan(measured(np.array([0.0, 1.0])), np.zeros(2), 0.0, 5.0).is_return.tolist() == [False, True]
+    assert LaserScan(measured(np.array([0.0, 1.0])), np.arange(2.0), 0.0, 5.0).is_return.tolist() == [False, True]
 
 
 def test_arrays_of_a_driver_that_counts_from_zero_are_cut_behind_and_know_no_return_at_the_laser(tmp_path):
@@ -118,3 +127,11 @@ def test_the_mark_that_editors_put_first_is_no_part_of_a_file(tmp_path):
     )
     (tmp_path / "m.yaml").write_bytes(mark + entries.replace("\n", "\r\n").encode())
     assert read_ros_map(tmp_path / "m.yaml").probability.tolist() == [[1.0, 0.0]]
+
+
+def test_a_circle_whose_last_beam_is_the_first_again_keeps_one_of_them():
+    bearings = 2.0 * np.pi / 359 * np.arange(360)
+    cut, turned = cut_behind(np.arange(1.0, 361.0), bearings)
+    assert (np.diff(turned) > 0.0).all()
+    assert len(cut) == len(turned) == 359
+    assert np.count_nonzero(np.isin(cut, [1.0, 360.0])) == 1

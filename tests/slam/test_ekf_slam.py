@@ -157,6 +157,24 @@ def test_a_post_that_was_never_there_is_forgotten():
     assert (np.hypot(*(engine.filter.landmarks - (2.0, 0.0)).T) > 0.5).all()
 
 
+@pytest.mark.parametrize("first", [-np.pi, 0.0])
+def test_a_post_that_was_never_there_is_forgotten_wherever_the_sweep_begins(first):
+    bearings = first + np.radians(np.arange(0.5, 360.0))
+    engine, posts = make_slam("ekf", travel=0.0), np.array([[2.0, 1.0], [2.0, -1.0]])
+    engine.update(np.zeros(3), cast(np.zeros(3), posts, np.random.default_rng(0), bearings=bearings))
+    assert len(engine.filter.landmarks) == 2
+    for _ in range(engine.config.patience):
+        engine.update(np.zeros(3), LaserScan(np.full(360, np.inf), bearings, 0.1, 8.0))
+    assert len(engine.filter.landmarks) == 0
+
+
+def test_a_scan_without_beams_changes_nothing():
+    engine = make_slam("ekf")
+    for x in (0.0, 1.0):
+        engine.update((x, 0.0, 0.0), LaserScan(np.zeros(0), np.zeros(0), 0.05, 6.0))
+    np.testing.assert_allclose(engine.pose, (1.0, 0.0, 0.0))
+
+
 def test_it_keeps_the_protocol_of_engines():
     engine, _, _ = drive(0)
     first, again = engine.trajectory(), drive(0)[0].trajectory()

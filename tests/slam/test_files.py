@@ -5,7 +5,7 @@ import zipfile
 import numpy as np
 import pytest
 from tagalong.slam.errors import InputError
-from tagalong.slam.files import read_arrays
+from tagalong.slam.files import read_arrays, write_json
 
 
 def test_arrays_come_back_by_name(tmp_path):
@@ -47,3 +47,10 @@ def test_what_is_no_npz_is_an_error(tmp_path):
     for name in ("a.npy", "nowhere.npz", "."):
         with pytest.raises(InputError):
             read_arrays(tmp_path / name)
+
+
+def test_a_folder_in_the_way_of_a_file_is_named(tmp_path):
+    (tmp_path / "scores.json").mkdir()
+    with pytest.raises(InputError, match=r"scores\.json: cannot be written"):
+        write_json(tmp_path / "scores.json", {})
+    assert [entry.name for entry in tmp_path.iterdir()] == ["scores.json"]

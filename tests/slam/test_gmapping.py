@@ -126,6 +126,16 @@ def test_a_scan_of_three_points_and_a_blind_spell_do_not_break_a_run():
     assert np.isfinite(slam.trajectory()).all()
 
 
+def test_odometry_may_begin_anywhere_as_in_a_map_of_the_country():
+    _, odometry, scans = drive(steps=20)
+    near, far = (make_slam("gmapping", particles=4, seed=0) for _ in range(2))
+    corner = np.array((5.0e5, -5.4e6, 0.0))
+    run(near, odometry, scans)
+    run(far, odometry + corner, scans)
+    np.testing.assert_allclose(far.trajectory() - corner, near.trajectory(), atol=1e-4)
+    assert far.particle_map().probability.shape == near.particle_map().probability.shape
+
+
 def test_a_minimum_score_that_none_reaches_leaves_the_pose_to_odometry():
     _, odometry, scans = drive(steps=20)
     noise_free = {"srr": 0.0, "srt": 0.0, "str_": 0.0, "stt": 0.0}

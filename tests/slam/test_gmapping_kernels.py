@@ -6,7 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tagalong.slam.errors import InputError
 from tagalong.slam.gmapping import reference
+from tagalong.slam.gmapping.config import MatcherConfig
 from tagalong.slam.gmapping.match_kernels import accumulate, solve
+from tagalong.slam.gmapping.matcher import ScanMatcher
 from tagalong.slam.gmapping.search_kernels import search
 from tagalong.slam.gmapping.tile_kernels import SIDE
 from tagalong.slam.gmapping.tile_maps import TileMaps
@@ -112,6 +114,20 @@ def test_normal_equations_equal_numpy_and_a_step_solves_them():
     assert not solve(np.zeros((3, 4)), step)
 
 
+def test_more_points_than_are_independent_make_a_pose_no_surer():
+    def covariance(independent):
+        rng = np.random.default_rng(5)
+        maps, points = written_maps(rng), room_scan(rng, 400)
+        matcher = ScanMatcher(MatcherConfig(samples=1, independent_points=independent), Workers(1))
+        matches = matcher.match(maps, points, np.zeros((1, 3)), np.diag([4.0, 4.0, 1.0])[None], rng)
+        return matches.roots[0] @ matches.roots[0].T, len(matcher.thinned(points, maps.cell))
+
+    (fifty, count), (hundred, _), (all_of_them, _) = covariance(50.0), covariance(100.0), covariance(1e6)
+    assert count > 200
+    np.testing.assert_allclose(np.diag(fifty), 2.0 * np.diag(hundred), rtol=1e-3)
+    assert (np.diag(all_of_them) < 0.55 * np.diag(hundred)).all()
+
+
 def test_the_search_finds_the_best_of_all_samples():
     rng = np.random.default_rng(3)
     maps = written_maps(rng)
@@ -192,7 +208,9 @@ def test_scans_drawn_together_make_the_bytes_of_scans_written_one_by_one(monkeyp
 
 def test_a_grid_refuses_to_grow_beyond_reason():
     scan = LaserScan(np.array([5.0]), np.array([0.0]), 0.1, 8.0)
-    with pytest.raises(InputError, match="the map would grow to"):
+    with pytest.raises(
+        InputError, match=r"the map would grow to .* m in cells of 0\.05 m; .* or the cells are too small"
+    ):
         render_map(np.array([[0.0, 0.0, 0.0], [1e7, 1e7, 0.0]]), [scan] * 2)
 
 

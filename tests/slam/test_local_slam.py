@@ -9,6 +9,7 @@ from tagalong.slam.graph.active_submaps import ActiveSubmaps, ActiveSubmapsConfi
 from tagalong.slam.graph.constraints import Kind
 from tagalong.slam.graph.engine import Cartographer
 from tagalong.slam.graph.local_slam import LocalSlamConfig
+from tagalong.slam.graph.sweep import Sweep
 from tagalong.slam.scan import LaserScan
 from walls import cast
 
@@ -95,7 +96,7 @@ def test_finished_submaps_keep_what_is_matched_on_and_drop_what_only_insertion_n
 
     def insert(count):
         for _ in range(count):
-            active.insert(np.zeros(3), np.zeros(2), circle, len(circle), np.empty((0, 2)))
+            active.insert(np.zeros(3), Sweep(np.zeros(2), circle, len(circle), np.empty((0, 2))))
         return [submap._hits.size > 0 and submap._stamps.size > 0 for submap in active.submaps]
 
     def fields():

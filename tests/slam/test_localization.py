@@ -198,6 +198,13 @@ def test_a_map_without_walls_and_a_start_that_is_no_pose_are_refused(room):
         Localizer(OccupancyMap(np.zeros((50, 50), np.float32), 0.05, (0.0, 0.0)))
     with pytest.raises(InputError, match="start"):
         Localizer(room, start=(0.0, np.nan, 0.0))
+
+
+@pytest.mark.parametrize("place", [(1000.0, 0.0), (9.0, 9.0), (-5.0, 0.0)])
+def test_a_start_where_the_map_knows_nothing_is_refused(room, place):
+    """There no scan contradicts it: the robot was sure of it for ever."""
+    with pytest.raises(InputError, match=r"`start` must lie within 0.5 m of the map's free space, .* m away"):
+        Localizer(room, start=(*place, 0.0))
     with pytest.raises(InputError, match="odometry"):
         Localizer(room).update((0.0, 0.0), cast(ROOM, np.zeros(3), np.random.default_rng(0)))
     with pytest.raises(InputError, match="patience"):

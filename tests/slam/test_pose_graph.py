@@ -109,6 +109,13 @@ def test_a_graph_in_pieces_is_not_initialised():
         initialise(PoseGraph.of(np.zeros((4, 3)), ends, seen, np.tile(np.eye(3), (2, 1, 1))))
 
 
+@pytest.mark.parametrize("diagonal", [(1.0, 1.0, 0.0), (1.0, 1.0, -1.0), (0.0, 0.0, 1.0), (1.0, -2.0, 1.0)])
+def test_measurements_without_information_initialise_nothing(diagonal):
+    graph = PoseGraph.of(np.zeros((2, 3)), np.array([[0, 1]]), np.ones((1, 3)), np.diag(diagonal)[None])
+    with pytest.raises(InputError, match="positive information"):
+        initialise(graph)
+
+
 def test_a_damaged_gzipped_graph_is_one_clear_error(tmp_path):
     packed = bytearray(gzip.compress(b"VERTEX_SE2 0 0 0 0\n" + b"FIX 0\n" * 1000))
     packed[-20] ^= 0xFF

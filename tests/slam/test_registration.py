@@ -55,6 +55,14 @@ def test_a_near_square_room_is_not_laid_on_its_side(turn_deg):
     assert_pose(fit.T_ref_est, inverse(T_est_ref), 1e-3, 0.02)
 
 
+@pytest.mark.parametrize("turn_deg", [20, 33, -70, 158])
+@pytest.mark.parametrize("shape", [RECTANGLE, L_SHAPE, SQUARE_ROOM])
+def test_axes_laid_on_each_other_leave_nothing_to_refine(shape, turn_deg):
+    estimate = transform_points((3.0, -7.0, np.deg2rad(turn_deg)), shape)
+    fit = register(estimate, shape, RegistrationConfig(coarse_points=len(shape), coarse_iterations=1))
+    assert fit.coarse_residual_m < 1e-9
+
+
 def test_both_signs_of_the_axes_are_tried():
     lopsided = np.vstack((RECTANGLE, outline((6, 1), (7, 1), (7, 1.5), (6, 1.5))))
     T_est_ref = np.array((0.0, 0.0, np.pi))

@@ -58,6 +58,11 @@ def test_a_foreign_clock_is_noticed():
     relations = Relations(np.array([1e6]), np.array([1e6]), np.zeros((1, 3)), by_reading=False)
     with pytest.raises(InputError, match="clock"):
         score_relations(trajectory, relations)
+    readings = Readings(np.array([0.0, 1.0]), np.zeros((2, 3)))
+    with pytest.raises(InputError, match="clock"):
+        score_relations(trajectory, relations, readings)
+    one_foreign = Relations(np.array([0.0, 0.0]), np.array([1.0, 1e6]), np.zeros((2, 3)), by_reading=False)
+    assert score_relations(trajectory, one_foreign, readings).skipped == 1
 
 
 def test_scans_find_their_readings_where_the_clock_stood_still():

@@ -10,6 +10,7 @@ from tagalong.slam.geometry import between, compose, transform_points
 from tagalong.slam.graph.engine import Cartographer, CartographerConfig
 from tagalong.slam.graph.relocalization import searchable
 from tagalong.slam.graph.submap import Submap, SubmapConfig
+from tagalong.slam.graph.sweep import Sweep
 from tagalong.slam.graph.watch import Suspicion, Watch, WatchConfig, contradictions
 from tagalong.slam.localization.contest import contest
 from tagalong.slam.matching import make_matcher
@@ -180,7 +181,7 @@ def test_what_score_is_usual_follows_the_scores_up_and_down():
     submap = Submap(SubmapConfig(), np.zeros(3))
     bearings = np.linspace(-np.pi, np.pi, 200, endpoint=False)
     circle = 3.0 * np.stack((np.cos(bearings), np.sin(bearings)), axis=-1)
-    submap.insert(np.zeros(2), circle, len(circle), np.empty((0, 2)))
+    submap.insert(Sweep(np.zeros(2), circle, len(circle), np.empty((0, 2))))
     odd = circle.copy()
     odd[:50] *= 0.5  # a quarter of the beams end where the others went through
 
@@ -214,7 +215,7 @@ def test_a_few_contradicting_beams_in_every_scan_become_suspicious_until_they_ar
     submap = Submap(SubmapConfig(), np.zeros(3))
     bearings = np.linspace(-np.pi, np.pi, 200, endpoint=False)
     circle = np.stack((np.cos(bearings), np.sin(bearings)), axis=-1)
-    submap.insert(np.zeros(2), 3.0 * circle, len(circle), np.empty((0, 2)))
+    submap.insert(Sweep(np.zeros(2), 3.0 * circle, len(circle), np.empty((0, 2))))
     watch, fits = Watch(WatchConfig()), (submap, 3.0 * circle, np.zeros(2), np.zeros(3), 0.9)
     some = 3.0 * circle
     some[:14] *= 0.5  # 7 % of the beams end where the others went through

@@ -163,6 +163,26 @@ def test_scans_before_all_odometry_are_left_out_and_told(tmp_path):
     assert drive.notes[-1] == "3 scans left out: no odometry at their time"
 
 
+def test_scans_in_a_gap_of_the_odometry_are_left_out_and_told(tmp_path):
+    with BagWriter(tmp_path / "gap.bag") as bag:
+        for time in TIMES:
+            bag.scan(time, [1.0] * 5)
+        for time in (TIMES[0] - 4.0, TIMES[0] + 0.15, TIMES[4], TIMES[4] + 1.0, TIMES[-1] + 3.0):
+            bag.odometry(time, moved(time))
+    drive = read_rosbag(tmp_path / "gap.bag")
+    inside = [time for time in TIMES if TIMES[0] + 0.15 <= time <= TIMES[4] + 1.0]
+    np.testing.assert_allclose(drive.times_s, inside, atol=1e-6)
+    np.testing.assert_allclose(between(np.array([moved(t) for t in inside]), drive.odometry), 0.0, atol=1e-6)
+    assert drive.notes[-1] == f"{len(TIMES) - len(inside)} scans left out: no odometry at their time"
+    with BagWriter(tmp_path / "none.bag") as bag:
+        for time in TIMES:
+            bag.scan(time, [1.0] * 5)
+        for time in (TIMES[0] - 4.0, TIMES[-1] + 4.0):
+            bag.odometry(time, moved(time))
+    with pytest.raises(InputError, match=r"no scan of /scan has odometry of /odom: .* poses 1\.0 s apart"):
+        read_rosbag(tmp_path / "none.bag")
+
+
 def test_headers_of_another_clock_give_way_to_the_times_of_the_recorder(tmp_path):
     with BagWriter(tmp_path / "clocks.bag") as bag:
         for time in TIMES:

@@ -1,6 +1,8 @@
 """Ends of beams, against plain numpy."""
 
 import numpy as np
+import pytest
+from tagalong.slam.errors import InputError
 from tagalong.slam.scan import LaserScan
 from tagalong.slam.scan_kernel import fill_beam_points, fill_beam_points_reference
 
@@ -23,3 +25,14 @@ def test_points_and_beams_are_those_of_the_returns():
     np.testing.assert_array_equal(scan.beams, [0, 4, 7])
     np.testing.assert_array_equal(scan.beams, np.flatnonzero(scan.is_return))
     np.testing.assert_array_equal(scan.points, scan.beam_points[scan.is_return])
+
+
+@pytest.mark.parametrize("bearings", [[0.2, 0.1, 0.0], [0.0, 0.1, 0.1], [0.0, np.nan, 0.2], [0.0, 0.1, np.inf]])
+def test_bearings_that_do_not_ascend_are_refused(bearings):
+    with pytest.raises(InputError, match="`bearings` must be finite and ascending"):
+        LaserScan(np.ones(3), np.array(bearings), 0.1, 30.0)
+
+
+def test_a_scan_may_have_one_beam_or_none():
+    assert len(LaserScan(np.ones(1), np.zeros(1), 0.1, 30.0).points) == 1
+    assert len(LaserScan(np.zeros(0), np.zeros(0), 0.1, 30.0).points) == 0

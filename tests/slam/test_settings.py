@@ -19,6 +19,9 @@ class Inner:
 class Outer:
     inner: Inner | None = field(default_factory=Inner)
     size: float = 1.5
+    windows: tuple[int, ...] = (4, 3)
+    reach: tuple[float, float] = (0.3, 0.2)
+    always: Inner = field(default_factory=Inner)
 
 
 def test_fields_and_those_of_parts_are_changed_and_the_rest_stays():
@@ -26,16 +29,24 @@ def test_fields_and_those_of_parts_are_changed_and_the_rest_stays():
     assert with_settings(Outer(), {"size": 2, "inner.steps": 5}) == Outer(Inner(steps=5), 2)
     assert with_settings(Outer(Inner(name="linear")), {"inner.steps": 5}).inner == Inner(5, "linear")
     assert with_settings(Outer(), {"inner": None}).inner is None
+    assert with_settings(Outer(Inner(limit=0.5)), {"inner.limit": None}).inner == Inner()
+    assert with_settings(Outer(), {"windows": [5], "reach": (1, 2)}) == Outer(windows=(5,), reach=(1, 2))
     assert with_settings(Outer(), {"inner": Inner(7), "inner.limit": 0.5}).inner == Inner(7, limit=0.5)
 
 
 @pytest.mark.parametrize(
     ("settings", "complaint"),
     [
-        ({"siz": 1}, "unknown Outer field 'siz'; Outer fields: inner, size"),
+        ({"siz": 1}, "unknown Outer field 'siz'; Outer fields: always, inner, reach, size, windows"),
         ({"inner.step": 1}, "unknown Inner field 'step'"),
         ({"size": "2"}, "`size` must be a number, got '2'"),
         ({"size": None}, "`size` must be a number, got None"),
+        ({"inner.steps": 2.5}, "`steps` must be a whole number, got 2.5"),
+        ({"windows": 4}, "`windows` must be a list of some numbers, got 4"),
+        ({"windows": (4, 2.5)}, "`windows` must be a whole number, got 2.5"),
+        ({"reach": (1.0,)}, "`reach` must be a list of 2 numbers, got (1.0,)"),
+        ({"reach": (1.0, "b")}, "`reach` must be a number, got 'b'"),
+        ({"always": None}, "`always` is no single value; its fields are always.steps"),
         ({"inner.name": 3}, "`name` must be a text, got 3"),
         ({"inner": 3}, "`inner` is no single value; its fields are inner.steps, inner.name, inner.limit"),
         ({"size.x": 3}, "`size` of Outer has no fields"),

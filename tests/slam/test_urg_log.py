@@ -20,7 +20,7 @@ def line(head, ranges):
 def ranges_mm():
     ranges = np.full(683, 2000)
     ranges[:70] = 90  # the robot
-    ranges[341], ranges[342], ranges[343] = 1500, 0, 7
+    ranges[341:346] = 1500, 0, 7, 19, 20  # codes of errors end below 20
     return ranges
 
 
@@ -36,7 +36,9 @@ def test_encoders_are_rolled_into_poses_and_ranges_face_ahead(tmp_path):
     assert len(scan.ranges) == 543
     middle = int(np.argmin(np.abs(scan.bearings)))
     assert scan.ranges[middle] == pytest.approx(1.5)
-    assert np.isnan(scan.ranges[middle + 1 : middle + 3]).all()
+    assert np.isnan(scan.ranges[middle + 1 : middle + 4]).all()
+    assert scan.ranges[middle + 4] == pytest.approx(0.02)
+    assert scan.is_return[middle + 4]
     np.testing.assert_allclose(scan.points_robot[middle], [1.645, 0.0], atol=1e-9)
     assert drive.notes == ()
 

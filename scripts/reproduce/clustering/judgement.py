@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import binomtest, chi2, wilcoxon
 
-from ...experiments.statistics import Estimate, share
+from ...experiments.statistics import Estimate, holm, ratio, share
 from .cells import GAPS
 from .drives import ROBOTS
 from .methods import METHODS, PAPER
@@ -52,7 +52,7 @@ class Compared:
 
     Attributes:
         other: The other method.
-        ratio: DBSCAN's mean over the other's, with its 95 % bootstrap interval over worlds.
+        ratio: DBSCAN's mean over the other's, with its 95 % interval over worlds (Fieller).
         equal: Worlds in which both are equal.
         p: Wilcoxon's signed ranks, after Holm's correction.
     """
@@ -74,10 +74,10 @@ def compare_all(values: Mapping[str, Array]) -> list[Compared]:
     """Return DBSCAN against each other method of `values` (worlds,)."""
     others = [name for name in values if name != "dbscan"]
     raw = [_signed_ranks(values["dbscan"], values[name]) for name in others]
-    adjusted = _holm(raw)
+    adjusted = holm(raw)
     return [
         Compared(
-            name, _ratio(values["dbscan"], values[name]), int((values["dbscan"] == values[name]).sum()), adjusted[k]
+            name, ratio(values["dbscan"], values[name]), int((values["dbscan"] == values[name]).sum()), adjusted[k]
         )
         for k, name in enumerate(others)
     ]
@@ -165,17 +165,3 @@ def _signed_ranks(a: Array, b: Array) -> float:
     if np.array_equal(a, b):
         return 1.0
     return float(wilcoxon(a, b)[1])  # pyright: ignore[reportArgumentType]
-
-
-def _holm(p: Sequence[float]) -> list[float]:
-    adjusted, running = [0.0] * len(p), 0.0
-    for rank, k in enumerate(np.argsort(p).tolist()):
-        running = max(running, min(1.0, (len(p) - rank) * p[k]))
-        adjusted[k] = running
-    return adjusted
-
-
-def _ratio(a: Array, b: Array, resamples: int = 2000) -> Estimate:
-    picks = np.random.default_rng(0).integers(len(a), size=(resamples, len(a)))
-    low, high = np.quantile(a[picks].mean(axis=1) / b[picks].mean(axis=1), [0.025, 0.975])
-    return Estimate(float(a.mean() / b.mean()), float(low), float(high), len(a))

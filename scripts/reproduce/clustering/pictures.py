@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ....slam.geometry import transform_points
 from ....slam.landmarks.objects import covariance_ellipse
-from ...experiments.statistics import Estimate, bootstrap_mean
+from ...experiments.statistics import Estimate, t_mean
 from ...figures.plots import logarithmic, new_figure, save_figure
 from ..report import Figure
 from .cells import DISTANCES, NEIGHBOURS, REACHES
@@ -175,13 +175,15 @@ def draw_sweeps(rows: Sequence[Mapping[str, Any]], folder: Path) -> Figure:
 def _mean_error(rows: Sequence[Mapping[str, Any]], point: str) -> Estimate | None:
     """Return the mean error of the worlds [m] that have tried `point`."""
     errors = [row[point]["rms_m"] for row in rows if point in row]
-    return bootstrap_mean(errors) if errors else None
+    return t_mean(errors, least=0.0) if errors else None
 
 
 def _ground(axes: Any, example: Example) -> None:
     axes.plot(*example["path"][:, :2].T, color=_GROUND, lw=1.2)
     axes.plot(*example["posts"].T, "o", color="black", ms=3)
     axes.set_aspect("equal")
+    axes.set_xlabel("x [m]", fontsize=7)
+    axes.set_ylabel("y [m]", fontsize=7)
     axes.tick_params(labelsize=7)
 
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ...experiments.statistics import bootstrap_mean
+from ...experiments.statistics import t_mean
 from ..report import Table
 from .cells import DISTANCES, NEIGHBOURS, REACHES
 from .drives import ROBOTS
@@ -23,16 +23,16 @@ def methods_table(worlds: Worlds) -> Table:
         rows.append(
             [
                 name,
-                f"{bootstrap_mean(ms).text(digits=3)}; {np.median(ms):.3f}",
-                f"{bootstrap_mean(worlds.total_s(key)).text(digits=2)}",
-                f"{bootstrap_mean(rms).text(100.0, 1)}; {100.0 * np.median(rms):.1f}",
-                bootstrap_mean(worlds.error(key, "typical", "localization")).text(100.0, 1),
-                bootstrap_mean(worlds.error(key, "perfect", "slam")).text(100.0, 2),
-                bootstrap_mean(worlds.error(key, "typical", "lost")).text(100.0, 1),
+                f"{t_mean(ms, least=0.0).text(digits=3)}; {np.median(ms):.3f}",
+                f"{t_mean(worlds.total_s(key), least=0.0).text(digits=2)}",
+                f"{t_mean(rms, least=0.0).text(100.0, 1)}; {100.0 * np.median(rms):.1f}",
+                t_mean(worlds.error(key, "typical", "localization"), least=0.0).text(100.0, 1),
+                t_mean(worlds.error(key, "perfect", "slam"), least=0.0).text(100.0, 2),
+                t_mean(worlds.error(key, "typical", "lost"), least=0.0).text(100.0, 1),
                 f"{sightings:.2f}",
             ]
         )
-    blind = [bootstrap_mean(worlds.error("dbscan", robot, "odometry")).text(100.0, 1) for robot in ROBOTS]
+    blind = [t_mean(worlds.error("dbscan", robot, "odometry"), least=0.0).text(100.0, 1) for robot in ROBOTS]
     rows.append(["no filter: odometry alone", "", "", blind[1], blind[1], blind[0], "", ""])
     return Table(
         title="Four methods: time and error",
@@ -59,8 +59,8 @@ def y_table(worlds: Worlds) -> Table:
         row = [METHODS[key]]
         for robot in ROBOTS:
             row += [
-                bootstrap_mean(worlds.error(key, robot, "slam", "y_sum_m")).text(1.0, 2),
-                bootstrap_mean(worlds.error(key, robot, "slam", "ate_m")).text(100.0, 2),
+                t_mean(worlds.error(key, robot, "slam", "y_sum_m"), least=0.0).text(1.0, 2),
+                t_mean(worlds.error(key, robot, "slam", "ate_m"), least=0.0).text(100.0, 2),
             ]
         rows.append(row)
     return Table(
@@ -108,10 +108,10 @@ def consistency_table(rows: Sequence[Mapping[str, Any]], found: Consistency) -> 
     path = [row["path_m"] for row in rows]
     words = [
         ["worlds, path [m], posts (fewest)", f"{len(rows)}, {np.mean(path):.0f}, {min(row['posts'] for row in rows)}"],
-        ["RMS position error [cm]", bootstrap_mean([row["rms_m"] for row in rows]).text(100.0, 1)],
-        ["ATE [cm]", bootstrap_mean([row["ate_m"] for row in rows]).text(100.0, 1)],
+        ["RMS position error [cm]", t_mean([row["rms_m"] for row in rows], least=0.0).text(100.0, 1)],
+        ["ATE [cm]", t_mean([row["ate_m"] for row in rows], least=0.0).text(100.0, 1)],
         ["largest RMS error [cm]", f"{100.0 * max(row['rms_m'] for row in rows):.1f}"],
-        ["odometry alone, RMS [cm]", bootstrap_mean([row["odometry_rms_m"] for row in rows]).text(100.0, 1)],
+        ["odometry alone, RMS [cm]", t_mean([row["odometry_rms_m"] for row in rows], least=0.0).text(100.0, 1)],
         ["average NEES, mean over steps (3 is right)", f"{found.average.mean():.2f}"],
         ["95 % bounds", f"{found.low:.2f} to {found.high:.2f}"],
         ["steps within the bounds [%]", f"{100.0 * found.inside:.1f}"],
@@ -179,7 +179,7 @@ def _sweep_table(
         for name in names:
             points = [world[f"{name}/{key}/{value}"] for world in rows if f"{name}/{key}/{value}" in world]
             row += [
-                bootstrap_mean([point["rms_m"] for point in points]).text(100.0, 1),
+                t_mean([point["rms_m"] for point in points], least=0.0).text(100.0, 1),
                 f"{np.mean([point['timing']['cluster_ms'] for point in points]):.3f}",
             ]
         words.append(row)

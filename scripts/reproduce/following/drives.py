@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
+from ....envs.episode_setup import PERCEPTION
 from ....envs.scenes.occupancy import true_map
 from ....envs.world import World, WorldConfig
-from ....perception.config import PerceptionConfig
 from ....perception.legs.detector import LegDetector
 from ....perception.legs.forest import LegForest
 from ....perception.people_filter import filter_people, people_points_lidar, suspect_points_lidar
@@ -54,14 +54,13 @@ def record_reference(scene: str, seed: int, files: Path) -> dict[str, Any]:
 
 def filtered_scans(drive: SimulatedDrive) -> list[LaserScan]:
     """Return the scans as the robot's people filter leaves them, with the environment's perception."""
-    config = PerceptionConfig()
-    tracker = PeopleTracker(config, LegDetector(LegForest.load("simulation"), config.detector()))
+    tracker = PeopleTracker(PERCEPTION, LegDetector(LegForest.load("simulation"), PERCEPTION.detector()))
     filtered = []
     for odometry, scan in zip(drive.recording.odometry, drive.recording.scans, strict=True):
         update = tracker.update(scan, odometry)
-        clean = filter_people(scan, people_points_lidar(update.people, odometry, scan), config.zeta)
-        suspects = suspect_points_lidar(update.detections, scan, config.suspect_confidence)
-        filtered.append(filter_people(clean, suspects, config.suspect_radius))
+        clean = filter_people(scan, people_points_lidar(update.people, odometry, scan), PERCEPTION.zeta)
+        suspects = suspect_points_lidar(update.detections, scan, PERCEPTION.suspect_confidence)
+        filtered.append(filter_people(clean, suspects, PERCEPTION.suspect_radius))
     return filtered
 
 

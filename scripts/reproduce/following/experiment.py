@@ -88,8 +88,8 @@ _METHOD = """\
 Every drive is mapped twice by the same engine, from its raw scans and from its scans without people, with cells of
 0.02 m, and compared with that engine's map of a slow drive (0.3 m/s) through the same building without people, as in
 the paper: registration by PCA and ICP, then ADNN by equation 7 (reference to map). Each seed is another building,
-leader and error of the odometry. With 2 people, both walk in front of the robot. Intervals are 95 % bootstrap
-intervals over the repeats.
+leader and error of the odometry. With 2 people, both walk in front of the robot. Intervals are Student's
+95 % ones over the repeats.
 
 The paper's drives were real, with 40 scans a second and with people, robot and floor of its own; ours are simulated at
 10 scans a second. What is compared is the effect of filtering, not the centimetre.

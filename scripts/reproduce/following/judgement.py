@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import t
 
-from ...experiments.statistics import Estimate, t_mean
+from ...experiments.statistics import Estimate, holm, t_mean
 from .plan import map_name
 
 Array = NDArray[np.float64]
@@ -29,6 +30,9 @@ METRICS: dict[str, tuple[str, ...]] = {
 }
 """Name -> where it stands in the result of a map cell."""
 LOWER_IS_BETTER = frozenset({"adnn", "ghosts", "truth_to_map", "map_to_truth", "ate", "residue", "twin_cells"})
+_SHARES = frozenset({"precision", "recall", "f1", "iou", "coverage", "twin_cells", "table_edges"})
+LEVEL = 0.05
+"""Of several tests together, filtering surely does something where Holm's correction leaves p below this."""
 
 
 @dataclass(frozen=True)
@@ -39,11 +43,18 @@ class Pair:
         raw: (n,) from raw scans.
         filtered: (n,) from filtered scans.
         lower_is_better: Which way is better.
+        most: The most that the metric can be; 0 is the least.
     """
 
     raw: Array
     filtered: Array
     lower_is_better: bool
+    most: float = np.inf
+
+    @property
+    def means(self) -> tuple[Estimate, Estimate]:
+        """Means from raw and from filtered scans, with their 95 % intervals (Student's) over the drives."""
+        return t_mean(self.raw, least=0.0, most=self.most), t_mean(self.filtered, least=0.0, most=self.most)
 
     @property
     def gain(self) -> Estimate:
@@ -56,6 +67,16 @@ class Pair:
         """ "better" or "worse" where the interval of the gain leaves zero out, else "no effect"."""
         gain = self.gain
         return "better" if gain.low > 0.0 else "worse" if gain.high < 0.0 else "no effect"
+
+    @property
+    def p(self) -> float:
+        """Of the paired t test: how likely such a gain is if filtering does nothing; 1 where nothing can be said."""
+        gain = (self.raw - self.filtered)[np.isfinite(self.raw - self.filtered)]
+        if len(gain) < 2 or not gain.any():
+            return 1.0
+        with np.errstate(divide="ignore"):  # the same gain in each drive
+            size = abs(gain.mean()) / (gain.std(ddof=1) / np.sqrt(len(gain)))
+        return float(2.0 * t.sf(size, len(gain) - 1))
 
     @property
     def ratio(self) -> float:
@@ -83,7 +104,13 @@ def pair(
         )
         for scans in ("raw", "filtered")
     )
-    return Pair(raw, filtered, metric in LOWER_IS_BETTER)
+    return Pair(raw, filtered, metric in LOWER_IS_BETTER, 1.0 if metric in _SHARES else np.inf)
+
+
+def sure_verdicts(pairs: Sequence[Pair]) -> list[str]:
+    """Return the verdicts of pairs that are judged together: "no effect" where Holm's correction leaves no other."""
+    corrected = holm([each.p for each in pairs])
+    return [each.verdict if p < LEVEL else "no effect" for each, p in zip(pairs, corrected, strict=True)]
 
 
 def value_of(row: Any, metric: str) -> float:

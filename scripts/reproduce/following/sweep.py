@@ -128,7 +128,8 @@ def _count_table(swept: SweepResults) -> Table:
             rows.append((f"{VARIANTS[variant]}: {name}", *counts))
     columns = ("cells of the sweep in which filtering is", "better", "no effect", "worse")
     note = (
-        f"By the 95 % interval of the paired difference over {swept.sweep.repeats} drives; few drives, wide intervals."
+        f"By the 95 % interval of the paired difference over {swept.sweep.repeats} drives; few drives, wide intervals, "
+        "and not corrected for how many there are: one in twenty would leave out zero by chance."
     )
     return Table(title="Verdicts", columns=columns, rows=rows, note=note)
 

@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import rankdata, wilcoxon
 
+from ...experiments.statistics import holm, ratio
+
 Array = NDArray[np.float64]
 
 METHODS = {"pid": "people following", "joystick": "joystick control", "random": "random exploration"}
@@ -52,10 +54,10 @@ def compare(values: Mapping[str, Array]) -> Comparisons:
 
     Buildings where either has no value are left out of the pair. Both orders of a pair are there.
     """
-    raw = {pair: _p_value(values[pair[0]], values[pair[1]]) for pair in combinations(values, 2)}
-    corrected = _holm(raw)
+    pairs = list(combinations(values, 2))
+    corrected = holm([_p_value(values[a], values[b]) for a, b in pairs])
     comparisons = {}
-    for (a, b), p in corrected.items():
+    for (a, b), p in zip(pairs, corrected, strict=True):
         both = np.isfinite(values[a]) & np.isfinite(values[b])
         x, y = values[a][both], values[b][both]
         low, high = _ratio_interval(x, y)
@@ -107,25 +109,10 @@ def _shift(x: Array, y: Array) -> float:
     return float(np.sum(np.sign(difference) * rankdata(np.abs(difference))))
 
 
-def _holm(raw: Mapping[tuple[str, str], float]) -> dict[tuple[str, str], float]:
-    """Return the p-values after Holm's correction."""
-    corrected, largest = {}, 0.0
-    for rank, pair in enumerate(sorted(raw, key=lambda pair: raw[pair])):
-        largest = max(largest, min(1.0, raw[pair] * (len(raw) - rank)))
-        corrected[pair] = largest
-    return corrected
-
-
 def _ratio_interval(x: Array, y: Array) -> tuple[float, float]:
-    """Return the 95 % bootstrap interval of mean(x) / mean(y), over pairs; (0, inf) where it cannot be said."""
-    if len(x) < 2 or not y.mean():
-        return 0.0, float("inf")
-    picks = np.random.default_rng(0).integers(len(x), size=(2000, len(x)))
-    below = y[picks].mean(axis=1)
-    if not np.all(below):
-        return 0.0, float("inf")
-    low, high = np.quantile(x[picks].mean(axis=1) / below, [0.025, 0.975])
-    return float(low), float(high)
+    """Return the 95 % interval of mean(x) / mean(y) over pairs (Fieller); (0, inf) where it cannot be said."""
+    found = ratio(x, y)
+    return (0.0, float("inf")) if np.isnan(found.low) else (found.low, found.high)
 
 
 def _inverse(value: float) -> float:

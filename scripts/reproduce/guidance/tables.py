@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...experiments.statistics import bootstrap_mean
+from ...experiments.statistics import metric_mean, t_mean
 from ..report import Table
 from .measured import DECIDES, FIGURES, OTHERS, SCALES, Measured
 from .rule import METHODS, PAPER, pluses, verdict
@@ -15,7 +15,7 @@ def signs_table(measured: Measured) -> Table:
         found = measured.comparisons(criterion)
         ours = pluses(tuple(METHODS), found)
         for guide, title in METHODS.items():
-            value = bootstrap_mean(measured.burden(guide, criterion))
+            value = t_mean(measured.burden(guide, criterion), least=0.0)
             others = [o for o in METHODS if o != guide]
             tests = "; ".join(f"{o}: p = {found[guide, o].p:.2g}" for o in others)
             if criterion == "convenience":
@@ -58,7 +58,7 @@ def figures_table(measured: Measured, scene: str) -> Table:
         cells = []
         for guide in measured.guides:
             values = measured.values(guide, figure, scene)
-            estimate = bootstrap_mean(values)
+            estimate = metric_mean(figure, values)
             if not estimate.n:
                 cells.append("never" if figure.startswith("time_to") else "-")
                 continue
@@ -89,7 +89,7 @@ def numbers(measured: Measured) -> dict[str, object]:
         }
     means = {
         scene: {
-            guide: {figure: bootstrap_mean(measured.values(guide, figure, scene)).to_dict() for figure in FIGURES}
+            guide: {figure: metric_mean(figure, measured.values(guide, figure, scene)).to_dict() for figure in FIGURES}
             for guide in measured.guides
         }
         for scene in measured.scenes

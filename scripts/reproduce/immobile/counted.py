@@ -83,6 +83,16 @@ class Counted:
             sum(row["maps"]["laser"]["known"][mark] for row in self._rows(CLEAN, seed)),
         )
 
+    def share(self, mapper: str, disturbance: str, name: str) -> Estimate:
+        """Return an error's share with its interval over the drives (Fieller), since cells of one are dependent."""
+        each = [self.errors(mapper, disturbance, seed)[name] for seed in self.seeds]
+        return ratio([one.part for one in each], [one.whole for one in each])
+
+    def gain(self, mapper: str, disturbance: str, mark: str) -> Estimate:
+        """Return the known area of a mark over the undisturbed laser's, with its interval over the drives."""
+        each = [self.known(mapper, mark, disturbance, seed) for seed in self.seeds]
+        return ratio([one.part for one in each], [one.whole for one in each])
+
     def ratio(self, mapper: str, disturbance: str, name: str) -> Estimate:
         """Return the disturbed error over the undisturbed one; its interval is over the drives.
 

@@ -9,7 +9,7 @@ from ..report import Table
 from .counted import BOUNDS, GAIN, Counted, Share
 from .drives import MAPPERS, METHOD
 from .measures import HIDDEN
-from .plan import ways_of
+from .plan import CLEAN, ways_of
 
 
 def decision_table() -> Table:
@@ -166,11 +166,22 @@ def lead(counted: Counted) -> str:
 
 
 def numbers(counted: Counted, disturbances: Sequence[str]) -> dict[str, Any]:
-    """Return the numbers of all tables."""
+    """Return the numbers of all tables with 95 % intervals over the drives; ends that are not known are NaN."""
     return {
-        disturbance: {
-            mapper: {name: share.value for name, share in counted.errors(mapper, disturbance).items() if share.whole}
-            for mapper in ways_of(disturbance)
-        }
+        disturbance: {mapper: _figures(counted, mapper, disturbance) for mapper in ways_of(disturbance)}
         for disturbance in disturbances
     }
+
+
+def _figures(counted: Counted, mapper: str, disturbance: str) -> dict[str, Any]:
+    figures: dict[str, Any] = {}
+    for name, error in counted.errors(mapper, disturbance).items():
+        if error.whole:
+            estimate = counted.share(mapper, disturbance, name).to_dict()
+            figures[name] = {"cells": error.part, "of": error.whole, "believable": error.bound, **estimate}
+            if disturbance != CLEAN:
+                figures[name]["ratio_to_undisturbed"] = counted.ratio(mapper, disturbance, name).to_dict()
+    for mark in HIDDEN:
+        if counted.known(mapper, mark, disturbance).whole:
+            figures[f"known area in {mark} over the laser's"] = counted.gain(mapper, disturbance, mark).to_dict()
+    return figures

@@ -90,7 +90,7 @@ The protocol is the paper's: the reference scan is the odd readings of a scan, t
 true transform is none. In SICK scans of 361 beams neighbouring beams come from two turns of the mirror, 13 ms apart: \
 every second beam is taken first. The guess is off by a translation, laid on a diagonal, and a rotation. Success: \
 (d / 0.10 m)^2 + (angle / 0.01 rad)^2 <= 1; of the pre-alignment alone: 0.30 m and 0.1 rad. Intervals are 95 %: \
-Wilson's for shares, bootstrap for means.
+Wilson's for shares, Student's for means.
 
 What the paper leaves open is one set for all: cells of 0.1 m, a Gaussian of 0.2 m to 0.6 m, squares of +-0.2 m; real \
 numbers as genes, tournaments of three, blend crossover, Gaussian mutation that narrows. The printed Algorithm 1 \

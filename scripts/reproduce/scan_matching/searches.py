@@ -16,7 +16,7 @@ from ....slam.matching.lookup import LookupConfig, build_lookup
 from ....slam.matching.surfaces import near_points
 from ....slam.search.exhaustive import exhaustive_search
 from ...experiments.scan_pairs import box_trials, is_success, split_trials
-from ...experiments.statistics import bootstrap_mean, share
+from ...experiments.statistics import share, t_mean
 from .contestants import quantiles, scans_of, spread
 from .success import PRE_ANGULAR, PRE_LINEAR
 
@@ -68,8 +68,8 @@ def genetic_search(
     return {
         "evaluations": population * generations * runs,
         "success": share(is_success(error, PRE_LINEAR, PRE_ANGULAR).tolist()).to_dict(),
-        "error_m": bootstrap_mean(np.hypot(error[:, 0], error[:, 1])).to_dict(),
-        "error_deg": bootstrap_mean(np.degrees(np.abs(error[:, 2]))).to_dict(),
+        "error_m": t_mean(np.hypot(error[:, 0], error[:, 1]), least=0.0).to_dict(),
+        "error_deg": t_mean(np.degrees(np.abs(error[:, 2])), least=0.0).to_dict(),
         "median_m": float(np.median(np.hypot(error[:, 0], error[:, 1]))),
         "median_deg": float(np.median(np.degrees(np.abs(error[:, 2])))),
         "timing": {"search_ms": quantiles(times), "table_ms": quantiles(tables)},

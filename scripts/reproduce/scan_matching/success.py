@@ -12,7 +12,7 @@ from ....slam.geometry import between
 from ....slam.matching import Match, Matcher
 from ....slam.matching.hybrid import HybridMatcher
 from ...experiments.scan_pairs import Trial, blind_direction, is_success, split_trials
-from ...experiments.statistics import bootstrap_mean, quantile_interval, share
+from ...experiments.statistics import quantile_interval, share, t_mean
 from .contestants import make_contestant, quantiles, scans_of, spread
 
 PRE_LINEAR, PRE_ANGULAR = 0.30, 0.1
@@ -89,7 +89,7 @@ def _summary(answers: Sequence[Answer]) -> dict[str, Any]:
         "success": share(good).to_dict(),
         "prealigned": share(before).to_dict() if before is not None else None,
         **converged_errors(np.array([answer.error for answer in answers])[good]),
-        "iterations": bootstrap_mean(iterations).to_dict(),
+        "iterations": t_mean(iterations, least=0.0).to_dict(),
         "believed": share([answer.match.converged for answer in answers]).to_dict(),
         "right_of_believed": share([answer.good for answer in answers if answer.match.converged]).to_dict(),
         "timing": {

@@ -10,8 +10,8 @@ from tagalong.slam.matching.fitness import (
     polar_fitness_reference,
 )
 from tagalong.slam.matching.lookup import LookupConfig, build_lookup
-from tagalong.slam.matching.nearest import bin_near, nearest_point, nearest_point_reference
-from tagalong.slam.matching.registration import LINE, METRIC, POINT, correspond, normal_equations
+from tagalong.slam.matching.nearest import bin_near, metric_square, nearest_point, nearest_point_reference
+from tagalong.slam.matching.registration import LINE, METRIC, POINT, correspond, normal_equations, segment_target
 from tagalong.slam.matching.surfaces import SurfaceConfig, find_surfaces, fit_lines, noise_of, relined
 from tagalong.slam.matching.symmetric import inverse_pose
 from tagalong.slam.matching.visibility import agreement, mark_unseen, mark_unseen_reference
@@ -107,6 +107,22 @@ def test_a_population_is_scored_as_one_by_one():
     settings = (ranges, -np.pi / 2, np.pi / 180, 0.5)
     polar_fitness(poses, points, *settings, fitness)
     np.testing.assert_allclose(fitness, polar_fitness_reference(poses, points, *settings), atol=1e-12)
+
+
+@pytest.mark.parametrize("k", [1.0, 0.6, 0.2])
+@pytest.mark.parametrize("linked", [(True, True), (True, False), (False, True), (False, False)])
+def test_the_target_on_the_segments_beside_a_point_is_the_nearest_of_all_on_them(k, linked):
+    rng, links = np.random.default_rng(7), np.array([*linked, False])
+    for _ in range(20):
+        points = np.array([2.0, 0.5]) + rng.normal(0.0, 0.3, (3, 2))
+        x, y = points[1] + rng.normal(0.0, 0.3, 2)
+        shares = np.linspace(0.0, 1.0, 2001)[:, None]
+        others = [points[other] for other, link in ((0, linked[0]), (2, linked[1])) if link]
+        near = np.vstack([points[1:2], *(points[1] + shares * (other - points[1]) for other in others)])
+        squares = np.array([metric_square(u - x, v - y, x, y, k) for u, v in near])
+        target = segment_target(x, y, k, 1, points, links)
+        assert metric_square(target[0] - x, target[1] - y, x, y, k) == pytest.approx(squares.min(), abs=1e-5)
+        np.testing.assert_allclose(target, near[squares.argmin()], atol=3e-3)
 
 
 @pytest.mark.parametrize(("kind", "lever"), [(POINT, np.inf), (LINE, np.inf), (METRIC, 3.0)])

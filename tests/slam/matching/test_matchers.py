@@ -7,6 +7,7 @@ import pytest
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between, compose
 from tagalong.slam.matching import MATCHERS, make_matcher
+from tagalong.slam.matching.fitness import polar_fitness
 from tagalong.slam.matching.global_matcher import GlobalConfig, GlobalMatcher
 from tagalong.slam.matching.iterative import IterativeMatcher, Refined
 from tagalong.slam.matching.lookup import LookupConfig, build_lookup
@@ -40,6 +41,17 @@ def scan_of(walls, pose, bearings=BEARINGS, noise=0.0, rng=None, range_max=20.0)
     ranges = np.where((r > 0) & (along >= 0) & (along <= 1), r, np.inf).min(axis=1)
     ranges = ranges + (0.0 if rng is None else rng.normal(0.0, noise, len(ranges)))
     return LaserScan(ranges, bearings, 0.05, range_max)
+
+
+@pytest.mark.parametrize("bearings", [BEARINGS, FULL, FULL + np.pi])
+def test_a_view_explains_itself_wholly_by_its_beams(bearings):
+    view = scan_of(ROOM, np.array([0.3, 0.2, 0.5]), bearings)
+    matcher = make_matcher("pga")
+    ranges, start, step, threshold = matcher.table(view)[4:]
+    fitness = np.empty(2)
+    polar_fitness(np.array([np.zeros(3), [0.0, 0.0, 0.02]]), view.points, ranges, start, step, threshold, fitness)
+    assert fitness[0] == pytest.approx(1.0)
+    assert fitness[1] < 0.99
 
 
 REACH = {"icp": (0.1, 0.08), "plicp": (0.25, 0.2), "mbicp": (0.2, 0.15), "hglasm-g-small": (0.25, 0.25)}

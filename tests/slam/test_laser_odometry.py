@@ -1,0 +1,71 @@
+"""Odometry from scans alone, in a room whose path is known."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from tagalong.slam.geometry import between, compose
+from tagalong.slam.laser_odometry import laser_odometry
+from walls import cast
+
+ROOM = np.array(
+    [(-4, -3, 5, -3), (5, -3, 5, 4), (5, 4, -4, 4), (-4, 4, -4, -3), (1, 0, 1, 1), (1, 1, 2, 1), (-2, -3, -2, -1.5)],
+    dtype=float,
+)
+MOUNT = (0.2, 0.05, 0.4)
+
+
+def drive(steps=40, speed=0.1, turn=0.04, mount=MOUNT):
+    """True poses from the origin on, along a bend, and the scans at them."""
+    rng, poses = np.random.default_rng(0), [np.zeros(3)]
+    for _ in range(steps):
+        poses.append(compose(poses[-1], (speed, 0.0, turn)))
+    scans = [replace(cast(ROOM, compose(pose, mount), rng, noise=0.005), T_robot_lidar=mount) for pose in poses]
+    return np.array(poses), scans
+
+
+def off(truth, poses):
+    """Distance [m] and angle [rad] of each pose from the truth, (n,) and (n,)."""
+    error = between(truth, poses)
+    return np.hypot(error[:, 0], error[:, 1]), np.abs(error[:, 2])
+
+
+def test_a_bend_is_followed_and_the_first_pose_is_the_origin():
+    truth, scans = drive()
+    made = laser_odometry(scans)
+    away, turned = off(truth, made.poses)
+    assert made.matched.all()
+    np.testing.assert_array_equal(made.poses[0], 0.0)
+    assert away.max() < 0.03
+    assert turned.max() < 0.01
+
+
+@pytest.mark.parametrize("blind", [1, 2])
+def test_blind_scans_cost_nothing_once_the_laser_sees_again(blind):
+    truth, scans = drive()
+    for k in range(20, 20 + blind):
+        scans[k] = scans[k].without(np.ones(len(scans[k]), dtype=bool))
+    made = laser_odometry(scans)
+    np.testing.assert_array_equal(np.flatnonzero(~made.matched), np.arange(20, 20 + blind))
+    away, turned = off(truth, made.poses)
+    assert away[20 + blind :].max() < 0.03
+    assert turned[20 + blind :].max() < 0.01
+    # meanwhile the robot goes on, slower with each scan
+    went = np.hypot(*np.diff(made.poses[18 : 20 + blind, :2], axis=0).T)
+    np.testing.assert_allclose(went[1:], 0.1 * 0.5 ** np.arange(blind), rtol=0.1)
+
+
+def test_a_leap_is_not_believed():
+    _, scans = drive(steps=12)
+    far = replace(cast(ROOM, compose((3.0, -1.0, 2.5), MOUNT), np.random.default_rng(1)), T_robot_lidar=MOUNT)
+    made = laser_odometry([*scans[:8], far, far])
+    assert made.matched[:8].all()
+    assert not made.matched[8]
+    assert np.hypot(*(made.poses[8] - made.poses[7])[:2]) < 0.15
+
+
+def test_no_scan_and_one_scan_are_no_motion():
+    assert laser_odometry([]).poses.shape == (0, 3)
+    one = laser_odometry(drive(steps=0)[1])
+    np.testing.assert_array_equal(one.poses, np.zeros((1, 3)))
+    assert one.matched.tolist() == [True]
