@@ -88,10 +88,6 @@ class OdometryExtrapolator:
         motion = between(self._odometry, odometry)
         return Prediction(compose(self._pose, motion), self._config.sigma(motion))
 
-    def way(self, prediction: Prediction) -> float:
-        """Return how far a prediction is from the last pose that was taken [m]."""
-        return math.hypot(*(prediction.pose[:2] - self._pose[:2]).tolist())
-
     def correct(self, odometry: Array, pose: Array) -> None:
         """Take `pose` (3,) T_local_robot as what belongs to the odometry pose from now on."""
         self._odometry, self._pose = odometry, pose

@@ -14,6 +14,7 @@ from ..scan import LaserScan
 from .constraints import Constraint, ConstraintBuilder, ConstraintConfig, Kind
 from .extrapolator import Prediction
 from .local_slam import Insertion
+from .node import Node
 from .submap import Submap
 from .sweep import Sweep
 from .watch import contradictions
@@ -24,7 +25,6 @@ _LOOSE = np.array([30.0, 3.0])  # [m, rad] how badly the odometry ties a piece o
 _SLACK = 0.4  # [m] by which a wall must stand before the end of a beam to contradict it
 _ROUGHLY = 2  # near submaps that a node is matched with before the submaps are straightened
 _PLACED = np.array([0.1, 0.05])  # [m, rad] how well relocalization does
-_FOUND = np.array([0.1, 0.1, 0.05]) ** -2.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,25 +63,6 @@ class GlobalSlamConfig:
         for name in ("adjust_every", "max_distance", "known_for", "kernel_width", "odometry_share", "reject_beyond"):
             if not getattr(self, name) > 0:
                 raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
-
-
-@dataclass(frozen=True, eq=False)
-class Node:
-    """A scan of the graph.
-
-    Attributes:
-        pose_local: (3,) T_local_robot [m, m, rad].
-        points: (N, 2) thinned returns, robot frame [m].
-        submaps: The submaps that it stands in.
-        motion: By the odometry from the node before to this one.
-        scan: The whole scan.
-    """
-
-    pose_local: Array
-    points: Array
-    submaps: tuple[int, ...]
-    motion: Prediction
-    scan: LaserScan
 
 
 class GlobalSlam:
@@ -138,7 +119,8 @@ class GlobalSlam:
     @property
     def reach(self) -> Array:
         """(2,) how far off a node may be for a loop search to find it, as standard deviations [m, rad]."""
-        return np.array([0.5 * self._config.constraints.search_linear, self._config.constraints.search_angular])
+        constraints = self._config.constraints
+        return np.array([0.5 * constraints.search_linear, constraints.search_angular])
 
     @property
     def drift(self) -> float:
@@ -150,6 +132,14 @@ class GlobalSlam:
     def placed(self) -> NDArray[np.bool_]:
         """(n,) whether the place of each node on the map is known: not so for pieces after a kidnapping."""
         return np.array([self._placed[piece] for piece in self._piece_of_node], dtype=np.bool_)
+
+    @property
+    def mappable(self) -> NDArray[np.bool_]:
+        """(n,) whether the place of each node is known, if by the odometry alone: so it is after a gap in a log."""
+        known = list(self._placed)
+        for piece in range(1, len(known)):
+            known[piece] = known[piece] or (not self._carried[piece] and known[piece - 1])
+        return np.array([known[piece] for piece in self._piece_of_node], dtype=np.bool_)
 
     def begin_piece(self, disowned: int = 0, carried: bool = True) -> None:
         """The robot is lost: nodes from now on are a piece of their own, tied to nothing until it is placed.
@@ -167,7 +157,10 @@ class GlobalSlam:
         self._carried.append(carried)
 
     def place_piece(self, pose: Array, pose_local: Array) -> None:
-        """Say where the newest piece lies: `pose` (3,) T_global_robot belongs to `pose_local` (3,) T_local_robot."""
+        """Say where the newest piece lies: `pose` (3,) T_global_robot belongs to `pose_local` (3,) T_local_robot.
+
+        It is tied to the submaps around that place: the piece before may have drifted by where the robot was lost.
+        """
         piece = len(self._placed) - 1
         self._placed[piece] = True
         self._bridge = compose(pose, inverse(pose_local))
@@ -183,7 +176,8 @@ class GlobalSlam:
         for k in nodes[-1:]:
             near = self._near(k, self._centres())[: self._config.nearest]
             for s in near[:1]:
-                self._take([Constraint(s, k, self._guess(s, k), np.diag(_FOUND), Kind.INTER, searched=True)])
+                found = Prediction(self._guess(s, k), _PLACED)
+                self._take([Constraint(s, k, found.pose, found.information, Kind.INTER, searched=True)])
             for s in near:
                 self._tied_at[s] = k
                 self._track(s, nodes, True)
@@ -230,7 +224,8 @@ class GlobalSlam:
         """
         index, node = len(self.nodes) - 1, self.nodes[-1]
         ties = [c for c in self._last_ties.values() if index - c.node <= self._config.known_for]
-        ties = [c for c in ties if self._piece_of_node[c.node] == self._piece_of_node[-1] and c.node >= self._stretch[0]]
+        ties = [c for c in ties if self._piece_of_node[c.node] == self._piece_of_node[-1]]
+        ties = [c for c in ties if c.node >= self._stretch[0]]
         shares = []
         for tie in sorted(ties, key=lambda c: (-c.node, c.submap))[: self._config.nearest]:
             submap = self._submaps[tie.submap]
@@ -328,8 +323,9 @@ class GlobalSlam:
         """Track the nearest submaps whose place is known, search for the one that waits longest."""
         config, node = self._config, self.nodes[index]
         known, waiting = [], []
+        newest = max(node.submaps[0] - 2, self._stretch[1])
         for s in self._near(index, self._centres()):
-            tied = index - self._tied_at.get(s, -(10**9)) <= config.known_for or s >= max(node.submaps[0] - 2, self._stretch[1])
+            tied = index - self._tied_at.get(s, -(10**9)) <= config.known_for or s >= newest
             (known if tied else waiting).append(s)
         for s in known[: config.nearest]:
             self._track(s, [index], True)

@@ -73,7 +73,8 @@ class LocalResult:
         match: How the scan fits on the submap; None: it was not matched, the pose is that of the odometry.
         insertion: What was inserted; None: the motion filter dropped the scan, or it is doubtful.
         doubtful: Whether the scan contradicts the submap: the pose is that of the odometry.
-        apart: Whether the scan sees nothing of what the submap knows: so it is with the first scan after a gap.
+        apart: Whether the scan sees nothing of what the submap knows, as the first one after a gap does not.
+        sigma: (2,) standard deviations of that pose [m, rad]; None where the match is believed.
     """
 
     pose: Array
@@ -81,6 +82,7 @@ class LocalResult:
     insertion: Insertion | None
     doubtful: bool = False
     apart: bool = False
+    sigma: Array | None = None
 
 
 class LocalSlam:
@@ -114,26 +116,20 @@ class LocalSlam:
         if self._watch:
             self._watch.restart()
 
-    def expected(self, odometry: Array) -> Prediction:
-        """Return where the robot must be at the odometry pose T_odom_robot (3,) by the last scan that was believed."""
-        if self._extrapolator is None:
-            self._extrapolator = OdometryExtrapolator(self._config.extrapolator, odometry)
-        return self._extrapolator.predict(odometry)
-
     def update(self, odometry: Array, scan: LaserScan) -> LocalResult:
         """Take one scan and the odometry pose T_odom_robot (3,) at that time."""
-        prediction = self.expected(odometry)
+        if self._extrapolator is None:
+            self._extrapolator = OdometryExtrapolator(self._config.extrapolator, odometry)
+        prediction = self._extrapolator.predict(odometry)
         points = self._voxel_filter.apply(scan.points_robot)
         match = self._matcher.match(self._active.front, points, prediction) if self._active.begun else None
         if match and self._watch:
-            if self._watch.sees_nothing(self._active.front, points, match.pose, match.score):
-                return LocalResult(prediction.pose, match, None, True, True)
-            foot = np.array(scan.T_robot_lidar[:2], dtype=np.float64)
-            assert self._extrapolator
-            if self._watch.doubts(self._active.front, points, foot, match.pose, match.score, self._extrapolator.way(prediction)):
-                return LocalResult(prediction.pose, match, None, True)
+            submap, foot = self._active.front, np.array(scan.T_robot_lidar[:2], dtype=np.float64)
+            apart = self._watch.sees_nothing(submap, points, match.pose, match.score)
+            if apart or self._watch.doubts(submap, points, foot, match.pose, match.score):
+                return LocalResult(prediction.pose, match, None, True, apart, prediction.sigma)
         pose = match.pose if match else prediction.pose
-        if self._extrapolator and (match or not self._active.begun):
+        if match or not self._active.begun:
             self._extrapolator.correct(odometry, pose)
         insertion = None
         if len(points) >= self._config.matcher.min_points and self._motion_filter.passes(pose):

@@ -35,8 +35,7 @@ class WatchConfig:
         plain_poor: As `poor`, for a scan that cannot belong there at all ...
         plain_contradicted: ... as `contradicted`.
         slack: A wall must stand so far before the end of a beam to contradict it [m].
-        patience: After so many doubtful scans in a row something has to be done ...
-        patience_way: ... or where so long a way would be left out of the map [m].
+        patience: After so many doubtful scans in a row something has to be done.
         unusual: A share of contradicting beams counts by how much it is above the usual one, and this ...
         suspicious: ... and a sum of so much, over scans, is reason to look closer.
         nothing: A score below so much of the usual one, and no larger a share of the points where the submap was seen,
@@ -51,10 +50,9 @@ class WatchConfig:
     plain_contradicted: float = 0.2
     slack: float = 0.4
     patience: int = 3
-    patience_way: float = 1.0
     unusual: float = 0.02
     suspicious: float = 0.12
-    nothing: tuple[float, float] = (0.25, 0.3)
+    nothing: tuple[float, float] = (0.1, 0.3)
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
@@ -111,7 +109,6 @@ class Watch:
         self._usual = 0.0
         self._pardoned = False
         self._plain = 0
-        self._way = self._score = 0.0
         self.in_doubt = 0
         self._here, self._before = Suspicion(config.unusual), Suspicion(config.unusual)
 
@@ -128,18 +125,12 @@ class Watch:
     @property
     def alarmed(self) -> bool:
         """Whether so many scans in a row were doubtful that something has to be done."""
-        return self.in_doubt >= self._config.patience or (self.in_doubt > 0 and self._way > self._config.patience_way)
+        return self.in_doubt >= self._config.patience
 
     @property
     def plainly_lost(self) -> bool:
         """Whether none of the doubtful scans can belong to the submap."""
-        return self.in_doubt >= self._config.patience and self._plain == self.in_doubt
-
-    @property
-    def strayed(self) -> bool:
-        """Whether the last scan fitted nowhere, after so long a way that the submap may lie behind the robot."""
-        config = self._config
-        return self._way > config.patience_way and self._score < config.nothing[0] * self._usual
+        return self.alarmed and self._plain == self.in_doubt
 
     def restart(self) -> None:
         """Begin anew with another submap; what is usual stays."""
@@ -175,9 +166,7 @@ class Watch:
         seen = submap.visits[cells[inside, 1], cells[inside, 0]] > 0
         return bool(seen.sum() <= known * len(points))
 
-    def doubts(
-        self, submap: Submap, points: Array, foot: Array, pose: Array, score: float, way: float = 0.0
-    ) -> bool:
+    def doubts(self, submap: Submap, points: Array, foot: Array, pose: Array, score: float) -> bool:
         """Return whether a match is doubtful.
 
         Args:
@@ -186,9 +175,7 @@ class Watch:
             foot: (2,) the laser, robot frame [m].
             pose: (3,) T_local_robot of the match.
             score: Of the match.
-            way: Since the last scan that was believed [m].
         """
-        self._way, self._score = way, score
         config = self._config
         poor, contradicted = config.poor, config.contradicted
         if self.in_doubt:
