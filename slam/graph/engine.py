@@ -133,6 +133,9 @@ class Cartographer:
         self, watch: Watch, graph: GlobalSlam, result: LocalResult, odometry: Array, scan: LaserScan
     ) -> LocalResult:
         """Weigh doubtful scans against the whole map where it is due; return what local SLAM makes of this one then."""
+        if result.apart:
+            self._leap(graph, result, odometry, scan)
+            return self._local.update(odometry, scan)
         self._suspect(watch, result.doubtful, odometry, scan)
         due = watch.suspicious and self._search is None and self._suspected % _WEIGHED == 0
         if not (watch.alarmed or due):
@@ -205,14 +208,35 @@ class Cartographer:
             return False
         return outcome.explained < _EXPLAINED or outcome.moved or (outcome.surpassed and not outcome.beside)
 
-    def _lose(self, graph: GlobalSlam, search: Relocalization) -> None:
-        """Begin a new piece of the drive with the next update, and the search on the map without it."""
+    def _leap(self, graph: GlobalSlam, result: LocalResult, odometry: Array, scan: LaserScan) -> None:
+        """Begin new submaps with the next update, tied to those before by the odometry alone, as after a gap in a log.
+
+        Where the odometry does not know the place so well that a loop search would find it, the robot is lost.
+        """
+        self._suspects = [(odometry, scan)]
+        if result.sigma is None or not (result.sigma <= graph.reach).all():
+            self._lose(graph, self._relocalization(graph), carried=False)
+            return
+        self._breaks.append(len(self._poses_local))
+        self._begin_anew()
+
+    def _lose(self, graph: GlobalSlam, search: Relocalization, carried: bool = True) -> None:
+        """Begin a new piece of the drive with the next update, and the search on the map without it.
+
+        Args:
+            graph: Global SLAM.
+            search: The search, with the scans since the robot may have been lost.
+            carried: Whether the odometry knows nothing of how it came there.
+        """
         self.losses += 1
         self._search = search
-        search.begin()
+        search.begin(off_map=not carried)
         first = len(self._poses_local) + 1 - len(self._suspects)
         self._breaks.append(first)
-        graph.begin_piece(sum(k >= first for k in self._inserted[-len(self._suspects) :]))
+        graph.begin_piece(sum(k >= first for k in self._inserted[-len(self._suspects) :]), carried)
+        self._begin_anew()
+
+    def _begin_anew(self) -> None:
         self._local.restart()
         self._suspects, self._suspected, self._unsure, self._doubted = [], 0, False, []
 
@@ -276,9 +300,9 @@ class Cartographer:
         return self.map_at(self.config.resolution)
 
     def map_at(self, resolution: float) -> OccupancyMap:
-        """Return the map with cells of `resolution` [m], drawn anew from the inserted scans whose place is known."""
+        """Return the map with cells of `resolution` [m], drawn anew from scans whose place is known, if by odometry."""
         poses = self.trajectory()[self._inserted]
-        placed = np.flatnonzero(self._global.placed) if self._global else range(len(poses))
+        placed = np.flatnonzero(self._global.mappable) if self._global else range(len(poses))
         scans = [self._scans[k] for k in placed]
         return render_map(poses[placed], scans, GridConfig(resolution=resolution))
 

@@ -14,6 +14,7 @@ from ..scan import LaserScan
 from .constraints import Constraint, ConstraintBuilder, ConstraintConfig, Kind
 from .extrapolator import Prediction
 from .local_slam import Insertion
+from .node import Node
 from .submap import Submap
 from .sweep import Sweep
 from .watch import contradictions
@@ -64,25 +65,6 @@ class GlobalSlamConfig:
                 raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
 
 
-@dataclass(frozen=True, eq=False)
-class Node:
-    """A scan of the graph.
-
-    Attributes:
-        pose_local: (3,) T_local_robot [m, m, rad].
-        points: (N, 2) thinned returns, robot frame [m].
-        submaps: The submaps that it stands in.
-        motion: By the odometry from the node before to this one.
-        scan: The whole scan.
-    """
-
-    pose_local: Array
-    points: Array
-    submaps: tuple[int, ...]
-    motion: Prediction
-    scan: LaserScan
-
-
 class GlobalSlam:
     """Closes loops between the nodes and submaps of local SLAM.
 
@@ -115,8 +97,9 @@ class GlobalSlam:
         self._travelled = np.inf
         self._new = False
         self._finished_nodes = 0
+        self._stretch = (0, 0)  # first node and submap since local SLAM last began anew
         # A piece of the drive begins where the robot got lost; `_placed` says for each whether its place is known.
-        self._placed = [True]
+        self._placed, self._carried = [True], [False]
         self._bridge = np.zeros(3)
         self._piece_of_node: list[int] = []
         self._piece_of_submap: list[int] = []
@@ -134,6 +117,12 @@ class GlobalSlam:
         return np.array(self._node_poses).reshape(-1, 3)
 
     @property
+    def reach(self) -> Array:
+        """(2,) how far off a node may be for a loop search to find it, as standard deviations [m, rad]."""
+        constraints = self._config.constraints
+        return np.array([0.5 * constraints.search_linear, constraints.search_angular])
+
+    @property
     def drift(self) -> float:
         """Standard deviation of the way over as many nodes as a submap that tied one counts as well placed for [m]."""
         steps = np.array([node.motion.sigma[0] for node in self.nodes[-self._config.known_for :]])
@@ -144,20 +133,34 @@ class GlobalSlam:
         """(n,) whether the place of each node on the map is known: not so for pieces after a kidnapping."""
         return np.array([self._placed[piece] for piece in self._piece_of_node], dtype=np.bool_)
 
-    def begin_piece(self, disowned: int = 0) -> None:
+    @property
+    def mappable(self) -> NDArray[np.bool_]:
+        """(n,) whether the place of each node is known, if by the odometry alone: so it is after a gap in a log."""
+        known = list(self._placed)
+        for piece in range(1, len(known)):
+            known[piece] = known[piece] or (not self._carried[piece] and known[piece - 1])
+        return np.array([known[piece] for piece in self._piece_of_node], dtype=np.bool_)
+
+    def begin_piece(self, disowned: int = 0, carried: bool = True) -> None:
         """The robot is lost: nodes from now on are a piece of their own, tied to nothing until it is placed.
 
         Args:
             disowned: So many of the last nodes were added when it was lost already; their place is not known any more.
+            carried: Whether the odometry knows nothing of how the robot came there.
         """
         self._bridge = self.local_to_global
         if disowned:
             self._piece_of_node[-disowned:] = [len(self._placed)] * disowned
             self._placed.append(False)
+            self._carried.append(carried)
         self._placed.append(False)
+        self._carried.append(carried)
 
     def place_piece(self, pose: Array, pose_local: Array) -> None:
-        """Say where the newest piece lies: `pose` (3,) T_global_robot belongs to `pose_local` (3,) T_local_robot."""
+        """Say where the newest piece lies: `pose` (3,) T_global_robot belongs to `pose_local` (3,) T_local_robot.
+
+        It is tied to the submaps around that place: the piece before may have drifted by where the robot was lost.
+        """
         piece = len(self._placed) - 1
         self._placed[piece] = True
         self._bridge = compose(pose, inverse(pose_local))
@@ -167,11 +170,15 @@ class GlobalSlam:
         nodes = [k for k, of in enumerate(self._piece_of_node) if of == piece]
         for k in nodes:
             self._node_poses[k] = compose(self._bridge, self.nodes[k].pose_local)
-        if nodes and nodes[0] > 0:
+        if nodes and nodes[0] > 0 and self._carried[piece]:
             tie = between(self._node_poses[nodes[0] - 1], self._node_poses[nodes[0]])
-            self.nodes[nodes[0]] = replace(self.nodes[nodes[0]], motion=Prediction(tie, _PLACED))
+            self.nodes[nodes[0]] = replace(self.nodes[nodes[0]], motion=Prediction(tie, _LOOSE))
         for k in nodes[-1:]:
-            for s in self._near(k, self._centres())[: self._config.nearest]:
+            near = self._near(k, self._centres())[: self._config.nearest]
+            for s in near[:1]:
+                found = Prediction(self._guess(s, k), _PLACED)
+                self._take([Constraint(s, k, found.pose, found.information, Kind.INTER, searched=True)])
+            for s in near:
                 self._tied_at[s] = k
                 self._track(s, nodes, True)
 
@@ -184,9 +191,11 @@ class GlobalSlam:
             self._piece_of_submap.append(len(self._placed) - 1)
             self.drawn.append({})
         motion = insertion.motion
-        if self.nodes and self._piece_of_node[-1] != len(self._placed) - 1:
+        if self.nodes and self._piece_of_node[-1] != len(self._placed) - 1 and self._carried[-1]:
             sigma = _PLACED if self._placed[-1] else _LOOSE
             motion = Prediction(between(self._node_poses[-1], compose(bridge, pose_local)), sigma)
+        if len(insertion.submaps) == 1 and insertion.match is None:
+            self._stretch = index, insertion.submaps[0]
         self._piece_of_node.append(len(self._placed) - 1)
         self.nodes.append(Node(pose_local, insertion.points, insertion.submaps, motion, insertion.scan))
         self._node_poses.append(compose(bridge, pose_local))
@@ -216,6 +225,7 @@ class GlobalSlam:
         index, node = len(self.nodes) - 1, self.nodes[-1]
         ties = [c for c in self._last_ties.values() if index - c.node <= self._config.known_for]
         ties = [c for c in ties if self._piece_of_node[c.node] == self._piece_of_node[-1]]
+        ties = [c for c in ties if c.node >= self._stretch[0]]
         shares = []
         for tie in sorted(ties, key=lambda c: (-c.node, c.submap))[: self._config.nearest]:
             submap = self._submaps[tie.submap]
@@ -313,8 +323,9 @@ class GlobalSlam:
         """Track the nearest submaps whose place is known, search for the one that waits longest."""
         config, node = self._config, self.nodes[index]
         known, waiting = [], []
+        newest = max(node.submaps[0] - 2, self._stretch[1])
         for s in self._near(index, self._centres()):
-            tied = index - self._tied_at.get(s, -(10**9)) <= config.known_for or s >= node.submaps[0] - 2
+            tied = index - self._tied_at.get(s, -(10**9)) <= config.known_for or s >= newest
             (known if tied else waiting).append(s)
         for s in known[: config.nearest]:
             self._track(s, [index], True)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..localization.contest import Contest, contest
+from ..localization.contest import Contest, contest, fits
 from ..localization.localizer import Localizer
 from ..localization.place_map import PlaceMap
 from ..occupancy_map import OccupancyMap
@@ -34,8 +34,9 @@ class Relocalization:
     """
 
     def __init__(self, place: PlaceMap | None, scans: Sequence[tuple[Array, LaserScan]]) -> None:
-        self._place, self._scans = place, scans
+        self._place, self._scans = place, list(scans)
         self._localizer: Localizer | None = None
+        self._off_map = False
 
     def contest(self, here: Array, doubted: bool = False, drift: float = 0.0) -> Contest | None:
         """Weigh `here` (3,), T_map_robot at the last scan, against the rest of the map; None: there is no map.
@@ -49,16 +50,28 @@ class Relocalization:
             return None
         return contest(self._place, self._scans, here, trust=_DOUBTED if doubted else None, drift=drift)
 
-    def begin(self) -> None:
-        """Begin to search, with all scans but the last, which is to come by `update`."""
+    def begin(self, off_map: bool = False) -> None:
+        """Begin to search, with all scans but the last, which is to come by `update`.
+
+        Args:
+            off_map: Whether the robot may well be where nothing is mapped: a place must then fit better than none.
+        """
+        self._off_map = off_map
         if self._place is not None:
             self._localizer = Localizer(self._place)
-        for odometry, scan in self._scans[:-1]:
+        scans, self._scans = self._scans[:-1], []
+        for odometry, scan in scans:
             self.update(odometry, scan)
 
     def update(self, odometry: Array, scan: LaserScan) -> Array | None:
         """Return (3,) T_map_robot at this scan, if it confirms the place that earlier ones found; else None."""
         if self._localizer is None:
             return None
+        config = self._localizer.config
+        self._scans = [*self._scans, (odometry, scan)][-config.search.views :]
         result = self._localizer.update(odometry, scan)
-        return result.pose if result.matched and result.belief is None else None
+        if result.pose is None or not result.matched or result.belief is not None:
+            return None
+        if self._off_map and not fits(self._localizer.place, self._scans, result.pose, config):
+            return None
+        return result.pose

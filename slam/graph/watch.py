@@ -12,6 +12,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from ..geometry import transform_points
 from .submap import Submap
 
 Array = NDArray[np.float64]
@@ -37,6 +38,8 @@ class WatchConfig:
         patience: After so many doubtful scans in a row something has to be done.
         unusual: A share of contradicting beams counts by how much it is above the usual one, and this ...
         suspicious: ... and a sum of so much, over scans, is reason to look closer.
+        nothing: A score below so much of the usual one, and no larger a share of the points where the submap was seen,
+            say that the scan sees nothing of it [score, share].
     """
 
     poor: float = 0.75
@@ -49,10 +52,11 @@ class WatchConfig:
     patience: int = 3
     unusual: float = 0.02
     suspicious: float = 0.12
+    nothing: tuple[float, float] = (0.1, 0.3)
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
-            if not value > 0:
+            if not np.all(np.asarray(value) > 0):
                 raise InputError(f"`{name}` must be positive, got {value}")
 
 
@@ -147,6 +151,20 @@ class Watch:
     def remember(self, share: float) -> None:
         """Take the share of a scan's beams that contradict older submaps: what looks alike here differs there."""
         self._before.add(share)
+
+    def sees_nothing(self, submap: Submap, points: Array, pose: Array, score: float) -> bool:
+        """Return whether `points` (N, 2), robot frame [m], lie beside all that a submap knows, the robot at `pose`.
+
+        The best match then says nothing: the odometry alone knows how the two lie to each other, if anything does.
+        """
+        least, known = self._config.nothing
+        if score >= least * self._usual:
+            return False
+        cells = np.floor((transform_points(pose, points) - submap.corner) / submap.resolution + 0.5).astype(np.int64)
+        rows, cols = submap.field.shape
+        inside = (cells >= 0).all(axis=1) & (cells[:, 1] < rows) & (cells[:, 0] < cols)
+        seen = submap.visits[cells[inside, 1], cells[inside, 0]] > 0
+        return bool(seen.sum() <= known * len(points))
 
     def doubts(self, submap: Submap, points: Array, foot: Array, pose: Array, score: float) -> bool:
         """Return whether a match is doubtful.

@@ -17,6 +17,9 @@ from .view import ViewMaker
 Array = NDArray[np.float64]
 
 
+_ELSEWHERE = 0.35  # mean likelihood of the beams of a robot that is not on the map, at the place that fits best
+
+
 @dataclass(frozen=True, eq=False)
 class Contest:
     """How a place fared against all others.
@@ -41,6 +44,27 @@ class Contest:
     explained: float = 0.0
     beside: bool = False
     surpassed: bool = False
+
+
+def fits(
+    place: PlaceMap, scans: Sequence[tuple[Array, LaserScan]], here: Array, config: LocalizerConfig | None = None
+) -> bool:
+    """Return whether a robot is likelier to be `here` (3,), T_map_robot at the last scan, than nowhere on the map.
+
+    Args:
+        place: The map.
+        scans: Odometry poses T_odom_robot (3,) and scans, the last ones.
+        here: Where a search has found it.
+        config: Settings of localization.
+    """
+    config = config or LocalizerConfig()
+    search, maker = GlobalSearch(place, Evidence(place, config.evidence), config.search), ViewMaker(config.voxel_filter)
+    views = [maker.view(odometry, scan) for odometry, scan in scans]
+    for view in views:
+        if len(view.points) >= config.min_points:
+            search.remember(view)
+    search.propose(here[None])
+    return search.surpasses(_ELSEWHERE)
 
 
 def contest(

@@ -287,7 +287,9 @@ def judged(monkeypatch, engine, *, surpassed=False, **verdict):
     belief, drifts = SimpleNamespace(poses=np.zeros((1, 3)), sure=surpassed), []
     outcome = SimpleNamespace(stays=False, belief=belief, surpassed=surpassed, **verdict)
     search = SimpleNamespace(
-        contest=lambda here, doubted, drift: drifts.append(drift) or outcome, begin=lambda: None, update=lambda *_: None
+        contest=lambda here, doubted, drift: drifts.append(drift) or outcome,
+        begin=lambda **_: None,
+        update=lambda *_: None,
     )
     monkeypatch.setattr(engine, "_relocalization", lambda graph: search)
     return drifts

@@ -1,0 +1,139 @@
+"""Gaps in a log: the first scan after one sees nothing of what was mapped; odometry alone leads there, if anything."""
+
+import numpy as np
+import pytest
+from tagalong.slam.engine import make_slam
+from tagalong.slam.geometry import between, compose
+from tagalong.slam.graph.engine import Cartographer
+from tagalong.slam.graph.relocalization import searchable
+from tagalong.slam.graph.submap import Submap, SubmapConfig, Sweep
+from tagalong.slam.graph.watch import Watch, WatchConfig
+from tagalong.slam.localization.contest import fits
+from walls import cast
+
+REACH = 5.0  # [m] of the laser
+
+
+def box(x, y, wide, tall):
+    return [
+        (x, y, x + wide, y),
+        (x + wide, y, x + wide, y + tall),
+        (x + wide, y + tall, x, y + tall),
+        (x, y + tall, x, y),
+    ]
+
+
+def corridor():
+    """Return (k, 4) walls of a corridor of 40 m in which cupboards stand on both sides, no two alike."""
+    rng, lines = np.random.default_rng(3), box(0.0, -1.5, 40.0, 3.0)
+    for x in np.arange(0.6, 39.0, 1.3):
+        deep = rng.uniform(0.2, 0.8)
+        lines += box(x + rng.uniform(0.0, 0.4), rng.choice([-1.5, 1.5 - deep]), rng.uniform(0.3, 0.8), deep)
+    return np.array(lines)
+
+
+LINES = corridor()
+
+
+def along(first, last):
+    """Return true poses, 0.1 m apart, from x = `first` to x = `last` [m], looking ahead."""
+    x = np.linspace(first, last, round(abs(last - first) / 0.1) + 1)
+    heading = 0.0 if last > first else np.pi
+    return np.stack((x, 0.1 * np.sin(x), np.full(len(x), heading)), axis=-1)
+
+
+def drive(engine, pieces, slips):
+    """Feed scans at the true poses of `pieces`; the odometry errs by `slips` (3,) from one to the next.
+
+    Returns updates, (n, 3) true poses and (n, 3) odometry.
+    """
+    rng, truth, odometry, updates = np.random.default_rng(0), np.concatenate(pieces), [pieces[0][0]], []
+    starts = np.cumsum([len(piece) for piece in pieces]).tolist()
+    for k, pose in enumerate(truth):
+        if k:
+            motion = between(truth[k - 1], pose)
+            odometry.append(compose(odometry[-1], compose(motion, slips) if k in starts else motion))
+        updates.append(engine.update(odometry[-1], cast(LINES, pose, rng, REACH)))
+    return updates, truth, np.array(odometry)
+
+
+def errors(engine, truth):
+    off = between(truth, engine.trajectory())
+    return np.hypot(off[:, 0], off[:, 1])
+
+
+def test_after_a_short_gap_the_odometry_is_believed_and_not_a_match_on_what_was_never_seen():
+    engine, slip = make_slam("cartographer"), np.array([0.3, 0.4, 0.1])
+    updates, _, odometry = drive(engine, [along(2.0, 8.0), along(14.5, 17.0)], slip)
+    assert isinstance(engine, Cartographer)
+    assert engine.losses == 0
+    assert all(update.located for update in updates)
+    before, after = updates[60].pose, updates[61].pose
+    np.testing.assert_allclose(between(before, after), between(odometry[60], odometry[61]), atol=0.05)
+
+
+def test_what_the_odometry_missed_in_a_gap_is_known_once_the_robot_comes_back():
+    engine, slip = make_slam("cartographer"), np.array([0.3, 0.4, 0.1])
+    _, truth, _ = drive(engine, [along(2.0, 8.0), along(14.5, 17.0), along(17.0, 3.0)], slip * 0.5)
+    assert errors(engine, truth).max() < 0.2
+
+
+def test_after_a_long_gap_the_robot_is_lost_until_it_comes_back_to_its_map():
+    engine, slip = make_slam("cartographer"), np.array([3.0, 2.0, 0.8])
+    assert isinstance(engine, Cartographer)
+    updates, truth, odometry = drive(engine, [along(2.0, 9.0), along(30.0, 34.0)], slip)
+    assert (engine.losses, engine.relocalizations) == (1, 0)
+    assert not any(update.located for update in updates[71:])
+    far = np.hypot(*(engine.map().occupied_points - truth[0, :2]).T) > 15.0
+    assert far.sum() > 100  # drawn all the same, where the odometry puts it
+    rng, back = np.random.default_rng(1), along(34.0, 3.0)
+    for k, pose in enumerate(back):
+        motion = between(back[k - 1], pose) if k else between(truth[-1], pose)
+        engine.update(compose(odometry[-1], motion), cast(LINES, pose, rng, REACH))
+        odometry = np.append(odometry, compose(odometry[-1], motion)[None], axis=0)
+    assert (engine.losses, engine.relocalizations) == (1, 1)
+    assert errors(engine, np.concatenate((truth, back))).max() < 0.3
+
+
+def test_a_robot_off_its_map_fits_nowhere_on_it_and_one_that_is_there_fits():
+    engine = make_slam("cartographer")
+    updates, truth, odometry = drive(engine, [along(2.0, 8.0)], np.zeros(3))
+    place, rng = searchable(engine.map_at(0.05)), np.random.default_rng(1)
+    assert place is not None
+    here = [(odometry[k], cast(LINES, truth[k], rng, REACH)) for k in range(30, 50, 3)]
+    assert fits(place, here, updates[48].pose)
+    away = along(30.0, 32.0)
+    elsewhere = [(pose, cast(LINES, pose, rng, REACH)) for pose in away[::3]]
+    for k in range(20, 45, 5):
+        assert not fits(place, elsewhere, updates[k].pose)
+    assert not fits(place, here, np.array([4.0, 9.0, 0.0]))  # behind the wall
+
+
+@pytest.mark.parametrize(
+    ("away", "score", "nothing"), [(0.0, 0.05, False), (10.0, 0.05, True), (10.0, 0.2, False), (4.5, 0.05, True)]
+)
+def test_a_scan_sees_nothing_of_a_submap_where_it_fits_nowhere_and_lies_beside(away, score, nothing):
+    submap, bearings = Submap(SubmapConfig(), np.zeros(3)), np.linspace(-np.pi, np.pi, 200, endpoint=False)
+    circle = 3.0 * np.stack((np.cos(bearings), np.sin(bearings)), axis=-1)
+    submap.insert(Sweep(np.zeros(2), circle, len(circle), np.empty((0, 2))))
+    watch = Watch(WatchConfig())
+    assert not watch.doubts(submap, circle, np.zeros(2), np.zeros(3), 0.9)
+    assert watch.sees_nothing(submap, circle, np.array([away, 0.0, 0.0]), score) == nothing
+
+
+def test_a_found_piece_is_tied_to_the_map_around_it_and_not_to_where_the_robot_got_lost():
+    engine, slip = make_slam("cartographer"), np.zeros(3)
+    assert isinstance(engine, Cartographer)
+    drive(engine, [along(2.0, 12.0)], slip)
+    graph = engine._global  # pyright: ignore[reportPrivateUsage]
+    assert graph is not None
+    nodes, ties = len(graph.nodes), len(graph.constraints)
+    graph.begin_piece()
+    engine._local.restart()  # pyright: ignore[reportPrivateUsage]
+    rng = np.random.default_rng(1)
+    engine.update(np.array([3.0, 0.0, 0.0]), cast(LINES, np.array([4.0, 0.0, 0.0]), rng, REACH))
+    graph.place_piece(np.array([4.0, 0.0, 0.0]), engine.local_trajectory()[-1])
+    found = [c for c in graph.constraints[ties:] if c.node == nodes and c.searched]
+    assert len(found) == 1
+    assert np.linalg.inv(found[0].information)[0, 0] == pytest.approx(0.1**2)
+    assert (graph.nodes[nodes].motion.sigma > 1.0).all()
