@@ -17,7 +17,7 @@ from ..settings import with_settings
 from .constraints import Constraint
 from .global_slam import GlobalSlam, GlobalSlamConfig
 from .local_slam import LocalResult, LocalSlam, LocalSlamConfig
-from .relocalization import Relocalization, searchable
+from .relocalization import Reach, Relocalization, searchable
 from .watch import Watch, WatchConfig
 
 Array = NDArray[np.float64]
@@ -133,8 +133,9 @@ class Cartographer:
         self, watch: Watch, graph: GlobalSlam, result: LocalResult, odometry: Array, scan: LaserScan
     ) -> LocalResult:
         """Weigh doubtful scans against the whole map where it is due; return what local SLAM makes of this one then."""
-        if result.apart:
-            self._leap(graph, result, odometry, scan)
+        if result.apart is not None:
+            self._suspects = [(odometry, scan)]
+            self._leap(graph, result.pose, result.apart)
             return self._local.update(odometry, scan)
         self._suspect(watch, result.doubtful, odometry, scan)
         due = watch.suspicious and self._search is None and self._suspected % _WEIGHED == 0
@@ -208,32 +209,40 @@ class Cartographer:
             return False
         return outcome.explained < _EXPLAINED or outcome.moved or (outcome.surpassed and not outcome.beside)
 
-    def _leap(self, graph: GlobalSlam, result: LocalResult, odometry: Array, scan: LaserScan) -> None:
+    def _leap(self, graph: GlobalSlam, pose: Array, sigma: Array) -> None:
         """Begin new submaps with the next update, tied to those before by the odometry alone, as after a gap in a log.
 
         Where the odometry does not know the place so well that a loop search would find it, the robot is lost.
+
+        Args:
+            graph: Global SLAM.
+            pose: (3,) T_local_robot by the odometry.
+            sigma: (2,) its standard deviations [m, rad].
         """
-        self._suspects = [(odometry, scan)]
-        if result.sigma is None or not (result.sigma <= graph.reach).all():
-            self._lose(graph, self._relocalization(graph), carried=False)
+        if not (sigma <= graph.reach).all():
+            way = float(np.hypot(*(pose - self._poses_local[-1])[:2]))
+            reach = Reach.across(way, sigma, compose(graph.local_to_global, pose))
+            if self._search:
+                reach = self._search.reach.widened(reach) if self._search.reach else None
+            self._lose(graph, self._relocalization(graph), reach)
             return
         self._breaks.append(len(self._poses_local))
         self._begin_anew()
 
-    def _lose(self, graph: GlobalSlam, search: Relocalization, carried: bool = True) -> None:
+    def _lose(self, graph: GlobalSlam, search: Relocalization, reach: Reach | None = None) -> None:
         """Begin a new piece of the drive with the next update, and the search on the map without it.
 
         Args:
             graph: Global SLAM.
             search: The search, with the scans since the robot may have been lost.
-            carried: Whether the odometry knows nothing of how it came there.
+            reach: Where the robot should be if nobody has carried it; None: it may have been carried.
         """
         self.losses += 1
         self._search = search
-        search.begin(off_map=not carried)
+        search.begin(reach)
         first = len(self._poses_local) + 1 - len(self._suspects)
         self._breaks.append(first)
-        graph.begin_piece(sum(k >= first for k in self._inserted[-len(self._suspects) :]), carried)
+        graph.begin_piece(sum(k >= first for k in self._inserted[-len(self._suspects) :]), reach is None)
         self._begin_anew()
 
     def _begin_anew(self) -> None:
@@ -242,8 +251,10 @@ class Cartographer:
 
     def _find(self, odometry: Array, scan: LaserScan, pose_local: Array) -> None:
         """Go on with the search, if there is one; when it succeeds, join the new piece of the drive to the map."""
-        found = self._search.update(odometry, scan) if self._search else None
-        if found is not None and self._global:
+        if not self._search or not self._global:
+            return
+        found = self._search.update(odometry, scan, compose(self._global.local_to_global, pose_local))
+        if found is not None:
             self._global.place_piece(found, pose_local)
             self._search = None
             self.relocalizations += 1

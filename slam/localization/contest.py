@@ -17,9 +17,6 @@ from .view import ViewMaker
 Array = NDArray[np.float64]
 
 
-_ELSEWHERE = 0.35  # mean likelihood of the beams of a robot that is not on the map, at the place that fits best
-
-
 @dataclass(frozen=True, eq=False)
 class Contest:
     """How a place fared against all others.
@@ -49,12 +46,12 @@ class Contest:
 def fits(
     place: PlaceMap, scans: Sequence[tuple[Array, LaserScan]], here: Array, config: LocalizerConfig | None = None
 ) -> bool:
-    """Return whether a robot is likelier to be `here` (3,), T_map_robot at the last scan, than nowhere on the map.
+    """Return whether the walls of the map explain well all that a robot has seen lately if it is `here`.
 
     Args:
         place: The map.
         scans: Odometry poses T_odom_robot (3,) and scans, the last ones.
-        here: Where a search has found it.
+        here: (3,) T_map_robot at the last scan, where a search has found it.
         config: Settings of localization.
     """
     config = config or LocalizerConfig()
@@ -64,7 +61,8 @@ def fits(
         if len(view.points) >= config.min_points:
             search.remember(view)
     search.propose(here[None])
-    return search.surpasses(_ELSEWHERE)
+    belief = search.belief()
+    return bool(len(belief.poses) and belief.explained[0] >= config.search.well_explained)
 
 
 def contest(

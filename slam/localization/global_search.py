@@ -191,14 +191,6 @@ class GlobalSearch:
         sure = bool(clear and explained[0] >= config.least_explained)
         return Belief(self._poses.copy(), ratios, explained, sure)
 
-    def surpasses(self, likelihood: float) -> bool:
-        """Return whether the likeliest hypothesis is surely likelier than that all beams are so likely, in (0, 1)."""
-        if not len(self._poses):
-            return False
-        count = self._independent()
-        totals, _ = self._totals()
-        return bool(totals[0] > count * np.log(likelihood) + np.log(self._config.sure_ratio))
-
     def _search(self) -> Array:
         """Return (k, 3) refined maxima of the whole map for the last views together."""
         place, config = self._place, self._config
@@ -230,12 +222,9 @@ class GlobalSearch:
         """Return (k,) log-likelihoods and (k,) shares explained, over the remembered views."""
         weights = np.array(self._freshness)
         means = np.einsum("kvc,v->kc", self._tables, weights / weights.sum())
-        return self._priors + self._independent() * means[:, 0], means[:, 1]
-
-    def _independent(self) -> float:
-        """Return how many independent beams the remembered views count as."""
         beams = self._config.independent_beams * min(1.0, _FINE / self._place.resolution)
-        return beams * min(float(sum(self._freshness)), self._config.independent_views)
+        count = beams * min(float(weights.sum()), self._config.independent_views)
+        return self._priors + count * means[:, 0], means[:, 1]
 
     def _settle(self) -> None:
         """Sort the hypotheses, join equal ones, drop hopeless ones and those that stand in walls or the unknown."""

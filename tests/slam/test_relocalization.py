@@ -288,7 +288,7 @@ def judged(monkeypatch, engine, *, surpassed=False, **verdict):
     outcome = SimpleNamespace(stays=False, belief=belief, surpassed=surpassed, **verdict)
     search = SimpleNamespace(
         contest=lambda here, doubted, drift: drifts.append(drift) or outcome,
-        begin=lambda **_: None,
+        begin=lambda _: None,
         update=lambda *_: None,
     )
     monkeypatch.setattr(engine, "_relocalization", lambda graph: search)
