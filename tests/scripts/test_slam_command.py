@@ -156,7 +156,7 @@ def test_gmapping_twice_with_one_seed_gives_the_same_bytes(log, tmp_path):
         (["slam", "LOG", "--out", "out", "--set", "particles"], "--set needs NAME=VALUE"),
         (["slam", "LOG", "--out", "out", "--set", "particles=-3"], "`particles` must be positive"),
         (["slam", "LOG", "--out", "out", "--resolution", "0"], "--resolution must lie in"),
-        (["slam", "LOG", "--out", "LOG"], "results cannot be written there"),
+        (["slam", "LOG", "--out", "LOG"], "is a file, where a folder has to be written"),
         (["slam", "CUT", "--out", "out"], "cut"),
         (["slam", "EMPTY", "--out", "out"], "no laser scan found"),
     ],
