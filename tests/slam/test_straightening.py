@@ -86,7 +86,8 @@ def test_a_closure_that_fits_no_more_is_dropped():
     assert builder.again(tie, drawn(1.0), points) is None
 
 
-def test_finished_submaps_get_the_shape_that_the_graph_gives_them():
+def twice_around():
+    """Return an engine after two rounds of an ellipse through the hall, with poor odometry."""
     rng, t = np.random.default_rng(0), np.linspace(0.0, 4.0 * np.pi, 260)
     ellipse = 6.0 + 4.0 * np.cos(t), 4.5 + 3.0 * np.sin(t), np.arctan2(3.0 * np.cos(t), -4.0 * np.sin(t))
     truth, engine = np.stack(ellipse, axis=-1), Cartographer()
@@ -95,6 +96,24 @@ def test_finished_submaps_get_the_shape_that_the_graph_gives_them():
     for motion, place in zip(between(truth[:-1], truth[1:]), truth[1:], strict=True):
         odometry = compose(odometry, motion * [1.05, 1.0, 1.05] + rng.normal(0.0, 1.0, 3) * [0.01, 0.005, 0.01])
         engine.update(odometry, cast(HALL, place, rng, 5.0))
+    return engine
+
+
+def test_closures_that_fit_no_more_count_as_rejected(monkeypatch):
+    engine = twice_around()
+    graph = engine._global  # pyright: ignore[reportPrivateUsage]
+    assert graph is not None
+    graph.constraints = [replace(tie, searched=tie.kind is Kind.INTER) for tie in graph.constraints]
+    found, before = sum(tie.searched for tie in graph.constraints), engine.rejected
+    monkeypatch.setattr(ConstraintBuilder, "again", lambda *_: None)
+    engine.trajectory()
+    assert found > 0
+    assert engine.rejected - before >= found
+    assert not any(tie.searched for tie in engine.constraints)
+
+
+def test_finished_submaps_get_the_shape_that_the_graph_gives_them():
+    engine = twice_around()
     before = [dict(nodes) for nodes in engine.submap_nodes]
     engine.trajectory()
     after = engine.submap_nodes
