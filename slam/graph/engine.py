@@ -56,6 +56,8 @@ class Cartographer:
 
     Where several scans in a row contradict the submap, the robot was carried away (or slipped far): a new piece of the
     drive begins, apart from the map, and is joined to it once the robot has been found on the map again.
+    A robot that is carried to where it looks much like before is not noticed: in buildings that repeat themselves that
+    cannot be told from drift, and drift is frequent.
 
     `SlamUpdate.diagnostics`: `score` (mean occupancy of the submap under the scan's points, 0 .. 1).
 
