@@ -12,7 +12,7 @@ from .evidence import Evidence
 from .global_search import Belief, GlobalSearch, GlobalSearchConfig
 from .localizer import LocalizerConfig
 from .place_map import PlaceMap
-from .view import ViewMaker
+from .view import View, ViewMaker
 
 Array = NDArray[np.float64]
 
@@ -55,11 +55,9 @@ def fits(
         config: Settings of localization.
     """
     config = config or LocalizerConfig()
-    search, maker = GlobalSearch(place, Evidence(place, config.evidence), config.search), ViewMaker(config.voxel_filter)
-    views = [maker.view(odometry, scan) for odometry, scan in scans]
-    for view in views:
-        if len(view.points) >= config.min_points:
-            search.remember(view)
+    search = GlobalSearch(place, Evidence(place, config.evidence), config.search)
+    for view in _views(scans, config):
+        search.remember(view)
     search.propose(here[None])
     belief = search.belief()
     return bool(len(belief.poses) and belief.explained[0] >= config.search.well_explained)
@@ -86,9 +84,7 @@ def contest(
     config = config or LocalizerConfig()
     trust = config.trust if trust is None else trust
     evidence = Evidence(place, config.evidence)
-    search, maker = GlobalSearch(place, evidence, config.search), ViewMaker(config.voxel_filter)
-    views = [maker.view(odometry, scan) for odometry, scan in scans]
-    views = [view for view in views if len(view.points) >= config.min_points]
+    search, views = GlobalSearch(place, evidence, config.search), _views(scans, config)
     if not views or not place.is_free(here[None, :2])[0]:
         return Contest(True, False, False, search.belief())
     for view in views:
@@ -99,6 +95,13 @@ def contest(
     if not len(belief.poses):
         return Contest(True, False, False, belief)
     return weigh(here, belief, config.search, drift)
+
+
+def _views(scans: Sequence[tuple[Array, LaserScan]], config: LocalizerConfig) -> list[View]:
+    """Return the views of those scans that say something."""
+    maker = ViewMaker(config.voxel_filter)
+    views = [maker.view(odometry, scan) for odometry, scan in scans]
+    return [view for view in views if len(view.points) >= config.min_points]
 
 
 def weigh(here: Array, belief: Belief, config: GlobalSearchConfig, drift: float) -> Contest:
