@@ -9,23 +9,47 @@ Array = NDArray[np.float64]
 UNKNOWN, FREE, OCCUPIED = 0, 1, 2
 FLOOR = 0.05
 """Likelihood of a beam that contradicts the map: people and moved things make some of them at any pose."""
+OBLIQUE = 6
+"""[cells] So far ahead and behind it is looked whether a wall goes on beside a ray: one that it meets at 15 degrees."""
 UNSEEN = 0.6
 """Likelihood of a beam that ends where the map knows nothing: at the map's edge that is no surprise, and no proof."""
 
 
 @njit(cache=True, nogil=True)
-def is_blocked(states: NDArray[np.uint8], x0: float, y0: float, x1: float, y1: float, slack: float) -> bool:
-    """Return whether a ray meets an occupied cell more than `slack` before its end, looked at once a cell's side.
+def is_blocked(
+    states: NDArray[np.uint8], x0: float, y0: float, x1: float, y1: float, slack: float, beside: float
+) -> bool:
+    """Return whether a ray comes through a wall more than `slack` before its end, looked at once a cell's side.
+
+    A wall goes on to both sides of the ray. Where nothing is occupied `beside` it on one side, it may have passed next
+    to the leg of a chair or the end of a wall, which fills a part of its cell only.
 
     All lengths in cells, from the outer corner of cell [0, 0].
     """
-    length = np.sqrt((x1 - x0) ** 2 + (y1 - y0) ** 2)
-    for step in range(1, int(length - slack) + 1):
-        share = step / length
-        i, j = int(np.floor(y0 + share * (y1 - y0))), int(np.floor(x0 + share * (x1 - x0)))
-        if 0 <= i < states.shape[0] and 0 <= j < states.shape[1] and states[i, j] == OCCUPIED:
-            return True
+    dx, dy = x1 - x0, y1 - y0
+    length = np.sqrt(dx * dx + dy * dy)
+    last = int(length - slack)
+    if last < 1:
+        return False
+    dx, dy = dx / length, dy / length
+    for step in range(1, last + 1):
+        x, y = x0 + step * dx, y0 + step * dy
+        if not _occupied(states, x, y):
+            continue
+        left = right = False
+        for ahead in range(-OBLIQUE, OBLIQUE + 1):
+            u, v = x + ahead * dx, y + ahead * dy
+            left = left or _occupied(states, u - beside * dy, v + beside * dx)
+            right = right or _occupied(states, u + beside * dy, v - beside * dx)
+            if left and right:
+                return True
     return False
+
+
+@njit(cache=True, nogil=True)
+def _occupied(states: NDArray[np.uint8], x: float, y: float) -> bool:
+    i, j = int(np.floor(y)), int(np.floor(x))
+    return 0 <= i < states.shape[0] and 0 <= j < states.shape[1] and states[i, j] == OCCUPIED
 
 
 @njit(cache=True, nogil=True)
@@ -43,8 +67,8 @@ def beam_likelihoods(
 ) -> None:
     """Write into `likelihoods` (k, N) how likely each beam's end is at each pose, in [FLOOR, 1] relative to the best.
 
-    A beam is explained by a wall near its end: exp(-d^2 / 2 sigma^2). One that comes through an occupied cell more
-    than `slack` before its end contradicts the map, and so does one that ends in free space away from walls.
+    A beam is explained by a wall near its end: exp(-d^2 / 2 sigma^2). One that comes through a wall more than `slack`
+    before its end contradicts the map, and so does one that ends in free space away from walls.
 
     Args:
         states: (rows, cols) UNKNOWN, FREE or OCCUPIED.
@@ -54,7 +78,7 @@ def beam_likelihoods(
         foot: (2,) place of the laser in the robot frame [m].
         points: (N, 2) ends of the beams in the robot frame [m].
         poses: (k, 3) T_map_robot.
-        sigma: How far from a wall an end may lie [m].
+        sigma: How far from a wall an end may lie, and how far a wall that stops a beam goes on to both sides [m].
         slack: [m].
         likelihoods: (k, N) the result.
     """
@@ -66,7 +90,7 @@ def beam_likelihoods(
         for n in range(len(points)):
             x1 = (poses[k, 0] + c * points[n, 0] - s * points[n, 1] - corner[0]) / resolution
             y1 = (poses[k, 1] + s * points[n, 0] + c * points[n, 1] - corner[1]) / resolution
-            if is_blocked(states, x0, y0, x1, y1, slack / resolution):
+            if is_blocked(states, x0, y0, x1, y1, slack / resolution, sigma / resolution):
                 likelihoods[k, n] = FLOOR
                 continue
             i, j = int(np.floor(y1)), int(np.floor(x1))

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
+from ..geometry import between
 from ..graph.extrapolator import ExtrapolatorConfig, OdometryExtrapolator, Prediction
 from ..graph.scan_matcher import ScanMatcher, ScanMatcherConfig
 from ..graph.voxel_filter import AdaptiveVoxelConfig
@@ -199,8 +200,19 @@ class Localizer:
         self.lost += 1
         if len(view.points) < self.config.min_points:
             return LocalizationUpdate(None, State.SEARCHING, False, None, None)
-        self._search.propose(pose[None], self.config.trust)
+        self._search.propose(self._nearby(view, pose)[None], self.config.trust)
         return self._concluded(self._search.look(), view)
+
+    def _nearby(self, view: View, pose: Array) -> Array:
+        """Return where a view fits best beside a pose, so that it is judged there by earlier views, too.
+
+        They would be refined to where they fit, and speak for a pose that this view contradicts. A pose so far away
+        that a search tells the two apart is another place, and has not been trusted: then it stays.
+        """
+        refined = self._evidence.refine(view.points, pose[None], coarse=True)[0]
+        off, apart = between(pose, refined), self.config.search.separation
+        near = np.hypot(off[0], off[1]) <= apart.linear and abs(off[2]) <= apart.angular
+        return refined if near else pose
 
 
 def _pose(value: ArrayLike, name: str) -> Array:

@@ -6,7 +6,7 @@ from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between, compose
 from tagalong.slam.grid import GridConfig, render_map
 from tagalong.slam.localization import reference
-from tagalong.slam.localization.evidence_kernels import beam_likelihoods
+from tagalong.slam.localization.evidence_kernels import FREE, OCCUPIED, beam_likelihoods
 from tagalong.slam.localization.localizer import Localizer, LocalizerConfig, State
 from tagalong.slam.localization.place_map import PlaceMap, PlaceMapConfig
 from tagalong.slam.occupancy_map import OccupancyMap
@@ -191,6 +191,61 @@ def test_the_kernel_of_the_evidence_equals_its_reference(room):
     slow = reference.beam_likelihoods(*setting)
     assert (np.abs(fast - slow) > 1e-5).mean() < 0.002  # a beam through a corner may pass on either side
     assert 0.05 < (slow > 0.06).mean() < 0.95
+
+
+def likelihood(states, foot, point):
+    """Return how likely a beam is on `states` of 5 cm cells, whose end, far from its way, is explained."""
+    result = np.empty((1, 1), np.float32)
+    near = np.zeros(states.shape, np.float32)
+    beam_likelihoods(
+        states, near, np.zeros(2), 0.05, np.array(foot), np.array([point]), np.zeros((1, 3)), 0.08, 0.4, result
+    )
+    return float(result[0, 0])
+
+
+def test_a_beam_may_have_passed_next_to_a_leg_of_a_chair_but_not_through_a_wall():
+    free = np.full((80, 80), FREE, np.uint8)
+    leg, wall, gap = free.copy(), free.copy(), free.copy()
+    leg[40, 40] = wall[:, 40] = gap[:, 40] = OCCUPIED
+    gap[40:46, 40] = FREE
+    for turn in np.radians([0.0, 10.0, 30.0, 50.0, 70.0]):
+        for shift in (-0.02, 0.0, 0.02):
+            way = np.array([np.cos(turn), np.sin(turn)])
+            middle = np.array([2.025, 2.025]) + shift * np.array([-way[1], way[0]])
+            foot, point = middle - 1.0 * way, middle + 1.0 * way
+            assert likelihood(leg, foot, point) == 1.0
+            assert likelihood(wall, foot, point) == pytest.approx(0.05)
+            short = middle + 0.2 * way  # a wall so near the end does not contradict it
+            assert likelihood(wall, foot, short) == 1.0
+    assert likelihood(gap, (1.0, 2.02), (3.0, 2.02)) == 1.0
+    assert likelihood(gap, (1.0, 1.98), (3.0, 1.98)) == 1.0  # the end of the wall
+    assert likelihood(gap, (1.0, 1.88), (3.0, 1.88)) == pytest.approx(0.05)
+
+
+def test_a_robot_that_was_pushed_aside_is_not_sure_of_where_it_was_before(room):
+    start = (0.0, -1.0, 0.0)
+    for away, turn in ((0.3, 0.25), (0.4, -0.25), (0.5, 0.2)):
+        rng = np.random.default_rng(0)
+        localizer = Localizer(room, start=start)
+        driven(localizer, ROOM, start, (0.0, 0.0, 0.0), 4, rng)
+        pushed = compose(np.array(start), np.array([0.0, away, turn]))
+        updates, poses = driven(localizer, ROOM, pushed, (0.0, 0.0, 0.02), 8, rng)
+        sure = [k for k, update in enumerate(updates) if update.belief is not None and update.pose is not None]
+        assert len(sure) == 1
+        for update, pose in zip(updates[sure[0] :], poses[sure[0] :], strict=True):
+            assert error(update, pose)[0] < 0.1
+
+
+def test_a_robot_that_was_carried_to_where_it_looks_almost_as_where_it_was_is_not_sure():
+    grid = drawn(SYMMETRIC, PLACES)
+    for start, off in (((-2.0, 0.0, 0.3), (0.2, 0.0, 0.45)), ((0.0, -1.0, 0.0), (0.0, 0.2, -0.45))):
+        rng = np.random.default_rng(0)
+        localizer = Localizer(grid, start=start)
+        driven(localizer, SYMMETRIC, start, (0.0, 0.0, 0.0), 4, rng)
+        turned = compose(np.array([0.0, 0.0, np.pi]), compose(np.array(start), np.array(off)))
+        updates, _ = driven(localizer, SYMMETRIC, turned, (0.0, 0.0, 0.02), 6, rng)
+        assert localizer.lost == 1
+        assert all(update.pose is None for update in updates[2:])
 
 
 def test_a_map_without_walls_and_a_start_that_is_no_pose_are_refused(room):
