@@ -47,7 +47,8 @@ class LocalizerConfig:
         doubt: A scan is doubtful when it explains less of its beams than so much of what is usual ...
         doubt_below: ... or less than this.
         patience: After so many doubtful scans in a row the robot counts as lost.
-        trust: Then the tracked pose still counts as so many times likelier than any other before the map is searched.
+        trust: Then the tracked pose still counts as so many times likelier than any other before the map is searched,
+            where the odometry may have led to it; one that it cannot have led to is given up at once.
         blind_way: After so many metres without a scan that says anything it counts as lost, too [m].
     """
 
@@ -176,7 +177,7 @@ class Localizer:
         way = float(np.hypot(*(prediction.pose[:2] - self._blind_from[:2])))
         if len(view.points) < self.config.min_points:
             if way > self.config.blind_way:
-                return self._give_up(view, prediction.pose)
+                return self._give_up(view, prediction, prediction.pose)
             return LocalizationUpdate(prediction.pose, State.TRACKING, False, None, None)
         match = self._matcher.match(self.place, view.points, prediction)
         assert match is not None  # there are enough points
@@ -185,8 +186,11 @@ class Localizer:
             self._search.remember(view)
             self._doubtful += 1
             if self._doubtful >= self.config.patience:
-                return self._give_up(view, match.pose)
+                return self._give_up(view, prediction, match.pose)
             return LocalizationUpdate(prediction.pose, State.TRACKING, False, explained, None)
+        if not self._reaches(prediction, match.pose):
+            self._search.remember(view)
+            return self._give_up(view, prediction, match.pose)
         if self._doubtful:
             self._search.forget()
         self._usual = explained if self._usual == 0.0 else self._usual + _MEMORY * (explained - self._usual)
@@ -194,25 +198,28 @@ class Localizer:
         tracker.correct(view.odometry, match.pose)
         return LocalizationUpdate(match.pose, State.TRACKING, True, explained, None)
 
-    def _give_up(self, view: View, pose: Array) -> LocalizationUpdate:
-        """Stop tracking; the map is searched, and the last pose is one hypothesis among others."""
+    def _give_up(self, view: View, prediction: Prediction, pose: Array) -> LocalizationUpdate:
+        """Stop tracking; the map is searched, and where the view fits best beside `pose` (3,) is one place of many.
+
+        It is trusted only where the odometry may have led. Unrefined it would be judged worse by this view than by the
+        earlier ones, on which it is refined.
+        """
         self._tracker = None
         self.lost += 1
         if len(view.points) < self.config.min_points:
             return LocalizationUpdate(None, State.SEARCHING, False, None, None)
-        self._search.propose(self._nearby(view, pose)[None], self.config.trust)
+        beside = self._evidence.refine(view.points, pose[None], coarse=True)
+        self._search.propose(beside, self.config.trust if self._reaches(prediction, beside[0]) else 1.0)
         return self._concluded(self._search.look(), view)
 
-    def _nearby(self, view: View, pose: Array) -> Array:
-        """Return where a view fits best beside a pose, so that it is judged there by earlier views, too.
+    def _reaches(self, prediction: Prediction, pose: Array) -> bool:
+        """Return whether the odometry may have led to `pose` (3,): a search would not tell it from where it predicts.
 
-        They would be refined to where they fit, and speak for a pose that this view contradicts. A pose so far away
-        that a search tells the two apart is another place, and has not been trusted: then it stays.
+        A scan of elsewhere fits badly at the prediction, and is matched where it looks alike, as far as that may be.
         """
-        refined = self._evidence.refine(view.points, pose[None], coarse=True)[0]
-        off, apart = between(pose, refined), self.config.search.separation
-        near = np.hypot(off[0], off[1]) <= apart.linear and abs(off[2]) <= apart.angular
-        return refined if near else pose
+        off, apart = between(prediction.pose, pose), self.config.search.separation
+        reach = np.maximum((apart.linear, apart.angular), self.config.matcher.sigmas * prediction.sigma)
+        return bool(np.hypot(off[0], off[1]) <= reach[0] and abs(off[2]) <= reach[1])
 
 
 def _pose(value: ArrayLike, name: str) -> Array:
