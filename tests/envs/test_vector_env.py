@@ -1,11 +1,16 @@
 """The vector environment: equal to single environments step by step, in every autoreset mode."""
 
+import multiprocessing as mp
+import pickle
+
 import gymnasium as gym
 import numpy as np
 import pytest
 import tagalong  # noqa: F401 (registers the ids)
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
-from tagalong.slam.errors import InputError
+from tagalong.envs import vector_worker
+from tagalong.envs.vector_worker import work
+from tagalong.slam.errors import InputError, MissingExtraError
 
 FIELDS = {"beams": 61, "slam": None, "people_count": 3}
 COUNT = 3
@@ -131,6 +136,48 @@ def test_what_is_wrong_is_said():
     with pytest.raises(InputError, match="an action for each"):
         env.step(np.zeros((2, 2)))
     env.close()
+
+
+class Failing:
+    """A share whose only method fails."""
+
+    def __init__(self, error):
+        self.error = error
+
+    def step(self):
+        raise self.error
+
+
+def worked(monkeypatch, error):
+    """What comes out of the pipe of a worker whose step fails; None: nothing."""
+    monkeypatch.setattr(vector_worker, "Share", lambda *_: Failing(error))
+    ours, theirs = mp.Pipe()
+    ours.send(("step", ()))
+    ours.send(None)
+    work(theirs, 1, AutoresetMode.DISABLED, None, {})
+    return ours.recv() if ours.poll() else None
+
+
+def test_an_error_of_a_process_comes_with_where_it_was(monkeypatch):
+    _, error = worked(monkeypatch, ZeroDivisionError("nothing to share"))
+    assert isinstance(error, ZeroDivisionError)
+    assert "in step" in "".join(error.__notes__)
+    _, error = worked(monkeypatch, InputError("`beams` must be positive"))
+    assert not hasattr(error, "__notes__")  # such an error says all by itself
+    assert worked(monkeypatch, KeyboardInterrupt()) is None
+
+
+def test_errors_come_whole_through_a_pipe():
+    error = pickle.loads(pickle.dumps(MissingExtraError("plots", "viz")))
+    assert (str(error), error.extra) == (str(MissingExtraError("plots", "viz")), "viz")
+
+
+def test_environments_close_though_a_process_has_ended():
+    env = native(workers=3)
+    env.unwrapped._processes[0].terminate()
+    env.unwrapped._processes[0].join()
+    env.close()
+    assert not any(process.is_alive() for process in env.unwrapped._processes)
 
 
 @pytest.mark.parametrize("kind", [tuple, np.array])
