@@ -175,9 +175,9 @@ def _cave(rng: Generator) -> Plan:
     size, smooth = rng.uniform((25.0, 20.0), (50.0, 40.0)), rng.uniform(1.5, 3.5)
     cols, rows = np.ceil(size / _FIELD_CELL).astype(int)
     field = np.asarray(ndimage.gaussian_filter(rng.standard_normal((rows, cols)), smooth / _FIELD_CELL))
-    field = (field - np.quantile(field, rng.uniform(0.3, 0.45))) / field.std()
-    from_border = np.minimum(*(np.minimum(k, k[..., ::-1, ::-1]) for k in np.indices(field.shape)))
-    field = np.minimum(field, 0.7 * (from_border - 1.5))
+    field = (field - np.quantile(field, rng.uniform(0.2, 0.4))) / field.std()
+    from_border = np.minimum(*(np.minimum(k, k[::-1, ::-1]) for k in np.indices(field.shape)))
+    field = np.where(from_border == 0, -1.0, field - 3.0 * np.exp(-from_border * _FIELD_CELL / 1.2))
     out = Outlines()
     for start, end in _contour(field):
         out.segment(start * _FIELD_CELL, end * _FIELD_CELL)
