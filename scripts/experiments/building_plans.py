@@ -21,7 +21,8 @@ CLEARANCE = 0.35
 """Least distance of a robot's way from all things [m]."""
 _CELL = 0.1  # of the grid of free space [m]
 _THICKNESS = 0.14  # of inner walls [m]
-_LEAST_AREA = 60.0  # of what can be driven [m^2]; smaller caves are drawn again
+_LEAST_AREA = 60.0  # of what can be driven [m^2]; smaller floors are drawn again ...
+_LEAST_SHARE = 0.85  # ... and those of which less than this share of what is wide enough can be reached
 _FIELD_CELL = 0.5  # of the field whose contour is a cave [m]
 
 
@@ -30,7 +31,7 @@ class Plan:
     """A floor.
 
     Attributes:
-        outlines: What the laser meets; nothing is hit twice, nothing is open to the outside.
+        outlines: What the laser meets; closed to the outside.
         inside: (2,) a place in the free space [m].
     """
 
@@ -62,6 +63,11 @@ class Plan:
         """Plans ways through it."""
         return WayPlanner(self.space, CLEARANCE)
 
+    @property
+    def reachable(self) -> float:
+        """Share of the space wide enough for a robot that lies in its largest connected part."""
+        return len(self.planner.places) / max(int((self.planner.regions > 0).sum()), 1)
+
 
 def draw_plan(kind: str, rng: Generator) -> Plan:
     """Draw a floor of a kind of `KINDS`.
@@ -72,7 +78,7 @@ def draw_plan(kind: str, rng: Generator) -> Plan:
     if kind not in KINDS:
         raise unknown_name("kind of building", kind, tuple(KINDS))
     plan = KINDS[kind](rng)
-    while plan.planner.area < _LEAST_AREA:
+    while plan.planner.area < _LEAST_AREA or plan.reachable < _LEAST_SHARE:
         plan = KINDS[kind](rng)
     return plan
 
@@ -125,7 +131,7 @@ def _cells(rng: Generator) -> Plan:
     out, side, opening = Outlines(), rng.uniform(3.0, 5.0), rng.uniform(1.1, 1.4)
     count = np.array([rng.integers(3, 7), rng.integers(2, 5)])
     alike, pieces = rng.random() < 0.4, rng.uniform(0.0, 1.5)
-    out.polygon(_rectangle(np.zeros(2), count * side))
+    out.polygon(_rectangle(np.zeros(2), np.asarray(count * side, dtype=np.float64)))
     rooms = [(i, j) for i in range(count[0]) for j in range(count[1])]
     group = {room: k for k, room in enumerate(rooms)}
     walls = [(room, (room[0] + di, room[1] + dj)) for room in rooms for di, dj in ((1, 0), (0, 1))]
@@ -148,8 +154,8 @@ def _cells(rng: Generator) -> Plan:
         for _ in range(rng.poisson(pieces)):
             size = rng.uniform(0.2, 0.8, 2)
             along = np.where(rng.random(2) < 0.5, size / 2.0, side - size / 2.0) + rng.uniform(-0.05, 0.05, 2)
-            out.box(low + along, *size, rng.uniform(-0.2, 0.2))
-    return Plan(out, np.full(2, side / 2.0))
+            out.box(low + along, size[0], size[1], rng.uniform(-0.2, 0.2))
+    return Plan(out, np.full(2, side / 2.0, dtype=np.float64))
 
 
 def _hall(rng: Generator) -> Plan:
@@ -185,7 +191,7 @@ def _cave(rng: Generator) -> Plan:
     ndimage.label(field > 0.0, output=parts)
     largest = int(np.bincount(parts[parts > 0]).argmax())
     row, col = np.unravel_index(int(np.where(parts == largest, field, -np.inf).argmax()), field.shape)
-    return Plan(out, np.array([col, row]) * _FIELD_CELL)
+    return Plan(out, np.array([col, row], dtype=np.float64) * _FIELD_CELL)
 
 
 KINDS: dict[str, Callable[[Generator], Plan]] = {
@@ -226,7 +232,9 @@ def _cuts(rng: Generator, length: float, least: float, most: float) -> list[floa
     return [*edges, length]
 
 
-def _wall(out: Outlines, start: tuple[float, float] | Array, end: tuple[float, float] | Array, gaps: list) -> None:
+def _wall(
+    out: Outlines, start: tuple[float, float] | Array, end: tuple[float, float] | Array, gaps: list[tuple[float, float]]
+) -> None:
     """Add a wall from `start` to `end` with `gaps` (begin, width) [m] along it, in any order."""
     a, b = np.asarray(start, dtype=np.float64), np.asarray(end, dtype=np.float64)
     length, angle = float(np.hypot(*(b - a))), float(np.arctan2(*(b - a)[::-1]))
@@ -245,4 +253,4 @@ def _furnish(rng: Generator, out: Outlines, low: Array, high: Array, door: Array
     if is_round:
         out.ellipse(place, 0.5 * size[1], 0.5 * size[1])
     else:
-        out.box(place, *size, angle)
+        out.box(place, size[0], size[1], angle)

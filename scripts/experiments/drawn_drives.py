@@ -140,10 +140,10 @@ def draw_drive(kind: str, seed: int) -> DrawnDrive:
     plan, traits = draw_plan(kind, rng), draw_traits(rng)
     motion = drive_along(draw_way(plan, traits.way, rng), traits.speed, float(rng.uniform(-np.pi, np.pi)))
     every = max(round(traits.interval_s / _STEP_S), math.ceil(len(motion) / _MOST_SCANS))
-    odometry = _odometry(motion, every, ODOMETRY[traits.odometry], rng)
+    odometry = wheel_odometry(motion, every, ODOMETRY[traits.odometry], rng)
     truth = motion[::every]
-    times = np.arange(len(truth)) * every * _STEP_S
-    legs = _walkers(plan, truth, times, traits.people, rng)
+    times = np.arange(len(truth), dtype=np.float64) * every * _STEP_S
+    legs = draw_feet(plan, truth, times, traits.people, rng)
     walls = plan.outlines.arrays()
     scans = [
         take_scan(walls, pose, feet, traits, time, rng)
@@ -213,8 +213,8 @@ def take_scan(
     return LaserScan(ranges, bearings, _RANGE_MIN, traits.reach, time_s, (traits.mount, 0.0, 0.0))
 
 
-def _odometry(motion: Array, every: int, errors: OdometryErrors, rng: Generator) -> Array:
-    """Return (n, 3) what the odometry says at every so many poses of `motion` (m, 3)."""
+def wheel_odometry(motion: Array, every: int, errors: OdometryErrors, rng: Generator) -> Array:
+    """Return (n, 3) T_odom_robot as the wheels believe it at every so many poses of `motion` (m, 3), from zeros on."""
     wheels = WheelOdometry(errors.wheels, rng, motion[0])
     said, before = [np.zeros(3)], np.zeros(3)
     for k in range(every, len(motion), every):
@@ -227,8 +227,11 @@ def _odometry(motion: Array, every: int, errors: OdometryErrors, rng: Generator)
     return np.array(said)
 
 
-def _walkers(plan: Plan, truth: Array, times: Array, people: int, rng: Generator) -> Array:
-    """Return (n, 2 people, 3) the feet x, y, radius [m] at each of `times` (n,) of people who walk to and fro."""
+def draw_feet(plan: Plan, truth: Array, times: Array, people: int, rng: Generator) -> Array:
+    """Return (n, 2 people, 3) the feet x, y, radius [m] at `times` (n,) [s] of people who walk to and fro.
+
+    They step aside for the robot, which is at `truth` (n, 3) then.
+    """
     feet = np.zeros((len(times), 2 * people, 3))
     for k in range(people):
         way = draw_way(plan, float(rng.uniform(10.0, 40.0)), rng)

@@ -29,7 +29,7 @@ from ..tables import format_table
 from .arguments import at_least
 from .building_plans import KINDS
 from .cells import TIMING, Cell, run_cells
-from .drawn_drives import DrawnDrive, draw_drive
+from .drawn_drives import draw_drive
 from .graph_slam import closures
 from .hardware import describe_machine, reference_kernel_s
 from .statistics import quantile_interval, share
@@ -46,7 +46,9 @@ def world(kind: str, seed: int, engine: str) -> dict[str, Any]:
     """Return what an engine makes of a drawn world: errors [m], losses, closures, times."""
     drive = draw_drive(kind, seed)
     robot, located, took = driven(drive.recording, engine)
-    result: dict[str, Any] = {"scans": len(drive.recording), "traits": asdict(drive.traits), "area_m2": _area(drive)}
+    result: dict[str, Any] = {
+        "scans": len(drive.recording), "traits": asdict(drive.traits), "area_m2": drive.plan.planner.area
+    }  # fmt: skip
     start = time.process_time()
     result["final"] = _error(robot.trajectory(), drive.truth)
     final_s = time.process_time() - start
@@ -150,10 +152,6 @@ def table(summed: Mapping[str, Mapping[str, Any]]) -> str:
             f"{timing['scans_per_s']:.0f}", f"{timing['p99_ms']:.0f}", f"{timing['max_ms']:.0f}",
         ))  # fmt: skip
     return format_table(header, rows)
-
-
-def _area(drive: DrawnDrive) -> float:
-    return float(drive.plan.planner.area)
 
 
 def _error(poses: Array, truth: Array) -> dict[str, float]:
