@@ -23,8 +23,7 @@ class EvidenceConfig:
     """Settings of `Evidence`.
 
     Attributes:
-        sigma: How far from a wall the end of a beam may lie, and how far a wall that stops one goes on to both sides
-            [m]; at least 1.6 cells of the map.
+        sigma: How far from a wall the end of a beam may lie [m]; at least 1.6 cells of the map.
         slack: A wall that a beam came through contradicts it only if it stands more than this before its end [m].
         hold: Information with which a pose is held where it is refined from [1/m^2, 1/rad^2].
         weight: Weight of a point's `1 - occupancy` beside that.

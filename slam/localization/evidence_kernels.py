@@ -9,20 +9,18 @@ Array = NDArray[np.float64]
 UNKNOWN, FREE, OCCUPIED = 0, 1, 2
 FLOOR = 0.05
 """Likelihood of a beam that contradicts the map: people and moved things make some of them at any pose."""
-OBLIQUE = 6
-"""[cells] So far ahead and behind it is looked whether a wall goes on beside a ray: one that it meets at 15 degrees."""
+BESIDE, OBLIQUE = 1.0, 6
+"""[cells] So far to both sides goes on a wall that stops a ray, looked for so far ahead and behind."""
 UNSEEN = 0.6
 """Likelihood of a beam that ends where the map knows nothing: at the map's edge that is no surprise, and no proof."""
 
 
 @njit(cache=True, nogil=True)
-def is_blocked(
-    states: NDArray[np.uint8], x0: float, y0: float, x1: float, y1: float, slack: float, beside: float
-) -> bool:
+def is_blocked(states: NDArray[np.uint8], x0: float, y0: float, x1: float, y1: float, slack: float) -> bool:
     """Return whether a ray comes through a wall more than `slack` before its end, looked at once a cell's side.
 
-    A wall goes on to both sides of the ray. Where nothing is occupied `beside` it on one side, it may have passed next
-    to the leg of a chair or the end of a wall, which fills a part of its cell only.
+    A wall goes on to both sides of the ray. Where nothing is occupied beside it on one side, it may have passed next to
+    the leg of a chair or the end of a wall, which fills a part of its cell only.
 
     All lengths in cells, from the outer corner of cell [0, 0].
     """
@@ -39,8 +37,8 @@ def is_blocked(
         left = right = False
         for ahead in range(-OBLIQUE, OBLIQUE + 1):
             u, v = x + ahead * dx, y + ahead * dy
-            left = left or _occupied(states, u - beside * dy, v + beside * dx)
-            right = right or _occupied(states, u + beside * dy, v - beside * dx)
+            left = left or _occupied(states, u - BESIDE * dy, v + BESIDE * dx)
+            right = right or _occupied(states, u + BESIDE * dy, v - BESIDE * dx)
             if left and right:
                 return True
     return False
@@ -78,7 +76,7 @@ def beam_likelihoods(
         foot: (2,) place of the laser in the robot frame [m].
         points: (N, 2) ends of the beams in the robot frame [m].
         poses: (k, 3) T_map_robot.
-        sigma: How far from a wall an end may lie, and how far a wall that stops a beam goes on to both sides [m].
+        sigma: How far from a wall an end may lie [m].
         slack: [m].
         likelihoods: (k, N) the result.
     """
@@ -90,7 +88,7 @@ def beam_likelihoods(
         for n in range(len(points)):
             x1 = (poses[k, 0] + c * points[n, 0] - s * points[n, 1] - corner[0]) / resolution
             y1 = (poses[k, 1] + s * points[n, 0] + c * points[n, 1] - corner[1]) / resolution
-            if is_blocked(states, x0, y0, x1, y1, slack / resolution, sigma / resolution):
+            if is_blocked(states, x0, y0, x1, y1, slack / resolution):
                 likelihoods[k, n] = FLOOR
                 continue
             i, j = int(np.floor(y1)), int(np.floor(x1))

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry import transform_points
-from .evidence_kernels import FLOOR, OBLIQUE, OCCUPIED, UNKNOWN, UNSEEN
+from .evidence_kernels import BESIDE, FLOOR, OBLIQUE, OCCUPIED, UNKNOWN, UNSEEN
 
 Array = NDArray[np.float64]
 
@@ -26,7 +26,7 @@ def beam_likelihoods(
         start = (transform_points(pose, foot[None])[0] - corner) / resolution
         ends = (transform_points(pose, points) - corner) / resolution
         for n, end in enumerate(ends):
-            blocked = _is_blocked(states, start, end, slack / resolution, sigma / resolution)
+            blocked = _is_blocked(states, start, end, slack / resolution)
             value = UNSEEN
             if _inside(states, end[None])[0]:
                 j, i = np.floor(end).astype(int)
@@ -36,14 +36,14 @@ def beam_likelihoods(
     return result
 
 
-def _is_blocked(states: NDArray[np.uint8], start: Array, end: Array, slack: float, beside: float) -> bool:
+def _is_blocked(states: NDArray[np.uint8], start: Array, end: Array, slack: float) -> bool:
     """Return whether a wall that goes on to both sides stands on the way; lengths in cells."""
     length = float(np.hypot(*(end - start)))
     along = (end - start) / length
     passed = start + np.arange(1, int(length - slack) + 1)[:, None] * along
     stops = passed[_occupied(states, passed)]
     around = stops[:, None] + np.arange(-OBLIQUE, OBLIQUE + 1)[:, None] * along
-    across = beside * np.array([-along[1], along[0]])
+    across = BESIDE * np.array([-along[1], along[0]])
     sides = [_occupied(states, (around + side).reshape(-1, 2)).reshape(around.shape[:2]) for side in (across, -across)]
     return bool((sides[0].any(axis=1) & sides[1].any(axis=1)).any())
 
