@@ -15,6 +15,7 @@ from ..occupancy_map import OccupancyMap
 from ..scan import LaserScan
 from ..settings import with_settings
 from .constraints import Constraint
+from .continuity import Continuity, ContinuityConfig
 from .global_slam import GlobalSlam, GlobalSlamConfig
 from .local_slam import LocalResult, LocalSlam, LocalSlamConfig
 from .relocalization import Reach, Relocalization, searchable
@@ -44,6 +45,7 @@ class CartographerConfig:
     local: LocalSlamConfig = field(default_factory=LocalSlamConfig)
     global_: GlobalSlamConfig | None = field(default_factory=GlobalSlamConfig)
     watch: WatchConfig | None = field(default_factory=WatchConfig)
+    continuity: ContinuityConfig = field(default_factory=ContinuityConfig)
     resolution: float = 0.05
 
     def __post_init__(self) -> None:
@@ -84,7 +86,10 @@ class Cartographer:
         self._rays: list[ScanRays] = []
         self._suspects: list[tuple[Array, LaserScan]] = []
         self._suspected = 0
-        self._unsure = False
+        self._unsure = self._torn = False
+        self._known_nodes: int | None = None
+        self._continuity = Continuity(self.config.continuity)
+        self._last: tuple[Array, Array] | None = None
         self._breaks: list[int] = []
         self._search: Relocalization | None = None
         self._place: tuple[int, PlaceMap | None] = (-_NEW_NODES, None)
@@ -135,12 +140,15 @@ class Cartographer:
         self, watch: Watch, graph: GlobalSlam, result: LocalResult, odometry: Array, scan: LaserScan
     ) -> LocalResult:
         """Weigh doubtful scans against the whole map where it is due; return what local SLAM makes of this one then."""
+        torn = self._tears(result, odometry, scan)
         if result.apart is not None:
             self._suspects = [(odometry, scan)]
             self._leap(graph, result.pose, result.apart)
-            return self._local.update(odometry, scan)
-        self._suspect(watch, result.doubtful, odometry, scan)
-        due = watch.suspicious and self._search is None and self._suspected % _WEIGHED == 0
+            result = self._local.update(odometry, scan)
+            if not torn or self._search:
+                return result
+        self._suspect(watch, result.doubtful, torn, odometry, scan)
+        due = (watch.suspicious or self._torn) and self._search is None and self._suspected % _WEIGHED == 0
         if not (watch.alarmed or due):
             return result
         alarmed, search = watch.alarmed, self._relocalization(graph)
@@ -161,10 +169,13 @@ class Cartographer:
             if calm and self._watch.suspicion > 0.0:
                 self._suspects, self._suspected = [(odometry, scan)], 1
 
-    def _suspect(self, watch: Watch, doubtful: bool, odometry: Array, scan: LaserScan) -> None:
+    def _suspect(self, watch: Watch, doubtful: bool, torn: bool, odometry: Array, scan: LaserScan) -> None:
         """Keep the scans since something began to be wrong."""
-        wrong = doubtful or watch.suspicion > 0.0
-        if (doubtful and watch.in_doubt == 1) or not wrong:
+        self._torn |= torn
+        if torn:
+            self._unsure, self._known_nodes = True, len(self._scans)
+        wrong = doubtful or watch.suspicion > 0.0 or self._torn
+        if (doubtful and watch.in_doubt == 1 and not self._torn) or torn or not wrong:
             self._suspects, self._suspected = [], 0
         if not wrong:
             self._unsure = False
@@ -172,13 +183,23 @@ class Cartographer:
         self._suspects = [*self._suspects, (odometry, scan)][-_SUSPECTS:]
         self._suspected += 1
 
+    def _tears(self, result: LocalResult, odometry: Array, scan: LaserScan) -> bool:
+        pose = result.match.pose if result.match else result.pose
+        last, self._last = self._last, (odometry, pose)
+        if last is None:
+            motions = np.zeros((1, 3))
+        else:
+            motions = np.stack((between(last[0], odometry), between(last[1], pose)))
+        return self._continuity.tears(scan, motions) and self._search is None
+
     def _relocalization(self, graph: GlobalSlam) -> Relocalization:
         """Return what looks for the doubtful scans on the map of all scans whose place is known."""
-        if len(self._scans) >= self._place[0] + _NEW_NODES:
-            placed = np.flatnonzero(graph.placed)
+        known = len(self._scans) if self._known_nodes is None else self._known_nodes
+        if known >= self._place[0] + _NEW_NODES:
+            placed = np.flatnonzero(graph.placed[: self._known_nodes])
             self._rays += [ScanRays.of(scan, _SEARCHED) for scan in self._scans[len(self._rays) :]]
             grid = draw(graph.node_poses[placed], [self._rays[k] for k in placed], _SEARCHED)
-            self._place = len(self._scans), searchable(grid)
+            self._place = known, searchable(grid)
         return Relocalization(self._place[1], self._suspects)
 
     def _is_lost(self, watch: Watch, graph: GlobalSlam, search: Relocalization, result: LocalResult) -> bool:
@@ -204,9 +225,13 @@ class Cartographer:
         surely_here = outcome.stays and (outcome.belief.sure or not len(outcome.belief.poses))
         if surely_here or not (outcome.rivalled or watch.alarmed):
             self._unsure = self._unsure and not surely_here
+            self._torn, self._known_nodes = False, None
             watch.acquit()
             return False
         self._unsure = True
+        if self._torn:
+            plainly = watch.plainly_lost and outcome.explained < _EXPLAINED
+            return plainly or (outcome.surpassed and not outcome.beside)
         if not watch.plainly_lost:
             return False
         return outcome.explained < _EXPLAINED or outcome.moved or (outcome.surpassed and not outcome.beside)
@@ -250,6 +275,7 @@ class Cartographer:
     def _begin_anew(self) -> None:
         self._local.restart()
         self._suspects, self._suspected, self._unsure, self._doubted = [], 0, False, []
+        self._torn, self._known_nodes = False, None
 
     def _find(self, odometry: Array, scan: LaserScan, pose_local: Array) -> None:
         """Go on with the search, if there is one; when it succeeds, join the new piece of the drive to the map."""

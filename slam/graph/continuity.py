@@ -1,0 +1,109 @@
+"""Whether a scan goes on from the one before: a robot that drives sees almost the same again, one that is carried not.
+
+What local SLAM makes of a drive goes astray little by little, and in a building that repeats itself another place then
+explains the scans better than the one where the robot is. Only a tear between two scans tells that from a robot that
+was carried.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from ..geometry import compose, inverse, transform_points
+from ..scan import LaserScan
+
+Array = NDArray[np.float64]
+
+_MEMORY = 0.05  # share of the newest scan in what is usual
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContinuityConfig:
+    """Settings of `Continuity`.
+
+    Attributes:
+        slack: A return must lie so far before the end of the other scan's beams to contradict them [m].
+        least: A scan is torn off the one before if so much more than the usual share of their returns contradicts ...
+        deviations: ... and so many usual deviations more.
+    """
+
+    slack: float = 0.4
+    least: float = 0.04
+    deviations: float = 4.0
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if not value > 0.0:
+                raise InputError(f"`{name}` must be positive, got {value}")
+
+
+class Continuity:
+    """Compares each scan with the one before.
+
+    Args:
+        config: Settings.
+    """
+
+    def __init__(self, config: ContinuityConfig) -> None:
+        self._config = config
+        self._before: LaserScan | None = None
+        self._usual = self._deviation = 0.0
+
+    def tears(self, scan: LaserScan, motions: Array) -> bool:
+        """Take a scan; return whether it contradicts the one before whichever of `motions` led from that to it.
+
+        Args:
+            scan: The scan.
+            motions: (m, 3) poses of the robot in the frame of where it was at the scan before.
+        """
+        before, self._before = self._before, scan
+        if before is None:
+            return False
+        share = min(contradiction(before, scan, motion, self._config.slack) for motion in motions)
+        above = share - self._usual
+        torn = above > self._config.least + self._config.deviations * self._deviation
+        if not torn:
+            self._usual += _MEMORY * above
+            self._deviation += _MEMORY * (abs(above) - self._deviation)
+        return torn
+
+
+def contradiction(before: LaserScan, after: LaserScan, motion: Array, slack: float) -> float:
+    """Return the share of two scans' returns that lie where the other scan looked through, in [0, 1].
+
+    Args:
+        before: A scan.
+        after: Another one.
+        motion: (3,) T_before_after of the robot [m, m, rad].
+        slack: A return must lie so far before the end of a beam to contradict it [m].
+    """
+    count = 0
+    for seen, seeing, T in ((after, before, motion), (before, after, inverse(motion))):
+        T_lidar_robot = inverse(np.array(seeing.T_robot_lidar, dtype=np.float64))
+        points = transform_points(compose(T_lidar_robot, T), seen.points_robot)
+        ends = np.where(seeing.is_return, seeing.ranges, 0.0)
+        count += looked_through(seeing.bearings, ends, points, slack)
+    return count / max(len(before.points) + len(after.points), 1)
+
+
+@njit(cache=True, nogil=True)
+def looked_through(bearings: Array, ends: Array, points: Array, slack: float) -> int:
+    """Return how many of `points` (N, 2) lie more than `slack` [m] before the ends of both beams beside them.
+
+    Args:
+        bearings: (M,) of the beams, ascending [rad].
+        ends: (M,) their lengths [m]; 0: not known.
+        points: In the frame of the laser [m].
+        slack: [m].
+    """
+    count, last = 0, len(bearings) - 1
+    for n in range(len(points)):
+        bearing = np.arctan2(points[n, 1], points[n, 0])
+        bearing += 2.0 * np.pi * np.ceil((bearings[0] - bearing) / (2.0 * np.pi))
+        right = np.searchsorted(bearings, bearing, side="right") - 1
+        if right < last and np.hypot(points[n, 0], points[n, 1]) < min(ends[right], ends[right + 1]) - slack:
+            count += 1
+    return count
