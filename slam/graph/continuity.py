@@ -12,7 +12,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..geometry import compose, inverse, transform_points
+from ..geometry import between, compose, inverse, transform_points
 from ..scan import LaserScan
 
 Array = NDArray[np.float64]
@@ -28,11 +28,13 @@ class ContinuityConfig:
         slack: A return must lie so far before the end of the other scan's beams to contradict them [m].
         least: A scan is torn off the one before if so much more than the usual share of their returns contradicts ...
         deviations: ... and so many usual deviations more.
+        doubtful: Such a share of that is enough for a scan that is the first not to fit what was mapped.
     """
 
     slack: float = 0.4
     least: float = 0.04
     deviations: float = 4.0
+    doubtful: float = 0.5
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
@@ -49,22 +51,26 @@ class Continuity:
 
     def __init__(self, config: ContinuityConfig) -> None:
         self._config = config
-        self._before: LaserScan | None = None
+        self._before: tuple[LaserScan, Array, Array] | None = None
         self._usual = self._deviation = 0.0
 
-    def tears(self, scan: LaserScan, motions: Array) -> bool:
-        """Take a scan; return whether it contradicts the one before whichever of `motions` led from that to it.
+    def tears(self, scan: LaserScan, odometry: Array, pose: Array, doubtful: bool = False) -> bool:
+        """Take a scan; return whether it contradicts the one before, by odometry and by how it was matched.
 
         Args:
             scan: The scan.
-            motions: (m, 3) poses of the robot in the frame of where it was at the scan before.
+            odometry: (3,) T_odom_robot.
+            pose: (3,) T_local_robot, where it fits best on what was mapped before.
+            doubtful: Whether it does not fit that well, other than the one before.
         """
-        before, self._before = self._before, scan
+        before, self._before = self._before, (scan, odometry, pose)
         if before is None:
             return False
-        share = min(contradiction(before, scan, motion, self._config.slack) for motion in motions)
+        motions = between(before[1], odometry), between(before[2], pose)
+        share = min(contradiction(before[0], scan, motion, self._config.slack) for motion in motions)
         above = share - self._usual
-        torn = above > self._config.least + self._config.deviations * self._deviation
+        bar = self._config.least + self._config.deviations * self._deviation
+        torn = above > bar * (self._config.doubtful if doubtful else 1.0)
         if not torn:
             self._usual += _MEMORY * above
             self._deviation += _MEMORY * (abs(above) - self._deviation)
