@@ -12,6 +12,7 @@ thirds of the time of one after the other.
 import multiprocessing as mp
 import os
 from collections.abc import Sequence
+from contextlib import suppress
 from numbers import Integral
 from typing import Any, cast
 
@@ -181,8 +182,8 @@ class FollowVectorEnv(VectorEnv[Any, Any, Any]):
 
     def close_extras(self, **kwargs: Any) -> None:
         """End the processes."""
-        for pipe, process in zip(self._pipes, self._processes, strict=True):
-            if process.is_alive():
+        for pipe in self._pipes:
+            with suppress(BrokenPipeError):  # who was interrupted has ended already
                 pipe.send(None)
             pipe.close()
         for process in self._processes:

@@ -1,5 +1,7 @@
 """One process's share of a vector environment."""
 
+import traceback
+from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from typing import Any
@@ -165,7 +167,7 @@ def answer(share: Share, name: str, arguments: tuple[Any, ...]) -> tuple[Any, Ex
     """Return (result, None) of the method `name` of `share`, or (None, error)."""
     try:
         return getattr(share, name)(*arguments), None
-    except Exception as error:
+    except Exception as error:  # whatever it is, it is raised where `step` or `reset` was called, not lost in a process
         return None, error
 
 
@@ -173,12 +175,10 @@ def work(
     pipe: Connection, count: int, mode: AutoresetMode, max_episode_steps: int | None, fields: dict[str, Any]
 ) -> None:
     """Do what comes through `pipe`, (name of a method of `Share`, its arguments), until None comes; see `answer`."""
-    share = Share(count, mode, max_episode_steps, fields)
-    while True:
-        try:
-            task = pipe.recv()
-        except (EOFError, KeyboardInterrupt):
-            return
-        if task is None:
-            return
-        pipe.send(answer(share, *task))
+    with suppress(EOFError, KeyboardInterrupt):  # the calling process is gone, or is interrupted, too, and tells it
+        share = Share(count, mode, max_episode_steps, fields)
+        while (task := pipe.recv()) is not None:
+            result, error = answer(share, *task)
+            if error is not None and not isinstance(error, InputError):
+                error.add_note("".join(traceback.format_exception(error)))  # a pipe carries no traceback
+            pipe.send((result, error))

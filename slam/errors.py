@@ -15,7 +15,11 @@ class MissingExtraError(ImportError):
 
     def __init__(self, what: str, extra: str) -> None:
         super().__init__(f'{what} need the extra "{extra}": pip install "tagalong[{extra}]"')
-        self.extra = extra
+        self.what, self.extra = what, extra
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Come whole through a pipe between processes."""
+        return type(self), (self.what, self.extra), self.__dict__
 
 
 def unknown_name(kind: str, name: object, known: "list[str] | tuple[str, ...]") -> InputError:

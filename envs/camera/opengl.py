@@ -84,8 +84,11 @@ def open_renderer(model: MjModel, height: int, width: int, instead: str = 'the c
         instead: What needs no OpenGL, for the error.
 
     Raises:
-        InputError: If there is no OpenGL.
+        InputError: If there is no OpenGL, or the pictures are larger than the model's off-screen buffer.
     """
+    most = model.vis.global_
+    if width > most.offwidth or height > most.offheight:
+        raise InputError(f"OpenGL draws at most {most.offwidth} x {most.offheight} pixels, got {width} x {height}")
     try:
         return mujoco.Renderer(model, height, width)
     except Exception as error:  # MuJoCo raises different kinds for each way in which OpenGL can be missing

@@ -96,6 +96,7 @@ def _record(options: argparse.Namespace) -> JoystickLog:
             made_by=options.operator,
             watch=_status,
             render_mode=mode,
+            by_hand=True,
         )
 
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ...agents.operator_model import OperatorConfig, Sight
 from ...slam.errors import InputError
 
-HELP = "left stick: drive and turn; back or start: end"
+HELP = "left stick: drive and turn; back, start or Ctrl-C: end"
 EVENT = struct.Struct("IhBB")
 BUTTON, AXIS, AT_OPENING = 1, 2, 128
 SIDEWAYS, UPRIGHT = 0, 1

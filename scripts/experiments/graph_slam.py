@@ -151,13 +151,13 @@ def without_people(drive: RecordedDrive) -> list[LaserScan]:
     return scans
 
 
-def closures(engine: Cartographer, reference: Array) -> dict[str, Any]:
-    """Return how many constraints there are, and how many agree with the reference poses (n, 3) within `WITHIN`.
+def closures(engine: Cartographer, reference: Array, within: tuple[float, float] = WITHIN) -> dict[str, Any]:
+    """Return how many constraints there are, and how many agree with the reference poses (n, 3).
 
     A submap lies where the reference puts its nodes: each of them says where the tied node should be, and the median
     counts, since a single pose of a reference is as noisy as what is judged. `searched`: found by a global search;
     `returned`: every tie to a submap that was begun `APART` nodes before; `near`: agrees in position, whatever the
-    heading.
+    heading. `within` [m, rad] is what agrees.
     """
     scans, inside = np.array(engine.node_scans), engine.submap_nodes
     ties = [c for c in engine.constraints if c.kind is Kind.INTER]
@@ -172,9 +172,9 @@ def closures(engine: Cartographer, reference: Array) -> dict[str, Any]:
         for c in chosen:
             errors = between(c.pose, between(submaps[c.submap], reference[scans[c.node]]))
             error = np.quantile(errors, 0.5, axis=0, method="lower")
-            close = bool(np.hypot(error[0], error[1]) <= WITHIN[0])
+            close = bool(np.hypot(error[0], error[1]) <= within[0])
             near += close
-            right += close and bool(abs(error[2]) <= WITHIN[1])
+            right += close and bool(abs(error[2]) <= within[1])
         result[name] = {"count": len(chosen), "right": right, "near": near}
     return result
 

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import Any, Protocol
 
 import gymnasium as gym
@@ -40,6 +41,7 @@ def record_drive(
     made_by: str = MODEL,
     watch: Watch | None = None,
     render_mode: str | None = None,
+    by_hand: bool = False,
 ) -> JoystickLog:
     """Drive one episode by stick, to the tour's end, the episode's, or the operator's `EOFError`; return the log.
 
@@ -51,6 +53,7 @@ def record_drive(
         made_by: For the log's header.
         watch: Called before each step.
         render_mode: "human" shows MuJoCo's viewer.
+        by_hand: Whether Ctrl-C, too, ends the drive and keeps its log: nobody can drive the same drive again.
 
     The drive itself is made without SLAM, whatever `kwargs` say: whoever holds the stick sees no map, and a map moves
     nobody, so the drive is the same.
@@ -61,18 +64,16 @@ def record_drive(
     env.reset(seed=seed)
     stick, actions, done = operator(inner, seed), [], False
     top = np.array((inner.interface.max_speed, inner.interface.max_turn_rate))
-    while not done and inner.truth.robot_progress < inner.world.scene.tour_length:
-        if watch is not None:
-            watch(inner)
-        truth = inner.truth
-        sight = Sight(truth.robot_pose, truth.robot_progress, truth.people.positions)
-        try:
+    with suppress(EOFError, *[KeyboardInterrupt] * by_hand):
+        while not done and inner.truth.robot_progress < inner.world.scene.tour_length:
+            if watch is not None:
+                watch(inner)
+            truth = inner.truth
+            sight = Sight(truth.robot_pose, truth.robot_progress, truth.people.positions)
             action = np.round(np.clip(stick.act(sight) / top, -1.0, 1.0), 4).astype(np.float32)
-        except EOFError:
-            break
-        actions.append(action)
-        _, _, terminated, truncated, _ = env.step(action)
-        done = terminated or truncated
+            _, _, terminated, truncated, _ = env.step(action)
+            actions.append(action)
+            done = terminated or truncated
     env.close()
     plain = json.loads(json.dumps(dict(kwargs)))
     return JoystickLog(made_by, env_id, plain, seed, np.array(actions).reshape(-1, 2), 1.0 / inner.config.control_hz)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ...agents.operator_model import OperatorConfig, Sight
 from ...slam.errors import InputError
 
-HELP = "arrows or w a s d: move the stick a notch; space: let go; q: end"
+HELP = "arrows or w a s d: move the stick a notch; space: let go; q or Ctrl-C: end"
 _KEYS = {
     "w": (1, 0),
     "s": (-1, 0),

@@ -76,12 +76,12 @@ def cast(origins, angles, limit, ellipses, segments):
         dx, dy = np.cos(angles[i]), np.sin(angles[i])
         best = limit
         for k in range(len(ellipses)):
-            t = _meet_ellipse(x, y, dx, dy, ellipses[k])
+            t = meet_ellipse(x, y, dx, dy, ellipses[k])
             if t < best:
                 best = ranges[i] = t
                 met[i] = k
         for k in range(len(segments)):
-            t = _meet_segment(x, y, dx, dy, segments[k])
+            t = meet_segment(x, y, dx, dy, segments[k])
             if t < best:
                 best = ranges[i] = t
                 met[i] = len(ellipses) + k
@@ -89,7 +89,8 @@ def cast(origins, angles, limit, ellipses, segments):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _meet_segment(x, y, dx, dy, segment):
+def meet_segment(x, y, dx, dy, segment):
+    """Return how far from (x, y) a ray along the unit vector (dx, dy) meets a row of segments, inf if nowhere."""
     ex, ey = segment[2] - segment[0], segment[3] - segment[1]
     px, py = segment[0] - x, segment[1] - y
     cross = dx * ey - dy * ex
@@ -101,7 +102,8 @@ def _meet_segment(x, y, dx, dy, segment):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _meet_ellipse(x, y, dx, dy, ellipse):
+def meet_ellipse(x, y, dx, dy, ellipse):
+    """Return how far from (x, y) a ray along the unit vector (dx, dy) meets a row of ellipses, inf if nowhere."""
     px, py = x - ellipse[0], y - ellipse[1]
     reach = max(ellipse[2], ellipse[3])
     if abs(px * dy - py * dx) > reach:

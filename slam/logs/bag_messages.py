@@ -64,10 +64,18 @@ class Bag:
         raise InputError(f"{self._path}: no topic {wanted!r} of type {kind}; it has: {', '.join(topics) or 'none'}")
 
     def messages(self, *topics: str) -> Iterator[Message]:
-        """Yield the messages of `topics` in the order of the recording."""
-        wanted = [each for each in self._reader.connections if each.topic in topics]
-        for connection, time_ns, raw in self._reader.messages(wanted) if wanted else ():
-            yield Message(time_ns * _NS, self._reader.deserialize(raw, connection.msgtype))
+        """Yield the messages of `topics` in the order of the recording.
+
+        Raises:
+            InputError: If the bag is damaged there, or lacks all messages of which its index tells.
+        """
+        wanted, count = [each for each in self._reader.connections if each.topic in topics], 0
+        with _damage_told(self._path):
+            for connection, time_ns, raw in self._reader.messages(wanted) if wanted else ():
+                yield Message(time_ns * _NS, self._reader.deserialize(raw, connection.msgtype))
+                count += 1
+        if wanted and count == 0:
+            raise InputError(f"{self._path}: no readable ROS bag (there is no message of {', '.join(topics)} in it)")
 
 
 def is_bag(path: str | os.PathLike[str]) -> bool:
@@ -98,11 +106,20 @@ def open_bag(path: str | os.PathLike[str]) -> Iterator[Bag]:
         from rosbags.typesys import Stores, get_typestore
     except ImportError:
         raise MissingExtraError("ROS bags", "ros") from None
+    with _damage_told(path):
+        reader = AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE))
+        reader.open()
     try:
-        with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
-            yield Bag(reader, path)
-    except (InputError, MissingExtraError, GeneratorExit):
-        raise
+        yield Bag(reader, path)
+    finally:
+        reader.close()
+
+
+@contextmanager
+def _damage_told(path: Path) -> Iterator[None]:
+    """Tell in one line what the library finds wrong with a bag; nothing but the library's code runs in here."""
+    try:
+        yield
     except Exception as error:  # damaged bytes raise whatever struct, lz4, sqlite and the library raise for them
         said = " ".join(str(error).split()) or type(error).__name__
         hint = "; if it was cut, `rosbag reindex` restores what is there" if "index" in said.lower() else ""

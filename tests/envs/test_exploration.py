@@ -109,8 +109,9 @@ def test_what_is_too_far_away_is_not_seen():
     assert (np.nonzero(seen)[1].max() + 1) * CELL_M + corner[0] == pytest.approx(-5.0 + FARTHEST_M, abs=2 * CELL_M)
 
 
-def test_gymnasium_finds_nothing_to_complain_about_without_a_leader():
+def test_gymnasium_finds_nothing_to_complain_about_without_a_leader(recwarn):
     check_env(make().unwrapped, skip_render_check=True)
+    assert not [str(w.message) for w in recwarn if "gymnasium" in str(w.filename)]
 
 
 def test_the_bystanders_are_those_of_the_same_seed_behind_a_leader():

@@ -60,8 +60,9 @@ def test_gymnasium_finds_nothing_to_complain_about(name, recwarn):
     assert not [w for w in recwarn if "gymnasium" in str(w.filename)], [str(w.message) for w in recwarn]
 
 
-def test_gymnasium_finds_nothing_to_complain_about_in_rendering():
+def test_gymnasium_finds_nothing_to_complain_about_in_rendering(recwarn):
     check_env(make(people="truth", render_mode="rgb_array").unwrapped)
+    assert not [str(w.message) for w in recwarn if "gymnasium" in str(w.filename)]
 
 
 @pytest.mark.parametrize("name", sorted(IDS))

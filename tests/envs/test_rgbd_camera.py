@@ -11,8 +11,10 @@ import pytest
 from tagalong.envs.camera.config import RgbdConfig
 from tagalong.envs.camera.looks import dress
 from tagalong.envs.camera.noise import depth_sigma, measure_depth, on_edge
+from tagalong.envs.camera.opengl import open_renderer
 from tagalong.envs.camera.pattern import Pattern
 from tagalong.envs.lidar import LidarConfig
+from tagalong.envs.mj import mujoco
 from tagalong.envs.scenes.lab import CEILING
 from tagalong.envs.world import World, WorldConfig
 from tagalong.slam.errors import InputError
@@ -154,6 +156,12 @@ print(json.dumps({
     "incidence": np.median(np.abs(ray.incidence - drawn.incidence)[same]),
 }))
 """
+
+
+def test_a_picture_too_large_for_opengl_is_not_called_a_lack_of_it():
+    model = mujoco.MjModel.from_xml_string("<mujoco/>")
+    with pytest.raises(InputError, match="at most 640 x 480 pixels, got 2000 x 240"):
+        open_renderer(model, 240, 2000)
 
 
 def test_rays_and_opengl_show_the_same():

@@ -1,11 +1,16 @@
 """The vector environment: equal to single environments step by step, in every autoreset mode."""
 
+import multiprocessing as mp
+import pickle
+
 import gymnasium as gym
 import numpy as np
 import pytest
 import tagalong  # noqa: F401 (registers the ids)
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
-from tagalong.slam.errors import InputError
+from tagalong.envs import vector_worker
+from tagalong.envs.vector_worker import work
+from tagalong.slam.errors import InputError, MissingExtraError
 
 FIELDS = {"beams": 61, "slam": None, "people_count": 3}
 COUNT = 3
@@ -67,9 +72,13 @@ def test_it_is_equal_where_episodes_end_at_different_times(mode):
         env.reset(seed=5)
         env.step(actions)
     same(ours.reset(seed=8, options={"reset_mask": later}), theirs.reset(seed=8, options={"reset_mask": later}))
+    ends = set()
     for _ in range(9):
-        for part, other in zip(ours.step(actions), theirs.step(actions), strict=True):
+        got = ours.step(actions)
+        for part, other in zip(got, theirs.step(actions), strict=True):
             same(part, other)
+        ends.add(tuple(got[3].tolist()))
+    assert {(True, True, False), (False, False, True)} <= ends
     ours.close()
     theirs.close()
 
@@ -133,10 +142,54 @@ def test_what_is_wrong_is_said():
     env.close()
 
 
+class Failing:
+    """A share whose only method fails."""
+
+    def __init__(self, error):
+        self.error = error
+
+    def step(self):
+        raise self.error
+
+
+def worked(monkeypatch, error):
+    """What comes out of the pipe of a worker whose step fails; None: nothing."""
+    monkeypatch.setattr(vector_worker, "Share", lambda *_: Failing(error))
+    ours, theirs = mp.Pipe()
+    ours.send(("step", ()))
+    ours.send(None)
+    work(theirs, 1, AutoresetMode.DISABLED, None, {})
+    return ours.recv() if ours.poll() else None
+
+
+def test_an_error_of_a_process_comes_with_where_it_was(monkeypatch):
+    _, error = worked(monkeypatch, ZeroDivisionError("nothing to share"))
+    assert isinstance(error, ZeroDivisionError)
+    assert "in step" in "".join(error.__notes__)
+    _, error = worked(monkeypatch, InputError("`beams` must be positive"))
+    assert not hasattr(error, "__notes__")  # such an error says all by itself
+    assert worked(monkeypatch, KeyboardInterrupt()) is None
+
+
+def test_errors_come_whole_through_a_pipe():
+    error = pickle.loads(pickle.dumps(MissingExtraError("plots", "viz")))
+    assert (str(error), error.extra) == (str(MissingExtraError("plots", "viz")), "viz")
+
+
+def test_environments_close_though_a_process_has_ended():
+    env = native(workers=3)
+    env.unwrapped._processes[0].terminate()
+    env.unwrapped._processes[0].join()
+    env.close()
+    assert not any(process.is_alive() for process in env.unwrapped._processes)
+
+
 @pytest.mark.parametrize("kind", [tuple, np.array])
 def test_seeds_come_in_any_sequence(kind):
     env = native("tagalong/Corridor-v0", workers=1)
-    same(env.reset(seed=[4, 2, 9]), env.reset(seed=kind([4, 2, 9])))
+    first, second = env.reset(seed=[4, 2, 9]), env.reset(seed=kind([4, 2, 9]))
+    same(first, second)
+    assert not np.array_equal(first[0]["scan"], env.reset(seed=kind([2, 4, 9]))[0]["scan"])
     env.close()
 
 

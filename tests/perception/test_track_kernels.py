@@ -36,8 +36,10 @@ def test_prediction(seed, kind):
     ours = tracks(kind, 7, np.random.default_rng(seed))
     theirs = ours.copy()
     track_kernels.predict(ours["x"], ours["p"], ours["age_s"], ours["unseen_s"], 0.1, 0.05)
+    before = theirs.copy()
     reference.predict(theirs, 0.1, 0.05)
     assert_same(ours, theirs)
+    assert all((ours[name] != before[name]).any() for name in ("x", "p", "age_s", "unseen_s"))
 
 
 @SEEDS
@@ -46,8 +48,10 @@ def test_correction_of_legs(seed):
     ours, z, d = tracks(LEG, 7, rng), rng.uniform(0, 2, (5, 2)), rng.uniform(0, 1, 5)
     theirs, match = ours.copy(), a_match(7, 5, rng)
     track_kernels.correct_legs(ours, match, z, d, 0.1, 0.05)
+    before = theirs.copy()
     reference.correct_legs(theirs, match, z, d, 0.1, 0.05)
     assert_same(ours, theirs)
+    assert ((ours["x"] != before["x"]).any(axis=1) == (match >= 0)).all()
 
 
 @SEEDS

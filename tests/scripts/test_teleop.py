@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from tagalong.agents.joystick import MODEL, SHIPPED, JoystickLog, read_joystick_log, write_joystick_log
 from tagalong.agents.operator_model import OperatorConfig, Sight
+from tagalong.envs.follow_env import FollowEnv
 from tagalong.scripts.cli import main
 from tagalong.scripts.experiments.gamepad import AXIS, BUTTON, EVENT, FULL, GamepadStick, gamepad_events
 from tagalong.scripts.experiments.joystick_drive import record_drive, replay_drive
@@ -36,6 +37,26 @@ def test_a_drive_by_keys_is_recorded_until_q_and_replayed(tmp_path, capsys):
     printed = capsys.readouterr().out
     assert "made by: keyboard" in printed
     assert "operator active [s]" in printed
+
+
+@pytest.mark.parametrize("while_stepping", [False, True])
+def test_ctrl_c_ends_a_drive_by_hand_and_keeps_its_log(while_stepping, monkeypatch):
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    def keys():
+        typed.append("w")
+        if len(typed) == 8:
+            monkeypatch.setattr(FollowEnv, "step", interrupt) if while_stepping else interrupt()
+        return "w"
+
+    typed = []
+    hand = {"operator": lambda env, seed: KeyboardStick(keys, 0.0), "made_by": "keyboard"}
+    log = record_drive("tagalong/Corridor-v0", KWARGS, 1, **hand, by_hand=True)
+    assert len(log.actions) == 7
+    typed.clear()
+    with pytest.raises(KeyboardInterrupt):  # an experiment that is interrupted has no drive
+        record_drive("tagalong/Corridor-v0", KWARGS, 1, **hand)
 
 
 def test_a_gamepad_drives_and_its_start_button_ends(tmp_path):

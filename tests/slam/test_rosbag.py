@@ -3,7 +3,9 @@
 import lzma
 import os
 import shutil
+import sqlite3
 import sys
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +14,7 @@ from tagalong.scripts.cli import main
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between
 from tagalong.slam.laser_odometry import laser_odometry
+from tagalong.slam.logs.bag_messages import open_bag
 from tagalong.slam.logs.log import read_log
 from tagalong.slam.logs.rosbag import read_rosbag
 
@@ -214,6 +217,21 @@ def test_a_bag_cut_in_the_middle_is_named_with_what_restores_it(tmp_path):
     (tmp_path / "cut.bag").write_bytes(whole[: len(whole) // 2])
     with pytest.raises(InputError, match=r"cut\.bag: no readable ROS bag .*`rosbag reindex` restores"):
         read_log(tmp_path / "cut.bag")
+
+
+def test_a_bag_that_lacks_the_messages_of_its_index_is_named(tmp_path):
+    folder = write_drive(tmp_path / "drive", ros2=True)
+    with closing(sqlite3.connect(next(folder.glob("*.db3")))) as file:
+        file.execute("DELETE FROM messages")
+        file.commit()
+    with pytest.raises(InputError, match=r"drive: no readable ROS bag \(there is no message of /scan in it\)"):
+        read_rosbag(folder)
+
+
+def test_a_mistake_of_whoever_reads_an_open_bag_is_not_called_damage(tmp_path):
+    path = write_drive(tmp_path / "whole.bag")
+    with pytest.raises(KeyError), open_bag(path) as bag:
+        bag.topics["/nowhere"]
 
 
 @pytest.mark.parametrize("increment", [np.nan, np.inf, 0.0])
