@@ -54,8 +54,10 @@ class Continuity:
         self._before: tuple[LaserScan, Array, Array] | None = None
         self._usual = self._deviation = 0.0
 
-    def tears(self, scan: LaserScan, odometry: Array, pose: Array, doubtful: bool = False) -> bool:
-        """Take a scan; return whether it contradicts the one before, by odometry and by how it was matched.
+    def tears(self, scan: LaserScan, odometry: Array, pose: Array, doubtful: bool = False) -> float:
+        """Take a scan; return the share of returns by which it is torn off the one before, 0 where it goes on from it.
+
+        It goes on if it does by the odometry, or by how both were matched.
 
         Args:
             scan: The scan.
@@ -65,7 +67,7 @@ class Continuity:
         """
         before, self._before = self._before, (scan, odometry, pose)
         if before is None:
-            return False
+            return 0.0
         motions = between(before[1], odometry), between(before[2], pose)
         share = min(contradiction(before[0], scan, motion, self._config.slack) for motion in motions)
         above = share - self._usual
@@ -74,7 +76,7 @@ class Continuity:
         if not torn:
             self._usual += _MEMORY * above
             self._deviation += _MEMORY * (abs(above) - self._deviation)
-        return torn
+        return share if torn else 0.0
 
 
 def contradiction(before: LaserScan, after: LaserScan, motion: Array, slack: float) -> float:

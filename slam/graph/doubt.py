@@ -15,6 +15,8 @@ SCANS = 9
 """So many of the last scans are weighed."""
 
 _EVERY = 3  # a doubt is weighed with each so many scans, once it has `SCANS` of them with each so many
+_WIDE = 0.3  # share of the returns that people who step into view do not make contradict
+_TRUST, _TRUST_WIDE = 5000.0, 10.0  # a robot is hardly ever carried, and narrow tears are frequent
 _EXPLAINED = 0.5  # share of the beams that must end at walls of the map where the robot is believed to have stayed
 
 
@@ -33,7 +35,7 @@ class Doubt:
     Attributes:
         scans: Odometry poses T_odom_robot (3,) and scans, the last ones.
         count: How many scans there were in all.
-        torn: Whether it began with a scan that did not go on from the one before.
+        torn: Share of the returns by which it began with a scan that did not go on from the one before; 0: it did.
         unsure: Whether the robot may be elsewhere.
         nodes: So many nodes there were before a tear: what was mapped since proves nothing.
     """
@@ -41,18 +43,22 @@ class Doubt:
     def __init__(self) -> None:
         self.scans: list[tuple[Array, LaserScan]] = []
         self.count = 0
-        self.torn = self.unsure = False
+        self.torn, self.unsure = 0.0, False
         self.nodes: int | None = None
 
     def begin(self) -> None:
         """Keep scans from the next one on."""
         self.scans, self.count = [], 0
 
-    def tear(self, nodes: int) -> None:
-        """Begin with the next scan, which does not go on from the one before; there were so many `nodes` by then."""
+    def tear(self, share: float, nodes: int) -> None:
+        """Begin with the next scan.
+
+        Args:
+            share: Of its returns, and of those of the one before, so many contradict the other.
+            nodes: There were so many nodes by then.
+        """
         self.begin()
-        self.torn = self.unsure = True
-        self.nodes = nodes
+        self.torn, self.unsure, self.nodes = share, True, nodes
 
     def add(self, odometry: Array, scan: LaserScan) -> None:
         """Keep a scan."""
@@ -63,20 +69,30 @@ class Doubt:
         """Take a verdict: a tear is mended once the robot is where it was thought to be."""
         self.unsure = outcome is not Verdict.HERE
         if outcome is Verdict.HERE:
-            self.torn, self.nodes = False, None
+            self.torn, self.nodes = 0.0, None
+
+    @property
+    def wide(self) -> bool:
+        """Whether it began with a tear that people who step into view do not make."""
+        return self.torn >= _WIDE
+
+    @property
+    def trust(self) -> float:
+        """How many times likelier the robot is where it was thought to be than elsewhere, before scans are weighed."""
+        return _TRUST_WIDE if self.wide else _TRUST
 
     @property
     def due(self) -> bool:
         """Whether a tear should be weighed now."""
-        return self.torn and self.count % (_EVERY if self.count <= SCANS else SCANS) == 0
+        return self.torn > 0.0 and self.count % (_EVERY if self.count <= SCANS else SCANS) == 0
 
 
 def verdict(doubt: Doubt, watch: Watch, outcome: Contest | None) -> Verdict:
     """Weigh the place where local SLAM has put the scans of a doubt against the rest of the map.
 
     Where a scan did not go on from the one before, the robot may have been carried. So it was where another place is
-    sure. It stayed where that place explains half of the beams, and no other place is likely; where it does not after
-    `SCANS` scans, and no place is sure, it has gone astray.
+    sure. It stayed where that place explains half of the beams, and no other place is likely. If that is still open after
+    `SCANS` scans, it stayed unless the tear was wide; then it has gone astray where the place explains less.
 
     Where all scans went on from those before, nobody has carried it: scans that fit badly are seen where people walk
     and where short rays let local SLAM drift, and in a building that repeats itself another place then explains them
@@ -97,7 +113,11 @@ def verdict(doubt: Doubt, watch: Watch, outcome: Contest | None) -> Verdict:
             return Verdict.HERE
         if elsewhere or (watch.plainly_lost and not explained):
             return Verdict.CARRIED
-        return Verdict.ASTRAY if doubt.count >= SCANS and not explained else Verdict.UNSURE
+        if doubt.count < SCANS:
+            return Verdict.UNSURE
+        if not doubt.wide:
+            return Verdict.HERE
+        return Verdict.UNSURE if outcome.fits >= _EXPLAINED else Verdict.ASTRAY
     if surely_here or not (outcome.rivalled or watch.alarmed):
         return Verdict.HERE
     lost = watch.plainly_lost and (not explained or outcome.moved or elsewhere)

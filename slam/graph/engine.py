@@ -167,13 +167,13 @@ class Cartographer:
         """Return what the doubt comes to; who is lost already can only be lost again, where nothing fits."""
         if self._search or not result.match:
             return Verdict.CARRIED if watch.plainly_lost else Verdict.UNSURE
-        return verdict(self._doubt, watch, search.contest(here, self._doubt.unsure, _DRIFT * graph.drift))
+        return verdict(self._doubt, watch, search.contest(here, self._doubt.trust, _DRIFT * graph.drift))
 
-    def _suspect(self, watch: Watch, doubtful: bool, torn: bool, odometry: Array, scan: LaserScan) -> None:
+    def _suspect(self, watch: Watch, doubtful: bool, torn: float, odometry: Array, scan: LaserScan) -> None:
         """Keep the scans since something began to be wrong."""
         doubt = self._doubt
         if torn and not self._search:
-            doubt.tear(len(self._scans))
+            doubt.tear(torn, len(self._scans))
         elif not doubt.torn and (not doubtful or watch.in_doubt == 1):
             doubt.begin()
         if doubtful or doubt.torn:

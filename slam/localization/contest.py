@@ -1,7 +1,7 @@
 """Whether a robot is where it is thought to be, or somewhere else on the map: both by all its last views."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,7 @@ class Contest:
             that is surely less likely than another place.
         beside: Whether the likeliest place is so near to it that a search would not tell the two apart, or that drift
             leads from the one to the other: nobody has to carry the robot.
+        fits: As `explained`, however likely that is.
     """
 
     stays: bool
@@ -41,6 +42,7 @@ class Contest:
     explained: float = 0.0
     beside: bool = False
     surpassed: bool = False
+    fits: float = 0.0
 
 
 def fits(
@@ -91,10 +93,11 @@ def contest(
         search.remember(view)
     search.propose(evidence.refine(views[-1].points, here[None], coarse=True), trust)
     search.propose(here[None], trust)
+    fits = float(search.belief().explained.max(initial=0.0))
     belief = search.look()
     if not len(belief.poses):
         return Contest(True, False, False, belief)
-    return weigh(here, belief, config.search, drift)
+    return replace(weigh(here, belief, config.search, drift), fits=fits)
 
 
 def _views(scans: Sequence[tuple[Array, LaserScan]], config: LocalizerConfig) -> list[View]:
