@@ -12,11 +12,12 @@ from numba import njit
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..geometry import between, compose, inverse, transform_points
+from ..geometry import between, inverse
 from ..scan import LaserScan
 
 Array = NDArray[np.float64]
 
+_ENOUGH = 180  # returns of a scan that are compared, about
 _MEMORY = 0.05  # share of the newest scan in what is usual
 
 
@@ -32,7 +33,7 @@ class ContinuityConfig:
     """
 
     slack: float = 0.4
-    least: float = 0.04
+    least: float = 0.02
     deviations: float = 4.0
     doubtful: float = 0.5
 
@@ -57,7 +58,7 @@ class Continuity:
     def tears(self, scan: LaserScan, odometry: Array, pose: Array, doubtful: bool = False) -> float:
         """Take a scan; return the share of returns by which it is torn off the one before, 0 where it goes on from it.
 
-        It goes on if it does by the odometry, or by how both were matched.
+        It goes on if it does by how both were matched, or by the odometry.
 
         Args:
             scan: The scan.
@@ -68,11 +69,13 @@ class Continuity:
         before, self._before = self._before, (scan, odometry, pose)
         if before is None:
             return 0.0
-        motions = between(before[1], odometry), between(before[2], pose)
-        share = min(contradiction(before[0], scan, motion, self._config.slack) for motion in motions)
-        above = share - self._usual
         bar = self._config.least + self._config.deviations * self._deviation
-        torn = above > bar * (self._config.doubtful if doubtful else 1.0)
+        bar *= self._config.doubtful if doubtful else 1.0
+        share = contradiction(before[0], scan, between(before[2], pose), self._config.slack)
+        if share > self._usual + bar:
+            share = min(share, contradiction(before[0], scan, between(before[1], odometry), self._config.slack))
+        above = share - self._usual
+        torn = above > bar
         if not torn:
             self._usual += _MEMORY * above
             self._deviation += _MEMORY * (abs(above) - self._deviation)
@@ -88,30 +91,46 @@ def contradiction(before: LaserScan, after: LaserScan, motion: Array, slack: flo
         motion: (3,) T_before_after of the robot [m, m, rad].
         slack: A return must lie so far before the end of a beam to contradict it [m].
     """
-    count = 0
+    count = asked = 0
     for seen, seeing, T in ((after, before, motion), (before, after, inverse(motion))):
-        T_lidar_robot = inverse(np.array(seeing.T_robot_lidar, dtype=np.float64))
-        points = transform_points(compose(T_lidar_robot, T), seen.points_robot)
-        ends = np.where(seeing.is_return, seeing.ranges, 0.0)
-        count += looked_through(seeing.bearings, ends, points, slack)
-    return count / max(len(before.points) + len(after.points), 1)
+        points = np.ascontiguousarray(seen.points_robot[:: max(1, len(seen.points) // _ENOUGH)])
+        mount = np.array(seeing.T_robot_lidar, dtype=np.float64)
+        count += looked_through(seeing.bearings, seeing.ranges, seeing.range_max, mount, points, T, slack)
+        asked += len(points)
+    return count / max(asked, 1)
 
 
 @njit(cache=True, nogil=True)
-def looked_through(bearings: Array, ends: Array, points: Array, slack: float) -> int:
+def looked_through(
+    bearings: Array, ranges: Array, range_max: float, mount: Array, points: Array, motion: Array, slack: float
+) -> int:
     """Return how many of `points` (N, 2) lie more than `slack` [m] before the ends of both beams beside them.
 
     Args:
         bearings: (M,) of the beams, ascending [rad].
-        ends: (M,) their lengths [m]; 0: not known.
-        points: In the frame of the laser [m].
+        ranges: (M,) of the beams [m]; beams without a return say nothing.
+        range_max: Longest range of a return [m].
+        mount: (3,) T_robot_lidar.
+        points: Robot frame of the other scan [m].
+        motion: (3,) T_robot_other.
         slack: [m].
     """
-    count, last = 0, len(bearings) - 1
+    turn = motion[2] - mount[2]
+    c, s, cm, sm = np.cos(turn), np.sin(turn), np.cos(mount[2]), np.sin(mount[2])
+    x0 = cm * (motion[0] - mount[0]) + sm * (motion[1] - mount[1])
+    y0 = cm * (motion[1] - mount[1]) - sm * (motion[0] - mount[0])
+    count, right, last = 0, 0, len(bearings) - 1
     for n in range(len(points)):
-        bearing = np.arctan2(points[n, 1], points[n, 0])
+        x = x0 + c * points[n, 0] - s * points[n, 1]
+        y = y0 + s * points[n, 0] + c * points[n, 1]
+        bearing = np.arctan2(y, x)
         bearing += 2.0 * np.pi * np.ceil((bearings[0] - bearing) / (2.0 * np.pi))
-        right = np.searchsorted(bearings, bearing, side="right") - 1
-        if right < last and np.hypot(points[n, 0], points[n, 1]) < min(ends[right], ends[right + 1]) - slack:
-            count += 1
+        if bearing >= bearings[last]:
+            continue
+        while bearings[right] > bearing:  # the points come in the order of the beams, almost
+            right -= 1
+        while bearings[right + 1] <= bearing:
+            right += 1
+        one, other, end = ranges[right], ranges[right + 1], np.sqrt(x * x + y * y) + slack
+        count += end < one <= range_max and end < other <= range_max
     return count

@@ -58,7 +58,8 @@ class Doubt:
             nodes: There were so many nodes by then.
         """
         self.begin()
-        self.torn, self.unsure, self.nodes = share, True, nodes
+        self.torn, self.nodes = share, nodes
+        self.unsure = self.wide
 
     def add(self, odometry: Array, scan: LaserScan) -> None:
         """Keep a scan."""
@@ -91,8 +92,8 @@ def verdict(doubt: Doubt, watch: Watch, outcome: Contest | None) -> Verdict:
     """Weigh the place where local SLAM has put the scans of a doubt against the rest of the map.
 
     Where a scan did not go on from the one before, the robot may have been carried. So it was where another place is
-    sure. It stayed where that place explains half of the beams, and no other place is likely. If that is still open after
-    `SCANS` scans, it stayed unless the tear was wide; then it has gone astray where the place explains less.
+    sure. It stayed where that place explains half of the beams, and no other place is likely. If that is still open
+    after `SCANS` scans, it stayed unless the tear was wide; then it has gone astray where the place explains less.
 
     Where all scans went on from those before, nobody has carried it: scans that fit badly are seen where people walk
     and where short rays let local SLAM drift, and in a building that repeats itself another place then explains them

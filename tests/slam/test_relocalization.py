@@ -1,6 +1,5 @@
 """A robot that is carried away while it maps: SLAM notices, says so, and joins the rest of the drive to its map."""
 
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,7 +10,7 @@ from tagalong.slam.graph.engine import Cartographer, CartographerConfig
 from tagalong.slam.graph.relocalization import searchable
 from tagalong.slam.graph.submap import Submap, SubmapConfig
 from tagalong.slam.graph.sweep import Sweep
-from tagalong.slam.graph.watch import Suspicion, Watch, WatchConfig, contradictions
+from tagalong.slam.graph.watch import Watch, WatchConfig, contradictions
 from tagalong.slam.localization.contest import contest
 from tagalong.slam.matching import make_matcher
 from walls import cast
@@ -211,77 +210,6 @@ def test_where_another_place_looks_almost_the_same_it_does_not_stay_sure_of_the_
     assert not any(wrong[4:])
 
 
-def test_a_few_contradicting_beams_in_every_scan_become_suspicious_until_they_are_usual():
-    submap = Submap(SubmapConfig(), np.zeros(3))
-    bearings = np.linspace(-np.pi, np.pi, 200, endpoint=False)
-    circle = np.stack((np.cos(bearings), np.sin(bearings)), axis=-1)
-    submap.insert(Sweep(np.zeros(2), 3.0 * circle, len(circle), np.empty((0, 2))))
-    watch, fits = Watch(WatchConfig()), (submap, 3.0 * circle, np.zeros(2), np.zeros(3), 0.9)
-    some = 3.0 * circle
-    some[:14] *= 0.5  # 7 % of the beams end where the others went through
-    odd = (submap, some, np.zeros(2), np.zeros(3), 0.85)
-    assert not any(watch.doubts(*fits) for _ in range(20))
-    assert watch.suspicion == 0.0
-    seen = []
-    for _ in range(4):
-        assert not watch.doubts(*odd)  # none of them alone
-        seen.append(watch.suspicious)
-    assert seen == [False, False, True, True]
-    watch.acquit()
-    for _ in range(20):
-        assert not watch.doubts(*odd)
-        assert watch.suspicion == 0.0
-
-
-def test_as_many_contradicting_beams_as_there_always_are_become_usual():
-    suspicion = Suspicion(0.02)
-    for _ in range(200):
-        suspicion.add(0.015)
-        assert suspicion.level == 0.0
-    suspicion.add(0.05)
-    assert suspicion.level == pytest.approx(0.05 - 0.015 - 0.02, abs=1e-4)
-
-
-def test_older_submaps_that_tied_the_robot_contradict_what_it_does_not_see_there():
-    engine, rng, poses = make_slam("cartographer"), np.random.default_rng(0), tour()
-    assert isinstance(engine, Cartographer)
-    graph, foot = engine._global, np.zeros(2)  # pyright: ignore[reportPrivateUsage]
-    assert graph is not None
-    _, odometry = fed(engine, poses[:20], poses[0], rng)
-    assert graph.contradicted(foot) is None  # no older submap yet
-    fed(engine, np.concatenate((poses[20:], poses[1:])), odometry, rng)
-    seen = graph.contradicted(foot)
-    assert seen is not None
-    assert seen < 0.03
-    node = graph.nodes[-1]
-    for away in ((1.0, 0.0, 0.0), (0.0, 0.0, np.pi)):
-        graph.nodes[-1] = replace(node, points=transform_points(np.array(away), node.points))
-        elsewhere = graph.contradicted(foot)
-        assert elsewhere is not None
-        assert elsewhere > 0.15
-    graph.begin_piece(disowned=1)
-    graph._last_ties = {s: c for s, c in graph._last_ties.items() if c.node < len(graph.nodes) - 1}  # pyright: ignore[reportPrivateUsage]
-    assert graph.contradicted(foot) is None  # lost: it is not known how it lies to those
-
-
-def test_what_older_submaps_contradict_becomes_suspicious_by_itself_and_is_weighed(mapped, monkeypatch):
-    watch = Watch(WatchConfig())
-    for share, level in ((0.01, 0.0), (0.1, 0.08), (0.1, 0.16), (0.0, 0.14)):
-        watch.remember(share)
-        assert watch.suspicion == pytest.approx(level, abs=0.003)
-    assert watch.suspicious
-    watch.acquit()
-    assert (watch.suspicion, watch.suspicious) == (0.0, False)
-    engine, odometry, last, rng = mapped
-    weighed, monkeyed = [], engine._relocalization
-    monkeypatch.setattr(engine, "_relocalization", lambda graph: weighed.append(1) or monkeyed(graph))
-    monkeypatch.setattr(engine._global, "contradicted", lambda foot: 0.2)
-    updates, _ = fed(engine, ahead(last, (0.1, 0.0, 0.05), 8), odometry, rng)
-    assert weighed == [1]  # and acquitted, as the whole map says that it is here: so much is usual from then on
-    assert engine.losses == 0
-    assert updates[-1].located
-
-
 def judged(monkeypatch, engine, *, surpassed=False, **verdict):
     """Let every contest end in the same verdict; return the list that takes the drifts that they allowed."""
     belief, drifts = SimpleNamespace(poses=np.zeros((1, 3)), sure=surpassed), []
@@ -303,16 +231,6 @@ def test_badly_fitting_scans_make_it_lost_unless_the_map_explains_half_of_them_h
     judged(monkeypatch, engine, moved=elsewhere, rivalled=elsewhere, explained=explained, beside=True)
     fed(engine, ahead(last, (0.0, 0.0, 0.02), 4), odometry, rng, ELSEWHERE)
     assert engine.losses == lost
-
-
-@pytest.mark.parametrize(("beside", "sure"), [(False, True), (True, True), (False, False)])
-def test_where_only_older_submaps_contradict_it_is_not_sure_and_nothing_is_lost(mapped, monkeypatch, beside, sure):
-    engine, odometry, last, rng = mapped
-    judged(monkeypatch, engine, moved=True, rivalled=True, explained=0.0, beside=beside, surpassed=sure)
-    monkeypatch.setattr(engine._global, "contradicted", lambda foot: 0.2)
-    updates, _ = fed(engine, ahead(last, (0.1, 0.0, 0.05), 8), odometry, rng)
-    assert engine.losses == 0
-    assert not updates[-1].located
 
 
 @pytest.mark.parametrize("plainly", [True, False])
