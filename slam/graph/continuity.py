@@ -75,11 +75,10 @@ class Continuity:
         if share > self._usual + bar:
             share = min(share, contradiction(before[0], scan, between(before[1], odometry), self._config.slack))
         above = share - self._usual
-        torn = above > bar
-        if not torn:
-            self._usual += _MEMORY * above
-            self._deviation += _MEMORY * (abs(above) - self._deviation)
-        return share if torn else 0.0
+        usual = min(above, bar)  # a tear says little of what is usual, but if all scans are torn that is
+        self._usual += _MEMORY * usual
+        self._deviation += _MEMORY * (abs(usual) - self._deviation)
+        return share if above > bar else 0.0
 
 
 def contradiction(before: LaserScan, after: LaserScan, motion: Array, slack: float) -> float:
