@@ -23,7 +23,7 @@ def read_with_odometry(path: Path, scan_topic: str | None, odometry_topic: str |
     What was assumed is said on stderr, and once in a line if the odometry is grossly wrong by what the scans show.
 
     Args:
-        path: CARMEN, BeeSoft or tinySLAM log, or ROS bag.
+        path: CARMEN, BeeSoft, DP-SLAM or tinySLAM log, or ROS bag.
         scan_topic: Of a bag, the topic of the scans; None: the only one.
         odometry_topic: Of a bag, the topic of the odometry; None: the only one.
     """

@@ -31,6 +31,7 @@ class FeatureConfig:
         people: Nearest bystanders that are told.
         people_range: Bystanders farther than this are left out [m].
         map_cells: Side of the map patch that is told, 0 for none [cells].
+        field_of_view: Of the laser, half of it to either side of straight ahead [rad]; another laser is refused.
     """
 
     sectors: int = 90
@@ -39,6 +40,7 @@ class FeatureConfig:
     people: int = 4
     people_range: float = 5.0
     map_cells: int = 0
+    field_of_view: float = float(np.radians(270.0))
 
     def __post_init__(self) -> None:
         if self.sectors < 8 or self.people < 1 or self.map_cells < 0:
@@ -46,6 +48,8 @@ class FeatureConfig:
                 "features need at least 8 `sectors`, one of `people` and no negative `map_cells`, got "
                 f"{self.sectors}, {self.people}, {self.map_cells}"
             )
+        if not 0.0 < self.field_of_view <= 2.0 * math.pi:
+            raise InputError(f"`field_of_view` must be in (0, 2 pi] [rad], got {self.field_of_view}")
 
     @property
     def shapes(self) -> dict[str, tuple[int, ...]]:
@@ -71,10 +75,14 @@ class Features:
     Args:
         config: What is told.
         interface: Scales of the environment.
+
+    Raises:
+        InputError: If the laser does not look where `config` says, within a sector, or has too few beams.
     """
 
     def __init__(self, config: FeatureConfig, interface: FollowInterface) -> None:
         self.config = config
+        _check_field_of_view(config, interface)
         self._step_s = 1.0 / interface.control_hz
         self._range_max = interface.range_max
         self._starts = _sector_starts(interface.bearings, config.sectors)
@@ -154,6 +162,18 @@ class Features:
         if edge < 0:
             raise InputError(f"this policy is told {cells} cells of the map, got an observation of {patch.shape[0]}")
         return patch[None, edge : edge + cells, edge : edge + cells].copy()
+
+
+def _check_field_of_view(config: FeatureConfig, interface: FollowInterface) -> None:
+    """Refuse a laser whose sectors would lie elsewhere than those that the network knows."""
+    seen = np.array([interface.bearings[0], interface.bearings[-1]]) + interface.T_robot_lidar[2]
+    half = config.field_of_view / 2.0
+    if np.abs(seen - (-half, half)).max() > config.field_of_view / config.sectors:
+        had, has = np.degrees((-half, half)), np.degrees(seen)
+        raise InputError(
+            f"this policy's card has `field_of_view` {had[1] - had[0]:.0f} degrees (from {had[0]:.0f} to {had[1]:.0f})"
+            f", the environment {has[1] - has[0]:.0f} (from {has[0]:.0f} to {has[1]:.0f})"
+        )
 
 
 def _sector_starts(bearings: NDArray[np.float64], sectors: int) -> NDArray[np.intp]:

@@ -343,8 +343,9 @@ class PeopleTracker:
         people = person_tracks.new_people(pairs)
         doubtful = np.minimum(self._since_leg_s(), self._people["camera_s"]) > self._config.doubt_s
         people["id"] = self._lost.recognise(people["x"][:, :2], people["age_s"], self._people[doubtful])
-        self._people["confidence"][np.isin(self._people["id"], people["id"])] = 0.0  # slid off: ends with the next scan
-        fresh = np.concatenate((self._people["confidence"] == 0.0, people["id"] < 0))
+        slid = np.isin(self._people["id"], people["id"])  # off to something else: ends with the next scan
+        self._people["confidence"][slid] = self._people["age_s"][slid] = 0.0  # and is not remembered as somebody lost
+        fresh = np.concatenate((slid, people["id"] < 0))
         numbers = np.concatenate((self._people["id"], people["id"]))
         numbers[fresh] = self._next_id + np.arange(np.count_nonzero(fresh))
         self._next_id += np.count_nonzero(fresh)

@@ -43,7 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "log",
         type=Path,
         metavar="LOG",
-        help="CARMEN, BeeSoft or tinySLAM log (plain or .gz), ROS 1 bag, ROS 2 bag folder",
+        help="CARMEN, BeeSoft, DP-SLAM or tinySLAM log (plain or .gz), ROS 1 bag, ROS 2 bag folder",
     )
     parser.add_argument(
         "--map", type=Path, required=True, metavar="MAP", help="map.yaml of ROS map_server, or a BeeSoft map (.dat)"

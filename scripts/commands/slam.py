@@ -44,7 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "log",
         type=Path,
         metavar="LOG",
-        help="CARMEN, BeeSoft or tinySLAM log (plain or .gz), ROS 1 bag or ROS 2 bag folder",
+        help="CARMEN, BeeSoft, DP-SLAM or tinySLAM log (plain or .gz), ROS 1 bag or ROS 2 bag folder",
     )
     add_topics(parser)
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="where the results go")

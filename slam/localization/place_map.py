@@ -110,7 +110,8 @@ class PlaceMap:
         likelihood = np.pad(likelihood, margin, constant_values=self.config.unseen)
         corner = (float(self.outer_corner[0] - margin * cell), float(self.outer_corner[1] - margin * cell))
         grid = ScoreGrid.from_likelihood(likelihood, corner, cell)
-        return build_pyramid(grid, top_level=self._top_level(2.0 * self.half_side / cell))
+        half = self.half_side / cell
+        return build_pyramid(grid, top_level=self._top_level(2.0 * half), margin=int(half) + 1)
 
     def _top_level(self, side: float) -> int:
         """Return the level that a search starts from, over a square of a side of so many cells."""

@@ -9,6 +9,7 @@ from ..errors import InputError
 from .bag_messages import is_bag
 from .beesoft import is_beesoft_log, read_beesoft_log
 from .carmen import read_carmen
+from .dpslam import is_dpslam_log, read_dpslam_log
 from .drive import RecordedDrive
 from .rosbag import read_rosbag
 from .urg import is_urg_log, read_urg_log
@@ -17,7 +18,7 @@ from .urg import is_urg_log, read_urg_log
 def read_log(
     path: str | os.PathLike[str], scan_topic: str | None = None, odometry_topic: str | None = None
 ) -> RecordedDrive:
-    """Return the drive in a CARMEN, BeeSoft or tinySLAM log (plain or gzipped), a ROS 1 bag or a ROS 2 bag folder.
+    """Return the drive in a CARMEN, BeeSoft, DP-SLAM or tinySLAM log (plain or gzipped), a ROS 1 bag or a ROS 2 folder.
 
     Args:
         path: The log.
@@ -37,6 +38,8 @@ def read_log(
         raise InputError(f"{path}: only a ROS bag has topics to choose")
     if is_beesoft_log(path):
         return _measured(path, read_beesoft_log(path))
+    if is_dpslam_log(path):
+        return _measured(path, read_dpslam_log(path))
     return _measured(path, read_urg_log(path) if is_urg_log(path) else read_carmen(path))
 
 

@@ -72,8 +72,8 @@ def build_pyramid(grid: ScoreGrid, *, top_level: int = 3, margin: int = 0) -> Sc
     Args:
         grid: The scores.
         top_level: L; the search starts from blocks of 2^L cells, 0.4 to 0.8 m are usually fastest.
-        margin: Border of zeros around the grid [cells]; changes no result, but the search is fastest when it is as
-            wide as the search window's half side.
+        margin: Half the side of the windows to come [cells]; changes no result, but where it is less the search takes
+            ten times as long. The phases get so large that such a window around any cell can be read whole.
 
     Raises:
         InputError: If the top level is not in 0 .. 8 or the margin is negative.
@@ -81,7 +81,7 @@ def build_pyramid(grid: ScoreGrid, *, top_level: int = 3, margin: int = 0) -> Sc
     if not 0 <= top_level <= 8 or margin < 0:
         raise InputError(f"need `top_level` in 0 .. 8 and `margin` >= 0, got {top_level} and {margin}")
     stride = 1 << top_level
-    border = max(margin, stride - 1)
+    border = stride - 1
     rows, cols = (-(-(size + 2 * border) // stride) * stride for size in grid.values.shape)
     levels = np.zeros((top_level + 1, rows, cols), dtype=np.uint8)
     levels[0, border : border + grid.values.shape[0], border : border + grid.values.shape[1]] = grid.values
@@ -94,7 +94,7 @@ def build_pyramid(grid: ScoreGrid, *, top_level: int = 3, margin: int = 0) -> Sc
         np.maximum(coarser[:, :-half], coarser[:, half:].copy(), out=coarser[:, :-half])
     blocks = levels[top_level].reshape(rows // stride, stride, cols // stride, stride)
     # So much that a window that meets anything can be read whole, sixteen blocks of a row at once.
-    skirt = -(-margin // stride)
+    skirt = -(-2 * margin // stride)
     phases = np.zeros((stride, stride, rows // stride + 2 * skirt, cols // stride + 2 * skirt + LANES), dtype=np.uint8)
     phases[:, :, skirt : skirt + rows // stride, skirt : skirt + cols // stride] = blocks.transpose(1, 3, 0, 2)
     return ScorePyramid(levels, phases, skirt, border, grid.origin, grid.resolution)

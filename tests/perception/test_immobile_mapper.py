@@ -1,6 +1,7 @@
 """Laser and camera write one immobile-area map: what is recognised decides."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from tagalong.perception.rgbd.frame import Pinhole, RgbdFrame
 from tagalong.perception.rgbd.people import NoPeopleFinder, RgbdPeople, nobody
 from tagalong.perception.rgbd.planes import PlaneFinder, Surface
 from tagalong.slam.errors import InputError
+from tagalong.slam.geometry import transform_points
 from tagalong.slam.scan import LaserScan
 
 CAMERA = Pinhole(width=64, height=53, horizontal_fov=np.radians(70.0), vertical_fov=np.radians(60.0))
@@ -151,6 +153,17 @@ def test_nobody_is_doubted_at_the_edge_of_the_picture():
         shown = replace(view, points=body)
         assert len(mapper._places_without_people(np.zeros(3), shown)) == doubted
         mapper.people.doubt(np.array([place]), 0.0, 0.5)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize("distance", [1.5, 3.0])
+def test_somebody_is_all_in_the_picture_whose_arms_are(side, distance):
+    """The picture ends 35 degrees to either side; a body reaches 0.4 m to the side of its middle."""
+    half, body, pose = np.radians(35.0), np.arctan(0.4 / distance), np.array([1.0, -2.0, 0.7])
+    view = SimpleNamespace(points=np.array([[np.cos(a), np.sin(a), 1.0] for a in (-half, 0.0, half)]))
+    for angle, whole in ((np.radians(34.0) - body, True), (np.radians(36.0) - body, False), (0.0, True)):
+        place = transform_points(pose, distance * np.array([[np.cos(angle), side * np.sin(angle)]]))
+        assert ImmobileMapper()._whole(pose, view, place).tolist() == [whole]
 
 
 def test_the_ragged_edge_of_somebody_is_not_written():

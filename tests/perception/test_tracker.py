@@ -147,6 +147,21 @@ def test_clusters_below_gamma_never_start_a_person_and_block_their_cells(stage):
     assert all(len(people) == 0 for people in history)
 
 
+def test_who_is_recognised_leaves_nobody_behind_to_be_met_again(make_stage):
+    """A track that nobody was seen of for long is somebody who walks a metre beside it: it ends, and is nobody lost."""
+    stage = make_stage(config=perception_preset("outdoor"))
+    stage.walk([[2.0, -3.0]], [[0.0, 0.8]], 6.0)
+    hidden = [stage.show(np.zeros((0, 2))) for _ in range(12)]
+    assert len(hidden[-1]) == 1
+    place = hidden[-1].positions[0]
+    again, truth = stage.walk([place + np.array([1.1, 0.0])], [[0.8, 0.0]], 1.5)
+    assert list(again[-1].ids) == [0]
+    assert again[-1].positions[0] == pytest.approx(truth[-1][0], abs=0.15)
+    chair = place + np.array([[0.0, 0.9], [0.2, 0.9]])  # where the track would have gone on; looks human
+    for _ in range(20):
+        assert list(stage.show(np.concatenate((chair, truth[-1][0] + np.array([[0.0, 0.1], [0.0, -0.1]])))).ids) == [0]
+
+
 def test_legs_that_hide_each_other_keep_the_person_alive_and_in_place(stage):
     walked, truth = stage.walk([[1.5, -2.0]], [[0.0, 1.0]], 2.0)
     assert list(walked[-1].ids) == [0]

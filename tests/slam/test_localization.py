@@ -217,6 +217,7 @@ def test_the_search_starts_from_blocks_as_small_as_memory_allows_and_finds_the_s
     for share, levels in ((1 / 3.9, 2), (1 / 4.1, 3), (1 / 17.0, 4)):
         place = PlaceMap(room, PlaceMapConfig(most_blocks=int(share * blocks)))
         assert len(place.pyramid.levels) == levels
+        assert place.pyramid.skirt << (levels - 1) >= 2 * int(place.half_side / 0.1)  # a tenth of the time
         updates, _ = driven(Localizer(place), ROOM, (0.2, 0.7, -2.9), (0.05, 0.0, 0.05), 6, np.random.default_rng(0))
         same, _ = driven(Localizer(room), ROOM, (0.2, 0.7, -2.9), (0.05, 0.0, 0.05), 6, np.random.default_rng(0))
         assert [u.state for u in updates] == [u.state for u in same]

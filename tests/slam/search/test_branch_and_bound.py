@@ -44,6 +44,23 @@ def test_it_equals_the_exhaustive_search_to_the_bit(seed):
         assert found.candidates == expected.candidates
 
 
+@pytest.mark.parametrize(("top_level", "half"), [(0, 3), (1, 10), (3, 30)])
+def test_where_the_margin_is_half_a_window_a_window_that_meets_the_grid_is_read_whole(top_level, half):
+    pyramid = build_pyramid(
+        ScoreGrid(np.full((21, 34), 9, np.uint8), (0.0, 0.0), 0.1), top_level=top_level, margin=half
+    )
+    stride, side = 1 << top_level, 2 * half + 1
+    blocks = -(-side // stride)
+    _, _, rows, cols = pyramid.phases.shape
+    for size, whole, read in ((21, rows, blocks), (34, cols, -(-blocks // 16) * 16)):
+        for cell in (
+            1 - side,
+            size - 1,
+        ):  # where the lowest pose of the window puts a point that other poses put inside
+            first = ((cell + pyramid.border) >> top_level) + pyramid.skirt
+            assert 0 <= first <= whole - read
+
+
 def test_it_equals_the_exhaustive_search_where_many_poses_tie():
     values = np.zeros((40, 40), dtype=np.uint8)
     values[10:30] = 200
