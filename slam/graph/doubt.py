@@ -94,6 +94,7 @@ def verdict(doubt: Doubt, watch: Watch, outcome: Contest | None) -> Verdict:
     Where a scan did not go on from the one before, the robot may have been carried. So it was where another place is
     sure. It stayed where that place explains half of the beams, and no other place is likely. If that is still open
     after `SCANS` scans, it stayed unless the tear was wide; then it has gone astray where the place explains less.
+    While the scans alone speak for another place, it is not sure that it stayed.
 
     Where all scans went on from those before, nobody has carried it: scans that fit badly are seen where people walk
     and where short rays let local SLAM drift, and in a building that repeats itself another place then explains them
@@ -110,15 +111,11 @@ def verdict(doubt: Doubt, watch: Watch, outcome: Contest | None) -> Verdict:
     explained = outcome.explained >= _EXPLAINED
     elsewhere = outcome.surpassed and not outcome.beside
     if doubt.torn:
-        if surely_here or (explained and not outcome.rivalled):
-            return Verdict.HERE
         if elsewhere or (watch.plainly_lost and not explained):
             return Verdict.CARRIED
-        if doubt.count < SCANS:
-            return Verdict.UNSURE
-        if not doubt.wide:
-            return Verdict.HERE
-        return Verdict.UNSURE if outcome.fits >= _EXPLAINED else Verdict.ASTRAY
+        if surely_here or (explained and not outcome.rivalled) or (doubt.count >= SCANS and not doubt.wide):
+            return Verdict.UNSURE if outcome.outweighed else Verdict.HERE
+        return Verdict.ASTRAY if doubt.count >= SCANS and outcome.fits < _EXPLAINED else Verdict.UNSURE
     if surely_here or not (outcome.rivalled or watch.alarmed):
         return Verdict.HERE
     lost = watch.plainly_lost and (not explained or outcome.moved or elsewhere)

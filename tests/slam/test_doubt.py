@@ -1,5 +1,6 @@
 """What a doubt comes to, by how the drive was torn, how long ago, and how the place fares on the map."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -67,6 +68,12 @@ def test_drift_leads_to_a_place_beside_and_nobody_was_carried_there():
 def test_what_is_still_open_after_some_scans_ends_by_how_wide_the_tear_was(torn, outcome, then):
     assert verdict(doubt(torn, SCANS - 1), watch(), outcome) is Verdict.UNSURE
     assert verdict(doubt(torn, SCANS), watch(), outcome) is then
+
+
+@pytest.mark.parametrize("count", [3, SCANS])
+def test_while_the_scans_alone_speak_for_another_place_nobody_is_sure_to_have_stayed(count):
+    for outcome in (HERE, OPEN):
+        assert verdict(doubt(NARROW, count), watch(), replace(outcome, outweighed=True)) is Verdict.UNSURE
 
 
 def test_scans_that_cannot_belong_there_and_fit_nowhere_are_of_another_building():
