@@ -51,15 +51,15 @@ class Doubt:
         self.scans, self.count = [], 0
 
     def tear(self, share: float, nodes: int) -> None:
-        """Begin with the next scan.
+        """Begin with the next scan; a wider tear than the one before says more.
 
         Args:
             share: Of its returns, and of those of the one before, so many contradict the other.
             nodes: There were so many nodes by then.
         """
         self.begin()
-        self.torn, self.nodes = share, nodes
-        self.unsure = self.wide
+        self.torn, self.nodes = share, nodes if self.nodes is None else self.nodes
+        self.unsure |= self.wide
 
     def add(self, odometry: Array, scan: LaserScan) -> None:
         """Keep a scan."""

@@ -55,10 +55,9 @@ class CartographerConfig:
 class Cartographer:
     """Graph SLAM of Cartographer's kind (Hess, Kohler, Rapp, Andor 2016); a `SlamEngine`.
 
-    Where several scans in a row contradict the submap, the robot was carried away (or slipped far): a new piece of the
-    drive begins, apart from the map, and is joined to it once the robot has been found on the map again.
-    A robot that is carried to where it looks much like before is not noticed: in buildings that repeat themselves that
-    cannot be told from drift, and drift is frequent.
+    A scan that does not go on from the one before tells that the robot may have been carried away (or slipped far).
+    Where the map then shows that it is elsewhere, a new piece of the drive begins, apart from the map, and is joined to
+    it once the robot has been found on the map again. Until that is settled it is not located.
 
     `SlamUpdate.diagnostics`: `score` (mean occupancy of the submap under the scan's points, 0 .. 1).
 
@@ -172,7 +171,7 @@ class Cartographer:
     def _suspect(self, watch: Watch, doubtful: bool, torn: float, odometry: Array, scan: LaserScan) -> None:
         """Keep the scans since something began to be wrong."""
         doubt = self._doubt
-        if torn and not self._search:
+        if torn > doubt.torn and not self._search:
             doubt.tear(torn, len(self._scans))
         elif not doubt.torn and (not doubtful or watch.in_doubt == 1):
             doubt.begin()

@@ -99,6 +99,12 @@ def test_a_tear_is_weighed_with_each_third_scan_and_later_with_each_ninth_until_
     assert not doubt(count=3).due
 
 
+def test_a_second_tear_is_weighed_by_scans_since_then_on_the_map_before_the_first():
+    made = doubt(NARROW)
+    made.tear(WIDE, 120)
+    assert (made.torn, made.nodes, made.count, made.scans, made.unsure) == (WIDE, 100, 0, [], True)
+
+
 def test_a_wide_tear_makes_it_unsure_at_once_and_its_place_is_trusted_less():
     assert doubt(WIDE).unsure
     assert not doubt(NARROW).unsure
