@@ -209,6 +209,25 @@ def test_where_another_place_looks_almost_the_same_it_does_not_stay_sure_of_the_
     assert not any(wrong[4:])
 
 
+def test_carried_along_a_corridor_that_looks_alike_everywhere_it_is_found_and_not_sure_before():
+    niches = [(1.0, 0.9), (4.5, 0.9), (6.0, 1.4), (11.0, 0.9), (15.5, 2.0), (19.0, 0.9), (21.0, 0.9), (26.0, 1.4)]
+    outline = [(0.0, -1.2), (30.0, -1.2), (30.0, 1.2)]
+    for start, width in reversed(niches):
+        outline += [(start + width, 1.2), (start + width, 1.7), (start, 1.7), (start, 1.2)]
+    corridor = np.array(ring(*outline, (0.0, 1.2)))
+    engine, rng = make_slam("cartographer"), np.random.default_rng(0)
+    assert isinstance(engine, Cartographer)
+    poses = ahead((1.0, 0.0, 0.0), (0.15, 0.0, 0.0), 180)
+    updates, odometry = fed(engine, poses, poses[0], rng, corridor)
+    assert all(update.located for update in updates)
+    after = ahead((9.0, 0.3, 0.0), (0.1, 0.0, 0.0), 20)
+    updates, _ = fed(engine, after, odometry, rng, corridor)
+    wrong = [u.located and distance(u.pose, pose) > 0.3 for u, pose in zip(updates, after, strict=True)]
+    assert not any(wrong)
+    assert updates[-1].located
+    assert (engine.losses, engine.relocalizations) == (1, 1)
+
+
 def test_what_was_mapped_since_a_tear_is_not_asked_where_the_robot_is(mapped, monkeypatch):
     engine, odometry, _, rng = mapped
     nodes, asked = len(engine.node_scans), []
