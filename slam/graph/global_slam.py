@@ -33,7 +33,7 @@ class GlobalSlamConfig:
         constraints: How constraints are made.
         adjustment: How the graph is adjusted.
         adjust_every: The graph is adjusted after so many nodes, if a constraint is new.
-        max_distance: Submaps whose origin is farther from a node than this are not matched [m].
+        max_distance: Submaps whose middle (the laser's mean place) is farther off a node are not matched [m].
         known_for: A submap that tied a node counts as well placed for so many nodes after it: no search is needed.
         kernel_width: Of INTER constraints, in standard deviations.
         odometry_share: Share of its information with which odometry ties a node to the one before.
