@@ -13,17 +13,17 @@ from ..slam.files import require_writable
 # name -> what it does; the code is in commands/NAME.py, imported only when it is used
 COMMANDS: dict[str, str] = {
     "demo": "follow a person, map raw and filtered, compare: the main job",
-    "slam": "map a recorded drive (CARMEN log or ROS bag)",
+    "slam": "map a recorded drive (log or ROS bag)",
     "localize": "find a recorded drive on a finished map",
     "score": "judge a trajectory or a map by a reference",
-    "train": "train the leg forests, or a follower",
+    "train": "train the leg forests, the classifier of people, or a follower",
     "doctor": "say what is installed and what works here",
     "teleop": "drive by stick, record it, replay it",
     "evaluate": "drive a follower through many episodes",
     "results": "measure what the README states",
     "reproduce": "repeat a published experiment",
     "bench": "measure speed",
-    "perceive": "find legs and track people in recorded scans (CARMEN log, ROS bag or .npz)",
+    "perceive": "find legs and track people in recorded scans (log, ROS bag or .npz)",
 }
 
 

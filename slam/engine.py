@@ -69,6 +69,8 @@ _ENGINES = {
     "cartographer": ("graph.engine", "Cartographer"),
     "ekf": ("ekf.engine", "EkfSlam"),
 }
+ENGINES = tuple(_ENGINES)
+"""Names that `make_slam` knows."""
 
 
 def make_slam(name: str, **config: Any) -> SlamEngine:

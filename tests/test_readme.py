@@ -3,6 +3,7 @@
 import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -51,6 +52,13 @@ def test_a_follower_of_ones_own_takes_15_lines_and_is_evaluated_by_the_same_comm
     assert "distance error RMS" in done.stdout
     assert "nan .." not in done.stdout  # one episode has no interval
     assert (tmp_path / "out" / "evaluation.json").exists()
+
+
+def test_every_extra_of_the_package_is_told():
+    project = tomllib.loads((Path(__file__).resolve().parents[1] / "pyproject.toml").read_text())["project"]
+    told = re.search(r"with extras as.*?\n\n", README, re.DOTALL)
+    assert told
+    assert set(re.findall(r"`(\w+)` \(", told[0])) == set(project["optional-dependencies"]) - {"dev"}
 
 
 def test_slam_takes_at_most_ten_lines_of_python():

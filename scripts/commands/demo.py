@@ -5,7 +5,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from ...slam.engine import make_slam
+from ...slam.engine import ENGINES, make_slam
 from ...slam.errors import InputError
 from ..experiments.following_tour import SCENES, TourConfig
 from ..experiments.map_comparison import MappingConfig
@@ -42,7 +42,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--scene", choices=tuple(SCENES), default="corridor", help="building (default: %(default)s)")
     parser.add_argument("--people", type=int, default=2, help="walking people, leader included (default: %(default)s)")
     parser.add_argument("--standing", type=int, default=0, help="people who stop and stand (default: %(default)s)")
-    parser.add_argument("--method", default="gmapping", help="SLAM engine (default: %(default)s)")
+    parser.add_argument(
+        "--method", default="gmapping", help=f"SLAM engine: {', '.join(ENGINES)} (default: %(default)s)"
+    )
     parser.add_argument("--seed", type=int, default=0, help="seed of everything (default: %(default)s)")
     parser.add_argument("--out", type=Path, default=Path("out/demo"), metavar="DIR", help="(default: %(default)s)")
 

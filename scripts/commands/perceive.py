@@ -29,18 +29,21 @@ LEGS_HEADER, PEOPLE_HEADER = "scan,x,y,confidence", "scan,id,x,y,vx,vy,confidenc
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments of the command."""
     parser.description = (
-        "Finds legs and tracks people in recorded scans. SCANS is a CARMEN log (.log, .clf, plain or .gz), a ROS bag\n"
-        "(ROS 1: a file, ROS 2: a folder; without odometry in it the laser counts as standing), or an .npz\n"
-        "with ranges (scans, beams), angle_min, angle_increment, range_min, range_max and bag_time or stamp.\n"
+        "Finds legs and tracks people in recorded scans. SCANS is a CARMEN, BeeSoft, DP-SLAM or tinySLAM log\n"
+        "(plain or .gz), a ROS bag (ROS 1: a file, ROS 2: a folder; without odometry in it the laser counts as\n"
+        "standing), or an .npz with ranges (scans, beams), angle_min, angle_increment, range_min, range_max and\n"
+        "bag_time or stamp.\n"
         "Writes legs.csv (scan, x, y, confidence: clusters of at least --min-confidence; the tracker takes those of\n"
         "gamma = 0.3 and more), people.csv (scan, id, x, y, vx, vy, confidence) and config.json. Scans count from 0.\n"
         "Whoever is nearest at first is the leader: looked for when lost, and kept under one id."
     )
     parser.epilog = "example: tagalong perceive person_following_outdoor_1.npz --out out/people --preset outdoor"
-    parser.add_argument("scans", metavar="SCANS", type=Path, help="recorded scans: CARMEN log, ROS bag or .npz")
+    parser.add_argument("scans", metavar="SCANS", type=Path, help="recorded scans: log, ROS bag or .npz")
     add_topics(parser)
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the results")
-    parser.add_argument("--preset", default="table2", help=f"numbers of the tracker: {', '.join(PRESETS)}")
+    parser.add_argument(
+        "--preset", default="table2", help=f"numbers of the tracker: {', '.join(PRESETS)} (default: %(default)s)"
+    )
     parser.add_argument("--forest", default="real", help='leg forest: "real", "simulation" or a file (default: real)')
     parser.add_argument(
         "--odometry",

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...slam.engine import make_slam
+from ...slam.engine import ENGINES, make_slam
 from ...slam.errors import InputError
 from ...slam.logs.drive import RecordedDrive
 from ...slam.logs.tum import read_tum
@@ -48,7 +48,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_topics(parser)
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="where the results go")
-    parser.add_argument("--method", default="gmapping", help="SLAM engine (default: %(default)s)")
+    parser.add_argument(
+        "--method", default="gmapping", help=f"SLAM engine: {', '.join(ENGINES)} (default: %(default)s)"
+    )
     parser.add_argument("--seed", type=int, default=0, help="seed of all random draws (default: %(default)s)")
     parser.add_argument("--resolution", type=float, metavar="M", help="side of a map cell [m] (default: the engine's)")
     parser.add_argument(

@@ -12,7 +12,10 @@ from ...slam.errors import InputError
 from ..tables import format_table
 
 EPILOG = """\
-The log is a small text file with environment, arguments and seed in its header; a replay refuses anything else.
+Keys: arrows or w a s d, space lets go; a gamepad's left stick. q, back or start, and Ctrl-C end the drive; the log of
+what was driven is kept. It is a small text file with environment, arguments and seed in its header; a replay refuses
+anything else.
+
 The operator model is a model and labelled so in the log; --calibrate shows what it is fitted to. Three logs by it are
 shipped: --replay corridor, meeting_room or office.
 

@@ -23,8 +23,8 @@ def correlate(
     """Return (pose (3,), sum of 1 - M) of the best pose of a window around `prior`.
 
     Candidates are `prior` + (i, j) cells, |i|, |j| <= reach, and + k `angle_step`, |k| <= angles; a point is worth
-    the occupancy of the cell that it falls into. Lowest weight * sum (1 - M) + 1/2 Mahalanobis distance to the prior
-    wins; of equals the first, headings outside, rows inside.
+    M = 1.7 times the occupancy of the cell that it falls into, at most 1. Lowest weight * sum (1 - M) + 1/2 Mahalanobis
+    distance to the prior wins; of equals the first, headings outside, rows inside.
     """
     rows, cols = field.shape
     side = 2 * reach + 1

@@ -15,6 +15,8 @@ from ..occupancy_map import OccupancyMap
 from ..scan import LaserScan
 from ..settings import with_settings
 from .constraints import Constraint
+from .continuity import Continuity, ContinuityConfig
+from .doubt import Doubt, Verdict, verdict
 from .global_slam import GlobalSlam, GlobalSlamConfig
 from .local_slam import LocalResult, LocalSlam, LocalSlamConfig
 from .relocalization import Reach, Relocalization, searchable
@@ -24,10 +26,8 @@ Array = NDArray[np.float64]
 
 _SEARCHED = GridConfig(resolution=0.05)  # of the map on which a lost robot is searched for
 _NEW_NODES = 10  # a map without so many of the last nodes still serves for that
-_WEIGHED = 3  # a suspicion is weighed with each so many scans ...
-_SUSPECTS = 9  # ... by so many at most
 _DRIFT = 2.0  # standard deviations of the odometry by which local SLAM may be led astray
-_EXPLAINED = 0.5  # share of the beams that must end at walls of the map where the robot is believed to have stayed
+_NEAR = 0.5, 0.35  # [m, rad] nearer places are one to a search
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,6 +44,7 @@ class CartographerConfig:
     local: LocalSlamConfig = field(default_factory=LocalSlamConfig)
     global_: GlobalSlamConfig | None = field(default_factory=GlobalSlamConfig)
     watch: WatchConfig | None = field(default_factory=WatchConfig)
+    continuity: ContinuityConfig = field(default_factory=ContinuityConfig)
     resolution: float = 0.05
 
     def __post_init__(self) -> None:
@@ -54,10 +55,9 @@ class CartographerConfig:
 class Cartographer:
     """Graph SLAM of Cartographer's kind (Hess, Kohler, Rapp, Andor 2016); a `SlamEngine`.
 
-    Where several scans in a row contradict the submap, the robot was carried away (or slipped far): a new piece of the
-    drive begins, apart from the map, and is joined to it once the robot has been found on the map again.
-    A robot that is carried to where it looks much like before is not noticed: in buildings that repeat themselves that
-    cannot be told from drift, and drift is frequent.
+    A scan that does not go on from the one before tells that the robot may have been carried away (or slipped far).
+    Where the map then shows that it is elsewhere, a new piece of the drive begins, apart from the map, and is joined to
+    it once the robot has been found on the map again. Until that is settled it is not located.
 
     `SlamUpdate.diagnostics`: `score` (mean occupancy of the submap under the scan's points, 0 .. 1).
 
@@ -82,9 +82,8 @@ class Cartographer:
         self._doubted: list[tuple[int, Array]] = []
         self._scans: list[LaserScan] = []
         self._rays: list[ScanRays] = []
-        self._suspects: list[tuple[Array, LaserScan]] = []
-        self._suspected = 0
-        self._unsure = False
+        self._continuity = Continuity(self.config.continuity)
+        self._doubt = Doubt()
         self._breaks: list[int] = []
         self._search: Relocalization | None = None
         self._place: tuple[int, PlaceMap | None] = (-_NEW_NODES, None)
@@ -112,14 +111,13 @@ class Cartographer:
             self._scans.append(scan)
             if self._global:
                 self._global.add_node(result.pose, result.insertion)
-                self._remember(self._global, odometry, scan)
         self._find(odometry, scan, result.pose)
         self._settle(result)
         self._poses_local.append(result.pose)
         bridge = self._global.local_to_global if self._global else np.zeros(3)
         self._online.append(compose(bridge, result.pose))
         diagnostics = {"score": result.match.score} if result.match else {}
-        located = self._search is None and not (result.doubtful or self._unsure)
+        located = self._search is None and not (result.doubtful or self._doubt.unsure)
         return SlamUpdate(self.pose, result.insertion is not None, diagnostics, located)
 
     def _settle(self, result: LocalResult) -> None:
@@ -135,81 +133,62 @@ class Cartographer:
         self, watch: Watch, graph: GlobalSlam, result: LocalResult, odometry: Array, scan: LaserScan
     ) -> LocalResult:
         """Weigh doubtful scans against the whole map where it is due; return what local SLAM makes of this one then."""
+        pose = result.match.pose if result.match else result.pose
+        torn = self._continuity.tears(scan, odometry, pose, result.doubtful and watch.in_doubt == 1)
         if result.apart is not None:
-            self._suspects = [(odometry, scan)]
+            self._doubt.begin()
+            self._doubt.add(odometry, scan)
             self._leap(graph, result.pose, result.apart)
-            return self._local.update(odometry, scan)
-        self._suspect(watch, result.doubtful, odometry, scan)
-        due = watch.suspicious and self._search is None and self._suspected % _WEIGHED == 0
-        if not (watch.alarmed or due):
+            result = self._local.update(odometry, scan)
+            if not torn or self._search:
+                return result
+        self._suspect(watch, result.doubtful, torn, odometry, scan)
+        if not (watch.alarmed or (self._doubt.due and not self._search)):
             return result
+        here = compose(graph.local_to_global, result.match.pose if result.match else result.pose)
         alarmed, search = watch.alarmed, self._relocalization(graph)
-        if self._is_lost(watch, graph, search, result):
-            self._lose(graph, search)
-        elif alarmed:
-            watch.pardon()
-        else:
-            return result
+        match self._verdict(watch, graph, search, here, result):
+            case Verdict.CARRIED:
+                self._lose(graph, search)
+            case Verdict.ASTRAY:
+                limits = np.array([_NEAR[0] + _DRIFT * graph.drift, _NEAR[1]])
+                self._lose(graph, search, Reach(limits, here))
+            case outcome:
+                self._doubt.conclude(outcome)
+                if not alarmed:
+                    return result
+                watch.pardon()
         return self._local.update(odometry, scan)
 
-    def _remember(self, graph: GlobalSlam, odometry: Array, scan: LaserScan) -> None:
-        """Let the watch hear what older submaps say of the newest node; a suspicion begins with its scan."""
-        share = graph.contradicted(np.array(scan.T_robot_lidar[:2])) if self._watch and not self._search else None
-        if self._watch and share is not None:
-            calm = self._watch.suspicion == 0.0
-            self._watch.remember(share)
-            if calm and self._watch.suspicion > 0.0:
-                self._suspects, self._suspected = [(odometry, scan)], 1
+    def _verdict(
+        self, watch: Watch, graph: GlobalSlam, search: Relocalization, here: Array, result: LocalResult
+    ) -> Verdict:
+        """Return what the doubt comes to; who is lost already can only be lost again, where nothing fits."""
+        if self._search or not result.match:
+            return Verdict.CARRIED if watch.plainly_lost else Verdict.UNSURE
+        return verdict(self._doubt, watch, search.contest(here, self._doubt.trust, _DRIFT * graph.drift))
 
-    def _suspect(self, watch: Watch, doubtful: bool, odometry: Array, scan: LaserScan) -> None:
+    def _suspect(self, watch: Watch, doubtful: bool, torn: float, odometry: Array, scan: LaserScan) -> None:
         """Keep the scans since something began to be wrong."""
-        wrong = doubtful or watch.suspicion > 0.0
-        if (doubtful and watch.in_doubt == 1) or not wrong:
-            self._suspects, self._suspected = [], 0
-        if not wrong:
-            self._unsure = False
-            return
-        self._suspects = [*self._suspects, (odometry, scan)][-_SUSPECTS:]
-        self._suspected += 1
+        doubt = self._doubt
+        if torn > doubt.torn and not self._search:
+            doubt.tear(torn, len(self._scans))
+        elif not doubt.torn and (not doubtful or watch.in_doubt == 1):
+            doubt.begin()
+        if doubtful or doubt.torn:
+            doubt.add(odometry, scan)
+        else:
+            doubt.unsure = False
 
     def _relocalization(self, graph: GlobalSlam) -> Relocalization:
         """Return what looks for the doubtful scans on the map of all scans whose place is known."""
-        if len(self._scans) >= self._place[0] + _NEW_NODES:
-            placed = np.flatnonzero(graph.placed)
+        known = len(self._scans) if self._doubt.nodes is None else self._doubt.nodes
+        if known >= self._place[0] + _NEW_NODES:
+            placed = np.flatnonzero(graph.placed[:known])
             self._rays += [ScanRays.of(scan, _SEARCHED) for scan in self._scans[len(self._rays) :]]
             grid = draw(graph.node_poses[placed], [self._rays[k] for k in placed], _SEARCHED)
-            self._place = len(self._scans), searchable(grid)
-        return Relocalization(self._place[1], self._suspects)
-
-    def _is_lost(self, watch: Watch, graph: GlobalSlam, search: Relocalization, result: LocalResult) -> bool:
-        """Weigh the place where local SLAM has put the doubtful scans against the rest of the map.
-
-        Where neither that place nor another that explains them well stands out, it is not sure for now, nor where one
-        other place alone is much likelier. Where nothing on the map explains them well, people are about, unless
-        another place is sure nevertheless; and where that place explains half of their beams, and is not surely less
-        likely than another, the robot is not lost, however badly they fit on the newest submap. Where they fit on
-        that, and only older submaps say that the robot is beside, by no more than the odometry may have erred on its
-        last steps, it has drifted: no one moved it, and loop closure will.
-
-        Only scans that cannot belong to the newest submap at all make it lost. Those that fit badly are seen where
-        people walk and where short rays let local SLAM drift, and in a building that repeats itself another place then
-        explains them better: the robot is not sure where it is, but nobody has carried it there.
-        """
-        if self._search or not result.match:
-            return watch.plainly_lost
-        here = compose(graph.local_to_global, result.match.pose)
-        outcome = search.contest(here, self._unsure, _DRIFT * graph.drift)
-        if outcome is None:
-            return watch.plainly_lost
-        surely_here = outcome.stays and (outcome.belief.sure or not len(outcome.belief.poses))
-        if surely_here or not (outcome.rivalled or watch.alarmed):
-            self._unsure = self._unsure and not surely_here
-            watch.acquit()
-            return False
-        self._unsure = True
-        if not watch.plainly_lost:
-            return False
-        return outcome.explained < _EXPLAINED or outcome.moved or (outcome.surpassed and not outcome.beside)
+            self._place = known, searchable(grid)
+        return Relocalization(self._place[1], self._doubt.scans)
 
     def _leap(self, graph: GlobalSlam, pose: Array, sigma: Array) -> None:
         """Begin new submaps with the next update, tied to those before by the odometry alone, as after a gap in a log.
@@ -242,14 +221,15 @@ class Cartographer:
         self.losses += 1
         self._search = search
         search.begin(reach)
-        first = len(self._poses_local) + 1 - len(self._suspects)
+        since = len(self._doubt.scans)
+        first = len(self._poses_local) + 1 - since
         self._breaks.append(first)
-        graph.begin_piece(sum(k >= first for k in self._inserted[-len(self._suspects) :]), reach is None)
+        graph.begin_piece(sum(k >= first for k in self._inserted[-since:]), reach is None)
         self._begin_anew()
 
     def _begin_anew(self) -> None:
         self._local.restart()
-        self._suspects, self._suspected, self._unsure, self._doubted = [], 0, False, []
+        self._doubt, self._doubted = Doubt(), []
 
     def _find(self, odometry: Array, scan: LaserScan, pose_local: Array) -> None:
         """Go on with the search, if there is one; when it succeeds, join the new piece of the drive to the map."""

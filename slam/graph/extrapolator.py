@@ -35,7 +35,8 @@ class ExtrapolatorConfig:
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
             if not value >= 0.0 or (name.endswith("floor") and value == 0.0):
-                raise InputError(f"`{name}` must be positive, got {value}")
+                rule = "be positive" if name.endswith("floor") else "not be negative"
+                raise InputError(f"`{name}` must {rule}, got {value}")
 
     def sigma(self, motion: Array) -> Array:
         """Return (2,) standard deviations of translation [m] and rotation [rad] of a `motion` (3,) of the odometry."""

@@ -17,12 +17,10 @@ from .local_slam import Insertion
 from .node import Node
 from .submap import Submap
 from .sweep import Sweep
-from .watch import contradictions
 
 Array = NDArray[np.float64]
 
 _LOOSE = np.array([30.0, 3.0])  # [m, rad] how badly the odometry ties a piece of the drive that has no place yet
-_SLACK = 0.4  # [m] by which a wall must stand before the end of a beam to contradict it
 _ROUGHLY = 2  # near submaps that a node is matched with before the submaps are straightened
 _PLACED = np.array([0.1, 0.05])  # [m, rad] how well relocalization does
 
@@ -35,7 +33,7 @@ class GlobalSlamConfig:
         constraints: How constraints are made.
         adjustment: How the graph is adjusted.
         adjust_every: The graph is adjusted after so many nodes, if a constraint is new.
-        max_distance: Submaps whose origin is farther from a node than this are not matched [m].
+        max_distance: Submaps whose middle (the laser's mean place) is farther off a node are not matched [m].
         known_for: A submap that tied a node counts as well placed for so many nodes after it: no search is needed.
         kernel_width: Of INTER constraints, in standard deviations.
         odometry_share: Share of its information with which odometry ties a node to the one before.
@@ -91,8 +89,8 @@ class GlobalSlam:
         self._node_poses: list[Array] = []
         self._submap_poses: list[Array] = []
         self._tied_at: dict[int, int] = {}
+        self._returned_at = self._returning_at = 0
         self._tried_at: dict[int, int] = {}
-        self._last_ties: dict[int, Constraint] = {}
         self._matched = 0
         self._travelled = np.inf
         self._new = False
@@ -124,8 +122,12 @@ class GlobalSlam:
 
     @property
     def drift(self) -> float:
-        """Standard deviation of the way over as many nodes as a submap that tied one counts as well placed for [m]."""
-        steps = np.array([node.motion.sigma[0] for node in self.nodes[-self._config.known_for :]])
+        """Standard deviation of the way since the robot came back to old submaps, as the odometry would know it [m].
+
+        It is that over as many nodes as a submap that tied one counts as well placed for, at least.
+        """
+        since = min(self._returned_at, len(self.nodes) - self._config.known_for)
+        steps = np.array([node.motion.sigma[0] for node in self.nodes[max(since, 0) :]])
         return float(np.sqrt((steps**2).sum()))
 
     @property
@@ -209,31 +211,6 @@ class GlobalSlam:
         self._close_loops(index)
         if self._new and (index + 1) % self._config.adjust_every == 0:
             self._adjust()
-
-    def contradicted(self, foot: Array) -> float | None:
-        """Return the share of the last node's beams that contradict older submaps.
-
-        Those count that tied it, or a node shortly before; it lies in each of them where that tie and local SLAM since
-        then put it, however the graph has drifted.
-
-        Args:
-            foot: (2,) the laser, robot frame [m].
-
-        Returns:
-            The mean over the submaps that were tied last; None: there are none.
-        """
-        index, node = len(self.nodes) - 1, self.nodes[-1]
-        ties = [c for c in self._last_ties.values() if index - c.node <= self._config.known_for]
-        ties = [c for c in ties if self._piece_of_node[c.node] == self._piece_of_node[-1]]
-        ties = [c for c in ties if c.node >= self._stretch[0]]
-        shares = []
-        for tie in sorted(ties, key=lambda c: (-c.node, c.submap))[: self._config.nearest]:
-            submap = self._submaps[tie.submap]
-            motion = between(self.nodes[tie.node].pose_local, node.pose_local)
-            pose = compose(submap.pose_local, compose(tie.pose, motion))
-            place = submap.field, submap.visits, submap.corner, submap.resolution
-            shares.append(contradictions(*place, foot, node.points, pose, _SLACK) / max(len(node.points), 1))
-        return sum(shares) / len(shares) if shares else None
 
     def finish(self) -> None:
         """Match every node with every near submap and adjust; does nothing where no node is new.
@@ -349,9 +326,8 @@ class GlobalSlam:
         for constraint in constraints:
             self.constraints.append(constraint)
             self._tied_at[constraint.submap] = constraint.node
-            last = self._last_ties.get(constraint.submap)
-            if last is None or constraint.node >= last.node:
-                self._last_ties[constraint.submap] = constraint
+            if constraint.node - max(self.drawn[constraint.submap], default=0) > self._config.known_for:
+                self._returning_at = max(self._returning_at, constraint.node)
             self._new = True
 
     def _adjust(self, final: bool = False) -> None:
@@ -369,7 +345,7 @@ class GlobalSlam:
             bad &= np.array([c.kind is Kind.INTER for c in self.constraints])
             self.constraints = [c for c, wrong in zip(self.constraints, bad, strict=True) if not wrong]
             self.rejected += int(bad.sum())
-            self._new = False
+            self._new, self._returned_at = False, self._returning_at
             if not bad.any():
                 return
 

@@ -18,7 +18,6 @@ Array = NDArray[np.float64]
 
 _SIGMAS, _STEP = 2.0, 0.5  # the odometry's errors over a gap: standard deviations, and metres that err alike
 _BEYOND = 10, 3.0  # scans in a row, and metres, that must fit well where the odometry cannot have led
-_DOUBTED = 10.0  # how many times likelier than elsewhere the robot is where it was not sure to be before
 
 
 def searchable(grid: OccupancyMap) -> PlaceMap | None:
@@ -80,17 +79,17 @@ class Relocalization:
         self.reach: Reach | None = None
         self._fitting: list[Array] = []
 
-    def contest(self, here: Array, doubted: bool = False, drift: float = 0.0) -> Contest | None:
+    def contest(self, here: Array, trust: float, drift: float = 0.0) -> Contest | None:
         """Weigh `here` (3,), T_map_robot at the last scan, against the rest of the map; None: there is no map.
 
         Args:
             here: Where local SLAM has put the robot.
-            doubted: Whether that did not stand out in an earlier contest.
+            trust: How many times likelier that is than any other place, before the scans are looked at.
             drift: So far local SLAM may have been led astray [m].
         """
         if self._place is None:
             return None
-        return contest(self._place, self._scans, here, trust=_DOUBTED if doubted else None, drift=drift)
+        return contest(self._place, self._scans, here, trust=trust, drift=drift)
 
     def begin(self, reach: Reach | None = None) -> None:
         """Begin to search, with all scans but the last, which is to come by `update`.

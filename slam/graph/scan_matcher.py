@@ -94,7 +94,7 @@ class ScanMatcher:
     """Finds the pose of a scan in a submap's frame, near where odometry expects it.
 
     Where a scan fits much worse than scans usually do, the odometry may have slipped: it is searched for again with
-    ten times the odometry's standard deviations.
+    ten times the odometry's standard deviations, and what wheels slip at rest.
 
     Args:
         config: Settings.

@@ -1,8 +1,7 @@
 """Notices that local matching has failed: the scan contradicts the submap it should fit on.
 
 A low score alone says little: a robot that comes into a new room sees walls that no submap has. But a beam that goes
-through a wall, or ends where others saw free space, says that the pose is wrong (or that people are about). A few such
-beams in every scan say as much as many in one: a place that looks almost like where the robot was deceives no longer.
+through a wall, or ends where others saw free space, says that the pose is wrong (or that people are about).
 """
 
 from dataclasses import dataclass
@@ -36,8 +35,6 @@ class WatchConfig:
         plain_contradicted: ... as `contradicted`.
         slack: A wall must stand so far before the end of a beam to contradict it [m].
         patience: After so many doubtful scans in a row something has to be done.
-        unusual: A share of contradicting beams counts by how much it is above the usual one, and this ...
-        suspicious: ... and a sum of so much, over scans, is reason to look closer.
         nothing: A score below so much of the usual one, and no larger a share of the points where the submap was seen,
             say that the scan sees nothing of it [score, share].
     """
@@ -50,8 +47,6 @@ class WatchConfig:
     plain_contradicted: float = 0.2
     slack: float = 0.4
     patience: int = 3
-    unusual: float = 0.02
-    suspicious: float = 0.12
     nothing: tuple[float, float] = (0.1, 0.3)
 
     def __post_init__(self) -> None:
@@ -60,42 +55,8 @@ class WatchConfig:
                 raise InputError(f"`{name}` must be positive, got {value}")
 
 
-class Suspicion:
-    """Sums up by how much the shares of contradicting beams are above what is usual.
-
-    Args:
-        unusual: What a share may be above the usual one without counting.
-
-    Attributes:
-        level: The sum; 0: nothing unusual.
-        peak: The highest level since it was 0.
-    """
-
-    def __init__(self, unusual: float) -> None:
-        self._unusual = unusual
-        self._usual = self._share = 0.0
-        self.level = self.peak = 0.0
-
-    def add(self, share: float) -> None:
-        """Add what a scan says, of whose beams such a share contradicts what was mapped."""
-        self.level = max(0.0, self.level + share - self._usual - self._unusual)
-        self._share = share
-        self.peak = max(self.peak, self.level) if self.level > 0.0 else 0.0
-        if self.level == 0.0:
-            self._usual += _MEMORY * (share - self._usual)
-
-    def drop(self) -> None:
-        """Begin to sum anew."""
-        self.level = self.peak = 0.0
-
-    def acquit(self) -> None:
-        """As large a share as the last one is usual here."""
-        self._usual = max(self._usual, self._share)
-        self.drop()
-
-
 class Watch:
-    """Judges matches of local SLAM, by the submap they were made on and by older ones that the robot still sees.
+    """Judges matches of local SLAM by the submap that they were made on.
 
     Args:
         config: Settings.
@@ -110,17 +71,6 @@ class Watch:
         self._pardoned = False
         self._plain = 0
         self.in_doubt = 0
-        self._here, self._before = Suspicion(config.unusual), Suspicion(config.unusual)
-
-    @property
-    def suspicion(self) -> float:
-        """By how much the last scans contradicted submaps more than scans usually do; 0: they did not."""
-        return max(self._here.level, self._before.level)
-
-    @property
-    def suspicious(self) -> bool:
-        """Whether the scans since it began to suspect contradict the submap so much that somebody should look."""
-        return max(self._here.peak, self._before.peak) >= self._config.suspicious
 
     @property
     def alarmed(self) -> bool:
@@ -135,22 +85,11 @@ class Watch:
     def restart(self) -> None:
         """Begin anew with another submap; what is usual stays."""
         self.in_doubt = self._plain = 0
-        self._here.drop()
-        self._before.drop()
 
     def pardon(self) -> None:
         """Nothing better is known than where the robot was thought to be: the next scan is believed."""
         self.in_doubt = self._plain = 0
         self._pardoned = True
-
-    def acquit(self) -> None:
-        """The robot is where it was thought to be: as many contradicting beams as in the last scan are usual here."""
-        self._here.acquit()
-        self._before.acquit()
-
-    def remember(self, share: float) -> None:
-        """Take the share of a scan's beams that contradict older submaps: what looks alike here differs there."""
-        self._before.add(share)
 
     def sees_nothing(self, submap: Submap, points: Array, pose: Array, score: float) -> bool:
         """Return whether `points` (N, 2), robot frame [m], lie beside all that a submap knows, the robot at `pose`.
@@ -182,7 +121,6 @@ class Watch:
             poor, contradicted = config.settled_poor, config.settled_contradicted
         place = submap.field, submap.visits, submap.corner, submap.resolution
         share = contradictions(*place, foot, points, pose, config.slack) / len(points)
-        self._here.add(share)
         if score < poor * self._usual and not self._pardoned and share > contradicted:
             self.in_doubt += 1
             self._plain += score < config.plain_poor * self._usual and share > config.plain_contradicted

@@ -1,7 +1,7 @@
 """Whether a robot is where it is thought to be, or somewhere else on the map: both by all its last views."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,8 @@ class Contest:
             that is surely less likely than another place.
         beside: Whether the likeliest place is so near to it that a search would not tell the two apart, or that drift
             leads from the one to the other: nobody has to carry the robot.
+        fits: As `explained`, however likely that is.
+        outweighed: Whether another place is surely likelier by what was seen alone, were it not trusted beforehand.
     """
 
     stays: bool
@@ -41,6 +43,8 @@ class Contest:
     explained: float = 0.0
     beside: bool = False
     surpassed: bool = False
+    fits: float = 0.0
+    outweighed: bool = False
 
 
 def fits(
@@ -91,10 +95,11 @@ def contest(
         search.remember(view)
     search.propose(evidence.refine(views[-1].points, here[None], coarse=True), trust)
     search.propose(here[None], trust)
+    fits = float(search.belief().explained.max(initial=0.0))
     belief = search.look()
     if not len(belief.poses):
         return Contest(True, False, False, belief)
-    return weigh(here, belief, config.search, drift)
+    return replace(weigh(here, belief, config.search, trust, drift), fits=fits)
 
 
 def _views(scans: Sequence[tuple[Array, LaserScan]], config: LocalizerConfig) -> list[View]:
@@ -104,13 +109,14 @@ def _views(scans: Sequence[tuple[Array, LaserScan]], config: LocalizerConfig) ->
     return [view for view in views if len(view.points) >= config.min_points]
 
 
-def weigh(here: Array, belief: Belief, config: GlobalSearchConfig, drift: float) -> Contest:
+def weigh(here: Array, belief: Belief, config: GlobalSearchConfig, trust: float, drift: float) -> Contest:
     """Say how `here` (3,) fared by what is believed now.
 
     Args:
         here: Where the robot is thought to be, T_map_robot.
         belief: At least one place.
         config: What counts as the same, as likely, as well explained.
+        trust: How many times likelier it was taken to be beforehand.
         drift: So far it may have been led astray [m].
     """
     linear, angular = config.same
@@ -124,4 +130,8 @@ def weigh(here: Array, belief: Belief, config: GlobalSearchConfig, drift: float)
     alone = likely.sum() == 1 and belief.explained[0] >= config.least_explained
     rivalled = bool((well & likely).any() or (alone and not there[0]))
     surpassed = bool(not there[0] and belief.sure)
-    return Contest(bool(there[0]), bool(well[0]), rivalled, belief, explained, beside, surpassed)
+    lead = belief.log_ratios[~there].max(initial=-np.inf) - belief.log_ratios[there].max(initial=-np.inf)
+    return Contest(
+        stays=bool(there[0]), moved=bool(well[0]), rivalled=rivalled, belief=belief, explained=explained,
+        beside=beside, surpassed=surpassed, outweighed=bool(lead + np.log(trust) > np.log(config.sure_ratio)),
+    )  # fmt: skip

@@ -2,6 +2,7 @@
 
 import pytest
 from tagalong.scripts.cli import main
+from tagalong.slam.engine import ENGINES
 from tagalong.slam.errors import InputError
 from tagalong.slam.files import require_writable
 
@@ -88,3 +89,10 @@ def test_who_does_not_exist_is_told_before_any_drive(who, complaint, tmp_path, c
     error = capsys.readouterr().err
     assert complaint in error
     assert error.count("\n") == 1
+
+
+@pytest.mark.parametrize("command", ["slam", "demo"])
+def test_the_engines_of_slam_are_named_in_the_help(command, capsys):
+    with pytest.raises(SystemExit):
+        main([command, "--help"])
+    assert " ".join(capsys.readouterr().out.split()).count(f"SLAM engine: {', '.join(ENGINES)}") == 1

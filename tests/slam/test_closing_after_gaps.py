@@ -47,10 +47,3 @@ def test_submaps_of_before_a_gap_do_not_count_as_tied(engine, gap_m):
     assert engine.losses == 0
     assert len(engine._local.submaps) >= begun + 3
     assert any(s < begun for s in tracked) == (gap_m == 0.0)
-
-
-@pytest.mark.parametrize("gap_m", [0.0, 5.0])
-def test_what_tied_the_robot_before_a_gap_contradicts_nothing_after_it(engine, gap_m):
-    drive(engine, np.arange(2.0, 9.0, 0.1), np.zeros(3))
-    drive(engine, np.arange(9.0, 9.3, 0.1) + gap_m, np.array([0.0, 0.3, 0.05]) * (gap_m > 0.0))
-    assert (engine._global.contradicted(np.zeros(2)) is None) == (gap_m > 0.0)

@@ -24,13 +24,27 @@ def test_a_place_that_explains_half_and_is_likelier_than_any_other_is_a_rival_an
         ([(here, 0.0, 0.9), (there, -2.0, 0.86)], True, False),
         ([(here, 0.0, 0.9), (there, -9.0, 0.86)], False, False),
     ):
-        outcome = weigh(np.array(here), believed(*places), config, 0.0)
+        outcome = weigh(np.array(here), believed(*places), config, 1.0, 0.0)
         assert (outcome.rivalled, outcome.surpassed) == (rivalled, surpassed), places
         assert not outcome.moved
 
 
 def test_a_place_as_near_as_drift_leads_is_beside():
     belief = believed(((0.9, 0.0, 0.1), 0.0, 0.9))
-    assert [weigh(np.zeros(3), belief, GlobalSearchConfig(), drift).beside for drift in (0.0, 0.8, 1.0)] == [
+    assert [weigh(np.zeros(3), belief, GlobalSearchConfig(), 1.0, drift).beside for drift in (0.0, 0.8, 1.0)] == [
         False, False, True,
     ]  # fmt: skip
+
+
+def test_a_place_that_only_trust_keeps_first_is_outweighed_by_what_was_seen():
+    here, there = (0.0, 0.0, 0.0), (0.0, 4.0, 3.1)
+    for places, trust, outweighed in (
+        ([(here, 0.0, 0.9), (there, -5.6, 0.98)], 5000.0, True),  # 18 times likelier by the scans
+        ([(here, 0.0, 0.9), (there, -5.6, 0.98)], 1000.0, False),
+        ([(here, 0.0, 0.9), (there, -5.6, 0.98)], 1.0, False),
+        ([(there, 0.0, 0.9), (here, -3.0, 0.8)], 1.0, True),
+        ([(here, 0.0, 0.9)], 5000.0, False),
+        ([(there, 0.0, 0.9)], 1.0, True),
+    ):
+        outcome = weigh(np.array(here), believed(*places), GlobalSearchConfig(), trust, 0.0)
+        assert outcome.outweighed == outweighed, (places, trust)
