@@ -208,7 +208,7 @@ class Cartographer:
             self._lose(graph, self._relocalization(graph), reach)
             return
         self._breaks.append(len(self._poses_local))
-        self._begin_anew()
+        self._begin_anew(graph)
 
     def _lose(self, graph: GlobalSlam, search: Relocalization, reach: Reach | None = None) -> None:
         """Begin a new piece of the drive with the next update, and the search on the map without it.
@@ -225,10 +225,10 @@ class Cartographer:
         first = len(self._poses_local) + 1 - since
         self._breaks.append(first)
         graph.begin_piece(sum(k >= first for k in self._inserted[-since:]), reach is None)
-        self._begin_anew()
+        self._begin_anew(graph)
 
-    def _begin_anew(self) -> None:
-        self._local.restart()
+    def _begin_anew(self, graph: GlobalSlam) -> None:
+        self._local.restart(graph.submaps)
         self._doubt, self._doubted = Doubt(), []
 
     def _find(self, odometry: Array, scan: LaserScan, pose_local: Array) -> None:

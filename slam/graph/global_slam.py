@@ -115,6 +115,11 @@ class GlobalSlam:
         return np.array(self._node_poses).reshape(-1, 3)
 
     @property
+    def submaps(self) -> int:
+        """How many submaps there are in which a node stands."""
+        return len(self._submap_poses)
+
+    @property
     def reach(self) -> Array:
         """(2,) how far off a node may be for a loop search to find it, as standard deviations [m, rad]."""
         constraints = self._config.constraints

@@ -108,9 +108,13 @@ class LocalSlam:
         """Every submap so far; the last two are still growing."""
         return self._active.submaps
 
-    def restart(self) -> None:
-        """Begin a new piece of the drive: submaps anew, from where the odometry says the robot is."""
-        self._active.restart()
+    def restart(self, known: int | None = None) -> None:
+        """Begin a new piece of the drive: submaps anew, from where the odometry says the robot is.
+
+        Args:
+            known: So many submaps stay, as the last scan, which may have begun one, is taken anew; None: all.
+        """
+        self._active.restart(known)
         self._motion_filter = MotionFilter(self._config.motion_filter)
         self._matcher = ScanMatcher(self._config.matcher)
         if self._watch:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tagalong.slam.engine import make_slam
 from tagalong.slam.geometry import between, compose, transform_points
-from tagalong.slam.graph.doubt import Verdict
+from tagalong.slam.graph.doubt import Doubt, Verdict
 from tagalong.slam.graph.engine import Cartographer, CartographerConfig
 from tagalong.slam.graph.relocalization import searchable
 from tagalong.slam.graph.submap import Submap, SubmapConfig
@@ -226,6 +226,20 @@ def test_carried_along_a_corridor_that_looks_alike_everywhere_it_is_found_and_no
     assert not any(wrong)
     assert updates[-1].located
     assert (engine.losses, engine.relocalizations) == (1, 1)
+
+
+def test_a_submap_that_was_begun_by_the_very_scan_that_shows_the_robot_lost_is_taken_back(mapped, monkeypatch):
+    engine, odometry, last, rng = mapped
+    submaps = engine._local.submaps  # pyright: ignore[reportPrivateUsage]
+    known, weighed = len(submaps), []
+    monkeypatch.setattr(Doubt, "due", property(lambda _: len(submaps) == known + 2 and not weighed))
+    monkeypatch.setattr(engine, "_verdict", lambda *_: weighed.append(len(submaps)) or Verdict.CARRIED)
+    fed(engine, ahead(last, (0.1, 0.0, 0.05), 60), odometry, rng)
+    assert weighed == [known + 2]
+    assert engine.losses == 1
+    assert len(engine.trajectory()) == 150
+    assert len(engine.submap_nodes) > known + 1
+    assert all(engine.submap_nodes)  # in each stands a node
 
 
 def test_what_was_mapped_since_a_tear_is_not_asked_where_the_robot_is(mapped, monkeypatch):
