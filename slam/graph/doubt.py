@@ -21,12 +21,11 @@ _EXPLAINED = 0.5  # share of the beams that must end at walls of the map where t
 
 
 class Verdict(Enum):
-    """HERE: where it was thought to be. UNSURE. CARRIED: elsewhere. ASTRAY: not here, near here unless carried."""
+    """HERE: where it was thought to be. UNSURE: it may be elsewhere. CARRIED: it is elsewhere."""
 
     HERE = "here"
     UNSURE = "unsure"
     CARRIED = "carried"
-    ASTRAY = "astray"
 
 
 class Doubt:
@@ -93,7 +92,7 @@ def verdict(doubt: Doubt, watch: Watch, outcome: Contest | None) -> Verdict:
 
     Where a scan did not go on from the one before, the robot may have been carried. So it was where another place is
     sure. It stayed where that place explains half of the beams, and no other place is likely. If that is still open
-    after `SCANS` scans, it stayed unless the tear was wide; then it has gone astray where the place explains less.
+    after `SCANS` scans, it stayed unless the tear was wide; then it was carried where the place explains less.
     While the scans alone speak for another place, it is not sure that it stayed.
 
     Where all scans went on from those before, nobody has carried it: scans that fit badly are seen where people walk
@@ -115,7 +114,7 @@ def verdict(doubt: Doubt, watch: Watch, outcome: Contest | None) -> Verdict:
             return Verdict.CARRIED
         if surely_here or (explained and not outcome.rivalled) or (doubt.count >= SCANS and not doubt.wide):
             return Verdict.UNSURE if outcome.outweighed else Verdict.HERE
-        return Verdict.ASTRAY if doubt.count >= SCANS and outcome.fits < _EXPLAINED else Verdict.UNSURE
+        return Verdict.CARRIED if doubt.count >= SCANS and outcome.fits < _EXPLAINED else Verdict.UNSURE
     if surely_here or not (outcome.rivalled or watch.alarmed):
         return Verdict.HERE
     lost = watch.plainly_lost and (not explained or outcome.moved or elsewhere)

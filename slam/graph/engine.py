@@ -27,7 +27,6 @@ Array = NDArray[np.float64]
 _SEARCHED = GridConfig(resolution=0.05)  # of the map on which a lost robot is searched for
 _NEW_NODES = 10  # a map without so many of the last nodes still serves for that
 _DRIFT = 2.0  # standard deviations of the odometry by which local SLAM may be led astray
-_NEAR = 0.5, 0.35  # [m, rad] nearer places are one to a search
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -150,9 +149,6 @@ class Cartographer:
         match self._verdict(watch, graph, search, here, result):
             case Verdict.CARRIED:
                 self._lose(graph, search)
-            case Verdict.ASTRAY:
-                limits = np.array([_NEAR[0] + _DRIFT * graph.drift, _NEAR[1]])
-                self._lose(graph, search, Reach(limits, here))
             case outcome:
                 self._doubt.conclude(outcome)
                 if not alarmed:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..geometry import between, compose
-from ..localization.contest import Contest, contest, fits
+from ..localization.contest import Contest, contest
 from ..localization.localizer import Localizer
 from ..localization.place_map import PlaceMap
 from ..occupancy_map import OccupancyMap
@@ -17,7 +17,6 @@ from ..scan import LaserScan
 Array = NDArray[np.float64]
 
 _SIGMAS, _STEP = 2.0, 0.5  # the odometry's errors over a gap: standard deviations, and metres that err alike
-_BEYOND = 10, 3.0  # scans in a row, and metres, that must fit well where the odometry cannot have led
 
 
 def searchable(grid: OccupancyMap) -> PlaceMap | None:
@@ -77,7 +76,6 @@ class Relocalization:
         self._place, self._scans = place, list(scans)
         self._localizer: Localizer | None = None
         self.reach: Reach | None = None
-        self._fitting: list[Array] = []
 
     def contest(self, here: Array, trust: float, drift: float = 0.0) -> Contest | None:
         """Weigh `here` (3,), T_map_robot at the last scan, against the rest of the map; None: there is no map.
@@ -95,7 +93,7 @@ class Relocalization:
         """Begin to search, with all scans but the last, which is to come by `update`.
 
         Args:
-            reach: Where the robot should be: elsewhere the map must explain well all it sees. None: it may be anywhere.
+            reach: Where the robot should be: elsewhere it is not looked for. None: it may be anywhere.
         """
         self.reach = reach
         if self._place is not None:
@@ -113,12 +111,8 @@ class Relocalization:
             expected: (3,) T_map_robot by the odometry since the robot got lost.
         """
         pose = self._localized(odometry, scan)
-        if pose is None or self._localizer is None or self.reach is None or self.reach.holds(pose, expected):
-            return pose
-        fit = fits(self._localizer.place, self._scans, pose, self._localizer.config)
-        self._fitting = [*self._fitting, pose] if fit else []
-        long = len(self._fitting) >= _BEYOND[0] and np.hypot(*(pose - self._fitting[0])[:2]) >= _BEYOND[1]
-        return pose if long else None
+        within = pose is None or self.reach is None or self.reach.holds(pose, expected)
+        return pose if within else None
 
     def _localized(self, odometry: Array, scan: LaserScan) -> Array | None:
         if self._localizer is None:

@@ -47,26 +47,6 @@ class Contest:
     outweighed: bool = False
 
 
-def fits(
-    place: PlaceMap, scans: Sequence[tuple[Array, LaserScan]], here: Array, config: LocalizerConfig | None = None
-) -> bool:
-    """Return whether the walls of the map explain well all that a robot has seen lately if it is `here`.
-
-    Args:
-        place: The map.
-        scans: Odometry poses T_odom_robot (3,) and scans, the last ones.
-        here: (3,) T_map_robot at the last scan, where a search has found it.
-        config: Settings of localization.
-    """
-    config = config or LocalizerConfig()
-    search = GlobalSearch(place, Evidence(place, config.evidence), config.search)
-    for view in _views(scans, config):
-        search.remember(view)
-    search.propose(here[None])
-    belief = search.belief()
-    return bool(len(belief.poses) and belief.explained[0] >= config.search.well_explained)
-
-
 def contest(
     place: PlaceMap,
     scans: Sequence[tuple[Array, LaserScan]],

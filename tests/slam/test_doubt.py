@@ -62,7 +62,7 @@ def test_drift_leads_to_a_place_beside_and_nobody_was_carried_there():
         (NARROW, OPEN, Verdict.HERE),
         (NARROW, NOTHING_FITS, Verdict.HERE),
         (WIDE, OPEN, Verdict.UNSURE),
-        (WIDE, NOTHING_FITS, Verdict.ASTRAY),
+        (WIDE, NOTHING_FITS, Verdict.CARRIED),
     ],
 )
 def test_what_is_still_open_after_some_scans_ends_by_how_wide_the_tear_was(torn, outcome, then):
