@@ -135,11 +135,11 @@ class Cartographer:
         pose = result.match.pose if result.match else result.pose
         torn = self._continuity.tears(scan, odometry, pose, result.doubtful and watch.in_doubt == 1)
         if result.apart is not None:
-            self._doubt.begin()
-            self._doubt.add(odometry, scan)
-            self._leap(graph, result.pose, result.apart)
+            if not self._doubt.torn:
+                self._doubt = Doubt()
+            self._leap(graph, result.pose, result.apart, odometry, scan)
             result = self._local.update(odometry, scan)
-            if not torn or self._search:
+            if self._search or not (torn or self._doubt.torn):
                 return result
         self._suspect(watch, result.doubtful, torn, odometry, scan)
         if not (watch.alarmed or (self._doubt.due and not self._search)):
@@ -186,7 +186,7 @@ class Cartographer:
             self._place = known, searchable(grid)
         return Relocalization(self._place[1], self._doubt.scans)
 
-    def _leap(self, graph: GlobalSlam, pose: Array, sigma: Array) -> None:
+    def _leap(self, graph: GlobalSlam, pose: Array, sigma: Array, odometry: Array, scan: LaserScan) -> None:
         """Begin new submaps with the next update, tied to those before by the odometry alone, as after a gap in a log.
 
         Where the odometry does not know the place so well that a loop search would find it, the robot is lost.
@@ -195,12 +195,15 @@ class Cartographer:
             graph: Global SLAM.
             pose: (3,) T_local_robot by the odometry.
             sigma: (2,) its standard deviations [m, rad].
+            odometry: (3,) T_odom_robot at this scan.
+            scan: The scan.
         """
         if not (sigma <= graph.reach).all():
             way = float(np.hypot(*(pose - self._poses_local[-1])[:2]))
             reach = Reach.across(way, sigma, compose(graph.local_to_global, pose))
             if self._search:
                 reach = self._search.reach.widened(reach) if self._search.reach else None
+            self._doubt.add(odometry, scan)
             self._lose(graph, self._relocalization(graph), reach)
             return
         self._breaks.append(len(self._poses_local))
@@ -222,10 +225,11 @@ class Cartographer:
         self._breaks.append(first)
         graph.begin_piece(sum(k >= first for k in self._inserted[-since:]), reach is None)
         self._begin_anew(graph)
+        self._doubt = Doubt()
 
     def _begin_anew(self, graph: GlobalSlam) -> None:
         self._local.restart(graph.submaps)
-        self._doubt, self._doubted = Doubt(), []
+        self._doubted = []
 
     def _find(self, odometry: Array, scan: LaserScan, pose_local: Array) -> None:
         """Go on with the search, if there is one; when it succeeds, join the new piece of the drive to the map."""
