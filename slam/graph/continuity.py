@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from ..geometry import between, inverse
 from ..scan import LaserScan
+from .extrapolator import ExtrapolatorConfig
 
 Array = NDArray[np.float64]
 
@@ -30,16 +31,20 @@ class ContinuityConfig:
         least: A scan is torn off the one before if so much more than the usual share of their returns contradicts ...
         deviations: ... and so many usual deviations more.
         doubtful: Such a share of that is enough for a scan that is the first not to fit what was mapped.
+        sigmas: By so many standard deviations may the odometry err where a match is believed instead ...
+        near: ... or by so little [m, rad].
     """
 
     slack: float = 0.4
     least: float = 0.02
     deviations: float = 4.0
     doubtful: float = 0.5
+    sigmas: float = 4.0
+    near: tuple[float, float] = (0.1, 0.1)
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
-            if not value > 0.0:
+            if not np.all(np.asarray(value) > 0.0):
                 raise InputError(f"`{name}` must be positive, got {value}")
 
 
@@ -48,17 +53,19 @@ class Continuity:
 
     Args:
         config: Settings.
+        odometry: How the odometry errs.
     """
 
-    def __init__(self, config: ContinuityConfig) -> None:
-        self._config = config
+    def __init__(self, config: ContinuityConfig, odometry: ExtrapolatorConfig) -> None:
+        self._config, self._odometry = config, odometry
         self._before: tuple[LaserScan, Array, Array] | None = None
         self._usual = self._deviation = 0.0
 
     def tears(self, scan: LaserScan, odometry: Array, pose: Array, doubtful: bool = False) -> float:
         """Take a scan; return the share of returns by which it is torn off the one before, 0 where it goes on from it.
 
-        It goes on if it does by how both were matched, or by the odometry.
+        It goes on if it does by how both were matched, or by the odometry. A match on what only looks alike leads
+        where the odometry cannot have led: that one is not asked.
 
         Args:
             scan: The scan.
@@ -71,14 +78,22 @@ class Continuity:
             return 0.0
         bar = self._config.least + self._config.deviations * self._deviation
         bar *= self._config.doubtful if doubtful else 1.0
-        share = contradiction(before[0], scan, between(before[2], pose), self._config.slack)
-        if share > self._usual + bar:
-            share = min(share, contradiction(before[0], scan, between(before[1], odometry), self._config.slack))
+        moved, matched = between(before[1], odometry), between(before[2], pose)
+        likely, other = (matched, moved) if self._led(moved, matched) else (moved, moved)
+        share = contradiction(before[0], scan, likely, self._config.slack)
+        if share > self._usual + bar and other is not likely:
+            share = min(share, contradiction(before[0], scan, other, self._config.slack))
         above = share - self._usual
         usual = min(above, bar)  # a tear says little of what is usual, but if all scans are torn that is
         self._usual += _MEMORY * usual
         self._deviation += _MEMORY * (abs(usual) - self._deviation)
         return share if above > bar else 0.0
+
+    def _led(self, moved: Array, matched: Array) -> bool:
+        """Return whether the robot may have moved as it was `matched` (3,) where the odometry says `moved` (3,)."""
+        off, most = between(moved, matched), self._config.sigmas * self._odometry.sigma(moved)
+        most = np.maximum(most, self._config.near)
+        return bool(np.hypot(off[0], off[1]) <= most[0] and abs(off[2]) <= most[1])
 
 
 def contradiction(before: LaserScan, after: LaserScan, motion: Array, slack: float) -> float:

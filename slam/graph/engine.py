@@ -81,7 +81,7 @@ class Cartographer:
         self._doubted: list[tuple[int, Array]] = []
         self._scans: list[LaserScan] = []
         self._rays: list[ScanRays] = []
-        self._continuity = Continuity(self.config.continuity)
+        self._continuity = Continuity(self.config.continuity, self.config.local.extrapolator)
         self._doubt = Doubt()
         self._breaks: list[int] = []
         self._search: Relocalization | None = None

@@ -5,6 +5,7 @@ import pytest
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between, compose, inverse, transform_points
 from tagalong.slam.graph.continuity import Continuity, ContinuityConfig, contradiction, looked_through
+from tagalong.slam.graph.extrapolator import ExtrapolatorConfig
 from tagalong.slam.scan import LaserScan
 from walls import cast
 
@@ -13,22 +14,28 @@ CIRCLE = np.deg2rad(np.arange(-180.0, 180.0, 1.0))
 
 
 def test_of_a_drive_through_a_still_room_no_scan_is_torn_off_the_one_before():
-    rng, continuity = np.random.default_rng(0), Continuity(ContinuityConfig())
+    rng, continuity = np.random.default_rng(0), Continuity(ContinuityConfig(), ExtrapolatorConfig())
     poses = [np.array([-4.0 + 0.08 * k, -2.0 + 0.3 * np.sin(0.1 * k), 0.3 * np.cos(0.1 * k)]) for k in range(100)]
     assert [continuity.tears(cast(ROOM, pose, rng), pose, pose) for pose in poses] == [0.0] * 100
 
 
-@pytest.mark.parametrize(("odometry_wrong", "match_wrong", "torn"), [(1, 0, 0), (0, 1, 0), (1, 1, 1)])
-def test_a_scan_goes_on_where_the_odometry_or_the_match_says_how(odometry_wrong, match_wrong, torn):
-    rng, continuity = np.random.default_rng(0), Continuity(ContinuityConfig())
-    poses, off = [np.array([-3.0, -2.0, 0.0]), np.array([-2.9, -2.0, 0.1])], np.array([2.0, 1.5, 0.8])
+TURN, AWAY = np.array([0.0, 0.0, 0.1]), np.array([2.0, 1.5, 0.8])
+
+
+@pytest.mark.parametrize(
+    ("odometry_off", "match_off", "torn"),
+    [(0.0 * TURN, AWAY, 0), (TURN, 0.0 * TURN, 0), (TURN, AWAY, 1), (AWAY, 0.0 * TURN, 1), (AWAY, AWAY, 1)],
+)
+def test_a_scan_goes_on_by_the_odometry_or_by_a_match_that_the_odometry_may_have_led_to(odometry_off, match_off, torn):
+    rng, continuity = np.random.default_rng(0), Continuity(ContinuityConfig(), ExtrapolatorConfig())
+    poses = [np.array([-3.0, -2.0, 0.0]), np.array([-2.9, -2.0, 0.1])]
     assert continuity.tears(cast(ROOM, poses[0], rng), poses[0], poses[0]) == 0.0
-    odometry, match = poses[1] + odometry_wrong * off, poses[1] + match_wrong * off
-    assert (continuity.tears(cast(ROOM, poses[1], rng), odometry, match) > 0.1) == bool(torn)
+    share = continuity.tears(cast(ROOM, poses[1], rng), poses[1] + odometry_off, poses[1] + match_off)
+    assert (share > 0.0) == bool(torn)
 
 
 def test_who_is_carried_tears_the_drive_once_by_the_share_that_contradicts():
-    rng, continuity = np.random.default_rng(0), Continuity(ContinuityConfig())
+    rng, continuity = np.random.default_rng(0), Continuity(ContinuityConfig(), ExtrapolatorConfig())
     here, there = np.array([-4.0, -2.0, 0.0]), np.array([3.0, 2.0, 2.0])
     shares = [continuity.tears(cast(ROOM, true, rng), here, here) for true in (here, here, there, there, there)]
     scans = [cast(ROOM, true, np.random.default_rng(0)) for true in (here, there)]
@@ -45,13 +52,13 @@ def test_what_always_contradicts_is_usual_and_a_doubtful_scan_needs_half_as_much
         near = rng.permutation(len(still))[: round(share * len(still))]
         return LaserScan(np.where(np.isin(np.arange(len(still)), near), 0.3, still.ranges), still.bearings, 0.05, 20.0)
 
-    continuity, pose = Continuity(config), np.zeros(3)
+    continuity, pose = Continuity(config, ExtrapolatorConfig()), np.zeros(3)
     for _ in range(200):
         continuity.tears(flickering(0.1), pose, pose)
     assert continuity.tears(flickering(0.1), pose, pose) == 0.0
     assert continuity.tears(flickering(0.4), pose, pose) > 0.1
     for doubtful in (False, True):
-        fresh = Continuity(config)
+        fresh = Continuity(config, ExtrapolatorConfig())
         fresh.tears(still, pose, pose)
         assert (fresh.tears(flickering(0.03), pose, pose, doubtful=doubtful) > 0.0) == doubtful
 
