@@ -1,5 +1,7 @@
 """A robot that is carried away while it maps: SLAM notices, says so, and joins the rest of the drive to its map."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from tagalong.slam.engine import make_slam
@@ -240,6 +242,23 @@ def test_a_submap_that_was_begun_by_the_very_scan_that_shows_the_robot_lost_is_t
     assert len(engine.trajectory()) == 210
     assert len(engine.submap_nodes) > known
     assert all(engine.submap_nodes)  # in each stands a node
+
+
+def test_a_leap_while_a_tear_is_open_does_not_end_the_doubt(mapped, monkeypatch):
+    engine, odometry, _, rng = mapped
+    after, local = ahead((-3.8, 0.9, -1.2), (0.1, 0.0, 0.03), 2), engine._local  # pyright: ignore[reportPrivateUsage]
+    fed(engine, after[:1], odometry, rng)
+    torn, update = engine._doubt.torn, local.update  # pyright: ignore[reportPrivateUsage]
+    assert torn > 0.3
+
+    def sees_nothing(odometry, scan):
+        monkeypatch.undo()
+        return replace(update(odometry, scan), apart=np.array([0.03, 0.005]), insertion=None)
+
+    monkeypatch.setattr(local, "update", sees_nothing)
+    updates, _ = fed(engine, after[1:], odometry, rng)
+    assert (engine._doubt.torn, engine._doubt.count) == (torn, 2)  # pyright: ignore[reportPrivateUsage]
+    assert not updates[0].located
 
 
 def test_what_was_mapped_since_a_tear_is_not_asked_where_the_robot_is(mapped, monkeypatch):
