@@ -17,6 +17,7 @@ SCANS = 9
 _EVERY = 3  # a doubt is weighed with each so many scans, once it has `SCANS` of them with each so many
 _WIDE = 0.3  # share of the returns that people who step into view do not make contradict
 _TRUST, _TRUST_WIDE = 5000.0, 10.0  # a robot is hardly ever carried, and narrow tears are frequent
+_BLOCKED = 0.05  # share of the beams that walls of the map would stop, of those that people and drift make
 _EXPLAINED = 0.5  # share of the beams that must end at walls of the map where the robot is believed to have stayed
 
 
@@ -91,7 +92,8 @@ def verdict(doubt: Doubt, watch: Watch, outcome: Contest | None) -> Verdict:
     """Weigh the place where local SLAM has put the scans of a doubt against the rest of the map.
 
     Where a scan did not go on from the one before, the robot may have been carried. So it was where another place is
-    sure. It stayed where that place explains half of the beams, and no other place is likely. If that is still open
+    sure and, unless the tear was wide, walls of the map would stop some beams: what is not mapped yet may look like
+    what is. It stayed where that place explains half of the beams, and no other place is likely. If that is still open
     after `SCANS` scans, it stayed unless the tear was wide; then it was carried where the place explains less.
     While the scans alone speak for another place, it is not sure that it stayed.
 
@@ -110,7 +112,8 @@ def verdict(doubt: Doubt, watch: Watch, outcome: Contest | None) -> Verdict:
     explained = outcome.explained >= _EXPLAINED
     elsewhere = outcome.surpassed and not outcome.beside
     if doubt.torn:
-        if elsewhere or (watch.plainly_lost and not explained):
+        refuted = doubt.wide or outcome.blocked >= _BLOCKED
+        if (elsewhere and refuted) or (watch.plainly_lost and not explained):
             return Verdict.CARRIED
         if surely_here or (explained and not outcome.rivalled) or (doubt.count >= SCANS and not doubt.wide):
             return Verdict.UNSURE if outcome.outweighed else Verdict.HERE

@@ -34,6 +34,7 @@ class Contest:
             leads from the one to the other: nobody has to carry the robot.
         fits: As `explained`, however likely that is.
         outweighed: Whether another place is surely likelier by what was seen alone, were it not trusted beforehand.
+        blocked: Share of the beams that come through walls of the map if the robot is where it was thought to be.
     """
 
     stays: bool
@@ -45,6 +46,7 @@ class Contest:
     surpassed: bool = False
     fits: float = 0.0
     outweighed: bool = False
+    blocked: float = 0.0
 
 
 def contest(
@@ -73,13 +75,24 @@ def contest(
         return Contest(True, False, False, search.belief())
     for view in views:
         search.remember(view)
-    search.propose(evidence.refine(views[-1].points, here[None], coarse=True), trust)
+    fitted = evidence.refine(views[-1].points, here[None], coarse=True)
+    search.propose(fitted, trust)
     search.propose(here[None], trust)
     fits = float(search.belief().explained.max(initial=0.0))
     belief = search.look()
     if not len(belief.poses):
         return Contest(True, False, False, belief)
-    return replace(weigh(here, belief, config.search, trust, drift), fits=fits)
+    outcome = weigh(here, belief, config.search, trust, drift)
+    return replace(outcome, fits=fits, blocked=_blocked(evidence, views, fitted))
+
+
+def _blocked(evidence: Evidence, views: Sequence[View], poses: Array) -> float:
+    """Return the mean share of the beams of views that come through walls; `poses` (1, 3) at the last one."""
+    shares, now = [evidence.blocked(views[-1], poses[0])], views[-1]
+    for view in views[-2::-1]:
+        poses, now = evidence.carry(view.points, poses, between(now.odometry, view.odometry)), view
+        shares.append(evidence.blocked(view, poses[0]))
+    return float(np.mean(shares))
 
 
 def _views(scans: Sequence[tuple[Array, LaserScan]], config: LocalizerConfig) -> list[View]:

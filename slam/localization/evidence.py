@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from ..geometry import compose
 from ..graph.refine_kernels import refine_pose
-from .evidence_kernels import UNSEEN, beam_likelihoods
+from .evidence_kernels import UNSEEN, beam_likelihoods, blocked
 from .place_map import PlaceMap
 from .view import View
 
@@ -70,6 +70,14 @@ class Evidence:
         unseen = np.float32(UNSEEN)
         explained = 0.5 * ((likelihoods > unseen).mean(axis=1) + (likelihoods >= unseen).mean(axis=1))
         return np.log(likelihoods).mean(axis=1, dtype=np.float64), explained
+
+    def blocked(self, view: View, pose: Array) -> float:
+        """Return the share of the beams of a view that come through walls, the robot at `pose` (3,)."""
+        place = self._place
+        count = blocked(
+            place.states, place.outer_corner, place.resolution, view.foot, view.points, pose, self._config.slack
+        )
+        return count / max(len(view.points), 1)
 
     def refine(self, points: Array, poses: Array, coarse: bool = False) -> Array:
         """Return `poses` (k, 3), each moved to where `points` (N, 2) of the robot frame fit the walls best nearby.

@@ -30,7 +30,7 @@ def contest(sure=False, **fields):
     return Contest(**({"stays": False, "moved": False, "rivalled": True, "belief": belief} | fields))
 
 
-ELSEWHERE = contest(sure=True, moved=True, surpassed=True)
+ELSEWHERE = contest(sure=True, moved=True, surpassed=True, blocked=0.2)
 HERE = contest(sure=True, stays=True, rivalled=False, explained=0.9, fits=0.9)
 OPEN = contest(stays=True, explained=0.9, fits=0.9)
 NOTHING_FITS = contest(rivalled=False)
@@ -40,6 +40,12 @@ NOTHING_FITS = contest(rivalled=False)
 def test_after_a_tear_a_place_that_is_sure_says_where_the_robot_is(torn):
     assert verdict(doubt(torn), watch(), ELSEWHERE) is Verdict.CARRIED
     assert verdict(doubt(torn), watch(), HERE) is Verdict.HERE
+
+
+def test_people_tear_scans_and_no_wall_stands_in_the_way_where_nothing_is_mapped_yet():
+    new = replace(ELSEWHERE, blocked=0.0)
+    assert verdict(doubt(NARROW), watch(), new) is Verdict.UNSURE
+    assert verdict(doubt(WIDE), watch(), new) is Verdict.CARRIED
 
 
 def test_without_a_tear_nobody_is_carried_unless_no_scan_can_belong_there():

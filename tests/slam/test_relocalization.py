@@ -312,6 +312,15 @@ def test_a_contest_says_what_is_explained_where_the_robot_is_and_nothing_where_i
     assert contest(place, scans, np.array([-3.8, 0.9, -1.2])).explained == 0.0
 
 
+def test_a_contest_counts_the_beams_that_walls_would_stop(mapped):
+    engine, odometry, last, rng = mapped
+    place, back = searchable(engine.map_at(0.05)), np.array([-0.1, 0.0, 0.0])
+    scans = [(odometry, cast(WALLS, last, rng)), (compose(odometry, back), cast(WALLS, compose(last, back), rng))]
+    assert contest(place, scans[:1], last).blocked < 0.02
+    assert contest(place, scans, compose(last, back)).blocked < 0.02
+    assert contest(place, scans, np.array([-3.8, 0.9, -1.2])).blocked > 0.2
+
+
 def test_without_a_watch_or_a_graph_nobody_notices():
     for settings in ({"watch": None}, {"global_": None}):
         engine = Cartographer(CartographerConfig(**settings))
