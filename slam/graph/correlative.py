@@ -41,10 +41,13 @@ def correlate(
             y = prior[1] + s * points[n, 0] + c * points[n, 1] - corner[1]
             i, j = int(np.floor(x / resolution + 0.5)) - reach, int(np.floor(y / resolution + 0.5)) - reach
             first, last = max(0, -i), min(side, cols - i)
+            if first >= last:
+                continue
             for b in range(max(0, -j), min(side, rows - j)):
-                start = (j + b) * cols + i
-                for a in range(first, last):
-                    scores[b, a] += min(np.float32(1.0), np.float32(1.7) * flat[start + a])
+                row = flat[(j + b) * cols + i + first : (j + b) * cols + i + last]
+                into = scores[b, first:last]
+                for a in range(len(row)):
+                    into[a] += min(np.float32(1.0), np.float32(1.7) * row[a])
         for b in range(side):
             dy = (b - reach) * resolution
             for a in range(side):

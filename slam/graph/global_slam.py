@@ -264,13 +264,14 @@ class GlobalSlam:
 
     def _straighten(self) -> None:
         """Draw every finished submap with its nodes where the graph has them; match what was searched for on these."""
+        sweeps = dict[int, Sweep]()  # a node stands in two submaps, one after the other
         for s in range(len(self._submaps) - 2):
             submap, nodes = self._submaps[s], list(self.drawn[s])
             poses = between(self._submap_poses[s], np.array([self._node_poses[k] for k in nodes]))
             self.drawn[s] = dict(zip(nodes, poses, strict=True))
             places = compose(submap.pose_local, poses)
-            sweeps = (self._sweep(self.nodes[k].scan).at(place) for k, place in zip(nodes, places, strict=True))
-            self._submaps[s] = submap.redrawn(sweeps)
+            sweeps = {k: sweeps.get(k) or self._sweep(self.nodes[k].scan) for k in nodes}
+            self._submaps[s] = submap.redrawn(sweeps[k].at(place) for k, place in zip(nodes, places, strict=True))
             self._builder.forget(s)
         kept = list[Constraint]()
         for c in self.constraints:

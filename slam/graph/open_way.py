@@ -5,7 +5,10 @@ little, and the corridor comes out too short, or the robot seems to stand (degen
 2016). Where the end of the corridor is seen, scans hold the way well enough.
 """
 
+import math
+
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from ..scan import LaserScan
@@ -33,27 +36,37 @@ def open_way(scan: LaserScan, points: Array) -> Array:
     """
     if not scan.is_no_return.any():
         return np.zeros(2)
-    normals = _normals(points)
-    if len(normals) < _LEAST_RUNS:
+    runs, cos, sin = _twice_directions(points)
+    if runs < _LEAST_RUNS:
         return np.zeros(2)
-    shares, directions = np.linalg.eigh(normals.T @ normals / len(normals))
-    if shares[0] >= _BLIND or not _sees_no_end(scan, directions[:, 0]):
+    share, angle = 0.5 * (1.0 - math.hypot(cos, sin) / runs), 0.5 * math.atan2(sin, cos)
+    direction = np.array((math.cos(angle), math.sin(angle)))
+    if share >= _BLIND or not _sees_no_end(scan, direction):
         return np.zeros(2)
-    return directions[:, 0] * np.sqrt(1.0 - max(shares[0], 0.0) / _BLIND)
+    return direction * math.sqrt(1.0 - max(share, 0.0) / _BLIND)
 
 
-def _normals(points: Array) -> Array:
-    """Return (m, 2) unit normals of the lines through runs of neighbouring points."""
-    if len(points) < _RUN:
-        return np.zeros((0, 2))
-    x, y = points.T
-    sums = np.cumsum(np.stack((x, y, x * x, y * y, x * y)), axis=1)
-    sums = np.concatenate((np.zeros((5, 1)), sums), axis=1)
-    mean_x, mean_y, xx, yy, xy = (sums[:, _RUN:] - sums[:, :-_RUN]) / _RUN
-    tangent = 0.5 * np.arctan2(2.0 * (xy - mean_x * mean_y), (xx - mean_x**2) - (yy - mean_y**2))
-    ends = points[_RUN - 1 :] - points[: len(points) - _RUN + 1]
-    tangent = tangent[np.hypot(ends[:, 0], ends[:, 1]) < _LONGEST_RUN]
-    return np.stack((-np.sin(tangent), np.cos(tangent)), axis=-1)
+@njit(cache=True, nogil=True)
+def _twice_directions(points: Array) -> tuple[int, float, float]:
+    """Return how many runs of neighbouring `points` (N, 2) there are, and the sums of cos 2a and sin 2a over them.
+
+    Each run lies along a line in the direction a. With n runs, that sum has the direction 2d and the length R; of the
+    runs' normals, d is the direction with the least mean square, (1 - R / n) / 2.
+    """
+    runs, cos, sin = 0, 0.0, 0.0
+    for first in range(len(points) - _RUN + 1):
+        last = first + _RUN - 1
+        if np.hypot(points[last, 0] - points[first, 0], points[last, 1] - points[first, 1]) >= _LONGEST_RUN:
+            continue
+        x = y = xx = yy = xy = 0.0
+        for k in range(first, last + 1):
+            dx, dy = points[k, 0] - points[first, 0], points[k, 1] - points[first, 1]
+            x, y, xx, yy, xy = x + dx, y + dy, xx + dx * dx, yy + dy * dy, xy + dx * dy
+        along, across = (xx - yy) - (x * x - y * y) / _RUN, 2.0 * (xy - x * y / _RUN)
+        length = np.hypot(along, across)
+        if length > 0.0:
+            runs, cos, sin = runs + 1, cos + along / length, sin + across / length
+    return runs, cos, sin
 
 
 def _sees_no_end(scan: LaserScan, direction: Array) -> bool:

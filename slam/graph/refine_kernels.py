@@ -5,7 +5,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from .correlative import correlate
-from .spline_kernels import expand, linearize
+from .spline_kernels import expand, linearize, misfit
 
 Grid = NDArray[np.float32]
 Array = NDArray[np.float64]
@@ -115,18 +115,18 @@ def refine_many(
     """
     n = len(starts)
     poses, curvatures, scores = starts.copy(), np.zeros((n, 3, 3)), np.zeros(n)
-    hold, H, g = np.eye(3), np.empty((3, 3)), np.empty(3)
+    hold = np.eye(3)
     for k in range(n):
         scan = points[firsts[k] : firsts[k + 1]]
         size = max(len(scan), 1)
-        scores[k] = 1.0 - linearize(field, corner, resolution, scan, starts[k], H, g) / size
+        scores[k] = 1.0 - misfit(field, corner, resolution, scan, starts[k]) / size
         if reach > 0 and scores[k] < sure_score:
             step = 2.0 * resolution / max(1.0, _far(scan))
             stride = max(1, size // 60)
             poses[k] = correlate(
                 field, corner, resolution, scan[::stride], starts[k], hold, weight * stride, reach, angles, step
             )[0]
-            scores[k] = 1.0 - linearize(field, corner, resolution, scan, poses[k], H, g) / size
+            scores[k] = 1.0 - misfit(field, corner, resolution, scan, poses[k]) / size
         if scores[k] >= min_score:
             pose, curvature, rest, _ = refine_pose(
                 field, corner, resolution, scan, poses[k], starts[k], hold, weight, 12, COARSE

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..geometry import transform_points, wrap_angle
+from ..geometry import transform_points, wrap_one
 from .correlative import correlate
 from .extrapolator import Prediction
 from .refine_kernels import refine_pose
@@ -141,25 +142,28 @@ class ScanMatcher:
         pose, curvature, rest, _ = refine_pose(
             *place, points, start, prior, information, config.weight, config.iterations
         )
-        pose[2] = wrap_angle(pose[2])
+        pose[2] = wrap_one(pose.item(2))
         return Match(pose, config.weight * curvature, 1.0 - rest / len(points), bool(reach or angles))
 
     def _window(self, resolution: float, points: Array, prediction: Prediction) -> tuple[int, int, float]:
         """Return cells, angle steps to each side and the step [rad]; zeros where the least squares alone will do."""
         config = self._config
-        linear, angular = np.minimum(config.sigmas * prediction.sigma, (config.max_linear, config.max_angular))
+        linear, angular = (config.sigmas * prediction.sigma).tolist()
+        linear, angular = min(linear, config.max_linear), min(angular, config.max_angular)
         far = far_radius(points)
         if linear + angular * far <= config.capture:
             return 0, 0, 0.0
         step = resolution / max(far, 1.0)
-        return int(np.ceil(linear / resolution)), int(np.ceil(angular / step)), step
+        return math.ceil(linear / resolution), math.ceil(angular / step), step
 
 
+@njit(cache=True, nogil=True)
 def far_radius(points: Array) -> float:
     """Return the distance from the origin [m] that 80 % of `points` (N, 2) keep: how far out a turn moves them."""
-    squares = np.einsum("ij,ij->i", points, points)
+    squares = points[:, 0] * points[:, 0] + points[:, 1] * points[:, 1]
     at = 0.8 * (len(points) - 1)
     low = int(at)
     high = min(low + 1, len(points) - 1)
-    ordered = np.partition(squares, (low, high))
-    return math.sqrt(ordered[low] + (at - low) * (ordered[high] - ordered[low]))
+    ordered = np.partition(squares, high)
+    below = ordered[:high].max() if high > low else ordered[low]
+    return np.sqrt(below + (at - low) * (ordered[high] - below))

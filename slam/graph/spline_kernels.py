@@ -8,6 +8,7 @@ Grid = NDArray[np.float32]
 Array = NDArray[np.float64]
 
 _SATURATION = 3.0
+_1, _2, _3 = np.uintp(1), np.uintp(2), np.uintp(3)  # with unsigned indices numba need not look for those from the end
 
 
 @njit(cache=True, nogil=True, inline="always")
@@ -44,14 +45,16 @@ def interpolate(field: Grid, u: float, v: float) -> tuple[float, float, float]:
     i, j = int(np.floor(u)), int(np.floor(v))
     if i < 1 or j < 1 or i + 2 >= field.shape[1] or j + 2 >= field.shape[0]:
         return 0.0, 0.0, 0.0
+    first = np.uintp(i - 1)
     a0, a1, a2, a3 = _spline(u - i)
     b0, b1, b2, b3 = _slope(u - i)
     wy = _spline(v - j)
     dy = _slope(v - j)
     value, du, dv = 0.0, 0.0, 0.0
     for k in range(4):
-        row = j - 1 + k
-        f0, f1, f2, f3 = field[row, i - 1], field[row, i], field[row, i + 1], field[row, i + 2]
+        row = np.uintp(j - 1 + k)
+        f0, f1 = field[row, first], field[row, first + _1]
+        f2, f3 = field[row, first + _2], field[row, first + _3]
         across = a0 * f0 + a1 * f1 + a2 * f2 + a3 * f3
         value += wy[k] * across
         du += wy[k] * (b0 * f0 + b1 * f1 + b2 * f2 + b3 * f3)
@@ -65,6 +68,7 @@ def interpolate_twice(field: Grid, u: float, v: float) -> tuple[float, float, fl
     i, j = int(np.floor(u)), int(np.floor(v))
     if i < 1 or j < 1 or i + 2 >= field.shape[1] or j + 2 >= field.shape[0]:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    first = np.uintp(i - 1)
     a0, a1, a2, a3 = _spline(u - i)
     b0, b1, b2, b3 = _slope(u - i)
     c0, c1, c2, c3 = _bend(u - i)
@@ -73,8 +77,9 @@ def interpolate_twice(field: Grid, u: float, v: float) -> tuple[float, float, fl
     cy = _bend(v - j)
     value, du, dv, duu, duv, dvv = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(4):
-        row = j - 1 + k
-        f0, f1, f2, f3 = field[row, i - 1], field[row, i], field[row, i + 1], field[row, i + 2]
+        row = np.uintp(j - 1 + k)
+        f0, f1 = field[row, first], field[row, first + _1]
+        f2, f3 = field[row, first + _2], field[row, first + _3]
         across = a0 * f0 + a1 * f1 + a2 * f2 + a3 * f3
         slope = b0 * f0 + b1 * f1 + b2 * f2 + b3 * f3
         value += wy[k] * across
@@ -131,6 +136,19 @@ def linearize(field: Grid, corner: Array, resolution: float, points: Array, pose
         H[1, 2] += w * jy * jt
         H[2, 2] += w * jt * jt
     H[1, 0], H[2, 0], H[2, 1] = H[0, 1], H[0, 2], H[1, 2]
+    return cost
+
+
+@njit(cache=True, nogil=True)
+def misfit(field: Grid, corner: Array, resolution: float, points: Array, pose: Array) -> float:
+    """Return sum (1 - M), as `linearize` and `expand` do, without derivatives."""
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    scale = 1.0 / resolution
+    cost = 0.0
+    for n in range(len(points)):
+        px, py = c * points[n, 0] - s * points[n, 1], s * points[n, 0] + c * points[n, 1]
+        value = interpolate(field, (pose[0] + px - corner[0]) * scale, (pose[1] + py - corner[1]) * scale)[0]
+        cost += np.exp(-_SATURATION * value)
     return cost
 
 

@@ -54,11 +54,22 @@ class AdaptiveVoxelFilter:
     def apply(self, points: Points) -> Points:
         """Return (M, 2) points of `points` (N, 2) [m], in their order."""
         config = self._config
-        inside = np.einsum("ij,ij->i", points, points) <= config.max_range**2
-        near = points if inside.all() else points[inside]
+        near = _nearer(points, config.max_range)
         if len(near) <= config.min_points:
             return near
         return near[_thin(near, self._edges, config.min_points)]
+
+
+@njit(cache=True, nogil=True)
+def _nearer(points: Points, limit: float) -> Points:
+    """Return those points (N, 2) that lie at most `limit` [m] from the origin."""
+    kept = np.empty_like(points)
+    count = 0
+    for k in range(len(points)):
+        if points[k, 0] * points[k, 0] + points[k, 1] * points[k, 1] <= limit * limit:
+            kept[count, 0], kept[count, 1] = points[k, 0], points[k, 1]
+            count += 1
+    return kept[:count]
 
 
 @njit(cache=True, nogil=True)
@@ -74,18 +85,17 @@ def voxel_first(points: Points, edge: float) -> NDArray[np.int64]:
         size *= 2
     mask = size - 1
     owner = np.full(size, -1, np.int64)
+    cells = np.empty((len(points), 2), np.int64)
     kept = np.empty(len(points), np.int64)
     count = 0
     for k in range(len(points)):
         i, j = int(np.floor(points[k, 0] / edge)), int(np.floor(points[k, 1] / edge))
         slot = _hash(i, j, mask)
-        while owner[slot] >= 0:
-            q = owner[slot]
-            if int(np.floor(points[q, 0] / edge)) == i and int(np.floor(points[q, 1] / edge)) == j:
-                break
+        while owner[slot] >= 0 and not (cells[owner[slot], 0] == i and cells[owner[slot], 1] == j):
             slot = (slot + 1) & mask
         if owner[slot] < 0:
-            owner[slot] = k
+            owner[slot] = count
+            cells[count, 0], cells[count, 1] = i, j
             kept[count] = k
             count += 1
     return kept[:count]

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from tagalong.slam.geometry import between, compose, inverse, transform_points, wrap_angle
+from tagalong.slam.geometry import between, compose, inverse, transform_points, wrap_angle, wrap_one
 
 poses = arrays(np.float64, 3, elements=st.floats(-50, 50))
 
@@ -56,3 +56,8 @@ def test_the_kernel_for_one_pose_says_the_same_as_numpy_for_many(count):
     strided[:, 1:4:2] = points
     strided.setflags(write=False)
     assert np.array_equal(transform_points(pose, strided[:, 1:4:2]), transform_points(pose, points))
+
+
+@pytest.mark.parametrize("angle", [0.0, 3.0, np.pi, -np.pi, np.nextafter(np.pi, 4.0), -3.2, 100.0, -1e-17])
+def test_one_angle_is_wrapped_as_many_are(angle):
+    assert wrap_one(angle) == wrap_angle(angle)

@@ -9,7 +9,7 @@ from tagalong.slam.graph.blur_kernels import blurred_scores, blurred_scores_refe
 from tagalong.slam.graph.correlative import correlate
 from tagalong.slam.graph.refine_kernels import refine_many, refine_pose
 from tagalong.slam.graph.scan_matcher import far_radius
-from tagalong.slam.graph.spline_kernels import expand, linearize
+from tagalong.slam.graph.spline_kernels import expand, linearize, misfit
 from tagalong.slam.graph.submap_kernels import insert_scan
 from tagalong.slam.graph.voxel_filter import voxel_first, voxel_mean
 from tagalong.slam.pose_graph.normal_equations import block_pattern, fill
@@ -62,6 +62,7 @@ def test_cost_gradient_and_curvature_of_a_scan_are_those_of_numpy(kernel):
         cost = kernel(field, CORNER, RESOLUTION, points, pose, H, g)
         wanted = reference.expansion(field, CORNER, RESOLUTION, points, pose, kernel is expand)
         np.testing.assert_allclose(cost, wanted[0], rtol=1e-12)
+        assert misfit(field, CORNER, RESOLUTION, points, pose) == cost
         np.testing.assert_allclose(g, wanted[1], rtol=1e-9, atol=1e-9)
         np.testing.assert_allclose(H, wanted[2], rtol=1e-9, atol=1e-6)
 
