@@ -44,10 +44,8 @@ def correlate(
             if first >= last:
                 continue
             for b in range(max(0, -j), min(side, rows - j)):
-                row = flat[(j + b) * cols + i + first : (j + b) * cols + i + last]
-                into = scores[b, first:last]
-                for a in range(len(row)):
-                    into[a] += min(np.float32(1.0), np.float32(1.7) * row[a])
+                row = (j + b) * cols + i
+                _add_worth(scores[b, first:last], flat[row + first : row + last])
         for b in range(side):
             dy = (b - reach) * resolution
             for a in range(side):
@@ -60,3 +58,10 @@ def correlate(
                     best, best_rest = total, rest
                     best_pose[0], best_pose[1], best_pose[2] = prior[0] + dx, prior[1] + dy, prior[2] + dt
     return best_pose, best_rest
+
+
+@njit(cache=True, nogil=True)
+def _add_worth(scores: NDArray[np.float32], occupancy: NDArray[np.float32]) -> None:
+    """Add to each of `scores` (n,) what a point is worth in a cell of that `occupancy` (n,), eight at a time."""
+    for k in range(len(occupancy)):
+        scores[k] += min(np.float32(1.0), np.float32(1.7) * occupancy[k])
