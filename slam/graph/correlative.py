@@ -60,8 +60,8 @@ def correlate(
     return best_pose, best_rest
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, inline="always")
 def _add_worth(scores: NDArray[np.float32], occupancy: NDArray[np.float32]) -> None:
-    """Add to each of `scores` (n,) what a point is worth in a cell of that `occupancy` (n,), eight at a time."""
+    """Add to each of `scores` (n,) what a point is worth in a cell of that `occupancy` (n,)."""
     for k in range(len(occupancy)):
         scores[k] += min(np.float32(1.0), np.float32(1.7) * occupancy[k])
