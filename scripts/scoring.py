@@ -105,8 +105,9 @@ def judge(estimate: Path, reference: Path, options: ScoringOptions | None = None
         return _judge_relations(estimate, reference, options)
     if kinds in (("trajectory", "trajectory"), ("trajectory", "log")):
         return _judge_trajectory(estimate, reference, kinds[1], options)
+    one, other = (kind if kind == "relations" else f"a {kind}" for kind in kinds)
     raise InputError(
-        f"a {kinds[0]} cannot be judged by a {kinds[1]} ({estimate.name}, {reference.name}); possible: trajectory by "
+        f"{one} cannot be judged by {other} ({estimate.name}, {reference.name}); possible: trajectory by "
         "trajectory, log or relations; map by map"
     )
 

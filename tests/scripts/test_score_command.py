@@ -124,6 +124,7 @@ def test_feet_of_another_frame_are_placed_by_the_two_trajectories(here, capsys):
         (["none.tum", "truth.tum"], "none.tum: cannot be read"),
         (["static.yaml", "truth.tum"], "a map cannot be judged by a trajectory"),
         (["odometry.log", "truth.tum"], "a log cannot be judged by a trajectory"),
+        (["relations.txt", "relations.txt"], "relations cannot be judged by relations"),
         (["truth.tum", "odometry.log"], "holds odometry only"),
         (["late.tum", "truth.tum"], "are the clocks the same?"),
         (["late.tum", "relations.txt"], "are the clocks the same?"),
