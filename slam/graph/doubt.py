@@ -92,10 +92,11 @@ def verdict(doubt: Doubt, watch: Watch, outcome: Contest | None) -> Verdict:
     """Weigh the place where local SLAM has put the scans of a doubt against the rest of the map.
 
     Where a scan did not go on from the one before, the robot may have been carried. So it was where another place is
-    sure and, unless the tear was wide, walls of the map would stop some beams: what is not mapped yet may look like
-    what is. It stayed where that place explains half of the beams, and no other place is likely. If that is still open
-    after `SCANS` scans, it stayed unless the tear was wide; then it was carried where the place explains less.
-    While the scans alone speak for another place, it is not sure that it stayed.
+    sure and, unless the tear was wide, explains well what was seen, while walls of the map would stop some beams where
+    it was thought to be: what is not mapped yet may look like what is. It stayed where that place explains half of the
+    beams, and no other place is likely. If that is still open after `SCANS` scans, it stayed unless the tear was wide;
+    then it was carried where the place explains less. While the scans alone speak for another place, it is not sure
+    that it stayed.
 
     Where all scans went on from those before, nobody has carried it: scans that fit badly are seen where people walk
     and where short rays let local SLAM drift, and in a building that repeats itself another place then explains them
@@ -112,7 +113,7 @@ def verdict(doubt: Doubt, watch: Watch, outcome: Contest | None) -> Verdict:
     explained = outcome.explained >= _EXPLAINED
     elsewhere = outcome.surpassed and not outcome.beside
     if doubt.torn:
-        refuted = doubt.wide or outcome.blocked >= _BLOCKED
+        refuted = doubt.wide or (outcome.moved and outcome.blocked >= _BLOCKED)
         if (elsewhere and refuted) or (watch.plainly_lost and not explained):
             return Verdict.CARRIED
         if surely_here or (explained and not outcome.rivalled) or (doubt.count >= SCANS and not doubt.wide):

@@ -42,10 +42,11 @@ def test_after_a_tear_a_place_that_is_sure_says_where_the_robot_is(torn):
     assert verdict(doubt(torn), watch(), HERE) is Verdict.HERE
 
 
-def test_people_tear_scans_and_no_wall_stands_in_the_way_where_nothing_is_mapped_yet():
-    new = replace(ELSEWHERE, blocked=0.0)
-    assert verdict(doubt(NARROW), watch(), new) is Verdict.UNSURE
-    assert verdict(doubt(WIDE), watch(), new) is Verdict.CARRIED
+@pytest.mark.parametrize("missing", [{"blocked": 0.0}, {"moved": False}])
+def test_people_tear_scans_too_and_what_is_new_looks_like_another_place_or_drift_blocks_the_beams(missing):
+    outcome = replace(ELSEWHERE, **missing)
+    assert verdict(doubt(NARROW), watch(), outcome) is Verdict.UNSURE
+    assert verdict(doubt(WIDE), watch(), outcome) is Verdict.CARRIED
 
 
 def test_without_a_tear_nobody_is_carried_unless_no_scan_can_belong_there():
