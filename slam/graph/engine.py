@@ -134,10 +134,10 @@ class Cartographer:
         """Weigh doubtful scans against the whole map where it is due; return what local SLAM makes of this one then."""
         pose = result.match.pose if result.match else result.pose
         torn = self._continuity.tears(scan, odometry, pose, result.doubtful and watch.in_doubt == 1)
-        if result.apart is not None:
+        if result.apart and result.sigma is not None:
             if not self._doubt.torn:
                 self._doubt = Doubt()
-            self._leap(graph, result.pose, result.apart, odometry, scan)
+            self._leap(graph, result.pose, result.sigma, odometry, scan)
             result = self._local.update(odometry, scan)
             if self._search or not (torn or self._doubt.torn):
                 return result
@@ -153,7 +153,10 @@ class Cartographer:
                 self._doubt.conclude(outcome)
                 if not alarmed:
                     return result
-                watch.pardon()
+                if result.match and result.sigma is not None and watch.far_off(result.pose, result.match.pose):
+                    self._leap(graph, result.pose, result.sigma, odometry, scan)
+                else:
+                    watch.pardon()
         return self._local.update(odometry, scan)
 
     def _verdict(

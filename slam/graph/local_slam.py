@@ -74,15 +74,16 @@ class LocalResult:
         match: How the scan fits on the submap; None: it was not matched, the pose is that of the odometry.
         insertion: What was inserted; None: the motion filter dropped the scan, or it is doubtful.
         doubtful: Whether the scan contradicts the submap: the pose is that of the odometry.
-        apart: (2,) standard deviations of that pose [m, rad] where the scan sees nothing of what the submap knows, as
-            the first one after a gap does not; else None.
+        sigma: (2,) standard deviations of that pose where it is doubtful [m, rad]; else None.
+        apart: Whether the scan sees nothing of what the submap knows, as the first one after a gap does not.
     """
 
     pose: Array
     match: Match | None
     insertion: Insertion | None
     doubtful: bool = False
-    apart: Array | None = None
+    sigma: Array | None = None
+    apart: bool = False
 
 
 class LocalSlam:
@@ -131,10 +132,11 @@ class LocalSlam:
             match = self._matcher.match(self._active.front, points, prediction, open_way(scan, points))
         if match and self._watch:
             submap, foot = self._active.front, np.array(scan.T_robot_lidar[:2], dtype=np.float64)
-            if self._watch.sees_nothing(submap, points, match.pose, match.score):
-                return LocalResult(prediction.pose, match, None, True, prediction.sigma)
+            far = self._watch.far_off(prediction.pose, match.pose)
+            if self._watch.sees_nothing(submap, points, match.pose, match.score, far):
+                return LocalResult(prediction.pose, match, None, True, prediction.sigma, True)
             if self._watch.doubts(submap, points, foot, match.pose, match.score):
-                return LocalResult(prediction.pose, match, None, True)
+                return LocalResult(prediction.pose, match, None, True, prediction.sigma)
         pose = match.pose if match else prediction.pose
         if match or not self._active.begun:
             self._extrapolator.correct(odometry, pose)

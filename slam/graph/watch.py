@@ -11,7 +11,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..geometry import transform_points
+from ..geometry import between, transform_points
 from .submap import Submap
 
 Array = NDArray[np.float64]
@@ -37,6 +37,8 @@ class WatchConfig:
         patience: After so many doubtful scans in a row something has to be done.
         nothing: A score below so much of the usual one, and no larger a share of the points where the submap was seen,
             say that the scan sees nothing of it [score, share].
+        far: A match is far off that lies farther from where the odometry has the robot [m, rad].
+        nothing_far: As `nothing`, of such a match: after a gap some place nearby fits by chance.
     """
 
     poor: float = 0.75
@@ -48,6 +50,8 @@ class WatchConfig:
     slack: float = 0.4
     patience: int = 3
     nothing: tuple[float, float] = (0.1, 0.3)
+    far: tuple[float, float] = (0.25, 0.1)
+    nothing_far: tuple[float, float] = (0.3, 0.45)
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
@@ -91,12 +95,24 @@ class Watch:
         self.in_doubt = self._plain = 0
         self._pardoned = True
 
-    def sees_nothing(self, submap: Submap, points: Array, pose: Array, score: float) -> bool:
+    def far_off(self, predicted: Array, pose: Array) -> bool:
+        """Return whether a match at `pose` (3,) lies far from where the odometry has `predicted` (3,) the robot."""
+        off, most = between(predicted, pose), self._config.far
+        return bool(np.hypot(off[0], off[1]) > most[0] or abs(off[2]) > most[1])
+
+    def sees_nothing(self, submap: Submap, points: Array, pose: Array, score: float, far: bool = False) -> bool:
         """Return whether `points` (N, 2), robot frame [m], lie beside all that a submap knows, the robot at `pose`.
 
         The best match then says nothing: the odometry alone knows how the two lie to each other, if anything does.
+
+        Args:
+            submap: What the scan was matched on.
+            points: (N, 2).
+            pose: (3,) T_local_robot of the match.
+            score: Of the match.
+            far: Whether that is far off.
         """
-        least, known = self._config.nothing
+        least, known = self._config.nothing_far if far else self._config.nothing
         if score >= least * self._usual:
             return False
         cells = np.floor((transform_points(pose, points) - submap.corner) / submap.resolution + 0.5).astype(np.int64)

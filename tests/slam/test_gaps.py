@@ -114,15 +114,30 @@ def test_a_place_is_within_reach_if_the_odometry_over_the_gap_can_have_led_there
 
 
 @pytest.mark.parametrize(
-    ("away", "score", "nothing"), [(0.0, 0.05, False), (10.0, 0.05, True), (10.0, 0.2, False), (4.5, 0.05, True)]
+    ("away", "score", "far", "nothing"),
+    [
+        (0.0, 0.05, False, False),
+        (10.0, 0.05, False, True),
+        (10.0, 0.2, False, False),
+        (10.0, 0.2, True, True),
+        (10.0, 0.3, True, False),
+        (0.0, 0.2, True, False),
+        (4.5, 0.05, False, True),
+    ],
 )
-def test_a_scan_sees_nothing_of_a_submap_where_it_fits_nowhere_and_lies_beside(away, score, nothing):
+def test_a_scan_sees_nothing_of_a_submap_where_it_fits_nowhere_and_lies_beside(away, score, far, nothing):
     submap, bearings = Submap(SubmapConfig(), np.zeros(3)), np.linspace(-np.pi, np.pi, 200, endpoint=False)
     circle = 3.0 * np.stack((np.cos(bearings), np.sin(bearings)), axis=-1)
     submap.insert(Sweep(np.zeros(2), circle, len(circle), np.empty((0, 2))))
     watch = Watch(WatchConfig())
     assert not watch.doubts(submap, circle, np.zeros(2), np.zeros(3), 0.9)
-    assert watch.sees_nothing(submap, circle, np.array([away, 0.0, 0.0]), score) == nothing
+    assert watch.sees_nothing(submap, circle, np.array([away, 0.0, 0.0]), score, far) == nothing
+
+
+def test_a_match_is_far_off_by_a_quarter_of_a_metre_or_six_degrees():
+    watch, predicted = Watch(WatchConfig()), np.array([1.0, 2.0, 3.1])
+    for off, far in (((0.2, 0.1, 0.09), False), ((0.2, 0.2, 0.0), True), ((0.0, 0.0, 0.11), True)):
+        assert watch.far_off(predicted, compose(predicted, np.array(off))) == far, off
 
 
 def test_a_found_piece_is_tied_to_the_map_around_it_and_not_to_where_the_robot_got_lost():

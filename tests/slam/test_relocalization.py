@@ -253,12 +253,34 @@ def test_a_leap_while_a_tear_is_open_does_not_end_the_doubt(mapped, monkeypatch)
 
     def sees_nothing(odometry, scan):
         monkeypatch.undo()
-        return replace(update(odometry, scan), apart=np.array([0.03, 0.005]), insertion=None)
+        return replace(update(odometry, scan), sigma=np.array([0.03, 0.005]), apart=True, insertion=None)
 
     monkeypatch.setattr(local, "update", sees_nothing)
     updates, _ = fed(engine, after[1:], odometry, rng)
     assert (engine._doubt.torn, engine._doubt.count) == (torn, 2)  # pyright: ignore[reportPrivateUsage]
     assert not updates[0].located
+
+
+@pytest.mark.parametrize(("off", "believed"), [(0.1, True), (0.6, False)])
+def test_a_scan_that_fits_badly_is_believed_only_near_the_odometry(mapped, monkeypatch, off, believed):
+    engine, odometry, last, rng = mapped
+    local, watch = engine._local, engine._watch  # pyright: ignore[reportPrivateUsage]
+    update, submaps, found = local.update, len(engine.submap_nodes), []
+
+    def doubtful(odometry, scan):
+        found.append(update(odometry, scan))
+        if len(found) > 1:
+            return found[-1]
+        watch.in_doubt = watch._config.patience  # pyright: ignore[reportPrivateUsage]
+        away = replace(found[0].match, pose=compose(found[0].pose, np.array([off, 0.0, 0.0])))
+        return replace(found[0], match=away, insertion=None, doubtful=True, sigma=np.array([0.3, 0.2]))
+
+    monkeypatch.setattr(engine, "_verdict", lambda *_: Verdict.UNSURE)
+    monkeypatch.setattr(local, "update", doubtful)
+    fed(engine, ahead(last, (0.1, 0.0, 0.0), 1), odometry, rng)
+    assert len(found) == 2
+    assert engine.losses == 0
+    assert (len(engine.submap_nodes) == submaps) == believed
 
 
 def test_what_was_mapped_since_a_tear_is_not_asked_where_the_robot_is(mapped, monkeypatch):
