@@ -132,8 +132,7 @@ class LocalSlam:
             match = self._matcher.match(self._active.front, points, prediction, open_way(scan, points))
         if match and self._watch:
             submap, foot = self._active.front, np.array(scan.T_robot_lidar[:2], dtype=np.float64)
-            far = self._watch.far_off(prediction.pose, match.pose)
-            if self._watch.sees_nothing(submap, points, match.pose, match.score, far):
+            if self._watch.sees_nothing(submap, points, prediction.pose, match.pose, match.score):
                 return LocalResult(prediction.pose, match, None, True, prediction.sigma, True)
             if self._watch.doubts(submap, points, foot, match.pose, match.score):
                 return LocalResult(prediction.pose, match, None, True, prediction.sigma)

@@ -100,19 +100,22 @@ class Watch:
         off, most = between(predicted, pose), self._config.far
         return bool(np.hypot(off[0], off[1]) > most[0] or abs(off[2]) > most[1])
 
-    def sees_nothing(self, submap: Submap, points: Array, pose: Array, score: float, far: bool = False) -> bool:
-        """Return whether `points` (N, 2), robot frame [m], lie beside all that a submap knows, the robot at `pose`.
+    def sees_nothing(self, submap: Submap, points: Array, predicted: Array, pose: Array, score: float) -> bool:
+        """Return whether a scan lies beside all that a submap knows where it fits best.
 
-        The best match then says nothing: the odometry alone knows how the two lie to each other, if anything does.
+        That match then says nothing: the odometry alone knows how the two lie to each other, if anything does.
 
         Args:
             submap: What the scan was matched on.
-            points: (N, 2).
+            points: (N, 2) its thinned returns, robot frame [m].
+            predicted: (3,) T_local_robot by the odometry.
             pose: (3,) T_local_robot of the match.
             score: Of the match.
-            far: Whether that is far off.
         """
-        least, known = self._config.nothing_far if far else self._config.nothing
+        config = self._config
+        if score >= max(config.nothing[0], config.nothing_far[0]) * self._usual:
+            return False
+        least, known = config.nothing_far if self.far_off(predicted, pose) else config.nothing
         if score >= least * self._usual:
             return False
         cells = np.floor((transform_points(pose, points) - submap.corner) / submap.resolution + 0.5).astype(np.int64)

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..geometry import compose
+from ..geometry import compose, transform_points
 from ..graph.refine_kernels import refine_pose
-from .evidence_kernels import UNSEEN, beam_likelihoods, blocked
+from .evidence_kernels import UNSEEN, beam_likelihoods, count_blocked
 from .place_map import PlaceMap
 from .view import View
 
@@ -73,11 +73,10 @@ class Evidence:
 
     def blocked(self, view: View, pose: Array) -> float:
         """Return the share of the beams of a view that come through walls, the robot at `pose` (3,)."""
-        place = self._place
-        count = blocked(
-            place.states, place.outer_corner, place.resolution, view.foot, view.points, pose, self._config.slack
-        )
-        return count / max(len(view.points), 1)
+        place, slack = self._place, self._config.slack
+        rays = np.concatenate((view.foot[None], view.points))
+        cells = (transform_points(pose, rays) - place.outer_corner) / place.resolution
+        return count_blocked(place.states, cells[0], cells[1:], slack / place.resolution) / max(len(view.points), 1)
 
     def refine(self, points: Array, poses: Array, coarse: bool = False) -> Array:
         """Return `poses` (k, 3), each moved to where `points` (N, 2) of the robot frame fit the walls best nearby.

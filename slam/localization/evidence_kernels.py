@@ -45,27 +45,11 @@ def is_blocked(states: NDArray[np.uint8], x0: float, y0: float, x1: float, y1: f
 
 
 @njit(cache=True, nogil=True)
-def blocked(
-    states: NDArray[np.uint8],
-    corner: Array,
-    resolution: float,
-    foot: Array,
-    points: Array,
-    pose: Array,
-    slack: float,
-) -> int:
-    """Return how many beams come through a wall more than `slack` [m] before their ends, the robot at `pose` (3,).
-
-    Other arguments as of `beam_likelihoods`.
-    """
-    c, s = np.cos(pose[2]), np.sin(pose[2])
-    x0 = (pose[0] + c * foot[0] - s * foot[1] - corner[0]) / resolution
-    y0 = (pose[1] + s * foot[0] + c * foot[1] - corner[1]) / resolution
+def count_blocked(states: NDArray[np.uint8], start: Array, ends: Array, slack: float) -> int:
+    """Return how many rays from `start` (2,) to `ends` (N, 2) are blocked; lengths as of `is_blocked`."""
     count = 0
-    for n in range(len(points)):
-        x1 = (pose[0] + c * points[n, 0] - s * points[n, 1] - corner[0]) / resolution
-        y1 = (pose[1] + s * points[n, 0] + c * points[n, 1] - corner[1]) / resolution
-        count += is_blocked(states, x0, y0, x1, y1, slack / resolution)
+    for n in range(len(ends)):
+        count += is_blocked(states, start[0], start[1], ends[n, 0], ends[n, 1], slack)
     return count
 
 

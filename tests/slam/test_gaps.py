@@ -131,7 +131,8 @@ def test_a_scan_sees_nothing_of_a_submap_where_it_fits_nowhere_and_lies_beside(a
     submap.insert(Sweep(np.zeros(2), circle, len(circle), np.empty((0, 2))))
     watch = Watch(WatchConfig())
     assert not watch.doubts(submap, circle, np.zeros(2), np.zeros(3), 0.9)
-    assert watch.sees_nothing(submap, circle, np.array([away, 0.0, 0.0]), score, far) == nothing
+    predicted, pose = np.array([away, float(far), 0.0]), np.array([away, 0.0, 0.0])
+    assert watch.sees_nothing(submap, circle, predicted, pose, score) == nothing
 
 
 def test_a_match_is_far_off_by_a_quarter_of_a_metre_or_six_degrees():

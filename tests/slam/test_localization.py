@@ -6,9 +6,11 @@ from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between, compose
 from tagalong.slam.grid import GridConfig, render_map
 from tagalong.slam.localization import reference
-from tagalong.slam.localization.evidence_kernels import FREE, OCCUPIED, beam_likelihoods, blocked
+from tagalong.slam.localization.evidence import Evidence, EvidenceConfig
+from tagalong.slam.localization.evidence_kernels import FREE, OCCUPIED, beam_likelihoods
 from tagalong.slam.localization.localizer import Localizer, LocalizerConfig, State
 from tagalong.slam.localization.place_map import PlaceMap, PlaceMapConfig
+from tagalong.slam.localization.view import View
 from tagalong.slam.occupancy_map import OccupancyMap
 from tagalong.slam.scan import LaserScan
 from walls import BEARINGS, cast
@@ -196,17 +198,15 @@ def test_the_kernel_of_the_evidence_equals_its_reference(room):
 def test_blocked_beams_are_among_those_that_contradict_the_map(room):
     rng = np.random.default_rng(0)
     place = PlaceMap(room)
-    points, foot = rng.uniform(-5.0, 5.0, (60, 2)), np.array([0.2, 0.05])
-    setting = place.states, place.outer_corner, place.resolution, foot
+    evidence, foot = Evidence(place, EvidenceConfig()), np.array([0.2, 0.05])
+    points = rng.uniform(-5.0, 5.0, (60, 2))
     for pose in np.column_stack((rng.uniform(-5.0, 5.0, (20, 2)), rng.uniform(-3.0, 3.0, 20))):
         likely = np.empty((1, 60), np.float32)
-        beam_likelihoods(
-            place.states, place.distances, place.outer_corner, place.resolution, foot, points, pose[None], 0.12, 0.4,
-            likely,
-        )  # fmt: skip
-        stopped = np.array([blocked(*setting, point[None], pose, 0.4) for point in points], dtype=bool)
-        assert (likely[0][stopped] < 0.051).all()
-        assert blocked(*setting, points, pose, 0.4) == stopped.sum()
+        setting = place.states, place.distances, place.outer_corner, place.resolution, foot, points, pose[None]
+        beam_likelihoods(*setting, 0.12, 0.4, likely)
+        stopped = [evidence.blocked(View(np.zeros(3), point[None], foot), pose) for point in points]
+        assert (likely[0][np.array(stopped) == 1.0] < 0.051).all()
+        assert 60 * evidence.blocked(View(np.zeros(3), points, foot), pose) == pytest.approx(sum(stopped))
 
 
 def likelihood(states, foot, point):
