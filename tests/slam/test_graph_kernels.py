@@ -11,7 +11,7 @@ from tagalong.slam.graph.refine_kernels import refine_many, refine_pose
 from tagalong.slam.graph.scan_matcher import far_radius
 from tagalong.slam.graph.spline_kernels import expand, linearize, misfit
 from tagalong.slam.graph.submap_kernels import insert_scan
-from tagalong.slam.graph.voxel_filter import voxel_first, voxel_mean
+from tagalong.slam.graph.voxel_filter import AdaptiveVoxelConfig, AdaptiveVoxelFilter, voxel_first, voxel_mean
 from tagalong.slam.pose_graph.normal_equations import block_pattern, fill
 from tagalong.slam.pose_graph.pose_graph import PoseGraph
 from tagalong.slam.pose_graph.reference import normal_equations
@@ -196,3 +196,10 @@ def test_the_normal_equations_are_those_of_numpy():
     np.testing.assert_allclose(cost, wanted_cost)
     np.testing.assert_allclose(gradient[rows], wanted_gradient.ravel(), atol=1e-9)
     np.testing.assert_allclose(dense[np.ix_(rows, rows)], wanted_H, atol=1e-9)
+
+
+def test_points_out_of_range_are_dropped_and_the_others_keep_their_order():
+    points = np.random.default_rng(2).uniform(-6.0, 6.0, (150, 2))
+    kept = AdaptiveVoxelFilter(AdaptiveVoxelConfig(max_range=4.0)).apply(points)
+    np.testing.assert_array_equal(kept, points[np.hypot(*points.T) <= 4.0])
+    assert 0 < len(kept) < 150

@@ -199,14 +199,16 @@ def test_blocked_beams_are_among_those_that_contradict_the_map(room):
     rng = np.random.default_rng(0)
     place = PlaceMap(room)
     evidence, foot = Evidence(place, EvidenceConfig()), np.array([0.2, 0.05])
-    points = rng.uniform(-5.0, 5.0, (60, 2))
+    points, total = rng.uniform(-5.0, 5.0, (60, 2)), 0.0
     for pose in np.column_stack((rng.uniform(-5.0, 5.0, (20, 2)), rng.uniform(-3.0, 3.0, 20))):
         likely = np.empty((1, 60), np.float32)
         setting = place.states, place.distances, place.outer_corner, place.resolution, foot, points, pose[None]
         beam_likelihoods(*setting, 0.12, 0.4, likely)
         stopped = [evidence.blocked(View(np.zeros(3), point[None], foot), pose) for point in points]
+        total += sum(stopped)
         assert (likely[0][np.array(stopped) == 1.0] < 0.051).all()
         assert 60 * evidence.blocked(View(np.zeros(3), points, foot), pose) == pytest.approx(sum(stopped))
+    assert 60 < total < 1140
 
 
 def likelihood(states, foot, point):
