@@ -12,13 +12,13 @@ from ..grid import GridConfig, render_map, scan_rays
 from ..occupancy_map import OccupancyMap
 from ..scan import LaserScan
 from ..settings import with_settings
+from ..workers import Workers
 from .config import GMappingConfig
 from .matcher import ScanMatcher
 from .motion import MotionModel
 from .paths import PathTree
 from .resampling import effective_number, normalised, systematic
 from .tile_maps import TileMaps
-from .workers import Workers
 
 Array = NDArray[np.float64]
 

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..workers import Workers
 from .config import MatcherConfig
 from .match_kernels import match_particles
 from .search_kernels import search_particles
 from .tile_kernels import SIDE
 from .tile_maps import TileMaps
-from .workers import Workers
 
 Array = NDArray[np.float64]
 

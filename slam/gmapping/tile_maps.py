@@ -6,8 +6,8 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from ..geometry import transform_points
 from ..occupancy_map import OccupancyMap
+from ..workers import Workers
 from .tile_kernels import SIDE, mark_particles, own_tiles, write_particles
-from .workers import Workers
 
 Array = NDArray[np.float64]
 

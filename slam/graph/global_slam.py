@@ -11,6 +11,7 @@ from ..geometry import between, compose, inverse
 from ..pose_graph.adjustment import AdjustmentConfig, adjust
 from ..pose_graph.pose_graph import PoseGraph
 from ..scan import LaserScan
+from ..workers import Workers
 from .constraints import Constraint, ConstraintBuilder, ConstraintConfig, Kind
 from .extrapolator import Prediction
 from .local_slam import Insertion
@@ -42,6 +43,7 @@ class GlobalSlamConfig:
         nearest: A node is matched with at most so many known submaps; in the end with twice as many.
         search_every: One global search for each so many metres travelled [m].
         final_residual: INTER constraints that the finished graph misses by more are dropped [m, rad].
+        threads: Threads that share what `finish` matches and draws; the result does not depend on them.
     """
 
     constraints: ConstraintConfig = field(default_factory=ConstraintConfig)
@@ -56,11 +58,14 @@ class GlobalSlamConfig:
     settled: tuple[float, float] = (0.05, 0.02)
     nearest: int = 4
     search_every: float = 0.4
+    threads: int = 2
 
     def __post_init__(self) -> None:
         for name in ("adjust_every", "max_distance", "known_for", "kernel_width", "odometry_share", "reject_beyond"):
             if not getattr(self, name) > 0:
                 raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
+        if self.threads < 1:
+            raise InputError(f"`threads` must be at least 1, got {self.threads}")
 
 
 class GlobalSlam:
@@ -82,6 +87,7 @@ class GlobalSlam:
         self._submaps = submaps
         self._sweep = sweep
         self._builder = ConstraintBuilder(config.constraints)
+        self._workers = Workers(config.threads)
         self.nodes: list[Node] = []
         self.constraints: list[Constraint] = []
         self.drawn: list[dict[int, Array]] = []
@@ -246,8 +252,16 @@ class GlobalSlam:
             for s in self._near(index, centres)[:nearest]:
                 if (s, index) not in kept:
                     near.setdefault(s, []).append(index)
-        for s in sorted(near):
-            self._track(s, near[s], wide)
+        submaps = sorted(near)
+        found: list[list[Constraint]] = [[] for _ in submaps]
+
+        def match(start: int, stop: int) -> None:
+            for k in range(start, stop):
+                found[k] = self._match(submaps[k], near[submaps[k]], wide)
+
+        self._workers.run(match, len(submaps))
+        for constraints in found:
+            self._take(constraints)
 
     def _settled(self) -> set[tuple[int, int]]:
         """Return submap and node of the INTER constraints that the graph meets so well that matching finds no other."""
@@ -264,14 +278,9 @@ class GlobalSlam:
 
     def _straighten(self) -> None:
         """Draw every finished submap with its nodes where the graph has them; match what was searched for on these."""
-        sweeps = dict[int, Sweep]()  # a node stands in two submaps, one after the other
-        for s in range(len(self._submaps) - 2):
-            submap, nodes = self._submaps[s], list(self.drawn[s])
-            poses = between(self._submap_poses[s], np.array([self._node_poses[k] for k in nodes]))
-            self.drawn[s] = dict(zip(nodes, poses, strict=True))
-            places = compose(submap.pose_local, poses)
-            sweeps = {k: sweeps.get(k) or self._sweep(self.nodes[k].scan) for k in nodes}
-            self._submaps[s] = submap.redrawn(sweeps[k].at(place) for k, place in zip(nodes, places, strict=True))
+        count = len(self._submaps) - 2
+        self._workers.run(self._draw_anew, max(count, 0))
+        for s in range(count):
             self._builder.forget(s)
         kept = list[Constraint]()
         for c in self.constraints:
@@ -279,6 +288,17 @@ class GlobalSlam:
             kept += [again] if again else []
         self.rejected += len(self.constraints) - len(kept)
         self.constraints = kept
+
+    def _draw_anew(self, start: int, stop: int) -> None:
+        """Draw the submaps `start` to `stop` - 1 with their nodes where the graph has them."""
+        sweeps = dict[int, Sweep]()  # a node stands in two submaps, one after the other
+        for s in range(start, stop):
+            submap, nodes = self._submaps[s], list(self.drawn[s])
+            poses = between(self._submap_poses[s], np.array([self._node_poses[k] for k in nodes]))
+            self.drawn[s] = dict(zip(nodes, poses, strict=True))
+            places = compose(submap.pose_local, poses)
+            sweeps = {k: sweeps.get(k) or self._sweep(self.nodes[k].scan) for k in nodes}
+            self._submaps[s] = submap.redrawn(sweeps[k].at(place) for k, place in zip(nodes, places, strict=True))
 
     def _centres(self) -> Array:
         """Return (n, 2) the mean places of the laser in the finished submaps, global frame [m]."""
@@ -324,9 +344,13 @@ class GlobalSlam:
         return between(self._submap_poses[s], self._node_poses[index])
 
     def _track(self, s: int, nodes: list[int], wide: bool) -> None:
+        self._take(self._match(s, nodes, wide))
+
+    def _match(self, s: int, nodes: list[int], wide: bool) -> list[Constraint]:
+        """Return the constraints of those `nodes` that match a submap near where the graph has them."""
         guesses = between(self._submap_poses[s], np.array([self._node_poses[k] for k in nodes]))
         points = [self.nodes[k].points for k in nodes]
-        self._take(self._builder.track(s, self._submaps[s], nodes, points, guesses, wide))
+        return self._builder.track(s, self._submaps[s], nodes, points, guesses, wide)
 
     def _take(self, constraints: list[Constraint]) -> None:
         for constraint in constraints:
@@ -338,39 +362,43 @@ class GlobalSlam:
 
     def _adjust(self, final: bool = False) -> None:
         """Adjust all poses; drop INTER constraints that end far off and adjust again."""
+        graph = assemble(self._submap_poses, self._node_poses, self.nodes, self.constraints, self._config)
         while True:
-            graph = self._graph()
-            result = adjust(graph, self._config.adjustment)
-            self._set_poses(result.poses)
-            adjusted, count = graph.with_poses(result.poses), len(self.constraints)
-            bad = np.sqrt(adjusted.squared_distances()[:count]) > self._config.reject_beyond
+            graph = graph.with_poses(adjust(graph, self._config.adjustment).poses)
+            error, count = graph.errors(), len(self.constraints)
+            bad = np.sqrt(graph.squared_distances(error)) > self._config.reject_beyond
             if final:
-                error = adjusted.errors()[:count]
                 bad |= np.hypot(error[:, 0], error[:, 1]) > self._config.final_residual[0]
                 bad |= np.abs(error[:, 2]) > self._config.final_residual[1]
-            bad &= np.array([c.kind is Kind.INTER for c in self.constraints])
-            self.constraints = [c for c, wrong in zip(self.constraints, bad, strict=True) if not wrong]
+            bad[:count] &= np.array([c.kind is Kind.INTER for c in self.constraints])
+            bad[count:] = False
+            self.constraints = [c for c, wrong in zip(self.constraints, bad[:count], strict=True) if not wrong]
             self.rejected += int(bad.sum())
-            self._new, self._returned_at = False, self._returning_at
             if not bad.any():
-                return
-
-    def _graph(self) -> PoseGraph:
-        """Return the graph of all submaps, then all nodes; odometry ties each node to the one before."""
-        first, constraints, steps = len(self._submap_poses), self.constraints, self.nodes[1:]
-        edges = [(c.submap, first + c.node) for c in constraints]
-        edges += [(first + k, first + k + 1) for k in range(len(steps))]
-        soft, share = self._config.kernel_width, self._config.odometry_share
-        widths = [np.inf if c.kind is Kind.INTRA else soft for c in constraints] + [soft] * len(steps)
-        return PoseGraph(
-            np.array(self._submap_poses + self._node_poses),
-            np.array(edges, dtype=np.int64),
-            np.array([c.pose for c in constraints] + [node.motion.pose for node in steps]),
-            np.array([c.information for c in constraints] + [share * node.motion.information for node in steps]),
-            np.array(widths),
-        )
-
-    def _set_poses(self, poses: Array) -> None:
+                break
+            graph = graph.with_edges(~bad)
+        self._new, self._returned_at = False, self._returning_at
         submaps = len(self._submap_poses)
-        self._submap_poses = list(poses[:submaps])
-        self._node_poses = list(poses[submaps:])
+        self._submap_poses, self._node_poses = list(graph.poses[:submaps]), list(graph.poses[submaps:])
+
+
+def assemble(
+    submap_poses: list[Array],
+    node_poses: list[Array],
+    nodes: list[Node],
+    constraints: list[Constraint],
+    config: GlobalSlamConfig,
+) -> PoseGraph:
+    """Return the graph of all submaps, then all nodes; odometry ties each node to the one before."""
+    first, steps = len(submap_poses), nodes[1:]
+    ties = np.array([(c.submap, c.node) for c in constraints], dtype=np.int64).reshape(-1, 2)
+    chain = first + np.arange(len(steps))
+    motions = [config.odometry_share * node.motion.information for node in steps]
+    widths = [np.inf if c.kind is Kind.INTRA else config.kernel_width for c in constraints]
+    return PoseGraph(
+        np.concatenate(submap_poses + node_poses).reshape(-1, 3),
+        np.concatenate((ties + np.array((0, first)), np.stack((chain, chain + 1), axis=-1))),
+        np.concatenate([c.pose for c in constraints] + [node.motion.pose for node in steps]).reshape(-1, 3),
+        np.concatenate([c.information for c in constraints] + motions).reshape(-1, 3, 3),
+        np.array(widths + [config.kernel_width] * len(steps)),
+    )

@@ -15,16 +15,24 @@ COARSE = 1e-3  # [m] of one among thousands of constraints, whose standard devia
 
 
 @njit(cache=True, nogil=True)
-def _with_prior(H, g, cost, weight, pose, prior, prior_information):  # type: ignore[no-untyped-def]
-    """Scale the scan's part by `weight`, add the prior's to `H` and `g`; return the whole cost."""
+def _add_prior(H, g, weight, pose, prior, prior_information):  # type: ignore[no-untyped-def]
+    """Scale the scan's part by `weight` and add the prior's to `H` and `g`."""
+    dx, dy, dt = pose[0] - prior[0], pose[1] - prior[1], pose[2] - prior[2]
+    for a in range(3):
+        pull = prior_information[a, 0] * dx + prior_information[a, 1] * dy + prior_information[a, 2] * dt
+        g[a] = weight * g[a] + pull
+        for b in range(3):
+            H[a, b] = weight * H[a, b] + prior_information[a, b]
+
+
+@njit(cache=True, nogil=True)
+def _total(cost, weight, pose, prior, prior_information):  # type: ignore[no-untyped-def]
+    """Return the whole cost: that of the scan, scaled by `weight`, and that of the prior."""
     dx, dy, dt = pose[0] - prior[0], pose[1] - prior[1], pose[2] - prior[2]
     total = weight * cost
     for a in range(3):
         pull = prior_information[a, 0] * dx + prior_information[a, 1] * dy + prior_information[a, 2] * dt
-        g[a] = weight * g[a] + pull
         total += 0.5 * pull * (dx if a == 0 else (dy if a == 1 else dt))
-        for b in range(3):
-            H[a, b] = weight * H[a, b] + prior_information[a, b]
     return total
 
 
@@ -63,34 +71,54 @@ def refine_pose(
     Damped Newton steps on weight * sum (1 - M) + 1/2 the Mahalanobis distance to the prior; it ends after a step
     that is shorter than `tolerance` [m] and turns by less than a fifth of it [rad].
     """
-    pose, trial = start.copy(), np.empty(3)
-    H, g, step = np.empty((3, 3)), np.empty(3), np.empty(3)
+    H, g = np.empty((3, 3)), np.empty(3)
+    cost = expand(field, corner, resolution, points, start, H, g)
+    return _descend(
+        field, corner, resolution, points, start, cost, H, g, prior, prior_information, weight, iterations, tolerance
+    )
+
+
+@njit(cache=True, nogil=True)
+def _descend(  # type: ignore[no-untyped-def]
+    field, corner, resolution, points, start, cost, H, g, prior, prior_information, weight, iterations, tolerance
+):
+    """Return what `refine_pose` does, from a `start` where the scan's `cost`, `H` and `g` are known.
+
+    The step that may be the last asks for the information of the scan at once, not for another expansion.
+    """
+    pose, trial, step = start.copy(), np.empty(3), np.empty(3)
     H_trial, g_trial = np.empty((3, 3)), np.empty(3)
-    scan_cost = expand(field, corner, resolution, points, pose, H, g)
-    total = _with_prior(H, g, scan_cost, weight, pose, prior, prior_information)
+    _add_prior(H, g, weight, pose, prior, prior_information)
+    total = _total(cost, weight, pose, prior, prior_information)
     damping, done = 1e-6, 0
     for _ in range(iterations):
         done += 1
         _solve3(H, g, damping, step)
         for a in range(3):
             trial[a] = pose[a] + step[a]
-        trial_cost = expand(field, corner, resolution, points, trial, H_trial, g_trial)
-        trial_total = _with_prior(H_trial, g_trial, trial_cost, weight, trial, prior, prior_information)
+        last = abs(step[0]) + abs(step[1]) < tolerance and abs(step[2]) < 0.2 * tolerance
+        if last:
+            trial_cost = linearize(field, corner, resolution, points, trial, H_trial, g_trial)
+        else:
+            trial_cost = expand(field, corner, resolution, points, trial, H_trial, g_trial)
+        trial_total = _total(trial_cost, weight, trial, prior, prior_information)
+        if trial_total <= total and last:
+            H_trial *= weight
+            return trial, H_trial, trial_cost, done
         if trial_total <= total:
             pose, trial = trial, pose
             H, H_trial = H_trial, H
             g, g_trial = g_trial, g
-            total, scan_cost = trial_total, trial_cost
+            total, cost = trial_total, trial_cost
+            _add_prior(H, g, weight, pose, prior, prior_information)
             damping = max(damping * 0.1, 1e-6)
-            if abs(step[0]) + abs(step[1]) < tolerance and abs(step[2]) < 0.2 * tolerance:
-                break
         else:
             damping = max(damping, 1e-2) * 8.0
             if damping > 1e4:
                 break
     linearize(field, corner, resolution, points, pose, H, g)
     H *= weight
-    return pose, H, scan_cost, done
+    return pose, H, cost, done
 
 
 @njit(cache=True, nogil=True)
@@ -115,21 +143,21 @@ def refine_many(
     """
     n = len(starts)
     poses, curvatures, scores = starts.copy(), np.zeros((n, 3, 3)), np.zeros(n)
-    hold = np.eye(3)
+    hold, H, g = np.eye(3), np.empty((3, 3)), np.empty(3)
     for k in range(n):
         scan = points[firsts[k] : firsts[k + 1]]
         size = max(len(scan), 1)
-        scores[k] = 1.0 - misfit(field, corner, resolution, scan, starts[k]) / size
-        if reach > 0 and scores[k] < sure_score:
+        if reach > 0 and 1.0 - misfit(field, corner, resolution, scan, starts[k]) / size < sure_score:
             step = 2.0 * resolution / max(1.0, _far(scan))
             stride = max(1, size // 60)
             poses[k] = correlate(
                 field, corner, resolution, scan[::stride], starts[k], hold, weight * stride, reach, angles, step
             )[0]
-            scores[k] = 1.0 - misfit(field, corner, resolution, scan, poses[k]) / size
+        cost = expand(field, corner, resolution, scan, poses[k], H, g)
+        scores[k] = 1.0 - cost / size
         if scores[k] >= min_score:
-            pose, curvature, rest, _ = refine_pose(
-                field, corner, resolution, scan, poses[k], starts[k], hold, weight, 12, COARSE
+            pose, curvature, rest, _ = _descend(
+                field, corner, resolution, scan, poses[k], cost, H, g, starts[k], hold, weight, 12, COARSE
             )
             poses[k] = pose
             curvatures[k] = weight * curvature

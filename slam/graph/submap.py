@@ -74,7 +74,7 @@ class Submap:
         """Count one scan, given in the local frame."""
         origin, surface, returns = sweep.foot, sweep.surface, sweep.returns
         ends = np.concatenate((surface, sweep.free_ends))
-        self._cover(bounds(origin, ends))
+        self._cover([bounds(origin, ends)])
         scale = 1.0 / self.config.resolution
         self.scans += 1
         self.centre += (origin - self.pose_local[:2] - self.centre) / self.scans
@@ -99,7 +99,8 @@ class Submap:
 
     def redrawn(self, sweeps: Iterable[Sweep]) -> "Submap":
         """Return a finished submap in the place of this one, drawn from other `sweeps`, each in the local frame."""
-        submap = Submap(self.config, self.pose_local)
+        submap, sweeps = Submap(self.config, self.pose_local), list(sweeps)
+        submap._cover(bounds(sweep.foot, np.concatenate((sweep.surface, sweep.free_ends))) for sweep in sweeps)
         for sweep in sweeps:
             submap.insert(sweep)
         submap.finish()
@@ -115,20 +116,36 @@ class Submap:
         """(rows, cols) how many rays went through the cell or ended there; 0: no scan saw it."""
         return self._visits
 
-    def _cover(self, extent: tuple[float, float, float, float]) -> None:
-        """Enlarge the grids so that what lies between the lowest x, y and the highest of `extent` is well inside."""
+    def _cover(self, extents: Iterable[tuple[float, float, float, float]]) -> None:
+        """Enlarge the grids so that what lies between the lowest x, y and the highest of `extents` is well inside.
+
+        Where each of them begins then is the same, to the bit, as if they were given one by one.
+        """
         h = self.config.resolution
-        corner, (rows, cols) = self.corner.tolist(), self.field.shape
-        low = [math.floor((extent[k] - corner[k]) / h) - _MARGIN_CELLS for k in range(2)]
-        high = [math.ceil((extent[2 + k] - corner[k]) / h) + _MARGIN_CELLS for k in range(2)]
-        more = int(_GROWTH_M / h)
-        left, below = (max(0, -low[k]) + (more if low[k] < 0 else 0) for k in range(2))
-        right, above = (max(0, high[k] - n + 1) + (more if high[k] >= n else 0) for k, n in enumerate((cols, rows)))
-        if left or below or right or above:
-            wide, tall = cols + left + right, rows + below + above
-            if wide * tall > _MOST_CELLS:
-                raise InputError(f"a submap would grow to {wide * h:.0f} x {tall * h:.0f} m; a pose or range is wrong")
-            pad = ((below, above), (left, right))
-            self._hits, self._visits = np.pad(self._hits, pad), np.pad(self._visits, pad)
-            self.field, self._stamps = np.pad(self.field, pad), np.pad(self._stamps, pad)
-            self.corner = self.corner - np.array([left, below]) * h
+        (x, y), (rows, cols) = self.corner.tolist(), self.field.shape
+        first_row = first_col = 0
+        for low_x, low_y, high_x, high_y in extents:
+            left, right = _growth(low_x, high_x, x, cols, h)
+            below, above = _growth(low_y, high_y, y, rows, h)
+            x, y = x - left * h, y - below * h
+            rows, cols = rows + below + above, cols + left + right
+            first_row, first_col = first_row + below, first_col + left
+            if rows * cols > _MOST_CELLS:
+                raise InputError(f"a submap would grow to {cols * h:.0f} x {rows * h:.0f} m; a pose or range is wrong")
+        if (rows, cols) == self.field.shape:
+            return
+        inside = slice(first_row, first_row + self.field.shape[0]), slice(first_col, first_col + self.field.shape[1])
+        for name in ("_hits", "_visits", "field", "_stamps"):
+            before = getattr(self, name)
+            grid = np.zeros((rows, cols), before.dtype)
+            grid[inside] = before
+            setattr(self, name, grid)
+        self.corner = np.array([x, y])
+
+
+def _growth(low: float, high: float, corner: float, cells: int, side: float) -> tuple[int, int]:
+    """Return how many cells an axis of `cells` from `corner` on lacks before `low` and behind `high` [m], with room."""
+    first = math.floor((low - corner) / side) - _MARGIN_CELLS
+    last = math.ceil((high - corner) / side) + _MARGIN_CELLS
+    more = int(_GROWTH_M / side)
+    return (more - first if first < 0 else 0), (last - cells + 1 + more if last >= cells else 0)

@@ -54,14 +54,24 @@ class PoseGraph:
         """Return the same measurements at other poses (n, 3)."""
         return replace(self, poses=poses)
 
+    def with_edges(self, wanted: NDArray[np.bool_]) -> "PoseGraph":
+        """Return the graph with those of its measurements that are `wanted` (m,)."""
+        return PoseGraph(
+            self.poses,
+            self.edges[wanted],
+            self.measurements[wanted],
+            self.information[wanted],
+            self.kernel_width[wanted],
+        )
+
     def errors(self) -> Array:
         """Return (m, 3) the errors z^-1 x_i^-1 x_j: pose j as the poses say, seen from where it was measured."""
         i, j = self.edges.T
         return between(self.measurements, between(self.poses[i], self.poses[j]))
 
-    def squared_distances(self) -> Array:
-        """Return (m,) the squared Mahalanobis distance of each error, kernels left out."""
-        errors = self.errors()
+    def squared_distances(self, errors: Array | None = None) -> Array:
+        """Return (m,) the squared Mahalanobis distance of each error, kernels left out; `errors` (m, 3) if known."""
+        errors = self.errors() if errors is None else errors
         return np.einsum("ka,kab,kb->k", errors, self.information, errors)
 
     def chi2(self) -> float:

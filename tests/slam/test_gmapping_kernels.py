@@ -12,11 +12,11 @@ from tagalong.slam.gmapping.matcher import ScanMatcher
 from tagalong.slam.gmapping.search_kernels import search
 from tagalong.slam.gmapping.tile_kernels import SIDE
 from tagalong.slam.gmapping.tile_maps import TileMaps
-from tagalong.slam.gmapping.workers import Workers
 from tagalong.slam.grid import GridConfig, OccupancyGrid, render_map
 from tagalong.slam.grid_kernels import write_observation, write_observation_reference
 from tagalong.slam.rays import ray_cells
 from tagalong.slam.scan import LaserScan
+from tagalong.slam.workers import Workers
 
 FULLNESS = 0.1
 coordinate = st.floats(-20.0, 20.0, allow_nan=False)

@@ -1,11 +1,11 @@
-"""Shares the particles of a step among threads; the result never depends on how many there are."""
+"""Shares independent pieces of work among threads; the result never depends on how many there are."""
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
 
 class Workers:
-    """Runs a kernel that releases the interpreter's lock on slices of the particles.
+    """Runs a function, mostly kernels that release the interpreter's lock, on slices of the pieces.
 
     Args:
         threads: Number of threads; 1 runs everything in the caller.
@@ -15,16 +15,16 @@ class Workers:
         self.threads = threads
         self._pool: ThreadPoolExecutor | None = None
 
-    def run(self, kernel: Callable[[int, int], object], count: int) -> None:
-        """Call `kernel(start, stop)` for slices that cover range(count), each index once."""
-        if self.threads == 1 or count == 1:
-            kernel(0, count)
+    def run(self, work: Callable[[int, int], object], count: int) -> None:
+        """Call `work(start, stop)` for slices that cover range(count), each index once."""
+        if self.threads == 1 or count <= 1:
+            work(0, count)
             return
         if self._pool is None:
             self._pool = ThreadPoolExecutor(self.threads)
         slices = min(count, 4 * self.threads)  # smaller than a thread's share, so that none waits long for another
         bounds = [count * i // slices for i in range(slices + 1)]
-        list(self._pool.map(kernel, bounds[:-1], bounds[1:]))
+        list(self._pool.map(work, bounds[:-1], bounds[1:]))
 
     def __getstate__(self) -> dict[str, object]:
         return {"threads": self.threads, "_pool": None}  # threads are not copied or pickled: they start again
