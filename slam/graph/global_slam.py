@@ -1,6 +1,6 @@
 """Global SLAM: nodes and submaps tied by constraints, adjusted so that loops close (Hess et al. 2016)."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from ..geometry import between, compose, inverse
 from ..pose_graph.adjustment import AdjustmentConfig, adjust
-from ..pose_graph.pose_graph import PoseGraph
 from ..scan import LaserScan
 from ..workers import Workers
+from .assembly import assemble
 from .constraints import Constraint, ConstraintBuilder, ConstraintConfig, Kind
 from .extrapolator import Prediction
 from .local_slam import Insertion
@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 
 _LOOSE = np.array([30.0, 3.0])  # [m, rad] how badly the odometry ties a piece of the drive that has no place yet
 _ROUGHLY = 2  # near submaps that a node is matched with before the submaps are straightened
+_AT_ONCE = 256  # nodes whose distances to all submaps are held at once
 _PLACED = np.array([0.1, 0.05])  # [m, rad] how well relocalization does
 
 
@@ -187,7 +188,7 @@ class GlobalSlam:
             tie = between(self._node_poses[nodes[0] - 1], self._node_poses[nodes[0]])
             self.nodes[nodes[0]] = replace(self.nodes[nodes[0]], motion=Prediction(tie, _LOOSE))
         for k in nodes[-1:]:
-            near = self._near(k, self._centres())[: self._config.nearest]
+            near = self._near([k])[0][: self._config.nearest]
             for s in near[:1]:
                 found = Prediction(self._guess(s, k), _PLACED)
                 self._take([Constraint(s, k, found.pose, found.information, Kind.INTER, searched=True)])
@@ -247,9 +248,9 @@ class GlobalSlam:
         self.constraints = [
             c for c in self.constraints if c.kind is Kind.INTRA or c.searched or (c.submap, c.node) in kept
         ]
-        near, centres = dict[int, list[int]](), self._centres()
-        for index in range(len(self.nodes)):
-            for s in self._near(index, centres)[:nearest]:
+        near = dict[int, list[int]]()
+        for index, submaps in enumerate(self._near(range(len(self.nodes)))):
+            for s in submaps[:nearest]:
                 if (s, index) not in kept:
                     near.setdefault(s, []).append(index)
         submaps = sorted(near)
@@ -306,16 +307,22 @@ class GlobalSlam:
         offsets = np.array([(*submap.centre, 0.0) for submap in self._submaps[:count]]).reshape(-1, 3)
         return compose(np.array(self._submap_poses[:count]).reshape(-1, 3), offsets)[:, :2]
 
-    def _near(self, index: int, centres: Array) -> list[int]:
-        """Return the finished submaps near a node that it does not stand in, nearest first."""
-        x, y, _ = self._node_poses[index].tolist()
-        distance = np.hypot(centres[:, 0] - x, centres[:, 1] - y)
-        wanted = distance <= self._config.max_distance
-        wanted[[s for s in self.nodes[index].submaps if s < len(centres)]] = False
-        if len(self._placed) > 1:
-            wanted &= self._related(self._piece_of_node[index])[: len(centres)]
-        order = np.argsort(distance, kind="stable")
-        return order[wanted[order]].tolist()
+    def _near(self, indices: Sequence[int]) -> list[list[int]]:
+        """Return the finished submaps near each of some nodes that it does not stand in, nearest first."""
+        centres, near = self._centres(), list[list[int]]()
+        for first in range(0, len(indices), _AT_ONCE):
+            some = indices[first : first + _AT_ONCE]
+            x, y, _ = np.array([self._node_poses[k] for k in some]).T[..., None]
+            distance = np.hypot(centres[:, 0] - x, centres[:, 1] - y)
+            wanted = distance <= self._config.max_distance
+            for row, k in enumerate(some):
+                wanted[row, [s for s in self.nodes[k].submaps if s < len(centres)]] = False
+                if len(self._placed) > 1:
+                    wanted[row] &= self._related(self._piece_of_node[k])[: len(centres)]
+            order = np.argsort(distance, axis=1, kind="stable")
+            wanted = np.take_along_axis(wanted, order, axis=1)
+            near += [row[keep].tolist() for row, keep in zip(order, wanted, strict=True)]
+        return near
 
     def _related(self, piece: int) -> NDArray[np.bool_]:
         """Return (n,) of which submaps it is known how they lie to a piece of the drive."""
@@ -327,7 +334,7 @@ class GlobalSlam:
         config, node = self._config, self.nodes[index]
         known, waiting = [], []
         newest = max(node.submaps[0] - 2, self._stretch[1])
-        for s in self._near(index, self._centres()):
+        for s in self._near([index])[0]:
             tied = index - self._tied_at.get(s, -(10**9)) <= config.known_for or s >= newest
             (known if tied else waiting).append(s)
         for s in known[: config.nearest]:
@@ -356,13 +363,14 @@ class GlobalSlam:
         for constraint in constraints:
             self.constraints.append(constraint)
             self._tied_at[constraint.submap] = constraint.node
-            if constraint.node - max(self.drawn[constraint.submap], default=0) > self._config.known_for:
+            if constraint.node - next(reversed(self.drawn[constraint.submap]), 0) > self._config.known_for:
                 self._returning_at = max(self._returning_at, constraint.node)
             self._new = True
 
     def _adjust(self, final: bool = False) -> None:
         """Adjust all poses; drop INTER constraints that end far off and adjust again."""
-        graph = assemble(self._submap_poses, self._node_poses, self.nodes, self.constraints, self._config)
+        share, width = self._config.odometry_share, self._config.kernel_width
+        graph = assemble(self._submap_poses, self._node_poses, self.nodes, self.constraints, share, width)
         while True:
             graph = graph.with_poses(adjust(graph, self._config.adjustment).poses)
             error, count = graph.errors(), len(self.constraints)
@@ -380,25 +388,3 @@ class GlobalSlam:
         self._new, self._returned_at = False, self._returning_at
         submaps = len(self._submap_poses)
         self._submap_poses, self._node_poses = list(graph.poses[:submaps]), list(graph.poses[submaps:])
-
-
-def assemble(
-    submap_poses: list[Array],
-    node_poses: list[Array],
-    nodes: list[Node],
-    constraints: list[Constraint],
-    config: GlobalSlamConfig,
-) -> PoseGraph:
-    """Return the graph of all submaps, then all nodes; odometry ties each node to the one before."""
-    first, steps = len(submap_poses), nodes[1:]
-    ties = np.array([(c.submap, c.node) for c in constraints], dtype=np.int64).reshape(-1, 2)
-    chain = first + np.arange(len(steps))
-    motions = [config.odometry_share * node.motion.information for node in steps]
-    widths = [np.inf if c.kind is Kind.INTRA else config.kernel_width for c in constraints]
-    return PoseGraph(
-        np.concatenate(submap_poses + node_poses).reshape(-1, 3),
-        np.concatenate((ties + np.array((0, first)), np.stack((chain, chain + 1), axis=-1))),
-        np.concatenate([c.pose for c in constraints] + [node.motion.pose for node in steps]).reshape(-1, 3),
-        np.concatenate([c.information for c in constraints] + motions).reshape(-1, 3, 3),
-        np.array(widths + [config.kernel_width] * len(steps)),
-    )

@@ -104,7 +104,7 @@ def inserted(
     prior_visits: float,
     margin: float,
 ) -> tuple[Array, Array, Array]:
-    """Return hits, visits and field after `insert_scan` of a scan that no cell has counted yet."""
+    """Return hits, visits and field after `insert_scans` of a scan that no cell has counted yet."""
     hits, visits = hits_before.astype(np.float64), visits_before.astype(np.float64)
     met, passed = np.zeros(hits.shape, bool), np.zeros(hits.shape, bool)
     for x, y in cells[: returns + surface]:

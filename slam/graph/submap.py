@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from .submap_kernels import bounds, insert_scan
+from .submap_kernels import bounds, insert_scans
 from .sweep import Sweep
 
 _MARGIN_CELLS = 8  # beyond the farthest return: taps of the spline and of neighbouring cells stay inside
@@ -70,27 +70,25 @@ class Submap:
         self.field = np.zeros((1, 1), np.float32)
         self._stamps = np.zeros((1, 1), np.int16)
 
-    def insert(self, sweep: Sweep) -> None:
-        """Count one scan, given in the local frame."""
-        origin, surface, returns = sweep.foot, sweep.surface, sweep.returns
-        ends = np.concatenate((surface, sweep.free_ends))
-        self._cover([bounds(origin, ends)])
-        scale = 1.0 / self.config.resolution
-        self.scans += 1
-        self.centre += (origin - self.pose_local[:2] - self.centre) / self.scans
-        insert_scan(
+    def insert(self, *sweeps: Sweep) -> None:
+        """Count scans, given in the local frame, one after the other."""
+        self._cover(bounds(sweep.points) for sweep in sweeps)
+        points = np.concatenate([sweep.points for sweep in sweeps])
+        sizes = np.array([(len(sweep.points), sweep.returns, sweep.between) for sweep in sweeps])
+        insert_scans(
             self._hits,
             self._visits,
             self.field,
             self._stamps,
             self.scans,
-            (origin - self.corner) * scale,
-            (ends - self.corner) * scale,
-            returns,
-            len(surface) - returns,
+            (points - self.corner) * (1.0 / self.config.resolution),
+            sizes,
             self.config.prior_visits,
             self.config.ray_margin,
         )
+        for sweep in sweeps:
+            self.scans += 1
+            self.centre += (sweep.foot - self.pose_local[:2] - self.centre) / self.scans
 
     def finish(self) -> None:
         """Drop what only further scans would need, almost half of the memory: there will be none."""
@@ -99,10 +97,8 @@ class Submap:
 
     def redrawn(self, sweeps: Iterable[Sweep]) -> "Submap":
         """Return a finished submap in the place of this one, drawn from other `sweeps`, each in the local frame."""
-        submap, sweeps = Submap(self.config, self.pose_local), list(sweeps)
-        submap._cover(bounds(sweep.foot, np.concatenate((sweep.surface, sweep.free_ends))) for sweep in sweeps)
-        for sweep in sweeps:
-            submap.insert(sweep)
+        submap = Submap(self.config, self.pose_local)
+        submap.insert(*sweeps)
         submap.finish()
         return submap
 

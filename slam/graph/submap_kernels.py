@@ -9,20 +9,18 @@ Points = NDArray[np.float64]
 
 
 @njit(cache=True, nogil=True)
-def insert_scan(
+def insert_scans(
     hits: Grid,
     visits: Grid,
     field: Grid,
     stamps: NDArray[np.int16],
-    stamp: int,
-    origin: Points,
+    inserted: int,
     cells: Points,
-    returns: int,
-    surface: int,
+    sizes: NDArray[np.int64],
     prior_visits: float,
     margin: float,
 ) -> None:
-    """Count one scan in the grids (rows, cols), in place.
+    """Count scans in the grids (rows, cols), in place, one after the other.
 
     A return is shared by the four cells around it in proportion to its nearness (so the place of a wall within a cell
     is kept); the cells that the ray crosses before are passed. A cell counts one visit a scan, and none as passed
@@ -32,23 +30,27 @@ def insert_scan(
         hits: Sum of the shares of returns.
         visits: Number of scans that saw the cell.
         field: Occupancy in [0, 1].
-        stamps: Last scan that counted in a cell.
-        stamp: Number of this scan.
-        origin: (2,) laser in cell units: (0, 0) is the centre of cell [0, 0], x along the columns.
-        cells: (N, 2) points in cell units: returns, then points on surfaces between them, then ends of free rays.
-        returns: Number of returns.
-        surface: Number of points on surfaces between returns.
+        stamps: Last scan that counted in a cell; scans are numbered from 1 on.
+        inserted: Number of scans before these.
+        cells: (N, 2) points in cell units: (0, 0) is the centre of cell [0, 0], x along the columns. Of each scan: the
+            laser, then returns, then points on surfaces between them, then ends of free rays.
+        sizes: (n, 3) of each scan the number of its points, of returns among them and of points on surfaces between.
         prior_visits: Visits without a return that every cell starts with.
         margin: The last share of a ray up to a return, which is not counted as passed.
     """
-    _share_returns(hits, visits, field, stamps, stamp, cells, returns + surface, prior_visits)
-    x0, y0 = origin[0], origin[1]
-    for k in range(len(cells)):
-        if returns <= k < returns + surface:
-            continue
-        dx, dy = cells[k, 0] - x0, cells[k, 1] - y0
-        share = 1.0 - margin if k < returns else 1.0
-        _pass_ray(hits, visits, field, stamps, stamp, x0, y0, x0 + share * dx, y0 + share * dy, prior_visits)
+    first = 0
+    for n in range(len(sizes)):
+        stop, returns, between = first + sizes[n, 0], sizes[n, 1], sizes[n, 2]
+        stamp, x0, y0 = inserted + n + 1, cells[first, 0], cells[first, 1]
+        ends = cells[first + 1 : stop]
+        _share_returns(hits, visits, field, stamps, stamp, ends, returns + between, prior_visits)
+        for k in range(len(ends)):
+            if returns <= k < returns + between:
+                continue
+            dx, dy = ends[k, 0] - x0, ends[k, 1] - y0
+            share = 1.0 - margin if k < returns else 1.0
+            _pass_ray(hits, visits, field, stamps, stamp, x0, y0, x0 + share * dx, y0 + share * dy, prior_visits)
+        first = stop
 
 
 @njit(cache=True, nogil=True)
@@ -97,10 +99,10 @@ def _pass_ray(hits, visits, field, stamps, stamp, x0, y0, x1, y1, prior_visits):
 
 
 @njit(cache=True, nogil=True)
-def bounds(origin: Points, points: Points) -> tuple[float, float, float, float]:
-    """Return the lowest x and y, then the highest, of `origin` (2,) and `points` (N, 2)."""
-    low_x, low_y, high_x, high_y = origin[0], origin[1], origin[0], origin[1]
-    for k in range(len(points)):
+def bounds(points: Points) -> tuple[float, float, float, float]:
+    """Return the lowest x and y, then the highest, of `points` (N, 2)."""
+    low_x, low_y, high_x, high_y = points[0, 0], points[0, 1], points[0, 0], points[0, 1]
+    for k in range(1, len(points)):
         low_x, high_x = min(low_x, points[k, 0]), max(high_x, points[k, 0])
         low_y, high_y = min(low_y, points[k, 1]), max(high_y, points[k, 1])
     return low_x, low_y, high_x, high_y

@@ -18,16 +18,29 @@ class Sweep:
     """Where a scan saw walls and where it saw none, all in one frame [m].
 
     Attributes:
-        foot: (2,) the laser.
-        surface: (N, 2) points on what the beams met.
-        returns: The first so many of them are ends of beams, the others lie between.
-        free_ends: (M, 2) ends of the rays that are known to be free.
+        points: (1 + N + M, 2) the laser, N points on what the beams met, M ends of the rays that are known to be free.
+        returns: The first so many of the N are ends of beams, the others lie between.
+        between: So many they are.
     """
 
-    foot: Array
-    surface: Array
+    points: Array
     returns: int
-    free_ends: Array
+    between: int
+
+    @property
+    def foot(self) -> Array:
+        """(2,) the laser."""
+        return self.points[0]
+
+    @property
+    def surface(self) -> Array:
+        """(N, 2) points on what the beams met, ends of beams first."""
+        return self.points[1 : 1 + self.returns + self.between]
+
+    @property
+    def free_ends(self) -> Array:
+        """(M, 2) ends of the rays that are known to be free."""
+        return self.points[1 + self.returns + self.between :]
 
     @classmethod
     def of(cls, scan: LaserScan, spacing: float, free_ray_length: float) -> Self:
@@ -42,11 +55,9 @@ class Sweep:
         surface, returns = surface_points(scan.beam_points, spacing)
         bearings = scan.bearings[scan.is_no_return]
         ends = min(free_ray_length, scan.range_max) * np.stack((np.cos(bearings), np.sin(bearings)), axis=-1)
-        return cls(mount[:2], transform_points(mount, surface), returns, transform_points(mount, ends))
+        points = np.concatenate((np.zeros((1, 2)), surface, ends))
+        return cls(transform_points(mount, points), returns, len(surface) - returns)
 
     def at(self, pose: Array) -> Self:
         """Return the sweep in the frame in which its own frame has the `pose` (3,)."""
-        foot = transform_points(pose, self.foot[None])[0]
-        return type(self)(
-            foot, transform_points(pose, self.surface), self.returns, transform_points(pose, self.free_ends)
-        )
+        return type(self)(transform_points(pose, self.points), self.returns, self.between)

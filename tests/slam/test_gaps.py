@@ -128,7 +128,7 @@ def test_a_place_is_within_reach_if_the_odometry_over_the_gap_can_have_led_there
 def test_a_scan_sees_nothing_of_a_submap_where_it_fits_nowhere_and_lies_beside(away, score, far, nothing):
     submap, bearings = Submap(SubmapConfig(), np.zeros(3)), np.linspace(-np.pi, np.pi, 200, endpoint=False)
     circle = 3.0 * np.stack((np.cos(bearings), np.sin(bearings)), axis=-1)
-    submap.insert(Sweep(np.zeros(2), circle, len(circle), np.empty((0, 2))))
+    submap.insert(Sweep(np.concatenate((np.zeros((1, 2)), circle)), len(circle), 0))
     watch = Watch(WatchConfig())
     assert not watch.doubts(submap, circle, np.zeros(2), np.zeros(3), 0.9)
     predicted, pose = np.array([away, float(far), 0.0]), np.array([away, 0.0, 0.0])

@@ -10,7 +10,7 @@ from tagalong.slam.graph.correlative import correlate
 from tagalong.slam.graph.refine_kernels import refine_many, refine_pose
 from tagalong.slam.graph.scan_matcher import far_radius
 from tagalong.slam.graph.spline_kernels import expand, linearize, misfit
-from tagalong.slam.graph.submap_kernels import insert_scan
+from tagalong.slam.graph.submap_kernels import insert_scans
 from tagalong.slam.graph.voxel_filter import AdaptiveVoxelConfig, AdaptiveVoxelFilter, voxel_first, voxel_mean
 from tagalong.slam.pose_graph.normal_equations import block_pattern, fill
 from tagalong.slam.pose_graph.pose_graph import PoseGraph
@@ -139,7 +139,8 @@ def test_a_scan_is_inserted_as_numpy_does():
     field, stamps = np.zeros(shape, np.float32), np.zeros(shape, np.int16)
     cells = np.column_stack((rng.uniform(2.0, 76.0, 90), rng.uniform(2.0, 56.0, 90)))
     wanted = reference.inserted(hits, visits, origin, cells, 50, 20, 0.5, 0.1)
-    insert_scan(hits, visits, field, stamps, 7, origin, cells, 50, 20, 0.5, 0.1)
+    sizes = np.array([(91, 50, 20)])
+    insert_scans(hits, visits, field, stamps, 6, np.concatenate((origin[None], cells)), sizes, 0.5, 0.1)
     for got, expected in zip((hits, visits, field), wanted, strict=True):
         np.testing.assert_allclose(got, expected, atol=1e-5)
 

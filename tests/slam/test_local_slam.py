@@ -96,7 +96,7 @@ def test_finished_submaps_keep_what_is_matched_on_and_drop_what_only_insertion_n
 
     def insert(count):
         for _ in range(count):
-            active.insert(np.zeros(3), Sweep(np.zeros(2), circle, len(circle), np.empty((0, 2))))
+            active.insert(np.zeros(3), Sweep(np.concatenate((np.zeros((1, 2)), circle)), len(circle), 0))
         return [submap._hits.size > 0 and submap._stamps.size > 0 for submap in active.submaps]
 
     def fields():

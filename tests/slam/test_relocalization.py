@@ -181,7 +181,7 @@ def test_what_score_is_usual_follows_the_scores_up_and_down():
     submap = Submap(SubmapConfig(), np.zeros(3))
     bearings = np.linspace(-np.pi, np.pi, 200, endpoint=False)
     circle = 3.0 * np.stack((np.cos(bearings), np.sin(bearings)), axis=-1)
-    submap.insert(Sweep(np.zeros(2), circle, len(circle), np.empty((0, 2))))
+    submap.insert(Sweep(np.concatenate((np.zeros((1, 2)), circle)), len(circle), 0))
     odd = circle.copy()
     odd[:50] *= 0.5  # a quarter of the beams end where the others went through
 
