@@ -209,7 +209,8 @@ def tables(results: Mapping[str, Any]) -> str:
         found, back = result["closures"]["searched"], result["closures"]["returned"]
         common = (
             _shares(found), _shares(back), str(result["rejected"]),
-            str(result["losses"]), f"{timing['final_s']:.2f}", f"{timing['p99_ms']:.1f}",
+            str(result["losses"]), f"{timing['final_s']:.2f} ({timing['final_processor_s']:.2f})",
+            f"{timing['p99_ms']:.1f}",
         )  # fmt: skip
         if kind == "recorded":
             errors = [", ".join(f"{v:.4f}" for v in result[when].values()) for when in ("final", "online")]
@@ -222,7 +223,7 @@ def tables(results: Mapping[str, Any]) -> str:
             row = (log, f"{100 * result['final']['ate_m']:.2f}", f"{100 * result['final']['max_m']:.1f}")
             row += (f"{100 * result['online']['ate_m']:.2f}", "" if rival is None else f"{rival:.2f}")
             made.append((*row, *common))
-    shared = ("closures right, near", "returns right, near", "rejected", "lost", "final s", "p99 ms")
+    shared = ("closures right, near", "returns right, near", "rejected", "lost", "final s (of processors)", "p99 ms")
     parts = [
         format_table(("log", "final [m (deg)]", "online", "target", "best original", *shared), real),
         format_table(("log", "ATE cm", "max cm", "online cm", "best original", *shared), made),
@@ -236,23 +237,24 @@ def _shares(counts: Mapping[str, int]) -> str:
 
 
 def _driven(drive: RecordedDrive, engine: Cartographer | None = None) -> tuple[Cartographer, dict[str, float]]:
-    """Return the engine after a drive, and its times: of the updates, and of the final optimisation."""
+    """Return the engine after a drive, and its times: updates, the final optimisation also by the clock."""
     _warm_up(drive)
     robot, took = engine or Cartographer(), np.empty(len(drive))
     for k, (odometry, scan) in enumerate(zip(drive.odometry, drive.scans, strict=True)):
         start = time.process_time()
         robot.update(odometry, scan)
         took[k] = time.process_time() - start
-    start = time.process_time()
+    start, waited = time.process_time(), time.perf_counter()
     robot.trajectory()
-    final, kernel = time.process_time() - start, reference_kernel_s()
+    final, waited, kernel = time.process_time() - start, time.perf_counter() - waited, reference_kernel_s()
     timing = {
         "scans_per_s": len(drive) / float(took.sum()),
         "p50_ms": 1e3 * float(np.median(took)),
         "p99_ms": 1e3 * float(np.quantile(took, 0.99)),
         "max_ms": 1e3 * float(took.max()),
         "p50_kernels": float(np.median(took)) / kernel,
-        "final_s": final,
+        "final_s": waited,
+        "final_processor_s": final,
         "final_kernels": final / kernel,
         "kernel_ms": 1e3 * kernel,
     }
