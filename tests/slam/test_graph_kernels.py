@@ -80,7 +80,7 @@ def test_the_spline_has_the_slopes_of_numerical_differences():
 def test_a_refined_pose_is_the_optimum_that_scipy_finds():
     field, points = walls()
     prior, information, weight = np.array([0.02, -0.03, 0.01]), np.diag([50.0, 50.0, 200.0]), 1.5
-    pose, _, rest, steps = refine_pose(field, CORNER, RESOLUTION, points, prior, prior, information, weight, 20)
+    pose, curvature, rest, steps = refine_pose(field, CORNER, RESOLUTION, points, prior, prior, information, weight, 20)
 
     def total(x):
         offset = x - prior
@@ -91,6 +91,9 @@ def test_a_refined_pose_is_the_optimum_that_scipy_finds():
     np.testing.assert_allclose(pose, found.x, atol=2e-5)
     assert steps < 10
     np.testing.assert_allclose(rest, reference.expansion(field, CORNER, RESOLUTION, points, pose, False)[0])
+    H, g = np.empty((3, 3)), np.empty(3)
+    linearize(field, CORNER, RESOLUTION, points, pose, H, g)
+    np.testing.assert_array_equal(curvature, weight * H)  # of the scan alone, at the pose that is returned
 
 
 def test_many_scans_at_once_are_found_where_each_alone_is_and_hopeless_ones_stay():

@@ -76,6 +76,17 @@ def test_a_wrong_loop_closure_hardly_moves_a_robust_graph():
     assert moved[3.0] < 0.1
 
 
+def test_a_graph_without_its_wrong_edge_is_the_graph_that_never_had_it():
+    rng = np.random.default_rng(2)
+    truth, graph = ring(rng, noise=0.01)
+    wrong = graph.measurements.copy()
+    wrong[-5] = compose(wrong[-5], [2.0, 1.0, 1.0])
+    bad, keep = PoseGraph.of(truth, graph.edges, wrong, graph.information), np.arange(len(wrong)) != len(wrong) - 5
+    np.testing.assert_array_equal(adjust(bad.with_edges(keep)).poses, adjust(graph.with_edges(keep)).poses)
+    assert bad.with_edges(keep).chi2() < 0.1 * bad.chi2()
+    np.testing.assert_array_equal(bad.squared_distances(bad.errors()), bad.squared_distances())
+
+
 def test_a_g2o_file_comes_back_as_it_was(tmp_path):
     _, graph = ring(np.random.default_rng(3), noise=0.1)
     write_g2o(tmp_path / "ring.g2o", graph)

@@ -4,9 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between, compose, inverse
 from tagalong.slam.graph.constraints import Constraint, ConstraintBuilder, ConstraintConfig, Kind
-from tagalong.slam.graph.engine import Cartographer
+from tagalong.slam.graph.engine import Cartographer, CartographerConfig
+from tagalong.slam.graph.global_slam import GlobalSlamConfig
 from tagalong.slam.graph.submap import Submap, SubmapConfig
 from tagalong.slam.graph.sweep import Sweep
 from walls import cast
@@ -89,11 +91,12 @@ def test_a_closure_that_fits_no_more_is_dropped():
     assert builder.again(tie, drawn(1.0), points) is None
 
 
-def twice_around():
+def twice_around(threads=2):
     """Return an engine after two rounds of an ellipse through the hall, with poor odometry."""
     rng, t = np.random.default_rng(0), np.linspace(0.0, 4.0 * np.pi, 260)
     ellipse = 6.0 + 4.0 * np.cos(t), 4.5 + 3.0 * np.sin(t), np.arctan2(3.0 * np.cos(t), -4.0 * np.sin(t))
-    truth, engine = np.stack(ellipse, axis=-1), Cartographer()
+    truth = np.stack(ellipse, axis=-1)
+    engine = Cartographer(CartographerConfig(global_=GlobalSlamConfig(threads=threads)))
     odometry = truth[0]
     engine.update(odometry, cast(HALL, truth[0], rng, 5.0))
     for motion, place in zip(between(truth[:-1], truth[1:]), truth[1:], strict=True):
@@ -125,6 +128,19 @@ def test_finished_submaps_get_the_shape_that_the_graph_gives_them():
         np.testing.assert_array_equal(list(was.values()), list(now.values()))
     bent, straight = (np.mean([spread(engine, nodes) for nodes in of[:-2]]) for of in (before, after))
     assert straight < 0.6 * bent
+
+
+def test_the_final_optimisation_does_not_depend_on_the_threads():
+    one, three = twice_around(1), twice_around(3)
+    np.testing.assert_array_equal(one.trajectory(), three.trajectory())
+    ties = [[(c.submap, c.node, *c.pose, c.score) for c in engine.constraints] for engine in (one, three)]
+    assert ties[0] == ties[1]
+    assert any(tie.kind is Kind.INTER for tie in one.constraints)
+
+
+def test_at_least_one_thread_is_needed():
+    with pytest.raises(InputError, match="threads"):
+        GlobalSlamConfig(threads=0)
 
 
 def spread(engine, nodes):
