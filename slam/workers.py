@@ -1,5 +1,6 @@
 """Shares independent pieces of work among threads; the result never depends on how many there are."""
 
+import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
@@ -14,17 +15,18 @@ class Workers:
     def __init__(self, threads: int) -> None:
         self.threads = threads
         self._pool: ThreadPoolExecutor | None = None
+        self._process = os.getpid()
 
     def run(self, work: Callable[[int, int], object], count: int) -> None:
         """Call `work(start, stop)` for slices that cover range(count), each index once."""
         if self.threads == 1 or count <= 1:
             work(0, count)
             return
-        if self._pool is None:
-            self._pool = ThreadPoolExecutor(self.threads)
+        if self._pool is None or self._process != os.getpid():  # a forked process has no threads but its own
+            self._pool, self._process = ThreadPoolExecutor(self.threads), os.getpid()
         slices = min(count, 4 * self.threads)  # smaller than a thread's share, so that none waits long for another
         bounds = [count * i // slices for i in range(slices + 1)]
         list(self._pool.map(work, bounds[:-1], bounds[1:]))
 
     def __getstate__(self) -> dict[str, object]:
-        return {"threads": self.threads, "_pool": None}  # threads are not copied or pickled: they start again
+        return {"threads": self.threads, "_pool": None, "_process": 0}  # threads are not copied: they start again
