@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..geometry import compose, inverse, transform_points
+from .map_kernels import describe_pieces
 from .nearest import NearestPoints
 from .rigid import fit_rigid
 
@@ -104,13 +105,10 @@ def _pieces(cloud: Cloud, config: SurfaceIcpConfig) -> tuple[Array, Array]:
     With the variances v >= u of the piece along and across, the metric is 1 across and (u / v)^2 along.
     """
     count = min(config.points, len(cloud.points))
-    distances, neighbours = cloud.nearest.tree.query(cloud.points, k=count, distance_upper_bound=config.reach_m)
-    near = np.isfinite(distances).reshape(len(cloud.points), count)
-    members = cloud.points[np.where(near, neighbours.reshape(near.shape), 0)]
-    weights = near / near.sum(axis=1, keepdims=True)
-    middles = np.einsum("nk,nki->ni", weights, members)
-    spread = members - middles[:, None]
-    variances, axes = np.linalg.eigh(np.einsum("nk,nki,nkj->nij", weights, spread, spread))
+    _, neighbours = cloud.nearest.tree.query(cloud.points, k=count, distance_upper_bound=config.reach_m)
+    middles, spreads = np.empty((len(cloud.points), 2)), np.empty((len(cloud.points), 2, 2))
+    describe_pieces(cloud.points, np.reshape(neighbours, (len(cloud.points), count)), middles, spreads)
+    variances, axes = np.linalg.eigh(spreads)
     lone = variances[:, 1] < 1e-12  # a point without neighbours counts alike in all directions
     along = np.where(lone, 1.0, (variances[:, 0] / np.where(lone, 1.0, variances[:, 1])) ** 2)
     scales = np.stack((np.ones_like(along), along), axis=-1)

@@ -20,7 +20,7 @@ from ....slam.quality.score import score_map
 from ....slam.quality.trajectory import absolute_error
 from ....slam.scan import LaserScan
 from ...experiments.cells import TIMING
-from ...experiments.drive_files import MappingInput, load_input
+from ...experiments.drive_files import MappingInput, load_input, load_truth
 from .drives import RESOLUTION
 from .map_files import load_map, save_map
 
@@ -75,18 +75,18 @@ def map_tour(
         inputs: Files of the tour, of the slow drive, and of the reference map.
         files: Where the map is kept; None: nowhere.
     """
-    tour, slow = load_input(inputs[0] / "drive.npz"), load_input(inputs[1] / "drive.npz")
+    tour, slow_truth = load_input(inputs[0] / "drive.npz"), load_truth(inputs[1] / "drive.npz")
     truth, _ = load_map(inputs[1] / "truth.npz")
     reference, reference_trajectory = load_map(inputs[2] / "map.npz")
     grid, trajectory, seconds = _mapped(variant, seed, tour, tour.scans(scans, usable_range))
     if files is not None:
         save_map(files / "map.npz", grid, trajectory)
     feet = tour.drive.feet[np.isfinite(tour.drive.feet).all(axis=-1)]
-    T_world_reference = absolute_error(reference_trajectory, slow.drive.truth).T_ref_est
+    T_world_reference = absolute_error(reference_trajectory, slow_truth).T_ref_est
     score = score_map(grid, reference, transform_points(inverse(T_world_reference), feet))
     error = absolute_error(trajectory, tour.drive.truth).translation
     true_points = truth.occupied_points
-    edges = _near_table(scene, seed, transform_points(slow.drive.truth[0], true_points))
+    edges = _near_table(scene, seed, transform_points(slow_truth[0], true_points))
     return {
         "ate_rmse_m": error.rmse,
         "ate_max_m": error.max,
