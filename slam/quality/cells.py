@@ -79,8 +79,9 @@ def common_cells(
     low = np.floor((corners.min(axis=0) - origin) / resolution - 1e-6)
     origin = origin + low * resolution
     cols, rows = np.ceil((corners.max(axis=0) - origin) / resolution - 1e-6).astype(int)
-    centres = np.stack(np.meshgrid(np.arange(cols), np.arange(rows)), axis=-1) * resolution + resolution / 2.0 + origin
-    centres = centres.reshape(-1, 2)
+    x = np.arange(cols) * resolution + resolution / 2.0 + origin[0]
+    y = np.arange(rows) * resolution + resolution / 2.0 + origin[1]
+    centres = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
     in_est = transform_points(inverse(T_ref_est), centres)
     return CommonCells(
         _stamped(transform_points(T_ref_est, estimate.occupied_points), origin, resolution, (rows, cols)),
