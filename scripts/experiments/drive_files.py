@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...slam.files import replacing
 from ...slam.logs.drive import RecordedDrive
@@ -69,3 +70,9 @@ def load_input(path: Path) -> MappingInput:
     filtered = [scan.without(dropped) for scan, dropped in zip(raw, data["dropped"], strict=True)]
     recording = RecordedDrive(data["odometry"], raw, data["truth"], str(data["name"]))
     return MappingInput(SimulatedDrive(recording, data["truth"], data["feet"]), filtered)
+
+
+def load_truth(path: Path) -> NDArray[np.float64]:
+    """Return the true poses T_world_robot (n, 3) of what `save_input` wrote, without its scans."""
+    with np.load(path, allow_pickle=False) as stored:
+        return stored["truth"]

@@ -9,69 +9,76 @@ with the odometry as a prior, minimise it (Censi 2008 for the metric).
 import numpy as np
 from numba import njit
 
-from .tile_kernels import MASK, SHIFT
+from .tile_kernels import MASK, SHIFT, SIDE
 
-_ONE = np.uint32(1)
+_ONE = np.uint64(1)
+_SHIFT, _MASK, _SIDE = np.uintp(SHIFT), np.uintp(MASK), np.uintp(SIDE)  # unsigned: numba asks of no index if it is < 0
 
 
 @njit(cache=True, nogil=True)
-def nearest(x, y, half, directory, means, bits):
-    """Return (squared distance, row, col) of the nearest occupied cell's mean hit point; distance inf if none.
+def find_cells(pose, points, stride, half, directory, means, bits, squares, cells):
+    """Find the occupied cell whose mean hit point is nearest to each `stride`-th of `points`, seen from `pose`.
 
     Looks at cells at most `half` rows and columns away; first at the closest nine, beyond which all are farther than 1.
+
+    Args:
+        squares: (n,) its squared distance; inf if there is none.
+        cells: (n,) its row and column, row << 32 | column; -1 if there is none.
     """
-    best, row, col = _nearest_of(x, y, 1, directory, means, bits)
-    if best <= 1.0:
-        return best, row, col
-    return _nearest_of(x, y, half, directory, means, bits)
+    cos, sin = np.cos(pose[2]), np.sin(pose[2])
+    rows, cols = directory.shape[0] << SHIFT, directory.shape[1] << SHIFT
+    for k in range(0, len(points), stride):
+        x = pose[0] + (cos * points[k, 0] - sin * points[k, 1])
+        y = pose[1] + (sin * points[k, 0] + cos * points[k, 1])
+        row, col = int(np.floor(y)), int(np.floor(x))
+        for reach in (1, half):
+            best, found = np.inf, -1
+            if row < reach or col < reach or row + reach >= rows or col + reach >= cols:
+                continue
+            first, width = np.uintp(col - reach), np.uintp(2 * reach + 1)
+            for r in range(np.uintp(row - reach), np.uintp(row + reach + 1)):
+                tile = np.uintp(directory[r >> _SHIFT, first >> _SHIFT])
+                word = np.uint64(bits[tile, r & _MASK]) >> (first & _MASK)
+                if (first & _MASK) + width > _SIDE:
+                    tile = np.uintp(directory[r >> _SHIFT, (first >> _SHIFT) + _ONE])
+                    word |= np.uint64(bits[tile, r & _MASK]) << (_SIDE - (first & _MASK))
+                word &= (_ONE << width) - _ONE
+                c = first
+                while word != 0:
+                    if word & _ONE:
+                        tile = np.uintp(directory[r >> _SHIFT, c >> _SHIFT])
+                        cell = ((r & _MASK) << _SHIFT) | (c & _MASK)
+                        dx = np.float64(c) + means[tile, cell, 0] - x
+                        dy = np.float64(r) + means[tile, cell, 1] - y
+                        square = dx * dx + dy * dy
+                        if square < best:
+                            best, found = square, (np.int64(r) << 32) | np.int64(c)
+                    word >>= _ONE
+                    c += _ONE
+            if best <= 1.0:
+                break
+        squares[k], cells[k] = best, found
 
 
 @njit(cache=True, nogil=True)
-def _nearest_of(x, y, half, directory, means, bits):
-    col, row = int(np.floor(x)), int(np.floor(y))
-    best, best_row, best_col = np.inf, 0, 0
-    if (
-        row < half
-        or col < half
-        or row + half >= directory.shape[0] << SHIFT
-        or col + half >= directory.shape[1] << SHIFT
-    ):
-        return best, best_row, best_col
-    for r in range(row - half, row + half + 1):
-        c = col - half
-        while c <= col + half:
-            tile = directory[r >> SHIFT, c >> SHIFT]
-            end = min(col + half, c | MASK)
-            word = bits[tile, r & MASK] >> np.uint32(c & MASK)
-            while word != 0 and c <= end:
-                if word & _ONE:
-                    cell = ((r & MASK) << SHIFT) | (c & MASK)
-                    dx = c + means[tile, cell, 0] - x
-                    dy = r + means[tile, cell, 1] - y
-                    d2 = dx * dx + dy * dy
-                    if d2 < best:
-                        best, best_row, best_col = d2, r, c
-                word >>= _ONE
-                c += 1
-            c = end + 1
-    return best, best_row, best_col
+def draw_lines(cells, stride, half, straightness, directory, counts, means, bits, known, lines):
+    """Draw the lines of all hits in the occupied cells around those of `cells` (n,) that are not `known` (n,) yet.
 
-
-@njit(cache=True, nogil=True)
-def line_around(row, col, half, straightness, directory, counts, means, bits):
-    """Return (1 if a line else 0, centre x, y, normal x, y) of all hits in the occupied cells around one of them."""
-    n, weights, sx, sy, sxx, sxy, syy = 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for r in range(row - half, row + half + 1):
-        c = col - half
-        while c <= col + half:
-            tile = directory[r >> SHIFT, c >> SHIFT]
-            end = min(col + half, c | MASK)
-            word = bits[tile, r & MASK] >> np.uint32(c & MASK)
-            while word != 0 and c <= end:
-                if word & _ONE:
-                    cell = ((r & MASK) << SHIFT) | (c & MASK)
-                    dx = c - col + means[tile, cell, 0]
-                    dy = r - row + means[tile, cell, 1]
+    A line of `lines` (n, 5): 1 (0: there is none), centre x, y, normal x, y.
+    """
+    for k in range(0, len(cells), stride):
+        if cells[k] < 0 or known[k] == cells[k]:
+            continue
+        known[k] = cells[k]
+        row, col = cells[k] >> 32, cells[k] & 0xFFFFFFFF
+        n, weights, sx, sy, sxx, sxy, syy = 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        for r in range(np.uintp(row - half), np.uintp(row + half + 1)):
+            for c in range(np.uintp(col - half), np.uintp(col + half + 1)):
+                tile = np.uintp(directory[r >> _SHIFT, c >> _SHIFT])
+                if (np.uint64(bits[tile, r & _MASK]) >> (c & _MASK)) & _ONE:
+                    cell = ((r & _MASK) << _SHIFT) | (c & _MASK)
+                    dx = np.float64(np.int64(c) - col) + means[tile, cell, 0]
+                    dy = np.float64(np.int64(r) - row) + means[tile, cell, 1]
                     w = np.float64(counts[tile, cell, 0])
                     n += 1
                     weights += w
@@ -80,19 +87,18 @@ def line_around(row, col, half, straightness, directory, counts, means, bits):
                     sxx += w * dx * dx
                     sxy += w * dx * dy
                     syy += w * dy * dy
-                word >>= _ONE
-                c += 1
-            c = end + 1
-    if n < 3:
-        return 0.0, 0.0, 0.0, 0.0, 0.0
-    sx, sy = sx / weights, sy / weights
-    sxx, sxy, syy = sxx / weights - sx * sx, sxy / weights - sx * sy, syy / weights - sy * sy
-    root = np.sqrt(0.25 * (sxx - syy) ** 2 + sxy * sxy)
-    middle = 0.5 * (sxx + syy)
-    if middle - root > straightness * (middle + root):
-        return 0.0, 0.0, 0.0, 0.0, 0.0
-    angle = 0.5 * np.arctan2(2.0 * sxy, sxx - syy)
-    return 1.0, col + sx, row + sy, -np.sin(angle), np.cos(angle)
+        lines[k, 0] = 0.0
+        if n < 3:
+            continue
+        sx, sy = sx / weights, sy / weights
+        sxx, sxy, syy = sxx / weights - sx * sx, sxy / weights - sx * sy, syy / weights - sy * sy
+        root = np.sqrt(0.25 * (sxx - syy) ** 2 + sxy * sxy)
+        middle = 0.5 * (sxx + syy)
+        if middle - root > straightness * (middle + root):
+            continue
+        angle = 0.5 * np.arctan2(2.0 * sxy, sxx - syy)
+        lines[k, 0], lines[k, 1], lines[k, 2] = 1.0, col + sx, row + sy
+        lines[k, 3], lines[k, 4] = -np.sin(angle), np.cos(angle)
 
 
 @njit(cache=True, nogil=True)
@@ -101,54 +107,55 @@ def accumulate(pose, points, stride, half, scale, straightness, directory, count
 
     `known` (n,) is the cell whose line stands in `lines` (n, 5) for each point, -1 at first; both are kept up to date.
     """
-    cos, sin = np.cos(pose[2]), np.sin(pose[2])
-    system[:] = 0.0
-    met, total, used = 0, 0.0, 0
-    inverse = 1.0 / (scale * scale)
-    j = np.zeros(3)
-    for k in range(0, len(points), stride):
-        ax = cos * points[k, 0] - sin * points[k, 1]
-        ay = sin * points[k, 0] + cos * points[k, 1]
-        x, y = pose[0] + ax, pose[1] + ay
-        used += 1
-        d2, row, col = nearest(x, y, half, directory, means, bits)
-        if d2 == np.inf:
-            total += 1.0
-            continue
-        met += 1
-        cell = (row << 32) | col
-        if known[k] != cell:
-            known[k] = cell
-            lines[k] = line_around(row, col, 2, straightness, directory, counts, means, bits)
-        is_line, cx, cy, nx, ny = lines[k]
-        if is_line != 0.0:
-            r = nx * (x - cx) + ny * (y - cy)
-            e = r * r * inverse
-            w = 1.0 / (1.0 + e) ** 2
-            j[0], j[1], j[2] = nx, ny, ny * ax - nx * ay
-            _add(system, j, w, r)
-        else:
-            tile = directory[row >> SHIFT, col >> SHIFT]
-            cell = ((row & MASK) << SHIFT) | (col & MASK)
-            dx = x - col - means[tile, cell, 0]
-            dy = y - row - means[tile, cell, 1]
-            e = d2 * inverse
-            w = 1.0 / (1.0 + e) ** 2
-            j[0], j[1], j[2] = 1.0, 0.0, -ay
-            _add(system, j, w, dx)
-            j[0], j[1], j[2] = 0.0, 1.0, ax
-            _add(system, j, w, dy)
-        total += e / (1.0 + e)
-    return met, total / max(used, 1)
+    squares, cells = np.empty(len(points)), np.empty(len(points), dtype=np.int64)
+    find_cells(pose, points, stride, half, directory, means, bits, squares, cells)
+    draw_lines(cells, stride, 2, straightness, directory, counts, means, bits, known, lines)
+    return add_up(pose, points, stride, scale, directory, means, squares, cells, lines, system)
 
 
 @njit(cache=True, nogil=True)
-def _add(system, j, w, r):
-    for a in range(3):
-        wj = w * j[a]
-        for b in range(3):
-            system[a, b] += wj * j[b]
-        system[a, 3] += wj * r
+def add_up(pose, points, stride, scale, directory, means, squares, cells, lines, system):
+    """Fill `system` with what each point adds; see `accumulate`."""
+    cos, sin = np.cos(pose[2]), np.sin(pose[2])
+    inverse = 1.0 / (scale * scale)
+    met, total, used = 0, 0.0, 0
+    h00, h01, h02, h10, h11, h12, h20, h21, h22 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    g0, g1, g2 = 0.0, 0.0, 0.0
+    for k in range(0, len(points), stride):
+        used += 1
+        if cells[k] < 0:
+            total += 1.0
+            continue
+        met += 1
+        ax = cos * points[k, 0] - sin * points[k, 1]
+        ay = sin * points[k, 0] + cos * points[k, 1]
+        x, y = pose[0] + ax, pose[1] + ay
+        if lines[k, 0] != 0.0:
+            nx, ny = lines[k, 3], lines[k, 4]
+            turn = ny * ax - nx * ay
+            r = nx * (x - lines[k, 1]) + ny * (y - lines[k, 2])
+            e = r * r * inverse
+            w = 1.0 / (1.0 + e) ** 2
+            w0, w1, w2 = w * nx, w * ny, w * turn
+            h00, h01, h02, g0 = h00 + w0 * nx, h01 + w0 * ny, h02 + w0 * turn, g0 + w0 * r
+            h10, h11, h12, g1 = h10 + w1 * nx, h11 + w1 * ny, h12 + w1 * turn, g1 + w1 * r
+            h20, h21, h22, g2 = h20 + w2 * nx, h21 + w2 * ny, h22 + w2 * turn, g2 + w2 * r
+        else:
+            row, col = np.uintp(cells[k] >> 32), np.uintp(cells[k] & 0xFFFFFFFF)
+            tile = np.uintp(directory[row >> _SHIFT, col >> _SHIFT])
+            cell = ((row & _MASK) << _SHIFT) | (col & _MASK)
+            dx, dy = x - np.float64(col) - means[tile, cell, 0], y - np.float64(row) - means[tile, cell, 1]
+            e = squares[k] * inverse
+            w = 1.0 / (1.0 + e) ** 2
+            wx, wy = w * ax, w * -ay
+            h00, h02, h20, g0 = h00 + w, h02 + wy, h20 + wy, g0 + w * dx
+            h11, h12, h21, g1 = h11 + w, h12 + wx, h21 + wx, g1 + w * dy
+            h22, g2 = h22 + wy * -ay + wx * ax, g2 + wy * dx + wx * dy
+        total += e / (1.0 + e)
+    system[0, 0], system[0, 1], system[0, 2], system[0, 3] = h00, h01, h02, g0
+    system[1, 0], system[1, 1], system[1, 2], system[1, 3] = h10, h11, h12, g1
+    system[2, 0], system[2, 1], system[2, 2], system[2, 3] = h20, h21, h22, g2
+    return met, total / max(used, 1)
 
 
 @njit(cache=True, nogil=True)

@@ -13,25 +13,34 @@ NEAR = 2  # cells; a point counts fully within one cell (either axis), half with
 
 
 @njit(cache=True, nogil=True)
-def farness(x, y, directory, bits):
-    """Return 0 where an occupied cell is within one cell of (x, y), 1 within NEAR, else 2."""
-    col, row = int(np.floor(x)), int(np.floor(y))
-    if row < 0 or col < 0 or row >> SHIFT >= directory.shape[0] or col >> SHIFT >= directory.shape[1]:
-        return 2
-    tile = directory[row >> SHIFT, col >> SHIFT]
-    if tile == 0:
-        return 2
-    row, shift = row & MASK, np.uint64(col & MASK)
-    wide = np.uint32((np.uint64(31) << shift) >> np.uint64(2))
-    narrow = np.uint32((np.uint64(7) << shift) >> np.uint64(1))
-    beside, around = np.uint32(0), np.uint32(0)
-    for r in range(max(row - NEAR, 0), min(row + NEAR + 1, SIDE)):
-        around |= bits[tile, r] & wide
-        if abs(r - row) <= 1:
-            beside |= bits[tile, r] & narrow
-    if beside != 0:
-        return 0
-    return 1 if around != 0 else 2
+def count_missed(x, y, theta, points, chance, directory, bits):
+    """Return what `points` (n, 2) miss, seen from a pose: 0 each where an occupied cell is within one cell, 1 within
+    NEAR, else 2; the count may stop where it reaches `chance`."""
+    cos, sin = np.cos(theta), np.sin(theta)
+    missed = 0
+    for first in range(4):
+        if missed >= chance:
+            break
+        for k in range(first, len(points), 4):
+            px, py = points[k, 0], points[k, 1]
+            col, row = int(np.floor(x + cos * px - sin * py)), int(np.floor(y + sin * px + cos * py))
+            missed += 2
+            if row < 0 or col < 0 or row >> SHIFT >= directory.shape[0] or col >> SHIFT >= directory.shape[1]:
+                continue
+            tile = np.uintp(directory[np.uintp(row >> SHIFT), np.uintp(col >> SHIFT)])
+            if tile == 0:
+                continue
+            row, shift = row & MASK, np.uint64(col & MASK)
+            wide = (np.uint64(31) << shift) >> np.uint64(2)
+            narrow = (np.uint64(7) << shift) >> np.uint64(1)
+            beside, around = np.uint64(0), np.uint64(0)
+            for r in range(max(row - NEAR, 0), min(row + NEAR + 1, SIDE)):
+                word = np.uint64(bits[tile, np.uintp(r)])
+                around |= word & wide
+                if abs(r - row) <= 1:
+                    beside |= word & narrow
+            missed -= 2 if beside != 0 else 1 if around != 0 else 0
+    return missed
 
 
 @njit(cache=True, nogil=True)
@@ -49,19 +58,13 @@ def search(prior, root, samples, points, weight, directory, bits, pose):
     """
     best = -np.inf
     for i in range(len(samples)):
-        z0, z1, z2 = samples[i]
+        z0, z1, z2 = samples[i, 0], samples[i, 1], samples[i, 2]
         x = prior[0] + root[0, 0] * z0
         y = prior[1] + root[1, 0] * z0 + root[1, 1] * z1
         theta = prior[2] + root[2, 0] * z0 + root[2, 1] * z1 + root[2, 2] * z2
         top = weight - 0.5 * (z0 * z0 + z1 * z1 + z2 * z2)
-        cos, sin = np.cos(theta), np.sin(theta)
-        missed, chance = 0, (top - best) * 2 * len(points) / weight  # more than this, and another sample is better
-        for first in range(4):
-            if missed >= chance:
-                break
-            for k in range(first, len(points), 4):
-                px, py = points[k]
-                missed += farness(x + cos * px - sin * py, y + sin * px + cos * py, directory, bits)
+        chance = (top - best) * 2 * len(points) / weight  # more than this, and another sample is better
+        missed = count_missed(x, y, theta, points, chance, directory, bits)
         value = top - weight * missed / (2 * max(len(points), 1))
         if missed < chance and value > best:
             best = value

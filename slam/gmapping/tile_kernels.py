@@ -17,6 +17,7 @@ SHIFT = 5
 MASK = SIDE - 1
 _MOST = np.uint16(65535)
 _ONE = np.uint32(1)
+_SHIFT, _MASK = np.uintp(SHIFT), np.uintp(MASK)  # unsigned: numba asks of no index whether it is below zero
 
 
 @njit(cache=True, nogil=True)
@@ -46,50 +47,55 @@ def write_rays(x0, y0, ends, is_hit, margin, fullness, directory, counts, means,
 
     The last share `margin` of a ray that hit something is not counted: how far it went is not known so well.
     """
+    visit_cells(x0, y0, ends, is_hit, margin, fullness, directory, counts, bits)
+    count_hits(ends, is_hit, fullness, directory, counts, means, bits)
+
+
+@njit(cache=True, nogil=True)
+def visit_cells(x0, y0, ends, is_hit, margin, fullness, directory, counts, bits):
+    """Visit the cells of each ray, its last one excluded (Amanatides and Woo 1987)."""
     for k in range(len(ends)):
         share = 1.0 - margin if is_hit[k] else 1.0
         x1, y1 = x0 + share * (ends[k, 0] - x0), y0 + share * (ends[k, 1] - y0)
-        _visit_ray(x0, y0, x1, y1, fullness, directory, counts, bits)
+        row, col, row_step, col_step, next_y, next_x, y_stride, x_stride, steps = ray_start(x0, y0, x1, y1)
+        for _ in range(steps):
+            r, c = np.uintp(row), np.uintp(col)
+            tile = np.uintp(directory[r >> _SHIFT, c >> _SHIFT])
+            cell = ((r & _MASK) << _SHIFT) | (c & _MASK)
+            visits = counts[tile, cell, 1]
+            if tile != 0 and visits != _MOST:
+                counts[tile, cell, 1] = visits + np.uint16(1)
+                hits = counts[tile, cell, 0]
+                if hits != 0 and hits <= fullness * (visits + 1):
+                    bits[tile, r & _MASK] &= ~(_ONE << np.uint32(c & _MASK))
+            if next_x < next_y:
+                next_x += x_stride
+                col += col_step
+            else:
+                next_y += y_stride
+                row += row_step
+
+
+@njit(cache=True, nogil=True)
+def count_hits(ends, is_hit, fullness, directory, counts, means, bits):
+    """Count a hit, and a visit, in the cell of each end that `is_hit`."""
     for k in range(len(ends)):
-        if is_hit[k]:
-            _hit(ends[k, 0], ends[k, 1], fullness, directory, counts, means, bits)
-
-
-@njit(cache=True, nogil=True)
-def _hit(x, y, fullness, directory, counts, means, bits):
-    col, row = int(np.floor(x)), int(np.floor(y))
-    tile = directory[row >> SHIFT, col >> SHIFT]
-    cell = ((row & MASK) << SHIFT) | (col & MASK)
-    if tile == 0 or counts[tile, cell, 1] == _MOST:
-        return
-    counts[tile, cell, 0] += np.uint16(1)
-    counts[tile, cell, 1] += np.uint16(1)
-    hits = counts[tile, cell, 0]
-    means[tile, cell, 0] += (x - col - means[tile, cell, 0]) / hits
-    means[tile, cell, 1] += (y - row - means[tile, cell, 1]) / hits
-    if hits > fullness * counts[tile, cell, 1]:
-        bits[tile, row & MASK] |= _ONE << np.uint32(col & MASK)
-
-
-@njit(cache=True, nogil=True)
-def _visit_ray(x0, y0, x1, y1, fullness, directory, counts, bits):
-    """Visit the cells from (x0, y0) to (x1, y1), the last one excluded (Amanatides and Woo 1987)."""
-    row, col, row_step, col_step, next_y, next_x, y_stride, x_stride, steps = ray_start(x0, y0, x1, y1)
-    for _ in range(steps):
-        tile = directory[row >> SHIFT, col >> SHIFT]
-        cell = ((row & MASK) << SHIFT) | (col & MASK)
-        visits = counts[tile, cell, 1]
-        if tile != 0 and visits != _MOST:
-            counts[tile, cell, 1] = visits + np.uint16(1)
-            hits = counts[tile, cell, 0]
-            if hits != 0 and hits <= fullness * (visits + 1):
-                bits[tile, row & MASK] &= ~(_ONE << np.uint32(col & MASK))
-        if next_x < next_y:
-            next_x += x_stride
-            col += col_step
-        else:
-            next_y += y_stride
-            row += row_step
+        if not is_hit[k]:
+            continue
+        x, y = ends[k, 0], ends[k, 1]
+        col, row = int(np.floor(x)), int(np.floor(y))
+        r, c = np.uintp(row), np.uintp(col)
+        tile = np.uintp(directory[r >> _SHIFT, c >> _SHIFT])
+        cell = ((r & _MASK) << _SHIFT) | (c & _MASK)
+        if tile == 0 or counts[tile, cell, 1] == _MOST:
+            continue
+        counts[tile, cell, 0] += np.uint16(1)
+        counts[tile, cell, 1] += np.uint16(1)
+        hits = counts[tile, cell, 0]
+        means[tile, cell, 0] += (x - col - means[tile, cell, 0]) / hits
+        means[tile, cell, 1] += (y - row - means[tile, cell, 1]) / hits
+        if hits > fullness * counts[tile, cell, 1]:
+            bits[tile, r & _MASK] |= _ONE << np.uint32(c & _MASK)
 
 
 @njit(cache=True, nogil=True)

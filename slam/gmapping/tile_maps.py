@@ -130,11 +130,12 @@ class TileMaps:
     def _reach(self, points_map: Array) -> None:
         """Grow the directories so that `points_map` (n, 2) and a margin lie inside; the first ones begin there."""
         size = np.array(self.directory.shape[:0:-1])
-        places = np.floor(points_map / (self.cell * SIDE)).astype(np.int64)
+        corners = [[side.min() for side in points_map.T], [side.max() for side in points_map.T]]
+        least, most = np.floor(np.array(corners) / (self.cell * SIDE)).astype(np.int64)
         first = self.tiles == 0
-        low, high = (places.min(axis=0),) * 2 if first else (self.origin, self.origin + size)
-        lower = np.minimum(places.min(axis=0) - 1, low)
-        upper = np.maximum(places.max(axis=0) + 2, high)
+        low, high = (least, least) if first else (self.origin, self.origin + size)
+        lower = np.minimum(least - 1, low)
+        upper = np.maximum(most + 2, high)
         if (lower == low).all() and (upper == high).all():
             return
         lower -= np.where(lower < low, 4, 0)

@@ -4,15 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.ndimage import binary_dilation
-from scipy.spatial import KDTree
 
 from ..errors import InputError
 from ..geometry import inverse, transform_points
 from ..occupancy_map import OccupancyMap
+from .map_kernels import look_up, mark_near
 
 Mask = NDArray[np.bool_]
-_NEIGHBOURS = np.ones((3, 3), dtype=bool)
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,8 +79,9 @@ def common_cells(
     low = np.floor((corners.min(axis=0) - origin) / resolution - 1e-6)
     origin = origin + low * resolution
     cols, rows = np.ceil((corners.max(axis=0) - origin) / resolution - 1e-6).astype(int)
-    centres = np.stack(np.meshgrid(np.arange(cols), np.arange(rows)), axis=-1) * resolution + resolution / 2.0 + origin
-    centres = centres.reshape(-1, 2)
+    x = np.arange(cols) * resolution + resolution / 2.0 + origin[0]
+    y = np.arange(rows) * resolution + resolution / 2.0 + origin[1]
+    centres = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
     in_est = transform_points(inverse(T_ref_est), centres)
     return CommonCells(
         _stamped(transform_points(T_ref_est, estimate.occupied_points), origin, resolution, (rows, cols)),
@@ -119,21 +118,22 @@ def dynamic_residue(cells: CommonCells, people: ArrayLike, radius: float = 0.12)
     places = np.asarray(people, dtype=np.float64)
     if places.ndim < 1 or places.shape[-1] != 2 or not radius > 0.0:
         raise InputError(f"needs people (..., 2) and a positive radius [m], got shape {places.shape} and {radius}")
-    free = cells.reference_free & ~_grown(cells.reference_occupied)
-    rows, cols = np.nonzero(free)
-    centres = np.stack((cols, rows), axis=-1) * cells.resolution + cells.resolution / 2.0 + np.asarray(cells.origin)
-    crossed = np.zeros_like(free)
-    places = places[np.isfinite(places).all(axis=-1)]
-    if len(places) and len(centres):
-        distance, _ = KDTree(places).query(centres, distance_upper_bound=radius)
-        crossed[rows, cols] = np.isfinite(distance)
+    crossed = np.zeros_like(cells.reference_free)
+    mark_near(places[np.isfinite(places).all(axis=-1)], radius, *cells.origin, cells.resolution, crossed)
+    crossed &= cells.reference_free & ~_grown(cells.reference_occupied)
     left = int((crossed & cells.estimate_occupied).sum())
     return DynamicResidue(left, left * cells.resolution**2, _share(crossed & cells.estimate_occupied, crossed))
 
 
 def _grown(mask: Mask) -> Mask:
     """Return `mask` with the eight neighbours of every true cell."""
-    return np.asarray(binary_dilation(mask, _NEIGHBOURS), dtype=np.bool_)
+    rows = mask.copy()
+    rows[1:] |= mask[:-1]
+    rows[:-1] |= mask[1:]
+    grown = rows.copy()
+    grown[:, 1:] |= rows[:, :-1]
+    grown[:, :-1] |= rows[:, 1:]
+    return grown
 
 
 def _corners(grid: OccupancyMap) -> NDArray[np.float64]:
@@ -151,11 +151,9 @@ def _stamped(points: NDArray[np.float64], origin: NDArray, resolution: float, sh
 
 
 def _looked_up(grid: OccupancyMap, mask: Mask, points: NDArray[np.float64]) -> Mask:
-    cols, rows = np.floor((points - np.asarray(grid.origin)) / grid.resolution + 1e-6).astype(int).T
-    inside = (rows >= 0) & (rows < mask.shape[0]) & (cols >= 0) & (cols < mask.shape[1])
-    result = np.zeros(len(points), dtype=bool)
-    result[inside] = mask[rows[inside], cols[inside]]
-    return result
+    found = np.zeros(len(points), dtype=np.bool_)
+    look_up(points, *grid.origin, grid.resolution, mask, found)
+    return found
 
 
 def _share(part: Mask, whole: Mask) -> float:

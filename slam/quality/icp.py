@@ -8,10 +8,11 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import KDTree
 
 from ..errors import InputError
 from ..geometry import compose, inverse, transform_points
+from .map_kernels import describe_pieces
+from .nearest import NearestPoints
 from .rigid import fit_rigid
 
 Array = NDArray[np.float64]
@@ -58,7 +59,7 @@ class Cloud:
 
     def __init__(self, points: Array) -> None:
         self.points = points
-        self.tree = KDTree(points)
+        self.nearest = NearestPoints(points)
 
     def sample(self, count: int) -> Array:
         """Return at most `count` points, drawn at even steps through the order of the points."""
@@ -74,7 +75,7 @@ def icp_points(est: Cloud, ref_points: Array, T_ref_est: Array, iterations: int,
     """
     T_est_ref = inverse(T_ref_est)
     for _ in range(iterations):
-        distances, nearest = est.tree.query(transform_points(T_est_ref, ref_points))
+        distances, nearest = est.nearest.query(transform_points(T_est_ref, ref_points))
         T_est_ref = fit_rigid(ref_points, est.points[nearest], _huber(distances, outlier_m))
     return inverse(T_est_ref)
 
@@ -89,7 +90,7 @@ def icp_surface(est: Cloud, ref: Cloud, T_ref_est: Array, config: SurfaceIcpConf
     est_middles, metrics = _pieces(est, config)
     T_est_ref = inverse(T_ref_est)
     for done in range(1, config.iterations + 1):
-        distances, nearest = est.tree.query(transform_points(T_est_ref, ref.points))
+        distances, nearest = est.nearest.query(transform_points(T_est_ref, ref.points))
         moved = transform_points(T_est_ref, ref_middles)
         step = _newton_step(moved, est_middles[nearest], metrics[nearest], _huber(distances, config.outlier_m))
         T_est_ref = compose(step, T_est_ref)
@@ -104,13 +105,10 @@ def _pieces(cloud: Cloud, config: SurfaceIcpConfig) -> tuple[Array, Array]:
     With the variances v >= u of the piece along and across, the metric is 1 across and (u / v)^2 along.
     """
     count = min(config.points, len(cloud.points))
-    distances, neighbours = cloud.tree.query(cloud.points, k=count, distance_upper_bound=config.reach_m)
-    near = np.isfinite(distances).reshape(len(cloud.points), count)
-    members = cloud.points[np.where(near, neighbours.reshape(near.shape), 0)]
-    weights = near / near.sum(axis=1, keepdims=True)
-    middles = np.einsum("nk,nki->ni", weights, members)
-    spread = members - middles[:, None]
-    variances, axes = np.linalg.eigh(np.einsum("nk,nki,nkj->nij", weights, spread, spread))
+    _, neighbours = cloud.nearest.tree.query(cloud.points, k=count, distance_upper_bound=config.reach_m)
+    middles, spreads = np.empty((len(cloud.points), 2)), np.empty((len(cloud.points), 2, 2))
+    describe_pieces(cloud.points, np.reshape(neighbours, (len(cloud.points), count)), middles, spreads)
+    variances, axes = np.linalg.eigh(spreads)
     lone = variances[:, 1] < 1e-12  # a point without neighbours counts alike in all directions
     along = np.where(lone, 1.0, (variances[:, 0] / np.where(lone, 1.0, variances[:, 1])) ** 2)
     scales = np.stack((np.ones_like(along), along), axis=-1)

@@ -104,6 +104,6 @@ def _principal_axis(points: Array) -> tuple[Array, float, float]:
 
 
 def _residual(est: Cloud, ref: Cloud, T_ref_est: Array, est_points: Array, ref_points: Array) -> float:
-    to_est, _ = est.tree.query(transform_points(inverse(T_ref_est), ref_points))
-    to_ref, _ = ref.tree.query(transform_points(T_ref_est, est_points))
+    to_est, _ = est.nearest.query(transform_points(inverse(T_ref_est), ref_points))
+    to_ref, _ = ref.nearest.query(transform_points(T_ref_est, est_points))
     return float((np.mean(to_est) + np.mean(to_ref)) / 2.0)

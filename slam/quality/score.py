@@ -65,13 +65,14 @@ def score_map(
     Raises:
         InputError: If a map has fewer than three occupied cells.
     """
-    fit = register(estimate.occupied_points, reference.occupied_points, registration)
-    points = transform_points(fit.T_ref_est, estimate.occupied_points)
+    est_points, ref_points = estimate.occupied_points, reference.occupied_points
+    fit = register(est_points, ref_points, registration)
+    points = transform_points(fit.T_ref_est, est_points)
     cells = common_cells(estimate, reference, fit.T_ref_est)
     return MapScore(
         registration=fit,
-        adnn=adnn(points, reference.occupied_points),
-        ghosts=adnn(reference.occupied_points, points),
+        adnn=adnn(points, ref_points),
+        ghosts=adnn(ref_points, points),
         cells=score_cells(cells),
         residue=None if people is None else dynamic_residue(cells, np.asarray(people)),
     )

@@ -6,7 +6,7 @@ import numpy as np
 
 from ....slam.geometry import compose, inverse
 from ...experiments.cells import files_of
-from ...experiments.drive_files import load_input
+from ...experiments.drive_files import load_input, load_truth
 from ...experiments.following_tour import SCENES
 from ...figures.canvas import save_png, side_by_side, stacked
 from ...figures.maps import overlay_picture
@@ -28,7 +28,7 @@ def draw_scenes(cells: Path, folder: Path) -> Figure:
     for scene in SCENES:
         files = files_of(f"slow/{scene}/s0", cells)
         truth, _ = load_map(files / "truth.npz")
-        path = load_input(files / "drive.npz").drive.truth
+        path = load_truth(files / "drive.npz")
         tour = compose(inverse(path[0]), path)
         pictures.append(trajectory_picture(truth, {"tour": tour}, TITLES[scene]))
     save_png(folder / "scenes.png", side_by_side(pictures))
