@@ -72,7 +72,7 @@ def _share_returns(hits, visits, field, stamps, stamp, cells, count, prior_visit
                 field[row, col] = min(1.0, hits[row, col] / (visits[row, col] + prior_visits))
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, inline="always")
 def _pass_ray(hits, visits, field, stamps, stamp, x0, y0, x1, y1, prior_visits):  # type: ignore[no-untyped-def]
     """Count a visit in every cell that the segment crosses and this scan has not counted yet (Amanatides, Woo 1987)."""
     col, row = int(np.floor(x0 + 0.5)), int(np.floor(y0 + 0.5))
