@@ -11,6 +11,7 @@ from scipy.spatial import KDTree
 from ....envs.world import World, WorldConfig
 from ....slam.engine import SlamEngine, make_slam
 from ....slam.geometry import inverse, transform_points
+from ....slam.graph.global_slam import GlobalSlamConfig
 from ....slam.graph.local_slam import LocalSlamConfig
 from ....slam.graph.voxel_filter import AdaptiveVoxelConfig
 from ....slam.occupancy_map import OccupancyMap
@@ -47,9 +48,12 @@ def make_variant(variant: str, seed: int) -> SlamEngine:
         return make_slam("gmapping", seed=seed, threads=1)
     if variant == "gmapping-often":
         return make_slam("gmapping", seed=seed, threads=1, linear_update=0.2, angular_update=0.2, srr=0.3, srt=0.2)
+    graph = GlobalSlamConfig(threads=1)
+    if variant == "cartographer":
+        return make_slam("cartographer", seed=seed, global_=graph)
     if variant == "cartographer-no-voxel":
         every = AdaptiveVoxelConfig(min_points=100_000)
-        return make_slam("cartographer", seed=seed, local=LocalSlamConfig(voxel_filter=every))
+        return make_slam("cartographer", seed=seed, global_=graph, local=LocalSlamConfig(voxel_filter=every))
     return make_slam(variant, seed=seed)
 
 
