@@ -59,8 +59,7 @@ def scan_rays(
     chosen = scan.is_return | (scan.is_no_return & clear_no_return)
     ranges = np.minimum(scan.ranges[chosen], limit)
     is_hit = scan.is_return[chosen] & (scan.ranges[chosen] <= max_range)
-    bearings = scan.bearings[chosen]
-    return np.stack((ranges * np.cos(bearings), ranges * np.sin(bearings)), axis=-1), is_hit
+    return ranges[:, None] * scan.directions[chosen], is_hit
 
 
 @dataclass(frozen=True, eq=False)

@@ -67,11 +67,16 @@ class LaserScan:
         """(N,) whether the beam is known to have met nothing up to `range_max`."""
         return self.ranges > self.range_max
 
+    @property
+    def directions(self) -> NDArray[np.float64]:
+        """(N, 2) unit vectors along the beams, laser frame; shared by scans with the same bearings."""
+        return _directions(self.bearings.tobytes())
+
     @cached_property
     def beam_points(self) -> NDArray[np.float64]:
         """(N, 2) end points of all beams in the laser frame [m]; NaN where there is no return."""
         points = np.empty((len(self.ranges), 2))
-        fill_beam_points(self.ranges, _directions(self.bearings.tobytes()), self.range_min, self.range_max, points)
+        fill_beam_points(self.ranges, self.directions, self.range_min, self.range_max, points)
         return points
 
     @cached_property
@@ -86,7 +91,7 @@ class LaserScan:
 
     @cached_property
     def _returns(self) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-        return returns(self.ranges, _directions(self.bearings.tobytes()), self.range_min, self.range_max)
+        return returns(self.ranges, self.directions, self.range_min, self.range_max)
 
     @cached_property
     def points_robot(self) -> NDArray[np.float64]:

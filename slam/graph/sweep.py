@@ -53,8 +53,7 @@ class Sweep:
         """
         mount = np.asarray(scan.T_robot_lidar)
         surface, returns = surface_points(scan.beam_points, spacing)
-        bearings = scan.bearings[scan.is_no_return]
-        ends = min(free_ray_length, scan.range_max) * np.stack((np.cos(bearings), np.sin(bearings)), axis=-1)
+        ends = min(free_ray_length, scan.range_max) * scan.directions[scan.is_no_return]
         points = np.concatenate((np.zeros((1, 2)), surface, ends))
         return cls(transform_points(mount, points), returns, len(surface) - returns)
 
