@@ -146,11 +146,12 @@ class ConstraintBuilder:
             np.abs(moved[:, 2]) <= config.max_shift[1]
         )
         good &= (scores >= config.min_score * self.typical_score) & (np.diff(firsts) >= config.min_points)
-        relative = between(submap.pose_local, poses)
-        information = information_in_node(curvatures, relative[:, 2], config.inter_sigma)
+        found = np.flatnonzero(good)
+        relative = between(submap.pose_local, poses[found])
+        information = information_in_node(curvatures[found], relative[:, 2], config.inter_sigma)
         return [
-            Constraint(index, nodes[k], relative[k], information[k], Kind.INTER, float(scores[k]))
-            for k in np.flatnonzero(good).tolist()
+            Constraint(index, nodes[k], pose, matrix, Kind.INTER, float(scores[k]))
+            for k, pose, matrix in zip(found.tolist(), relative, information, strict=True)
         ]
 
     def search(self, index: int, submap: Submap, node: int, points: Array, guess: Array) -> Constraint | None:
