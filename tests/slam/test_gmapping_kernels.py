@@ -9,7 +9,7 @@ from tagalong.slam.gmapping import reference
 from tagalong.slam.gmapping.config import MatcherConfig
 from tagalong.slam.gmapping.match_kernels import accumulate, solve
 from tagalong.slam.gmapping.matcher import ScanMatcher
-from tagalong.slam.gmapping.search_kernels import search
+from tagalong.slam.gmapping.search_kernels import count_missed, search
 from tagalong.slam.gmapping.tile_kernels import SIDE
 from tagalong.slam.gmapping.tile_maps import TileMaps
 from tagalong.slam.grid import GridConfig, OccupancyGrid, render_map
@@ -126,6 +126,19 @@ def test_more_points_than_are_independent_make_a_pose_no_surer():
     assert count > 200
     np.testing.assert_allclose(np.diag(fifty), 2.0 * np.diag(hundred), rtol=1e-3)
     assert (np.diag(all_of_them) < 0.55 * np.diag(hundred)).all()
+
+
+@pytest.mark.parametrize("theta", [0.0, 0.7])
+def test_a_point_misses_half_where_a_wall_is_two_cells_away_and_all_where_it_is_three(theta):
+    rng, bits = np.random.default_rng(3), np.zeros((2, SIDE), np.uint32)
+    bits[1, 15], bits[1, 20] = np.uint32(1 << 12), np.uint32(1 << 21)
+    points = rng.uniform(-9.0, 9.0, (200, 2))
+    cos, sin = np.cos(theta), np.sin(theta)
+    cells = np.floor(points @ np.array([[cos, sin], [-sin, cos]]) + 16.0)
+    apart = np.abs(cells[:, None] - [(12, 15), (21, 20)]).max(axis=-1).min(axis=1)
+    missed = count_missed(16.0, 16.0, theta, points, np.inf, np.ones((1, 1), np.uint32), bits)
+    assert missed == np.clip(apart - 1, 0, 2).sum()
+    assert set(np.clip(apart - 1, 0, 2)) == {0, 1, 2}
 
 
 def test_the_search_finds_the_best_of_all_samples():

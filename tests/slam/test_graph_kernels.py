@@ -96,6 +96,19 @@ def test_a_refined_pose_is_the_optimum_that_scipy_finds():
     np.testing.assert_array_equal(curvature, weight * H)  # of the scan alone, at the pose that is returned
 
 
+@pytest.mark.parametrize("seed", range(40))
+def test_no_step_of_a_match_goes_uphill_not_even_the_last(seed):
+    rng = np.random.default_rng(seed)
+    field, points = rng.random((60, 80)).astype(np.float32), rng.uniform((-1.0, -0.6), (2.0, 1.5), (25, 2))
+    prior, information, weight, best = np.zeros(3), np.eye(3), 1.5, np.inf
+    pose = rng.normal(0.0, 0.05, 3)
+    for _ in range(6):
+        pose, _, rest, _ = refine_pose(field, CORNER, RESOLUTION, points, pose, prior, information, weight, 1, 10.0)
+        total = weight * rest + 0.5 * float(pose @ pose)
+        assert total <= best + 1e-12
+        best = total
+
+
 def test_many_scans_at_once_are_found_where_each_alone_is_and_hopeless_ones_stay():
     field, points = walls()
     true = np.array([[0.12, -0.1, 0.05], [0.01, 0.0, 0.0], [0.0, 0.0, 0.0]])

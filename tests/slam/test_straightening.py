@@ -8,6 +8,7 @@ from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between, compose, inverse
 from tagalong.slam.graph.constraints import Constraint, ConstraintBuilder, ConstraintConfig, Kind
 from tagalong.slam.graph.engine import Cartographer, CartographerConfig
+from tagalong.slam.graph.extrapolator import Prediction
 from tagalong.slam.graph.global_slam import GlobalSlamConfig
 from tagalong.slam.graph.submap import Submap, SubmapConfig
 from tagalong.slam.graph.sweep import Sweep
@@ -136,6 +137,34 @@ def test_the_final_optimisation_does_not_depend_on_the_threads():
     ties = [[(c.submap, c.node, *c.pose, c.score) for c in engine.constraints] for engine in (one, three)]
     assert ties[0] == ties[1]
     assert any(tie.kind is Kind.INTER for tie in one.constraints)
+
+
+def test_no_node_is_matched_with_a_submap_that_it_stands_in():
+    engine = twice_around()
+    engine.trajectory()
+    ties = [tie for tie in engine.constraints if tie.kind is Kind.INTER]
+    assert ties
+    assert not any(tie.node in engine.submap_nodes[tie.submap] for tie in ties)
+
+
+def test_a_wrong_tie_is_dropped_and_leaves_no_trace_but_a_slip_of_the_wheels_is_kept():
+    engines, dropped = (twice_around(), twice_around()), []
+    for engine in engines:
+        engine.trajectory()
+        graph = engine._global  # pyright: ignore[reportPrivateUsage]
+        assert graph is not None
+        slip = Prediction(compose(graph.nodes[30].motion.pose, [1.0, 0.5, 0.4]), np.array([0.001, 0.001]))
+        graph.nodes[30] = replace(graph.nodes[30], motion=slip)
+        if engine is engines[1]:
+            wrong = Constraint(0, 90, np.array([1.0, 2.0, 0.5]), 1e4 * np.eye(3), Kind.INTER)
+            graph.constraints.insert(3, wrong)
+        before, ties = graph.rejected, len(graph.constraints)
+        graph._adjust(final=True)  # pyright: ignore[reportPrivateUsage]
+        dropped.append(ties - len(graph.constraints))
+        assert graph.rejected - before == dropped[-1]
+        assert all(tie.information[0, 0] != 1e4 for tie in graph.constraints)
+    assert dropped[1] == dropped[0] + 1
+    np.testing.assert_allclose(engines[1].node_poses, engines[0].node_poses, atol=2e-3)
 
 
 def test_at_least_one_thread_is_needed():
