@@ -4,7 +4,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ..slam.rays import ray_cells, ray_start
+from ..slam.rays import ray_cells, ray_start, ray_step
 
 
 @njit(cache=True, nogil=True)
@@ -26,12 +26,7 @@ def sweep(x0, y0, ends, blocked, seen):
             if row < 0 or col < 0 or row >= rows or col >= cols or blocked[row, col]:
                 break
             seen[row, col] = True
-            if next_x < next_y:
-                next_x += x_stride
-                col += col_step
-            else:
-                next_y += y_stride
-                row += row_step
+            row, col, next_y, next_x = ray_step(row, col, row_step, col_step, next_y, next_x, y_stride, x_stride)
 
 
 def sweep_reference(

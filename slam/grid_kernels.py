@@ -4,7 +4,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from .rays import ray_cells, ray_start
+from .rays import ray_cells, ray_start, ray_step
 from .rigid_kernel import move_points
 
 
@@ -35,12 +35,7 @@ def write_observation(x0, y0, ends, log_beta, miss, limit, stamp, log_odds, stam
             if stamps[row, col] != stamp:
                 stamps[row, col] = stamp
                 log_odds[row, col] = max(min(log_odds[row, col] + miss, limit), -limit)
-            if next_x < next_y:
-                next_x += x_stride
-                col += col_step
-            else:
-                next_y += y_stride
-                row += row_step
+            row, col, next_y, next_x = ray_step(row, col, row_step, col_step, next_y, next_x, y_stride, x_stride)
 
 
 @njit(cache=True, nogil=True)

@@ -23,6 +23,18 @@ def ray_start(x0, y0, x1, y1):
     return row, col, row_step, col_step, next_y, next_x, y_stride, x_stride, steps
 
 
+@njit(cache=True, nogil=True, inline="always")
+def ray_step(row, col, row_step, col_step, next_y, next_x, y_stride, x_stride):
+    """Return (row, col, next y, next x) one step on."""
+    if next_x < next_y:
+        next_x += x_stride
+        col += col_step
+    else:
+        next_y += y_stride
+        row += row_step
+    return row, col, next_y, next_x
+
+
 def ray_cells(x0: float, y0: float, x1: float, y1: float) -> NDArray[np.int64]:
     """Return (n, 2) row and column of each cell from (x0, y0) to (x1, y1), both ends included, in their order.
 

@@ -10,7 +10,7 @@ A directory (rows, cols) int32 names the tile of each place.
 import numpy as np
 from numba import njit
 
-from ..rays import ray_start
+from ..rays import ray_start, ray_step
 
 SIDE = 32
 SHIFT = 5
@@ -32,12 +32,7 @@ def _mark_ray(x0, y0, x1, y1, needed):
     row, col, row_step, col_step, next_y, next_x, y_stride, x_stride, steps = ray_start(x0, y0, x1, y1)
     for _ in range(steps):
         needed[row, col] = True
-        if next_x < next_y:
-            next_x += x_stride
-            col += col_step
-        else:
-            next_y += y_stride
-            row += row_step
+        row, col, next_y, next_x = ray_step(row, col, row_step, col_step, next_y, next_x, y_stride, x_stride)
     needed[row, col] = True
 
 
@@ -68,12 +63,7 @@ def visit_cells(x0, y0, ends, is_hit, margin, fullness, directory, counts, bits)
                 hits = counts[tile, cell, 0]
                 if hits != 0 and hits <= fullness * (visits + 1):
                     bits[tile, r & _MASK] &= ~(_ONE << np.uint32(c & _MASK))
-            if next_x < next_y:
-                next_x += x_stride
-                col += col_step
-            else:
-                next_y += y_stride
-                row += row_step
+            row, col, next_y, next_x = ray_step(row, col, row_step, col_step, next_y, next_x, y_stride, x_stride)
 
 
 @njit(cache=True, nogil=True)
