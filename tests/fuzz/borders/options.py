@@ -1,0 +1,146 @@
+"""The command line: options of any words, on a drive of a few scans."""
+
+import contextlib
+import io
+import os
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from borders.engines import FEW, setting_names
+from fuzzer import grammars
+from fuzzer.border import Area, Border, Call, Input, require
+from fuzzer.files import put
+from fuzzer.values import hostile_value, hostile_word, said
+from numpy.random import Generator
+from tagalong.scripts.cli import main
+from tagalong.slam.engine import ENGINES, make_slam
+from tagalong.slam.errors import InputError
+
+_OPTIONS = {
+    "slam": ["--method", "--seed", "--resolution", "--set", "--scan-topic", "--quiet", "--out", "--bad"],
+    "localize": ["--start", "--map", "--quiet", "--scan-topic", "--out"],
+    "perceive": ["--preset", "--forest", "--odometry", "--frame", "--rate", "--min-confidence", "--scan-topic"],
+    "score": ["--max-gap", "--json", "--overlay", "--readings", "--people"],
+}
+_TARGETS = ("--out", "--json", "--overlay")
+"""Options whose value is written to: only ever to names below the folder of the input, never to a device of the machine,
+as the tests may run with the rights to replace it."""
+_NAMES = ("OUT", "IN/fifo", "IN/loop", "IN", "IN/nowhere/x", "OUT/" + "n" * 300)
+
+
+def words_of(command: str, fixed: list[str]) -> Any:
+    """Return a source of command lines: the fixed words, then up to three options with hostile values."""
+
+    def make(rng: Generator) -> Input:
+        words = [command, *fixed]
+        for _ in range(int(rng.integers(1, 4))):
+            option = _OPTIONS[command][int(rng.integers(len(_OPTIONS[command])))]
+            words.append(option)
+            if option == "--set":
+                words.append(_setting(rng))
+            elif option in _TARGETS:
+                words.append(_NAMES[int(rng.integers(len(_NAMES)))])
+            elif option != "--quiet":
+                words += [hostile_word(rng) for _ in range(3 if option == "--start" else 1)]
+        if rng.random() < 0.1:
+            words[1] = hostile_word(rng) if rng.random() < 0.6 else "IN/fifo"
+        return words
+
+    return make
+
+
+def _setting(rng: Generator) -> str:
+    if rng.random() < 0.1:
+        return hostile_word(rng)
+    names = setting_names(make_slam(ENGINES[int(rng.integers(len(ENGINES)))]).config)
+    path, usual = names[int(rng.integers(len(names)))]
+    return f"{path}={said(hostile_value(rng, usual))}"
+
+
+def run_words(value: Input, folder: Path) -> Any:
+    """Run the command line in process; a refusal is raised as the error that was told, other printing is checked."""
+    inputs = _inputs(folder)
+    shutil.rmtree(folder / "out", ignore_errors=True)
+    names = {"OUT": str(folder / "out"), "IN": str(inputs), "LOG": str(inputs / "drive.log")}
+    names |= {"MAP": str(inputs / "map.yaml"), "TUM": str(inputs / "a.tum"), "TUM2": str(inputs / "b.tum")}
+    words = [_spelled(word, names) for word in value]
+    printed = io.StringIO()
+    with contextlib.redirect_stderr(printed), contextlib.redirect_stdout(io.StringIO()):
+        try:
+            code = main(words)
+        except SystemExit as end:  # argparse
+            code = end.code
+    require((inputs / "fifo").is_fifo(), "a pipe was replaced by a file")
+    lines = [line for line in printed.getvalue().split("\n") if line and not line.startswith(("usage:", "  "))]
+    if code == 2:
+        raise InputError(_one_line(lines))
+    return code, lines
+
+
+def _spelled(word: str, names: dict[str, str]) -> str:
+    head, slash, rest = word.partition("/")
+    return names[head] + slash + rest if head in names else word
+
+
+def _one_line(lines: list[str]) -> str:
+    """Return the message of a refusal; whatever is longer than a line shows as several."""
+    told = [line for line in lines if line.startswith("tagalong")]
+    return "\n".join(lines) if len(told) != len(lines) or not lines else told[-1]
+
+
+def _sane_end(result: Any) -> None:
+    code, lines = result
+    require(code in (0, 1), f"exit status {code}")
+    require(all(len(line) <= 600 for line in lines), "a long line on stderr")
+
+
+def _inputs(folder: Path) -> Path:
+    """Return a folder with a log, a map and two trajectories."""
+    target = folder / "in"
+    if not target.is_dir():
+        target.mkdir(parents=True)
+        os.mkfifo(target / "fifo")
+        rng = np.random.default_rng(5)
+        put(target, "drive.log", grammars.carmen(np.random.default_rng(2)))
+        put(target, "map.yaml", grammars.map_yaml(rng).replace(b"resolution: 0.05", b"resolution: 0.1"))
+        put(target, "map.pgm", grammars.map_image(rng, 90))
+        put(target, "a.tum", grammars.tum(np.random.default_rng(1)))
+        put(target, "b.tum", grammars.tum(np.random.default_rng(1)))
+    if not (target / "loop").is_symlink():
+        (target / "loop").unlink(missing_ok=True)
+        (target / "loop").symlink_to(target / "loop")
+    return target
+
+
+def _call(value: Input, folder: Path) -> Any:
+    if "--method" not in value and value[0] == "slam":
+        value = [*value, "--set", f"particles={FEW['gmapping']['particles']}"]
+    return run_words(value, folder)
+
+
+_CALL: Call = _call
+
+
+def _warm() -> None:
+    sys.argv = ["tagalong"]
+    with tempfile.TemporaryDirectory() as folder:
+        for command in ("slam", "localize", "perceive", "score"):
+            run_words([command, "--help"], Path(folder))
+
+
+AREA = Area(
+    (
+        Border(name="options.slam", make=words_of("slam", ["LOG", "--out", "OUT", "--quiet"]), call=_CALL, sane=_sane_end, ms=40.0),
+        Border(
+            name="options.localize", make=words_of("localize", ["LOG", "--map", "MAP", "--out", "OUT", "--quiet"]),
+            call=_CALL, sane=_sane_end, ms=15.0,
+        ),
+        Border(name="options.perceive", make=words_of("perceive", ["LOG", "--out", "OUT"]), call=_CALL, sane=_sane_end, ms=12.0),
+        Border(name="options.score", make=words_of("score", ["TUM", "TUM2"]), call=_CALL, sane=_sane_end, ms=8.0),
+    ),
+    _warm,
+)  # fmt: skip
