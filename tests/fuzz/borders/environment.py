@@ -139,8 +139,9 @@ def _acted(value: Input, folder: Path) -> Any:
 def _files(rng: Generator) -> Input:
     """Return a floor plan, or recorded walks, of which something is wrong."""
     if rng.random() < 0.5:
-        return {"walks.txt": hostile(grammars.pedestrians)(rng)}
-    files = {"map.yaml": grammars.map_yaml(rng), "map.pgm": grammars.map_image(rng, 120)}
+        return {"walks.txt": hostile(grammars.straight_walks)(rng)}
+    yaml = grammars.map_yaml(rng).replace(b"resolution: 0.05", b"resolution: 0.1")
+    files = {"map.yaml": yaml, "map.pgm": grammars.floor_plan(rng)}
     if rng.random() < 0.5:
         return {**files, "map.yaml": mutated_text(rng, files["map.yaml"])}
     return {**files, "map.pgm": mutated_bytes(rng, files["map.pgm"])}

@@ -14,11 +14,15 @@ from borders.engines import FEW, setting_names
 from fuzzer import grammars
 from fuzzer.border import Area, Border, Call, Input, require
 from fuzzer.files import put
+from fuzzer.mutations import choice, mutated_text
+from fuzzer.sanity import sane_map, sane_poses
 from fuzzer.values import hostile_value, hostile_word, said
 from numpy.random import Generator
 from tagalong.scripts.cli import main
 from tagalong.slam.engine import ENGINES, make_slam
 from tagalong.slam.errors import InputError
+from tagalong.slam.logs.ros_map import read_ros_map
+from tagalong.slam.logs.tum import read_tum
 
 _OPTIONS = {
     "slam": ["--method", "--seed", "--resolution", "--set", "--scan-topic", "--quiet", "--out", "--bad"],
@@ -26,6 +30,11 @@ _OPTIONS = {
     "perceive": ["--preset", "--forest", "--odometry", "--frame", "--rate", "--min-confidence", "--scan-topic"],
     "score": ["--max-gap", "--json", "--overlay", "--readings", "--people"],
 }
+_USUAL = {
+    "--method": [*ENGINES], "--seed": ["3"], "--resolution": ["0.1"], "--start": ["1"], "--map": ["MAP"], "--rate": ["10"],
+    "--preset": ["table2", "outdoor"], "--forest": ["real", "simulation"], "--odometry": ["none"], "--frame": ["robot"],
+    "--min-confidence": ["0.3"], "--max-gap": ["1"],
+}  # fmt: skip
 _TARGETS = ("--out", "--json", "--overlay")
 """Options whose value is written to: only ever to names below the folder of the input, never to a device of the machine,
 as the tests may run with the rights to replace it."""
@@ -45,12 +54,17 @@ def words_of(command: str, fixed: list[str]) -> Any:
             elif option in _TARGETS:
                 words.append(_NAMES[int(rng.integers(len(_NAMES)))])
             elif option != "--quiet":
-                words += [hostile_word(rng) for _ in range(3 if option == "--start" else 1)]
+                words += [_word(rng, option) for _ in range(3 if option == "--start" else 1)]
         if rng.random() < 0.1:
             words[1] = hostile_word(rng) if rng.random() < 0.6 else "IN/fifo"
         return words
 
     return make
+
+
+def _word(rng: Generator, option: str) -> str:
+    usual = _USUAL.get(option, [])
+    return choice(rng, usual) if usual and rng.random() < 0.5 else hostile_word(rng)
 
 
 def _setting(rng: Generator) -> str:
@@ -116,8 +130,24 @@ def _inputs(folder: Path) -> Path:
     return target
 
 
+def _log(rng: Generator) -> Input:
+    """Return a drive for an engine, of which one to four numbers are extreme."""
+    return {"log": mutated_text(rng, grammars.carmen(rng)), "method": ENGINES[int(rng.integers(len(ENGINES)))]}
+
+
+def _mapped(value: Input, folder: Path) -> Any:
+    """Map a hostile log with `tagalong slam`."""
+    log = put(folder, "hostile.log", value["log"])
+    few = [f"{name}={number}" for name, number in FEW[value["method"]].items()]
+    settings = [word for setting in few for word in ("--set", setting)]
+    result = run_words(["slam", str(log), "--out", "OUT", "--quiet", "--method", value["method"], *settings], folder)
+    sane_poses(read_tum(folder / "out" / "trajectory.tum").poses, "the trajectory")
+    sane_map(read_ros_map(folder / "out" / "map.yaml"))
+    return result
+
+
 def _call(value: Input, folder: Path) -> Any:
-    if "--method" not in value and value[0] == "slam":
+    if value[0] == "slam" and not any(word == "--method" or word.startswith("particles=") for word in value):
         value = [*value, "--set", f"particles={FEW['gmapping']['particles']}"]
     return run_words(value, folder)
 
@@ -135,6 +165,7 @@ def _warm() -> None:
 AREA = Area(
     (
         Border(name="options.slam", make=words_of("slam", ["LOG", "--out", "OUT", "--quiet"]), call=_CALL, sane=_sane_end, ms=40.0),
+        Border(name="options.slam_log", make=_log, call=_mapped, sane=_sane_end, ms=25.0),
         Border(
             name="options.localize", make=words_of("localize", ["LOG", "--map", "MAP", "--out", "OUT", "--quiet"]),
             call=_CALL, sane=_sane_end, ms=15.0,

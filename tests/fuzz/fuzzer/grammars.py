@@ -125,6 +125,24 @@ def map_image(rng: Generator, side: int = 12) -> bytes:
     return f"P2\n{cols} {rows}\n255\n{_words(shades, 0)}\n".encode()
 
 
+def straight_walks(rng: Generator) -> bytes:
+    """Return walks of 1 to 3 people along the first axis, at a walking pace."""
+    lines = []
+    for person in range(int(rng.integers(1, 4))):
+        pace = rng.uniform(0.3, 0.6)
+        lines += [f"{10 * k} {person} {pace * k:.3f} {0.3 * person:.3f}" for k in range(int(rng.integers(10, 20)))]
+    return "\n".join(lines).encode() + b"\n"
+
+
+def floor_plan(rng: Generator) -> bytes:
+    """Return a PGM of a hall with a pillar, large enough to walk about at 0.1 m a pixel."""
+    rows, cols = (int(n) for n in rng.integers(100, 180, 2))
+    shades = np.full((rows, cols), 254, dtype=np.uint8)
+    shades[[0, -1]], shades[:, [0, -1]] = 0, 0
+    shades[rows // 2 : rows // 2 + 9, cols // 2 : cols // 2 + 9] = 0
+    return f"P5\n{cols} {rows}\n255\n".encode() + shades.tobytes()
+
+
 def joystick(rng: Generator) -> bytes:
     """Return a joystick log of some commands."""
     steps = int(rng.integers(0, 60))

@@ -36,6 +36,8 @@ def judge(border: Border, value: Input, folder: Path) -> Verdict:
         result = border.call(value, folder)
     except (InputError, MissingExtraError) as error:
         return refused(str(error), border.file, error)
+    except InsaneError as error:
+        return Verdict("nonsense accepted", str(error))
     except border.refusals as error:
         return Verdict(REFUSED, str(error))
     except (KeyboardInterrupt, GeneratorExit):
