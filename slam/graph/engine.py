@@ -6,8 +6,8 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..bounds import Cell, check_numbers, checked_pose
 from ..engine import SlamUpdate
-from ..errors import InputError
 from ..geometry import between, compose, wrap_angle
 from ..grid import GridConfig, ScanRays, draw, render_map
 from ..localization.place_map import PlaceMap
@@ -44,11 +44,10 @@ class CartographerConfig:
     global_: GlobalSlamConfig | None = field(default_factory=GlobalSlamConfig)
     watch: WatchConfig | None = field(default_factory=WatchConfig)
     continuity: ContinuityConfig = field(default_factory=ContinuityConfig)
-    resolution: float = 0.05
+    resolution: Cell = 0.05
 
     def __post_init__(self) -> None:
-        if not self.resolution > 0.0:
-            raise InputError(f"`resolution` must be positive [m], got {self.resolution}")
+        check_numbers(self)
 
 
 class Cartographer:
@@ -75,6 +74,7 @@ class Cartographer:
         self._local = LocalSlam(self.config.local, self._watch)
         local, graph = self._local, self.config.global_
         self._global = GlobalSlam(graph, local.submaps, local.sweep) if graph else None
+        self._odometry: Array | None = None
         self._online: list[Array] = []
         self._poses_local: list[Array] = []
         self._inserted: list[int] = []
@@ -99,9 +99,7 @@ class Cartographer:
 
     def update(self, odometry: ArrayLike, scan: LaserScan) -> SlamUpdate:
         """Take one scan and the robot's odometry pose T_odom_robot (3,) at that time."""
-        odometry = np.array(odometry, dtype=np.float64)
-        if odometry.shape != (3,) or not np.isfinite(odometry).all():
-            raise InputError(f"`odometry` must be a finite pose of shape (3,), got {odometry}")
+        odometry = self._odometry = checked_pose(odometry, before=self._odometry)
         result = self._local.update(odometry, scan)
         if self._watch and self._global:
             result = self._weighed(self._watch, self._global, result, odometry, scan)
