@@ -7,12 +7,13 @@ newest stay, so that a map follows a building that changes (as Cartographer's tr
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
-from .errors import InputError
+from .bounds import Within, check_numbers
 from .scan import LaserScan
 
 _FEWEST = 256  # scans are kept without a look at whether they are superseded
@@ -31,17 +32,12 @@ class RevisitConfig:
         angle: ... and this angle [rad]; both count together, as the axes of an ellipsoid.
     """
 
-    views: int = 12
-    distance: float = 0.5
-    angle: float = 0.5
+    views: Annotated[int, Within(1, 1_000_000)] = 12
+    distance: Annotated[float, Within(0.01, 100.0)] = 0.5
+    angle: Annotated[float, Within(0.01, np.pi)] = 0.5
 
     def __post_init__(self) -> None:
-        if self.views < 1:
-            raise InputError(f"`views` must be at least 1, got {self.views}")
-        if not (self.distance > 0.0 and 0.0 < self.angle <= np.pi):
-            raise InputError(
-                f"need `distance` > 0 [m] and 0 < `angle` <= pi [rad], got {self.distance} and {self.angle}"
-            )
+        check_numbers(self)
 
 
 def superseded(poses: NDArray[np.float64], config: RevisitConfig) -> NDArray[np.bool_]:

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import block_diag
 
+from ..bounds import checked_pose
 from ..engine import SlamUpdate
-from ..errors import InputError
 from ..geometry import between, compose, wrap_angle
 from ..grid import GridConfig, render_map
 from ..landmarks.clustering import Clusterer, make_clusterer
@@ -105,10 +105,8 @@ class EkfSlam:
 
     def update(self, odometry: ArrayLike, scan: LaserScan) -> SlamUpdate:
         """Take one scan and its odometry pose T_odom_robot (3,)."""
-        now = np.array(odometry, dtype=np.float64)
-        if now.shape != (3,) or not np.isfinite(now).all():
-            raise InputError(f"`odometry` must be three finite numbers, got {now}")
         ekf = self.filter
+        now = checked_pose(odometry, before=None if ekf is None else self._odometry)
         if ekf is None:
             ekf = self.filter = LandmarkFilter(now, self._config.odometry)
         else:

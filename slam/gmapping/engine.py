@@ -6,8 +6,8 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..bounds import checked_pose
 from ..engine import SlamUpdate
-from ..errors import InputError
 from ..geometry import between, compose, wrap_angle
 from ..grid import GridConfig, render_map, scan_rays
 from ..occupancy_map import OccupancyMap
@@ -71,9 +71,7 @@ class GMapping:
 
     def update(self, odometry: ArrayLike, scan: LaserScan) -> SlamUpdate:
         """Take one scan and the robot's odometry pose T_odom_robot (3,) at that time."""
-        odometry = np.array(odometry, dtype=np.float64)
-        if odometry.shape != (3,) or not np.isfinite(odometry).all():
-            raise InputError(f"`odometry` must be a finite pose of shape (3,), got {odometry}")
+        odometry = checked_pose(odometry, before=self._odometry)
         diagnostics: dict[str, float] = {}
         if self._odometry is None:
             self._poses[:] = odometry

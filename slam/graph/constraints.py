@@ -3,10 +3,12 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds import Angle, Share, Within, check_numbers
 from ..errors import InputError
 from ..geometry import between, compose
 from ..search.branch_and_bound import SearchWindow, branch_and_bound
@@ -75,16 +77,17 @@ class ConstraintConfig:
     weight: float = 1.5
     intra_sigma: tuple[float, float] = (0.003, 0.001)
     inter_sigma: tuple[float, float] = (0.01, 0.003)
-    min_score: float = 0.6
-    search_min_score: float = 0.7
-    bound: float = 0.4
-    search_linear: float = 4.0
-    search_angular: float = 0.5
-    search_points: int = 100
-    max_shift: tuple[float, float] = (0.25, 0.1)
+    min_score: Share = 0.6
+    search_min_score: Share = 0.7
+    bound: Share = 0.4
+    search_linear: Annotated[float, Within(0.0, 100.0)] = 4.0
+    search_angular: Angle = 0.5
+    search_points: Annotated[int, Within(1, 10_000)] = 100
+    max_shift: Annotated[tuple[float, float], Within(0.0, 10.0)] = (0.25, 0.1)
     min_points: int = 30
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         for name, value in vars(self).items():
             if not np.all(np.asarray(value) > 0):
                 raise InputError(f"`{name}` must be positive, got {value}")

@@ -7,8 +7,8 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..bounds import Cell, check_numbers, checked_pose
 from ..engine import SlamUpdate
-from ..errors import InputError
 from ..geometry import between, compose, wrap_angle
 from ..grid import GridConfig, ScanRays, draw, render_map
 from ..localization.place_map import PlaceMap
@@ -47,11 +47,10 @@ class CartographerConfig:
     global_: GlobalSlamConfig | None = field(default_factory=GlobalSlamConfig)
     watch: WatchConfig | None = field(default_factory=WatchConfig)
     continuity: ContinuityConfig = field(default_factory=ContinuityConfig)
-    resolution: float = 0.05
+    resolution: Cell = 0.05
 
     def __post_init__(self) -> None:
-        if not self.resolution > 0.0:
-            raise InputError(f"`resolution` must be positive [m], got {self.resolution}")
+        check_numbers(self)
 
 
 class Cartographer:
@@ -78,6 +77,7 @@ class Cartographer:
         self._local = LocalSlam(self.config.local, self._watch)
         local, graph = self._local, self.config.global_
         self._global = GlobalSlam(graph, local.submaps, local.sweep) if graph else None
+        self._odometry: Array | None = None
         self._online, self._poses_local = PoseLog(), PoseLog()
         self._inserted: list[int] = []
         self._trimmed = array("q")  # scans that were nodes and have left the graph
@@ -102,9 +102,7 @@ class Cartographer:
 
     def update(self, odometry: ArrayLike, scan: LaserScan) -> SlamUpdate:
         """Take one scan and the robot's odometry pose T_odom_robot (3,) at that time."""
-        odometry = np.array(odometry, dtype=np.float64)
-        if odometry.shape != (3,) or not np.isfinite(odometry).all():
-            raise InputError(f"`odometry` must be a finite pose of shape (3,), got {odometry}")
+        odometry = self._odometry = checked_pose(odometry, before=self._odometry)
         result = self._local.update(odometry, scan)
         if self._watch and self._global:
             result = self._weighed(self._watch, self._global, result, odometry, scan)

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 
+from ..bounds import Threads, check_numbers
 from ..errors import InputError
 from ..pose_graph.adjustment import AdjustmentConfig
 from ..revisits import RevisitConfig
@@ -42,11 +43,10 @@ class GlobalSlamConfig:
     nearest: int = 4
     search_every: float = 0.4
     revisits: RevisitConfig = field(default_factory=RevisitConfig)
-    threads: int = 2
+    threads: Threads = 2
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         for name in ("adjust_every", "max_distance", "known_for", "kernel_width", "odometry_share", "reject_beyond"):
             if not getattr(self, name) > 0:
                 raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
-        if self.threads < 1:
-            raise InputError(f"`threads` must be at least 1, got {self.threads}")

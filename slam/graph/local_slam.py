@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds import Cell, check_numbers
 from ..errors import InputError
 from ..geometry import between
 from ..scan import LaserScan
@@ -39,9 +40,10 @@ class LocalSlamConfig:
     voxel_filter: AdaptiveVoxelConfig = field(default_factory=AdaptiveVoxelConfig)
     submaps: ActiveSubmapsConfig = field(default_factory=ActiveSubmapsConfig)
     matcher: ScanMatcherConfig = field(default_factory=ScanMatcherConfig)
-    insertion_voxel: float = 0.05
+    insertion_voxel: Cell = 0.05
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         if not self.insertion_voxel > 0.0:
             raise InputError(f"`insertion_voxel` must be positive [m], got {self.insertion_voxel}")
 
