@@ -1,7 +1,9 @@
 """Every number of the perception, in one frozen configuration: the paper's Table II and what the paper leaves open."""
 
 from dataclasses import dataclass, fields
+from typing import Annotated
 
+from ..slam.bounds import Share, Within, check_numbers
 from ..slam.errors import InputError, unknown_name
 from .legs.detector import LegDetectorConfig
 
@@ -79,19 +81,19 @@ class PerceptionConfig:
     alpha: float = 0.13
     beta: int = 3
     far_width: float = 0.0
-    gamma: float = 0.3
+    gamma: Share = 0.3
     delta: float = 0.5
     epsilon: float = 0.9
     zeta: float = 0.35
     suspect_radius: float = 0.1
     suspect_confidence: float = 0.5
-    c_min: float = 0.1
+    c_min: Share = 0.1
     q: float = 0.05
     r: float = 0.1
 
-    reference_rate_hz: float = 5.0
+    reference_rate_hz: Annotated[float, Within(1e-3, 1e4)] = 5.0
     initial_variance: float = 0.05
-    confidence_gain: float = 0.05
+    confidence_gain: Share = 0.05
     gate: float = 0.35
     gate_speed: float = 2.5
     gate_most: float = 0.8
@@ -99,7 +101,7 @@ class PerceptionConfig:
     reach: float = 0.8
     left_behind: float = 0.12
     one_leg_variance: float = 0.1
-    sure_confidence: float = 0.5
+    sure_confidence: Share = 0.5
     start_unseen_s: float = 0.3
     both_legs_from: float = 0.15
     both_legs_to: float = 0.6
@@ -119,17 +121,18 @@ class PerceptionConfig:
     meet_age_s: float = 0.2
     meet_alone_s: float = 0.4
     doubt_s: float = 1.0
-    grid_resolution: float = 0.05
+    grid_resolution: Annotated[float, Within(0.01, 100.0)] = 0.05
     grid_rise_s: float = 0.3
     grid_fade_s: float = 3.0
     still_time_s: float = 3.0
     camera_gate: float = 0.6
     camera_r: float = 0.05
-    camera_sure: float = 0.7
+    camera_sure: Share = 0.7
     camera_frames: int = 3
     camera_wait_s: float = 1.5
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         for field in fields(self):
             value = getattr(self, field.name)
             if not (value > 0 or (field.name in ("far_width", "suspect_radius") and value == 0)):

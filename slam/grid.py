@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .bounds import MOST_CELLS, Cell, Reach, cell_numbers, check_numbers, check_size
 from .errors import InputError
 from .geometry import compose, transform_points
 from .grid_kernels import place_rays, write_observation, write_observations
 from .occupancy_map import OccupancyMap
 from .scan import LaserScan
 
-_MOST_CELLS = 1e9
 _MARGIN = 64  # cells to grow beyond what is asked, so that growing is rare
 _AT_ONCE = 500  # scans that are drawn together
 
@@ -32,15 +32,16 @@ class GridConfig:
             own limit. Real lasers report "no return" for black and shining surfaces too, so they say nothing here.
     """
 
-    resolution: float = 0.05
+    resolution: Cell = 0.05
     hit: float = 0.7
     miss: float = 0.4
     limit: float = 5.0
-    max_range: float = 80.0
+    max_range: Reach = 80.0
     clear_no_return: bool = False
 
     def __post_init__(self) -> None:
-        for name in ("resolution", "limit", "max_range"):
+        check_numbers(self)
+        for name in ("limit", "max_range"):
             if not getattr(self, name) > 0.0:
                 raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
         if not 0.0 < self.miss < 0.5 < self.hit < 1.0:
@@ -119,7 +120,7 @@ class OccupancyGrid:
         place_rays(places, points, firsts, self.config.resolution, starts, ends, spans)
         corner, size = self._corner, np.array(self._log_odds.shape[:-3:-1])
         corners = np.empty((len(seen) + 1, 2), dtype=np.int64)
-        lower, upper = np.floor(spans[:, 0]).astype(np.int64), np.floor(spans[:, 1]).astype(np.int64) + 1
+        lower, upper = cell_numbers(spans[:, 0]), cell_numbers(spans[:, 1]) + 1
         for k in range(len(seen)):
             corner, size = self._around(corner, size, lower[k], upper[k])
             corners[k] = corner
@@ -171,8 +172,7 @@ class OccupancyGrid:
     def _reach(self, cells: NDArray[np.float64]) -> None:
         """Grow until all `cells` (n, 2) x, y are inside."""
         size = np.array(self._log_odds.shape[:-3:-1])
-        lower = np.floor(cells.min(axis=0)).astype(np.int64)
-        upper = np.floor(cells.max(axis=0)).astype(np.int64) + 1
+        lower, upper = cell_numbers(cells.min(axis=0)), cell_numbers(cells.max(axis=0)) + 1
         self._grow(*self._around(self._corner, size, lower, upper))
 
     def _around(
@@ -184,12 +184,8 @@ class OccupancyGrid:
         lower, upper = lower - _MARGIN, upper + _MARGIN
         if size.all():
             lower, upper = np.minimum(lower, corner), np.maximum(upper, corner + size)
-        if float(np.prod((upper - lower).astype(np.float64))) > _MOST_CELLS:
-            width, height = (upper - lower) * self.config.resolution
-            raise InputError(
-                f"the map would grow to {width:.0f} x {height:.0f} m in cells of {self.config.resolution:g} m; "
-                "a pose or a range is wrong, or the cells are too small"
-            )
+        columns, rows = (upper - lower).tolist()
+        check_size(columns, rows, self.config.resolution, MOST_CELLS / math.prod(self._log_odds.shape[:-2]))
         return lower, upper - lower
 
     def _grow(self, corner: NDArray[np.int64], size: NDArray[np.int64]) -> None:

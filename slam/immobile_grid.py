@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .bounds import Reach, check_numbers
 from .errors import InputError
 from .geometry import compose
 from .grid import GridConfig, OccupancyGrid, scan_rays
@@ -54,11 +55,12 @@ class ImmobileConfig(GridConfig):
     """
 
     miss: float = 0.35
-    max_range: float = 10.0
+    max_range: Reach = 10.0
     firm: float = 2.0
     gone: float = -1.0
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         super().__post_init__()
         if not self.gone < 0.0 < self.firm <= self.limit:
             raise InputError(f"need `gone` < 0 < `firm` <= `limit`, got {self.gone}, {self.firm} and {self.limit}")

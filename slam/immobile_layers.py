@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .bounds import check_numbers
 from .errors import InputError
 from .geometry import compose, transform_points
 from .grid import OccupancyGrid, scan_rays
@@ -61,6 +62,7 @@ class LayersConfig(ImmobileConfig):
     overlooked: float = -0.4
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         super().__post_init__()
         if len(self.edges) < 3 or not np.all(np.diff(self.edges) > 0.0):
             raise InputError(f"`edges` are at least three rising heights [m], got {self.edges}")

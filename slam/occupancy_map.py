@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .bounds import COARSEST_CELL_M, FARTHEST_M, FINEST_CELL_M, MOST_CELLS, shortened
 from .errors import InputError
 
 
@@ -18,6 +19,9 @@ class OccupancyMap:
         origin: (x, y) of the outer corner of cell [0, 0] in the map frame [m].
         occupied_threshold: A cell is occupied above this probability.
         free_threshold: A cell is free below this probability.
+
+    Raises:
+        InputError: If a shape, the resolution, the origin or a threshold is beyond what it can be.
     """
 
     probability: NDArray[np.float32]
@@ -29,8 +33,18 @@ class OccupancyMap:
     def __post_init__(self) -> None:
         if self.probability.ndim != 2:
             raise InputError(f"`probability` must have shape (rows, cols), got {self.probability.shape}")
-        if not self.resolution > 0.0:
-            raise InputError(f"`resolution` must be positive [m], got {self.resolution}")
+        if self.probability.size > MOST_CELLS:
+            rows, cols = self.probability.shape
+            raise InputError(f"a map must have {MOST_CELLS} cells at most, got {rows} x {cols}")
+        if not FINEST_CELL_M <= self.resolution <= COARSEST_CELL_M:
+            raise InputError(
+                f"`resolution` must be within {FINEST_CELL_M:g} .. {COARSEST_CELL_M:g} m, got {self.resolution}"
+            )
+        if not (np.shape(self.origin) == (2,) and max(abs(self.origin[0]), abs(self.origin[1])) <= FARTHEST_M):
+            raise InputError(f"`origin` must be finite and within {FARTHEST_M:g} m, got {shortened(self.origin)}")
+        for name in ("occupied_threshold", "free_threshold"):
+            if not 0.0 <= getattr(self, name) <= 1.0:
+                raise InputError(f"`{name}` must be in [0, 1], got {getattr(self, name)}")
 
     @property
     def occupied(self) -> NDArray[np.bool_]:

@@ -6,6 +6,16 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from .bounds import (
+    FARTHEST_MOUNT_M,
+    LARGEST_BEARING,
+    LATEST_S,
+    LEAST_SPACING,
+    LONGEST_RANGE_M,
+    MOST_BEAMS,
+    MOST_TURNED,
+    shortened,
+)
 from .errors import InputError
 from .geometry import transform_points
 from .scan_kernel import fill_beam_points, returns
@@ -28,7 +38,7 @@ class LaserScan:
         T_robot_lidar: Pose (x, y, theta) of the laser in the robot frame [m, m, rad].
 
     Raises:
-        InputError: If shapes, limits or bearings make no sense.
+        InputError: If shapes, limits or bearings make no sense, or a number is beyond what `bounds` says it can be.
     """
 
     ranges: NDArray[np.float64]
@@ -45,12 +55,25 @@ class LaserScan:
             raise InputError(
                 f"`ranges` and `bearings` must both have shape (N,), got {ranges.shape} and {bearings.shape}"
             )
-        if not 0.0 <= self.range_min < self.range_max < np.inf:
+        if len(ranges) > MOST_BEAMS:
+            raise InputError(f"a scan must have {MOST_BEAMS} beams at most, got {len(ranges)}")
+        if not 0.0 <= self.range_min < self.range_max <= LONGEST_RANGE_M:
             raise InputError(
-                f"need 0 <= `range_min` < `range_max` < inf [m], got {self.range_min} and {self.range_max}"
+                f"need 0 <= `range_min` < `range_max` <= {LONGEST_RANGE_M:g} [m], got {self.range_min} and "
+                f"{self.range_max}"
+            )
+        if not -LATEST_S <= self.time_s <= LATEST_S:
+            raise InputError(f"`time_s` must be finite and within {LATEST_S:g} s, got {self.time_s}")
+        if not _is_mount(self.T_robot_lidar):
+            raise InputError(
+                f"`T_robot_lidar` must be a pose within {FARTHEST_MOUNT_M:g} m and {MOST_TURNED:g} rad, got "
+                f"{shortened(self.T_robot_lidar)}"
             )
         if not _ascend(bearings.tobytes()):
-            raise InputError(f"`bearings` must be finite and ascending [rad], got {bearings}")
+            raise InputError(
+                f"`bearings` must be finite and ascending by {LEAST_SPACING:g} rad at least, within "
+                f"{LARGEST_BEARING:.4g} rad, got {shortened(bearings)}"
+            )
         object.__setattr__(self, "ranges", ranges)
         object.__setattr__(self, "bearings", bearings)
 
@@ -103,11 +126,20 @@ class LaserScan:
         return replace(self, ranges=np.where(dropped, np.nan, self.ranges))
 
 
+def _is_mount(pose: tuple[float, float, float]) -> bool:
+    """Return whether a laser can have that pose (x, y, theta) on a robot."""
+    try:
+        x, y, theta = pose
+        return bool(abs(x) <= FARTHEST_MOUNT_M and abs(y) <= FARTHEST_MOUNT_M and abs(theta) <= MOST_TURNED)
+    except (TypeError, ValueError):
+        return False
+
+
 @lru_cache(maxsize=16)
 def _ascend(bearings: bytes) -> bool:
-    """Return whether `bearings` (N,) float64 are finite, each larger than the one before; sweeps share them."""
+    """Return whether `bearings` (N,) float64 are within bounds, each larger than the one before; sweeps share them."""
     angles = np.frombuffer(bearings)
-    return bool(np.isfinite(angles).all() and (np.diff(angles) > 0.0).all())
+    return bool((np.abs(angles) <= LARGEST_BEARING).all() and (np.diff(angles) >= LEAST_SPACING).all())
 
 
 @lru_cache(maxsize=16)

@@ -6,6 +6,7 @@ from numbers import Integral, Real
 from types import NoneType
 from typing import Any, TypeVar, get_args
 
+from .bounds import plain_kind, shortened
 from .errors import InputError, unknown_name
 
 Config = TypeVar("Config")
@@ -22,7 +23,7 @@ def with_settings(config: Config, settings: Mapping[str, Any]) -> Config:
         InputError: If a field is unknown, or a value is no number, whole number, list of as many numbers, text or part
             where the field is one; and whatever the configuration itself says of its values.
     """
-    kinds = {field.name: field.type for field in fields(config)}  # pyright: ignore[reportArgumentType]
+    kinds = {field.name: plain_kind(field.type) for field in fields(config)}  # pyright: ignore[reportArgumentType]
     changes: dict[str, Any] = {}
     parts: dict[str, dict[str, Any]] = {}
     for name, value in settings.items():
@@ -50,16 +51,16 @@ def _checked(name: str, value: object, default: object, kind: object) -> object:
     if isinstance(default, Real):
         return _number(name, value, whole=kind is int)
     if isinstance(default, str) and not isinstance(value, str):
-        raise InputError(f"`{name}` must be a text, got {value!r}")
+        raise InputError(f"`{name}` must be a text, got {shortened(value)}")
     if is_dataclass(default) and not is_dataclass(value):
         inner = ", ".join(f"{name}.{field.name}" for field in fields(default))
-        raise InputError(f"`{name}` is no single value; its fields are {inner}; got {value!r}")
+        raise InputError(f"`{name}` is no single value; its fields are {inner}; got {shortened(value)}")
     return value
 
 
 def _number(name: str, value: object, whole: bool) -> object:
     if not isinstance(value, Integral if whole else Real):
-        raise InputError(f"`{name}` must be a {'whole ' if whole else ''}number, got {value!r}")
+        raise InputError(f"`{name}` must be a {'whole ' if whole else ''}number, got {shortened(value)}")
     return value
 
 
@@ -67,5 +68,5 @@ def _list_of_numbers(name: str, value: object, kinds: tuple[object, ...]) -> tup
     """Return the value as a tuple; `kinds` are those of its entries, (int, ...) for any number of one kind."""
     count = None if Ellipsis in kinds else len(kinds)
     if not isinstance(value, (tuple, list)) or count not in (None, len(value)):
-        raise InputError(f"`{name}` must be a list of {count or 'some'} numbers, got {value!r}")
+        raise InputError(f"`{name}` must be a list of {count or 'some'} numbers, got {shortened(value)}")
     return tuple(_number(name, entry, whole=int in kinds) for entry in value)

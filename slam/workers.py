@@ -4,15 +4,24 @@ import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
+from .errors import InputError
+
+_MOST_THREADS = 256  # no more than the largest machines have cores
+
 
 class Workers:
     """Runs a function, mostly kernels that release the interpreter's lock, on slices of the pieces.
 
     Args:
         threads: Number of threads; 1 runs everything in the caller.
+
+    Raises:
+        InputError: If there are none, or more than the largest machines can run.
     """
 
     def __init__(self, threads: int) -> None:
+        if not 1 <= threads <= _MOST_THREADS:
+            raise InputError(f"`threads` must be within 1 .. {_MOST_THREADS}, got {threads}")
         self.threads = threads
         self._pool: ThreadPoolExecutor | None = None
         self._process = os.getpid()

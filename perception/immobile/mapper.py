@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...slam.bounds import check_numbers
 from ...slam.errors import InputError
 from ...slam.geometry import compose, inverse, transform_points
 from ...slam.immobile_grid import PoseHistory, moving_lambda, still_lambda
@@ -54,6 +55,7 @@ class ImmobileMapperConfig:
     settles_s: float = 20.0
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         for name in ("person_radius", "body_radius", "largest", "settles_s", "doubt_s"):
             if not getattr(self, name) > 0.0:
                 raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...slam.bounds import check_numbers
 from ...slam.errors import InputError
 from ...slam.immobile_grid import UNKNOWN, moving_lambda, still_lambda
 from ..rgbd.clusters import ObjectClusters, find_clusters
@@ -32,6 +33,7 @@ class ViewConfig:
     graze: float = 0.1
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         for name in ("top", "face"):
             if not 0.0 <= getattr(self, name) <= 1.0:
                 raise InputError(f"likelihood `{name}` must be in [0, 1], got {getattr(self, name)}")

@@ -6,6 +6,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ...slam.bounds import check_numbers
 from ...slam.errors import InputError
 from ...slam.geometry import transform_points
 from ...slam.scan import LaserScan
@@ -32,6 +33,7 @@ class LegDetectorConfig:
     """Where a leg of this width gets fewer than `beta` beams, as many are enough, but at least 2; 0: never [m]."""
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         if not (self.alpha > 0.0 and self.beta >= 1 and 0.0 <= self.gamma <= 1.0 and self.far_width >= 0.0):
             raise InputError(
                 f"need `alpha` > 0 [m], `beta` >= 1, `gamma` in [0, 1] and `far_width` >= 0 [m], got {self}"

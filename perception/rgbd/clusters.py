@@ -6,6 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ...slam.bounds import check_numbers
 from ...slam.errors import InputError
 from .planes import Planes, Surface
 
@@ -31,6 +32,7 @@ class ClusterConfig:
     lowest: float = 0.06
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         for name in self.__dataclass_fields__:
             if not getattr(self, name) > 0:
                 raise InputError(f"`{name}` of the clusters must be positive, got {getattr(self, name)}")

@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ...slam.bounds import check_numbers
 from ...slam.errors import InputError
 
 Array = NDArray[np.float64]
@@ -28,6 +29,7 @@ class Pinhole:
     vertical_fov: float
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         if min(self.width, self.height) < 2:
             raise InputError(f"a camera needs at least 2 x 2 pixels, got {self.width} x {self.height}")
         for name in ("horizontal_fov", "vertical_fov"):

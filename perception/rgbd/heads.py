@@ -6,6 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ...slam.bounds import check_numbers
 from ...slam.errors import InputError
 from .clusters import connect
 from .planes import Planes, Surface
@@ -45,6 +46,7 @@ class HeadConfig:
     thin_wall: float = 0.8
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         for name in self.__dataclass_fields__:
             if not getattr(self, name) > 0:
                 raise InputError(f"`{name}` of the heads must be positive, got {getattr(self, name)}")

@@ -6,6 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ...slam.bounds import check_numbers
 from ...slam.errors import InputError
 from ...slam.geometry import transform_points
 from .frame import RgbdFrame
@@ -36,6 +37,7 @@ class PeopleFinderConfig:
     ragged: float = 0.15
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         if not 0.0 <= self.least_likelihood <= 1.0:
             raise InputError(f"`least_likelihood` must be in [0, 1], got {self.least_likelihood}")
         for name in ("behind", "apart", "ragged"):

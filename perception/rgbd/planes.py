@@ -6,6 +6,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from ...slam.bounds import check_numbers
 from ...slam.errors import InputError
 from .cloud import cloud, surface_normals
 from .frame import RgbdFrame
@@ -58,6 +59,7 @@ class PlaneConfig:
     coplanar: float = 0.08
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         for name in self.__dataclass_fields__:
             if not getattr(self, name) > 0.0:
                 raise InputError(f"`{name}` of the plane finder must be positive, got {getattr(self, name)}")

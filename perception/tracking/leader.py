@@ -6,6 +6,7 @@ import numpy as np
 from filterpy.kalman import KalmanFilter
 from numpy.typing import ArrayLike, NDArray
 
+from ...slam.bounds import check_numbers
 from ...slam.errors import InputError
 from ...slam.scan import LaserScan
 from ..config import PerceptionConfig
@@ -44,6 +45,7 @@ class LeaderConfig:
     twin_patience_s: float = 0.3
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         for name in ("onset_near", "onset_far", "search_sigmas", "search_distance"):
             if not getattr(self, name) > 0.0:
                 raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...slam.bounds import check_numbers
 from ...slam.errors import InputError
 from ...slam.scan import LaserScan
 from ..config import PerceptionConfig
@@ -80,6 +81,7 @@ class BodyConfig:
     loose_confidence: float = 0.3
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         for name in ("sure", "other_deviation", "forget_s", "radius"):
             if not getattr(self, name) > 0.0:
                 raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")

@@ -5,10 +5,12 @@ people pass each other, it spreads behind corners, and it dies where the laser s
 """
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...slam.bounds import Within, check_numbers
 from ...slam.errors import InputError
 from ...slam.geometry import compose
 from ...slam.scan import LaserScan
@@ -36,7 +38,7 @@ class CloudConfig:
         resample: The cloud is drawn anew when fewer than this share of its bodies count.
     """
 
-    count: int = 200
+    count: Annotated[int, Within(1, 100_000)] = 200
     push: float = 1.0
     calm_s: float = 2.5
     top_speed: float = 1.6
@@ -50,6 +52,7 @@ class CloudConfig:
     resample: float = 0.5
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         if self.count < 1:
             raise InputError(f"a cloud needs a `count` of bodies, got {self.count}")
         for name in ("calm_s", "top_speed", "leg_deviation"):

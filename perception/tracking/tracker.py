@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...slam.bounds import checked_pose
 from ...slam.errors import InputError
 from ...slam.geometry import compose, transform_points
 from ...slam.scan import LaserScan
@@ -79,7 +80,7 @@ class PeopleTracker:
         self, scan: LaserScan, odometry: ArrayLike, seen: SeenPeople | None = None
     ) -> Stages[TrackerUpdate]:
         """Do as `update`, with pauses."""
-        pose, dt = np.array(odometry, dtype=np.float64), self._step(scan.time_s)
+        pose, dt = checked_pose(odometry), self._step(scan.time_s)
         detections = yield from self._detector.detect_in_stages(scan)
         yield
         z = transform_points(pose, detections.positions[detections.human])

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds import Share, check_numbers
 from ..errors import InputError
 
 Array = NDArray[np.float64]
@@ -32,8 +33,8 @@ class OdometryNoise:
         sideways: Random sideways motion as a share of the random way.
     """
 
-    sigma_scale: float = 0.02 / math.sqrt(3.0)
-    sigma_turn: float = 0.02 / math.sqrt(3.0)
+    sigma_scale: Share = 0.02 / math.sqrt(3.0)
+    sigma_turn: Share = 0.02 / math.sqrt(3.0)
     sigma_drift: float = math.radians(0.15) / math.sqrt(3.0)
     alpha1: float = math.radians(0.8)
     alpha2: float = math.radians(0.3)
@@ -42,6 +43,7 @@ class OdometryNoise:
     sideways: float = 0.25
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         for name, value in vars(self).items():
             if not value >= 0.0:
                 raise InputError(f"`{name}` must not be negative, got {value}")

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 
+from ..bounds import Cell, Reach, check_numbers
 from ..errors import InputError, unknown_name
 from ..landmarks.clustering import METHODS
 from ..landmarks.objects import SightingConfig
@@ -33,7 +34,7 @@ class EkfSlamConfig:
     """
 
     clustering: str = "dbscan"
-    cluster_distance: float = 0.5
+    cluster_distance: Reach = 0.5
     cluster_points: int = 1
     association: str = "joint"
     gate: float = 9.21
@@ -43,11 +44,12 @@ class EkfSlamConfig:
     sure: int = 3
     patience: int = 3
     lost_sigma: float = 0.5
-    resolution: float = 0.05
+    resolution: Cell = 0.05
     odometry: OdometryNoise = field(default_factory=OdometryNoise)
     sighting: SightingConfig = field(default_factory=SightingConfig)
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         if self.clustering not in METHODS:
             raise unknown_name("clustering method", self.clustering, tuple(METHODS))
         if self.association not in ASSOCIATIONS:

@@ -6,6 +6,7 @@ import numpy as np
 from filterpy.kalman import ExtendedKalmanFilter
 from numpy.typing import ArrayLike, NDArray
 
+from ..bounds import check_numbers
 from ..errors import InputError
 from ..geometry import wrap_angle
 from .models import measure, measure_jacobian, unicycle, unicycle_jacobian
@@ -30,6 +31,7 @@ class LocalizationConfig:
     gate: float = 9.21
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         for name, value in vars(self).items():
             if not value > 0.0:
                 raise InputError(f"`{name}` must be positive, got {value}")

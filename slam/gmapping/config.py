@@ -1,7 +1,9 @@
 """Parameters of GMapping."""
 
 from dataclasses import dataclass, field, fields
+from typing import Annotated
 
+from ..bounds import Cell, Reach, Share, Threads, Within, check_numbers
 from ..errors import InputError
 
 
@@ -27,19 +29,20 @@ class MatcherConfig:
             on one wall do not pretend to a certainty they have not.
     """
 
-    samples: int = 256
-    sample_points: int = 60
+    samples: Annotated[int, Within(1, 100_000)] = 256
+    sample_points: Annotated[int, Within(1, 10_000)] = 60
     sample_weight: float = 30.0
-    windows: tuple[int, ...] = (4, 3)
-    strides: tuple[int, ...] = (2, 1)
-    iterations: tuple[int, ...] = (4, 8)
-    scales: tuple[float, ...] = (3.0, 2.0)
-    thinning: float = 1.0
-    straightness: float = 0.15
-    sigma: float = 0.03
+    windows: Annotated[tuple[int, ...], Within(1, 15)] = (4, 3)
+    strides: Annotated[tuple[int, ...], Within(1, 1000)] = (2, 1)
+    iterations: Annotated[tuple[int, ...], Within(1, 1000)] = (4, 8)
+    scales: Annotated[tuple[float, ...], Within(1e-3, 1e3)] = (3.0, 2.0)
+    thinning: Annotated[float, Within(0.01, 1e3)] = 1.0
+    straightness: Share = 0.15
+    sigma: Annotated[float, Within(1e-4, 10.0)] = 0.03
     independent_points: float = 150.0
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         stages = {len(self.windows), len(self.strides), len(self.iterations), len(self.scales)}
         if len(stages) != 1 or 0 in stages:
             raise InputError("`windows`, `strides`, `iterations` and `scales` must be equally long and not empty")
@@ -70,33 +73,28 @@ class GMappingConfig:
         matcher: Parameters of the alignment.
     """
 
-    particles: int = 30
+    particles: Annotated[int, Within(1, 1000)] = 30
     linear_update: float = 0.5
     angular_update: float = 0.3
-    delta: float = 0.05
-    fullness: float = 0.1
-    ray_margin: float = 0.01
+    delta: Cell = 0.05
+    fullness: Share = 0.1
+    ray_margin: Share = 0.01
     srr: float = 0.1
     srt: float = 0.2
     str_: float = 0.1
     stt: float = 0.2
-    max_urange: float = 80.0
+    max_urange: Reach = 80.0
     observation_gain: float = 30.0
-    resample_threshold: float = 0.5
-    minimum_score: float = 0.0
-    threads: int = 2
+    resample_threshold: Share = 0.5
+    minimum_score: Share = 0.0
+    threads: Threads = 2
     matcher: MatcherConfig = field(default_factory=MatcherConfig)
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         _check_positive(
             self, but=("srr", "srt", "str_", "stt", "minimum_score", "linear_update", "angular_update", "ray_margin")
         )
-        for name in ("particles", "threads"):
-            if not isinstance(getattr(self, name), int):
-                raise InputError(f"`{name}` must be a whole number, got {getattr(self, name)}")
-        for name in ("fullness", "resample_threshold", "minimum_score", "ray_margin"):
-            if getattr(self, name) > 1.0:
-                raise InputError(f"`{name}` is a share and must be at most 1, got {getattr(self, name)}")
 
 
 def _check_positive(config: object, but: tuple[str, ...] = ()) -> None:

@@ -33,7 +33,7 @@ def find_cells(pose, points, stride, half, directory, means, bits, squares, cell
         row, col = int(np.floor(y)), int(np.floor(x))
         for reach in (1, half):
             best, found = np.inf, -1
-            if row < reach or col < reach or row + reach >= rows or col + reach >= cols:
+            if row < reach or col < reach or row >= rows - reach or col >= cols - reach:
                 continue
             first, width = np.uintp(col - reach), np.uintp(2 * reach + 1)
             for r in range(np.uintp(row - reach), np.uintp(row + reach + 1)):

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds import cell_numbers, check_size
 from ..errors import InputError
 from ..geometry import transform_points
 from ..occupancy_map import OccupancyMap
@@ -11,7 +12,8 @@ from .tile_kernels import SIDE, mark_particles, own_tiles, write_particles
 
 Array = NDArray[np.float64]
 
-_MOST_PLACES = 1_000_000  # of a directory; at cells of 0.05 m that is 1.6 x 1.6 km
+_MOST_PLACES = 30_000_000  # of all directories; for 30 particles and cells of 0.05 m that is 1.6 x 1.6 km
+_MOST_TILES = 160_000  # two gigabytes; the drives in large buildings that it was tried on take 6000
 _OCCUPIED_SHARE = 0.25  # of the visits that were hits, as the ROS wrapper draws its map
 
 
@@ -118,7 +120,12 @@ class TileMaps:
         if count <= self._free_count:
             return
         old = len(self.bits)
-        new = max(old + count, old * 3 // 2)
+        new = max(old + count, min(old * 3 // 2, _MOST_TILES))
+        if new > _MOST_TILES:
+            raise InputError(
+                f"the maps of {len(self.directory)} particles would take {new} tiles of {SIDE} x {SIDE} cells, more "
+                f"than {_MOST_TILES}; take fewer particles, larger cells or a shorter `max_urange`"
+            )
         for name in ("counts", "means", "bits", "_references", "_free"):
             array = getattr(self, name)
             grown = np.zeros((new, *array.shape[1:]), dtype=array.dtype)
@@ -131,7 +138,7 @@ class TileMaps:
         """Grow the directories so that `points_map` (n, 2) and a margin lie inside; the first ones begin there."""
         size = np.array(self.directory.shape[:0:-1])
         corners = [[side.min() for side in points_map.T], [side.max() for side in points_map.T]]
-        least, most = np.floor(np.array(corners) / (self.cell * SIDE)).astype(np.int64)
+        least, most = cell_numbers(np.array(corners) / (self.cell * SIDE))
         first = self.tiles == 0
         low, high = (least, least) if first else (self.origin, self.origin + size)
         lower = np.minimum(least - 1, low)
@@ -141,12 +148,8 @@ class TileMaps:
         lower -= np.where(lower < low, 4, 0)
         upper += np.where(upper > high, 4, 0)
         columns, rows = (int(places) for places in upper - lower)
-        if columns * rows > _MOST_PLACES:
-            width, height = (columns * self.cell * SIDE, rows * self.cell * SIDE)
-            raise InputError(
-                f"the map would grow to {width:.0f} x {height:.0f} m in cells of {self.cell:g} m; "
-                "the odometry or a range is wrong, or the cells are too small"
-            )
+        most = _MOST_PLACES * SIDE**2 / len(self.directory)
+        check_size(columns * SIDE, rows * SIDE, self.cell, most)
         grown = np.zeros((len(self.directory), rows, columns), dtype=np.int32)
         if not first:
             column, row = self.origin - lower

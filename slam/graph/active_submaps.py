@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds import check_numbers
 from ..errors import InputError
 from .submap import Submap, SubmapConfig
 from .sweep import Sweep
@@ -29,6 +30,7 @@ class ActiveSubmapsConfig:
     min_scans: int = 8
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         if not 1 <= self.min_scans <= self.scans:
             raise InputError(f"need 1 <= `min_scans` <= `scans`, got {self.min_scans} and {self.scans}")
         if not self.distance > 0.0:
@@ -73,6 +75,11 @@ class ActiveSubmaps:
             submap.finish()
         self._first = len(self.submaps)
         self._last = None
+
+    def trim(self, stay: NDArray[np.bool_]) -> None:
+        """Drop the finished submaps where `stay` (one for each submap) is false."""
+        self._first = int(stay[: self._first].sum())
+        self.submaps[:] = [submap for submap, stays in zip(self.submaps, stay.tolist(), strict=True) if stays]
 
     def insert(self, pose: Array, sweep: Sweep) -> tuple[int, ...]:
         """Insert a scan at `pose` (3,) T_local_robot; return the indices of the submaps that it stands in.

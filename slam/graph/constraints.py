@@ -1,12 +1,14 @@
 """Constraints between submaps and nodes, and how a node is matched against a finished submap."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds import Angle, Share, Within, check_numbers
 from ..errors import InputError
 from ..geometry import between, compose
 from ..search.branch_and_bound import SearchWindow, branch_and_bound
@@ -75,16 +77,17 @@ class ConstraintConfig:
     weight: float = 1.5
     intra_sigma: tuple[float, float] = (0.003, 0.001)
     inter_sigma: tuple[float, float] = (0.01, 0.003)
-    min_score: float = 0.6
-    search_min_score: float = 0.7
-    bound: float = 0.4
-    search_linear: float = 4.0
-    search_angular: float = 0.5
-    search_points: int = 100
-    max_shift: tuple[float, float] = (0.25, 0.1)
+    min_score: Share = 0.6
+    search_min_score: Share = 0.7
+    bound: Share = 0.4
+    search_linear: Annotated[float, Within(0.0, 100.0)] = 4.0
+    search_angular: Angle = 0.5
+    search_points: Annotated[int, Within(1, 10_000)] = 100
+    max_shift: Annotated[tuple[float, float], Within(0.0, 10.0)] = (0.25, 0.1)
     min_points: int = 30
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         for name, value in vars(self).items():
             if not np.all(np.asarray(value) > 0):
                 raise InputError(f"`{name}` must be positive, got {value}")
@@ -179,6 +182,10 @@ class ConstraintBuilder:
         """
         start = compose(submap.pose_local, constraint.pose)
         return self._closure(constraint.submap, submap, constraint.node, points, start, self._config.min_score)
+
+    def renumber(self, numbers: Mapping[int, int]) -> None:
+        """Take the new numbers of the submaps that stay, old -> new; forget what was made of the others."""
+        self._pyramids = {numbers[s]: pyramid for s, pyramid in self._pyramids.items() if s in numbers}
 
     def forget(self, index: int) -> None:
         """Forget what was made of a submap that is drawn anew."""

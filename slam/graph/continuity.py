@@ -11,6 +11,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ..bounds import check_numbers
 from ..errors import InputError
 from ..geometry import between, inverse
 from ..scan import LaserScan
@@ -43,6 +44,7 @@ class ContinuityConfig:
     near: tuple[float, float] = (0.1, 0.1)
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         for name, value in vars(self).items():
             if not np.all(np.asarray(value) > 0.0):
                 raise InputError(f"`{name}` must be positive, got {value}")

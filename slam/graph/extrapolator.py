@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds import check_numbers
 from ..errors import InputError
 from ..geometry import between, compose
 
@@ -33,6 +34,7 @@ class ExtrapolatorConfig:
     rotation_per_radian: float = 0.15
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         for name, value in vars(self).items():
             if not value >= 0.0 or (name.endswith("floor") and value == 0.0):
                 rule = "be positive" if name.endswith("floor") else "not be negative"
@@ -69,6 +71,10 @@ class Prediction:
         information[0, 0] = information[1, 1] = translation**-2
         information[2, 2] = rotation**-2
         return information
+
+    def then(self, other: "Prediction") -> "Prediction":
+        """Return this motion and the `other` after it as one; their errors are independent."""
+        return Prediction(compose(self.pose, other.pose), np.hypot(self.sigma, other.sigma))
 
 
 class OdometryExtrapolator:

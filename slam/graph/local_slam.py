@@ -1,10 +1,11 @@
 """Local SLAM: a continuous, slowly drifting trajectory from odometry and scans, without loop closure."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds import Cell, check_numbers
 from ..errors import InputError
 from ..geometry import between
 from ..scan import LaserScan
@@ -39,9 +40,10 @@ class LocalSlamConfig:
     voxel_filter: AdaptiveVoxelConfig = field(default_factory=AdaptiveVoxelConfig)
     submaps: ActiveSubmapsConfig = field(default_factory=ActiveSubmapsConfig)
     matcher: ScanMatcherConfig = field(default_factory=ScanMatcherConfig)
-    insertion_voxel: float = 0.05
+    insertion_voxel: Cell = 0.05
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         if not self.insertion_voxel > 0.0:
             raise InputError(f"`insertion_voxel` must be positive [m], got {self.insertion_voxel}")
 
@@ -121,6 +123,10 @@ class LocalSlam:
         if self._watch:
             self._watch.restart()
 
+    def trim(self, stay: NDArray[np.bool_]) -> None:
+        """Drop the finished submaps where `stay` (one for each submap) is false."""
+        self._active.trim(stay)
+
     def update(self, odometry: Array, scan: LaserScan) -> LocalResult:
         """Take one scan and the odometry pose T_odom_robot (3,) at that time."""
         if self._extrapolator is None:
@@ -143,7 +149,7 @@ class LocalSlam:
         if len(points) >= self._config.matcher.min_points and self._motion_filter.passes(pose):
             since = between(odometry if self._inserted_at is None else self._inserted_at, odometry)
             motion = Prediction(since, self._config.extrapolator.sigma(since))
-            insertion = Insertion(self._active.insert(pose, self.sweep(scan)), points, match, motion, scan)
+            insertion = Insertion(self._active.insert(pose, self.sweep(scan)), points, match, motion, replace(scan))
             self._inserted_at = odometry
         return LocalResult(pose, match, insertion)
 

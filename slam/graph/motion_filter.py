@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds import check_numbers
 from ..errors import InputError
 from ..geometry import between
 
@@ -23,6 +24,7 @@ class MotionFilterConfig:
     max_angle: float = 0.1
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         if not (self.max_distance >= 0.0 and self.max_angle >= 0.0):
             raise InputError(
                 f"`max_distance` and `max_angle` must not be negative, got {self.max_distance} and {self.max_angle}"

@@ -2,12 +2,13 @@
 
 import math
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Annotated, Protocol
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ..bounds import Angle, Rounds, Within, check_numbers
 from ..errors import InputError
 from ..geometry import transform_points, wrap_one
 from .correlative import correlate
@@ -18,6 +19,7 @@ Array = NDArray[np.float64]
 
 _SCORE_MEMORY = 0.1  # share of the newest score in the typical one
 _TRUSTED = 100.0  # times more than elsewhere odometry counts along a way that scans are blind along
+_MOST_POSES = 50_000_000  # of a correlative search, of each of its points: seconds; by default it has 10^5
 _SLIP = np.array([0.05, 0.1])  # [m, rad] what a wheel may slip at no motion
 
 
@@ -41,17 +43,18 @@ class ScanMatcherConfig:
 
     weight: float = 1.5
     sigmas: float = 3.0
-    max_linear: float = 0.5
-    max_angular: float = 0.5
+    max_linear: Annotated[float, Within(0.0, 10.0)] = 0.5
+    max_angular: Angle = 0.5
     capture: float = 0.06
-    search_points: int = 100
-    iterations: int = 20
+    search_points: Annotated[int, Within(1, 10_000)] = 100
+    iterations: Rounds = 20
     min_points: int = 10
     retry_below: float = 0.4
     retry_gain: float = 0.35
     retry_sigmas: float = 10.0
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         for name, value in vars(self).items():
             if not value > 0:
                 raise InputError(f"`{name}` must be positive, got {value}")
@@ -154,7 +157,13 @@ class ScanMatcher:
         if linear + angular * far <= config.capture:
             return 0, 0, 0.0
         step = resolution / max(far, 1.0)
-        return math.ceil(linear / resolution), math.ceil(angular / step), step
+        reach, angles = math.ceil(linear / resolution), math.ceil(angular / step)
+        poses = (2 * reach + 1) ** 2 * (2 * angles + 1)
+        if poses > _MOST_POSES:
+            raise InputError(
+                f"scans would be searched for at {poses} poses each, more than {_MOST_POSES}; `max_linear` or `max_angular` is too large, or the cells are too small"
+            )
+        return reach, angles, step
 
 
 @njit(cache=True, nogil=True)

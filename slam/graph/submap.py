@@ -7,12 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds import Cell, Reach, Share, check_numbers, check_size
 from ..errors import InputError
 from .submap_kernels import bounds, insert_scans
 from .sweep import Sweep
 
 _MARGIN_CELLS = 8  # beyond the farthest return: taps of the spline and of neighbouring cells stay inside
-_MOST_CELLS = 100_000_000  # of a submap: 500 m x 500 m at 5 cm
+_MOST_CELLS = 50_000_000  # of a submap: 350 m x 350 m at 5 cm, 700 MB
+_FAR_M = 1e9  # no pose that a match yields from bounded ones is farther off
 _GROWTH_M = 4.0  # a grid that must grow gets so much more on that side
 
 
@@ -29,12 +31,13 @@ class SubmapConfig:
             little further on, and a corridor is drawn 0.1 % too long.
     """
 
-    resolution: float = 0.05
+    resolution: Cell = 0.05
     prior_visits: float = 0.5
-    free_ray_length: float = 5.0
-    ray_margin: float = 0.01
+    free_ray_length: Reach = 5.0
+    ray_margin: Share = 0.01
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         if not self.resolution > 0.0:
             raise InputError(f"`resolution` must be positive [m], got {self.resolution}")
         if not self.prior_visits >= 0.0:
@@ -121,13 +124,14 @@ class Submap:
         (x, y), (rows, cols) = self.corner.tolist(), self.field.shape
         first_row = first_col = 0
         for low_x, low_y, high_x, high_y in extents:
+            if not (-_FAR_M <= low_x <= high_x <= _FAR_M and -_FAR_M <= low_y <= high_y <= _FAR_M):
+                raise InputError(f"a scan lies where no map reaches ({low_x:g}, {low_y:g}) m; a pose or range is wrong")
             left, right = _growth(low_x, high_x, x, cols, h)
             below, above = _growth(low_y, high_y, y, rows, h)
             x, y = x - left * h, y - below * h
             rows, cols = rows + below + above, cols + left + right
             first_row, first_col = first_row + below, first_col + left
-            if rows * cols > _MOST_CELLS:
-                raise InputError(f"a submap would grow to {cols * h:.0f} x {rows * h:.0f} m; a pose or range is wrong")
+            check_size(cols, rows, h, _MOST_CELLS, "a submap")
         if (rows, cols) == self.field.shape:
             return
         inside = slice(first_row, first_row + self.field.shape[0]), slice(first_col, first_col + self.field.shape[1])

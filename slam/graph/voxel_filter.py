@@ -6,6 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ..bounds import Cell, Reach, check_numbers
 from ..errors import InputError
 
 Points = NDArray[np.float64]
@@ -26,11 +27,12 @@ class AdaptiveVoxelConfig:
     """
 
     min_points: int = 200
-    max_edge: float = 0.5
-    min_edge: float = 0.02
-    max_range: float = 60.0
+    max_edge: Cell = 0.5
+    min_edge: Cell = 0.02
+    max_range: Reach = 60.0
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         if self.min_points < 1:
             raise InputError(f"`min_points` must be at least 1, got {self.min_points}")
         if not 0.0 < self.min_edge <= self.max_edge:

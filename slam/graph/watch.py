@@ -10,6 +10,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ..bounds import check_numbers
 from ..errors import InputError
 from ..geometry import between, transform_points
 from .submap import Submap
@@ -54,6 +55,7 @@ class WatchConfig:
     nothing_far: tuple[float, float] = (0.3, 0.45)
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         for name, value in vars(self).items():
             if not np.all(np.asarray(value) > 0):
                 raise InputError(f"`{name}` must be positive, got {value}")

@@ -6,7 +6,7 @@ mixture needs a full covariance matrix: sum of gamma (x - mu)(x - mu)^T over sum
 """
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Annotated, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,6 +14,7 @@ from sklearn.cluster import KMeans
 from sklearn.metrics import silhouette_score
 from sklearn.mixture import GaussianMixture
 
+from ..bounds import Reach, Seed, Within, check_numbers
 from ..errors import InputError, unknown_name
 from .dbscan_kernel import dbscan_labels
 from .heuristic_kernel import heuristic_labels
@@ -38,10 +39,11 @@ class Heuristic:
         min_points: Objects of fewer points are noise.
     """
 
-    distance: float = 0.5
+    distance: Reach = 0.5
     min_points: int = 1
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         _check(self.distance, self.min_points)
 
     def fit_predict(self, points: ArrayLike) -> Labels:
@@ -58,10 +60,11 @@ class Dbscan:
         min_points: So many neighbours, itself included, make a point a core point.
     """
 
-    epsilon: float = 0.5
+    epsilon: Reach = 0.5
     min_points: int = 1
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         _check(self.epsilon, self.min_points)
 
     def fit_predict(self, points: ArrayLike) -> Labels:
@@ -79,11 +82,12 @@ class KMeansObjects:
         seed: Of the first centroids.
     """
 
-    most: int = 12
+    most: Annotated[int, Within(1, 100)] = 12
     choice: str = "elbow"
-    seed: int = 0
+    seed: Seed = 0
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         _check_choice(self.most, self.choice, ("elbow", "silhouette"))
 
     def fit_predict(self, points: ArrayLike) -> Labels:
@@ -120,12 +124,13 @@ class GaussianMixtureObjects:
         floor: Smallest variance, added to each covariance [m^2].
     """
 
-    most: int = 12
+    most: Annotated[int, Within(1, 100)] = 12
     choice: str = "elbow"
-    seed: int = 0
+    seed: Seed = 0
     floor: float = 1e-4
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         _check_choice(self.most, self.choice, ("elbow", "bic"))
         if not self.floor > 0.0:
             raise InputError(f"`floor` must be positive [m^2], got {self.floor}")

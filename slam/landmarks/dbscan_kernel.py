@@ -13,16 +13,13 @@ def dbscan_labels(points: NDArray[np.float64], epsilon: float, min_points: int) 
     tests. A point counts as its own neighbour (Urvina 2023, eq. 13).
     """
     n = len(points)
-    near = np.zeros((n, n), dtype=np.bool_)
     count = np.zeros(n, dtype=np.int64)
     for i in range(n):
         for j in range(n):
             dx, dy = points[i, 0] - points[j, 0], points[i, 1] - points[j, 1]
-            if dx * dx + dy * dy <= epsilon * epsilon:
-                near[i, j] = True
-                count[i] += 1
+            count[i] += dx * dx + dy * dy <= epsilon * epsilon
     labels = np.full(n, -1, dtype=np.int64)
-    stack = np.empty(n * n + 1, dtype=np.int64)
+    stack = np.empty(n, dtype=np.int64)  # a point is put there once, when it gets its label
     cluster = 0
     for seed in range(n):
         if labels[seed] != -1 or count[seed] < min_points:
@@ -36,7 +33,10 @@ def dbscan_labels(points: NDArray[np.float64], epsilon: float, min_points: int) 
             if count[i] < min_points:
                 continue
             for j in range(n):
-                if near[i, j] and labels[j] == -1:
+                if labels[j] != -1:
+                    continue
+                dx, dy = points[i, 0] - points[j, 0], points[i, 1] - points[j, 1]
+                if dx * dx + dy * dy <= epsilon * epsilon:
                     labels[j] = cluster
                     stack[size] = j
                     size += 1

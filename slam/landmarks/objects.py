@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds import check_numbers
 from ..errors import InputError
 from ..scan import LaserScan
 from .clustering import Clusterer
@@ -97,6 +98,7 @@ class SightingConfig:
     sigma_shape: float = 0.0
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         for name, value in vars(self).items():
             if not value >= 0.0:
                 raise InputError(f"`{name}` must not be negative, got {value}")

@@ -1,10 +1,12 @@
 """How well views fit a map at given poses: what hypotheses are weighed by and what tracking is judged by."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds import Reach, Rounds, Within, check_numbers
 from ..errors import InputError
 from ..geometry import compose, transform_points
 from ..graph.refine_kernels import refine_pose
@@ -30,13 +32,14 @@ class EvidenceConfig:
         iterations: Most steps of a refinement.
     """
 
-    sigma: float = 0.08
-    slack: float = 0.4
+    sigma: Annotated[float, Within(1e-3, 100.0)] = 0.08
+    slack: Reach = 0.4
     hold: float = 1.0
     weight: float = 1.5
-    iterations: int = 12
+    iterations: Rounds = 12
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         for name, value in vars(self).items():
             if not value > 0:
                 raise InputError(f"`{name}` must be positive, got {value}")

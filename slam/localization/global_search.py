@@ -1,10 +1,12 @@
 """Where on the map the robot may be, by all that it has seen lately: hypotheses that live until one stands out."""
 
 from dataclasses import dataclass, field
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds import Cell, Share, Step, Within, check_numbers
 from ..errors import InputError
 from ..geometry import between, transform_points, wrap_angle
 from ..graph.voxel_filter import voxel_first
@@ -44,24 +46,25 @@ class GlobalSearchConfig:
         hopeless: Hypotheses less likely than the best by this factor are forgotten.
     """
 
-    angular_step: float = float(np.radians(2.5))
-    maxima: int = 20
+    angular_step: Step = float(np.radians(2.5))
+    maxima: Annotated[int, Within(1, 1000)] = 20
     separation: Separation = field(default_factory=lambda: Separation(linear=0.5, angular=0.35, least_share=0.75))
-    least_score: float = 0.5
-    points: int = 120
-    voxel: float = 0.15
-    views: int = 20
+    least_score: Share = 0.5
+    points: Annotated[int, Within(1, 10_000)] = 120
+    voxel: Cell = 0.15
+    views: Annotated[int, Within(1, 1000)] = 20
     search_every: float = 0.25
     fresh: float = 0.5
     independent_beams: float = 12.0
     independent_views: float = 3.0
     sure_ratio: float = 10.0
-    well_explained: float = 0.85
-    least_explained: float = 0.5
+    well_explained: Share = 0.85
+    least_explained: Share = 0.5
     same: tuple[float, float] = (0.25, 0.1)
-    hopeless: float = 1e8
+    hopeless: Annotated[float, Within(1.0, 1e300)] = 1e8
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         for name in ("maxima", "points", "voxel", "views", "search_every", "fresh", "independent_beams"):
             if not getattr(self, name) > 0:
                 raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")

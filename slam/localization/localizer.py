@@ -6,6 +6,7 @@ from enum import Enum
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..bounds import check_numbers, checked_pose
 from ..errors import InputError
 from ..geometry import between
 from ..graph.extrapolator import ExtrapolatorConfig, OdometryExtrapolator, Prediction
@@ -66,6 +67,7 @@ class LocalizerConfig:
     blind_way: float = 5.0
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         for name in ("min_points", "doubt", "doubt_below", "patience", "trust", "blind_way"):
             if not getattr(self, name) > 0:
                 raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
@@ -114,8 +116,9 @@ class Localizer:
         self._evidence = Evidence(self.place, self.config.evidence)
         self._search = GlobalSearch(self.place, self._evidence, self.config.search)
         self._views = ViewMaker(self.config.voxel_filter)
-        self._start = None if start is None else self._checked(_pose(start, "start"))
+        self._start = None if start is None else self._checked(checked_pose(start, "start"))
         self._tracker: OdometryExtrapolator | None = None
+        self._odometry: Array | None = None
         self._updates: list[Array | None] = []
         self.lost = 0
 
@@ -142,7 +145,8 @@ class Localizer:
 
     def update(self, odometry: ArrayLike, scan: LaserScan) -> LocalizationUpdate:
         """Take one scan and the robot's odometry pose T_odom_robot (3,) at that time."""
-        view = self._views.view(_pose(odometry, "odometry"), scan)
+        self._odometry = checked_pose(odometry, before=self._odometry)
+        view = self._views.view(self._odometry, scan)
         if self._start is not None:
             self._track_from(view.odometry, self._start)
         result = self._search_for(view) if self._tracker is None else self._track(self._tracker, view)
@@ -220,10 +224,3 @@ class Localizer:
         off, apart = between(prediction.pose, pose), self.config.search.separation
         reach = np.maximum((apart.linear, apart.angular), self.config.matcher.sigmas * prediction.sigma)
         return bool(np.hypot(off[0], off[1]) <= reach[0] and abs(off[2]) <= reach[1])
-
-
-def _pose(value: ArrayLike, name: str) -> Array:
-    pose = np.array(value, dtype=np.float64)
-    if pose.shape != (3,) or not np.isfinite(pose).all():
-        raise InputError(f"`{name}` must be a finite pose of shape (3,), got {pose}")
-    return pose

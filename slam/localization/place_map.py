@@ -2,11 +2,13 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
+from ..bounds import Cell, Share, Within, check_numbers
 from ..errors import InputError
 from ..occupancy_map import OccupancyMap
 from ..search.score_pyramid import ScoreGrid, ScorePyramid, build_pyramid
@@ -32,16 +34,17 @@ class PlaceMapConfig:
         most_blocks: ... or from larger ones, where there would be more than so many for each heading: memory.
     """
 
-    resolution: float = 0.05
-    search_resolution: float = 0.1
-    wall_sigma: float = 0.05
-    search_sigma: float = 0.15
-    unseen: float = 0.4
-    unseen_margin: float = 8.0
-    top_level: int = 1
-    most_blocks: int = 100_000
+    resolution: Cell = 0.05
+    search_resolution: Cell = 0.1
+    wall_sigma: Annotated[float, Within(1e-3, 100.0)] = 0.05
+    search_sigma: Annotated[float, Within(1e-3, 100.0)] = 0.15
+    unseen: Share = 0.4
+    unseen_margin: Annotated[float, Within(0.0, 100.0)] = 8.0
+    top_level: Annotated[int, Within(0, 8)] = 1
+    most_blocks: Annotated[int, Within(1, 1_000_000)] = 100_000
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         for name, value in vars(self).items():
             if not value > 0:
                 raise InputError(f"`{name}` must be positive, got {value}")

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds import check_poses
 from ..errors import InputError
 from ..scan import LaserScan
 
@@ -24,7 +25,8 @@ class RecordedDrive:
         notes: What the reader had to assume or leave out, a sentence each.
 
     Raises:
-        InputError: If the numbers of poses and scans differ, or a pose is not finite.
+        InputError: If the numbers of poses and scans differ, or a pose is not finite, out of bounds, or far from the
+            one before.
     """
 
     odometry: NDArray[np.float64]
@@ -40,8 +42,7 @@ class RecordedDrive:
                 continue
             if poses.shape != (len(self.scans), 3):
                 raise InputError(f"`{field}` must have shape ({len(self.scans)}, 3), one per scan, got {poses.shape}")
-            if not np.isfinite(poses).all():
-                raise InputError(f"`{field}` must be finite, got {poses[~np.isfinite(poses).all(axis=1)][0]}")
+            check_poses(poses, field)
 
     def __len__(self) -> int:
         return len(self.scans)

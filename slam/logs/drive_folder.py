@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds import check_points, check_poses
 from ..errors import InputError
 from ..files import read_arrays, replacing
 from .carmen import read_carmen
@@ -40,8 +41,10 @@ class SimulatedDrive:
         n = len(self.recording)
         if self.truth.shape != (n, 3):
             raise InputError(f"`truth` must have shape ({n}, 3), one pose a scan, got {self.truth.shape}")
+        check_poses(self.truth, "truth")
         if self.feet.ndim != 3 or len(self.feet) != n or self.feet.shape[2] != 2:
             raise InputError(f"`feet` must have shape ({n}, feet, 2), got {self.feet.shape}")
+        check_points(self.feet, "feet")
 
 
 def write_drive(folder: str | os.PathLike[str], drive: SimulatedDrive, name: str | None = None) -> None:
@@ -85,6 +88,7 @@ def read_feet(path: str | os.PathLike[str]) -> NDArray[np.float64]:
         raise InputError(f"{os.fspath(path)}: no readable npz file ({error})") from error
     if feet.ndim != 3 or feet.shape[2] != 2:
         raise InputError(f"{os.fspath(path)}: `feet` must have shape (scans, feet, 2), got {feet.shape}")
+    check_points(feet, f"{os.fspath(path)}: feet")
     return feet
 
 

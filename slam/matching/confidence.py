@@ -6,6 +6,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds import check_numbers
 from ..errors import InputError
 from .nearest import nearest_point
 from .surfaces import SurfaceConfig, Surfaces
@@ -37,6 +38,7 @@ class ConfidenceConfig:
     surfaces: SurfaceConfig = LONG_LINES
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         if not min(self.near, self.least_points, self.noise, self.blind_sigma, self.caution) > 0.0:
             raise InputError(f"all fields of ConfidenceConfig must be positive, got {self}")
 

@@ -1,11 +1,13 @@
 """The genetic search over poses, one for PGA, GLASM and GLASM-g: they differ in their fitness alone."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds import Seed, Share, Within, check_numbers
 from ..errors import InputError
 from .fitness import lookup_fitness, polar_fitness
 
@@ -34,18 +36,19 @@ class GeneticConfig:
         seed: Seed of the random numbers; the same for every match, so equal questions have equal answers.
     """
 
-    linear: float
+    linear: Annotated[float, Within(0.0, 1e3)]
     angular: float
-    population: int
-    generations: int
-    runs: int = 1
+    population: Annotated[int, Within(2, 10_000)]
+    generations: Annotated[int, Within(1, 1000)]
+    runs: Annotated[int, Within(1, 100)] = 1
     tournament: int = 3
-    blend: float = 0.3
-    mutation: float = 0.25
-    narrowing: float = 0.7
-    seed: int = 0
+    blend: Annotated[float, Within(0.0, 100.0)] = 0.3
+    mutation: Annotated[float, Within(0.0, 100.0)] = 0.25
+    narrowing: Share = 0.7
+    seed: Seed = 0
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         if not (self.linear > 0.0 and 0.0 < self.angular <= np.pi + 1e-9):
             raise InputError(f"need `linear` > 0 [m] and `angular` in (0, pi] [rad], got {self.linear}, {self.angular}")
         if not (self.population >= 2 and self.generations >= 1 and self.runs >= 1 and 1 <= self.tournament <= 4):

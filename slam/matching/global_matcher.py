@@ -8,10 +8,12 @@ views is counted by range, not by beams: of a corridor's two ends and many doors
 """
 
 from dataclasses import dataclass, field, replace
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..bounds import Reach, Share, Within, check_numbers, checked_pose
 from ..errors import InputError
 from ..geometry import compose, inverse, wrap_angle
 from ..scan import LaserScan
@@ -82,22 +84,22 @@ class GlobalConfig:
     """
 
     window: SearchWindow = _WINDOW
-    top_level: int = 3
+    top_level: Annotated[int, Within(0, 8)] = 3
     lookup: LookupConfig = field(default_factory=LookupConfig)
-    maxima: int = 3
+    maxima: Annotated[int, Within(1, 1000)] = 3
     separation: Separation = _SEPARATION
-    points: int = 180
+    points: Annotated[int, Within(1, 10_000)] = 180
     sigma: float = 0.05
-    margin: float = 0.3
+    margin: Reach = 0.3
     free_space: float = 0.5
     whole: float = 0.5
     rival: float = 0.9
     sure: float = 1.0
     endpoints: float = 0.5
-    unseen: float = 0.78
-    beyond: float = 4.0
-    second_maxima: int = 40
-    second_refined: int = 16
+    unseen: Share = 0.78
+    beyond: Annotated[float, Within(0.0, 100.0)] = 4.0
+    second_maxima: Annotated[int, Within(0, 1000)] = 40
+    second_refined: Annotated[int, Within(1, 1000)] = 16
     second_separation: Separation = _SECOND_SEPARATION
     far: float = 0.01
     beside: tuple[float, float] = (0.2, 0.04)
@@ -106,6 +108,7 @@ class GlobalConfig:
     shared: SharedLinesConfig = field(default_factory=SharedLinesConfig)
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         if not (self.maxima >= 1 and self.points >= 1 and min(self.sigma, self.noise) > 0.0 and self.margin >= 0.0):
             raise InputError(f"need `maxima`, `points` >= 1, `sigma`, `noise` > 0, `margin` >= 0, got {self}")
         if not (0.0 <= self.unseen <= 1.0 and self.beyond >= 0.0 and self.second_maxima >= 0):
@@ -129,7 +132,7 @@ class GlobalMatcher:
         config = self.config
         level, surfaces_new = self._level(reference, new)
         tool = self._refinements[level]
-        points, centre = surfaces_new.points, np.array(guess, dtype=np.float64)
+        points, centre = surfaces_new.points, checked_pose(guess, "guess")
         found = self.search(reference, points, centre)
         if not found.maxima or len(tool.surfaces(reference)) < 3:
             return tool.judge(reference, points, Refined(centre, 0, False))

@@ -6,6 +6,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..bounds import check_numbers, checked_pose
 from ..errors import InputError
 from ..geometry import wrap_angle
 from ..scan import LaserScan
@@ -46,6 +47,7 @@ class HybridConfig:
     polishing: IterativeConfig = _POLISHING
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         if self.fitness not in ("lookup", "polar"):
             raise InputError(f'`fitness` must be "lookup" or "polar", got {self.fitness!r}')
         if not self.polar_threshold > 0.0:
@@ -111,7 +113,7 @@ class HybridMatcher:
     def search(self, reference: LaserScan, points_new: NDArray[np.float64], guess: ArrayLike) -> Search:
         """Return the best individual of the search around `guess` (3,) for points (N, 2) of the new scan."""
         config, genetic = self.config, self.config.genetic
-        centre = np.array(guess, dtype=np.float64)
+        centre = checked_pose(guess, "guess")
         if len(points_new) == 0 or not reference.is_return.any():
             return Search(centre, 0.0, 0, np.empty((0, 0, 0, 3)), np.empty((0, 0, 0)))
         populations, fitnesses = evolve(

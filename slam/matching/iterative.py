@@ -1,11 +1,12 @@
 """The iterative matchers: ICP, PL-ICP (Censi 2008) and MbICP (Minguez, Montesano, Lamiraux 2006)."""
 
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..bounds import Rounds, Share, Within, check_numbers, checked_pose
 from ..errors import InputError
 from ..geometry import wrap_angle
 from ..scan import LaserScan
@@ -45,15 +46,16 @@ class IterativeConfig:
     last_reach: float = 0.3
     first_scale: float = 0.5
     last_scale: float = 0.05
-    factor: float = 0.5
-    kept: float = 1.0
+    factor: Annotated[float, Within(1e-3, 1.0)] = 0.5
+    kept: Share = 1.0
     ridge: float = 1e-3
-    most_iterations: int = 40
+    most_iterations: Rounds = 40
     rest: float = 1e-4
     surfaces: SurfaceConfig = field(default_factory=SurfaceConfig)
     confidence: ConfidenceConfig = field(default_factory=ConfidenceConfig)
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         if self.kind not in _KINDS:
             raise InputError(f"`kind` must be one of {', '.join(_KINDS)}, got {self.kind!r}")
         if not (0.0 < self.kept <= 1.0 and 0.0 < self.factor <= 1.0):
@@ -100,7 +102,7 @@ class IterativeMatcher:
     def match(self, reference: LaserScan, new: LaserScan, guess: ArrayLike) -> Match:
         """Return the pose of `new` in the frame of `reference`, from `guess` (3,) (see `Matcher`)."""
         points = near_points(new, self.config.surfaces.range_limit)
-        refined = self.refine(reference, points, guess)
+        refined = self.refine(reference, points, checked_pose(guess, "guess"))
         return self.judge(reference, points, refined)
 
     def surfaces(self, reference: LaserScan) -> Surfaces:

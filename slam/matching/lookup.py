@@ -1,14 +1,17 @@
 """The lookup table around a reference scan's points (Lenac, Mumolo, Nolich 2011; Cuzzocrea et al. 2022, Fig. 2)."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
 import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds import Within, check_numbers, check_size
 from ..errors import InputError
 from ..search.score_pyramid import ScoreGrid
+
+_MOST_CELLS = 20_000_000  # of a table: one that reaches 200 m at 10 cm, five pyramids of it are 100 MB
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,12 +27,13 @@ class LookupConfig:
     """
 
     pattern: Literal["gaussian", "square"] = "gaussian"
-    cell: float = 0.1
-    sigma: float = 0.2
-    radius: float = 0.6
-    half_side: float = 0.2
+    cell: Annotated[float, Within(0.01, 100.0)] = 0.1
+    sigma: Annotated[float, Within(1e-3, 100.0)] = 0.2
+    radius: Annotated[float, Within(1e-3, 10.0)] = 0.6
+    half_side: Annotated[float, Within(1e-3, 10.0)] = 0.2
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         if self.pattern not in ("gaussian", "square"):
             raise InputError(f'`pattern` must be "gaussian" or "square", got {self.pattern!r}')
         if not min(self.cell, self.sigma, self.radius, self.half_side) > 0.0:
@@ -47,7 +51,9 @@ def build_lookup(points: NDArray[np.float64], config: LookupConfig) -> ScoreGrid
         return ScoreGrid(np.zeros((1, 1), dtype=np.uint8), (0.0, 0.0), config.cell)
     low = np.floor((points.min(axis=0) - reach) / config.cell) - 1.0
     high = np.ceil((points.max(axis=0) + reach) / config.cell) + 1.0
-    cols, rows = (high - low).astype(np.int64).tolist()
+    cols, rows = (high - low).tolist()
+    check_size(cols, rows, config.cell, _MOST_CELLS, "the table of a scan")
+    cols, rows = int(cols), int(rows)
     values = np.zeros((rows, cols), dtype=np.uint8)
     origin = (float(low[0] * config.cell), float(low[1] * config.cell))
     if square:

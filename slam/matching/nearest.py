@@ -27,7 +27,7 @@ def bin_near(x, y):  # pragma: no cover
         angle = np.pi - angle
     if y < 0.0:
         angle = -angle
-    return min(int((angle + np.pi) * _BINS_PER_RADIAN), 1023)
+    return min(int((angle + np.pi) * _BINS_PER_RADIAN), 1023) if angle == angle else 0
 
 
 @numba.njit(cache=True, nogil=True)

@@ -6,6 +6,7 @@ import numpy as np
 from .nearest import metric_square, nearest_point
 
 POINT, LINE, METRIC = 0, 1, 2  # what a correspondence measures
+_FAR = 1e7  # [m, rad] no step leads farther than any two places are apart
 
 
 @numba.njit(cache=True, nogil=True)
@@ -119,7 +120,7 @@ def normal_equations(kind, pose, lever, reference, scale, index, moved, system):
 
 @numba.njit(cache=True, nogil=True)
 def solve_step(system, ridge, step):  # pragma: no cover
-    """Solve (H + ridge) step = g by Cholesky; what H says nothing about stays put. Returns False if H is not finite."""
+    """Solve (H + ridge) step = g by Cholesky; what H leaves open stays put. Returns False if it leads nowhere."""
     a, b, c = system[0, 0] + ridge, system[0, 1], system[0, 2]
     d, e, f = system[1, 1] + ridge, system[1, 2], system[2, 2] + ridge
     if not a > 0.0:
@@ -135,7 +136,7 @@ def solve_step(system, ridge, step):  # pragma: no cover
     step[2] = z2 / l22
     step[1] = (z1 - l21 * step[2]) / l11
     step[0] = (z0 - l10 * step[1] - l20 * step[2]) / l00
-    return np.isfinite(step[0] + step[1] + step[2])
+    return abs(step[0]) + abs(step[1]) + abs(step[2]) < _FAR
 
 
 @numba.njit(cache=True, nogil=True)

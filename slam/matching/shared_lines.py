@@ -7,11 +7,13 @@ the direction that the pieces say least about; point-to-line matching has settle
 """
 
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds import Within, check_numbers
 from ..errors import InputError
 
 _FAR = 1e9  # nats that no cut costs
@@ -42,7 +44,7 @@ class SharedLinesConfig:
     single: float = 2.0
     gap: float = 0.2
     obliquity: float = 8.0
-    longest: int = 12
+    longest: Annotated[int, Within(1, 1000)] = 12
     span: float = 0.012
     step: float = 0.006
     prior: float = 0.015
@@ -54,6 +56,7 @@ class SharedLinesConfig:
         return replace(self, **lengths)
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         if not min(self.noise, self.gap, self.obliquity, self.span, self.step, self.prior) > 0.0:
             raise InputError(f"need positive lengths, got {self}")
         if not (min(self.line, self.pair, self.single, self.doubt) >= 0.0 and self.longest >= 3):

@@ -1,11 +1,13 @@
 """A scan as a chain of points with normals, the form in which the iterative matchers hold their reference."""
 
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds import Reach, Within, check_numbers
 from ..errors import InputError
 from ..scan import LaserScan
 
@@ -26,14 +28,15 @@ class SurfaceConfig:
             points have none.
     """
 
-    neighbours: int = 6
+    neighbours: Annotated[int, Within(1, 1000)] = 6
     tolerance: float = 0.015
     gap: float = 0.05
     obliquity: float = 6.0
-    range_limit: float = 30.0
+    range_limit: Reach = 30.0
     even: bool = False
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         if not (self.neighbours >= 1 and min(self.tolerance, self.gap, self.obliquity, self.range_limit) > 0.0):
             raise InputError(f"all fields of SurfaceConfig must be positive, got {self}")
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from ..bounds import Rounds, check_numbers
 from ..errors import InputError
 from ..geometry import compose
 from .normal_equations import Pattern, block_pattern, fill
@@ -30,11 +31,12 @@ class AdjustmentConfig:
         damping: Damping at the start, relative to the diagonal.
     """
 
-    iterations: int = 50
+    iterations: Rounds = 50
     tolerance: float = 1e-7
     damping: float = 1e-8
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         for name, value in vars(self).items():
             if not value > 0:
                 raise InputError(f"`{name}` must be positive, got {value}")
@@ -53,7 +55,7 @@ class Adjustment:
 
     poses: Array
     cost: float
-    iterations: int
+    iterations: Rounds
     converged: bool
 
 

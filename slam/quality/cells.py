@@ -5,12 +5,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..bounds import MOST_CELLS, check_points, check_size
 from ..errors import InputError
 from ..geometry import inverse, transform_points
 from ..occupancy_map import OccupancyMap
 from .map_kernels import look_up, mark_near
 
 Mask = NDArray[np.bool_]
+_WIDEST_M = 10.0  # [m] nobody crosses more around a foot
+_MOST_CELLS = MOST_CELLS // 4  # every cell takes eighty bytes while they are compared
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +81,9 @@ def common_cells(
     origin = np.asarray(reference.origin)
     low = np.floor((corners.min(axis=0) - origin) / resolution - 1e-6)
     origin = origin + low * resolution
-    cols, rows = np.ceil((corners.max(axis=0) - origin) / resolution - 1e-6).astype(int)
+    cols, rows = np.ceil((corners.max(axis=0) - origin) / resolution - 1e-6).tolist()
+    check_size(cols, rows, resolution, _MOST_CELLS, "the lattice of both maps")
+    cols, rows = int(cols), int(rows)
     x = np.arange(cols) * resolution + resolution / 2.0 + origin[0]
     y = np.arange(rows) * resolution + resolution / 2.0 + origin[1]
     centres = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
@@ -116,8 +121,11 @@ def dynamic_residue(cells: CommonCells, people: ArrayLike, radius: float = 0.12)
         InputError: If `people` has not shape (..., 2) or `radius` is not positive.
     """
     places = np.asarray(people, dtype=np.float64)
-    if places.ndim < 1 or places.shape[-1] != 2 or not radius > 0.0:
-        raise InputError(f"needs people (..., 2) and a positive radius [m], got shape {places.shape} and {radius}")
+    if places.ndim < 1 or places.shape[-1] != 2 or not 0.0 < radius <= _WIDEST_M:
+        raise InputError(
+            f"needs people (..., 2) and a radius in (0, {_WIDEST_M:g}] m, got shape {places.shape} and {radius}"
+        )
+    check_points(places, "people")
     crossed = np.zeros_like(cells.reference_free)
     mark_near(places[np.isfinite(places).all(axis=-1)], radius, *cells.origin, cells.resolution, crossed)
     crossed &= cells.reference_free & ~_grown(cells.reference_occupied)

@@ -5,10 +5,12 @@ lattice place to the next and stop up to several cells away from where the walls
 """
 
 from dataclasses import dataclass, fields
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds import Rounds, Within, check_numbers
 from ..errors import InputError
 from ..geometry import compose, inverse, transform_points
 from .map_kernels import describe_pieces
@@ -22,18 +24,19 @@ Array = NDArray[np.float64]
 class SurfaceIcpConfig:
     """How pieces of wall are laid on each other."""
 
-    points: int = 20
+    points: Annotated[int, Within(1, 1000)] = 20
     """Points that describe the piece of wall around a point, itself included."""
     reach_m: float = 0.2
     """How far from it they may be [m]."""
     outlier_m: float = 0.04
     """Pairs farther apart than this pull with constant force, as in a mean distance (Huber) [m]."""
-    iterations: int = 200
+    iterations: Rounds = 200
     """Most iterations."""
     tolerance_m: float = 2e-5
     """It has come to rest when no point moves farther than this in an iteration [m]."""
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         for field in fields(self):
             if not getattr(self, field.name) > 0:
                 raise InputError(f"`{field.name}` must be positive, got {getattr(self, field.name)}")

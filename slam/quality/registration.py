@@ -5,10 +5,12 @@ turns are tried, each is refined a little, and the one with the smallest residua
 """
 
 from dataclasses import dataclass, field
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds import Rounds, Within, check_numbers
 from ..errors import InputError
 from ..geometry import compose, inverse, transform_points
 from .icp import Cloud, SurfaceIcpConfig, icp_points, icp_surface
@@ -20,9 +22,9 @@ Array = NDArray[np.float64]
 class RegistrationConfig:
     """How two sets of points are registered."""
 
-    coarse_points: int = 1200
+    coarse_points: Annotated[int, Within(1, 100_000)] = 1200
     """Points of each map that take part in the choice of the turn."""
-    coarse_iterations: int = 25
+    coarse_iterations: Rounds = 25
     """Iterations that each turn is refined, point to point, before the turns are compared."""
     isotropy: float = 0.5
     """Ratio of the smaller to the larger variance above which the axes say little: turns of 15 degrees, not of 90."""
@@ -30,6 +32,7 @@ class RegistrationConfig:
     """The final refinement."""
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         for name in ("coarse_points", "coarse_iterations"):
             if not getattr(self, name) > 0:
                 raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")

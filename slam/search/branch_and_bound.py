@@ -10,11 +10,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..bounds import Reach, Step, check_numbers
 from ..errors import InputError
 from ..geometry import wrap_angle
 from .best_first import best_leaves
 from .kernels import rotated_cells, top_bounds
 from .score_pyramid import ScorePyramid
+
+_MOST_BLOCKS = 50_000_000  # of a window, four bytes each: a building of 400 m x 400 m, from blocks of 0.2 m
+_MOST_HALF = 20_000  # cells: squares of distances stay below `best_first._RANKS`
+_MOST_INDEX = 2**30  # cells: sums of two stay whole numbers of 32 bits
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,11 +32,12 @@ class SearchWindow:
         angular_step: Step between headings [rad]; on the full circle it is shrunk to divide it evenly.
     """
 
-    linear: float
+    linear: Reach
     angular: float
-    angular_step: float
+    angular_step: Step
 
     def __post_init__(self) -> None:
+        check_numbers(self)
         if not (self.linear >= 0.0 and self.angular >= 0.0 and self.angular_step > 0.0):
             raise InputError(
                 "need `linear` >= 0 [m], `angular` >= 0 and `angular_step` > 0 [rad], got "
@@ -96,7 +102,7 @@ class Separation:
         least_share: Least score, as a share of the first maximum's; a high share makes the search faster.
     """
 
-    linear: float = 0.5
+    linear: Reach = 0.5
     angular: float = 0.35
     least_share: float = 0.0
 
@@ -130,6 +136,10 @@ def branch_and_bound(
         min_score: Least mean worth of a point, in [0, 1], that is still found.
         maxima: How many maxima to look for.
         separation: How far apart they must be; None: `Separation()`.
+
+    Raises:
+        InputError: If the window has more blocks than `_MOST_BLOCKS`, or a point lies farther off than whole numbers of
+            32 bits count cells.
     """
     separation = separation or Separation()
     points_scan = np.ascontiguousarray(points, dtype=np.float64)
@@ -137,6 +147,7 @@ def branch_and_bound(
     headings = window.headings(theta)
     half = window.reach(pyramid.resolution)
     candidates = len(headings) * (2 * half + 1) ** 2
+    _check_window(pyramid, points_scan, (x, y), len(headings), half)
     cells, bounds = _bounds(pyramid, points_scan, (x, y), headings, half)
     period = len(headings) if window.angular >= np.pi else 0
     reach = separation.reach(headings, pyramid.resolution)
@@ -156,6 +167,21 @@ def branch_and_bound(
         )
         found.append(Maximum(pose, total / worth))
     return SearchResult(tuple(found), candidates, int(looked))
+
+
+def _check_window(
+    pyramid: ScorePyramid, points: NDArray[np.float64], centre: tuple[float, float], headings: int, half: int
+) -> None:
+    """Raise InputError where a search would have no end, or its whole numbers would overflow."""
+    blocks = (2 * half >> (len(pyramid.levels) - 1)) + 1
+    if headings * blocks**2 > _MOST_BLOCKS or half > _MOST_HALF:
+        raise InputError(
+            f"the search window has {headings} headings x {blocks} x {blocks} blocks, more than {_MOST_BLOCKS}; it is "
+            "too large, or its steps are too small"
+        )
+    places = np.abs(np.subtract(centre, pyramid.origin)).max() + np.abs(points).max(initial=0.0)
+    if not places / pyramid.resolution < _MOST_INDEX:
+        raise InputError(f"a search must lie within {_MOST_INDEX} cells of its map, got {places / pyramid.resolution}")
 
 
 def _bounds(
