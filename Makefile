@@ -4,7 +4,11 @@ BIN := .venv/bin
 STAMP := .venv/.installed
 LEARN := .venv/.installed-learn
 
-.PHONY: demo test check bench clean
+# of `make fuzz`: about how long, and the seed of all inputs
+MINUTES ?= 2
+SEED ?= 1
+
+.PHONY: demo test check bench fuzz clean
 
 demo: $(STAMP)
 	$(BIN)/tagalong demo --out out/demo
@@ -16,6 +20,9 @@ check: $(LEARN)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/basedpyright --pythonpath $(BIN)/python
+
+fuzz: $(LEARN)
+	$(BIN)/python tests/fuzz/run.py --minutes $(MINUTES) --seed $(SEED) --out out/fuzz
 
 bench: $(STAMP)
 	$(BIN)/tagalong bench --out out/bench

@@ -80,7 +80,7 @@ def check_opengl(backends: Iterable[str] = OPENGL_BACKENDS, limit_s: float = 30.
     """
     began = time.monotonic()
     trials = {
-        name: subprocess.Popen(
+        name: subprocess.Popen(  # noqa: S603 (this Python, a program written above, names from a table)
             [sys.executable, "-c", _DRAW],
             env={**os.environ, "MUJOCO_GL": name},
             stdout=subprocess.DEVNULL,

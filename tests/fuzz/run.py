@@ -3,8 +3,8 @@
     python tests/fuzz/run.py --minutes 2 --seed 1 --out out/fuzz     a table, out/fuzz/summary.json, findings as files
     python tests/fuzz/run.py --replay out/fuzz/logs.carmen           these findings again (a file, or a folder of them)
 
-Input number k of a border under a seed is always the same bytes, and the numbers of inputs follow from --minutes by what
-each border's inputs cost, not from the clock: the same options send the same inputs on every machine.
+Input number k of a border under a seed is always the same bytes, and the numbers of inputs follow from --minutes by
+what each border's inputs cost, not from the clock: the same options send the same inputs on every machine.
 """
 
 import os

@@ -1,7 +1,8 @@
 """All borders by area, in the order in which they are tried; what takes longest to make ready comes last."""
 
-from borders import bags, engines, environment, logs, maps, models, options, perception, scans, tables
 from fuzzer.border import Area
+
+from borders import bags, engines, environment, logs, maps, models, options, perception, scans, tables
 
 AREAS: dict[str, Area] = {
     "logs": logs.AREA,

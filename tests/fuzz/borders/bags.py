@@ -48,7 +48,10 @@ def write_bag(path: Path, value: Input, ros2: bool) -> Path:
     """Write a bag of scans and, if wanted, odometry."""
     store, kinds = _store(ros2), _store(ros2).types
     with Writer2(path, version=9) if ros2 else Writer1(path) as bag:
-        links = {kind: bag.add_connection(topic, kind, typestore=store) for topic, kind in (("/scan", _SCAN), ("/odom", _ODOMETRY))}
+        links = {
+            kind: bag.add_connection(topic, kind, typestore=store)
+            for topic, kind in (("/scan", _SCAN), ("/odom", _ODOMETRY))
+        }
         for scan in value["scans"]:
             for kind, message in _of(kinds, scan, ros2):
                 if kind == _SCAN or value["odometry"]:
@@ -70,7 +73,9 @@ def _of(kinds: Any, scan: dict[str, Any], ros2: bool) -> list[tuple[str, Any]]:
     limits = {"range_min": scan["range_min"], "range_max": scan["range_max"], "scan_time": 0.1, "time_increment": 0.0}
     with np.errstate(all="ignore"):
         ranges = np.array(scan["ranges"], np.float32)
-    laser = kinds[_SCAN](header=header(scan["frame"]), **fan, **limits, ranges=ranges, intensities=np.zeros(0, np.float32))
+    laser = kinds[_SCAN](
+        header=header(scan["frame"]), **fan, **limits, ranges=ranges, intensities=np.zeros(0, np.float32)
+    )
     x, y, z, w = (float(v) for v in scan["pose"])
     nothing = kinds["geometry_msgs/msg/Vector3"](x=0.0, y=0.0, z=0.0)
     pose = kinds["geometry_msgs/msg/Pose"](

@@ -7,7 +7,6 @@ from typing import Any
 
 import gymnasium
 import numpy as np
-from borders.logs import hostile
 from fuzzer import grammars
 from fuzzer.border import Area, Border, Input, require
 from fuzzer.files import put, put_all
@@ -20,6 +19,8 @@ from tagalong.envs.episode_setup import OPTIONS
 from tagalong.envs.follow_config import FollowConfig
 from tagalong.envs.follow_env import FollowEnv
 from tagalong.envs.interface import FollowInterface
+
+from borders.logs import hostile
 
 CHEAP: dict[str, Any] = {"scene": "plain_corridor", "slam": None, "people": "truth", "beams": 16, "people_count": 1}
 _WORDS = {
@@ -43,7 +44,9 @@ def _field(rng: Generator, name: str, usual: Any) -> list[Any]:
 def _arguments(rng: Generator) -> Input:
     every = [(field.name, getattr(FollowConfig(), field.name)) for field in fields(FollowConfig)]
     chosen = [every[int(k)] for k in rng.integers(0, len(every), int(rng.integers(1, 4)))]
-    extra = [[["unheard_of", "render_mode", "render_backend"][int(rng.integers(3))], "x"]] if rng.random() < 0.05 else []
+    extra = (
+        [[["unheard_of", "render_mode", "render_backend"][int(rng.integers(3))], "x"]] if rng.random() < 0.05 else []
+    )
     return [_field(rng, name, usual) for name, usual in chosen] + extra
 
 
@@ -149,7 +152,9 @@ def _files(rng: Generator) -> Input:
 
 def _built(value: Input, folder: Path) -> Any:
     if "walks.txt" in value:
-        env = FollowEnv(**{**CHEAP, "people_count": 3, "walking_paths": str(put(folder, "walks.txt", value["walks.txt"]))})
+        env = FollowEnv(
+            **{**CHEAP, "people_count": 3, "walking_paths": str(put(folder, "walks.txt", value["walks.txt"]))}
+        )
     else:
         plan = put_all(folder / "plan", value) / "map.yaml"
         env = FollowEnv(**{**CHEAP, "scene": "floor_plan", "floor_plan": str(plan)})
@@ -160,7 +165,9 @@ def _observed(rng: Generator) -> Input:
     """Return what a follower may be shown: numbers of beams that it does not expect, leaders far away or lost."""
     beams = int(rng.choice([2, 16, 91, 181, 360, 1081]))
     scan = np.round(np.clip(rng.uniform(-0.1, 1.2, beams), 0.0, 1.0), 3).tolist()
-    leader = [float(np.clip(extreme_float(rng), -30, 30)) if rng.random() < 0.2 else float(v) for v in rng.uniform(-1, 3, 6)]
+    leader = [
+        float(np.clip(extreme_float(rng), -30, 30)) if rng.random() < 0.2 else float(v) for v in rng.uniform(-1, 3, 6)
+    ]
     name = [*FOLLOWERS, *EXPLORERS][int(rng.integers(len(FOLLOWERS) + len(EXPLORERS)))]
     return {"who": name, "known": bool(rng.random() < 0.5), "scan": scan, "leader": np.nan_to_num(leader).tolist()}
 
@@ -191,7 +198,8 @@ AREA = Area(
         Border(name="environment.arguments", make=_arguments, call=_made, sane=_sane_spaces, ms=2.0),
         Border(name="environment.episodes", make=_arguments, call=_lived, sane=sane_episode, ms=60.0),
         Border(
-            name="environment.reset_options", make=_options, call=_reset, sane=sane_episode, ms=25.0, refusals=_GYMNASIUM
+            name="environment.reset_options", make=_options, call=_reset, sane=sane_episode, ms=25.0,
+            refusals=_GYMNASIUM,
         ),
         Border(name="environment.actions", make=_actions, call=_acted, sane=sane_episode, ms=12.0),
         Border(name="environment.files", make=_files, call=_built, sane=sane_episode, ms=12.0),

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from borders.logs import hostile
 from fuzzer import grammars
 from fuzzer.arrays import edits, packed
 from fuzzer.border import Area, Border, Input, require
@@ -21,6 +20,8 @@ from tagalong.envs.interface import FollowInterface
 from tagalong.perception.legs.features import FEATURE_NAMES
 from tagalong.perception.legs.forest import MODELS, LegForest
 from tagalong.perception.rgbd.person_svm import LENGTH, PersonSvm
+
+from borders.logs import hostile
 
 FILE = "model.npz"
 _CACHE: dict[str, dict[str, np.ndarray]] = {}
@@ -132,8 +133,8 @@ AREA = Area(
         ),
         Border(name="models.policy", make=_policy, call=_drive_policy, sane=_sane_actions, file="policy", ms=6.0),
         Border(
-            name="models.joystick", make=hostile(grammars.joystick), call=_replayed, sane=_sane_actions, file="stick.txt",
-            ms=0.4,
+            name="models.joystick", make=hostile(grammars.joystick), call=_replayed, sane=_sane_actions,
+            file="stick.txt", ms=0.4,
         ),
     ),
     _warm,

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from borders.engines import FEW, setting_names
 from fuzzer import grammars
 from fuzzer.border import Area, Border, Call, Input, require
 from fuzzer.files import put
@@ -24,6 +23,8 @@ from tagalong.slam.errors import InputError
 from tagalong.slam.logs.ros_map import read_ros_map
 from tagalong.slam.logs.tum import read_tum
 
+from borders.engines import FEW, setting_names
+
 _OPTIONS = {
     "slam": ["--method", "--seed", "--resolution", "--set", "--scan-topic", "--quiet", "--out", "--bad"],
     "localize": ["--start", "--map", "--quiet", "--scan-topic", "--out"],
@@ -31,13 +32,14 @@ _OPTIONS = {
     "score": ["--max-gap", "--json", "--overlay", "--readings", "--people"],
 }
 _USUAL = {
-    "--method": [*ENGINES], "--seed": ["3"], "--resolution": ["0.1"], "--start": ["1"], "--map": ["MAP"], "--rate": ["10"],
+    "--method": [*ENGINES], "--seed": ["3"], "--resolution": ["0.1"], "--start": ["1"], "--map": ["MAP"],
+    "--rate": ["10"],
     "--preset": ["table2", "outdoor"], "--forest": ["real", "simulation"], "--odometry": ["none"], "--frame": ["robot"],
     "--min-confidence": ["0.3"], "--max-gap": ["1"],
 }  # fmt: skip
 _TARGETS = ("--out", "--json", "--overlay")
-"""Options whose value is written to: only ever to names below the folder of the input, never to a device of the machine,
-as the tests may run with the rights to replace it."""
+"""Options whose value is written to: only ever to names below the folder of the input, never to a device of the
+machine, as the tests may run with the rights to replace it."""
 _NAMES = ("OUT", "IN/fifo", "IN/loop", "IN", "IN/nowhere/x", "OUT/" + "n" * 300)
 
 
@@ -164,13 +166,19 @@ def _warm() -> None:
 
 AREA = Area(
     (
-        Border(name="options.slam", make=words_of("slam", ["LOG", "--out", "OUT", "--quiet"]), call=_CALL, sane=_sane_end, ms=40.0),
+        Border(
+            name="options.slam", make=words_of("slam", ["LOG", "--out", "OUT", "--quiet"]), call=_CALL, sane=_sane_end,
+            ms=40.0,
+        ),
         Border(name="options.slam_log", make=_log, call=_mapped, sane=_sane_end, ms=25.0),
         Border(
             name="options.localize", make=words_of("localize", ["LOG", "--map", "MAP", "--out", "OUT", "--quiet"]),
             call=_CALL, sane=_sane_end, ms=15.0,
         ),
-        Border(name="options.perceive", make=words_of("perceive", ["LOG", "--out", "OUT"]), call=_CALL, sane=_sane_end, ms=12.0),
+        Border(
+            name="options.perceive", make=words_of("perceive", ["LOG", "--out", "OUT"]), call=_CALL, sane=_sane_end,
+            ms=12.0,
+        ),
         Border(name="options.score", make=words_of("score", ["TUM", "TUM2"]), call=_CALL, sane=_sane_end, ms=8.0),
     ),
     _warm,

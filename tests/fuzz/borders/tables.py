@@ -4,7 +4,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from borders.logs import hostile
 from fuzzer import grammars
 from fuzzer.border import Area, Border, Input, require
 from fuzzer.files import put
@@ -16,8 +15,15 @@ from tagalong.slam.logs.pedestrians import read_pedestrians
 from tagalong.slam.logs.relations import read_readings, read_relations
 from tagalong.slam.logs.tum import read_tum
 
+from borders.logs import hostile
+
 NAME = "table.txt"
-_GRAMMARS = {"tum": grammars.tum, "relations": grammars.relations, "log": grammars.carmen, "readings": grammars.readings}
+_GRAMMARS = {
+    "tum": grammars.tum,
+    "relations": grammars.relations,
+    "log": grammars.carmen,
+    "readings": grammars.readings,
+}
 
 
 def _tum(value: Input, folder: Path) -> Any:

@@ -1,4 +1,4 @@
-"""npz files made hostile: arrays left out, of other shapes, kinds or values, headers that declare gigabytes, flipped bytes.
+"""npz files made hostile: arrays left out, of other shapes, kinds or values, headers of gigabytes, flipped bytes.
 
 A hostile file is described by small edits of a sound one, so that a finding is short.
 """
@@ -91,7 +91,8 @@ def _cast(values: np.ndarray, like: np.ndarray) -> np.ndarray:
 
 
 def _header(kind: str, shape: list[int]) -> bytes:
-    text = f"{{'descr': '{kind}', 'fortran_order': False, 'shape': ({', '.join(map(str, shape))}{',' * (len(shape) == 1)}), }}"
+    sizes = ", ".join(map(str, shape)) + "," * (len(shape) == 1)
+    text = f"{{'descr': '{kind}', 'fortran_order': False, 'shape': ({sizes}), }}"
     text += " " * (-(len(text) + 11) % 64) + "\n"
     return b"\x93NUMPY\x01\x00" + struct.pack("<H", len(text)) + text.encode()
 

@@ -1,7 +1,7 @@
 """A border: a public door through which input from outside comes in, how to make such input, and what is a sane result.
 
-An input is plain data (None, bool, int, float, str, bytes, lists and dicts of them), so that it can be written to a file
-and sent again.
+An input is plain data (None, bool, int, float, str, bytes, lists and dicts of them), so that it can be written to a
+file and sent again.
 """
 
 from collections.abc import Callable

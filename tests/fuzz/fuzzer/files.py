@@ -8,7 +8,7 @@ MEGABYTE = 1 << 20
 
 
 def put(folder: Path, name: str, content: bytes | dict[str, Any]) -> Path:
-    """Write a file of a folder and return its path; {"bomb": line, "megabytes": n} is a gzip stream that says it often."""
+    """Write a file of a folder and return its path; {"bomb": line, "megabytes": n} is a stream that says it often."""
     path = folder / name
     if isinstance(content, dict):
         content = bomb(content["bomb"], content["megabytes"])

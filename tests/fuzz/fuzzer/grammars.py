@@ -79,7 +79,9 @@ def relations(rng: Generator) -> bytes:
     long, lines = rng.random() < 0.5, []
     for k, pose in enumerate(poses(rng, int(rng.integers(1, 6)))):
         x, y, turn = pose
-        lines.append(f"{k} {k + 1} {x:.3f} {y:.3f} 0 0 0 {turn:.3f}" if long else f"{k} {k + 1} {x:.3f} {y:.3f} {turn:.3f}")
+        lines.append(
+            f"{k} {k + 1} {x:.3f} {y:.3f} 0 0 0 {turn:.3f}" if long else f"{k} {k + 1} {x:.3f} {y:.3f} {turn:.3f}"
+        )
     return "\n".join(lines).encode() + b"\n"
 
 
@@ -103,7 +105,9 @@ def pedestrians(rng: Generator) -> bytes:
     lines, long = [], rng.random() < 0.5
     for person in range(int(rng.integers(1, 4))):
         for k, (x, y, _) in enumerate(poses(rng, int(rng.integers(6, 12)))):
-            lines.append(f"{10 * k} {person} {x:.3f} 0 {y:.3f} 0.1 0 0.1" if long else f"{10 * k} {person} {x:.3f} {y:.3f}")
+            lines.append(
+                f"{10 * k} {person} {x:.3f} 0 {y:.3f} 0.1 0 0.1" if long else f"{10 * k} {person} {x:.3f} {y:.3f}"
+            )
     return "\n".join(lines).encode() + b"\n"
 
 

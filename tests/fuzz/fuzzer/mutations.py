@@ -7,13 +7,33 @@ from numpy.random import Generator
 
 EXTREMES = (
     "0", "-0.0", "nan", "inf", "-inf", "-1", "1", "1e308", "-1e308", "1e25", "-1e25", "9.2e18", "1e19", "1e10", "1e6",
-    "1e-320", "5e-324", "1e-9", "1e9999", "2147483647", "2147483648", "-2147483649", "4294967296", "9223372036854775807",
+    "1e-320", "5e-324", "1e-9", "1e9999", "2147483647", "2147483648", "-2147483649", "4294967296",
+    "9223372036854775807",
     "9223372036854775808", "-9223372036854775809", "18446744073709551616", "65536", "255", "1000000", "1000000000",
     "0x10", "1_000", "1,5", "1e", "--1", "+1", "3.14", "180", "٣", "½", "", "NaN", "None", "True", "1" * 300,
 )  # fmt: skip
 """Numbers, and what is nearly one, as words."""
 HUGE_COUNT = "9" * 5000
-WORDS = ("\x00", "\ufeff", "é", "\u2028", "日本", "\x1b[31m", "#", "-", "--", ":", "[", "]", "{", "}", "'", '"', "../", "x" * 3000)
+WORDS = (
+    "\x00",
+    "\ufeff",
+    "é",
+    "\u2028",
+    "日本",
+    "\x1b[31m",
+    "#",
+    "-",
+    "--",
+    ":",
+    "[",
+    "]",
+    "{",
+    "}",
+    "'",
+    '"',
+    "../",
+    "x" * 3000,
+)
 
 
 def choice(rng: Generator, options: tuple[str, ...] | list[str]) -> str:
@@ -97,7 +117,9 @@ def mutated_bytes(rng: Generator, data: bytes) -> bytes:
             content[at:at] = content[at : at + length]
         elif draw < 0.92:
             width = (1, 2, 4, 8)[int(rng.integers(4))]
-            content[at : at + width] = (b"\xff" * width, b"\x00" * width, b"\x7f" + b"\xff" * (width - 1))[int(rng.integers(3))]
+            content[at : at + width] = (b"\xff" * width, b"\x00" * width, b"\x7f" + b"\xff" * (width - 1))[
+                int(rng.integers(3))
+            ]
         else:
             del content[at:]
     return bytes(content)

@@ -36,7 +36,10 @@ def printed(table: list[tuple[str, ...]]) -> str:
     """Return the table with columns of even width."""
     lines = [HEADER, *table]
     widths = [max(len(line[i]) for line in lines) for i in range(len(HEADER))]
-    return "\n".join("  ".join([line[0].ljust(widths[0]), *(w.rjust(n) for w, n in zip(line[1:], widths[1:], strict=True))]) for line in lines)
+    return "\n".join(
+        "  ".join([line[0].ljust(widths[0]), *(w.rjust(n) for w, n in zip(line[1:], widths[1:], strict=True))])
+        for line in lines
+    )
 
 
 def put_table(path: Path, table: list[tuple[str, ...]], command: str) -> None:

@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-
 from fuzzer.border import require
 
 FARTHEST_M = 1e7
@@ -19,7 +18,10 @@ def sane_poses(poses: Any, what: str = "poses") -> None:
     poses = np.asarray(poses, dtype=np.float64)
     require(poses.shape[-1:] == (3,), f"{what} have shape {poses.shape}")
     require(np.isfinite(poses).all(), f"{what} are not finite: {poses[~np.isfinite(poses)][:3]}")
-    require(np.abs(poses[..., :2]).max(initial=0.0) <= FARTHEST_M, f"{what} reach {np.abs(poses[..., :2]).max(initial=0.0):.3g} m")
+    require(
+        np.abs(poses[..., :2]).max(initial=0.0) <= FARTHEST_M,
+        f"{what} reach {np.abs(poses[..., :2]).max(initial=0.0):.3g} m",
+    )
 
 
 def sane_times(times: Any) -> None:
@@ -35,7 +37,9 @@ def sane_scan(scan: Any) -> None:
     sane_poses(scan.T_robot_lidar, "the laser's mount")
     require(0.0 <= scan.range_min < scan.range_max <= LONGEST_RANGE_M, f"limits {scan.range_min}, {scan.range_max}")
     require(np.isfinite(scan.bearings).all(), "bearings are not finite")
-    require(np.abs(scan.bearings).max(initial=0.0) <= 1e3, f"bearings reach {np.abs(scan.bearings).max(initial=0.0):.3g}")
+    require(
+        np.abs(scan.bearings).max(initial=0.0) <= 1e3, f"bearings reach {np.abs(scan.bearings).max(initial=0.0):.3g}"
+    )
     require(np.isfinite(scan.points).all(), "points are not finite")
 
 

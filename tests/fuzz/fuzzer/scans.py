@@ -12,7 +12,7 @@ Frames = list[dict[str, Any]]
 
 
 def drive(rng: Generator, most: int = 5, beams: int = 40) -> Frames:
-    """Return 2 to `most` frames: {"odometry": [3], "ranges": [n], "fan": [first, step], "limits": [2], "time", "mount"}."""
+    """Return 2 to `most` frames: odometry (3), ranges (n), fan (first, step), limits (2), time and mount (3)."""
     n, count = int(rng.integers(2, beams)), int(rng.integers(2, most + 1))
     fan, mount = [-0.05 * n, 0.1], [0.1, 0.0, 0.0]
     walls = ranges(rng, n)
@@ -48,4 +48,6 @@ def scan_of(frame: dict[str, Any]) -> LaserScan:
     first, step = (*frame["fan"], 0.1, 0.1)[:2] if len(frame["fan"]) < 2 else frame["fan"]
     bearings = first + step * np.arange(len(frame["ranges"]))
     low, high = (*frame["limits"], 0.05, 10.0)[:2] if len(frame["limits"]) < 2 else frame["limits"]
-    return LaserScan(np.array(frame["ranges"], dtype=np.float64), bearings, low, high, frame["time"], tuple(frame["mount"]))
+    return LaserScan(
+        np.array(frame["ranges"], dtype=np.float64), bearings, low, high, frame["time"], tuple(frame["mount"])
+    )

@@ -11,8 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
-
 from fuzzer.border import Border
 from fuzzer.codec import encoded
 from fuzzer.worker import (
@@ -30,6 +28,7 @@ from fuzzer.worker import (
     new_board,
     resident_kb,
 )
+from numpy.typing import NDArray
 
 HANG_S = 10.0
 """An input that takes longer hangs [s]."""

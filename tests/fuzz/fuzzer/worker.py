@@ -13,17 +13,16 @@ import zlib
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
-
 from fuzzer.border import Border, Input
 from fuzzer.codec import encoded
 from fuzzer.verdict import ACCEPTED, REFUSED, judge
+from numpy.typing import NDArray
 
 MEMORY_KB = 1 << 20
 """Memory above the idle process that an input may take [kB]."""
 _SLACK_KB = 256 << 10  # address space is asked for in larger pieces than are used
 NUMBER, STARTED, SEEN, TAKEN, DECLINED, SLOWEST_S, SLOWEST, PEAK_KB = range(8)
-"""Entries of a board: the input at hand and since when; inputs seen, accepted and refused; the slowest; the most memory."""
+"""Entries of a board: the input at hand and since when; inputs seen, accepted, refused; the slowest; most memory."""
 
 
 def new_board() -> NDArray[np.float64]:
