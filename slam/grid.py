@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .bounds import MOST_CELLS, Cell, Reach, cell_numbers, check_numbers, check_size
+from .bounds import MOST_DRAWN, Cell, Reach, cell_numbers, check_numbers, check_size, zeros
 from .errors import InputError
 from .geometry import compose, transform_points
 from .grid_kernels import place_rays, write_observation, write_observations
@@ -185,7 +185,7 @@ class OccupancyGrid:
         if size.all():
             lower, upper = np.minimum(lower, corner), np.maximum(upper, corner + size)
         columns, rows = (upper - lower).tolist()
-        check_size(columns, rows, self.config.resolution, MOST_CELLS / math.prod(self._log_odds.shape[:-2]))
+        check_size(columns, rows, self.config.resolution, MOST_DRAWN / math.prod(self._log_odds.shape[:-2]))
         return lower, upper - lower
 
     def _grow(self, corner: NDArray[np.int64], size: NDArray[np.int64]) -> None:
@@ -196,7 +196,7 @@ class OccupancyGrid:
         col, row = self._corner - corner if old_size.all() else (0, 0)
         for name in self._layers:
             old = getattr(self, name)
-            grown = np.zeros((*old.shape[:-2], *size[::-1]), dtype=old.dtype)
+            grown = zeros((*old.shape[:-2], *size[::-1]), old.dtype)
             grown[..., row : row + old.shape[-2], col : col + old.shape[-1]] = old
             setattr(self, name, grown)
         self._corner = corner
