@@ -1,5 +1,7 @@
 """Who builds the map that the robot believes in."""
 
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
@@ -41,18 +43,34 @@ class GrowingMap:
     def __init__(self, resolution: float = 0.05) -> None:
         self._config = GridConfig(resolution=resolution, max_range=LONGEST_RAY_M, clear_no_return=True)
         self._scans: list[LaserScan] = []
+        self._numbers = np.zeros(0, dtype=np.int64)  # which scans they are
         self._drawn = np.zeros((0, 3))
         self._grid = OccupancyGrid(self._config)
         self._map: OccupancyMap | None = None
 
-    def add(self, scan: LaserScan, path: Array) -> None:
-        """Add a scan; `path` (n, 3) are the poses T_map_robot of all scans so far, this one's last."""
-        self._scans.append(scan)
+    def write(self, scan: LaserScan, pose: Array) -> None:
+        """Draw a scan for good at its pose (3,) T_map_robot, which will not be believed to be elsewhere."""
         self._map = None
-        moved = np.abs(path[:-1, :2] - self._drawn[:, :2]).max(initial=0.0)
+        self._grid.write(pose, scan)
+
+    def add(self, scan: LaserScan, path: Array, numbers: Sequence[int]) -> None:
+        """Draw a scan that may be believed to be elsewhere later.
+
+        Args:
+            scan: The scan.
+            path: (n, 3) poses T_map_robot of the scans that count now, this one's last.
+            numbers: (n,) which scan each of them is. One that counts no more is forgotten; what it drew stays until the
+                map is drawn anew.
+        """
+        self._map = None
+        wanted = np.asarray(numbers)
+        kept = np.isin(self._numbers, wanted)
+        self._scans = [old for old, stays in zip(self._scans, kept.tolist(), strict=True) if stays] + [replace(scan)]
+        self._numbers, drawn = wanted, self._drawn[kept]
+        moved = np.abs(path[:-1, :2] - drawn[:, :2]).max(initial=0.0)
         if moved <= self._config.resolution:
             self._grid.write(path[-1], scan)
-            self._drawn = np.vstack((self._drawn, path[-1]))
+            self._drawn = np.vstack((drawn, path[-1]))
             return
         self._grid = OccupancyGrid(self._config)
         for pose, old in zip(path, self._scans, strict=True):
@@ -105,7 +123,12 @@ class GraphEngine(SlamEngine, Protocol):
 
     @property
     def node_poses(self) -> Array:
-        """(k, 3) T_map_robot of the integrated scans, by what is known now."""
+        """(k, 3) T_map_robot of the integrated scans that count, by what is known now."""
+        ...
+
+    @property
+    def node_scans(self) -> list[int]:
+        """The scan that each of them is, ascending."""
         ...
 
 
@@ -119,7 +142,7 @@ class GraphMapper:
     def update(self, odometry: Array, sifted: SiftedScan) -> None:
         """Take one scan, without its people, and its odometry pose (3,)."""
         if self.engine.update(odometry, sifted.without_people).integrated:
-            self._growing.add(sifted.without_people, self.engine.node_poses)
+            self._growing.add(sifted.without_people, self.engine.node_poses, self.engine.node_scans)
 
     @property
     def map(self) -> OccupancyMap:

@@ -94,19 +94,19 @@ class TrueMapper:
         self._world = world
         self._start = world.start.copy()
         self._growing = GrowingMap()
-        self._path = np.zeros((0, 3))
+        self._drawn_at: Array | None = None
 
     def update(self, odometry: Array, sifted: SiftedScan) -> None:
         """Draw the scan where it was truly taken: an earlier one of this control period by the odometry since then."""
         now, pose = self._world.odometry, self.pose
         if not np.array_equal(odometry, now):
             pose = compose(pose, between(now, odometry))
-        if len(self._path):
-            moved = between(self._path[-1], pose)
+        if self._drawn_at is not None:
+            moved = between(self._drawn_at, pose)
             if np.hypot(moved[0], moved[1]) < MAP_STEP_M and abs(moved[2]) < MAP_STEP_M:
                 return
-        self._path = np.vstack((self._path, pose))
-        self._growing.add(sifted.without_people, self._path)
+        self._drawn_at = pose
+        self._growing.write(sifted.without_people, pose)
 
     @property
     def map(self) -> OccupancyMap:

@@ -15,6 +15,8 @@ from ..grid import GridConfig, render_map
 from ..landmarks.clustering import Clusterer, make_clusterer
 from ..landmarks.objects import SightingConfig, Sightings, see_landmarks
 from ..occupancy_map import OccupancyMap
+from ..pose_log import PoseLog
+from ..revisits import KeptScans
 from ..scan import LaserScan
 from ..settings import with_settings
 from .association import Comparison, Pairs, compare, joint_compatibility, nearest_neighbour
@@ -52,8 +54,8 @@ class EkfSlam:
         self._missed = np.zeros(0, dtype=np.int64)
         self._known = 0  # so many landmarks, the first ones, hang together; later ones may be off by a slip
         self._odometry = self._used_at = np.zeros(3)
-        self._poses: list[Array] = []
-        self._used: list[tuple[int, LaserScan]] = []
+        self._poses = PoseLog()
+        self._kept = KeptScans()  # integrated scans, from which the map is drawn
 
     @classmethod
     def from_options(cls, seed: int = 0, **options: Any) -> "EkfSlam":
@@ -81,12 +83,17 @@ class EkfSlam:
 
     @property
     def node_poses(self) -> Array:
-        """(k, 3) T_map_robot of the integrated scans."""
-        return np.array([self._poses[number] for number, _ in self._used]).reshape(-1, 3)
+        """(k, 3) T_map_robot of the integrated scans that are not superseded."""
+        return self._poses.array()[self._kept.numbers]
+
+    @property
+    def node_scans(self) -> list[int]:
+        """The scan that each of `node_poses` is, ascending."""
+        return list(self._kept.numbers)
 
     def trajectory(self) -> Array:
         """Return (n, 3) T_map_robot for every scan, each as the filter believed it then."""
-        return np.array(self._poses).reshape(-1, 3)
+        return self._poses.array()
 
     def map(self) -> OccupancyMap:
         """Return the map that the integrated scans draw from their poses."""
@@ -94,7 +101,7 @@ class EkfSlam:
 
     def map_at(self, resolution: float) -> OccupancyMap:
         """Return the same with cells of `resolution` [m]."""
-        return render_map(self.node_poses, [scan for _, scan in self._used], GridConfig(resolution=resolution))
+        return render_map(self.node_poses, self._kept.scans, GridConfig(resolution=resolution))
 
     def update(self, odometry: ArrayLike, scan: LaserScan) -> SlamUpdate:
         """Take one scan and its odometry pose T_odom_robot (3,)."""
@@ -107,14 +114,16 @@ class EkfSlam:
         self._odometry = now
         moved = between(self._used_at, now)
         far = float(np.hypot(moved[0], moved[1])) >= self._config.travel or abs(moved[2]) >= self._config.turn
-        integrated = far or not self._used
+        integrated = far or not len(self._poses)
         diagnostics = {"sightings": 0.0, "matched": 0.0, "slipped": 0.0}
         if integrated:
             self._used_at = now
-            self._used.append((len(self._poses), scan))
+            self._kept.append(len(self._poses), scan)
             sightings = see_landmarks(scan, self._clusterer, self._config.sighting)
             diagnostics = self.take(sightings, scan)
-        self._poses.append(ekf.x[:3].copy())
+        self._poses.append(ekf.x[:3])
+        if self._kept.due:
+            self._kept.thin(self.node_poses)
         a, b, c = float(ekf.P[0, 0]), float(ekf.P[0, 1]), float(ekf.P[1, 1])
         sigma = math.sqrt(0.5 * (a + c) + math.hypot(0.5 * (a - c), b))  # of the larger eigenvalue
         diagnostics |= {"landmarks": float(len(self.times_seen)), "sigma_position": sigma}

@@ -1,5 +1,6 @@
 """GMapping: a Rao-Blackwellized particle filter that maps with a laser (Grisetti, Stachniss, Burgard 2007)."""
 
+from array import array
 from typing import Any, Self
 
 import numpy as np
@@ -10,6 +11,8 @@ from ..engine import SlamUpdate
 from ..geometry import between, compose, wrap_angle
 from ..grid import GridConfig, render_map, scan_rays
 from ..occupancy_map import OccupancyMap
+from ..pose_log import PoseLog
+from ..revisits import KeptScans
 from ..scan import LaserScan
 from ..settings import with_settings
 from ..workers import Workers
@@ -52,10 +55,10 @@ class GMapping:
         self._log_weights = np.zeros(self.config.particles)  # since the last resampling
         self._log_evidence = np.zeros(self.config.particles)  # of the whole path
         self._odometry: Array | None = None
-        self._online: list[Array] = []
-        self._layers: list[int] = []  # the matched scan that each scan follows
-        self._offsets: list[Array] = []  # T_matched_scan by odometry
-        self._matched: list[LaserScan] = []
+        self._online = PoseLog()
+        self._layers = array("q")  # the matched scan that each scan follows
+        self._offsets = PoseLog()  # T_matched_scan by odometry
+        self._kept = KeptScans()  # matched scans, from which maps are drawn
 
     @classmethod
     def from_options(cls, seed: int = 0, **options: Any) -> Self:
@@ -81,7 +84,7 @@ class GMapping:
         if integrated:
             self._integrate(scan)
         self._odometry = odometry
-        self._layers.append(len(self._matched) - 1)
+        self._layers.append(len(self._paths) - 1)
         self._offsets.append(self._motion.mean)
         self._online.append(self.pose)
         return SlamUpdate(self.pose, integrated, diagnostics)
@@ -101,20 +104,20 @@ class GMapping:
         if not self._layers:
             return np.zeros((0, 3))
         path = self._paths.path(self.best_particle)
-        return compose(path[self._layers], np.array(self._offsets))
+        return compose(path[np.array(self._layers)], self._offsets.array())
 
     def online_trajectory(self) -> Array:
         """Return (n, 3) T_map_robot as `update` returned them, each the best knowledge of its time."""
-        return np.array(self._online).reshape(-1, 3)
+        return self._online.array()
 
     def map(self) -> OccupancyMap:
         """Return the map that the matched scans draw along the best particle's path, with cells of `delta`."""
         return self.map_at(self.config.delta)
 
     def map_at(self, resolution: float) -> OccupancyMap:
-        """Return the map with cells of `resolution` [m], drawn anew from the matched scans."""
-        path = self._paths.path(self.best_particle)
-        return render_map(path, self._matched, GridConfig(resolution=resolution, max_range=self.config.max_urange))
+        """Return the map with cells of `resolution` [m], drawn anew from the matched scans that are not superseded."""
+        path = self._paths.path(self.best_particle)[self._kept.numbers]
+        return render_map(path, self._kept.scans, GridConfig(resolution=resolution, max_range=self.config.max_urange))
 
     def particle_map(self) -> OccupancyMap:
         """Return the best particle's own map, with cells of `delta`: ready at any time, in a few milliseconds.
@@ -159,9 +162,11 @@ class GMapping:
 
     def _integrate(self, scan: LaserScan) -> None:
         """Write the scan into every map."""
-        if not self._matched:
+        if not len(self._paths):
             self._paths.append(self._poses)
-        self._matched.append(scan)
+        self._kept.append(len(self._paths) - 1, scan)
+        if self._kept.due:
+            self._kept.thin(self._paths.path(self.best_particle)[self._kept.numbers])
         points_lidar, is_hit = scan_rays(scan, self.config.max_urange)
         if len(points_lidar):
             self._maps.write(compose(self._poses, scan.T_robot_lidar), points_lidar, is_hit)

@@ -76,6 +76,11 @@ class ActiveSubmaps:
         self._first = len(self.submaps)
         self._last = None
 
+    def trim(self, stay: NDArray[np.bool_]) -> None:
+        """Drop the finished submaps where `stay` (one for each submap) is false."""
+        self._first = int(stay[: self._first].sum())
+        self.submaps[:] = [submap for submap, stays in zip(self.submaps, stay.tolist(), strict=True) if stays]
+
     def insert(self, pose: Array, sweep: Sweep) -> tuple[int, ...]:
         """Insert a scan at `pose` (3,) T_local_robot; return the indices of the submaps that it stands in.
 

@@ -1,6 +1,6 @@
 """Constraints between submaps and nodes, and how a node is matched against a finished submap."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import Annotated
@@ -182,6 +182,10 @@ class ConstraintBuilder:
         """
         start = compose(submap.pose_local, constraint.pose)
         return self._closure(constraint.submap, submap, constraint.node, points, start, self._config.min_score)
+
+    def renumber(self, numbers: Mapping[int, int]) -> None:
+        """Take the new numbers of the submaps that stay, old -> new; forget what was made of the others."""
+        self._pyramids = {numbers[s]: pyramid for s, pyramid in self._pyramids.items() if s in numbers}
 
     def forget(self, index: int) -> None:
         """Forget what was made of a submap that is drawn anew."""

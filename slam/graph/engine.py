@@ -1,5 +1,6 @@
 """The engine "cartographer": local SLAM, loop closure and pose adjustment behind the one protocol of all engines."""
 
+from array import array
 from dataclasses import dataclass, field
 from typing import Any, Self
 
@@ -12,12 +13,14 @@ from ..geometry import between, compose, wrap_angle
 from ..grid import GridConfig, ScanRays, draw, render_map
 from ..localization.place_map import PlaceMap
 from ..occupancy_map import OccupancyMap
+from ..pose_log import PoseLog
 from ..scan import LaserScan
 from ..settings import with_settings
 from .constraints import Constraint
 from .continuity import Continuity, ContinuityConfig
 from .doubt import Doubt, Verdict, verdict
-from .global_slam import GlobalSlam, GlobalSlamConfig
+from .global_config import GlobalSlamConfig
+from .global_slam import GlobalSlam
 from .local_slam import LocalResult, LocalSlam, LocalSlamConfig
 from .relocalization import Reach, Relocalization, searchable
 from .watch import Watch, WatchConfig
@@ -75,9 +78,9 @@ class Cartographer:
         local, graph = self._local, self.config.global_
         self._global = GlobalSlam(graph, local.submaps, local.sweep) if graph else None
         self._odometry: Array | None = None
-        self._online: list[Array] = []
-        self._poses_local: list[Array] = []
+        self._online, self._poses_local = PoseLog(), PoseLog()
         self._inserted: list[int] = []
+        self._trimmed = array("q")  # scans that were nodes and have left the graph
         self._doubted: list[tuple[int, Array]] = []
         self._scans: list[LaserScan] = []
         self._rays: list[ScanRays] = []
@@ -105,7 +108,7 @@ class Cartographer:
             result = self._weighed(self._watch, self._global, result, odometry, scan)
         if result.insertion:
             self._inserted.append(len(self._poses_local))
-            self._scans.append(scan)
+            self._scans.append(result.insertion.scan)
             if self._global:
                 self._global.add_node(result.pose, result.insertion)
         self._find(odometry, scan, result.pose)
@@ -113,9 +116,24 @@ class Cartographer:
         self._poses_local.append(result.pose)
         bridge = self._global.local_to_global if self._global else np.zeros(3)
         self._online.append(compose(bridge, result.pose))
+        self._trim()
         diagnostics = {"score": result.match.score} if result.match else {}
         located = self._search is None and not (result.doubtful or self._doubt.unsure)
         return SlamUpdate(self.pose, result.insertion is not None, diagnostics, located)
+
+    def _trim(self) -> None:
+        """Let what was seen again often enough leave the map, unless some of it is being looked at."""
+        if not self._global or self._search or self._doubt.nodes is not None:
+            return
+        stay = self._global.trim()
+        if stay is None:
+            return
+        kept, gone = np.flatnonzero(stay.nodes).tolist(), np.flatnonzero(~stay.nodes).tolist()
+        self._local.trim(stay.submaps)
+        self._trimmed.extend(self._inserted[k] for k in gone)
+        self._rays = [self._rays[k] for k in kept if k < len(self._rays)]
+        self._inserted, self._scans = [self._inserted[k] for k in kept], [self._scans[k] for k in kept]
+        self._place = (stay.node(self._place[0]), self._place[1]) if self._place[1] else self._place
 
     def _settle(self, result: LocalResult) -> None:
         """Keep where doubtful scans fit best; once a doubt is over and the robot was not lost, they have been there."""
@@ -245,22 +263,25 @@ class Cartographer:
     @property
     def pose(self) -> Array:
         """(3,) T_map_robot, the best estimate now."""
-        return self._online[-1].copy() if self._online else np.zeros(3)
+        return self._online[-1] if len(self._online) else np.zeros(3)
 
     def trajectory(self) -> Array:
         """Return (n, 3) T_map_robot for every scan so far, by the best knowledge now."""
         if not self._global or not self._inserted:
             return self.local_trajectory()
         self._global.finish()
-        return _between_nodes(self.local_trajectory(), np.array(self._inserted), self._global.node_poses, self._breaks)
+        nodes = np.concatenate((np.array(self._trimmed, dtype=np.int64), self._inserted)).astype(np.int64)
+        poses = np.concatenate((self._global.trimmed_poses, self._global.node_poses))
+        order = np.argsort(nodes)
+        return _between_nodes(self.local_trajectory(), nodes[order], poses[order], self._breaks)
 
     def local_trajectory(self) -> Array:
         """Return (n, 3) T_local_robot of every scan, continuous and without loop closure."""
-        return np.array(self._poses_local).reshape(-1, 3)
+        return self._poses_local.array()
 
     def online_trajectory(self) -> Array:
         """Return (n, 3) T_map_robot as `update` returned them, each the best knowledge of its time."""
-        return np.array(self._online).reshape(-1, 3)
+        return self._online.array()
 
     @property
     def constraints(self) -> tuple[Constraint, ...]:
@@ -279,7 +300,7 @@ class Cartographer:
 
     @property
     def node_poses(self) -> Array:
-        """(k, 3) T_map_robot of the inserted scans by what is known now, at no cost: nothing is optimised for it."""
+        """(k, 3) T_map_robot of the scans in the graph by what is known now; nothing is optimised for it."""
         if self._global:
             return self._global.node_poses.reshape(-1, 3)
         return self.local_trajectory()[self._inserted]

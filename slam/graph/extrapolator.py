@@ -72,6 +72,10 @@ class Prediction:
         information[2, 2] = rotation**-2
         return information
 
+    def then(self, other: "Prediction") -> "Prediction":
+        """Return this motion and the `other` after it as one; their errors are independent."""
+        return Prediction(compose(self.pose, other.pose), np.hypot(self.sigma, other.sigma))
+
 
 class OdometryExtrapolator:
     """Carries the last matched pose on by the motion of the odometry: neither position nor heading lags.

@@ -1,23 +1,25 @@
 """Global SLAM: nodes and submaps tied by constraints, adjusted so that loops close (Hess et al. 2016)."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
 from ..geometry import between, compose, inverse
-from ..pose_graph.adjustment import AdjustmentConfig, adjust
+from ..pose_graph.adjustment import adjust
+from ..revisits import superseded
 from ..scan import LaserScan
 from ..workers import Workers
 from .assembly import assemble
-from .constraints import Constraint, ConstraintBuilder, ConstraintConfig, Kind
+from .constraints import Constraint, ConstraintBuilder, Kind
 from .extrapolator import Prediction
+from .global_config import GlobalSlamConfig
 from .local_slam import Insertion
 from .node import Node
 from .submap import Submap
 from .sweep import Sweep
+from .trimming import Renumbering, TrimmedNodes
 
 Array = NDArray[np.float64]
 
@@ -25,48 +27,7 @@ _LOOSE = np.array([30.0, 3.0])  # [m, rad] how badly the odometry ties a piece o
 _ROUGHLY = 2  # near submaps that a node is matched with before the submaps are straightened
 _AT_ONCE = 256  # nodes whose distances to all submaps are held at once
 _PLACED = np.array([0.1, 0.05])  # [m, rad] how well relocalization does
-
-
-@dataclass(frozen=True, kw_only=True)
-class GlobalSlamConfig:
-    """Settings of `GlobalSlam`.
-
-    Attributes:
-        constraints: How constraints are made.
-        adjustment: How the graph is adjusted.
-        adjust_every: The graph is adjusted after so many nodes, if a constraint is new.
-        max_distance: Submaps whose middle (the laser's mean place) is farther off a node are not matched [m].
-        known_for: A submap that tied a node counts as well placed for so many nodes after it: no search is needed.
-        kernel_width: Of INTER constraints, in standard deviations.
-        odometry_share: Share of its information with which odometry ties a node to the one before.
-        reject_beyond: INTER constraints that the adjusted graph contradicts by more standard deviations are dropped.
-        settled: A match that the adjusted graph meets as well as this is not made anew [m, rad].
-        nearest: A node is matched with at most so many known submaps; in the end with twice as many.
-        search_every: One global search for each so many metres travelled [m].
-        final_residual: INTER constraints that the finished graph misses by more are dropped [m, rad].
-        threads: Threads that share what `finish` matches and draws; the result does not depend on them.
-    """
-
-    constraints: ConstraintConfig = field(default_factory=ConstraintConfig)
-    adjustment: AdjustmentConfig = field(default_factory=lambda: AdjustmentConfig(iterations=20, tolerance=1e-5))
-    adjust_every: int = 40
-    max_distance: float = 15.0
-    known_for: int = 20
-    kernel_width: float = 4.0
-    odometry_share: float = 0.02
-    reject_beyond: float = 12.0
-    final_residual: tuple[float, float] = (0.1, 0.0175)
-    settled: tuple[float, float] = (0.05, 0.02)
-    nearest: int = 4
-    search_every: float = 0.4
-    threads: int = 2
-
-    def __post_init__(self) -> None:
-        for name in ("adjust_every", "max_distance", "known_for", "kernel_width", "odometry_share", "reject_beyond"):
-            if not getattr(self, name) > 0:
-                raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
-        if self.threads < 1:
-            raise InputError(f"`threads` must be at least 1, got {self.threads}")
+_YOUNG = 100  # nodes that stay in any case: loops are closed and pieces are begun by what is recent
 
 
 class GlobalSlam:
@@ -108,6 +69,8 @@ class GlobalSlam:
         self._bridge = np.zeros(3)
         self._piece_of_node: list[int] = []
         self._piece_of_submap: list[int] = []
+        self._trimmed = TrimmedNodes.none()
+        self._trim_due = False
 
     @property
     def local_to_global(self) -> Array:
@@ -120,6 +83,11 @@ class GlobalSlam:
     def node_poses(self) -> Array:
         """(n, 3) T_global_robot of every node."""
         return np.array(self._node_poses).reshape(-1, 3)
+
+    @property
+    def trimmed_poses(self) -> Array:
+        """(m, 3) T_global_robot of every node that has left the graph, in the order in which they left."""
+        return self._trimmed.on(np.array(self._submap_poses).reshape(-1, 3))
 
     @property
     def submaps(self) -> int:
@@ -223,6 +191,44 @@ class GlobalSlam:
         self._close_loops(index)
         if self._new and (index + 1) % self._config.adjust_every == 0:
             self._adjust()
+
+    def trim(self) -> Renumbering | None:
+        """Let the submaps leave all of whose nodes are superseded, and the nodes that stand in no other.
+
+        Returns:
+            What stays, for whoever counts nodes or submaps; None: all.
+        """
+        if not self._trim_due:
+            return None
+        self._trim_due = False
+        poses, submap_poses = self.node_poses, np.array(self._submap_poses)
+        old = superseded(poses, self._config.revisits) & self.placed
+        old[-_YOUNG:] = False
+        submaps = np.ones(len(self._submaps), dtype=np.bool_)
+        submaps[: len(self.drawn)] = [not (nodes and old[list(nodes)].all()) for nodes in self.drawn]
+        anchors = np.flatnonzero(submaps[: len(self.drawn)] & np.array(self._placed)[self._piece_of_submap])
+        if submaps.all() or not len(anchors):
+            return None
+        stay = Renumbering(np.array([submaps[list(node.submaps)].any() for node in self.nodes]), submaps)
+        self._trimmed = self._trimmed.after(stay, poses, submap_poses, anchors)
+        self._renumber(stay)
+        return stay
+
+    def _renumber(self, stay: Renumbering) -> None:
+        """Drop the nodes and submaps that do not stay; the list of submaps is local SLAM's."""
+        nodes, submaps = np.flatnonzero(stay.nodes).tolist(), np.flatnonzero(stay.submaps[: len(self.drawn)]).tolist()
+        self.drawn = [{stay.node(k): pose for k, pose in self.drawn[s].items()} for s in submaps]
+        self._submap_poses = [self._submap_poses[s] for s in submaps]
+        self._piece_of_submap = [self._piece_of_submap[s] for s in submaps]
+        self.nodes = stay.chain(self.nodes)
+        self._node_poses = [self._node_poses[k] for k in nodes]
+        self._piece_of_node = [self._piece_of_node[k] for k in nodes]
+        self.constraints = stay.constraints(self.constraints)
+        self._builder.renumber(stay.submap_numbers)
+        self._tied_at, self._tried_at = stay.by_submap(self._tied_at), stay.by_submap(self._tried_at)
+        self._returned_at, self._returning_at = stay.node(self._returned_at), stay.node(self._returning_at)
+        self._stretch = stay.node(self._stretch[0]), stay.submap(self._stretch[1])
+        self._finished_nodes = 0
 
     def finish(self) -> None:
         """Match every node with every near submap and adjust; does nothing where no node is new.
@@ -385,6 +391,6 @@ class GlobalSlam:
             if not bad.any():
                 break
             graph = graph.with_edges(~bad)
-        self._new, self._returned_at = False, self._returning_at
+        self._new, self._returned_at, self._trim_due = False, self._returning_at, not final
         submaps = len(self._submap_poses)
         self._submap_poses, self._node_poses = list(graph.poses[:submaps]), list(graph.poses[submaps:])

@@ -1,6 +1,6 @@
 """Local SLAM: a continuous, slowly drifting trajectory from odometry and scans, without loop closure."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -123,6 +123,10 @@ class LocalSlam:
         if self._watch:
             self._watch.restart()
 
+    def trim(self, stay: NDArray[np.bool_]) -> None:
+        """Drop the finished submaps where `stay` (one for each submap) is false."""
+        self._active.trim(stay)
+
     def update(self, odometry: Array, scan: LaserScan) -> LocalResult:
         """Take one scan and the odometry pose T_odom_robot (3,) at that time."""
         if self._extrapolator is None:
@@ -145,7 +149,7 @@ class LocalSlam:
         if len(points) >= self._config.matcher.min_points and self._motion_filter.passes(pose):
             since = between(odometry if self._inserted_at is None else self._inserted_at, odometry)
             motion = Prediction(since, self._config.extrapolator.sigma(since))
-            insertion = Insertion(self._active.insert(pose, self.sweep(scan)), points, match, motion, scan)
+            insertion = Insertion(self._active.insert(pose, self.sweep(scan)), points, match, motion, replace(scan))
             self._inserted_at = odometry
         return LocalResult(pose, match, insertion)
 

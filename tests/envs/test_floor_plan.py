@@ -103,7 +103,7 @@ def test_a_map_of_a_recorded_log_becomes_a_building(tmp_path):
     drive = read_carmen(Path(DATA or "") / "slam_logs" / "intel.gfs.log.gz")
     growing = GrowingMap()
     for pose, scan in list(zip(drive.odometry, drive.scans, strict=True))[:1200:4]:
-        growing.add(scan, np.array([pose]) if growing._scans == [] else np.vstack((growing._drawn, pose)))
+        growing.write(scan, pose)
     write_ros_map(tmp_path / "map.yaml", growing.map)
     scene = plan(tmp_path / "map.yaml")
     assert len(scene.solids) > 100

@@ -8,7 +8,7 @@ from tagalong.slam.geometry import between, compose, inverse
 from tagalong.slam.graph.active_submaps import ActiveSubmapsConfig
 from tagalong.slam.graph.constraints import Kind
 from tagalong.slam.graph.engine import Cartographer, CartographerConfig
-from tagalong.slam.graph.global_slam import GlobalSlamConfig
+from tagalong.slam.graph.global_config import GlobalSlamConfig
 from tagalong.slam.graph.local_slam import LocalSlamConfig
 from walls import cast
 

@@ -9,7 +9,7 @@ from tagalong.slam.geometry import between, compose, inverse
 from tagalong.slam.graph.constraints import Constraint, ConstraintBuilder, ConstraintConfig, Kind
 from tagalong.slam.graph.engine import Cartographer, CartographerConfig
 from tagalong.slam.graph.extrapolator import Prediction
-from tagalong.slam.graph.global_slam import GlobalSlamConfig
+from tagalong.slam.graph.global_config import GlobalSlamConfig
 from tagalong.slam.graph.submap import Submap, SubmapConfig
 from tagalong.slam.graph.sweep import Sweep
 from walls import cast

@@ -11,7 +11,7 @@ from scipy.spatial import KDTree
 from ....envs.world import World, WorldConfig
 from ....slam.engine import SlamEngine, make_slam
 from ....slam.geometry import inverse, transform_points
-from ....slam.graph.global_slam import GlobalSlamConfig
+from ....slam.graph.global_config import GlobalSlamConfig
 from ....slam.graph.local_slam import LocalSlamConfig
 from ....slam.graph.voxel_filter import AdaptiveVoxelConfig
 from ....slam.occupancy_map import OccupancyMap

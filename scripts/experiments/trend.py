@@ -1,0 +1,88 @@
+"""Whether memory and time stay where they are over a long run."""
+
+import gc
+import os
+import resource
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+MOST_GROWTH = 0.05
+"""Share by which memory or time may grow after the first tenth of a run: what the allocator and the clock scatter."""
+_STATM = Path("/proc/self/statm")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """One stretch of a long run.
+
+    Attributes:
+        memory_mb: Memory that the process held at its end, garbage collected [MB].
+        step_ms: Mean time of processor for a step or a scan of it, all threads together [ms].
+        done: Steps or scans since the start.
+    """
+
+    memory_mb: float
+    step_ms: float
+    done: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class Trend:
+    """How memory and time went.
+
+    Attributes:
+        settled_mb: Memory at the end of the first tenth [MB].
+        largest_mb: The most that was held at the end of a later row [MB].
+        settled_ms: Median time of a step in the tenth after the first [ms].
+        last_ms: The same in the last tenth [ms].
+        bytes_a_step: By how much memory grew with each step or scan after the first tenth: the slope of a line.
+    """
+
+    settled_mb: float
+    largest_mb: float
+    settled_ms: float
+    last_ms: float
+    bytes_a_step: float
+
+    @property
+    def memory_growth(self) -> float:
+        """Share by which memory grew after the first tenth."""
+        return self.largest_mb / self.settled_mb - 1.0
+
+    @property
+    def time_growth(self) -> float:
+        """Share by which the time of a step grew after the first tenth."""
+        return self.last_ms / self.settled_ms - 1.0
+
+    @property
+    def flat(self) -> bool:
+        """Whether neither grew by more than `MOST_GROWTH`."""
+        return max(self.memory_growth, self.time_growth) <= MOST_GROWTH
+
+
+def trend(rows: Sequence[Mapping[str, float]]) -> Trend:
+    """Return the trend of at least two rows, each with the fields of `Row`; the first tenth, rounded up, warms up."""
+    memory, times, done = (np.array([row[name] for row in rows]) for name in ("memory_mb", "step_ms", "done"))
+    tenth = -(-len(rows) // 10)
+    later = slice(tenth, None)
+    slope = np.polyfit(done[later], memory[later], 1)[0] if len(done[later]) > 1 else 0.0
+    return Trend(
+        settled_mb=float(memory[tenth - 1]),
+        largest_mb=float(memory[later].max()),
+        settled_ms=float(np.median(times[tenth : 2 * tenth])),
+        last_ms=float(np.median(times[-tenth:])),
+        bytes_a_step=1e6 * float(slope),
+    )
+
+
+def memory_mb() -> float:
+    """Return the memory that this process holds now, garbage collected [MB]; the peak where no system tells."""
+    gc.collect()
+    if _STATM.exists():
+        return int(_STATM.read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak / (1e6 if sys.platform == "darwin" else 1e3)  # bytes there, kilobytes elsewhere

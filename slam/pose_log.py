@@ -1,0 +1,32 @@
+"""A long list of poses, kept as numbers: a list of arrays would take five times the memory."""
+
+from array import array
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+
+class PoseLog:
+    """Poses (x, y, theta) one after the other, 24 bytes each."""
+
+    def __init__(self) -> None:
+        self._numbers = array("d")
+
+    def __len__(self) -> int:
+        return len(self._numbers) // 3
+
+    def append(self, pose: ArrayLike) -> None:
+        """Add `pose` (3,)."""
+        self._numbers.extend(np.asarray(pose, dtype=np.float64).tolist())
+
+    def __getitem__(self, index: int) -> NDArray[np.float64]:
+        start = 3 * range(len(self))[index]
+        return np.array(self._numbers[start : start + 3])
+
+    def __setitem__(self, index: int, pose: ArrayLike) -> None:
+        start = 3 * range(len(self))[index]
+        self._numbers[start : start + 3] = array("d", np.asarray(pose, dtype=np.float64).tolist())
+
+    def array(self) -> NDArray[np.float64]:
+        """Return (n, 3) a copy of all poses."""
+        return np.array(self._numbers).reshape(-1, 3)

@@ -1,0 +1,77 @@
+"""Long runs: what counts as flat, and laps of a log that join without a jump."""
+
+import numpy as np
+import pytest
+from tagalong.scripts.experiments import soak
+from tagalong.scripts.experiments.cells import TIMING, Cell
+from tagalong.scripts.experiments.own_process import run_alone
+from tagalong.scripts.experiments.soak_laps import there_and_back
+from tagalong.scripts.experiments.trend import memory_mb, trend
+from tagalong.slam.errors import InputError
+from tagalong.slam.logs.drive import RecordedDrive
+from tagalong.slam.scan import LaserScan
+
+
+def rows_of(memory, times):
+    pairs = enumerate(zip(memory, times, strict=True), 1)
+    return [{"memory_mb": mb, "step_ms": ms, "done": 1000 * k} for k, (mb, ms) in pairs]
+
+
+def test_what_grows_only_in_the_first_tenth_is_flat():
+    went = trend(rows_of([100, 300] + 18 * [301], [9.0, 9.0] + 18 * [1.0]))
+    assert went.flat
+    assert went.settled_mb == 300
+    assert went.memory_growth == pytest.approx(1 / 300)
+    assert went.bytes_a_step == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_leak_is_told_in_bytes_a_step():
+    went = trend(rows_of(np.linspace(100, 119, 20), 20 * [1.0]))
+    assert not went.flat
+    assert went.bytes_a_step == pytest.approx(1000.0)
+
+
+def test_steps_that_take_longer_and_longer_are_not_flat():
+    assert not trend(rows_of(20 * [100], np.linspace(1, 2, 20))).flat
+
+
+def test_laps_join_without_a_jump_and_their_clock_goes_on():
+    bearings = np.linspace(-1.0, 1.0, 5)
+    scans = [LaserScan(np.full(5, 1.0 + k), bearings, 0.1, 30.0, time_s=stamp) for k, stamp in enumerate((3, 4, 4, 7))]
+    drive = RecordedDrive(np.arange(12.0).reshape(4, 3), scans, None, "drive")
+    steps = [step for lap in there_and_back(drive, 4, 2) for step in lap]
+    assert [int(scan.ranges[0]) - 1 for _, scan in steps] == 2 * [0, 1, 2, 3, 2, 1]
+    assert all((odometry == drive.odometry[int(scan.ranges[0]) - 1]).all() for odometry, scan in steps)
+    gaps = np.diff([scan.time_s for _, scan in steps])
+    assert gaps == pytest.approx([1, 0.1, 3, 3, 0.1, 1, 1, 0.1, 3, 3, 0.1])
+
+
+def held():
+    return {"memory_mb": memory_mb()}
+
+
+def test_a_part_does_not_see_the_memory_of_the_process_that_asks_for_it(tmp_path):
+    ballast = np.ones(40_000_000)
+    cell = Cell(name="held", function=held, arguments={})
+    assert run_alone(cell, tmp_path)["memory_mb"] < memory_mb() - 0.9e-6 * ballast.nbytes + 50
+
+
+def test_a_part_that_is_finished_is_not_run_again(tmp_path, monkeypatch):
+    words = ["--laps", "2", "--scans", "3", "--engines", "ekf", "--out", str(tmp_path)]
+    soak.main(words)
+    monkeypatch.setattr("tagalong.scripts.experiments.own_process.ProcessPoolExecutor", None)
+    soak.main(words)
+    assert len((tmp_path / "laps" / "ekf.json").read_text()) > 100
+
+
+def test_the_exit_status_says_whether_a_part_grew(tmp_path, monkeypatch, capsys):
+    grown = {"scans": 9, TIMING: rows_of([100, 200, 300], [1.0, 1.0, 1.0])}
+    monkeypatch.setattr(soak, "run_alone", lambda cell, folder: grown)
+    assert soak.main(["--engines", "ekf", "--out", str(tmp_path)]) == 1
+    assert "GROWS" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("words", [["--engines", "magic"], ["--laps", "1"]])
+def test_a_run_without_sense_is_refused(words, tmp_path):
+    with pytest.raises(InputError):
+        soak.main([*words, "--out", str(tmp_path)])
