@@ -108,7 +108,10 @@ class OccupancyGrid:
 
     def to_map(self) -> OccupancyMap:
         """Return the grid as it is now, cut to what is known; cells that no ray met are NaN."""
-        return self._cut((1.0 / (1.0 + np.exp(-self._log_odds))).astype(np.float32))
+        probability = np.negative(self._log_odds)  # then in place: a large map need not be there three times
+        np.exp(probability, out=probability)
+        probability += np.float32(1.0)
+        return self._cut(np.divide(np.float32(1.0), probability, out=probability))
 
     def _write_together(self, seen: Sequence[tuple[NDArray[np.float64], ScanRays]]) -> None:
         """Do what `write` does, to the same bytes: pairs of T_map_robot (3,) and the rays (one at least) of a scan."""

@@ -13,7 +13,7 @@ from .tile_kernels import SIDE, mark_particles, own_tiles, write_particles
 Array = NDArray[np.float64]
 
 _MOST_PLACES = 30_000_000  # of all directories; for 30 particles and cells of 0.05 m that is 1.6 x 1.6 km
-_MOST_TILES = 64_000  # 800 MB; a drive through a large building (ACES, 57 m x 57 m) takes 5600
+_MOST_TILES = 48_000  # 600 MB; a drive through a large building (ACES, 57 m x 57 m) takes 5600
 _OCCUPIED_SHARE = 0.25  # of the visits that were hits, as the ROS wrapper draws its map
 
 
