@@ -36,7 +36,7 @@ LARGEST_BEARING = 4.0 * math.pi
 """Largest bearing of a beam [rad]: two turns, however a driver counts them."""
 LEAST_SPACING = 1e-9
 """Least angle between beams [rad], a hundred nanometres at 100 m: closer ones cannot be told apart."""
-MOST_BEAMS = 30_000
+MOST_BEAMS = 32_768
 """Most beams of a sweep; the finest planar scanner takes 25,200 samples a turn."""
 FINEST_CELL_M, COARSEST_CELL_M = 1e-3, 100.0
 """Sides of cells [m]: lasers measure no better than a millimetre, and nothing is left of a building at 100 m."""
@@ -133,10 +133,26 @@ def check_poses(poses: Array, name: str, jumps: bool = True) -> None:
         )
 
 
-def check_points(points: Array, name: str) -> None:
-    """Raise InputError unless the coordinates `points` (..., 2) [m] lie within those of any place; NaN: not there."""
-    if np.isinf(points).any() or np.abs(points).max(initial=0.0, where=~np.isnan(points)) > FARTHEST_M:
-        raise InputError(f"`{name}` must lie within {FARTHEST_M:g} m, got {shortened(np.nanmax(np.abs(points)))}")
+def check_points(points: Array, name: str, gaps: bool = False) -> None:
+    """Raise InputError unless the coordinates `points` (..., 2) [m] are finite and within those of any place.
+
+    Args:
+        points: The points.
+        name: What they are called in the error.
+        gaps: Whether some may be NaN, which are not there.
+    """
+    good = np.abs(points) <= FARTHEST_M
+    if gaps:
+        good |= np.isnan(points)
+    if not good.all():
+        raise InputError(f"`{name}` must lie within {FARTHEST_M:g} m, got {shortened(points[~good][0])}")
+
+
+def check_times(times_s: Array, name: str) -> None:
+    """Raise InputError unless each of `times_s` (n,) [s] is finite and of an age that clocks show."""
+    good = np.abs(times_s) <= LATEST_S
+    if not good.all():
+        raise InputError(f"`{name}` must be finite and within {LATEST_S:g} s, got {shortened(times_s[~good][0])}")
 
 
 def cell_numbers(cells: Array) -> NDArray[np.int64]:
@@ -157,7 +173,7 @@ def check_size(columns: float, rows: float, cell: float, most: float, what: str 
     """Raise InputError if a grid of `columns` x `rows` cells of side `cell` [m] has more than `most` cells."""
     if not float(columns) * float(rows) <= most:
         raise InputError(
-            f"{what} would grow to {columns * cell:.0f} x {rows * cell:.0f} m in cells of {cell:g} m; more than "
+            f"{what} would grow to {columns * cell:.10g} x {rows * cell:.10g} m in cells of {cell:g} m; more than "
             f"{most:.0f} cells are none that a machine can hold: a pose or a range is wrong, or the cells are too small"
         )
 
