@@ -13,7 +13,7 @@ from types import NoneType
 from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from .errors import InputError
 
@@ -28,20 +28,22 @@ MOST_JUMP_M = 1e4
 """Odometry may be set anew within a drive, but not to a place farther off than any drive is long [m]."""
 LATEST_S = 1e11
 """Largest time [s], before and after the epoch: 3000 years. A double resolves 15 us at it."""
-LONGEST_RANGE_M = 1e4
-"""Largest `range_max` [m]: no planar laser sees farther than a few hundred metres."""
+LONGEST_RANGE_M = 1e5
+"""Largest `range_max` [m]: no planar laser sees farther than a few hundred metres; few drivers say more than 1e4."""
 FARTHEST_MOUNT_M = 100.0
 """Largest distance of a laser from the robot's origin, on each axis [m]: a ship's."""
 LARGEST_BEARING = 4.0 * math.pi
 """Largest bearing of a beam [rad]: two turns, however a driver counts them."""
-LEAST_SPACING = 1e-6
-"""Least angle between beams [rad], a hundredth of a millimetre at 10 m: closer ones cannot be told apart."""
-MOST_BEAMS = 30_000
+LEAST_SPACING = 1e-9
+"""Least angle between beams [rad], a hundred nanometres at 100 m: closer ones cannot be told apart."""
+MOST_BEAMS = 32_768
 """Most beams of a sweep; the finest planar scanner takes 25,200 samples a turn."""
 FINEST_CELL_M, COARSEST_CELL_M = 1e-3, 100.0
 """Sides of cells [m]: lasers measure no better than a millimetre, and nothing is left of a building at 100 m."""
 MOST_CELLS = 100_000_000
-"""Most cells of a map, 500 m x 500 m at 5 cm: a gigabyte, with what is made of it."""
+"""Most cells of a finished map, 500 m x 500 m at 5 cm: 400 MB."""
+MOST_DRAWN = 50_000_000
+"""Most cells of a map that is drawn, 350 m x 350 m at 5 cm: a gigabyte while it grows and is made a finished one."""
 _MOST_INDEX = 2.0**40  # of a cell from the origin: sums and products of two such still are whole numbers of 64 bits
 _LEAST, _MOST = 1e-9, 1e9  # size of a setting that has no bound of its own: no product of a few overflows or vanishes
 _MOST_COUNT = 1_000_000  # of a setting that is a whole number, likewise
@@ -68,6 +70,8 @@ Rounds = Annotated[int, Within(0, 1000)]
 """How often something is repeated that takes a while."""
 Threads = Annotated[int, Within(1, 256)]
 """Threads that share work: no more than the largest machines have cores."""
+Endless = Annotated[float, Within(0.0, math.inf)]
+"""A length or a time that may be without end."""
 Seed = Annotated[int, Within(0, 2**32 - 1)]
 """Of random draws: what every generator takes."""
 
@@ -129,10 +133,26 @@ def check_poses(poses: Array, name: str, jumps: bool = True) -> None:
         )
 
 
-def check_points(points: Array, name: str) -> None:
-    """Raise InputError unless the coordinates `points` (..., 2) [m] lie within those of any place; NaN: not there."""
-    if np.isinf(points).any() or np.abs(points).max(initial=0.0, where=~np.isnan(points)) > FARTHEST_M:
-        raise InputError(f"`{name}` must lie within {FARTHEST_M:g} m, got {shortened(np.nanmax(np.abs(points)))}")
+def check_points(points: Array, name: str, gaps: bool = False) -> None:
+    """Raise InputError unless the coordinates `points` (..., 2) [m] are finite and within those of any place.
+
+    Args:
+        points: The points.
+        name: What they are called in the error.
+        gaps: Whether some may be NaN, which are not there.
+    """
+    good = np.abs(points) <= FARTHEST_M
+    if gaps:
+        good |= np.isnan(points)
+    if not good.all():
+        raise InputError(f"`{name}` must lie within {FARTHEST_M:g} m, got {shortened(points[~good][0])}")
+
+
+def check_times(times_s: Array, name: str) -> None:
+    """Raise InputError unless each of `times_s` (n,) [s] is finite and of an age that clocks show."""
+    good = np.abs(times_s) <= LATEST_S
+    if not good.all():
+        raise InputError(f"`{name}` must be finite and within {LATEST_S:g} s, got {shortened(times_s[~good][0])}")
 
 
 def cell_numbers(cells: Array) -> NDArray[np.int64]:
@@ -153,9 +173,22 @@ def check_size(columns: float, rows: float, cell: float, most: float, what: str 
     """Raise InputError if a grid of `columns` x `rows` cells of side `cell` [m] has more than `most` cells."""
     if not float(columns) * float(rows) <= most:
         raise InputError(
-            f"{what} would grow to {columns * cell:.0f} x {rows * cell:.0f} m in cells of {cell:g} m, more than "
-            f"{most:.0f} cells; a pose or a range is wrong, or the cells are too small"
+            f"{what} would grow to {columns * cell:.10g} x {rows * cell:.10g} m in cells of {cell:g} m; more than "
+            f"{most:.0f} cells are none that a machine can hold: a pose or a range is wrong, or the cells are too small"
         )
+
+
+def zeros(shape: tuple[int, ...], dtype: DTypeLike, what: str = "the map") -> NDArray[Any]:
+    """Return an array of zeros.
+
+    Raises:
+        InputError: If there is no memory for it: `what` has become too large for this machine.
+    """
+    try:
+        return np.zeros(shape, dtype)
+    except MemoryError as error:
+        size = math.prod(shape) * np.dtype(dtype).itemsize
+        raise InputError(f"no memory is left for {what}: another {size / 1e6:.0f} MB were needed") from error
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .bounds import MOST_CELLS, Cell, Reach, cell_numbers, check_numbers, check_size
+from .bounds import MOST_DRAWN, Cell, Reach, cell_numbers, check_numbers, check_size, zeros
 from .errors import InputError
 from .geometry import compose, transform_points
 from .grid_kernels import place_rays, write_observation, write_observations
@@ -108,7 +108,10 @@ class OccupancyGrid:
 
     def to_map(self) -> OccupancyMap:
         """Return the grid as it is now, cut to what is known; cells that no ray met are NaN."""
-        return self._cut((1.0 / (1.0 + np.exp(-self._log_odds))).astype(np.float32))
+        probability = np.negative(self._log_odds)  # then in place: a large map need not be there three times
+        np.exp(probability, out=probability)
+        probability += np.float32(1.0)
+        return self._cut(np.divide(np.float32(1.0), probability, out=probability))
 
     def _write_together(self, seen: Sequence[tuple[NDArray[np.float64], ScanRays]]) -> None:
         """Do what `write` does, to the same bytes: pairs of T_map_robot (3,) and the rays (one at least) of a scan."""
@@ -185,7 +188,7 @@ class OccupancyGrid:
         if size.all():
             lower, upper = np.minimum(lower, corner), np.maximum(upper, corner + size)
         columns, rows = (upper - lower).tolist()
-        check_size(columns, rows, self.config.resolution, MOST_CELLS / math.prod(self._log_odds.shape[:-2]))
+        check_size(columns, rows, self.config.resolution, MOST_DRAWN / math.prod(self._log_odds.shape[:-2]))
         return lower, upper - lower
 
     def _grow(self, corner: NDArray[np.int64], size: NDArray[np.int64]) -> None:
@@ -196,7 +199,7 @@ class OccupancyGrid:
         col, row = self._corner - corner if old_size.all() else (0, 0)
         for name in self._layers:
             old = getattr(self, name)
-            grown = np.zeros((*old.shape[:-2], *size[::-1]), dtype=old.dtype)
+            grown = zeros((*old.shape[:-2], *size[::-1]), old.dtype)
             grown[..., row : row + old.shape[-2], col : col + old.shape[-1]] = old
             setattr(self, name, grown)
         self._corner = corner

@@ -25,6 +25,8 @@ def _beam(x, y, first, step, laser):
     """Return the index of the beam towards (x, y), beyond the ends where there is none, and the distance."""
     dx, dy = x - laser[0], y - laser[1]
     bearing = (np.arctan2(dy, dx) - laser[2] + np.pi) % (2.0 * np.pi) - np.pi
+    if not abs(bearing) <= np.pi:
+        return -1, 0.0
     return int(np.floor((bearing - first) / step + 0.5)), np.sqrt(dx * dx + dy * dy)
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...slam.bounds import check_numbers
+from ...slam.bounds import Endless, check_numbers
 from ...slam.errors import InputError
 from ...slam.scan import LaserScan
 from ..config import PerceptionConfig
@@ -69,8 +69,8 @@ class BodyConfig:
     newborn_s: float = 1.0
     known_again: float = 0.3
     known_apart: float = 1.0
-    foreign: float = 0.7
-    double_s: float = 0.8
+    foreign: Endless = 0.7
+    double_s: Endless = 0.8
     radius: float = 0.5
     take: float = 0.5
     keep: float = 0.25

@@ -36,7 +36,7 @@ class MatcherConfig:
     strides: Annotated[tuple[int, ...], Within(1, 1000)] = (2, 1)
     iterations: Annotated[tuple[int, ...], Within(1, 1000)] = (4, 8)
     scales: Annotated[tuple[float, ...], Within(1e-3, 1e3)] = (3.0, 2.0)
-    thinning: Annotated[float, Within(0.01, 1e3)] = 1.0
+    thinning: Annotated[float, Within(0.1, 1e3)] = 1.0
     straightness: Share = 0.15
     sigma: Annotated[float, Within(1e-4, 10.0)] = 0.03
     independent_points: float = 150.0

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bounds import cell_numbers, check_size
+from ..bounds import cell_numbers, check_size, zeros
 from ..errors import InputError
 from ..geometry import transform_points
 from ..occupancy_map import OccupancyMap
@@ -13,7 +13,7 @@ from .tile_kernels import SIDE, mark_particles, own_tiles, write_particles
 Array = NDArray[np.float64]
 
 _MOST_PLACES = 30_000_000  # of all directories; for 30 particles and cells of 0.05 m that is 1.6 x 1.6 km
-_MOST_TILES = 160_000  # two gigabytes; the drives in large buildings that it was tried on take 6000
+_MOST_TILES = 48_000  # 600 MB; a drive through a large building (ACES, 57 m x 57 m) takes 5600
 _OCCUPIED_SHARE = 0.25  # of the visits that were hits, as the ROS wrapper draws its map
 
 
@@ -128,7 +128,7 @@ class TileMaps:
             )
         for name in ("counts", "means", "bits", "_references", "_free"):
             array = getattr(self, name)
-            grown = np.zeros((new, *array.shape[1:]), dtype=array.dtype)
+            grown = zeros((new, *array.shape[1:]), array.dtype, "the maps of all particles")
             grown[:old] = array
             setattr(self, name, grown)
         self._free[self._free_count : self._free_count + new - old] = np.arange(new - 1, old - 1, -1)
@@ -150,7 +150,7 @@ class TileMaps:
         columns, rows = (int(places) for places in upper - lower)
         most = _MOST_PLACES * SIDE**2 / len(self.directory)
         check_size(columns * SIDE, rows * SIDE, self.cell, most)
-        grown = np.zeros((len(self.directory), rows, columns), dtype=np.int32)
+        grown = zeros((len(self.directory), rows, columns), np.int32, "the maps of all particles")
         if not first:
             column, row = self.origin - lower
             grown[:, row : row + size[1], column : column + size[0]] = self.directory

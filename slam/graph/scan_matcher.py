@@ -161,7 +161,8 @@ class ScanMatcher:
         poses = (2 * reach + 1) ** 2 * (2 * angles + 1)
         if poses > _MOST_POSES:
             raise InputError(
-                f"scans would be searched for at {poses} poses each, more than {_MOST_POSES}; `max_linear` or `max_angular` is too large, or the cells are too small"
+                f"scans would be searched for at {poses} poses each, more than {_MOST_POSES}; `max_linear` or "
+                "`max_angular` is too large, or the cells are too small"
             )
         return reach, angles, step
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bounds import Cell, Reach, Share, check_numbers, check_size
+from ..bounds import Cell, Reach, Share, check_numbers, check_size, zeros
 from ..errors import InputError
 from .submap_kernels import bounds, insert_scans
 from .sweep import Sweep
@@ -137,7 +137,7 @@ class Submap:
         inside = slice(first_row, first_row + self.field.shape[0]), slice(first_col, first_col + self.field.shape[1])
         for name in ("_hits", "_visits", "field", "_stamps"):
             before = getattr(self, name)
-            grid = np.zeros((rows, cols), before.dtype)
+            grid = zeros((rows, cols), before.dtype, "a submap")
             grid[inside] = before
             setattr(self, name, grid)
         self.corner = np.array([x, y])

@@ -44,7 +44,7 @@ class SimulatedDrive:
         check_poses(self.truth, "truth")
         if self.feet.ndim != 3 or len(self.feet) != n or self.feet.shape[2] != 2:
             raise InputError(f"`feet` must have shape ({n}, feet, 2), got {self.feet.shape}")
-        check_points(self.feet, "feet")
+        check_points(self.feet, "feet", gaps=True)
 
 
 def write_drive(folder: str | os.PathLike[str], drive: SimulatedDrive, name: str | None = None) -> None:
@@ -88,7 +88,7 @@ def read_feet(path: str | os.PathLike[str]) -> NDArray[np.float64]:
         raise InputError(f"{os.fspath(path)}: no readable npz file ({error})") from error
     if feet.ndim != 3 or feet.shape[2] != 2:
         raise InputError(f"{os.fspath(path)}: `feet` must have shape (scans, feet, 2), got {feet.shape}")
-    check_points(feet, f"{os.fspath(path)}: feet")
+    check_points(feet, f"{os.fspath(path)}: feet", gaps=True)
     return feet
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds import check_poses, check_times
 from ..errors import InputError
 from .text import numbered_lines, numbers
 
@@ -28,6 +29,11 @@ class Relations:
     T_first_second: Array
     by_reading: bool
 
+    def __post_init__(self) -> None:
+        check_times(self.first, "first")
+        check_times(self.second, "second")
+        check_poses(self.T_first_second, "T_first_second", jumps=False)
+
 
 @dataclass(frozen=True, eq=False)
 class Readings:
@@ -40,6 +46,10 @@ class Readings:
 
     times_s: Array
     odometry: Array
+
+    def __post_init__(self) -> None:
+        check_times(self.times_s, "times_s")
+        check_poses(self.odometry, "odometry")
 
 
 def read_relations(path: str | os.PathLike[str]) -> Relations:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds import check_poses, check_times
 from ..errors import InputError
 from ..geometry import wrap_angle
 from .text import numbered_lines, numbers, write_lines
@@ -22,7 +23,7 @@ class Trajectory:
         poses: (n, 3) poses of the robot in the map or world frame [m, m, rad].
 
     Raises:
-        InputError: If the shapes do not agree.
+        InputError: If the shapes do not agree, or a number is not finite or beyond what it can be.
     """
 
     times_s: NDArray[np.float64]
@@ -33,6 +34,8 @@ class Trajectory:
             raise InputError(
                 f"a trajectory needs `times_s` (n,) and `poses` (n, 3), got {self.times_s.shape}, {self.poses.shape}"
             )
+        check_times(self.times_s, "times_s")
+        check_poses(self.poses, "poses", jumps=False)
 
     def __len__(self) -> int:
         return len(self.times_s)

@@ -45,6 +45,7 @@ _REFINEMENT = replace(
 _SCOUTS, _SCOUT_STEPS = 3, 6  # every third point, six steps: which maxima of the second search are promising
 _BEYOND_DOUBT = 0.96  # of the best score there is: enough, whatever the scans let one expect
 _NEARLY = 0.97  # of the most worth: less than that, and of poses side by side from different views one is better
+_NOTHING = 1e-9  # [m] what returns that all lie at the laser itself count
 _LEVELS = 4  # of noise: 1, 2, 4 and 8 times that of a SICK
 
 
@@ -242,9 +243,9 @@ class GlobalMatcher:
                 points.points, T, seen.points, seen.rays, seen.feet, seen.normals, seen.first,
                 sigma, config.margin,
             )  # fmt: skip
-            hits, against, whole = hits + met, against + contradicted, max(whole, met / most)
+            hits, against, whole = hits + met, against + contradicted, max(whole, met / max(most, _NOTHING))
         # `most` is now what the reference's points count.
-        both = hits / (hits + config.free_space * against + 0.2 * most)
+        both = hits / max(hits + config.free_space * against + 0.2 * most, _NOTHING)
         return float((both + config.whole * whole) / (1.0 + config.whole))
 
     def _most_promising(

@@ -13,7 +13,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bounds import Within, check_numbers
+from ..bounds import Endless, Within, check_numbers
 from ..errors import InputError
 
 _FAR = 1e9  # nats that no cut costs
@@ -48,7 +48,7 @@ class SharedLinesConfig:
     span: float = 0.012
     step: float = 0.006
     prior: float = 0.015
-    doubt: float = 0.0025
+    doubt: Endless = 0.0025
 
     def coarser(self, factor: float) -> "SharedLinesConfig":
         """Return the same for `factor` times the noise."""

@@ -5,10 +5,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds import check_poses
 from ..errors import InputError
 from ..geometry import between
 
 Array = NDArray[np.float64]
+
+_MOST_INFORMATION = 1e18  # a standard deviation of a nanometre
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,9 +44,10 @@ class PoseGraph:
                 raise InputError(f"`{name}` must have shape {shape}, got {getattr(self, name).shape}")
         if m and not (self.edges.min() >= 0 and self.edges.max() < n and (self.edges[:, 0] != self.edges[:, 1]).all()):
             raise InputError(f"`edges` must tie two different ones of the {n} poses")
-        for name in ("poses", "measurements", "information"):
-            if not np.isfinite(getattr(self, name)).all():
-                raise InputError(f"`{name}` must be finite")
+        check_poses(self.poses, "poses", jumps=False)
+        check_poses(self.measurements, "measurements", jumps=False)
+        if not (np.abs(self.information) <= _MOST_INFORMATION).all():
+            raise InputError(f"`information` must be finite and within {_MOST_INFORMATION:g}")
 
     @classmethod
     def of(cls, poses: Array, edges: NDArray[np.int64], measurements: Array, information: Array) -> "PoseGraph":

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from sklearn.neighbors import NearestNeighbors
 
+from ..bounds import check_points
 from ..errors import InputError
 
 
@@ -38,6 +39,8 @@ def nearest_distances(from_points: NDArray[np.float64], to_points: NDArray[np.fl
         raise InputError(
             f"nearest neighbours need occupied cells in both maps, got {len(from_points)} and {len(to_points)}"
         )
+    for name, points in (("from_points", from_points), ("to_points", to_points)):
+        check_points(points, name)
     search = NearestNeighbors(n_neighbors=1, algorithm="kd_tree").fit(to_points)
     distances, _ = search.kneighbors(from_points)
     return np.asarray(distances[:, 0], dtype=np.float64)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..bounds import MOST_CELLS, check_points, check_size
+from ..bounds import MOST_CELLS, check_points, check_size, checked_pose
 from ..errors import InputError
 from ..geometry import inverse, transform_points
 from ..occupancy_map import OccupancyMap
@@ -76,7 +76,7 @@ def common_cells(
 ) -> CommonCells:
     """Lay both maps on one lattice: that of the reference, or of the estimate's resolution where it is coarser."""
     resolution = max(estimate.resolution, reference.resolution)
-    T_ref_est = np.asarray(T_ref_est, dtype=np.float64)
+    T_ref_est = checked_pose(T_ref_est, "T_ref_est")
     corners = np.vstack((_corners(reference), transform_points(T_ref_est, _corners(estimate))))
     origin = np.asarray(reference.origin)
     low = np.floor((corners.min(axis=0) - origin) / resolution - 1e-6)
@@ -125,7 +125,7 @@ def dynamic_residue(cells: CommonCells, people: ArrayLike, radius: float = 0.12)
         raise InputError(
             f"needs people (..., 2) and a radius in (0, {_WIDEST_M:g}] m, got shape {places.shape} and {radius}"
         )
-    check_points(places, "people")
+    check_points(places, "people", gaps=True)
     crossed = np.zeros_like(cells.reference_free)
     mark_near(places[np.isfinite(places).all(axis=-1)], radius, *cells.origin, cells.resolution, crossed)
     crossed &= cells.reference_free & ~_grown(cells.reference_occupied)

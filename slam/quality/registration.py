@@ -10,7 +10,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bounds import Rounds, Within, check_numbers
+from ..bounds import Rounds, Within, check_numbers, check_points
 from ..errors import InputError
 from ..geometry import compose, inverse, transform_points
 from .icp import Cloud, SurfaceIcpConfig, icp_points, icp_surface
@@ -69,6 +69,7 @@ def register(estimate: Array, reference: Array, config: RegistrationConfig | Non
     for name, points in (("estimate", estimate), ("reference", reference)):
         if points.ndim != 2 or points.shape[1] != 2 or len(points) < 3:
             raise InputError(f"registration needs at least 3 occupied cells in the {name}, got shape {points.shape}")
+        check_points(points, name)
     est, ref = Cloud(estimate), Cloud(reference)
     part_est, part_ref = est.sample(config.coarse_points), ref.sample(config.coarse_points)
     refined = [

@@ -5,6 +5,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds import check_poses
 from ..errors import InputError
 from ..geometry import between, compose, transform_points
 from .rigid import fit_rigid
@@ -143,3 +144,5 @@ def associate(times_a: Array, times_b: Array, max_gap_s: float = 0.01) -> tuple[
 def _check_pair(estimate: Array, reference: Array) -> None:
     if estimate.shape != reference.shape or estimate.ndim != 2 or estimate.shape[1] != 3 or len(estimate) == 0:
         raise InputError(f"trajectories must both have shape (n, 3), n > 0, got {estimate.shape} and {reference.shape}")
+    for name, poses in (("estimate", estimate), ("reference", reference)):
+        check_poses(poses, name, jumps=False)
