@@ -102,9 +102,8 @@ def _handle(path: Source) -> int:
 
 def unreadable(path: Source, error: OSError) -> InputError:
     """Return the error for a file that the system does not give."""
-    if error.errno == errno.ENOENT:
-        return InputError(f"{named(path)}: no such file")
-    return InputError(f"{named(path)}: cannot be read ({error.strerror or error})")
+    why = "no such file" if error.errno == errno.ENOENT else error.strerror or error
+    return InputError(f"{named(path)}: cannot be read ({why})")
 
 
 def read_bytes(path: Source, most_bytes: int, why: str) -> bytes:
