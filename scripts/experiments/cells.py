@@ -15,10 +15,12 @@ from typing import Any
 import joblib
 from tqdm import tqdm
 
-from ...slam.files import made_folder, write_json
+from ...slam.errors import InputError
+from ...slam.files import made_folder, read_json, write_json
 from .backends import parallel_backend, results_of
 from .hardware import code_fingerprint
 
+_MOST_RESULT = 1 << 26  # bytes of a result file; arrays belong into files beside it
 TIMING = "timing"
 """The key of a result, at any depth, under which stands what depends on the clock; nothing else may."""
 
@@ -71,8 +73,8 @@ class Cell:
         if self.keeps_files and not files_of(self.name, folder).is_dir():
             return {}
         try:
-            content = json.loads(self._path(folder).read_text(encoding="utf-8"))
-        except (FileNotFoundError, ValueError):
+            content = read_json(self._path(folder), _MOST_RESULT)
+        except InputError:
             return {}
         usable = isinstance(content, dict) and content.get("arguments") == self._plain_arguments
         return content if usable else {}

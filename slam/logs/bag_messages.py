@@ -1,15 +1,19 @@
 """Opens ROS 1 bags (a file) and ROS 2 bags (a folder) and hands out their messages by topic; pure Python."""
 
+import bz2
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ..errors import InputError, MissingExtraError
+from ..errors import InputError, MissingExtraError, one_line, shown
+from ..input_file import checked_name, named, require_regular, unreadable
 
 _MAGIC = b"#ROSBAG V"
 _NS = 1e-9
+_MOST_CHUNK = 1 << 28  # bytes; recorders write chunks of one or a few MB, or one message that is larger
+_MOST_DESCRIPTION = 1 << 24  # bytes of metadata.yaml: thousands of topics, with all that is said of their quality
 
 
 class Message(NamedTuple):
@@ -61,7 +65,9 @@ class Bag:
         for topic in topics:
             if topic.strip("/") == wanted.strip("/"):
                 return topic
-        raise InputError(f"{self._path}: no topic {wanted!r} of type {kind}; it has: {', '.join(topics) or 'none'}")
+        raise InputError(
+            f"{self._path}: no topic {shown(wanted)} of type {kind}; it has: {', '.join(topics) or 'none'}"
+        )
 
     def messages(self, *topics: str) -> Iterator[Message]:
         """Yield the messages of `topics` in the order of the recording.
@@ -80,15 +86,16 @@ class Bag:
 
 def is_bag(path: str | os.PathLike[str]) -> bool:
     """Return whether `path` is a ROS 1 bag (by its first bytes) or the folder or the one mcap file of a ROS 2 bag."""
-    path = Path(path)
-    if path.is_dir():
-        return (path / "metadata.yaml").is_file()
-    if path.suffix in (".bag", ".mcap"):
-        return path.is_file()
     try:
+        path = checked_name(path)
+        if path.is_dir():
+            return (path / "metadata.yaml").is_file()
+        if path.suffix in (".bag", ".mcap"):
+            return path.is_file()
+        require_regular(path)
         with path.open("rb") as file:
             return file.read(len(_MAGIC)) == _MAGIC
-    except OSError:
+    except (OSError, InputError):  # the reader of whatever else it is will say so
         return False
 
 
@@ -100,19 +107,77 @@ def open_bag(path: str | os.PathLike[str]) -> Iterator[Bag]:
         InputError: If it is no bag, or damaged.
         MissingExtraError: If `rosbags` is not installed.
     """
-    path = Path(path)
+    path = checked_name(path)
     try:
         from rosbags.highlevel import AnyReader
         from rosbags.typesys import Stores, get_typestore
     except ImportError:
         raise MissingExtraError("ROS bags", "ros") from None
+    _require_files(path)
     with _damage_told(path):
         reader = AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE))
         reader.open()
     try:
+        for each in reader.readers:
+            _bound_chunks(each)
         yield Bag(reader, path)
     finally:
         reader.close()
+
+
+def _require_files(path: Path) -> None:
+    """Refuse a bag that is, or whose folder holds, anything but files: the library would wait for a pipe."""
+    try:
+        entries = [each.path for each in os.scandir(path) if not each.is_dir()] if path.is_dir() else [path]
+        description = path / "metadata.yaml"
+        if path.is_dir() and description.stat().st_size > _MOST_DESCRIPTION:
+            raise InputError(f"{named(description)}: is too large; it has at most {_MOST_DESCRIPTION} bytes")
+    except OSError as error:
+        raise unreadable(path, error) from error
+    for each in entries:
+        require_regular(each)
+
+
+def _bound_chunks(reader: Any) -> None:
+    """Let no compressed chunk of a ROS 1 bag unpack to more than `_MOST_CHUNK`."""
+    if not reader.__class__.__module__.startswith("rosbags.rosbag1"):
+        return
+    for position, chunk in reader.chunks.items():
+        if chunk.decompressor is bz2.decompress:
+            reader.chunks[position] = chunk._replace(decompressor=_unpacked_bz2)
+        elif "lz4" in chunk.decompressor.__module__:
+            reader.chunks[position] = chunk._replace(decompressor=_unpacked_lz4)
+
+
+def _unpacked_bz2(data: bytes) -> bytes:
+    return _unpacked(bz2.BZ2Decompressor(), data)
+
+
+def _unpacked_lz4(data: bytes) -> bytes:
+    from lz4.frame import LZ4FrameDecompressor
+
+    return _unpacked(LZ4FrameDecompressor(), data)
+
+
+def _unpacked(unpacker: Any, data: bytes) -> bytes:
+    result = unpacker.decompress(data, _MOST_CHUNK)
+    if not unpacker.eof:
+        raise ValueError(f"a chunk is cut, or unpacks to more than {_MOST_CHUNK} bytes")
+    return result
+
+
+@contextmanager
+def as_defined(where: str) -> Iterator[None]:
+    """Tell in one line that a message lacks a field of its type, or has something else in it.
+
+    A bag brings the definitions of its types along, and they may say anything.
+    """
+    try:
+        yield
+    except InputError:
+        raise
+    except (AttributeError, IndexError, OverflowError, TypeError, ValueError) as error:
+        raise InputError(f"{where}: a message is not what its type says ({one_line(str(error), 100)})") from error
 
 
 @contextmanager
@@ -121,6 +186,6 @@ def _damage_told(path: Path) -> Iterator[None]:
     try:
         yield
     except Exception as error:  # damaged bytes raise whatever struct, lz4, sqlite and the library raise for them
-        said = " ".join(str(error).split()) or type(error).__name__
+        said = one_line(" ".join(str(error).split()), 200) or type(error).__name__
         hint = "; if it was cut, `rosbag reindex` restores what is there" if "index" in said.lower() else ""
-        raise InputError(f"{path}: no readable ROS bag ({said}){hint}") from error
+        raise InputError(f"{named(path)}: no readable ROS bag ({said}){hint}") from error

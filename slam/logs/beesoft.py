@@ -10,17 +10,20 @@ The 180 ranges go from the right to the left, one degree apart. A value of a map
 """
 
 import os
+from collections.abc import Iterator
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
+from ..errors import InputError, shown
 from ..geometry import between, wrap_angle
 from ..occupancy_map import OccupancyMap
 from ..scan import LaserScan
 from .drive import RecordedDrive
-from .text import first_line, numbered_lines, numbers
+from .sizes import MOST_CELLS, DriveLength
+from .text import first_line, numbered_lines, numbers, whole_number
 
 _BEAMS = 180
 _BEARINGS = np.radians(np.arange(_BEAMS) - 89.5)
@@ -57,6 +60,7 @@ def read_beesoft_log(path: str | os.PathLike[str]) -> RecordedDrive:
             there is no scan.
     """
     file, odometry, scans = Path(path), [], []
+    length = DriveLength(file)
     for number, line in numbered_lines(file):
         words = line.split()
         if not words:
@@ -64,13 +68,14 @@ def read_beesoft_log(path: str | os.PathLike[str]) -> RecordedDrive:
         where = f"{file}:{number}"
         count = {"L": 6 + _BEAMS + 1, "O": 4}.get(words[0])
         if count is None:
-            raise InputError(f"{where}: expected a line that begins with L or O, got {words[0][:20]!r}")
+            raise InputError(f"{where}: expected a line that begins with L or O, got {shown(words[0], 20)}")
         if len(words) != count + 1:
             raise InputError(f"{where}: needs {count} numbers after {words[0]}, got {len(words) - 1}")
         values = np.array(numbers(words[1:], where, "a number"))
         if not np.isfinite(values[:6]).all():
-            raise InputError(f"{where}: expected finite poses, got {words[1:7]}")
+            raise InputError(f"{where}: expected finite poses, got {shown(words[1:7])}")
         if words[0] == "L":
+            length.add(_BEAMS)
             pose, laser = values[:3] * [_CM, _CM, 1.0], values[3:6] * [_CM, _CM, 1.0]
             odometry.append([*pose[:2], float(wrap_angle(pose[2]))])
             scans.append(_scan(values[6:-1] * _CM, np.round(between(pose, laser), 3) + 0.0, float(values[-1])))
@@ -89,29 +94,44 @@ def read_beesoft_map(path: str | os.PathLike[str]) -> OccupancyMap:
     """Read a map; its frame begins at the outer corner of the first cell.
 
     Raises:
-        InputError: If the file cannot be read, has no resolution or no grid, or the grid is cut or not numeric.
+        InputError: If the file cannot be read, has no resolution or no grid, or the grid is too large, cut or not
+            numeric.
     """
-    file, resolution, shape, lines = Path(path), 0.0, None, []
-    for number, line in numbered_lines(file):
-        where, words = f"{file}:{number}", line.split()
-        if shape is None and words[:1] == [_GRID]:
-            if len(words) < 3 or not (words[1].isdecimal() and words[2].isdecimal() and int(words[1]) * int(words[2])):
-                raise InputError(f"{where}: the size of the grid needs two positive numbers, got {words[1:]}")
-            shape = int(words[1]), int(words[2])
-        elif shape is None:
-            if words[:1] == [_RESOLUTION]:
-                resolution = _CM * numbers(words[1:2], where, "the side of a cell [cm]")[0] if words[1:] else 0.0
-        elif words and len(lines) < shape[0]:
-            if len(words) != shape[1]:
-                raise InputError(f"{where}: needs {shape[1]} values, got {len(words)}")
-            lines.append(numbers(words, where, "a probability or -1"))
-            wrong = [value for value in lines[-1] if not value <= 1.0]
-            if wrong:
-                raise InputError(f"{where}: expected a probability or -1, got {wrong[0]:g}")
-    if shape is None or not 0.0 < resolution < np.inf:
-        raise InputError(f"{file}: no map found; expected `{_RESOLUTION} CM` and `{_GRID} NX NY`")
-    if len(lines) < shape[0]:
-        raise InputError(f"{file}: the grid is cut: needs {shape[0]} lines, got {len(lines)}")
-    free = np.array(lines, dtype=np.float32).T
+    file = Path(path)
+    lines = ((f"{file}:{number}", line.split()) for number, line in numbered_lines(file))
+    resolution, shape = _map_header(file, lines)
+    rows = list(islice((_map_row(where, words, shape[1]) for where, words in lines if words), shape[0]))
+    if len(rows) < shape[0]:
+        raise InputError(f"{file}: the grid is cut: needs {shape[0]} lines, got {len(rows)}")
+    free = np.array(rows).T
     occupancy = np.where(free < 0.0, np.nan, 1.0 - free).astype(np.float32)
     return OccupancyMap(occupancy, resolution, (0.0, 0.0), _OCCUPIED_ABOVE, _FREE_BELOW)
+
+
+def _map_header(file: Path, lines: Iterator[tuple[str, list[str]]]) -> tuple[float, tuple[int, int]]:
+    """Return the side of a cell [m] and the numbers of cells in x and y; `lines` then stand before the first row."""
+    resolution = 0.0
+    for where, words in lines:
+        if words[:1] == [_RESOLUTION]:
+            resolution = _CM * numbers(words[1:2], where, "the side of a cell [cm]")[0] if words[1:] else 0.0
+        elif words[:1] == [_GRID]:
+            nx, ny = (whole_number(word) or 0 for word in (*words[1:3], "", "")[:2])
+            if nx * ny == 0:
+                raise InputError(f"{where}: the size of the grid needs two positive numbers, got {shown(words[1:])}")
+            if nx * ny > MOST_CELLS:
+                raise InputError(f"{where}: a map has at most {MOST_CELLS} cells, got {nx} x {ny}")
+            if not 0.0 < resolution < np.inf:
+                break
+            return resolution, (nx, ny)
+    raise InputError(f"{file}: no map found; expected `{_RESOLUTION} CM` and `{_GRID} NX NY`")
+
+
+def _map_row(where: str, words: list[str], count: int) -> NDArray[np.float32]:
+    """Return the `count` values of a line: how likely each cell is free, -1 where nothing is known."""
+    if len(words) != count:
+        raise InputError(f"{where}: needs {count} values, got {len(words)}")
+    values = np.array(numbers(words, where, "a probability or -1"))
+    wrong = values[~(values <= 1.0)]
+    if len(wrong):
+        raise InputError(f"{where}: expected a probability or -1, got {wrong[0]:g}")
+    return values.astype(np.float32)

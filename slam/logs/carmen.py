@@ -7,11 +7,7 @@ Layouts (CARMEN robot navigation toolkit, logger):
     ODOM x y theta tv rv accel ipc_time host logger_time
 """
 
-import codecs
-import gzip
 import os
-import zlib
-from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
@@ -19,11 +15,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
+from ..errors import InputError, one_line, shown
 from ..geometry import between, compose, wrap_angle
 from ..scan import LaserScan
 from .beams import cut_behind, measured
 from .drive import RecordedDrive
+from .sizes import DriveLength
+from .text import numbered_bytes, whole_number
 
 Pose = tuple[float, float, float]
 
@@ -82,37 +80,26 @@ def _parse(path: Path) -> tuple[list[_Record], list[_Record], float]:
     """Return FLASER records, ROBOTLASER1 records and the offset of the front laser [m]."""
     flaser: list[_Record] = []
     robotlaser: list[_Record] = []
-    offset = 0.0
-    for number, words in _lines(path):
+    offset, length = 0.0, DriveLength(path)
+    for number, line in numbered_bytes(path):
+        words = line.split()
+        if not words or words[0].startswith(b"#"):
+            continue
         kind = words[0]
         try:
-            if kind == b"FLASER":
-                flaser.append(_flaser(words))
-            elif kind == b"ROBOTLASER1":
-                robotlaser.append(_robotlaser(words))
+            if kind in (b"FLASER", b"ROBOTLASER1"):
+                record = _flaser(words) if kind == b"FLASER" else _robotlaser(words)
+                length.add(len(record.ranges))
+                (flaser if kind == b"FLASER" else robotlaser).append(record)
             elif kind == b"ODOM":
                 _floats(words[1:8], 7, "x y theta tv rv accel time")
             elif words[:2] == [b"PARAM", b"robot_frontlaser_offset"]:
                 offset = float(_floats(words[2:3], 1, "the offset of the front laser")[0])
+        except InputError:
+            raise
         except ValueError as error:
             raise InputError(f"{path}, line {number}: {kind.decode('latin-1')}: {error}") from error
     return flaser, robotlaser, offset
-
-
-def _lines(path: Path) -> Iterator[tuple[int, list[bytes]]]:
-    """Yield (line number from 1, words) of the lines that are neither empty nor comments."""
-    try:
-        content = path.read_bytes()
-        if content[:2] == b"\x1f\x8b":
-            content = gzip.decompress(content)
-    except (EOFError, zlib.error, gzip.BadGzipFile) as error:
-        raise InputError(f"{path}: corrupt or cut gzip file ({error})") from error
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror})") from error
-    for number, line in enumerate(content.removeprefix(codecs.BOM_UTF8).splitlines(), start=1):
-        words = line.split()
-        if words and not words[0].startswith(b"#"):
-            yield number, words
 
 
 def _floats(words: list[bytes], count: int, what: str) -> NDArray[np.float64]:
@@ -122,14 +109,15 @@ def _floats(words: list[bytes], count: int, what: str) -> NDArray[np.float64]:
     try:
         return np.fromiter(map(float, words[:count]), np.float64, count)
     except ValueError as error:
-        raise ValueError(f"expected numbers ({what}): {error}") from None
+        raise ValueError(f"expected numbers ({what}): {one_line(str(error), 100)}") from None
 
 
 def _count(words: list[bytes], index: int, what: str) -> int:
-    if len(words) <= index or not words[index].isdigit():
+    count = whole_number(words[index]) if len(words) > index else None
+    if count is None:
         got = words[index].decode("latin-1") if len(words) > index else "the end of the line"
-        raise ValueError(f"expected the number of {what}, got {got!r}")
-    return int(words[index])
+        raise ValueError(f"expected the number of {what}, got {shown(got)}")
+    return count
 
 
 def _poses(values: NDArray[np.float64]) -> tuple[Pose, Pose]:
@@ -191,9 +179,10 @@ def _scans(records: list[_Record], mounts: NDArray[np.float64]) -> list[LaserSca
     scans = []
     for record, (x, y, theta) in zip(records, mounts.tolist(), strict=True):
         limit = log_maximum if record.max_range is None else record.max_range
-        ranges = measured(record.ranges)
-        ranges[record.ranges >= limit] = np.inf
-        ranges, bearings = cut_behind(ranges, record.bearings, theta)
+        beyond = record.ranges >= limit
+        record.ranges[:] = measured(record.ranges)  # in place: a long drive should not stand twice in memory
+        record.ranges[beyond] = np.inf
+        ranges, bearings = cut_behind(record.ranges, record.bearings, theta)
         scans.append(LaserScan(ranges, bearings, 0.0, limit, record.time_s, (x, y, theta)))
     return scans
 

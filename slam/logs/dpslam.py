@@ -13,11 +13,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
+from ..errors import InputError, shown
 from ..geometry import wrap_angle
 from ..scan import LaserScan
 from .drive import RecordedDrive
-from .text import first_line, numbered_lines, numbers
+from .sizes import DriveLength
+from .text import first_line, numbered_lines, numbers, whole_number
 
 _LASER = (0.40, 0.0, 0.0)  # T_robot_lidar
 _NEAR, _FAR, _CODES = 8.0, 81.0, 8.192  # [m] what either kind measures; values up to the last are of the first kind
@@ -43,17 +44,19 @@ def read_dpslam_log(path: str | os.PathLike[str]) -> RecordedDrive:
     file = Path(path)
     poses: list[list[float]] = []
     sweeps: list[NDArray[np.float64]] = []
+    length = DriveLength(file)
     for number, line in numbered_lines(file):
         words = line.split()
         if not words:
             continue
         where, due = f"{file}:{number}", "laser" if len(poses) > len(sweeps) else "odometry"
         if words[0].lower() != due:
-            raise InputError(f"{where}: expected a line that begins with {due.title()}, got {words[0][:20]!r}")
+            raise InputError(f"{where}: expected a line that begins with {due.title()}, got {shown(words[0], 20)}")
         if due == "odometry":
             poses.append(_pose(words[1:], where))
         else:
             sweeps.append(_ranges(words[1:], where))
+            length.add(len(sweeps[-1]))
     if not sweeps:
         raise InputError(f"{file}: no laser scan found; expected lines that begin with Odometry and Laser")
     odometry = np.array(poses[: len(sweeps)])
@@ -66,12 +69,12 @@ def read_dpslam_log(path: str | os.PathLike[str]) -> RecordedDrive:
 def _pose(words: list[str], where: str) -> list[float]:
     pose = numbers(words, where, "a number")
     if len(pose) != 3 or not np.isfinite(pose).all():
-        raise InputError(f"{where}: needs x, y and theta after Odometry, got {' '.join(words)[:40]}")
+        raise InputError(f"{where}: needs x, y and theta after Odometry, got {shown(' '.join(words))}")
     return pose
 
 
 def _ranges(words: list[str], where: str) -> NDArray[np.float64]:
-    count = int(words[0]) if words and words[0].isdecimal() else 0
+    count = (whole_number(words[0]) or 0) if words else 0
     if not 2 <= count <= _MOST or len(words) != count + 1:
         raise InputError(
             f"{where}: needs the number of beams, 2 to {_MOST}, and as many ranges, got {len(words)} words"

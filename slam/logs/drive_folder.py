@@ -82,10 +82,9 @@ def read_feet(path: str | os.PathLike[str]) -> NDArray[np.float64]:
     content = read_arrays(path)
     if "feet" not in content:
         raise InputError(f"{os.fspath(path)}: needs an array `feet` (scans, feet, 2), got none of that name")
-    try:
-        feet = np.asarray(content["feet"], dtype=np.float64)
-    except (ValueError, TypeError) as error:
-        raise InputError(f"{os.fspath(path)}: no readable npz file ({error})") from error
+    if content["feet"].dtype.kind not in "iuf":
+        raise InputError(f"{os.fspath(path)}: `feet` must be numbers, got {content['feet'].dtype}")
+    feet = np.asarray(content["feet"], dtype=np.float64)
     if feet.ndim != 3 or feet.shape[2] != 2:
         raise InputError(f"{os.fspath(path)}: `feet` must have shape (scans, feet, 2), got {feet.shape}")
     check_points(feet, f"{os.fspath(path)}: feet", gaps=True)

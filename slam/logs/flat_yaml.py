@@ -2,10 +2,11 @@
 
 import os
 
-from ..errors import InputError
+from ..errors import InputError, shown
 from .text import numbered_lines
 
 Value = str | list[str]
+_MOST_LINES, _MOST_BYTES = 1000, 1 << 16  # a map file has about ten lines, and some have comments
 
 
 def read_flat_yaml(path: str | os.PathLike[str]) -> dict[str, Value]:
@@ -16,7 +17,7 @@ def read_flat_yaml(path: str | os.PathLike[str]) -> dict[str, Value]:
     """
     entries: dict[str, Value] = {}
     key = ""
-    for number, line in numbered_lines(path):
+    for number, line in numbered_lines(path, most_lines=_MOST_LINES, most_bytes=_MOST_BYTES):
         where = f"{os.fspath(path)}:{number}"
         text = _without_comment(line).rstrip()
         if not text or text in ("---", "...") or text.startswith("%"):
@@ -26,10 +27,10 @@ def read_flat_yaml(path: str | os.PathLike[str]) -> dict[str, Value]:
             continue
         name, colon, value = text.partition(":")
         if not colon or name != name.strip() or not name or (value and not value.startswith(" ")):
-            raise InputError(f"{where}: expected `key: value`, got {line!r}")
+            raise InputError(f"{where}: expected `key: value`, got {shown(line)}")
         key = _unquoted(name)
         if key in entries:
-            raise InputError(f"{where}: the key {key!r} comes twice")
+            raise InputError(f"{where}: the key {shown(key)} comes twice")
         entries[key] = _value(value.strip(), where)
     return entries
 
@@ -38,7 +39,7 @@ def _value(text: str, where: str) -> Value:
     if not text.startswith("["):
         return _unquoted(text)
     if not text.endswith("]"):
-        raise InputError(f"{where}: a list must end with ] on its line, got {text!r}")
+        raise InputError(f"{where}: a list must end with ] on its line, got {shown(text)}")
     inner = text[1:-1].strip()
     return [_unquoted(item) for item in inner.split(",")] if inner else []
 

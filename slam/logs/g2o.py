@@ -10,12 +10,13 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, one_line, shown
 from ..files import write_text
 from ..pose_graph.pose_graph import PoseGraph
-from .text import numbered_lines
+from .text import MOST_POSES, numbered_lines
 
 _UPPER = np.triu_indices(3)
+_MOST_DIGITS = 20
 
 
 def read_g2o(path: str | os.PathLike[str]) -> PoseGraph:
@@ -30,18 +31,18 @@ def read_g2o(path: str | os.PathLike[str]) -> PoseGraph:
     poses: list[list[float]] = []
     edges: list[tuple[int, int]] = []
     values: list[list[float]] = []
-    for number, line in numbered_lines(path):
+    for number, line in numbered_lines(path, most_lines=2 * MOST_POSES):
         words = line.split()
         try:
             if words[:1] == ["VERTEX_SE2"]:
-                if names.setdefault(int(words[1]), len(poses)) != len(poses):
+                if names.setdefault(_name(words[1]), len(poses)) != len(poses):
                     raise ValueError(f"vertex {words[1]} comes twice")
                 poses.append(_floats(words[2:], 3))
             elif words[:1] == ["EDGE_SE2"]:
-                edges.append((names[int(words[1])], names[int(words[2])]))
+                edges.append((names[_name(words[1])], names[_name(words[2])]))
                 values.append(_floats(words[3:], 9))
         except (ValueError, IndexError) as error:
-            raise InputError(f"{path}, line {number}: {words[0]}: {error}") from error
+            raise InputError(f"{path}, line {number}: {words[0]}: {one_line(str(error), 100)}") from error
         except KeyError as error:
             raise InputError(f"{path}, line {number}: EDGE_SE2: vertex {error} is not among those above") from error
     if not poses:
@@ -62,12 +63,19 @@ def write_g2o(path: str | os.PathLike[str], graph: PoseGraph) -> None:
     write_text(path, "\n".join(lines) + "\n")
 
 
+def _name(word: str) -> int:
+    """Return the number of a vertex, which may have as many digits as a whole number of 64 bits."""
+    if len(word) > _MOST_DIGITS:
+        raise ValueError(f"expected the number of a vertex, got {shown(word)}")
+    return int(word)
+
+
 def _floats(words: list[str], count: int) -> list[float]:
     if len(words) < count:
         raise ValueError(f"the line is cut: expected {count} numbers, got {len(words)}")
     values = [float(word) for word in words[:count]]
     if not all(map(math.isfinite, values)):
-        raise ValueError(f"expected finite numbers, got {' '.join(words[:count])}")
+        raise ValueError(f"expected finite numbers, got {shown(' '.join(words[:count]))}")
     return values
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InputError
+from ..input_file import checked_name, named
 from .bag_messages import is_bag
 from .beesoft import is_beesoft_log, read_beesoft_log
 from .carmen import read_carmen
@@ -32,8 +33,8 @@ def read_log(
     path = Path(path)
     if is_bag(path):
         return _measured(path, read_rosbag(path, scan_topic, odometry_topic))
-    if path.is_dir():
-        raise InputError(f"{path}: a folder without metadata.yaml is no ROS 2 bag")
+    if checked_name(path).is_dir():
+        raise InputError(f"{named(path)}: a folder without metadata.yaml is no ROS 2 bag")
     if scan_topic is not None or odometry_topic is not None:
         raise InputError(f"{path}: only a ROS bag has topics to choose")
     if is_beesoft_log(path):

@@ -11,14 +11,16 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
-from .text import numbered_lines
+from ..errors import InputError, shown
+from .text import MOST_POSES, numbered_lines
 
 Array = NDArray[np.float64]
 
 STEP_S = 0.4
 """Time between two annotated frames [s]."""
 _FEWEST = 6
+_MOST_COLUMNS = 8
+_LARGEST = 1e9  # of a number: a year of video frames; no place is that far
 _FARTHEST_STEP_M = 100.0
 
 
@@ -52,7 +54,9 @@ def read_pedestrians(path: str | os.PathLike[str]) -> list[RecordedWalk]:
             goes 100 m from one row to the next.
     """
     file = Path(path)
-    rows = [_numbers(file, number, line) for number, line in numbered_lines(file) if line.strip()]
+    rows = [
+        _numbers(file, number, line) for number, line in numbered_lines(file, most_lines=MOST_POSES) if line.strip()
+    ]
     if len({len(row) for row in rows}) > 1:
         raise InputError(f"{file}: some lines have 4 numbers and some 8")
     y = 4 if rows and len(rows[0]) == 8 else 3
@@ -71,7 +75,8 @@ def read_pedestrians(path: str | os.PathLike[str]) -> list[RecordedWalk]:
 def _walks(table: Array) -> list[RecordedWalk]:
     """Return the walks in a table of frame, id, x, y; a step is the commonest distance of a person's frames."""
     walks = []
-    rows = [table[table[:, 1] == person] for person in np.unique(table[:, 1])]
+    table = table[np.argsort(table[:, 1], kind="stable")]
+    rows = np.split(table, np.flatnonzero(np.diff(table[:, 1])) + 1)
     rows = [part[np.argsort(part[:, 0], kind="stable")] for part in rows]
     gaps = np.concatenate([np.diff(part[:, 0]) for part in rows])
     gaps = gaps[gaps > 0.0]
@@ -89,9 +94,9 @@ def _walks(table: Array) -> list[RecordedWalk]:
 
 def _numbers(file: Path, number: int, line: str) -> list[float]:
     try:
-        values = [float(word) for word in line.split()]
+        values = [float(word) for word in line.split(maxsplit=_MOST_COLUMNS)]
     except ValueError:
         values = []
-    if len(values) not in (4, 8) or not np.isfinite(values).all():
-        raise InputError(f"{file}, line {number}: needs `frame id x y` or `frame id x z y vx vz vy`, got {line!r}")
+    if len(values) not in (4, 8) or not all(abs(value) <= _LARGEST for value in values):
+        raise InputError(f"{file}, line {number}: needs `frame id x y` or `frame id x z y vx vz vy`, got {shown(line)}")
     return values

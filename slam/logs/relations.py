@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ..bounds import check_poses, check_times
 from ..errors import InputError
-from .text import numbered_lines, numbers
+from .text import MOST_POSES, finite_numbers, numbered_lines
 
 Array = NDArray[np.float64]
 
@@ -78,17 +78,14 @@ def read_readings(path: str | os.PathLike[str]) -> Readings:
 
 def _rows(path: str | os.PathLike[str], columns: tuple[int, ...], layout: str) -> Array:
     rows: list[list[float]] = []
-    for number, line in numbered_lines(path):
+    for number, line in numbered_lines(path, most_lines=MOST_POSES):
         words = line.split("#", 1)[0].split()
         if not words:
             continue
         where = f"{os.fspath(path)}:{number}"
         if len(words) not in columns or (rows and len(words) != len(rows[0])):
             raise InputError(f"{where}: a line needs {layout}, got {len(words)} words")
-        row = numbers(words, where, "a number")
-        if not np.isfinite(row).all():
-            raise InputError(f"{where}: expected finite numbers, got {' '.join(words)}")
-        rows.append(row)
+        rows.append(finite_numbers(words, where))
     if not rows:
         raise InputError(f"{os.fspath(path)}: needs at least one line {layout}, got none")
     return np.array(rows)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .bag_messages import Message
+from .bag_messages import Message, as_defined
 
 Array = NDArray[np.float64]
 
@@ -72,8 +72,9 @@ class FrameTree:
     def __init__(self, messages: Iterable[Message]) -> None:
         self._tracks: dict[str, Track] = {}
         for message in messages:
-            for each in message.content.transforms:
-                self._add(each, message.recorded_s)
+            with as_defined("a transform"):
+                for each in message.content.transforms:
+                    self._add(each, message.recorded_s)
 
     def _add(self, stamped: Any, recorded_s: float) -> None:
         rotation = rotation_matrix(stamped.transform.rotation)
@@ -90,10 +91,12 @@ class FrameTree:
 
     def upwards(self, frame: str) -> list[str]:
         """Return `frame`, its parent, and so on to the root."""
-        names = [frame_name(frame)]
-        while names[-1] in self._tracks and self._tracks[names[-1]].parent not in names:
-            names.append(self._tracks[names[-1]].parent)
-        return names
+        names = {frame_name(frame): None}  # in order, each once
+        last = frame_name(frame)
+        while last in self._tracks and self._tracks[last].parent not in names:
+            last = self._tracks[last].parent
+            names[last] = None
+        return list(names)
 
     def track(self, frame: str) -> Track:
         """Return how `frame` moved in its parent."""
@@ -102,7 +105,8 @@ class FrameTree:
     def between(self, base: str, frame: str) -> Array | None:
         """Return (4, 4) T_base_frame by the first transform of each link; None: they are not connected."""
         up_base, up_frame = self.upwards(base), self.upwards(frame)
-        common = next((name for name in up_frame if name in up_base), None)
+        above = set(up_base)
+        common = next((name for name in up_frame if name in above), None)
         if common is None:
             return None
         return np.asarray(

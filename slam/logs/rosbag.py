@@ -4,18 +4,19 @@ import os
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
+from ..errors import InputError, shown
 from ..geometry import wrap_angle
 from ..scan import LaserScan
-from .bag_messages import Bag, Message, open_bag
+from .bag_messages import Bag, as_defined, open_bag
 from .beams import cut_behind, measured
 from .drive import RecordedDrive
 from .ros_frames import FrameTree, frame_name, planar, rotation_matrix, stamp_s
+from .sizes import DriveLength
 
 Array = NDArray[np.float64]
 Pose = tuple[float, float, float]
@@ -39,6 +40,19 @@ class _Poses:
     times_s: list[float] = field(default_factory=list)
     recorded_s: list[float] = field(default_factory=list)
     poses: list[Array] = field(default_factory=list)
+
+
+class _Sweep(NamedTuple):
+    """What a message of a scan says; times by header and by recorder [s]."""
+
+    frame: str
+    stamp_s: float
+    recorded_s: float
+    ranges: Array
+    angle_min: float
+    angle_increment: float
+    range_min: float
+    range_max: float
 
 
 def read_rosbag(
@@ -67,19 +81,19 @@ def read_rosbag(
         raise InputError(f"{path}: cannot be read (no such file or folder)")
     with open_bag(path) as bag:
         topic = _scan_topic(bag, scan_topic, path)
-        messages = list(bag.messages(topic))
-        frame = frame_name(messages[0].content.header.frame_id)
+        sweeps = _sweeps(bag, topic, path)
         tree = FrameTree(bag.messages(*bag.of_type(*TRANSFORMS)))
-        odometry = _odometry(bag, tree, frame, odometry_topic)
+        frame = sweeps[0].frame
+        odometry = _odometry(bag, tree, frame, odometry_topic, path)
     notes: list[str] = []
     mount, flipped = _mount(tree, odometry.robot if odometry else None, frame, notes, path)
-    headers = np.array([stamp_s(message.content.header) for message in messages])
-    recorded = np.array([message.recorded_s for message in messages])
+    headers = np.array([sweep.stamp_s for sweep in sweeps])
+    recorded = np.array([sweep.recorded_s for sweep in sweeps])
     by_header = _headers_are_good(headers, recorded, odometry)
     times = headers if by_header else recorded
     where = f"{path}: {topic}"
-    reach = _farthest(messages)
-    scans = [_scan(m.content, float(t), reach, mount, flipped, where) for m, t in zip(messages, times, strict=True)]
+    reach = _farthest(sweeps)
+    scans = [_scan(sweep, float(t), reach, mount, flipped, where) for sweep, t in zip(sweeps, times, strict=True)]
     if odometry is None:
         notes.append("no odometry in the bag")
         return RecordedDrive(np.zeros((len(scans), 3)), scans, None, path.stem, has_odometry=False, notes=tuple(notes))
@@ -101,17 +115,31 @@ def _scan_topic(bag: Bag, wanted: str | None, path: Path) -> str:
     return topic
 
 
-def _odometry(bag: Bag, tree: FrameTree, laser: str, wanted: str | None) -> _Poses | None:
+def _sweeps(bag: Bag, topic: str, path: Path) -> list[_Sweep]:
+    """Return what the scans of a topic say."""
+    sweeps, room = [], DriveLength(path)
+    for recorded_s, content in bag.messages(topic):
+        with as_defined(f"{path}: {topic}"):
+            room.add(len(content.ranges))
+            limits = (content.angle_min, content.angle_increment, content.range_min, content.range_max)
+            ranges = np.asarray(content.ranges, dtype=np.float64).reshape(-1)
+            frame, stamp = frame_name(content.header.frame_id), stamp_s(content.header)
+            sweeps.append(_Sweep(frame, stamp, recorded_s, ranges, *map(float, limits)))
+    return sweeps
+
+
+def _odometry(bag: Bag, tree: FrameTree, laser: str, wanted: str | None, path: Path) -> _Poses | None:
     """Return the odometry of the robot that carries the frame `laser`; None: the bag says nothing of it."""
     topic = bag.choose(wanted, ODOMETRY, "--odometry-topic")
     if topic is not None:
         result = _Poses(source=topic)
         for recorded_s, content in bag.messages(topic):
-            result.robot = frame_name(content.child_frame_id)
-            result.times_s.append(stamp_s(content.header))
-            result.recorded_s.append(recorded_s)
-            pose = content.pose.pose
-            result.poses.append(planar(pose.position, rotation_matrix(pose.orientation)))
+            with as_defined(f"{path}: {topic}"):
+                result.robot = frame_name(content.child_frame_id)
+                result.times_s.append(stamp_s(content.header))
+                result.recorded_s.append(recorded_s)
+                pose = content.pose.pose
+                result.poses.append(planar(pose.position, rotation_matrix(pose.orientation)))
         return result
     names = tree.upwards(laser)
     for child, parent in pairwise(names):
@@ -129,9 +157,11 @@ def _mount(tree: FrameTree, robot: str | None, laser: str, notes: list[str], pat
             continue
         up = matrix[2, 2]
         if abs(up) < _LEVEL:
-            raise InputError(f"{path}: the laser {laser!r} must stand level on {base!r}, its axis has cosine {up:.2f}")
+            raise InputError(
+                f"{path}: the laser {shown(laser)} must stand level on {shown(base)}, its axis has cosine {up:.2f}"
+            )
         return (float(matrix[0, 3]), float(matrix[1, 3]), float(np.arctan2(matrix[1, 0], matrix[0, 0]))), up < 0.0
-    notes.append(f"no transform from the robot to {laser!r}: the laser counts as the robot's origin")
+    notes.append(f"no transform from the robot to {shown(laser)}: the laser counts as the robot's origin")
     return (0.0, 0.0, 0.0), False
 
 
@@ -145,19 +175,18 @@ def _headers_are_good(headers: Array, recorded: Array, odometry: _Poses | None) 
     return bool(abs(offset - np.median(headers - recorded)) < _CLOCKS_S)
 
 
-def _farthest(messages: list[Message]) -> float:
-    """Return the largest range of all messages [m], 0 where nothing was met."""
-    largest = [np.max(m.content.ranges, initial=0.0, where=np.isfinite(m.content.ranges)) for m in messages]
-    return float(max(largest, default=0.0))
+def _farthest(sweeps: list[_Sweep]) -> float:
+    """Return the largest range of all sweeps [m], 0 where nothing was met."""
+    return float(max(np.max(sweep.ranges, initial=0.0, where=np.isfinite(sweep.ranges)) for sweep in sweeps))
 
 
-def _scan(message: Any, time_s: float, reach: float, mount: Pose, flipped: bool, where: str) -> LaserScan:
+def _scan(message: _Sweep, time_s: float, reach: float, mount: Pose, flipped: bool, where: str) -> LaserScan:
     """Return the scan of a message, its bearings ascending; a limit of `inf` is taken to be `reach` [m]."""
-    ranges = measured(np.asarray(message.ranges, dtype=np.float64), message.range_min)
+    ranges = measured(message.ranges, message.range_min)
     first, step = message.angle_min, message.angle_increment
     if not (np.isfinite(first) and np.isfinite(step) and (step != 0.0 or len(ranges) < 2)):
         raise InputError(f"{where}: beams need a finite angle and step [rad], got {first} and {step}")
-    bearings = first + step * np.arange(len(ranges))
+    bearings = first + step * np.arange(len(ranges), dtype=np.float64)
     if flipped:
         bearings = -bearings
     if len(bearings) > 1 and bearings[1] < bearings[0]:

@@ -2,14 +2,17 @@
 
 import os
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
+from ..errors import InputError, shown
 from ..files import read_arrays
+from ..input_file import named
 from ..scan import LaserScan
 from .beams import cut_behind, measured
+from .sizes import DriveLength
 
 NEEDED = ("ranges", "angle_min", "angle_increment", "range_min", "range_max")
 
@@ -30,6 +33,7 @@ def read_scans_npz(path: str | os.PathLike[str]) -> list[LaserScan]:
     ranges = arrays["ranges"]
     if ranges.ndim != 2 or ranges.size == 0:
         raise InputError(f"{path}: `ranges` must have shape (scans, beams), got {ranges.shape}")
+    DriveLength(path).add(ranges.shape[1], len(ranges))
     times = arrays.get("bag_time", arrays.get("stamp", np.zeros(len(ranges))))
     if times.shape != (len(ranges),):
         raise InputError(f"{path}: times must have shape ({len(ranges)},), one a scan, got {times.shape}")
@@ -38,27 +42,27 @@ def read_scans_npz(path: str | os.PathLike[str]) -> list[LaserScan]:
         raise InputError(f"{path}: `angle_increment` must be positive [rad], got {step}")
     bearings = first + step * np.arange(ranges.shape[1])
     return [
-        LaserScan(*cut_behind(measured(row, limits[0]), bearings), *limits, time_s=float(time))
+        LaserScan(*cut_behind(measured(row.astype(np.float64), limits[0]), bearings), *limits, time_s=float(time))
         for row, time in zip(ranges, times - times[0], strict=True)
     ]
 
 
-def _number(path: Path, name: str, value: NDArray[np.float64]) -> float:
+def _number(path: Path, name: str, value: NDArray[Any]) -> float:
     if value.size != 1 or not np.isfinite(value).all():
-        raise InputError(f"{path}: `{name}` must be one finite number, got {value.tolist()}")
+        raise InputError(f"{path}: `{name}` must be one finite number, got {shown(value)}")
     return float(value.item())
 
 
-def _load(path: Path) -> dict[str, NDArray[np.float64]]:
+def _load(path: Path) -> dict[str, NDArray[Any]]:
     try:
         content = read_arrays(path)
     except InputError as error:
-        raise InputError(f"{path} is no .npz file of scans: {error}") from None
+        raise InputError(f"{named(path)} is no .npz file of scans: {error}") from None
     missing = [name for name in NEEDED if name not in content]
     if missing:
         raise InputError(f"{path}: needs the arrays {', '.join(NEEDED)}; missing: {', '.join(missing)}")
-    names = [*NEEDED, *(name for name in ("bag_time", "stamp") if name in content)]
-    try:
-        return {name: np.asarray(content[name], dtype=np.float64) for name in names}
-    except (ValueError, TypeError) as error:
-        raise InputError(f"{path} is no .npz file of scans: {error}") from None
+    found = {name: content[name] for name in (*NEEDED, "bag_time", "stamp") if name in content}
+    for name, array in found.items():
+        if array.dtype.kind not in "biuf":
+            raise InputError(f"{path} is no .npz file of scans: `{name}` must be numbers, got {array.dtype}")
+    return {name: array if name == "ranges" else array.astype(np.float64) for name, array in found.items()}

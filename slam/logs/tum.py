@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..bounds import check_poses, check_times
-from ..errors import InputError
+from ..errors import InputError, shown
 from ..geometry import wrap_angle
-from .text import numbered_lines, numbers, write_lines
+from .text import MOST_POSES, finite_numbers, numbered_lines, write_lines
 
 _TILT_LIMIT = 0.02  # norm of (qx, qy): about 2 degrees of roll and pitch
 
@@ -49,16 +49,16 @@ def read_tum(path: str | os.PathLike[str]) -> Trajectory:
             turns out of the plane; or if there is no pose at all.
     """
     times, poses = [], []
-    for number, line in numbered_lines(path):
+    for number, line in numbered_lines(path, most_lines=MOST_POSES):
         words = line.split("#", 1)[0].split()
         if not words:
             continue
         where = f"{os.fspath(path)}:{number}"
         if len(words) != 8:
             raise InputError(f"{where}: a TUM line needs 8 numbers (t x y z qx qy qz qw), got {len(words)}")
-        t, x, y, _, qx, qy, qz, qw = row = numbers(words, where, "a number")
-        if not np.all(np.isfinite(row)) or abs(np.linalg.norm((qx, qy, qz, qw)) - 1.0) > 1e-2:
-            raise InputError(f"{where}: needs finite numbers and a quaternion of length 1, got {' '.join(words)}")
+        t, x, y, _, qx, qy, qz, qw = finite_numbers(words, where)
+        if abs(np.linalg.norm((qx, qy, qz, qw)) - 1.0) > 1e-2:
+            raise InputError(f"{where}: needs a quaternion of length 1, got {shown(' '.join(words[4:]))}")
         if np.hypot(qx, qy) > _TILT_LIMIT:
             raise InputError(f"{where}: needs a rotation about z only (qx = qy = 0), got qx={qx}, qy={qy}")
         times.append(t)

@@ -17,7 +17,8 @@ from ..errors import InputError
 from ..geometry import wrap_angle
 from ..scan import LaserScan
 from .drive import RecordedDrive
-from .text import first_line, numbered_lines, numbers
+from .sizes import DriveLength
+from .text import finite_numbers, first_line, numbered_lines
 
 _BEAMS = 683
 _BEARINGS = np.radians((np.arange(_BEAMS) - _BEAMS // 2) * 360.0 / 1024.0)
@@ -45,27 +46,32 @@ def read_urg_log(path: str | os.PathLike[str]) -> RecordedDrive:
         InputError: If the file cannot be read, a line but the last is cut or not numeric (with its number), or there is
             no whole line.
     """
-    file = Path(path)
-    lines = [(number, line.split()) for number, line in numbered_lines(file) if line.strip()]
-    length = len(lines[0][1]) if lines else 0
-    if length not in (_ENCODERS, _POSE):
-        raise InputError(f"{file}: needs {_ENCODERS} or {_POSE} numbers a line, got {length}")
-    notes = ()
-    if len(lines[-1][1]) < length:
-        notes = (f"the last line ({lines[-1][0]}) is cut and was left out",)
-        del lines[-1]
-    rows = []
-    for number, words in lines:
-        where = f"{file}:{number}"
-        if len(words) != length:
-            raise InputError(f"{where}: needs {length} numbers, got {len(words)}")
-        rows.append(numbers(words, where, "a number"))
-    table = np.array(rows)
-    if not np.isfinite(table).all():
-        raise InputError(f"{file}:{lines[int(np.argmin(np.isfinite(table).all(axis=1)))][0]}: expected finite numbers")
-    odometry = _rolled(table[:, 2:4]) if length == _ENCODERS else table[:, 3:6] * [1.0, 1.0, np.pi / 180.0]
+    file, heads, scans = Path(path), [], []
+    count, room = 0, DriveLength(path)
+    cut: tuple[int, int] | None = None  # number and length of a line that is too short
+    for number, line in numbered_lines(file):
+        words = line.split()
+        if not words:
+            continue
+        count = count or len(words)
+        if count not in (_ENCODERS, _POSE):
+            break
+        if cut is not None or len(words) > count:
+            where, got = cut or (number, len(words))
+            raise InputError(f"{file}:{where}: needs {count} numbers, got {got}")
+        if len(words) < count:
+            cut = number, len(words)
+            continue
+        room.add(_BEAMS)
+        values = np.array(finite_numbers(words, f"{file}:{number}"))
+        heads.append(values[:-_BEAMS].copy())
+        scans.append(_scan(values[-_BEAMS:] * 1e-3, values[0] * 1e-6))
+    if not scans:
+        raise InputError(f"{file}: needs {_ENCODERS} or {_POSE} numbers a line, got {count}")
+    head = np.array(heads)
+    odometry = _rolled(head[:, 2:4]) if count == _ENCODERS else head[:, 3:6] * [1.0, 1.0, np.pi / 180.0]
     odometry[:, 2] = wrap_angle(odometry[:, 2])
-    scans = [_scan(row[-_BEAMS:] * 1e-3, row[0] * 1e-6) for row in table]
+    notes = () if cut is None else (f"the last line ({cut[0]}) is cut and was left out",)
     return RecordedDrive(odometry, scans, None, file.name.split(".")[0], notes=notes)
 
 
@@ -80,5 +86,6 @@ def _rolled(ticks: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _scan(ranges: NDArray[np.float64], time_s: float) -> LaserScan:
-    ranges = np.where(ranges < _RANGE_MIN, np.nan, ranges)
-    return LaserScan(ranges[_USABLE], _BEARINGS[_USABLE], _RANGE_MIN, _RANGE_MAX, time_s, _LASER)
+    usable = ranges[_USABLE]
+    usable = np.where(usable < _RANGE_MIN, np.nan, usable)
+    return LaserScan(usable, _BEARINGS[_USABLE], _RANGE_MIN, _RANGE_MAX, time_s, _LASER)
