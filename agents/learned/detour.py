@@ -6,6 +6,7 @@ driven in thought, and the one that comes farthest along the trail without a tou
 has lost the leader to where the trail ends; there it looks around.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +20,8 @@ from .steering import State, SteeringConfig
 
 Array = NDArray[np.float64]
 _REACH_M = 2.5
+_BRAKING_M = 0.02
+"""Who is to stop going back comes a little farther than it is now [m]; that forbids no manoeuvre."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,7 +95,14 @@ class Detour:
         self._begun = np.zeros((0, 5))
 
     def relieve(
-        self, state: State, wish: tuple[float, float], goal: Goal, search_turn: float, trail: Array, things: Array
+        self,
+        state: State,
+        wish: tuple[float, float],
+        goal: Goal,
+        search_turn: float,
+        trail: Array,
+        things: Array,
+        room: Callable[[], float],
     ) -> tuple[float, float]:
         """Return `wish`, or what is to be wished instead; once a step.
 
@@ -103,6 +113,7 @@ class Detour:
             search_turn: Turn rate at which a lost leader is looked for [rad/s].
             trail: (k, 2) the leader's trail from here on, robot frame [m].
             things: (n, 2) what must not be touched, robot frame [m].
+            room: Asks how far back the ground is known to be free [m].
         """
         if goal.mode is Mode.WAIT:
             return wish
@@ -114,7 +125,7 @@ class Detour:
         if not (lost or self._left_s > 0.0) or not len(path):
             self._begun = np.zeros((0, 5))
             return wish
-        return self._best(state, path, things)
+        return self._best(state, path, things, room())
 
     def _watch(self, state: State, behind: float) -> None:
         """Notice that the robot is held up, or has been relieved for long enough."""
@@ -128,7 +139,7 @@ class Detour:
         if self._held_s > c.held_s and self._left_s == 0.0:
             self._held_s, self._left_s, self._left_m = 0.0, c.relieved_s, c.relieved_m
 
-    def _best(self, state: State, path: Array, things: Array) -> tuple[float, float]:
+    def _best(self, state: State, path: Array, things: Array, room: float) -> tuple[float, float]:
         """Return what the best manoeuvre wishes now, and remember it as begun."""
         c, plans = self.config, np.vstack((self._plans, self._begun))
         near = thinned(things, _REACH_M)
@@ -142,7 +153,7 @@ class Detour:
         ahead = path[np.minimum(k + 4, len(path) - 1)]
         tight = np.maximum(1.0 - gap / c.clear, 0.0) ** 2
         cost = reached[np.arange(len(k)), k] + c.facing * turned_away(poses, ahead) + c.tight * tight
-        cost[gap < min(c.touch, now - 0.002)] += 100.0
+        cost[(gap < min(c.touch, now - 0.002)) | (driven.back > room + _BRAKING_M)] += 100.0
         cost[len(self._plans) :] -= c.keep
         best = plans[int(np.argmin(cost))].copy()
         wish = best[:2] if best[2] > 0.0 else best[3:]
@@ -158,7 +169,14 @@ class NoDetour:
         """Forget nothing."""
 
     def relieve(
-        self, state: State, wish: tuple[float, float], goal: Goal, search_turn: float, trail: Array, things: Array
+        self,
+        state: State,
+        wish: tuple[float, float],
+        goal: Goal,
+        search_turn: float,
+        trail: Array,
+        things: Array,
+        room: Callable[[], float],
     ) -> tuple[float, float]:
         """Return `wish`."""
         return wish

@@ -2,7 +2,8 @@
 
 From the commands of a wish the robot must be able to brake without touching any return of the laser. If it is not, the
 nearest wish is taken from which it can. The guard interferes at the last moment only, so what is smooth stays smooth;
-learning is left to find good ways, and is spared the last centimetres (Wagener, Boots, Cheng 2021).
+learning is left to find good ways, and is spared the last centimetres (Wagener, Boots, Cheng 2021). Who touches
+something already may leave it, but not press on; and nobody backs over ground that was never seen (`hindsight`).
 """
 
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ from ...envs.interface import FollowInterface
 from ...slam.errors import InputError
 from ..follower import Observation
 from ..scan_points import ScanPoints, own_velocity, without
+from .hindsight import Hindsight
 from .steering import State, SteeringConfig, steer_many
 
 Array = NDArray[np.float64]
@@ -55,6 +57,8 @@ _SPEEDS = (1.0, 0.7, 0.45, 0.2, 0.0)
 _TURNS = (1.0, 0.5, 0.0)
 """Shares of the wished turn rate."""
 _BACK_MPS, _ASIDE_RPS = -0.15, 0.6
+_NEARER_M = 1e-4
+"""Who may not come nearer to something may come so much nearer [m]: rounding."""
 
 
 class Guard:
@@ -73,15 +77,18 @@ class Guard:
         x, y, turn = interface.T_robot_lidar
         self._laser = np.array((x, y))
         self._sides = (interface.bearings[0] + turn, interface.bearings[-1] + turn)
+        self._behind = Hindsight(config.half_length, config.half_width, interface)
         self.reset()
 
     def reset(self) -> None:
         """Forget everything."""
         self._points = np.zeros((0, 2))
         self._kept = np.zeros((0, 3))  # x, y [m], age [s]
+        self._behind.reset()
 
     def look(self, observation: Observation) -> None:
         """Take the returns of an observation; once a step, before `allow`."""
+        self._behind.look(observation)
         before, self._points = self._points, self._things(observation)
         dx, dy, turned = (value * self._step_s for value in own_velocity(observation))
         old = np.vstack((self._kept, np.column_stack((before, np.zeros(len(before))))))
@@ -106,6 +113,10 @@ class Guard:
         """(n, 2) what must not be touched, robot frame [m]; not to be written to."""
         return np.vstack((self._points, self._kept[:, :2]))
 
+    def room(self) -> float:
+        """Return how far back the ground is known to be free, at most 1 m [m]."""
+        return self._behind.room()
+
     def allow(self, state: State, wish: tuple[float, float]) -> tuple[float, float]:
         """Return `wish`, or the nearest one that can be braked without a touch; standing still if there is none.
 
@@ -114,43 +125,77 @@ class Guard:
             wish: Speed [m/s] and turn rate [rad/s].
         """
         things = self.things
-        now = float(box_gaps(np.zeros((1, 3)), things, self.config).min(initial=np.inf))
-        speed = abs(state[0])
-        if now > 0.2 + 0.45 * speed + speed**2 / 3.0:
+        gaps = signed_gaps(np.zeros((1, 3)), things, self.config)[0]
+        now, speed = float(gaps.min(initial=np.inf)), abs(state[0])
+        if now > 0.2 + 0.45 * speed + speed**2 / 3.0 and min(wish[0], state[0]) >= 0.0:
             return wish
-        bound = min(self.config.margin, now - 1e-4)
-        if self._gap_while_braking(state, np.array([wish]), things)[0] >= bound:
+        # to what is touched, the robot may come no nearer than it is; to other things, not so near that it touches them
+        bounds = np.minimum(self.config.margin, np.maximum(now, np.minimum(gaps, 0.0)) - _NEARER_M)
+        if self._passes(state, np.array([wish]), things, bounds)[0]:
             return wish
         speeds = np.append(np.array(_SPEEDS) * wish[0], _BACK_MPS)
         turns = np.append(np.array(_TURNS) * wish[1], (-_ASIDE_RPS, _ASIDE_RPS))
         tried = np.stack(np.meshgrid(speeds, turns, indexing="ij"), axis=-1).reshape(-1, 2)
-        safe = self._gap_while_braking(state, tried, things) >= bound
+        safe = self._passes(state, tried, things, bounds)
         if not safe.any():
             return 0.0, 0.0
         change = np.abs(tried[:, 0] - wish[0]) + 0.4 * np.abs(tried[:, 1] - wish[1])
         best = tried[int(np.argmin(np.where(safe, change, np.inf)))]
         return float(best[0]), float(best[1])
 
-    def _gap_while_braking(self, state: State, wishes: Array, things: Array) -> Array:
-        """Return (n,) the least gap [m] while one step of each of `wishes` (n, 2) is driven and then braked."""
+    def _passes(self, state: State, wishes: Array, things: Array, bounds: Array) -> NDArray[np.bool_]:
+        """Return (n,) whether one step of each of `wishes` (n, 2), and braking then, keeps gaps and the room behind.
+
+        Args:
+            state: What is commanded now.
+            wishes: Speed [m/s] and turn rate [rad/s].
+            things: (m, 2) what must not be touched [m].
+            bounds: (m,) how near it may come [m].
+        """
+        wishes = np.vstack((wishes, np.zeros(2)))  # the last: how far back it comes whatever is wished
         states, poses = np.repeat(np.array([state]), len(wishes), axis=0), np.zeros((len(wishes), 3))
-        least = np.full(len(wishes), np.inf)
+        spare, back = np.full(len(wishes), np.inf), np.zeros(len(wishes))
         for k in range(self.config.brake_steps + 1):
             states = steer_many(states, wishes if k == 0 else np.zeros_like(wishes), self._step_s, self._steering)
-            middle = poses[:, 2] + 0.5 * states[:, 2] * self._step_s
-            way = states[:, 0] * self._step_s
-            poses = poses + np.column_stack((way * np.cos(middle), way * np.sin(middle), states[:, 2] * self._step_s))
-            least = np.minimum(least, box_gaps(poses, things, self.config))
-        return least
+            poses = driven(poses, states, self._step_s)
+            gaps = signed_gaps(poses, things, self.config)
+            spare, back = np.minimum(spare, (gaps - bounds).min(axis=1, initial=np.inf)), np.maximum(back, -poses[:, 0])
+        least = float(back[-1]) + _NEARER_M
+        room = least if back.max() <= least else max(self.room(), least)
+        return ((spare >= 0.0) & (back <= room))[:-1]
+
+
+def driven(poses: Array, states: Array, step_s: float) -> Array:
+    """Return (n, 3) where `poses` (n, 3) are after `step_s` [s] at the commands `states` (n, 4)."""
+    middle, way = poses[:, 2] + 0.5 * states[:, 2] * step_s, states[:, 0] * step_s
+    return poses + np.column_stack((way * np.cos(middle), way * np.sin(middle), states[:, 2] * step_s))
+
+
+def signed_gaps(poses: Array, things: Array, config: GuardConfig) -> Array:
+    """Return (n, m) distance from the robot's box at each of `poses` (n, 3) to each of `things` (m, 2) [m].
+
+    Of a thing inside the box it is negative: how deep inside, to the nearest side.
+    """
+    ahead, aside = _beyond(poses, things, config)
+    outside = np.sqrt(np.maximum(ahead, 0.0) ** 2 + np.maximum(aside, 0.0) ** 2)
+    return outside + np.minimum(np.maximum(ahead, aside), 0.0)
 
 
 def box_gaps(poses: Array, things: Array, config: GuardConfig) -> Array:
-    """Return (n,) distance from the robot's box at each of `poses` (n, 3) to the nearest of `things` (m, 2) [m]."""
+    """Return (n,) the least of `signed_gaps` at each of `poses` (n, 3) [m]; without things, infinity."""
+    ahead, aside = _beyond(poses, things, config)
+    square = np.maximum(ahead, 0.0) ** 2 + np.maximum(aside, 0.0) ** 2
+    least = np.sqrt(square.min(axis=1, initial=np.inf))
+    touched = least == 0.0
+    least[touched] = np.minimum(np.maximum(ahead[touched], aside[touched]).min(axis=1, initial=np.inf), 0.0)
+    return least
+
+
+def _beyond(poses: Array, things: Array, config: GuardConfig) -> tuple[Array, Array]:
+    """Return (n, m) how far each thing is beyond the front or the rear, and beyond the sides; negative: within [m]."""
     x, y = things[:, 0] - poses[:, :1], things[:, 1] - poses[:, 1:2]
     cos, sin = np.cos(poses[:, 2:]), np.sin(poses[:, 2:])
-    ahead = np.maximum(np.abs(cos * x + sin * y) - config.half_length, 0.0)
-    aside = np.maximum(np.abs(cos * y - sin * x) - config.half_width, 0.0)
-    return np.sqrt((ahead**2 + aside**2).min(axis=1, initial=np.inf))
+    return np.abs(cos * x + sin * y) - config.half_length, np.abs(cos * y - sin * x) - config.half_width
 
 
 class NoGuard:
@@ -168,3 +213,7 @@ class NoGuard:
     def allow(self, state: State, wish: tuple[float, float]) -> tuple[float, float]:
         """Return `wish`."""
         return wish
+
+    def room(self) -> float:
+        """Mind no room."""
+        return float("inf")

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .guard import GuardConfig, box_gaps
+from .guard import GuardConfig, box_gaps, driven
 from .steering import State, SteeringConfig, steer_many
 
 Array = NDArray[np.float64]
@@ -21,11 +21,13 @@ class Driven:
 
     Attributes:
         poses: (n, 3) where each ends, in the robot frame of now.
-        gaps: (n,) the least distance from the robot's box to things on the way [m].
+        gaps: (n,) the least distance from the robot's box to things on the way, negative inside it [m].
+        back: (n,) how far back from here they come [m].
     """
 
     poses: Array
     gaps: Array
+    back: Array
 
 
 def drive_in_thought(
@@ -49,15 +51,15 @@ def drive_in_thought(
         box: Sizes of the robot.
     """
     states, poses = np.repeat(np.array([state]), len(plans), axis=0), np.zeros((len(plans), 3))
-    least = np.full(len(plans), np.inf)
+    least, back = np.full(len(plans), np.inf), np.zeros(len(plans))
     for k in range(round(horizon_s / step_s)):
         wishes = np.where((k * step_s < plans[:, 2])[:, None], plans[:, :2], plans[:, 3:])
         states = steer_many(states, wishes, step_s, steering)
-        middle, way = poses[:, 2] + 0.5 * states[:, 2] * step_s, states[:, 0] * step_s
-        poses = poses + np.column_stack((way * np.cos(middle), way * np.sin(middle), states[:, 2] * step_s))
+        poses = driven(poses, states, step_s)
+        back = np.maximum(back, -poses[:, 0])
         if k % 2:
             least = np.minimum(least, box_gaps(poses, things, box))
-    return Driven(poses, least)
+    return Driven(poses, least, back)
 
 
 def turned_away(poses: Array, places: Array) -> Array:

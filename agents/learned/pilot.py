@@ -96,7 +96,7 @@ class Pilot:
             self._wish[1] + part * (wish[1] - self._wish[1]),
         )
         wish = self._swerve.around(self.commanded, self._wish, f.goal, f.trail, things, self._people)
-        wish = self._detour.relieve(self.commanded, wish, f.goal, f.search_turn, f.trail, things)
+        wish = self._detour.relieve(self.commanded, wish, f.goal, f.search_turn, f.trail, things, self._guard.room)
         speed, turn = self._guard.allow(self.commanded, wish)
         self.commanded = steer(self.commanded, speed, turn, step_s, steering)
         return as_action(self.commanded[0], self.commanded[2], self._interface)

@@ -2,7 +2,7 @@
 
 from collections import deque
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 
@@ -11,6 +11,8 @@ from ...slam.errors import InputError
 HELD_OUT_SEED = 900_000
 """Training draws seeds below this; evaluations during training take this one and the next; suites begin at 1000000."""
 _RECENT = 30
+_MOST_DRAWN = 1 << 53
+"""Episodes that a state may say were drawn: beyond it, a number of JSON need not be whole."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,9 +83,23 @@ class Curriculum:
         return {"level": self.level, "drawn": self.drawn, "recent": list(self._recent)}
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Go on where `state` was."""
-        self.level, self.drawn = int(state["level"]), int(state["drawn"])
-        self._recent = deque(state["recent"], maxlen=_RECENT)
+        """Go on where `state` was.
+
+        Raises:
+            InputError: If it is no state of such a curriculum.
+        """
+        level, drawn, recent = (state.get(name) for name in ("level", "drawn", "recent"))
+        last = len(self.config.bystanders) - 1
+        if not (_is_count(level, last) and _is_count(drawn, _MOST_DRAWN)):
+            raise InputError(f"a curriculum's state needs `level` up to {last} and `drawn`, both whole numbers")
+        if not (isinstance(recent, list) and len(recent) <= _RECENT and all(isinstance(one, bool) for one in recent)):
+            raise InputError(f"a curriculum's state needs `recent`, at most {_RECENT} times true or false")
+        self.level, self.drawn = level, drawn
+        self._recent = deque(recent, maxlen=_RECENT)
+
+
+def _is_count(value: Any, most: int) -> TypeGuard[int]:
+    return isinstance(value, int) and not isinstance(value, bool) and 0 <= value <= most
 
 
 def draw_episode(rng: np.random.Generator, config: CurriculumConfig, most: int) -> Drawn:

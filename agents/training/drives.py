@@ -1,7 +1,7 @@
 """Drives of the teacher and of the policy, on one process or several; the workers need no torch."""
 
 import multiprocessing as mp
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any
@@ -106,7 +106,7 @@ def drive(task: DriveTask) -> Drive:
     return Drive(inputs=stacked, labels=table, total_reward=total, ending=ending, steps=steps)
 
 
-def drive_all(tasks: Sequence[DriveTask], workers: int) -> Iterator[Drive]:
+def drive_all(tasks: Sequence[DriveTask], workers: int) -> Generator[Drive]:
     """Yield what came of each task, in their order, on so many processes (1: on this one)."""
     if workers == 1:
         yield from map(drive, tasks)

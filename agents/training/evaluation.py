@@ -1,12 +1,14 @@
 """How good a policy is: episodes on held-out seeds, driven by the arrays as they will be shipped."""
 
+from collections.abc import Callable
+from contextlib import closing
 from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
 from .curriculum import held_out
-from .drives import Arrays, DriveTask, drive_all
+from .drives import Arrays, Drive, DriveTask, drive_all
 from .presets import TrainingPreset
 
 
@@ -31,8 +33,18 @@ class Evaluation:
         return {**asdict(self), "returns": list(self.returns)}
 
 
-def evaluate(arrays: Arrays, preset: TrainingPreset, workers: int, after: str) -> Evaluation:
-    """Drive the preset's held-out episodes, the same ones every time."""
+def evaluate(
+    arrays: Arrays, preset: TrainingPreset, workers: int, after: str, tick: Callable[[str], None] = lambda _: None
+) -> Evaluation:
+    """Drive the preset's held-out episodes, the same ones every time.
+
+    Args:
+        arrays: Of the policy, as `learned.network` names them.
+        preset: What is driven.
+        workers: Processes that drive.
+        after: What had been done.
+        tick: Called with a line after each episode; what it raises ends the evaluation.
+    """
     tasks = [
         DriveTask(
             drawn=drawn,
@@ -44,6 +56,10 @@ def evaluate(arrays: Arrays, preset: TrainingPreset, workers: int, after: str) -
         )
         for drawn in held_out(preset.curriculum, preset.evaluations)
     ]
-    drives = list(drive_all(tasks, workers))
+    drives: list[Drive] = []
+    with closing(drive_all(tasks, workers)) as coming:
+        for one in coming:
+            drives.append(one)
+            tick(f"evaluating after {after}: episode {len(drives)}/{len(tasks)}")
     returns = tuple(round(one.total_reward, 6) for one in drives)
     return Evaluation(after, float(np.mean(returns)), float(np.mean([one.done for one in drives])), returns)

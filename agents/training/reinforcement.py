@@ -15,13 +15,13 @@ class Watch(BaseCallback):
     Args:
         config: How long the actor is frozen.
         rollouts: Rollouts done before.
-        after_rollout: Called with the number of rollouts done; False ends training.
+        after_rollout: Called with the number of rollouts done; what it raises ends training.
     """
 
-    def __init__(self, config: ReinforcementConfig, rollouts: int, after_rollout: Callable[[int], bool]) -> None:
+    def __init__(self, config: ReinforcementConfig, rollouts: int, after_rollout: Callable[[int], None]) -> None:
         super().__init__()
         self._config, self._rollouts, self._after = config, rollouts, after_rollout
-        self._begun, self._goes_on, self._next = False, True, 0
+        self._next = 0
 
     def _on_training_start(self) -> None:
         self._next = self.num_timesteps + self._length
@@ -36,10 +36,10 @@ class Watch(BaseCallback):
             self._next = self.num_timesteps + self._length
             self._rollouts += 1
             self._freeze()
-            self._goes_on = self._after(self._rollouts)
+            self._after(self._rollouts)
 
     def _on_step(self) -> bool:
-        return self._goes_on
+        return True
 
     def _freeze(self) -> None:
         moves = self._rollouts >= self._config.critic_rollouts

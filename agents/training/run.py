@@ -12,16 +12,24 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.logger import Logger, configure
 
 from ...slam.errors import InputError
-from ...slam.files import made_folder, write_json
-from .checkpoint import Progress, load_checkpoint, load_model, save_checkpoint
+from ...slam.files import made_folder, read_json, write_json
+from .checkpoint import INDEX, Progress, load_arrays, load_progress, save_checkpoint
 from .curriculum import Curriculum
 from .evaluation import Evaluation, evaluate
 from .export import write_policy
-from .imitation import Imitation
+from .imitation import PREFIX, Fit, Imitation
+from .model_state import arrays_of_model, restore_adam, restore_model, shapes_of_adam, shapes_of_model
 from .models import arrays_of, make_model
 from .presets import TrainingPreset
 from .reinforcement import Watch
 from .vec_env import FollowerVecEnv
+
+MOST_WORKERS = 64
+"""Processes that drive; each takes about 300 MB, and no round has more drives at a time than this to share out."""
+
+
+class _TimeUp(Exception):
+    """The time of the run is up."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,7 +41,8 @@ class RunConfig:
         name: Of the preset, for the card.
         seed: Of all draws.
         workers: Processes that drive.
-        max_minutes: Time after which the best policy so far is exported; None trains to the end.
+        max_minutes: Time after which the run stops, within a drive or a rollout, evaluations included; the best policy
+            so far has been exported then. None trains to the end.
     """
 
     preset: TrainingPreset
@@ -43,8 +52,10 @@ class RunConfig:
     max_minutes: float | None = None
 
     def __post_init__(self) -> None:
-        if self.workers < 1 or (self.max_minutes is not None and not self.max_minutes > 0.0):
-            raise InputError(f"a run needs workers >= 1 and minutes > 0, got {self.workers} and {self.max_minutes}")
+        if not 1 <= self.workers <= MOST_WORKERS:
+            raise InputError(f"a run needs 1 to {MOST_WORKERS} workers, of about 300 MB each, got {self.workers}")
+        if self.max_minutes is not None and not self.max_minutes > 0.0:
+            raise InputError(f"a run needs minutes > 0, got {self.max_minutes}")
 
 
 class TrainingRun:
@@ -56,7 +67,7 @@ class TrainingRun:
         tick: Called with a line on the progress.
 
     Raises:
-        InputError: If the folder holds a run of other settings.
+        InputError: If the folder holds a run of other settings, or what is no checkpoint of this one.
     """
 
     def __init__(self, config: RunConfig, folder: Path, tick: Callable[[str], None]) -> None:
@@ -69,14 +80,11 @@ class TrainingRun:
             self._preset.reinforcement.num_envs, min(config.workers, self._preset.reinforcement.num_envs),
             self._preset.env, self._preset.pilot, self._preset.rewards, self._curriculum, self._preset.most_steps,
         )  # fmt: skip
-        saved = load_checkpoint(self.folder)
-        if saved is None:
-            self.progress = Progress()
-            self._model: BaseAlgorithm = make_model(self._preset, self._env, config.seed, None)
-        else:
-            self.progress, file = saved
-            self._model = load_model(self._preset.algo, file, self._env)
-            self._curriculum.restore(self.progress.curriculum)
+        self._model: BaseAlgorithm = make_model(self._preset, self._env, config.seed, None)
+        demonstrations = made_folder(self.folder / "demonstrations")
+        self._imitation = Imitation(self._preset, config.seed, config.workers, demonstrations)
+        self.progress, self._fit = Progress(), Fit()
+        self._resume()
         self._log: Logger = configure(str(self.folder / "tensorboard"), ["tensorboard"])
         self._model.set_logger(self._log)
         self._began, self._before = time.monotonic(), self.progress.minutes
@@ -84,71 +92,132 @@ class TrainingRun:
     def train(self) -> Progress:
         """Train to the end or until the time is up; return how far it came. The best policy is in the folder."""
         try:
+            self._judge()
             self._imitate()
             self._reinforce()
+        except _TimeUp:
+            self._export_unjudged()
         finally:
             self._env.close()
         return self.progress
+
+    def _resume(self) -> None:
+        """Go on from the checkpoint in the folder, if there is one."""
+        saved = load_progress(self.folder)
+        if saved is None:
+            return
+        self.progress, file = saved
+        fit = self._imitation.adam(self._model)
+        arrays = load_arrays(file, shapes_of_model(self._model) | shapes_of_adam(PREFIX, fit))
+        try:
+            self._check_progress()
+            restore_model(self._model, arrays)
+            restore_adam(PREFIX, fit, arrays)  # checks it; it is set when the round goes on
+            self._curriculum.restore(self.progress.curriculum)
+        except ValueError as error:
+            raise InputError(f"{self.folder / INDEX} and {file.name} are no checkpoint of this run: {error}") from error
+        moments = {name: array for name, array in arrays.items() if name.startswith(f"{PREFIX}/")}
+        self._fit = Fit(self.progress.passes, self.progress.error, moments)
+        if bool(moments) != bool(self._fit.passes):
+            raise InputError(f"{file}: needs {PREFIX}/... if, and only if, `passes` of {INDEX} is not 0")
+
+    def _check_progress(self) -> None:
+        progress, rounds = self.progress, self._preset.imitation.rounds
+        if progress.rounds > rounds:
+            raise ValueError(f"`rounds` can be {rounds} at most, got {progress.rounds}")
+        most = self._imitation.passes(progress.rounds) if progress.rounds < rounds else 0
+        if progress.passes > most:
+            raise ValueError(f"`passes` can be {most} at most, got {progress.passes}")
 
     def _settle(self) -> None:
         settings = {"preset": asdict(self._preset), "name": self.config.name, "seed": self.config.seed}
         file = self.folder / "settings.json"
         plain = json.loads(json.dumps(settings))
-        if file.is_file() and json.loads(file.read_text()) != plain:
+        if file.is_file() and read_json(file) != plain:
             raise InputError(f"{self.folder} holds a run of other settings: give another --out, or the same settings")
         write_json(file, plain)
 
     def _imitate(self) -> None:
-        demonstrations = made_folder(self.folder / "demonstrations")
-        imitation = Imitation(self._preset, self.config.seed, self.config.workers, demonstrations)
-        while self.progress.rounds < self._preset.imitation.rounds and not self._late():
-            error = imitation.round(self.progress.rounds, self._model, self._tick)
+        self._out_of_time()
+        while self.progress.rounds < self._preset.imitation.rounds:
+            error = self._imitation.round(self.progress.rounds, self._model, self._told, self._fit, self._keep)
             self.progress.rounds += 1
+            self._fit = Fit()
             self._log.record("imitation/error", error)
-            self._judge(f"imitation {self.progress.rounds}", self.progress.rounds)
+            self._save(f"imitation {self.progress.rounds}")
+            self._judge()
+
+    def _keep(self, fit: Fit) -> None:
+        self._fit = fit
+        self._save()
 
     def _reinforce(self) -> None:
         config = self._preset.reinforcement
         left = config.steps - self.progress.steps
-        if left <= 0 or self._late() or self.progress.rounds < self._preset.imitation.rounds:
+        if left <= 0:
             return
+        self._out_of_time()
         self._model.learn(left, callback=Watch(config, self.progress.rollouts, self._after_rollout))
-        self._judge("the end", self.progress.steps)
+        self._count(self.progress.rollouts + 1)
+        self.progress.steps = max(self.progress.steps, config.steps)
+        self._save("the end")
+        self._judge()
 
-    def _after_rollout(self, rollouts: int) -> bool:
+    def _after_rollout(self, rollouts: int) -> None:
         config = self._preset.reinforcement
-        self.progress.rollouts = rollouts
-        self.progress.steps = rollouts * config.rollout * config.num_envs
-        late = self._late()
-        self._tick(f"reinforcement: {self.progress.steps}/{config.steps} steps, level {self._curriculum.level + 1}")
-        if rollouts % config.evaluate_every == 0:
-            self._judge(f"steps {self.progress.steps}", self.progress.steps)
-        else:
-            self._save()
-        return not late
+        self._count(rollouts)
+        self._save(f"steps {self.progress.steps}" if rollouts % config.evaluate_every == 0 else "")
+        self._told(f"reinforcement: {self.progress.steps}/{config.steps} steps, level {self._curriculum.level + 1}")
+        self._judge()
 
-    def _judge(self, after: str, step: int) -> None:
-        """Evaluate, export the policy if it is the best so far, save."""
+    def _count(self, rollouts: int) -> None:
+        config = self._preset.reinforcement
+        self.progress.rollouts, self.progress.steps = rollouts, rollouts * config.rollout * config.num_envs
+
+    def _judge(self) -> None:
+        """Evaluate if that is due, export the policy if it is the best so far, save."""
+        after = self.progress.due
+        if not after:
+            return
+        self._out_of_time()
         arrays = arrays_of(self._model)
-        result: Evaluation = evaluate(arrays, self._preset, self.config.workers, after)
+        result: Evaluation = evaluate(arrays, self._preset, self.config.workers, after, self._told)
         self.progress.evaluations.append(result.to_dict())
         self._log.record("evaluation/return", result.mean_return)
         self._log.record("evaluation/success", result.success)
         self._log.record("curriculum/level", self._curriculum.level)
-        self._log.dump(step)
-        self._tick(f"evaluation after {after}: return {result.mean_return:.1f}, tours done {result.success:.2f}")
+        self._log.dump(self.progress.steps or self.progress.rounds)
         if result.mean_return > self.progress.best:
             self.progress.best = result.mean_return
             write_policy(self.folder / "policy", arrays, self._preset.pilot, self._card(result))
         self._save()
+        self._told(f"evaluation after {after}: return {result.mean_return:.1f}, tours done {result.success:.2f}")
 
-    def _save(self) -> None:
-        self.progress.minutes = self._minutes()
-        self.progress.curriculum = self._curriculum.state()
-        save_checkpoint(self.folder, self._model, self.progress)
-        write_json(self.folder / "evaluations.json", {"evaluations": self.progress.evaluations})
+    def _export_unjudged(self) -> None:
+        """Write what there is, if the time is up before a first evaluation told how good it is."""
+        learned = self.progress.rounds + self.progress.passes + self.progress.rollouts
+        if learned and not self.progress.evaluations:
+            write_policy(self.folder / "policy", arrays_of(self._model), self._preset.pilot, self._card(None))
 
-    def _card(self, result: Evaluation) -> dict[str, Any]:
+    def _save(self, due: str = "") -> None:
+        """Write the checkpoint; `due` says after what an evaluation is to follow, if one is."""
+        progress, fit = self.progress, self._fit
+        progress.due, progress.passes, progress.error = due, fit.passes, fit.error
+        progress.minutes = self._minutes()
+        progress.curriculum = self._curriculum.state()
+        save_checkpoint(self.folder, {**arrays_of_model(self._model), **fit.moments}, progress)
+        write_json(self.folder / "evaluations.json", {"evaluations": progress.evaluations})
+
+    def _told(self, line: str) -> None:
+        """Tell of the progress, then stop if the time is up; what is told of must be kept already."""
+        self._tick(line)
+        self._out_of_time()
+
+    def _out_of_time(self) -> None:
+        if self.config.max_minutes is not None and self._minutes() >= self.config.max_minutes:
+            raise _TimeUp
+
+    def _card(self, result: Evaluation | None) -> dict[str, Any]:
         return {
             "algorithm": self._preset.algo,
             "preset": self.config.name,
@@ -156,11 +225,8 @@ class TrainingRun:
             "imitation_rounds": self.progress.rounds,
             "reinforcement_steps": self.progress.steps,
             "minutes": round(self._minutes(), 1),
-            "evaluation": result.to_dict(),
+            "evaluation": None if result is None else result.to_dict(),
         }
 
     def _minutes(self) -> float:
         return self._before + (time.monotonic() - self._began) / 60.0
-
-    def _late(self) -> bool:
-        return self.config.max_minutes is not None and self._minutes() >= self.config.max_minutes

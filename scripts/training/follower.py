@@ -15,7 +15,7 @@ the policy itself comes to; then it is rewarded. With sac and recurrent-ppo it i
 The same command goes on where it was killed. Only --workers, --max-minutes may change then.
 
 writes into DIR: policy.npz (arrays), policy.safetensors, policy.onnx, policy.json (card), evaluations.json,
-settings.json, tensorboard/; checkpoint.json and model_*.zip of stable-baselines3, demonstrations/ (only to go on)
+settings.json, tensorboard/; checkpoint.json with model_*.safetensors, demonstrations/ (only to go on)
 
 examples:
   tagalong train follower --algo ppo --preset office --max-minutes 90 --out out/follower
@@ -37,7 +37,7 @@ def add_follower_arguments(models: "argparse._SubParsersAction[argparse.Argument
     parser.add_argument("--algo", choices=ALGORITHMS, default="ppo", help="default: %(default)s")
     parser.add_argument("--preset", choices=PRESETS, default="office", help="default: %(default)s")
     parser.add_argument("--seed", type=int, default=0, help="of all random draws (default: %(default)s)")
-    parser.add_argument("--max-minutes", type=float, metavar="M", help="stop then, with the best policy so far")
+    parser.add_argument("--max-minutes", type=float, metavar="M", help="stop then, evaluations included")
     parser.add_argument("--workers", type=int, default=2, metavar="N", help="processes that drive (%(default)s)")
     parser.add_argument("--out", type=Path, default=Path("out/follower"), metavar="DIR", help="default: %(default)s")
 
@@ -62,7 +62,7 @@ def train_follower(options: argparse.Namespace) -> int:
         lines.go_on(run.progress.minutes)
     progress = run.train()
     if progress.best == float("-inf"):
-        print(f"stopped after {progress.minutes:.1f} minutes, before the first policy: the same command goes on")
+        print(f"stopped after {progress.minutes:.1f} minutes, before a first evaluation: the same command goes on")
         return 1
     print(f"wrote {options.out / 'policy.npz'}; best return of an evaluation {progress.best:.1f}")
     return 0

@@ -20,6 +20,14 @@ WALL = np.stack((np.full(150, POST[0]), np.linspace(POST[1] - 4.5, POST[1], 150)
 WAY = np.array([[1.3, 0.0], [1.5, 1.1], [2.3, 1.1], [2.6, 0.0], [2.6, -3.0]])
 
 
+def known(room):
+    """Ground behind that is known to be free so far [m]."""
+    return lambda: room
+
+
+FREE = known(1.0)
+
+
 def scan_of(pose):
     """What the laser at `pose` sees of the wall."""
     origin = transform_points(pose, np.array([[0.1, 0.0]]))[0]
@@ -79,7 +87,7 @@ def test_a_lost_leader_is_looked_for_where_its_trail_ends_whatever_the_network_w
 def relieved(state, wish, goal, trail, search_turn=0.0):
     detour = Detour(DetourConfig(), GUARD, SteeringConfig(), 0.1)
     for _ in range(40):
-        last = detour.relieve(state, wish, goal, search_turn, np.array(trail), np.array([[0.5, 0.0]]))
+        last = detour.relieve(state, wish, goal, search_turn, np.array(trail), np.array([[0.5, 0.0]]), FREE)
     return last
 
 
@@ -99,7 +107,7 @@ def wishes_before_a_wall(keep):
     detour = Detour(DetourConfig(keep=keep), GUARD, SteeringConfig(), 0.1)
     goal, trail = Goal(Mode.FOLLOW, 3.0, 0.0), np.array([[1.0, 0.0], [2.0, 0.0]])
     wall = np.column_stack((np.full(9, 0.5), np.linspace(-0.25, 0.25, 9)))
-    return [detour.relieve(REST, (0.5, 0.0), goal, 0.0, trail, wall) for _ in range(24)][9:]
+    return [detour.relieve(REST, (0.5, 0.0), goal, 0.0, trail, wall, FREE) for _ in range(24)][9:]
 
 
 def test_a_manoeuvre_that_was_begun_goes_on_to_its_second_part_instead_of_beginning_anew():
@@ -110,13 +118,25 @@ def test_a_manoeuvre_that_was_begun_goes_on_to_its_second_part_instead_of_beginn
     assert on[-1] == (0.0, 0.0)  # the robot has not moved, so the second part still is to stand before the wall
 
 
+def test_nobody_is_led_back_over_ground_that_was_not_seen():
+    ends, sides = np.linspace(0.0, 0.2, 3), np.linspace(-0.1, 0.3, 5)  # a pocket: the only way out is back
+    left, right = (np.column_stack((sides, np.full(5, y))) for y in (0.3, -0.3))
+    pocket = np.vstack((np.column_stack((np.full(3, 0.33), ends)), left, right))
+    goal, trail = Goal(Mode.FOLLOW, 3.0, 0.0), np.array([[1.0, 0.0], [2.0, 0.0]])
+    least = {}
+    for room in (1.0, 0.0):
+        detour = Detour(DetourConfig(), GUARD, SteeringConfig(), 0.1)
+        least[room] = min(detour.relieve(REST, (0.5, 0.0), goal, 0.0, trail, pocket, known(room))[0] for _ in range(24))
+    assert least[1.0] < 0.0 <= least[0.0]
+
+
 def test_a_manoeuvre_may_come_a_little_nearer_to_things_than_the_guard_would_let_the_network():
     gate = np.array([[0.8, 0.295], [0.8, -0.295]])  # table legs: driven through, the robot comes as near as 0.036 m
     goal, trail = Goal(Mode.FOLLOW, 3.0, 0.0), np.array([[1.0, 0.0], [2.0, 0.0]])
     wishes = []
     for touch in (DetourConfig().touch, GUARD.margin):
         detour = Detour(DetourConfig(touch=touch), GUARD, SteeringConfig(), 0.1)
-        wishes.append([detour.relieve(REST, (0.5, 0.0), goal, 0.0, trail, gate) for _ in range(12)][-1])
+        wishes.append([detour.relieve(REST, (0.5, 0.0), goal, 0.0, trail, gate, FREE) for _ in range(12)][-1])
     assert wishes[0] == (0.9, 0.0)
     assert wishes[1] != (0.9, 0.0)
 

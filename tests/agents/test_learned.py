@@ -357,5 +357,7 @@ def test_the_guard_remembers_what_the_laser_has_lost_behind_it():
     guard.look({**turned, "scan": np.ones(1081, dtype=np.float32)})  # 0.6 rad to the left: the post is out of sight
     assert guard.allow(REST, (-0.4, 0.0)) != (-0.4, 0.0)
     guard.reset()
-    guard.look({**still, "scan": np.ones(1081, dtype=np.float32)})
+    for velocity in [(0.0, 0.0), *[(1.0, 0.0)] * 10]:  # where it has come forward, it may back
+        moving = {**still, "velocity": np.array(velocity, dtype=np.float32)}
+        guard.look({**moving, "scan": np.ones(1081, dtype=np.float32)})
     assert guard.allow(REST, (-0.4, 0.0)) == (-0.4, 0.0)

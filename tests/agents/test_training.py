@@ -1,11 +1,6 @@
-"""Training of followers: adapter, networks, a toy task, resuming after a kill. Needs the extra `learn`."""
+"""Training of followers: adapter, networks, rewards, a toy task. Needs the extra `learn`."""
 
 import json
-import os
-import signal
-import subprocess
-import sys
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -14,81 +9,20 @@ import pytest
 torch = pytest.importorskip("torch", reason='training needs the extra "learn"')
 pytest.importorskip("sb3_contrib", reason='training needs the extra "learn"')
 
-from gymnasium import spaces  # noqa: E402
+from small_training import CORRIDOR, EASY, Toy, tiny  # noqa: E402
 from stable_baselines3 import PPO  # noqa: E402
-from stable_baselines3.common.vec_env.base_vec_env import VecEnv  # noqa: E402
-from tagalong.agents.learned.follower import load_policy  # noqa: E402
 from tagalong.agents.learned.network import Network  # noqa: E402
 from tagalong.agents.learned.pilot import Pilot, PilotConfig  # noqa: E402
 from tagalong.agents.training.curriculum import HELD_OUT_SEED, Curriculum, CurriculumConfig, held_out  # noqa: E402
 from tagalong.agents.training.drives import DriveTask, drive  # noqa: E402
-from tagalong.agents.training.models import actor_parts, arrays_of, make_model, mean_output  # noqa: E402
+from tagalong.agents.training.model_state import arrays_of_model, restore_model, shapes_of_model  # noqa: E402
+from tagalong.agents.training.models import actor_parts, arrays_of, make_model  # noqa: E402
 from tagalong.agents.training.onnx_graph import to_onnx  # noqa: E402
-from tagalong.agents.training.presets import ImitationConfig, ReinforcementConfig, make_preset  # noqa: E402
+from tagalong.agents.training.presets import ReinforcementConfig, make_preset  # noqa: E402
 from tagalong.agents.training.rewards import RewardWeights, TrainingReward, nearest_gap  # noqa: E402
-from tagalong.agents.training.run import RunConfig, TrainingRun  # noqa: E402
 from tagalong.agents.training.vec_env import FollowerVecEnv, input_space  # noqa: E402
 from tagalong.envs.follow_env import FollowEnv  # noqa: E402
 from tagalong.envs.interface import FollowInterface  # noqa: E402
-from tagalong.slam.errors import InputError  # noqa: E402
-
-EASY = {"slam": None, "beams": 360, "people": "truth"}
-CORRIDOR = CurriculumConfig(scenes=(("corridor", 1.0),), bystanders=(0,))
-
-
-def tiny(**changes):
-    preset = replace(
-        make_preset("corridor", "ppo"),
-        env=EASY,
-        fine={},
-        curriculum=CORRIDOR,
-        imitation=ImitationConfig(rounds=3, drives=2, most_steps=60, epochs=2, last_epochs=2, batch=64),
-        reinforcement=ReinforcementConfig(steps=0),
-        width=32,
-        evaluations=1,
-        most_steps=80,
-    )
-    return replace(preset, **changes)
-
-
-class Toy(VecEnv):
-    """One-step episodes: the reward is highest for the action (vector[0], nearest sector ahead or astern)."""
-
-    def __init__(self, count=16):
-        super().__init__(count, input_space(PilotConfig().features), spaces.Box(-1.0, 1.0, (2,), np.float32))
-        self._rng = np.random.default_rng(0)
-
-    def _draw(self):
-        self._inputs = {
-            name: self._rng.uniform(-1.0, 1.0, (self.num_envs, *space.shape)).astype(np.float32)
-            for name, space in self.observation_space.spaces.items()
-        }
-        return {name: value.copy() for name, value in self._inputs.items()}
-
-    def reset(self):
-        return self._draw()
-
-    def step_async(self, actions):
-        self._actions = actions
-
-    def step_wait(self):
-        target = 0.8 * np.stack((self._inputs["vector"][:, 0], np.sign(self._inputs["vector"][:, 1]) * 0.5), axis=1)
-        rewards = -np.abs(self._actions - target).sum(axis=1).astype(np.float32)
-        infos = [{"terminal_observation": {k: v[i] for k, v in self._inputs.items()}} for i in range(self.num_envs)]
-        return self._draw(), rewards, np.ones(self.num_envs, dtype=bool), infos
-
-    def close(self): ...
-
-    def get_attr(self, attr_name, indices=None):
-        return [None] * self.num_envs
-
-    def set_attr(self, attr_name, value, indices=None): ...
-
-    def env_method(self, method_name, *args, indices=None, **kwargs):
-        return [None] * self.num_envs
-
-    def env_is_wrapped(self, wrapper_class, indices=None):
-        return [False] * self.num_envs
 
 
 def mean_reward(model, toy):
@@ -229,61 +163,20 @@ def test_the_teacher_follows_through_the_corridor():
     assert len(result.labels) == result.steps == len(result.inputs["vector"])
 
 
-@pytest.fixture(scope="module")
-def whole(tmp_path_factory):
-    """A tiny run from beginning to end: its folder, its progress, and the lines that it told."""
-    folder, lines = tmp_path_factory.mktemp("whole"), []
-    return folder, TrainingRun(RunConfig(preset=tiny(), name="tiny"), folder, lines.append).train(), lines
-
-
-def test_imitation_lowers_the_error_and_the_exported_policy_drives(whole):
-    folder, progress, lines = whole
-    errors = [float(line.rsplit(" ", 1)[1]) for line in lines if "error" in line]
-    assert errors[-1] < 0.8 * errors[0]
-    assert len(progress.evaluations) == 3
-    arrays, config = load_policy(folder)
-    inputs = {name: np.zeros(shape, np.float32) for name, shape in config.features.shapes.items()}
-    assert Network(arrays)(inputs).shape == (2,)
-    with pytest.raises(InputError, match="other settings"):
-        TrainingRun(RunConfig(preset=tiny(width=16), name="tiny"), folder, lines.append)
-
-
-CHILD = """
-import sys
-sys.path.insert(0, {tests!r})
-from pathlib import Path
-from test_training import tiny
-from tagalong.agents.training.run import RunConfig, TrainingRun
-if __name__ == "__main__":
-    TrainingRun(RunConfig(preset=tiny(), name="tiny"), Path({folder!r}), print).train()
-"""
-
-
-def test_a_killed_run_goes_on_and_its_evaluations_are_those_of_an_undisturbed_one(tmp_path, whole):
-    code = CHILD.format(tests=os.path.dirname(__file__), folder=str(tmp_path / "killed"))
-    child = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.DEVNULL)
-    index = tmp_path / "killed" / "checkpoint.json"
-    deadline = time.monotonic() + 120.0
-    while not index.is_file() and child.poll() is None and time.monotonic() < deadline:
-        time.sleep(0.02)
-    child.send_signal(signal.SIGKILL)
-    child.wait()
-    assert index.is_file()
-    resumed = TrainingRun(RunConfig(preset=tiny(), name="tiny"), tmp_path / "killed", lambda line: None).train()
-    assert resumed.evaluations == whole[1].evaluations
-
-
-def test_reinforcement_goes_on_from_its_checkpoint(tmp_path):
-    config = ReinforcementConfig(steps=64, num_envs=2, rollout=16, evaluate_every=100, critic_rollouts=1)
-    preset = tiny(imitation=ImitationConfig(rounds=0), reinforcement=config, most_steps=30)
-    early = RunConfig(preset=preset, name="tiny", max_minutes=1e-9)
-    first = TrainingRun(early, tmp_path, lambda line: None).train()
-    assert first.steps == 0
-    done = TrainingRun(RunConfig(preset=preset, name="tiny"), tmp_path, lambda line: None).train()
-    assert done.rollouts >= 1
-    assert len(done.evaluations) == 1
-    again = TrainingRun(RunConfig(preset=preset, name="tiny"), tmp_path, lambda line: None)
-    assert again.progress.evaluations == done.evaluations
-    assert mean_output(
-        again._model, {k: torch.zeros(1, *s) for k, s in preset.pilot.features.shapes.items()}
-    ).shape == (1, 2)
+@pytest.mark.parametrize("algo", ["ppo", "sac", "recurrent-ppo"])
+def test_a_model_goes_on_with_its_optimisers_where_it_was(algo):
+    preset = replace(make_preset("office", algo), width=16)
+    preset = replace(preset, reinforcement=replace(preset.reinforcement, rollout=8))
+    first, second = (make_model(preset, Toy(4), seed=seed, log=None) for seed in (0, 1))
+    if algo == "sac":
+        first.learning_starts, first.batch_size = 16, 16
+    first.learn(64)
+    arrays = arrays_of_model(first)
+    assert {name: array.shape for name, array in arrays.items()} == shapes_of_model(first)
+    restore_model(second, arrays)
+    again = arrays_of_model(second)
+    assert all((again[name] == array).all() for name, array in arrays.items())
+    with pytest.raises(ValueError, match=r"array policy/\S+ is missing"):
+        restore_model(second, {name: array for name, array in arrays.items() if not name.startswith("policy/")})
+    with pytest.raises(ValueError, match="all or none"):
+        restore_model(second, {name: array for name, array in arrays.items() if not name.endswith("0/step")})

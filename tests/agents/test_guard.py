@@ -1,0 +1,134 @@
+"""The guard at contact, and behind, where the laser does not look."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from tagalong.agents.learned.guard import Guard, GuardConfig, box_gaps, signed_gaps
+from tagalong.agents.learned.hindsight import Hindsight
+from tagalong.agents.learned.steering import REST, SteeringConfig, steer
+from tagalong.envs.interface import FollowInterface
+
+STEERING, CONFIG = SteeringConfig(), GuardConfig()
+SCALES = FollowInterface(bearings=np.deg2rad(np.linspace(-135.0, 135.0, 361)))
+HERE = np.zeros((1, 3))
+
+
+def seen(pose, walls, velocity=(0.0, 0.0)):
+    """What the robot at `pose` measures of `walls`, each (a, b, c): the line a x + b y = c."""
+    bearings = SCALES.bearings + pose[2]
+    laser = pose[:2] + 0.1 * np.array((np.cos(pose[2]), np.sin(pose[2])))
+    ranges = np.full(len(bearings), np.inf)
+    for a, b, c in walls:
+        with np.errstate(divide="ignore"):
+            away = (c - a * laser[0] - b * laser[1]) / (a * np.cos(bearings) + b * np.sin(bearings))
+        ranges = np.minimum(ranges, np.where(away > 0.0, away, np.inf))
+    return {
+        "scan": np.minimum(ranges / 30.0, 1.0).astype(np.float32),
+        "leader": np.zeros(6, dtype=np.float32),
+        "people": np.zeros((6, 6), dtype=np.float32),
+        "velocity": np.array(velocity, dtype=np.float32),
+    }
+
+
+class Robot:
+    """Drives in thought, exactly as commanded, past its guard."""
+
+    def __init__(self, walls, pose=(0.0, 0.0, 0.0)):
+        self.guard, self.walls = Guard(CONFIG, STEERING, SCALES), walls
+        self.pose, self.state, self.nearest = np.array(pose, dtype=float), REST, np.inf
+
+    def drive(self, wish, steps):
+        """Wish so for some steps; return how far it came [m]."""
+        before = self.pose.copy()
+        for _ in range(steps):
+            self.guard.look(seen(self.pose, self.walls, (self.state[0], self.state[2])))
+            self.state = steer(self.state, *self.guard.allow(self.state, wish), 0.1, STEERING)
+            v, w, heading = self.state[0], self.state[2], self.pose[2] + 0.05 * self.state[2]
+            self.pose = self.pose + 0.1 * np.array((v * np.cos(heading), v * np.sin(heading), w))
+            corners = np.array([(x, y) for x in (-0.275, 0.275) for y in (-0.259, 0.259)])
+            cos, sin = np.cos(self.pose[2]), np.sin(self.pose[2])
+            placed = self.pose[:2] + corners @ np.array(((cos, sin), (-sin, cos)))
+            for a, b, c in self.walls:
+                inside = np.sign(c)
+                self.nearest = min(self.nearest, float((inside * (c - placed @ (a, b))).min()))
+        return float(np.hypot(*(self.pose - before)[:2]))
+
+
+def test_the_gap_to_a_thing_inside_the_box_is_its_depth_below_zero():
+    things = np.array([(0.375, 0.0), (0.275, 0.0), (0.265, 0.1), (0.0, -0.249), (0.315, 0.289)])
+    gaps = signed_gaps(HERE, things, CONFIG)[0]
+    assert gaps == pytest.approx([0.1, 0.0, -0.01, -0.01, 0.05], abs=1e-9)
+    assert box_gaps(HERE, things, CONFIG)[0] == pytest.approx(-0.01)
+    assert box_gaps(HERE, things[:1], CONFIG)[0] == pytest.approx(0.1)
+    assert box_gaps(HERE, np.zeros((0, 2)), CONFIG)[0] == np.inf
+
+
+places = st.lists(st.tuples(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0)), min_size=1, max_size=20)
+
+
+@given(places, st.lists(st.tuples(st.floats(-1, 1), st.floats(-1, 1), st.floats(-4, 4)), min_size=1, max_size=5))
+def test_the_least_gap_is_the_least_of_all_gaps(things, poses):
+    table = signed_gaps(np.array(poses), np.array(things), CONFIG)
+    assert (box_gaps(np.array(poses), np.array(things), CONFIG) == table.min(axis=1)).all()
+
+
+@pytest.mark.parametrize("gap", [5e-5, 0.0, -0.005, -0.03])
+def test_whoever_touches_a_wall_does_not_press_on(gap):
+    robot = Robot([(1.0, 0.0, 0.275 + gap)])
+    came = robot.drive((1.3, 0.0), 30)
+    assert came <= 2e-3
+    assert robot.nearest >= gap - 2e-3
+
+
+def test_whoever_touches_a_wall_may_leave_it_over_the_ground_that_it_came_over():
+    robot = Robot([(1.0, 0.0, 3.0)])
+    robot.drive((0.8, 0.0), 15)
+    robot.pose[0] = 3.0 - 0.275 + 0.01  # pushed on to it
+    robot.state = REST
+    assert robot.drive((-0.4, 0.0), 8) > 0.1
+
+
+def test_a_touch_on_one_side_is_no_leave_to_touch_something_else():
+    robot = Robot([(0.0, 1.0, 0.25), (1.0, 0.0, 1.0)])  # a wall along the left side, 9 mm inside; one ahead
+    robot.drive((1.0, 0.0), 40)
+    ahead = 1.0 - robot.pose[0] - 0.275
+    assert ahead > -1e-3
+
+
+def test_nobody_backs_over_ground_that_was_never_seen():
+    robot = Robot([])
+    assert robot.drive((-0.4, 0.0), 30) < 0.01
+    robot.drive((0.6, 0.0), 12)
+    robot.drive((0.0, 0.0), 12)
+    forth = robot.pose[0]
+    back = robot.drive((-0.4, 0.0), 60)
+    assert forth - 0.15 < back < forth + 0.05
+
+
+def test_whoever_has_turned_away_from_a_wall_does_not_back_into_it_however_long_ago_it_was_seen():
+    robot = Robot([(1.0, 0.0, 1.0)])
+    robot.drive((0.0, 1.2), 26)  # about half a turn
+    robot.drive((0.0, 0.0), 60)
+    robot.drive((-0.4, 0.0), 60)
+    assert robot.nearest > 0.0
+
+
+def test_whoever_has_looked_round_may_back_where_it_saw_that_there_is_room():
+    robot = Robot([(1.0, 0.0, 4.0)])
+    robot.drive((0.0, 1.2), 26)
+    robot.drive((0.0, 0.0), 10)
+    assert robot.drive((-0.4, 0.0), 40) > 0.8
+
+
+def test_the_newest_view_of_a_place_counts():
+    hindsight = Hindsight(CONFIG.half_length, CONFIG.half_width, SCALES)
+    turn = np.pi / 10.0  # each step 18 degrees
+    for k in range(11):  # half a turn in an empty place: what is behind now was ahead
+        hindsight.look(seen((0.0, 0.0, k * turn), [], (0.0, turn / 0.1 if k else 0.0)))
+    assert hindsight.room() == 1.0
+    for k in range(20):  # a whole turn, and now there is a wall
+        hindsight.look(seen((0.0, 0.0, np.pi + (k + 1) * turn), [(1.0, 0.0, 0.7)], (0.0, turn / 0.1)))
+    assert 0.3 < hindsight.room() < 0.7 - 0.275
+    hindsight.reset()
+    assert hindsight.room() == 0.0
