@@ -13,6 +13,9 @@ from ...slam.process_crew import Crew, require_workers
 BACKENDS = ("local", "ray", "dask")
 """Names for `runner`."""
 
+MOST_CLUSTER_JOBS = 10_000
+"""More processes than any experiment here has cells for."""
+
 Run = Callable[[Callable[..., Any], Sequence[tuple[Any, ...]]], Iterator[Any]]
 """Yields what a function returns for each tuple of arguments, as they end."""
 

@@ -112,7 +112,7 @@ def run_cells(
     missing = [cell for cell in cells if results[cell.name] is None]
     _warn_of_other_code([cell for cell in cells if results[cell.name] is not None], target)
     with (
-        runner(backend, min(jobs, max(1, len(missing))) if backend == "local" else jobs) as run,
+        runner(backend, jobs) as run,
         tqdm(total=len(cells), initial=len(cells) - len(missing), desc=label, unit="cell") as progress,
     ):
         for wave in _waves(missing):
