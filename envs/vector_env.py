@@ -9,10 +9,9 @@ of two processes beside it. A process steps its environments in stages (`percept
 thirds of the time of one after the other.
 """
 
-import multiprocessing as mp
 import os
 from collections.abc import Sequence
-from contextlib import suppress
+from functools import partial
 from numbers import Integral
 from typing import Any, cast
 
@@ -21,10 +20,13 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from ..slam.errors import InputError
+from ..slam.errors import InputError, WorkerError
+from ..slam.process_crew import require_workers
+from ..slam.process_inside import answered
+from ..slam.processes import SILENT_S, Worker, end_all
 from .episode_setup import interface
 from .follow_env import FollowEnv
-from .vector_worker import Rows, Share, answer, joined, split, stacked, work
+from .vector_worker import Rows, Share, asked, joined, split, stacked, worker_share
 
 Flags = NDArray[np.bool_]
 
@@ -43,10 +45,12 @@ class FollowVectorEnv(VectorEnv[Any, Any, Any]):
             observation of the next, its action is ignored), "SameStep" (`final_obs` and `final_info` in `info` hold
             the end), "Disabled".
         context: How processes start: "fork", "forkserver", "spawn"; None takes the platform's way.
+        silent_s: Time without a sign of life after which a process counts as lost [s]; they give one every second.
         fields: Keyword arguments of `FollowEnv`.
 
     Raises:
         InputError: If a number is not positive or an argument of `FollowEnv` is wrong.
+        WorkerError: Later, by any method: if a process is gone, or gives no sign of life. The others are ended then.
     """
 
     def __init__(
@@ -57,11 +61,13 @@ class FollowVectorEnv(VectorEnv[Any, Any, Any]):
         max_episode_steps: int | None = None,
         autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
         context: str | None = None,
+        silent_s: float = SILENT_S,
         **fields: Any,
     ) -> None:
         workers = min(num_envs, os.cpu_count() or 1) if workers is None else workers
         if num_envs < 1 or not 1 <= workers <= num_envs:
             raise InputError(f"need 1 <= `workers` <= `num_envs`, got {workers} and {num_envs}")
+        require_workers(workers, "`workers`")
         single = FollowEnv(**fields)
         self.config = single.config
         self.interface = interface(single.config)
@@ -73,20 +79,11 @@ class FollowVectorEnv(VectorEnv[Any, Any, Any]):
         self.action_space = batch_space(self.single_action_space, num_envs)
         self._last: dict[str, NDArray[Any]] | None = None
         self._shares = [part.tolist() for part in np.array_split(np.arange(num_envs), workers)]
-        self._start(context, max_episode_steps, fields)
-
-    def _start(self, context: str | None, max_episode_steps: int | None, fields: dict[str, Any]) -> None:
-        start = mp.get_context(context)
         rest = self.metadata["autoreset_mode"], max_episode_steps, fields
-        self._pipes, self._processes = [], []
-        for share in self._shares[:-1]:  # the last is no larger than the others: this process has to batch, too
-            ours, theirs = start.Pipe()
-            arguments = (theirs, len(share), *rest)
-            process = start.Process(target=work, args=arguments, daemon=True)  # pyright: ignore[reportAttributeAccessIssue]
-            process.start()
-            theirs.close()
-            self._pipes.append(ours)
-            self._processes.append(process)
+        self._workers = []  # the last share is no larger than the others: this process has to batch, too
+        for k, share in enumerate(self._shares[:-1]):
+            name, arguments = f"worker {k + 1} of {workers - 1}", (len(share), *rest)
+            self._workers.append(Worker(name, worker_share, arguments, context=context, silent_s=silent_s))
         self._own = Share(len(self._shares[-1]), *rest)
 
     def reset(
@@ -181,20 +178,19 @@ class FollowVectorEnv(VectorEnv[Any, Any, Any]):
         return tuple(image for images in self._ask("render", [()] * len(self._shares)) for image in images)
 
     def close_extras(self, **kwargs: Any) -> None:
-        """End the processes."""
-        for pipe in self._pipes:
-            with suppress(BrokenPipeError):  # who was interrupted has ended already
-                pipe.send(None)
-            pipe.close()
-        for process in self._processes:
-            process.join()
+        """End the processes, within a few seconds whatever they do."""
+        end_all(self._workers)
 
     def _ask(self, name: str, tasks: list[tuple[Any, ...]]) -> list[Any]:
         """Let every process do its part at the same time, this one too; return results in the order of the shares."""
-        for pipe, task in zip(self._pipes, tasks[:-1], strict=True):
-            pipe.send((name, task))
-        own = answer(self._own, name, tasks[-1])
-        answers = [*(pipe.recv() for pipe in self._pipes), own]
+        try:
+            for worker, task in zip(self._workers, tasks[:-1], strict=True):
+                worker.ask((name, task))
+            own = answered(partial(asked, self._own), (name, tasks[-1]))
+            answers = [*(worker.answer() for worker in self._workers), own]
+        except WorkerError:
+            end_all(self._workers, at_once=True)
+            raise
         for _, error in answers:
             if error is not None:
                 raise error

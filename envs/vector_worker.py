@@ -1,9 +1,8 @@
 """One process's share of a vector environment."""
 
-import traceback
-from contextlib import suppress
+from collections.abc import Callable
 from dataclasses import dataclass
-from multiprocessing.connection import Connection
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -163,22 +162,12 @@ class Share:
         return self._envs[i].reset(**how)
 
 
-def answer(share: Share, name: str, arguments: tuple[Any, ...]) -> tuple[Any, Exception | None]:
-    """Return (result, None) of the method `name` of `share`, or (None, error)."""
-    try:
-        return getattr(share, name)(*arguments), None
-    except Exception as error:  # whatever it is, it is raised where `step` or `reset` was called, not lost in a process
-        return None, error
+def asked(share: Share, task: tuple[str, tuple[Any, ...]]) -> Any:
+    """Return what the method of `share` returns that `task` names, called with its arguments."""
+    name, arguments = task
+    return getattr(share, name)(*arguments)
 
 
-def work(
-    pipe: Connection, count: int, mode: AutoresetMode, max_episode_steps: int | None, fields: dict[str, Any]
-) -> None:
-    """Do what comes through `pipe`, (name of a method of `Share`, its arguments), until None comes; see `answer`."""
-    with suppress(EOFError, KeyboardInterrupt):  # the calling process is gone, or is interrupted, too, and tells it
-        share = Share(count, mode, max_episode_steps, fields)
-        while (task := pipe.recv()) is not None:
-            result, error = answer(share, *task)
-            if error is not None and not isinstance(error, InputError):
-                error.add_note("".join(traceback.format_exception(error)))  # a pipe carries no traceback
-            pipe.send((result, error))
+def worker_share(*arguments: Any) -> Callable[[tuple[str, tuple[Any, ...]]], Any]:
+    """Return, in a worker's process, what answers a task there; the arguments are those of `Share`."""
+    return partial(asked, Share(*arguments))

@@ -4,11 +4,14 @@ import argparse
 import os
 import sys
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from importlib import import_module
 
 from .. import __version__
-from ..slam.errors import InputError, MissingExtraError
+from ..slam.errors import InputError, MissingExtraError, WorkerError
 from ..slam.files import require_writable
+from .interruption import interruptible
+from .only_writer import only_writer
 
 # name -> what it does; the code is in commands/NAME.py, imported only when it is used
 COMMANDS: dict[str, str] = {
@@ -28,21 +31,34 @@ COMMANDS: dict[str, str] = {
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run `tagalong ARGUMENTS` and return the exit status: 0 fine, 1 a stated bound was missed, 2 bad input."""
+    """Run `tagalong ARGUMENTS` and return the exit status.
+
+    0 fine, 1 a stated bound was missed, 2 bad input, 3 a worker process was lost, 128 + n ended by signal n (130 by
+    Ctrl-C, 143 by SIGTERM).
+    """
     words = list(sys.argv[1:] if arguments is None else arguments)
-    return told(lambda: _run(words))
+    return told(lambda: _run(words), is_program=arguments is None)
 
 
-def told(run: Callable[[], int]) -> int:
-    """Return the exit status of `run`; what its user did wrong is told in one line, with status 2."""
+def told(run: Callable[[], int], *, is_program: bool = True) -> int:
+    """Return the exit status of `run`, as of `main`; what went wrong is told in one line.
+
+    Args:
+        run: What to do.
+        is_program: The process has nothing else to do.
+    """
+    return interruptible(lambda: _told(run), is_program=is_program)
+
+
+def _told(run: Callable[[], int]) -> int:
     try:
         return run()
     except (InputError, MissingExtraError) as error:
         print(f"tagalong: {error}", file=sys.stderr)
         return 2
-    except KeyboardInterrupt:
-        print("tagalong: interrupted", file=sys.stderr)
-        return 130
+    except WorkerError as error:
+        print(f"tagalong: {error}", file=sys.stderr)
+        return 3
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 141
@@ -68,8 +84,10 @@ def _run(words: list[str]) -> int:
     if options.command is None:
         parser.print_help()
         return 0
+    out_is_folder = getattr(options, "out_is_folder", True)
     if getattr(options, "out", None) is not None:
-        require_writable(options.out, folder=getattr(options, "out_is_folder", True))
+        require_writable(options.out, folder=out_is_folder)
     if (getattr(options, "seed", None) or 0) < 0:
         raise InputError(f"--seed must not be negative, got {options.seed}")
-    return int(options.run(options))
+    with only_writer(options.out) if getattr(options, "out", None) and out_is_folder else nullcontext():
+        return int(options.run(options))

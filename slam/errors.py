@@ -12,6 +12,10 @@ class InputError(ValueError):
     """Bad input from outside (file, argument, configuration). The message names the thing, the rule, what was got."""
 
 
+class WorkerError(RuntimeError):
+    """A worker process is gone, or gives no sign of life. The message says which one, and how it ended."""
+
+
 class MissingExtraError(ImportError):
     """An optional dependency is needed that is not installed.
 

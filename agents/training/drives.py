@@ -1,8 +1,6 @@
 """Drives of the teacher and of the policy, on one process or several; the workers need no torch."""
 
-import multiprocessing as mp
 from collections.abc import Generator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,6 +9,7 @@ from numpy.typing import NDArray
 
 from ...envs.follow_env import FollowEnv
 from ...envs.registration import MAX_EPISODE_STEPS
+from ...slam.process_crew import Crew
 from ..learned.network import Network
 from ..learned.pilot import Pilot, PilotConfig
 from .curriculum import Drawn
@@ -107,12 +106,22 @@ def drive(task: DriveTask) -> Drive:
 
 
 def drive_all(tasks: Sequence[DriveTask], workers: int) -> Generator[Drive]:
-    """Yield what came of each task, in their order, on so many processes (1: on this one)."""
+    """Yield what came of each task, in their order, on so many processes (1: on this one).
+
+    Raises:
+        WorkerError: If one of the processes is lost.
+    """
     if workers == 1:
         yield from map(drive, tasks)
         return
-    with ProcessPoolExecutor(workers, mp_context=mp.get_context("forkserver")) as pool:
-        yield from pool.map(drive, tasks)
+    early: dict[int, Drive] = {}
+    with Crew(workers) as crew:
+        following = 0
+        for index, done in crew.results(drive, [(task,) for task in tasks]):
+            early[index] = done
+            while following in early:
+                yield early.pop(following)
+                following += 1
 
 
 _environments: dict[str, FollowEnv] = {}

@@ -57,7 +57,7 @@ class FollowerVecEnv(VecEnv):
     ) -> None:
         self._start = partial(
             FollowVectorEnv, num_envs, workers=workers, max_episode_steps=max_episode_steps,
-            autoreset_mode=AutoresetMode.DISABLED, context="forkserver", **env,
+            autoreset_mode=AutoresetMode.DISABLED, context="spawn", **env,
         )  # fmt: skip
         self._running: FollowVectorEnv | None = None
         scales = interface(make_config(env))
@@ -108,9 +108,8 @@ class FollowerVecEnv(VecEnv):
 
     @property
     def _inner(self) -> FollowVectorEnv:
-        """The environments; their processes start when they are first needed.
-
-        They are no forks of this one, which would hold each other's pipes open, and so outlive a killed parent.
+        """The environments; their processes start when they are first needed, and are no forks of this one, whose
+        threads they would lack.
         """
         if self._running is None:
             self._running = self._start()

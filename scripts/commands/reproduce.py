@@ -5,7 +5,8 @@ import os
 from pathlib import Path
 
 from ...slam.errors import InputError
-from ..experiments.backends import BACKENDS
+from ...slam.process_crew import require_workers
+from ..experiments.backends import BACKENDS, MOST_CLUSTER_JOBS
 from ..reproduce.experiment import EXPERIMENTS, load_experiment
 from ..tables import format_table
 
@@ -30,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         sub.add_argument("--out", type=Path, required=True, metavar="DIR", help="where everything is written")
         sub.add_argument("--quick", action="store_true", help="the same on fewer repeats")
         sub.add_argument("--jobs", type=int, default=1, metavar="N", help="processes (default: %(default)s)")
-        sub.add_argument("--backend", choices=BACKENDS, default="loky", help="who runs them (default: %(default)s)")
+        sub.add_argument("--backend", choices=BACKENDS, default="local", help="who runs them (default: %(default)s)")
         sub.add_argument("--data", type=Path, metavar="DIR", help="recorded data (default: TAGALONG_DATA)")
         load_experiment(name).add_arguments(sub)
 
@@ -39,8 +40,10 @@ def run(options: argparse.Namespace) -> int:
     """Run the experiment and say where its report is."""
     from ..reproduce.run import run_experiment
 
-    if options.jobs < 1:
-        raise InputError(f"--jobs must be at least 1, got {options.jobs}")
+    if options.backend == "local":
+        require_workers(options.jobs, "--jobs")
+    elif not 1 <= options.jobs <= MOST_CLUSTER_JOBS:
+        raise InputError(f"--jobs must lie in [1, {MOST_CLUSTER_JOBS}] on a cluster, got {options.jobs}")
     variable = os.environ.get("TAGALONG_DATA")
     options.data = options.data or (Path(variable) if variable else None)
     if options.data is not None and not options.data.is_dir():

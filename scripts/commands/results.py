@@ -8,6 +8,7 @@ from pathlib import Path
 
 from ...slam.errors import InputError
 from ...slam.files import write_json
+from ...slam.process_crew import require_workers
 from ..experiments.cells import run_cells
 from ..experiments.hardware import describe_machine
 from ..tables import format_table
@@ -37,8 +38,7 @@ def run(options: argparse.Namespace) -> int:
     from ..experiments.acceptance import FULL, QUICK, acceptance_cells
     from ..results_table import require_readme, result_rows, write_readme_table
 
-    if options.jobs < 1:
-        raise InputError(f"--jobs must be at least 1, got {options.jobs}")
+    require_workers(options.jobs, "--jobs")
     variable = os.environ.get("TAGALONG_DATA")
     data = options.data or (Path(variable) if variable else None)
     if data is not None and not (data / "slam_logs").is_dir():

@@ -1,4 +1,4 @@
-"""Where the cells of an experiment run: processes of this machine, or a cluster, behind joblib's one interface."""
+"""Where the cells of an experiment run: worker processes of this machine, or a cluster by way of joblib."""
 
 import os
 from collections.abc import Callable, Iterator, Sequence
@@ -8,41 +8,48 @@ from typing import Any, cast
 import joblib
 
 from ...slam.errors import MissingExtraError, unknown_name
+from ...slam.process_crew import Crew, require_workers
 
-BACKENDS = ("loky", "ray", "dask")
-"""Names for `parallel_backend`."""
+BACKENDS = ("local", "ray", "dask")
+"""Names for `runner`."""
+
+MOST_CLUSTER_JOBS = 10_000
+"""More processes than any experiment here has cells for."""
+
+Run = Callable[[Callable[..., Any], Sequence[tuple[Any, ...]]], Iterator[Any]]
+"""Yields what a function returns for each tuple of arguments, as they end."""
 
 
 @contextmanager
-def parallel_backend(name: str, jobs: int) -> Iterator[None]:
-    """Let `joblib.Parallel` inside the block run on `name`.
+def runner(name: str, jobs: int) -> Iterator[Run]:
+    """Yield what runs calls on `name`.
 
     Args:
-        name: "loky": processes of this machine. "ray": the cluster that `RAY_ADDRESS` names, else a local one. "dask":
+        name: "local": processes of this machine. "ray": the cluster that `RAY_ADDRESS` names, else a local one. "dask":
             the scheduler that `DASK_SCHEDULER_ADDRESS` names, else a local one.
-        jobs: How many processes.
+        jobs: How many processes; 1 on this machine is this one.
 
     Raises:
-        InputError: If there is no such backend.
+        InputError: If there is no such backend, or `jobs` is more than it has use for.
         MissingExtraError: If its package is not installed.
+        WorkerError: Later: if a process of this machine is lost.
     """
-    if name == "loky":
-        yield
-    elif name == "ray":
-        with _ray(jobs):
-            yield
-    elif name == "dask":
-        with _dask(jobs):
-            yield
-    else:
+    if name not in BACKENDS:
         raise unknown_name("backend", name, BACKENDS)
+    if name == "local" and jobs == 1:
+        yield lambda function, calls: (function(*arguments) for arguments in calls)
+    elif name == "local":
+        require_workers(jobs, "--jobs")
+        with Crew(jobs) as crew:
+            yield lambda function, calls: (result for _, result in crew.results(function, calls))
+    else:
+        with _ray(jobs) if name == "ray" else _dask(jobs):
+            yield lambda function, calls: _by_joblib(function, calls, jobs)
 
 
-def results_of(tasks: Sequence[tuple[Callable[..., Any], tuple[Any, ...], dict[str, Any]]], jobs: int) -> Iterator[Any]:
-    """Yield what `joblib.delayed` tasks return, as they end, on the backend of the block around.
-
-    Ray gives results only when a whole batch is done, so it gets them in batches of four for each process.
-    """
+def _by_joblib(function: Callable[..., Any], calls: Sequence[tuple[Any, ...]], jobs: int) -> Iterator[Any]:
+    """Yield what the calls return, as they end; Ray gives them only in batches, of four for each process."""
+    tasks = [joblib.delayed(function)(*arguments) for arguments in calls]
     if _streams():
         yield from cast(Iterator[Any], joblib.Parallel(n_jobs=jobs, return_as="generator_unordered")(tasks))
         return

@@ -12,12 +12,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import joblib
 from tqdm import tqdm
 
 from ...slam.errors import InputError
 from ...slam.files import made_folder, read_json, write_json
-from .backends import parallel_backend, results_of
+from .backends import runner
 from .hardware import code_fingerprint
 
 _MOST_RESULT = 1 << 26  # bytes of a result file; arrays belong into files beside it
@@ -90,7 +89,7 @@ def files_of(name: str, folder: Path) -> Path:
 
 
 def run_cells(
-    cells: Sequence[Cell], folder: str | Path, *, jobs: int = 1, label: str = "cells", backend: str = "loky"
+    cells: Sequence[Cell], folder: str | Path, *, jobs: int = 1, label: str = "cells", backend: str = "local"
 ) -> dict[str, Any]:
     """Run the cells that have no result in `folder` yet and return all results by name, in the order of `cells`.
 
@@ -100,11 +99,12 @@ def run_cells(
         folder: Where the result files are.
         jobs: How many processes.
         label: Name beside the progress bar.
-        backend: Who runs the processes: "loky" (this machine), "ray" or "dask" (a cluster that shares `folder`).
+        backend: Who runs the processes: "local" (this machine), "ray" or "dask" (a cluster that shares `folder`).
 
     Raises:
-        InputError: If there is no such backend.
+        InputError: If there is no such backend, or more `jobs` than this machine has use for.
         MissingExtraError: If its package is not installed.
+        WorkerError: If a process is lost; the finished cells have their files.
     """
     target = Path(folder)
     results: dict[str, Any] = {}
@@ -114,11 +114,11 @@ def run_cells(
     missing = [cell for cell in cells if results[cell.name] is None]
     _warn_of_other_code([cell for cell in cells if results[cell.name] is not None], target)
     with (
-        parallel_backend(backend, jobs),
+        runner(backend, jobs) as run,
         tqdm(total=len(cells), initial=len(cells) - len(missing), desc=label, unit="cell") as progress,
     ):
         for wave in _waves(missing):
-            for name, result in results_of([joblib.delayed(_run_cell)(cell, target) for cell in wave], jobs):
+            for name, result in run(_run_cell, [(cell, target) for cell in wave]):
                 results[name] = result
                 progress.update()
     return results

@@ -5,6 +5,7 @@ import time
 from pathlib import Path
 
 from ...slam.errors import MissingExtraError
+from ...slam.process_crew import require_workers
 
 ALGORITHMS = ("ppo", "sac", "recurrent-ppo")
 PRESETS = ("office", "office-map", "corridor")
@@ -44,6 +45,7 @@ def add_follower_arguments(models: "argparse._SubParsersAction[argparse.Argument
 
 def train_follower(options: argparse.Namespace) -> int:
     """Train, or go on with training; print a line on the progress now and then."""
+    require_workers(options.workers, "--workers")
     try:
         from ...agents.training.presets import make_preset
         from ...agents.training.run import RunConfig, TrainingRun

@@ -1,16 +1,17 @@
 """The vector environment: equal to single environments step by step, in every autoreset mode."""
 
-import multiprocessing as mp
+import os
 import pickle
+import signal
+import time
 
 import gymnasium as gym
 import numpy as np
 import pytest
 import tagalong  # noqa: F401 (registers the ids)
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
-from tagalong.envs import vector_worker
-from tagalong.envs.vector_worker import work
-from tagalong.slam.errors import InputError, MissingExtraError
+from tagalong.envs.vector_worker import Share
+from tagalong.slam.errors import InputError, MissingExtraError, WorkerError
 
 FIELDS = {"beams": 61, "slam": None, "people_count": 3}
 COUNT = 3
@@ -142,46 +143,9 @@ def test_what_is_wrong_is_said():
     env.close()
 
 
-class Failing:
-    """A share whose only method fails."""
-
-    def __init__(self, error):
-        self.error = error
-
-    def step(self):
-        raise self.error
-
-
-def worked(monkeypatch, error):
-    """What comes out of the pipe of a worker whose step fails; None: nothing."""
-    monkeypatch.setattr(vector_worker, "Share", lambda *_: Failing(error))
-    ours, theirs = mp.Pipe()
-    ours.send(("step", ()))
-    ours.send(None)
-    work(theirs, 1, AutoresetMode.DISABLED, None, {})
-    return ours.recv() if ours.poll() else None
-
-
-def test_an_error_of_a_process_comes_with_where_it_was(monkeypatch):
-    _, error = worked(monkeypatch, ZeroDivisionError("nothing to share"))
-    assert isinstance(error, ZeroDivisionError)
-    assert "in step" in "".join(error.__notes__)
-    _, error = worked(monkeypatch, InputError("`beams` must be positive"))
-    assert not hasattr(error, "__notes__")  # such an error says all by itself
-    assert worked(monkeypatch, KeyboardInterrupt()) is None
-
-
 def test_errors_come_whole_through_a_pipe():
     error = pickle.loads(pickle.dumps(MissingExtraError("plots", "viz")))
     assert (str(error), error.extra) == (str(MissingExtraError("plots", "viz")), "viz")
-
-
-def test_environments_close_though_a_process_has_ended():
-    env = native(workers=3)
-    env.unwrapped._processes[0].terminate()
-    env.unwrapped._processes[0].join()
-    env.close()
-    assert not any(process.is_alive() for process in env.unwrapped._processes)
 
 
 @pytest.mark.parametrize("kind", [tuple, np.array])
@@ -199,4 +163,34 @@ def test_pictures_come_from_all():
     pictures = env.render()
     assert len(pictures) == COUNT
     assert pictures[0].shape[2] == 3
+    env.close()
+
+
+@pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGSTOP])
+def test_a_process_that_is_lost_is_named_and_the_others_are_ended(end):
+    env = native("tagalong/Corridor-v0", workers=3, silent_s=2.0)
+    env.reset(seed=0)
+    processes = [worker.process for worker in env.unwrapped._workers]
+    os.kill(processes[0].pid, end)
+    began = time.monotonic()
+    with pytest.raises(WorkerError, match="worker 1 of 2"):
+        env.step(np.zeros((COUNT, 2)))
+    assert not any(process.is_alive() for process in processes)
+    with pytest.raises(WorkerError):
+        env.reset(seed=0)
+    env.close()
+    assert time.monotonic() - began < 15.0
+
+
+def test_after_an_interrupted_step_a_reset_gives_what_it_always_gives(monkeypatch):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    env = native("tagalong/Corridor-v0")
+    first = env.reset(seed=0)
+    with monkeypatch.context() as patch:
+        patch.setattr(Share, "step", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            env.step(np.ones((COUNT, 2)))
+    same(env.reset(seed=0), first)
     env.close()

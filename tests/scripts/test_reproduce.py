@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
-from tagalong.scripts.experiments.backends import parallel_backend
+from tagalong.scripts.experiments.backends import runner
 from tagalong.scripts.experiments.cells import Cell, without_timing
 from tagalong.scripts.reproduce.experiment import EXPERIMENTS, Experiment, load_experiment
 from tagalong.scripts.reproduce.report import Figure, Report, Section, Table
@@ -49,7 +49,7 @@ class Dice:
 
 @pytest.fixture
 def options(tmp_path):
-    return argparse.Namespace(out=tmp_path, quick=False, jobs=1, backend="loky", data=None, sides=6)
+    return argparse.Namespace(out=tmp_path, quick=False, jobs=1, backend="local", data=None, sides=6)
 
 
 def test_results_are_the_same_bytes_after_an_interruption_and_hold_no_clock(options, tmp_path):
@@ -90,7 +90,7 @@ def test_timing_is_taken_out_at_any_depth():
 
 
 def test_an_unknown_backend_is_named():
-    with pytest.raises(InputError, match="unknown backend 'slurm'"), parallel_backend("slurm", 2):
+    with pytest.raises(InputError, match="unknown backend 'slurm'"), runner("slurm", 2):
         pass
 
 

@@ -200,7 +200,9 @@ def test_the_plan_holds_every_disturbance_for_every_seed():
 
 
 def test_a_short_drive_ends_in_a_report_with_all_its_figures(tmp_path):
-    given = options(quick=True, minutes=0.1, poses="truth", out=tmp_path, jobs=1, backend="loky", experiment="immobile")
+    given = options(
+        quick=True, minutes=0.1, poses="truth", out=tmp_path, jobs=1, backend="local", experiment="immobile"
+    )
     report = run_experiment(load_experiment("immobile"), given)
     figures = {figure.file.name for section in report.sections for figure in section.figures}
     assert {name.split("_")[0] for name in figures} == {f"fig{k}" for k in (1, 3, 4, 5, 6, 7, 8, 9)}

@@ -1,0 +1,86 @@
+"""Ctrl-C, SIGTERM and SIGHUP end a command in order: what it began is undone, its workers end, one line says why."""
+
+import os
+import signal
+import sys
+import threading
+from collections.abc import Callable
+from time import monotonic
+from types import FrameType
+from typing import Any
+
+_WORDS = {"SIGINT": "interrupted", "SIGTERM": "terminated", "SIGHUP": "its terminal is gone"}
+_AGAIN_S = 2.0
+"""Signals that follow the first sooner than this mean the same: Ctrl-C reaches a program by its shell, too [s]."""
+
+
+class Interruption(KeyboardInterrupt):
+    """Raised where the program was when a signal came that ends it."""
+
+
+class _Signals:
+    """Raises `Interruption` on signals, and sees to it that it is not lost.
+
+    Attributes:
+        came: Number of the first signal that came; None while none has.
+    """
+
+    def __init__(self) -> None:
+        self.came: int | None = None
+        self._raised_s = float("-inf")
+        self._before: dict[int, Any] = {}
+        self._hook = sys.unraisablehook
+
+    def take(self) -> None:
+        """Take the signals that are not ignored, as those of a program in the background are."""
+        for name in _WORDS:
+            number = getattr(signal, name, None)
+            if number is not None and signal.getsignal(number) is not signal.SIG_IGN:
+                self._before[number] = signal.signal(number, self._raise)
+        sys.unraisablehook = self._unraisable
+
+    def give_back(self, *, for_good: bool) -> None:
+        """Let others have the signals; those of a program that is over (`for_good`) end it without a word."""
+        sys.unraisablehook = self._hook
+        for number, before in self._before.items():
+            signal.signal(number, signal.SIG_DFL if for_good else before)
+
+    def _raise(self, number: int, _: FrameType | None) -> None:
+        if monotonic() - self._raised_s < _AGAIN_S:
+            return
+        self.came, self._raised_s = self.came or number, monotonic()
+        raise Interruption
+
+    def _unraisable(self, lost: Any) -> None:
+        """Send the signal again if its exception was lost in a finalizer or a callback from C."""
+        if not isinstance(lost.exc_value, Interruption) or self.came is None:
+            self._hook(lost)
+            return
+        self._raised_s = float("-inf")
+        again = threading.Timer(0.05, os.kill, (os.getpid(), self.came))
+        again.daemon = True
+        again.start()
+
+
+def interruptible(run: Callable[[], int], *, is_program: bool) -> int:
+    """Return the exit status of `run`: its own, or 128 + the number of a signal that ended it (130 for Ctrl-C).
+
+    Args:
+        run: What to do. It may handle `KeyboardInterrupt` and return.
+        is_program: The process has nothing else to do.
+    """
+    if threading.current_thread() is not threading.main_thread():  # signals are not for others
+        return run()
+    signals = _Signals()
+    signals.take()
+    try:
+        return run()
+    except BaseException as error:
+        if signals.came is None and not isinstance(error, KeyboardInterrupt):
+            raise
+        # after a signal, whatever comes out comes of it: a kernel turns it into an error of its own
+        number = signals.came or signal.SIGINT
+        print(f"tagalong: {_WORDS[signal.Signals(number).name]}", file=sys.stderr)
+        return 128 + number
+    finally:
+        signals.give_back(for_good=is_program)

@@ -1,0 +1,117 @@
+"""Which commands the kill tests kill: all that write, with options that let them end soon."""
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+TAGALONG = ("-m", "tagalong")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plan:
+    """One command.
+
+    Attributes:
+        words: Of Python's command line; "IN" stands for the folder of what they read.
+        within_s: The kills come at random within so many seconds; None: within the time of a whole run.
+        compared: Whether it is run to its end, undisturbed and after kills, and the files are compared.
+    """
+
+    words: tuple[str, ...]
+    within_s: float | None = None
+    compared: bool = True
+
+
+def _tagalong(words: str, **more) -> Plan:
+    return Plan(words=(*TAGALONG, *words.split()), **more)
+
+
+PLANS = {
+    "slam": _tagalong("slam IN/room.log.gz --out out --set particles=60 --set linear_update=0.05"),
+    "slam ekf": _tagalong("slam IN/room.log.gz --method ekf --out out"),
+    "slam graph": _tagalong("slam IN/room.log.gz --method cartographer --out out"),
+    "localize": _tagalong("localize IN/room.log.gz --map IN/map/map.yaml --out out"),
+    "perceive": _tagalong("perceive IN/room.log.gz --out out"),
+    "score": _tagalong("score IN/map/map.yaml IN/map/map.yaml --json out/scores.json --overlay out/overlay.png"),
+    "reproduce following": _tagalong(
+        "reproduce following --quick --repeats 2 --no-sweep --jobs 2 --out out", within_s=40.0, compared=False
+    ),
+    "reproduce scan-matching": _tagalong("reproduce scan-matching --quick --trials 10 --jobs 2 --out out"),
+    "reproduce clustering": _tagalong("reproduce clustering --quick --worlds 2 --jobs 2 --out out"),
+    "reproduce immobile": _tagalong(
+        "reproduce immobile --quick --minutes 0.1 --poses truth --camera-hz 1 --jobs 2 --out out"
+    ),
+    "reproduce guidance": _tagalong("reproduce guidance --quick --repeats 2 --minutes 0.1 --jobs 2 --out out"),
+    "train legs": _tagalong(
+        "train legs --forest simulation --scans 40 --drives 1 --test-scans 10 --test-drives 1 --trees 3 --out out"
+    ),
+    "train people": _tagalong("train people --buildings 5 --frames 2 --test-buildings 1 --out out"),
+    "train follower": Plan(words=("IN/train_follower.py", "out")),
+    "evaluate": _tagalong("evaluate pid --episodes 1 --beams 181 --out out"),
+    "teleop": _tagalong("teleop --operator model --out out/drive.txt"),
+    "results": _tagalong("results --quick --jobs 2 --out out", within_s=40.0, compared=False),
+    "bench": _tagalong("bench --steps 2 --out out", within_s=30.0, compared=False),
+    "demo": _tagalong("demo --out out", within_s=60.0, compared=False),
+}
+
+TRAIN = """
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+from tagalong.agents.training.curriculum import CurriculumConfig
+from tagalong.agents.training.presets import ImitationConfig, ReinforcementConfig, make_preset
+from tagalong.agents.training.run import RunConfig, TrainingRun
+from tagalong.scripts.cli import told
+
+
+def train():
+    preset = replace(
+        make_preset("corridor", "ppo"),
+        env={"slam": None, "beams": 360, "people": "truth"},
+        fine={},
+        curriculum=CurriculumConfig(scenes=(("corridor", 1.0),), bystanders=(0,)),
+        imitation=ImitationConfig(rounds=2, drives=2, most_steps=60, epochs=2, last_epochs=2, batch=64),
+        reinforcement=ReinforcementConfig(steps=0),
+        width=32,
+        evaluations=1,
+        most_steps=80,
+    )
+    TrainingRun(RunConfig(preset=preset, name="tiny", workers=2), Path(sys.argv[1]), print).train()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(told(train))
+"""
+
+
+def prepare(folder: Path) -> None:
+    """Write what the commands read: a drive through a room, the room's map, and a tiny training as a program."""
+    from tagalong.scripts import cli
+    from tagalong.slam.logs.carmen_writer import write_carmen
+
+    folder.mkdir(parents=True, exist_ok=True)
+    write_carmen(folder / "room.log.gz", room_drive(80))
+    (folder / "train_follower.py").write_text(TRAIN)
+    if cli.main(["slam", str(folder / "room.log.gz"), "--method", "ekf", "--out", str(folder / "map"), "--quiet"]):
+        sys.exit("the room could not be mapped")
+
+
+def room_drive(count: int):
+    """Return a drive of `count` scans through a room of 6 by 5 metres."""
+    from tagalong.slam.logs.drive import RecordedDrive
+    from tagalong.slam.scan import LaserScan
+
+    bearings = np.linspace(-np.pi, np.pi, 180, endpoint=False)
+    cosine, sine = np.abs(np.cos(bearings)), np.abs(np.sin(bearings))
+    odometry, scans = [], []
+    for i in range(count):
+        x = 0.03 * i
+        across = np.where(np.cos(bearings) > 0, 4.0 - x, 2.0 + x) / np.maximum(cosine, 1e-9)
+        ranges = np.minimum(across, 2.5 / np.maximum(sine, 1e-9))
+        odometry.append((x, 0.0, 0.0))
+        scans.append(LaserScan(ranges, bearings, 0.1, 20.0, 0.1 * i))
+    return RecordedDrive(np.array(odometry), scans, None, "room")

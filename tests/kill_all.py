@@ -1,0 +1,88 @@
+"""Kills every command that writes, many times: `python tests/kill_all.py [--kills 20] [--only NAME ...]`.
+
+Each is started in a folder of its own, killed at random moments by SIGKILL, SIGTERM and SIGINT, five times in the same
+folder; then it runs to its end, and its files are compared with those of a run that nobody disturbed. Prints a table.
+"""
+
+import argparse
+import random
+import shutil
+import signal
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent / "helpers"))
+
+import kill_plans
+from kills import Killed, digests, kill_once, start
+
+SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
+IN_A_ROW = 5
+COLUMNS = ("kills", "late", "orphans", "half files", "temporaries", "words", "resumed equal", "slowest end [s]")
+
+
+def main() -> int:
+    """Kill, print the table as it grows; 1 if anything is not as promised."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--kills", type=int, default=20, help="of each command (default: %(default)s)")
+    parser.add_argument("--only", nargs="+", choices=kill_plans.PLANS, metavar="NAME", help="these commands")
+    parser.add_argument("--seed", type=int, default=0, help="of the moments (default: %(default)s)")
+    options = parser.parse_args()
+    print(f"{'command':26s}" + "  ".join(COLUMNS), flush=True)
+    failed = False
+    with tempfile.TemporaryDirectory() as scratch:
+        kill_plans.prepare(Path(scratch) / "in")
+        for name in options.only or kill_plans.PLANS:
+            draw = random.Random(f"{options.seed} {name}")
+            seen, equal = killed(kill_plans.PLANS[name], Path(scratch), options.kills, draw)
+            cells = (seen.kills, seen.late, seen.orphans, len(seen.broken), len(seen.leftovers), len(seen.said), equal)
+            padded = zip((*cells, f"{seen.slowest_s:.1f}"), COLUMNS, strict=True)
+            print(f"{name:26s}" + "  ".join(str(cell).rjust(len(title)) for cell, title in padded), flush=True)
+            for fault in seen.faults:
+                print(f"    {fault}", flush=True)
+            done, tries = (int(word) for word in equal.split("/")) if "/" in equal else (0, 0)
+            failed |= bool(seen.faults) or done != tries
+    return int(failed)
+
+
+def killed(plan: kill_plans.Plan, scratch: Path, kills: int, draw: random.Random) -> tuple[Killed, str]:
+    """Return what was seen of `kills` kills, and how many of the runs that followed were equal."""
+    words = [word.replace("IN", str(scratch / "in"), 1) if word.startswith("IN/") else word for word in plan.words]
+    seen, equal, tries, within_s, wanted = Killed(), 0, 0, plan.within_s or 0.0, {}
+    if plan.compared:
+        began = time.monotonic()
+        wanted = whole(words, fresh(scratch / "whole"))
+        within_s = plan.within_s or time.monotonic() - began
+    for k in range(kills):
+        folder = scratch / "killed" if k % IN_A_ROW else fresh(scratch / "killed")
+        kill_once(words, folder, SIGNALS[k % len(SIGNALS)], draw.uniform(0.0, within_s), seen)
+        if plan.compared and (k % IN_A_ROW == IN_A_ROW - 1 or k == kills - 1):
+            tries += 1
+            found = whole(words, folder)
+            equal += found == wanted
+            if found != wanted:
+                different = {name for name in found.keys() | wanted.keys() if found.get(name) != wanted.get(name)}
+                print(f"    not equal: {sorted(different)}", flush=True)
+    return seen, f"{equal}/{tries}" if tries else "-"
+
+
+def whole(words: list[str], folder: Path) -> dict[str, str]:
+    """Return the digests of what a run makes that nobody disturbs."""
+    process = start(words, folder)
+    _, said = process.communicate(timeout=1800)
+    if process.returncode not in {0, 1}:
+        print(f"    {process.returncode}: {said[-1500:]}", flush=True)
+    return digests(folder)
+
+
+def fresh(folder: Path) -> Path:
+    """Return `folder`, empty."""
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir()
+    return folder
+
+
+if __name__ == "__main__":
+    sys.exit(main())
