@@ -4,57 +4,67 @@ import json
 import os
 import tempfile
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .errors import InputError
+from .input_file import checked_name, kind_of_file, named
+from .input_file import read_json as read_json
+from .npz import read_arrays as read_arrays
+
+_LONGEST_SUFFIX = 16
+"""Characters of a suffix that the temporary name keeps: libraries choose a format by it; more would be no suffix."""
 
 
 @contextmanager
 def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Yield a temporary path beside `path`, same suffix; on success it replaces `path`, on failure it goes.
 
-    Folders above `path` are made. Example: `with replacing("map.png") as p: image.save(p)`.
+    Folders above `path` are made. A link is followed: what it points to is replaced, the link stays. A device, a pipe
+    or a folder is never replaced. Example: `with replacing("map.png") as p: image.save(p)`.
 
     Raises:
-        InputError: If nothing can be written there.
+        InputError: If nothing can be written there, or the disk is full; also for any other `OSError` in the body.
     """
-    target = Path(path)
-    try:
+    with _told(path, "written"):
+        target = _real_target(path)
         target.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(prefix=f".{target.stem}-", suffix=target.suffix, dir=target.parent)
-    except OSError as error:
-        raise InputError(f"{target}: cannot be written ({error.strerror})") from error
-    os.close(handle)
-    temporary = Path(name)
-    try:
-        yield temporary
-        temporary.chmod(0o644)
+        suffix = target.suffix if len(target.suffix) <= _LONGEST_SUFFIX else ""
+        handle, name = tempfile.mkstemp(prefix=f".{target.stem[:20]}-", suffix=suffix, dir=target.parent)
+        os.close(handle)
+        temporary = Path(name)
         try:
+            yield temporary
+            temporary.chmod(0o644)
             temporary.replace(target)
-        except OSError as error:
-            raise InputError(f"{target}: cannot be written ({error.strerror})") from error
-    finally:
-        temporary.unlink(missing_ok=True)
+        finally:
+            with suppress(OSError):  # gone, with its folder perhaps: what went wrong before is what counts
+                temporary.unlink(missing_ok=True)
 
 
-def read_arrays(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
-    """Return the arrays of an npz file by name, without pickles.
+@contextmanager
+def _told(path: str | os.PathLike[str], done: str) -> Iterator[None]:
+    """Tell in one line what the system finds wrong with a path that is to be `done` ("written", "made")."""
+    try:
+        yield
+    except OSError as error:
+        raise InputError(f"{named(path)}: cannot be {done} ({error.strerror or error})") from error
+
+
+def _real_target(path: str | os.PathLike[str]) -> Path:
+    """Return where `path` leads, links followed: to a regular file, or to nothing yet.
 
     Raises:
-        InputError: If there is no such file, or it is damaged or no npz.
+        InputError: If something else is there, or no file can have such a name.
     """
-    try:
-        with np.load(path, allow_pickle=False) as content:
-            return {name: content[name] for name in content.files}
-    except FileNotFoundError:
-        raise InputError(f"{os.fspath(path)}: no such file") from None
-    except Exception as error:  # a damaged byte may stop the zip, its compression, the header's parser or the array
-        raise InputError(f"{os.fspath(path)}: no readable npz file ({error})") from error
+    target = Path(os.path.realpath(checked_name(path)))
+    found = kind_of_file(target.stat().st_mode) if _exists(target) else ""
+    if found:
+        raise InputError(f"{named(path)}: cannot be written (is {found}, not a file)")
+    return target
 
 
 def made_folder(path: str | os.PathLike[str]) -> Path:
@@ -63,11 +73,9 @@ def made_folder(path: str | os.PathLike[str]) -> Path:
     Raises:
         InputError: If it cannot be made.
     """
-    folder = Path(path)
-    try:
+    folder = checked_name(path)
+    with _told(folder, "made"):
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{folder}: cannot be made ({error.strerror})") from error
     return folder
 
 
@@ -81,16 +89,28 @@ def require_writable(path: str | os.PathLike[str], *, folder: bool = False) -> N
     Raises:
         InputError: If it is the other one, or the nearest folder above it that exists takes no files, or is no folder.
     """
-    target = Path(path)
-    if target.exists() and target.is_dir() != folder:
-        found, needed = ("a file", "a folder") if folder else ("a folder", "a file")
-        raise InputError(f"{target}: is {found}, where {needed} has to be written")
-    there = next(folder for folder in (target, *target.absolute().parents) if folder.exists())
+    target = checked_name(path)
+    with _told(target, "written"):
+        if _exists(target) and target.is_dir() != folder:
+            found, needed = kind_of_file(target.stat().st_mode) or "a file", "a folder" if folder else "a file"
+            raise InputError(f"{named(target)}: is {found}, where {needed} has to be written")
+        if not folder:
+            _real_target(target)
+        there = next(above for above in (target, *target.absolute().parents) if _exists(above))
     try:
         with tempfile.TemporaryFile(dir=there if there.is_dir() or there != target else there.parent):
             pass
     except OSError as error:
-        raise InputError(f"{target}: cannot be written ({there}: {error.strerror})") from error
+        raise InputError(f"{named(target)}: cannot be written ({named(there)}: {error.strerror})") from error
+
+
+def _exists(path: Path) -> bool:
+    """Return whether something is there; a name that is too long raises its `OSError`."""
+    try:
+        path.stat()
+    except (FileNotFoundError, NotADirectoryError):
+        return False
+    return True
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:

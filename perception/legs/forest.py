@@ -1,6 +1,5 @@
 """The random forest that says how much a cluster looks like a leg."""
 
-import json
 import os
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -11,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...slam.errors import InputError
-from ...slam.files import read_arrays, replacing, write_json
+from ...slam.files import read_arrays, read_json, replacing, write_json
 from ...slam.scan import LaserScan
 from ..stages import Stages, completed
 from .clusters import Clusters
@@ -122,4 +121,4 @@ def _shipped(name: str) -> LegForest:
 
 def read_card(name: str) -> dict[str, Any]:
     """Return the card of a shipped forest: data, command, seeds, figures, limits."""
-    return json.loads((MODELS / f"legs_{name}.json").read_text(encoding="utf-8"))
+    return read_json(MODELS / f"legs_{name}.json")

@@ -1,6 +1,5 @@
 """The linear support vector machine that tells people from other things of their height."""
 
-import json
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...slam.errors import InputError
-from ...slam.files import read_arrays, replacing, write_json
+from ...slam.files import read_arrays, read_json, replacing, write_json
 from .frame import RgbdFrame
 from .heads import Candidates
 from .hog import hog, hog_length
@@ -98,4 +97,4 @@ def candidate_features(frame: RgbdFrame, planes: Planes, candidates: Candidates)
 
 def read_card() -> dict[str, Any]:
     """Return the card of the shipped classifier: data, command, seeds, figures, limits."""
-    return json.loads(MODEL.with_suffix(".json").read_text(encoding="utf-8"))
+    return read_json(MODEL.with_suffix(".json"))
