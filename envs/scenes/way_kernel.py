@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 
 Prices, Cells, Flags = NDArray[np.float64], NDArray[np.int64], NDArray[np.bool_]
 
+NEIGHBOURS = 8
 _ROW = np.array([0, 0, 1, -1, 1, 1, -1, -1])
 _COL = np.array([1, -1, 0, 0, 1, -1, 1, -1])
 
@@ -21,7 +22,7 @@ def explore(
     goal: int,
     limit: float,
 ) -> int:
-    """Go on with a search until the cell `goal` is settled, or all cells up to the price `limit` are.
+    """Go on until the cell `goal` is settled, or all cells up to the price `limit` are, or the heap is full.
 
     A step between two of the eight neighbours costs its length in cells times the mean of both cells' cost.
 
@@ -30,7 +31,8 @@ def explore(
         price: (rows, cols) price of the cheapest way known, inf without one.
         before: (rows, cols) flat index of the cell before on it, -1 at the start and where there is none.
         settled: (rows, cols) whether no cheaper way can be found.
-        heap: (8 rows cols,) prices of the cells to be looked at, lowest first, and (8 rows cols,) their flat indices.
+        heap: (h,) prices of the cells to be looked at, lowest first, and (h,) their flat indices; full when there is no
+            room for the `NEIGHBOURS` of one more cell.
         size: How many there are.
         goal: Flat index of a cell; -1 for none.
         limit: A price.
@@ -42,7 +44,7 @@ def explore(
     heap_prices, heap_cells = heap
     if goal >= 0 and settled[goal // cols, goal % cols]:
         return size
-    while size > 0 and heap_prices[0] <= limit:
+    while size > 0 and heap_prices[0] <= limit and size + NEIGHBOURS <= len(heap_prices):
         now, flat = float(heap_prices[0]), int(heap_cells[0])
         size -= 1
         _sink(heap_prices, heap_cells, size)
@@ -70,7 +72,7 @@ def _look_around(
     """Offer ways through the cell `flat`, settled at the price `now`, to its neighbours; return the heap's new size."""
     rows, cols = cost.shape
     r, c = flat // cols, flat % cols
-    for k in range(8):
+    for k in range(NEIGHBOURS):
         i, j = r + _ROW[k], c + _COL[k]
         if i < 0 or j < 0 or i >= rows or j >= cols or settled[i, j] or not np.isfinite(cost[i, j]):
             continue

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .cells import FreeSpace, regions
 from .polyline import resample
-from .way_kernel import explore, nearest, smooth
+from .way_kernel import NEIGHBOURS, explore, nearest, smooth
 
 Array = NDArray[np.float64]
 
@@ -18,6 +18,7 @@ STEP = 0.1
 _COMFORT = 1.0
 _SMOOTHING = 80
 _REMEMBERED = 40
+_FIRST_HEAP = 1024  # entries; a search ahead of which the whole floor lies has some thousands
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,15 +56,19 @@ class Search:
         self._cost = cost
         self.price, self.before = np.full(cost.shape, np.inf), np.full(cost.shape, -1, dtype=np.int64)
         self._settled = np.zeros(cost.shape, dtype=bool)
-        self._heap = np.empty(8 * cost.size), np.empty(8 * cost.size, dtype=np.int64)
+        self._heap = np.empty(_FIRST_HEAP), np.empty(_FIRST_HEAP, dtype=np.int64)
         self.price[row, col] = 0.0
         self._heap[0][0], self._heap[1][0] = 0.0, row * cost.shape[1] + col
         self._size = 1
 
     def settle(self, goal: int = -1, limit: float = np.inf) -> None:
         """Settle the cell of the flat index `goal`, or all cells up to the price `limit`."""
-        state = self.price, self.before, self._settled, self._heap, self._size
-        self._size = explore(self._cost, *state, goal, limit)
+        while True:
+            state = self.price, self.before, self._settled, self._heap, self._size
+            self._size = explore(self._cost, *state, goal, limit)
+            if self._size + NEIGHBOURS <= len(self._heap[0]):
+                return
+            self._heap = tuple(np.concatenate((part, np.empty_like(part))) for part in self._heap)
 
 
 class WayPlanner:

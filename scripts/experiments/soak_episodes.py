@@ -1,0 +1,99 @@
+"""Episode after episode in all buildings, and one episode for hours: memory and time of each stretch.
+
+A row of the first is a round: some seconds in each registered environment, each with a new seed, so that nothing that is
+kept by building or by episode stays hidden. A row of the second is a stretch of one episode that goes on and on: nobody
+leads, and contacts do not end it.
+"""
+
+import time
+from dataclasses import asdict
+from typing import Any
+
+from tqdm import tqdm
+
+from ...agents import make_follower
+from ...agents.follower import Follower
+from ...envs.follow_env import FollowEnv
+from ...envs.registration import IDS
+from .cells import TIMING
+from .trend import Row, memory_mb
+
+VISIT = 200
+"""Steps in one building before the next one is looked at; at 10 Hz 20 s."""
+STRETCH = 1000
+"""Steps of the endless episode between two looks at the memory."""
+PEOPLE = 4
+"""Walking people in each building, the same everywhere: rounds are compared with each other."""
+BEAMS = 360
+"""Of the laser: enough for the tracker, and a third of the time of the default."""
+
+
+def episodes(slam: str | None, steps: int) -> dict[str, Any]:
+    """Return the rows (see `Row`) of at least `steps` steps behind the PID follower's leader, a round each.
+
+    Args:
+        slam: The environments' own engine ("default") or another of `FollowConfig.slam`.
+        steps: At least how many steps altogether.
+    """
+    visits = [Visit(name, slam) for name in IDS]
+    rows, done = [], 0
+    for _ in tqdm(range(-(-steps // (VISIT * len(visits)))), f"slam={slam}", unit="round"):
+        took = sum(visit.go_on(VISIT) for visit in visits)
+        done += VISIT * len(visits)
+        rows.append(asdict(Row(memory_mb=memory_mb(), step_ms=1e3 * took / (VISIT * len(visits)), done=done)))
+    return {"episodes": sum(visit.seed for visit in visits), TIMING: rows}
+
+
+def endless_episode(slam: str | None, steps: int) -> dict[str, Any]:
+    """Return the rows of one episode of `steps` steps in an office, of a robot that wanders about."""
+    env = FollowEnv(
+        scene="office",
+        slam=slam,
+        leader=False,
+        people_count=PEOPLE,
+        beams=BEAMS,
+        ends_on_contact=False,
+        coverage_goal=1.0,
+    )
+    robot, rows = make_follower("random", env.interface), []
+    observation, _ = env.reset(seed=0)
+    for stretch in tqdm(range(-(-steps // STRETCH)), f"one episode, slam={slam}", unit="stretch"):
+        took = 0.0
+        for _ in range(STRETCH):
+            action = robot.act(observation)
+            start = time.process_time()
+            observation, *_ = env.step(action)
+            took += time.process_time() - start
+        rows.append(asdict(Row(memory_mb=memory_mb(), step_ms=1e3 * took / STRETCH, done=(stretch + 1) * STRETCH)))
+    return {TIMING: rows}
+
+
+class Visit:
+    """One environment and its follower, which go on where they stopped.
+
+    Args:
+        name: Registered id.
+        slam: See `episodes`.
+    """
+
+    def __init__(self, name: str, slam: str | None) -> None:
+        fields: dict[str, Any] = {"beams": BEAMS, **IDS[name], "people_count": PEOPLE}
+        if slam != "default":
+            fields["slam"] = slam
+        self._env = FollowEnv(**fields)
+        self._follower: Follower = make_follower("pid", self._env.interface)
+        self.seed = 0
+
+    def go_on(self, steps: int) -> float:
+        """Start an episode with a new seed, and others as they end, for `steps` steps; return their processor time [s]."""
+        took, ended, observation = 0.0, True, {}
+        for _ in range(steps):
+            if ended:
+                observation, _ = self._env.reset(seed=self.seed)
+                self._follower.reset()
+                self.seed += 1
+            action = self._follower.act(observation)
+            start = time.process_time()
+            observation, _, ended, _, _ = self._env.step(action)
+            took += time.process_time() - start
+        return took
