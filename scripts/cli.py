@@ -6,9 +6,10 @@ import sys
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from importlib import import_module
+from typing import NoReturn
 
 from .. import __version__
-from ..slam.errors import InputError, MissingExtraError, WorkerError
+from ..slam.errors import InputError, MissingExtraError, WorkerError, one_line
 from ..slam.files import require_writable
 from .interruption import interruptible
 from .only_writer import only_writer
@@ -28,6 +29,8 @@ COMMANDS: dict[str, str] = {
     "bench": "measure speed",
     "perceive": "find legs and track people in recorded scans (log, ROS bag or .npz)",
 }
+
+_MOST_TOLD = 400  # characters of what argparse says of a word, which it repeats whole
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -64,8 +67,16 @@ def _told(run: Callable[[], int]) -> int:
         return 141
 
 
+class _Parser(argparse.ArgumentParser):
+    """Tells what is wrong with a word in one line, however long the word is; its sub-parsers are of its kind."""
+
+    def error(self, message: str) -> NoReturn:
+        """Print the usage and the message; exit with 2."""
+        super().error(one_line(message, _MOST_TOLD))
+
+
 def _run(words: list[str]) -> int:
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         prog="tagalong",
         description="Follow a person through a building, map it on the way, keep the people out of the map.",
         epilog="Each command has its own --help with an example.",

@@ -36,8 +36,6 @@ def main() -> int:
         tallies = _replayed(options, Path(folder)) if options.replay else _fuzzed(options, Path(folder))
     table = rows(tallies)
     print(printed(table))
-    lines = [line for tally in tallies for line in write_findings(options.out / "findings", tally, options.seed)]
-    print("\n".join(lines), flush=True)
     write_summary(options.out / "summary.json", tallies, {"seed": options.seed, "minutes": options.minutes})
     if options.table is not None:
         put_table(options.table, table, f"make fuzz MINUTES={options.minutes:g} SEED={options.seed}")
@@ -69,7 +67,7 @@ def _fuzzed(options: argparse.Namespace, folder: Path) -> list[Tally]:
         for border in borders:
             count = options.count or inputs_for(border, options.minutes, every)
             inputs = Inputs(options.seed, range(options.first, options.first + count))
-            tallies.append(_told(sent(border, inputs, folder / border.name)))
+            tallies.append(_told(sent(border, inputs, folder / border.name), options))
     return tallies
 
 
@@ -91,12 +89,15 @@ def _replayed(options: argparse.Namespace, folder: Path) -> list[Tally]:
             area.warm()
         for border in borders:
             given = by_border[border.name]
-            tallies.append(_told(sent(border, Inputs(0, range(len(given)), given), folder / border.name)))
+            tallies.append(_told(sent(border, Inputs(0, range(len(given)), given), folder / border.name), options))
     return tallies
 
 
-def _told(tally: Tally) -> Tally:
-    print(f"{tally.border}: {tally.inputs} inputs, {len(tally.findings)} findings", file=sys.stderr, flush=True)
+def _told(tally: Tally, options: argparse.Namespace) -> Tally:
+    """Say how a border fared, and write its findings at once: what comes after it may take an hour."""
+    lines = write_findings(options.out / "findings", tally, options.seed)
+    head = f"{tally.border}: {tally.inputs} inputs, {len(tally.findings)} findings in {tally.seconds:.0f} s"
+    print("\n".join([head, *lines]), file=sys.stderr, flush=True)
     return tally
 
 

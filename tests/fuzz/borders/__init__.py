@@ -2,7 +2,7 @@
 
 from fuzzer.border import Area
 
-from borders import bags, engines, environment, logs, maps, models, options, perception, scans, tables
+from borders import bags, checkpoints, engines, environment, logs, maps, models, options, perception, scans, tables
 
 AREAS: dict[str, Area] = {
     "logs": logs.AREA,
@@ -15,4 +15,5 @@ AREAS: dict[str, Area] = {
     "options": options.AREA,
     "perception": perception.AREA,
     "environment": environment.AREA,
+    "checkpoints": checkpoints.AREA,
 }

@@ -50,6 +50,7 @@ class Tally:
         slowest: Its number.
         peak_mb: The most memory above the idle process [MB].
         given_up: Whether it was left because too many children were lost.
+        seconds: How long it all took [s].
     """
 
     border: str
@@ -61,11 +62,12 @@ class Tally:
     slowest: int = 0
     peak_mb: float = 0.0
     given_up: bool = False
+    seconds: float = 0.0
 
 
 def sent(border: Border, inputs: Inputs, folder: Path) -> Tally:
     """Send inputs through one door, in as many children as it takes."""
-    tally, lost = Tally(border.name), 0
+    tally, lost, began = Tally(border.name), 0, time.monotonic()
     while len(inputs.numbers):
         board = new_board()
         board[NUMBER] = inputs.numbers.start
@@ -83,6 +85,7 @@ def sent(border: Border, inputs: Inputs, folder: Path) -> Tally:
         inputs = inputs.after(number)
     for finding in tally.findings:  # memory that was noticed after the verdict is told without the input
         finding.setdefault("input", encoded(inputs.of(border, finding["number"])))
+    tally.seconds = time.monotonic() - began
     return tally
 
 
