@@ -9,7 +9,7 @@ from importlib import import_module
 from typing import NoReturn
 
 from .. import __version__
-from ..slam.errors import InputError, MissingExtraError, WorkerError, one_line
+from ..slam.errors import InputError, MissingExtraError, WorkerError, one_line, shown
 from ..slam.files import require_writable
 from .interruption import interruptible
 from .only_writer import only_writer
@@ -31,6 +31,8 @@ COMMANDS: dict[str, str] = {
 }
 
 _MOST_TOLD = 400  # characters of what argparse says of a word, which it repeats whole
+
+_LARGEST_SEED = 2**32 - 1  # what every generator takes
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -98,7 +100,7 @@ def _run(words: list[str]) -> int:
     out_is_folder = getattr(options, "out_is_folder", True)
     if getattr(options, "out", None) is not None:
         require_writable(options.out, folder=out_is_folder)
-    if (getattr(options, "seed", None) or 0) < 0:
-        raise InputError(f"--seed must not be negative, got {options.seed}")
+    if not 0 <= (getattr(options, "seed", None) or 0) <= _LARGEST_SEED:
+        raise InputError(f"--seed must not be negative, nor above {_LARGEST_SEED}, got {shown(options.seed)}")
     with only_writer(options.out) if getattr(options, "out", None) and out_is_folder else nullcontext():
         return int(options.run(options))

@@ -27,6 +27,8 @@ from .vec_env import FollowerVecEnv
 MOST_WORKERS = 64
 """Processes that drive; each takes about 300 MB, and no round has more drives at a time than this to share out."""
 
+_LONGEST_MIN = 1e6  # two years; whoever wants no limit leaves it out
+
 
 class _TimeUp(Exception):
     """The time of the run is up."""
@@ -54,8 +56,8 @@ class RunConfig:
     def __post_init__(self) -> None:
         if not 1 <= self.workers <= MOST_WORKERS:
             raise InputError(f"a run needs 1 to {MOST_WORKERS} workers, of about 300 MB each, got {self.workers}")
-        if self.max_minutes is not None and not self.max_minutes > 0.0:
-            raise InputError(f"a run needs minutes > 0, got {self.max_minutes}")
+        if self.max_minutes is not None and not 0.0 < self.max_minutes <= _LONGEST_MIN:
+            raise InputError(f"a run needs minutes above 0, at most {_LONGEST_MIN:g}, got {self.max_minutes:g}")
 
 
 class TrainingRun:

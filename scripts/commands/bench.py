@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ...slam.errors import InputError
 from ...slam.files import write_json
+from ..experiments.arguments import require_count
 from ..experiments.hardware import describe_machine, reference_kernel_s
 from ..tables import format_table
 
@@ -40,8 +40,7 @@ def run(options: argparse.Namespace) -> int:
     """Measure, print tables, write bench.json."""
     from ..experiments import immobile_speed, speed
 
-    if options.steps < 1:
-        raise InputError(f"--steps must be at least 1, got {options.steps}")
+    require_count("--steps", options.steps, 10_000_000, "a day of each part")
     machine = {**describe_machine(), "reference_kernel_ms": 1e3 * reference_kernel_s()}
     print(f"{machine['processor']}, {machine['cores']} cores, Python {machine['python']}")
     print(f"reference numpy kernel: {machine['reference_kernel_ms']:.1f} ms\n")

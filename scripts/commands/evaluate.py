@@ -15,6 +15,7 @@ from ...envs.rollout import Episode, rollout
 from ...envs.suites import FIRST_SEED, SUITES, Scenario, suite
 from ...slam.errors import InputError
 from ...slam.files import write_json
+from ..experiments.arguments import require_count
 from ..experiments.hardware import describe_machine
 from ..experiments.statistics import Estimate, metric_mean, share
 from ..tables import format_table
@@ -92,8 +93,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Drive, print the table, write what was asked for."""
-    if options.episodes < 1:
-        raise InputError(f"--episodes must be at least 1, got {options.episodes}")
+    require_count("--episodes", options.episodes, 100_000, "each takes some seconds: days")
     rows = _drive(options)
     estimates = summary(rows)
     print(format_table(("figure", "mean", "95 % interval"), _lines(estimates)))

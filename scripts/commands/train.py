@@ -6,6 +6,7 @@ from pathlib import Path
 from ...perception.rgbd.person_svm import MODEL
 from ...slam.errors import InputError
 from ...slam.files import write_json
+from ..experiments.arguments import require_count
 from ..figures.leg_curve import save_leg_curve
 from ..tables import format_table
 from ..training.evaluate_legs import RATES
@@ -17,6 +18,7 @@ from ..training.train_people import PeopleTrainConfig, train_people
 
 PEOPLE_COUNTS = ("buildings", "frames", "test_buildings")
 COUNTS = ("scans", "drives", "test_scans", "test_drives", "trees")
+_MOST, _WHY = 1_000_000, "they are kept in memory"
 EPILOG = """\
 writes into DIR: legs_FOREST.npz (the forest), legs_FOREST.json (its card: data, seeds, figures, limits),
 curve.json and curve.png (share of legs found against false legs a scan)
@@ -94,8 +96,9 @@ def run(options: argparse.Namespace) -> int:
 def _train_people(options: argparse.Namespace) -> int:
     """Train, write the classifier with its card, print how it scores."""
     counts = {name: getattr(options, name) for name in PEOPLE_COUNTS}
-    if min(counts.values()) < 1 or options.buildings < PeopleTrainConfig().folds:
-        raise InputError("--buildings must be at least 5, --frames and --test-... positive")
+    for name, count in counts.items():
+        least = PeopleTrainConfig().folds if name == "buildings" else 1
+        require_count(f"--{name.replace('_', '-')}", count, _MOST, _WHY, least)
     svm, card, scores = train_people(PeopleTrainConfig(**counts), options.seed)
     path = options.out / MODEL.name
     svm.save(path, card)
@@ -109,8 +112,8 @@ def _train_legs(options: argparse.Namespace) -> int:
     if options.forest == "real" and options.data is None:
         raise InputError("--forest real needs --data DIR with the labelled recordings")
     counts = {name: getattr(options, name) for name in COUNTS}
-    if min(counts.values()) < 1:
-        raise InputError("--scans, --drives, --test-... and --trees must be positive")
+    for name, count in counts.items():
+        require_count(f"--{name.replace('_', '-')}", count, _MOST, _WHY)
     config = TrainConfig(**counts)
     train = train_real if options.forest == "real" else train_simulation
     if options.data is None:

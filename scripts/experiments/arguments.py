@@ -4,6 +4,8 @@ import argparse
 import math
 from collections.abc import Callable
 
+from ...slam.errors import InputError, shown
+
 
 def at_least(least: int) -> Callable[[str], int]:
     """Return a `type` of argparse for whole numbers from `least` on."""
@@ -18,6 +20,25 @@ def at_least(least: int) -> Callable[[str], int]:
         return number
 
     return whole
+
+
+def require_count(option: str, value: int, most: int, why: str, least: int = 1) -> None:
+    """Check a number of things that take time or memory each.
+
+    Args:
+        option: Its name, as it stands on the command line.
+        value: What was asked for.
+        most: The largest number that is of use.
+        why: The reason of that bound, as the error says it.
+        least: The smallest.
+
+    Raises:
+        InputError: If it is less or more.
+    """
+    if value < least:
+        raise InputError(f"{option} must be at least {least}, got {value}")
+    if value > most:
+        raise InputError(f"{option} must be at most {most} ({why}), got {shown(value)}")
 
 
 def positive(text: str) -> float:

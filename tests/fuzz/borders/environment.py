@@ -19,6 +19,7 @@ from tagalong.envs.episode_setup import OPTIONS
 from tagalong.envs.follow_config import FollowConfig
 from tagalong.envs.follow_env import FollowEnv
 from tagalong.envs.interface import FollowInterface
+from tagalong.envs.vector_env import FollowVectorEnv
 
 from borders.logs import hostile
 
@@ -139,6 +140,27 @@ def _acted(value: Input, folder: Path) -> Any:
     return env, seen
 
 
+@cache
+def _vector() -> FollowVectorEnv:
+    return FollowVectorEnv(2, workers=1, **CHEAP)
+
+
+def _vector_calls(rng: Generator) -> Input:
+    """Return what is asked of `reset` of two environments at once, and some actions."""
+    seed = [3, [1, 2], hostile_value(rng)][int(rng.integers(3))]
+    mask = [[True, True], [True, False], [0.5], hostile_value(rng)][int(rng.integers(4))]
+    calls = [[_action(rng), _action(rng)] if rng.random() < 0.7 else hostile_value(rng) for _ in range(2)]
+    return {"seed": seed, "options": [["reset_mask", mask]] if rng.random() < 0.5 else [], "calls": calls}
+
+
+def _vector_called(value: Input, folder: Path) -> Any:
+    env = _vector()
+    env.reset(seed=0)
+    results = [env.reset(seed=value["seed"], options=dict(value["options"]))]
+    results += [env.step(actions) for actions in value["calls"]]
+    return [np.asarray(result[1]) for result in results[1:]]
+
+
 def _files(rng: Generator) -> Input:
     """Return a floor plan, or recorded walks, of which something is wrong."""
     if rng.random() < 0.5:
@@ -202,6 +224,10 @@ AREA = Area(
             refusals=_GYMNASIUM,
         ),
         Border(name="environment.actions", make=_actions, call=_acted, sane=sane_episode, ms=12.0),
+        Border(
+            name="environment.vector", make=_vector_calls, call=_vector_called, ms=20.0, refusals=_GYMNASIUM,
+            sane=lambda rewards: finite(rewards, "rewards"),
+        ),
         Border(name="environment.files", make=_files, call=_built, sane=sane_episode, ms=12.0),
         Border(
             name="environment.followers", make=_observed, call=_followed, ms=6.0,

@@ -43,6 +43,33 @@ machine, as the tests may run with the rights to replace it."""
 _NAMES = ("OUT", "IN/fifo", "IN/loop", "IN", "IN/nowhere/x", "OUT/" + "n" * 300)
 
 
+_LONG_WORK: dict[tuple[str, ...], list[str]] = {
+    ("evaluate", "pid", "--out", "OUT"): ["--episodes", "--people", "--beams", "--env", "--suite", "--perception"],
+    ("bench", "--out", "OUT"): ["--steps"],
+    ("demo", "--out", "OUT"): ["--people", "--scene"],
+    ("teleop", "--operator", "model", "--out", "OUT/log.txt"): ["--people", "--env"],
+    ("train", "follower", "--out", "OUT"): ["--workers", "--max-minutes", "--algo", "--preset"],
+    ("train", "legs", "--out", "OUT"): ["--scans", "--drives", "--trees", "--forest"],
+    ("train", "people", "--out", "OUT"): ["--buildings", "--frames"],
+    ("reproduce", "following", "--quick", "--out", "OUT"): ["--jobs", "--backend"],
+    ("results", "--quick", "--out", "OUT"): ["--jobs"],
+}
+"""Commands that work for minutes: they get one option more than they can take, which they have to say at once."""
+_NEVER = ("0", "-1", "nan", "-inf", "1.5.2", "", "x", "9" * 5000, "a" * 5000, "1e", "\x00", "½", "99999999999999999999")
+
+
+def _never_taken(rng: Generator) -> Input:
+    fixed = list(_LONG_WORK)[int(rng.integers(len(_LONG_WORK)))]
+    options = _LONG_WORK[fixed]
+    return [*fixed, options[int(rng.integers(len(options)))], choice(rng, list(_NEVER))]
+
+
+def _refused_at_once(value: Input, folder: Path) -> Any:
+    result = run_words(value, folder)
+    require(False, f"taken: {value}"[:500])
+    return result
+
+
 def words_of(command: str, fixed: list[str]) -> Any:
     """Return a source of command lines: the fixed words, then up to three options with hostile values."""
 
@@ -171,6 +198,7 @@ AREA = Area(
             ms=40.0,
         ),
         Border(name="options.slam_log", make=_log, call=_mapped, sane=_sane_end, ms=25.0),
+        Border(name="options.long_work", make=_never_taken, call=_refused_at_once, ms=15.0),
         Border(
             name="options.localize", make=words_of("localize", ["LOG", "--map", "MAP", "--out", "OUT", "--quiet"]),
             call=_CALL, sane=_sane_end, ms=15.0,
