@@ -109,6 +109,25 @@ def checked_pose(value: ArrayLike, name: str = "odometry", before: Array | None 
     return pose
 
 
+def check_mount(pose: object, name: str = "T_robot_lidar") -> None:
+    """Raise InputError unless a sensor can have that pose (x, y, theta) on a robot [m, m, rad]."""
+    try:
+        x, y, theta = pose  # pyright: ignore[reportGeneralTypeIssues]
+        if abs(x) <= FARTHEST_MOUNT_M and abs(y) <= FARTHEST_MOUNT_M and abs(theta) <= MOST_TURNED:
+            return
+    except (TypeError, ValueError):
+        pass
+    raise InputError(
+        f"`{name}` must be a pose within {FARTHEST_MOUNT_M:g} m and {MOST_TURNED:g} rad, got {shortened(pose)}"
+    )
+
+
+def check_time(time_s: float, name: str = "time_s") -> None:
+    """Raise InputError unless a time [s] is finite and one that clocks show."""
+    if not -LATEST_S <= time_s <= LATEST_S:
+        raise InputError(f"`{name}` must be finite and within {LATEST_S:g} s, got {shortened(time_s)}")
+
+
 _POSE_RULE = f"within {FARTHEST_M:g} m and {MOST_TURNED:g} rad"
 
 

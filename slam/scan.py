@@ -6,16 +6,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from .bounds import (
-    FARTHEST_MOUNT_M,
-    LARGEST_BEARING,
-    LATEST_S,
-    LEAST_SPACING,
-    LONGEST_RANGE_M,
-    MOST_BEAMS,
-    MOST_TURNED,
-    shortened,
-)
+from .bounds import LARGEST_BEARING, LEAST_SPACING, LONGEST_RANGE_M, MOST_BEAMS, check_mount, check_time, shortened
 from .errors import InputError
 from .geometry import transform_points
 from .scan_kernel import fill_beam_points, returns
@@ -62,13 +53,8 @@ class LaserScan:
                 f"need 0 <= `range_min` < `range_max` <= {LONGEST_RANGE_M:g} [m], got {self.range_min} and "
                 f"{self.range_max}"
             )
-        if not -LATEST_S <= self.time_s <= LATEST_S:
-            raise InputError(f"`time_s` must be finite and within {LATEST_S:g} s, got {self.time_s}")
-        if not _is_mount(self.T_robot_lidar):
-            raise InputError(
-                f"`T_robot_lidar` must be a pose within {FARTHEST_MOUNT_M:g} m and {MOST_TURNED:g} rad, got "
-                f"{shortened(self.T_robot_lidar)}"
-            )
+        check_time(self.time_s)
+        check_mount(self.T_robot_lidar)
         if not _ascend(bearings.tobytes()):
             raise InputError(
                 f"`bearings` must be finite and ascending by {LEAST_SPACING:g} rad at least, within "
@@ -124,15 +110,6 @@ class LaserScan:
     def without(self, dropped: NDArray[np.bool_]) -> "LaserScan":
         """Return this scan with the beams where `dropped` (N,) is true turned into "no measurement" (NaN)."""
         return replace(self, ranges=np.where(dropped, np.nan, self.ranges))
-
-
-def _is_mount(pose: tuple[float, float, float]) -> bool:
-    """Return whether a laser can have that pose (x, y, theta) on a robot."""
-    try:
-        x, y, theta = pose
-        return bool(abs(x) <= FARTHEST_MOUNT_M and abs(y) <= FARTHEST_MOUNT_M and abs(theta) <= MOST_TURNED)
-    except (TypeError, ValueError):
-        return False
 
 
 @lru_cache(maxsize=16)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...slam.bounds import check_numbers
+from ...slam.bounds import check_numbers, checked_pose
 from ...slam.errors import InputError
 from ...slam.geometry import compose, inverse, transform_points
 from ...slam.immobile_grid import PoseHistory, moving_lambda, still_lambda
@@ -92,7 +92,7 @@ class ImmobileMapper:
             scan: The scan, people and all.
             people: (N,) or one: how likely each beam met a person, as legs and tracks say, in [0, 1].
         """
-        pose = np.asarray(T_map_robot, dtype=np.float64)
+        pose = checked_pose(T_map_robot, "T_map_robot")
         self._poses.add(scan.time_s, pose)
         T_map_lidar = compose(pose, scan.T_robot_lidar)
         self._note_what_came(T_map_lidar, scan)

@@ -2,14 +2,17 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...slam.bounds import check_numbers
+from ...slam.bounds import FARTHEST_MOUNT_M, Within, check_mount, check_numbers, check_time
 from ...slam.errors import InputError
 
 Array = NDArray[np.float64]
+
+_DEEPEST_M = 1e4  # no camera measures depths so far
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,8 +26,8 @@ class Pinhole:
         vertical_fov: Angle between its upper and lower edge [rad].
     """
 
-    width: int
-    height: int
+    width: Annotated[int, Within(0, 8192)]
+    height: Annotated[int, Within(0, 8192)]
     horizontal_fov: float
     vertical_fov: float
 
@@ -63,7 +66,7 @@ class RgbdFrame:
 
     Attributes:
         depth: (height, width) float32, distance along the camera's axis [m]; NaN where nothing was measured, which is
-            what 0, less than 0 and `inf` become, as cameras write them.
+            what 0, less than 0 and more than a camera can see become: they write 0 or `inf` there.
         colour: (height, width, 3) uint8, red, green, blue.
         camera: The camera's geometry.
         time_s: Time of the exposure [s].
@@ -85,6 +88,10 @@ class RgbdFrame:
                 f"depth and colour of a camera of {size[0]} rows and {size[1]} columns must have shapes {size} and "
                 f"{(*size, 3)}, got {self.depth.shape} and {self.colour.shape}"
             )
-        unmeasured = (self.depth <= 0.0) | (self.depth == np.inf)
+        check_time(self.time_s)
+        check_mount(self.T_robot_camera, "T_robot_camera")
+        if not abs(self.camera_height) <= FARTHEST_MOUNT_M:
+            raise InputError(f"`camera_height` must be within {FARTHEST_MOUNT_M:g} m, got {self.camera_height}")
+        unmeasured = (self.depth <= 0.0) | (self.depth > _DEEPEST_M)
         if unmeasured.any():
             object.__setattr__(self, "depth", np.where(unmeasured, np.float32(np.nan), self.depth))

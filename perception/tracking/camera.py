@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...slam.bounds import check_points, check_time, checked_pose
 from ...slam.geometry import transform_points
 from ...slam.scan import LaserScan
 from ..config import PerceptionConfig
@@ -31,10 +32,14 @@ class SeenPeople:
     positions: Array
     likelihood: Array
 
+    def __post_init__(self) -> None:
+        check_time(self.time_s)
+        check_points(self.positions, "positions")
+
     @classmethod
     def at_exposure(cls, people: RgbdPeople, time_s: float, odometry: ArrayLike) -> "SeenPeople":
         """Return `people` of a frame taken at `time_s` [s] where the odometry said T_odom_robot (3,)."""
-        return cls(time_s, transform_points(np.asarray(odometry), people.positions), people.likelihood)
+        return cls(time_s, transform_points(checked_pose(odometry), people.positions), people.likelihood)
 
 
 class NoLegs:

@@ -6,7 +6,7 @@ import numpy as np
 from filterpy.kalman import KalmanFilter
 from numpy.typing import ArrayLike, NDArray
 
-from ...slam.bounds import check_numbers
+from ...slam.bounds import check_numbers, checked_pose
 from ...slam.errors import InputError
 from ...slam.scan import LaserScan
 from ..config import PerceptionConfig
@@ -100,7 +100,7 @@ class LeaderSelector:
         """
         dt, self._time_s = people.time_s - self._time_s, people.time_s
         before = self._leader
-        if self._choose(people, np.asarray(robot_pose, dtype=np.float64)[:2]) or before is None:
+        if self._choose(people, checked_pose(robot_pose, "robot_pose")[:2]) or before is None:
             return self._leader
         if before.track_id in people.ids:
             self._search = None

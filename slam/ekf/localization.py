@@ -6,7 +6,7 @@ import numpy as np
 from filterpy.kalman import ExtendedKalmanFilter
 from numpy.typing import ArrayLike, NDArray
 
-from ..bounds import check_numbers
+from ..bounds import check_numbers, check_points, checked_pose
 from ..errors import InputError
 from ..geometry import wrap_angle
 from .models import measure, measure_jacobian, unicycle, unicycle_jacobian
@@ -52,8 +52,9 @@ class ObjectLocalizer:
     def __init__(self, objects: ArrayLike, pose: ArrayLike, config: LocalizationConfig | None = None) -> None:
         self.config = config or LocalizationConfig()
         self.objects = np.asarray(objects, dtype=np.float64).reshape(-1, 2)
+        check_points(self.objects, "objects")
         self.filter = ExtendedKalmanFilter(dim_x=3, dim_z=2)
-        self.filter.x = np.array(pose, dtype=np.float64)
+        self.filter.x = checked_pose(pose, "pose")
         self.filter.P = self.config.sigma_start**2 * np.eye(3)
 
     def predict(self, v: float, omega: float, dt: float) -> None:
