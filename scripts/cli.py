@@ -1,7 +1,6 @@
 """The command `tagalong`: finds the sub-command, prints user errors in one line."""
 
 import argparse
-import os
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
@@ -9,9 +8,10 @@ from importlib import import_module
 from typing import NoReturn
 
 from .. import __version__
-from ..slam.errors import InputError, MissingExtraError, WorkerError, one_line, shown
+from ..slam.errors import InputError, WorkerError, one_line, shown
 from ..slam.files import require_writable
 from .interruption import interruptible
+from .last_words import MOST_SAID, exit_status
 from .only_writer import only_writer
 
 # name -> what it does; the code is in commands/NAME.py, imported only when it is used
@@ -29,8 +29,6 @@ COMMANDS: dict[str, str] = {
     "bench": "measure speed",
     "perceive": "find legs and track people in recorded scans (log, ROS bag or .npz)",
 }
-
-_MOST_TOLD = 400  # characters of what argparse says of a word, which it repeats whole
 
 _LARGEST_SEED = 2**32 - 1  # what every generator takes
 
@@ -57,24 +55,18 @@ def told(run: Callable[[], int], *, is_program: bool = True) -> int:
 
 def _told(run: Callable[[], int]) -> int:
     try:
-        return run()
-    except (InputError, MissingExtraError) as error:
-        print(f"tagalong: {error}", file=sys.stderr)
-        return 2
+        return exit_status(run)
     except WorkerError as error:
-        print(f"tagalong: {error}", file=sys.stderr)
+        print(f"tagalong: {one_line(str(error), MOST_SAID)}", file=sys.stderr)
         return 3
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 141
 
 
 class _Parser(argparse.ArgumentParser):
-    """Tells what is wrong with a word in one line, however long the word is; its sub-parsers are of its kind."""
+    """Shows words of thousands of characters in a few."""
 
     def error(self, message: str) -> NoReturn:
-        """Print the usage and the message; exit with 2."""
-        super().error(one_line(message, _MOST_TOLD))
+        """Print the usage and `message`, and exit with status 2."""
+        super().error(one_line(message, MOST_SAID))
 
 
 def _run(words: list[str]) -> int:

@@ -120,6 +120,8 @@ def run_words(value: Input, folder: Path) -> Any:
     require((inputs / "fifo").is_fifo(), "a pipe was replaced by a file")
     lines = [line for line in printed.getvalue().split("\n") if line and not line.startswith(("usage:", "  "))]
     if code == 2:
+        if any("not enough memory" in line for line in lines):
+            raise MemoryError(_one_line(lines))
         raise InputError(_one_line(lines))
     return code, lines
 
