@@ -1,13 +1,15 @@
 """Who drives: followers of a leader, and explorers without one. Importing this needs neither torch nor mujoco."""
 
+import os
 from collections.abc import Callable
-from pathlib import Path
+from functools import partial
 
 from ..envs.interface import FollowInterface
 from ..slam.errors import unknown_name
 from .dwa import DWAConfig, DWAFollower
 from .follower import Follower
 from .learned.follower import LearnedFollower
+from .newcomer import Newcomer
 from .pid import PIDConfig, PIDFollower
 from .pure_pursuit import PurePursuitConfig, PurePursuitFollower
 from .random_walk import RandomWalk, RandomWalkConfig
@@ -54,7 +56,8 @@ def make_follower(name: str, interface: FollowInterface | None = None) -> Follow
     Args:
         name: "pid", "pure_pursuit", "dwa", "learned" (behind a leader); "random", "frontier" (without); your own class,
             as "module:name"; or a folder that `tagalong train follower` wrote.
-        interface: Scales of the environment it will act in, `env.unwrapped.interface`; the defaults if None.
+        interface: Scales of the environment it will act in, `env.unwrapped.interface`; None: it learns them
+            there (but a class of your own is told the defaults).
 
     Raises:
         InputError: If the name is unknown, or "frontier" finds no map.
@@ -62,8 +65,9 @@ def make_follower(name: str, interface: FollowInterface | None = None) -> Follow
     if ":" in name:
         return load_follower(name, interface or FollowInterface())
     everybody = {**FOLLOWERS, **EXPLORERS}
-    if name not in everybody and Path(name).is_dir():
-        return LearnedFollower(interface, name)
-    if name not in everybody:
+    make = everybody.get(name)
+    if make is None and os.path.isdir(name):
+        make = partial(LearnedFollower, policy=name)
+    if make is None:
         raise unknown_name("follower", name, tuple(everybody))
-    return everybody[name](interface or FollowInterface())
+    return Newcomer(make) if interface is None else make(interface)

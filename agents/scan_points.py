@@ -31,10 +31,25 @@ class ScanPoints:
 
     def near(self, observation: Observation, within: float) -> Array:
         """Return (n, 2) returns in the robot frame that lie nearer to the laser than `within` [m]."""
-        scan = observation["scan"][self._beams]
+        scan = scan_of(observation, len(self._interface.bearings))[self._beams]
         ranges = scan.astype(np.float64) * self._interface.range_max
         near = (ranges < within) & (scan < 1.0)
         return self._origin + ranges[near, None] * self._directions[near]
+
+
+def scan_of(observation: Observation, beams: int) -> NDArray[np.float32]:
+    """Return observation `scan`.
+
+    Raises:
+        InputError: If it has not as many beams as the follower was told.
+    """
+    scan = observation["scan"]
+    if len(scan) != beams:
+        raise InputError(
+            f"the scan has {len(scan)} beams, this follower was made for {beams}: make it with the interface of its "
+            "environment, `env.unwrapped.interface`"
+        )
+    return scan
 
 
 def without(points: Array, places: Array, radius: float) -> Array:

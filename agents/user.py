@@ -8,7 +8,7 @@ from inspect import signature
 from typing import Any
 
 from ..envs.interface import FollowInterface
-from ..slam.errors import InputError
+from ..slam.errors import InputError, one_line, shown
 from .follower import Follower
 
 
@@ -29,10 +29,12 @@ def load_follower(path: str, interface: FollowInterface) -> Follower:
         if module_name.startswith("."):
             raise ValueError("a module's name does not begin with a dot")
         make = getattr(import_module(module_name), name)
-    except (ImportError, AttributeError, ValueError, SyntaxError) as error:
-        raise InputError(f"a follower of your own is named as module:class, got {path!r} ({error})") from error
+    except (ImportError, AttributeError, ValueError, SyntaxError, OSError) as error:
+        told = one_line(str(error), 200)
+        raise InputError(f"a follower of your own is named as module:class, got {shown(path)} ({told})") from error
     if not callable(make):
-        raise InputError(f"a follower of your own is a class or a function that makes one, got {path!r}: {make!r}")
+        what = f"{shown(path)}: {shown(make)}"
+        raise InputError(f"a follower of your own is a class or a function that makes one, got {what}")
     follower = _made(make, path, interface)
     if not (callable(getattr(follower, "reset", None)) and callable(getattr(follower, "act", None))):
         raise InputError(f"a follower has `reset()` and `act(observation)`; {path} has not")

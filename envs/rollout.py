@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import gymnasium as gym
 import numpy as np
@@ -13,6 +13,7 @@ from ..slam.errors import InputError
 from .follow_config import FollowConfig
 from .follow_env import FollowEnv
 from .history import History
+from .interface import FollowInterface
 from .metrics import episode_metrics
 from .recorder import Recorder
 
@@ -26,6 +27,15 @@ class Acting(Protocol):
 
     def act(self, observation: Any) -> NDArray[np.float32]:
         """Return the action for one observation."""
+        ...
+
+
+@runtime_checkable
+class Learning(Protocol):
+    """Who acts, and takes what it has to know about the environment from it."""
+
+    def learn_interface(self, interface: FollowInterface) -> None:
+        """Take the scales of the environment."""
         ...
 
 
@@ -72,7 +82,7 @@ def rollout(
 
     Args:
         env: A `FollowEnv`, wrapped or not; wrappers see every step.
-        follower: Acts; it is reset first.
+        follower: Acts; it is reset first, and told `env.unwrapped.interface` if it has `learn_interface(interface)`.
         seed: Seed of the episode; None continues the environment's generator.
         steps: Most steps, at least 1; None runs until the episode ends.
         options: Options of `reset`.
@@ -87,6 +97,8 @@ def rollout(
     if steps is not None and steps < 1:
         raise InputError(f"`steps` must be at least 1, got {steps}")
     observation, _ = env.reset(seed=seed, options=options)
+    if isinstance(follower, Learning):
+        follower.learn_interface(inner.interface)
     follower.reset()
     recorder, done, info, taken = Recorder(inner), False, {"ending": ""}, 0
     notify = after_step or (lambda _: None)

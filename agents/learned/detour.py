@@ -15,11 +15,13 @@ from numpy.typing import NDArray
 from ...slam.errors import InputError
 from ..memory import Goal, Mode
 from .guard import GuardConfig, box_gaps
-from .manoeuvres import SPACING_M, drive_in_thought, resampled, thinned, turned_away
+from .manoeuvres import LONGEST_S, SPACING_M, drive_in_thought, resampled, thinned, turned_away
 from .steering import State, SteeringConfig
 
 Array = NDArray[np.float64]
 _REACH_M = 2.5
+_MOST_PLANS = 3000
+"""Manoeuvres that are tried in a step: about three times as many as by default."""
 _BRAKING_M = 0.02
 """Who is to stop going back comes a little farther than it is now [m]; that forbids no manoeuvre."""
 
@@ -70,6 +72,12 @@ class DetourConfig:
     def __post_init__(self) -> None:
         if not (self.held_s > 0.0 and self.horizon_s > max(self.first_s)):
             raise InputError("a detour needs `held_s` > 0 and a horizon beyond the first part")
+        plans = len(self.first_speeds) * len(self.then_speeds) * len(self.turns) ** 2 * len(self.first_s)
+        if plans > _MOST_PLANS or self.horizon_s > LONGEST_S:
+            raise InputError(
+                f"a detour drives at most {_MOST_PLANS} manoeuvres of {LONGEST_S:g} s in thought, or a step takes "
+                f"seconds; got {plans} of {self.horizon_s} s"
+            )
 
 
 class Detour:

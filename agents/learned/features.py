@@ -10,7 +10,7 @@ from ...envs.interface import FollowInterface
 from ...slam.errors import InputError
 from ..follower import Observation
 from ..memory import Goal, LeaderMemory, MemoryConfig, Mode
-from ..scan_points import own_velocity
+from ..scan_points import own_velocity, scan_of
 from .steering import State
 from .trail import Trail
 
@@ -47,6 +47,11 @@ class FeatureConfig:
             raise InputError(
                 "features need at least 8 `sectors`, one of `people` and no negative `map_cells`, got "
                 f"{self.sectors}, {self.people}, {self.map_cells}"
+            )
+        if not min(self.scan_range, self.scan_decay, self.people_range) > 0.0:
+            raise InputError(
+                "features need `scan_range`, `scan_decay` and `people_range` > 0 [m], got "
+                f"{self.scan_range}, {self.scan_decay}, {self.people_range}"
             )
         if not 0.0 < self.field_of_view <= 2.0 * math.pi:
             raise InputError(f"`field_of_view` must be in (0, 2 pi] [rad], got {self.field_of_view}")
@@ -86,6 +91,7 @@ class Features:
         self._step_s = 1.0 / interface.control_hz
         self._range_max = interface.range_max
         self._starts = _sector_starts(interface.bearings, config.sectors)
+        self._beams = len(interface.bearings)
         self._ways = np.array(WAYS_M)
         self.reset()
 
@@ -135,7 +141,7 @@ class Features:
         trail = np.clip(self._trail.ahead(self._ways) / 2.0, -3.0, 3.0).ravel()
         own = (velocity[0], velocity[2], *commanded)
         vector = np.concatenate((told, trail, self._people(observation["people"]), own)).astype(np.float32)
-        inputs = {"scan": self._scan(observation["scan"]), "vector": vector}
+        inputs = {"scan": self._scan(scan_of(observation, self._beams)), "vector": vector}
         if self.config.map_cells:
             inputs["map"] = self._map(observation)
         return inputs

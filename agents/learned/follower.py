@@ -1,26 +1,21 @@
 """A follower that was learned: a shipped policy, or one from a folder that `tagalong train follower` wrote."""
 
-import json
+import os
 from pathlib import Path
-from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...envs.interface import FollowInterface
 from ...slam.errors import InputError
-from ...slam.files import read_arrays
+from ...slam.files import read_arrays, read_json
+from ...slam.input_file import named
 from ..follower import Observation
-from .detour import DetourConfig
-from .features import FeatureConfig
-from .guard import GuardConfig
-from .keep_up import KeepUpConfig
-from .network import Network, check_arrays
+from .network import Network
+from .network_shapes import check_arrays
 from .pilot import Pilot, PilotConfig
-from .steering import SteeringConfig
-from .swerve import SwerveConfig
+from .policy_card import pilot_config
 
-Part = TypeVar("Part", GuardConfig, KeepUpConfig, DetourConfig, SwerveConfig)
 SHIPPED = Path(__file__).parents[1] / "models"
 """Where the shipped policies are."""
 
@@ -60,38 +55,19 @@ def load_policy(policy: str | Path) -> tuple[dict[str, NDArray[np.float32]], Pil
     Raises:
         InputError: If a file is missing or does not fit.
     """
-    folder = Path(policy)
-    weights, card = folder / "policy.npz", folder / "policy.json"
-    if not folder.is_dir():
-        weights, card = SHIPPED / f"{policy}.npz", SHIPPED / f"{policy}.json"
-    if not (weights.is_file() and card.is_file()):
+    stem = Path(policy) / "policy" if os.path.isdir(policy) else SHIPPED / policy
+    weights, card = (f"{os.fspath(stem)}{suffix}" for suffix in (".npz", ".json"))
+    if not (os.path.isfile(weights) and os.path.isfile(card)):
         shipped = ", ".join(sorted(path.stem for path in SHIPPED.glob("*.npz")))
         raise InputError(
-            f"a policy is a shipped one ({shipped}) or a folder with policy.npz, policy.json; got {policy}"
+            f"a policy is a shipped one ({shipped}) or a folder with policy.npz, policy.json; got {named(policy)}"
         )
-    arrays = read_arrays(weights)
+    content, arrays = read_json(card), read_arrays(weights)
     try:
-        check_arrays(arrays)
-        return arrays, pilot_config(json.loads(card.read_text(encoding="utf-8"))["pilot"])
-    except (ValueError, KeyError, TypeError) as error:
-        raise InputError(f"the policy {weights} does not fit this program: {error}") from error
-
-
-def pilot_config(fields: dict[str, Any]) -> PilotConfig:
-    """Return the configuration that `dataclasses.asdict` made `fields` of."""
-    return PilotConfig(
-        features=FeatureConfig(**fields["features"]),
-        steering=SteeringConfig(**fields["steering"]),
-        guard=_part(GuardConfig, fields["guard"]),
-        keep_up=_part(KeepUpConfig, fields.get("keep_up")),
-        detour=_part(DetourConfig, fields.get("detour")),
-        swerve=_part(SwerveConfig, fields.get("swerve")),
-    )
-
-
-def _part(kind: type[Part], fields: dict[str, Any] | None) -> Part | None:
-    return None if fields is None else kind(**_with_tuples(fields))
-
-
-def _with_tuples(fields: dict[str, Any]) -> dict[str, Any]:
-    return {name: tuple(value) if isinstance(value, list) else value for name, value in fields.items()}
+        if not isinstance(content, dict) or "pilot" not in content:
+            raise ValueError("`pilot` is missing in its card")
+        config = pilot_config(content["pilot"])
+        check_arrays(arrays, config.features.shapes)
+    except ValueError as error:
+        raise InputError(f"the policy {named(weights)} does not fit this program: {error}") from error
+    return arrays, config

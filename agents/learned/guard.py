@@ -20,6 +20,11 @@ from .steering import State, SteeringConfig, steer_many
 
 Array = NDArray[np.float64]
 
+_MOST_STEPS = 100
+"""Of braking: a robot that does not stand after 10 s has no brakes."""
+_MOST_S = 10.0
+"""For which returns are remembered: more of them than of 100 scans cannot be looked at in a step."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class GuardConfig:
@@ -48,8 +53,12 @@ class GuardConfig:
     remembered_s: float = 3.0
 
     def __post_init__(self) -> None:
-        if not (self.margin >= 0.0 and self.reach > 0.0 and self.brake_steps >= 1):
-            raise InputError("a guard needs margin >= 0, reach > 0 and at least one step of braking")
+        if not (self.margin >= 0.0 and self.reach > 0.0 and 1 <= self.brake_steps <= _MOST_STEPS):
+            raise InputError(f"a guard needs margin >= 0, reach > 0 and 1 to {_MOST_STEPS} steps of braking")
+        if not (self.half_length > 0.0 and self.half_width > 0.0):
+            raise InputError(f"a guard needs a box, got half of it as {self.half_length} x {self.half_width} m")
+        if not (0.0 <= self.kept_s <= _MOST_S and 0.0 <= self.remembered_s <= _MOST_S):
+            raise InputError(f"a guard remembers for 0 to {_MOST_S:g} s, got {self.kept_s} and {self.remembered_s}")
 
 
 _SPEEDS = (1.0, 0.7, 0.45, 0.2, 0.0)

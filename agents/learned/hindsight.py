@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...envs.interface import FollowInterface
 from ..follower import Observation
-from ..scan_points import MOST_BEAMS, own_velocity
+from ..scan_points import MOST_BEAMS, own_velocity, scan_of
 
 Array = NDArray[np.float64]
 
@@ -34,6 +34,7 @@ class Hindsight:
 
     def __init__(self, half_length: float, half_width: float, interface: FollowInterface) -> None:
         self._half, self._scale = np.array((half_length, half_width)), interface.range_max
+        self._count = len(interface.bearings)
         self._beams = slice(None, None, max(1, len(interface.bearings) // MOST_BEAMS))
         bearings = interface.bearings[self._beams]
         self._first, self._width = bearings[0], bearings[-1] - bearings[0]
@@ -41,8 +42,9 @@ class Hindsight:
         self._starts = np.floor(np.arange(self._sectors) * len(bearings) / self._sectors).astype(np.intp)
         self._mount, self._step_s = interface.T_robot_lidar, 1.0 / interface.control_hz
         rows = half_length + _ROW_M * np.arange(1, round(FARTHEST_M / _ROW_M) + 1)
-        columns = np.linspace(-half_width, half_width, 7)
-        self._probes = np.stack(np.meshgrid(-rows, columns, indexing="ij"), axis=-1)
+        columns: Array = np.linspace(-half_width, half_width, 7)
+        probes = np.column_stack((np.repeat(-rows, len(columns)), np.tile(columns, len(rows))))
+        self._rows, self._probes = len(rows), probes.astype(np.float64)
         self.reset()
 
     def reset(self) -> None:
@@ -54,7 +56,7 @@ class Hindsight:
     def look(self, observation: Observation) -> None:
         """Take the view of an observation; once a step."""
         self._carry_along(own_velocity(observation))
-        scan = observation["scan"][self._beams].astype(np.float64)
+        scan = scan_of(observation, self._count)[self._beams].astype(np.float64)
         view = np.minimum.reduceat(np.where(scan < 1.0, scan * self._scale, np.inf), self._starts)
         apart = np.abs(self._poses[-2:-1])
         if len(apart) and np.hypot(apart[0, 0], apart[0, 1]) < _APART_M and apart[0, 2] < _APART_RAD:
@@ -69,8 +71,7 @@ class Hindsight:
     def room(self) -> float:
         """Return how far straight back every place under the robot would be known to be free, at most 1 m [m]."""
         if self._room is None:
-            rows = self._probes.shape[0]
-            known = self._free(self._probes.reshape(-1, 2)).reshape(rows, -1).all(axis=1)
+            known = self._free(self._probes).reshape(self._rows, -1).all(axis=1)
             self._room = _ROW_M * float(np.argmin(np.append(known, False)))
         return self._room
 

@@ -10,6 +10,8 @@ from .steering import State, SteeringConfig, steer_many
 
 Array = NDArray[np.float64]
 
+LONGEST_S = 5.0
+"""Of a manoeuvre [s]: what is farther ahead than the laser sees things has no use, and takes time."""
 SPACING_M = 0.1
 """Of the points of a path [m]."""
 _LONGEST_M = 2.5

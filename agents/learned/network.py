@@ -32,23 +32,6 @@ CLIP = 6.0
 """Normalised inputs are cut to this many deviations."""
 
 
-_ALWAYS = ("scan.mean", "scan.deviation", "vector.mean", "vector.deviation", "output.weight", "output.bias", "squash")
-
-
-def check_arrays(arrays: Mapping[str, NDArray[np.floating]]) -> None:
-    """Refuse what is no network: one of the arrays that each has is missing, or a number is not finite.
-
-    Raises:
-        ValueError: Naming the array.
-    """
-    for name in _ALWAYS:
-        if name not in arrays:
-            raise ValueError(f"array {name} is missing")
-    for name, array in arrays.items():
-        if not (np.issubdtype(array.dtype, np.number) and np.isfinite(array).all()):
-            raise ValueError(f"array {name} has values that are not finite numbers")
-
-
 class Network:
     """Inputs to outputs; keeps the state of its LSTM, if it has one.
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ...slam.errors import InputError
 from ..memory import Goal, Mode
 from .guard import GuardConfig
-from .manoeuvres import Driven, drive_in_thought, resampled, thinned, turned_away
+from .manoeuvres import LONGEST_S, Driven, drive_in_thought, resampled, thinned, turned_away
 from .steering import State, SteeringConfig
 
 Array = NDArray[np.float64]
@@ -57,8 +57,9 @@ class SwerveConfig:
     blocked: float = 2.0
 
     def __post_init__(self) -> None:
-        if not (self.ahead_s > 0.0 and self.clear > 0.0):
-            raise InputError(f"swerving needs `ahead_s` > 0 and `clear` > 0, got {self.ahead_s}, {self.clear}")
+        if not (0.0 < self.ahead_s <= LONGEST_S and self.clear > 0.0):
+            needs = f"`ahead_s` > 0, at most {LONGEST_S:g} s, and `clear` > 0"
+            raise InputError(f"swerving needs {needs}, got {self.ahead_s}, {self.clear}")
 
 
 class Swerve:
