@@ -4,13 +4,18 @@ BIN := .venv/bin
 STAMP := .venv/.installed
 LEARN := .venv/.installed-learn
 
-.PHONY: demo test check bench clean
+.PHONY: demo test check bench kill-tests clean
 
 demo: $(STAMP)
 	$(BIN)/tagalong demo --out out/demo
 
 test: $(LEARN)
 	$(BIN)/python -m pytest -q -n 2 --dist worksteal
+
+# every command that writes, killed twenty times: about an hour
+kill-tests: $(LEARN)
+	$(BIN)/python tests/kill_all.py
+	$(BIN)/python tests/kill_all.py --hazards
 
 check: $(LEARN)
 	$(BIN)/ruff check .
