@@ -8,13 +8,18 @@ LEARN := .venv/.installed-learn
 MINUTES ?= 2
 SEED ?= 1
 
-.PHONY: demo test check bench fuzz clean
+.PHONY: demo test check bench fuzz kill-tests clean
 
 demo: $(STAMP)
 	$(BIN)/tagalong demo --out out/demo
 
 test: $(LEARN)
 	$(BIN)/python -m pytest -q -n 2 --dist worksteal
+
+# every command that writes, killed twenty times: about an hour
+kill-tests: $(LEARN)
+	$(BIN)/python tests/kill_all.py
+	$(BIN)/python tests/kill_all.py --hazards
 
 check: $(LEARN)
 	$(BIN)/ruff check .

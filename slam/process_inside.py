@@ -23,7 +23,7 @@ _PR_SET_PDEATHSIG = 1
 
 def serve(
     pipe: Connection,
-    beats: Any,
+    beats: Connection,
     lasting: bool,
     make: Callable[..., Callable[[Any], Any]],
     arguments: tuple[Any, ...],
@@ -32,7 +32,7 @@ def serve(
 
     Args:
         pipe: Gives (number, question), takes (number, result, error).
-        beats: A number in shared memory, which signs of life count up.
+        beats: Takes signs of life.
         lasting: The thread that started this process lives as long as the parent.
         make: Returns what answers a question.
         arguments: Its arguments.
@@ -89,10 +89,13 @@ def _take_signals() -> None:
         signal.pthread_sigmask(signal.SIG_UNBLOCK, HELD)
 
 
-def _live(beats: Any) -> None:
+def _live(beats: Connection) -> None:
     """Give signs of life until the parent is gone; then end this process, whatever it does."""
     parent, home = mp.parent_process(), os.getppid()
     assert parent is not None
+    if sys.platform != "win32":
+        os.set_blocking(beats.fileno(), False)  # of a parent that has not listened for hours, the rest is lost
     while os.getppid() == home and not wait([parent.sentinel], BEAT_S):
-        beats.value += 1
+        with suppress(OSError):
+            beats.send_bytes(b".")
     os._exit(1)

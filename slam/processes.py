@@ -13,7 +13,7 @@ import struct
 import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from multiprocessing import forkserver, resource_tracker
 from multiprocessing.connection import Connection
 from multiprocessing.util import Finalize
@@ -58,17 +58,18 @@ class Worker:
         self.name, self._silent_s = name, silent_s
         self.pipe, theirs = start.Pipe()
         _bound_waits(self.pipe, silent_s)
-        _ENDS.add(self.pipe)
-        self._beats = start.RawValue("Q")
-        self._asked, self._missed, self._last = 0, 0, 0
+        self._beats, their_beats = start.Pipe(duplex=False)
+        _ENDS.update((self.pipe, self._beats))
+        self._asked, self._missed = 0, 0
         method = start.get_start_method()
         lasting = method == "forkserver" or threading.current_thread() is threading.main_thread()
-        given = (theirs, self._beats, lasting, make, arguments)
+        given = (theirs, their_beats, lasting, make, arguments)
         self.process = start.Process(target=_inside, args=given, name=name, daemon=True)
         with _interrupts_held(method):
             self.process.start()
         theirs.close()
-        self._end = Finalize(self, _end, args=([self.process], [self.pipe]), exitpriority=1)
+        their_beats.close()
+        self._end = Finalize(self, _end, args=([self.process], [self.pipe, self._beats]), exitpriority=1)
 
     def ask(self, task: Any) -> None:
         """Send a question.
@@ -76,7 +77,7 @@ class Worker:
         Raises:
             WorkerError: If the process is gone, or takes nothing for `silent_s`.
         """
-        self._asked, self._missed, self._last = self._asked + 1, 0, self._beats.value
+        self._asked, self._missed = self._asked + 1, 0
         try:
             self.pipe.send((self._asked, task))
         except OSError:
@@ -104,9 +105,11 @@ class Worker:
         Raises:
             WorkerError: If there was no sign of life in `silent_s` of them.
         """
-        beats = self._beats.value
-        self._missed = 0 if beats != self._last else self._missed + 1
-        self._last = beats
+        self._missed += 1
+        with suppress(EOFError, OSError):  # it has ended: its pipe tells that, too
+            while self._beats.poll(0):
+                self._beats.recv_bytes()
+                self._missed = 0
         if self._missed * BEAT_S >= self._silent_s:
             raise self._lost()
 
@@ -138,7 +141,8 @@ def end_all(workers: Sequence[Worker], *, at_once: bool = False) -> None:
     """
     for worker in workers:
         worker._end.cancel()
-    _end([worker.process for worker in workers], [worker.pipe for worker in workers], at_once=at_once)
+    pipes = [pipe for worker in workers for pipe in (worker.pipe, worker._beats)]
+    _end([worker.process for worker in workers], pipes, at_once=at_once)
 
 
 def _inside(*given: Any) -> None:

@@ -6,11 +6,16 @@ folder; then it runs to its end, and its files are compared with those of a run 
 
 import argparse
 import random
+import resource
 import shutil
 import signal
+import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
+from contextlib import redirect_stdout
+from functools import partial
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent / "helpers"))
@@ -29,12 +34,15 @@ def main() -> int:
     parser.add_argument("--kills", type=int, default=20, help="of each command (default: %(default)s)")
     parser.add_argument("--only", nargs="+", choices=kill_plans.PLANS, metavar="NAME", help="these commands")
     parser.add_argument("--seed", type=int, default=0, help="of the moments (default: %(default)s)")
+    parser.add_argument("--hazards", action="store_true", help="full disks and such instead of kills")
     options = parser.parse_args()
-    print(f"{'command':26s}" + "  ".join(COLUMNS), flush=True)
+    if not options.hazards:
+        print(f"{'command':26s}" + "  ".join(COLUMNS), flush=True)
     failed = False
     with tempfile.TemporaryDirectory() as scratch:
-        kill_plans.prepare(Path(scratch) / "in")
-        for name in options.only or kill_plans.PLANS:
+        with redirect_stdout(sys.stderr):
+            kill_plans.prepare(Path(scratch) / "in")
+        for name in options.only or kill_plans.PLANS if not options.hazards else ():
             draw = random.Random(f"{options.seed} {name}")
             seen, equal = killed(kill_plans.PLANS[name], Path(scratch), options.kills, draw)
             cells = (seen.kills, seen.late, seen.orphans, len(seen.broken), len(seen.leftovers), len(seen.said), equal)
@@ -44,12 +52,47 @@ def main() -> int:
                 print(f"    {fault}", flush=True)
             done, tries = (int(word) for word in equal.split("/")) if "/" in equal else (0, 0)
             failed |= bool(seen.faults) or done != tries
+        for name in options.only or kill_plans.PLANS if options.hazards else ():
+            for hazard, faults in hazards(kill_plans.PLANS[name], Path(scratch)):
+                print(f"{name:26s}{hazard:20s}{'; '.join(faults) or 'as promised'}", flush=True)
+                failed |= bool(faults)
     return int(failed)
+
+
+def hazards(plan: kill_plans.Plan, scratch: Path) -> Iterator[tuple[str, list[str]]]:
+    """Yield what went wrong on a disk that is full, where a file stands in the way, and in a folder that vanishes."""
+    words = placed(plan, scratch)
+    full = {"preexec_fn": partial(resource.setrlimit, resource.RLIMIT_FSIZE, (200, 200))}
+    yield "full disk", told(start(words, fresh(scratch / "full"), **full), {2}, scratch / "full")
+    folder = fresh(scratch / "file")
+    (folder / "out").write_text("in the way")
+    yield "file in the way", told(start(words, folder), {2}, folder)
+    folder = fresh(scratch / "gone")
+    process = start(words, folder)
+    while process.poll() is None and not (folder / "out").exists():
+        time.sleep(0.05)
+    time.sleep(0.5)
+    shutil.rmtree(folder / "out", ignore_errors=True)
+    yield "folder deleted", told(process, {0, 1, 2}, folder)
+
+
+def told(process: subprocess.Popen[str], promised: set[int], folder: Path) -> list[str]:
+    """Return what is not as promised: status, one line, no temporary files."""
+    _, said = process.communicate(timeout=1800)
+    faults = [f"exit status {process.returncode}: {said[-300:]!r}"] if process.returncode not in promised else []
+    if "Traceback" in said or said.count("tagalong: ") != (process.returncode == 2):
+        faults.append(f"words: {said[-1500:]!r}")
+    return faults + [f"left {path.name}" for path in folder.rglob(".*") if path.is_file()]
+
+
+def placed(plan: kill_plans.Plan, scratch: Path) -> list[str]:
+    """Return a plan's words with the folder of what they read."""
+    return [word.replace("IN", str(scratch / "in"), 1) if word.startswith("IN/") else word for word in plan.words]
 
 
 def killed(plan: kill_plans.Plan, scratch: Path, kills: int, draw: random.Random) -> tuple[Killed, str]:
     """Return what was seen of `kills` kills, and how many of the runs that followed were equal."""
-    words = [word.replace("IN", str(scratch / "in"), 1) if word.startswith("IN/") else word for word in plan.words]
+    words = placed(plan, scratch)
     seen, equal, tries, within_s, wanted = Killed(), 0, 0, plan.within_s or 0.0, {}
     if plan.compared:
         began = time.monotonic()

@@ -12,7 +12,6 @@ import time
 import zipfile
 from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -58,8 +57,14 @@ class Killed:
         return orphans + self.broken + self.leftovers + self.said
 
 
-def start(words: list[str], folder: Path, **more) -> subprocess.Popen[str]:
+def start(words: list[str], folder: Path, preexec_fn=None) -> subprocess.Popen[str]:
     """Start `python WORDS` in a session of its own, in `folder`."""
+
+    def begin():
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # a background shell has it ignored
+        if preexec_fn is not None:
+            preexec_fn()
+
     return subprocess.Popen(
         [sys.executable, *words],
         cwd=folder,
@@ -67,8 +72,7 @@ def start(words: list[str], folder: Path, **more) -> subprocess.Popen[str]:
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
-        preexec_fn=partial(signal.signal, signal.SIGINT, signal.SIG_DFL),  # a background shell has it ignored
-        **more,
+        preexec_fn=begin,
     )
 
 
