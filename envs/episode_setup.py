@@ -1,6 +1,7 @@
 """From a configuration and reset options to a world and a mind."""
 
 from collections.abc import Mapping
+from numbers import Integral
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,7 @@ from ..perception.tracking.leader import LeaderSelector
 from ..perception.tracking.leader_body import BodyLeaderSelector
 from ..perception.tracking.tracker import PeopleTracker
 from ..slam.ekf.engine import EkfSlam
-from ..slam.errors import InputError, unknown_name
+from ..slam.errors import InputError, shown, unknown_name
 from ..slam.gmapping.engine import GMapping
 from ..slam.graph.engine import Cartographer
 from .camera.config import RgbdConfig
@@ -48,9 +49,24 @@ def check_options(options: Mapping[str, Any] | None) -> None:
     Raises:
         InputError: Naming the option and those that exist.
     """
+    if options is not None and not isinstance(options, Mapping):
+        raise InputError(f"reset options are a table of names and values, got {shown(options)}")
     for name in options or ():
         if name not in OPTIONS:
             raise unknown_name("reset option", name, OPTIONS)
+
+
+def checked_seed(seed: int | None) -> int | None:
+    """Return a seed as Gymnasium takes it.
+
+    Raises:
+        InputError: If it is no whole number from 0 to 2^64 - 1: larger ones tell nothing more apart.
+    """
+    if seed is None:
+        return None
+    if not isinstance(seed, Integral) or isinstance(seed, bool) or not 0 <= seed < 2**64:
+        raise InputError(f"`seed` must be a whole number within 0 .. 2^64 - 1, got {shown(seed)}")
+    return int(seed)
 
 
 def world_config(config: FollowConfig, options: Mapping[str, Any] | None) -> WorldConfig:
@@ -60,11 +76,6 @@ def world_config(config: FollowConfig, options: Mapping[str, Any] | None) -> Wor
         InputError: If a value is out of its range.
     """
     robot = RobotConfig(drive=config.drive)
-    if config.top_turn_rate > robot.max_turn_rate:
-        limit = f"{robot.max_turn_rate} rad/s, the robot's limit"
-        raise InputError(f"`top_turn_rate` must be at most {limit}, got {config.top_turn_rate}")
-    if config.leader and (options or {}).get("people") == 0:
-        raise InputError("option `people` counts the leader: with one it must be at least 1, got 0")
     fields: dict[str, Any] = {
         "scene": config.scene,
         "split": config.split,
@@ -76,13 +87,16 @@ def world_config(config: FollowConfig, options: Mapping[str, Any] | None) -> Wor
         "leader_style": config.leader_style,
         "odometry": config.odometry,
     }
-    return WorldConfig(
+    made = WorldConfig(
         **{**fields, **(options or {})},
         lidar=lidar_config(config),
         camera=camera_config(config),
         robot=robot,
         control_hz=config.control_hz,
     )
+    if config.leader and made.people == 0:
+        raise InputError("option `people` counts the leader: with one it must be at least 1, got 0")
+    return made
 
 
 def lidar_config(config: FollowConfig) -> LidarConfig:

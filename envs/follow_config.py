@@ -1,29 +1,21 @@
 """The configuration of a follow environment."""
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+import os
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, fields
-from numbers import Integral, Real
-from typing import Any
+from typing import Annotated, Any
 
-import numpy as np
-
-from ..slam.errors import InputError, unknown_name
+from ..slam.bounds import Cell, Within
+from ..slam.errors import InputError, shown, unknown_name
+from .field_checks import PIXELS, Beams, MapCells, Opening, Patience, People, Rate, Slots, check_fields
+from .lidar import LaserRange
 
 PEOPLE_SOURCES = ("tracker", "camera", "truth")
 SENSORS = ("lidar", "rgbd")
 MAPPINGS = ("occupancy", "immobile")
+_MOST_NAMES = 100  # there are two; who names one twice is forgiven
 SLAM_SOURCES = ("gmapping", "cartographer", "ekf", "truth", None)
-_POSITIVE = (
-    "field_of_view",
-    "laser_range",
-    "lidar_hz",
-    "camera_hz",
-    "control_hz",
-    "map_resolution",
-    "lost_limit_s",
-    "top_turn_rate",
-)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,35 +61,38 @@ class FollowConfig:
 
     scene: str = "corridor"
     split: str = "train"
-    floor_plan: str | None = None
-    walking_paths: str | None = None
+    floor_plan: str | os.PathLike[str] | None = None
+    walking_paths: str | os.PathLike[str] | None = None
     people: str = "tracker"
     slam: str | None = "gmapping"
     mapping: str = "occupancy"
     leader: bool = True
-    people_count: int | None = 2
-    standing: int = 0
+    people_count: People | None = 2
+    standing: People = 0
     leader_style: str | None = None
     odometry: str = "typical"
     drive: str = "differential"
-    top_turn_rate: float = 2.0
-    beams: int = 1081
-    field_of_view: float = math.radians(270.0)
-    laser_range: float = 30.0
-    lidar_hz: float = 10.0
+    top_turn_rate: Annotated[float, Within(1e-3, 4.0)] = 2.0
+    beams: Beams = 1081
+    field_of_view: Opening = 1.5 * math.pi
+    laser_range: LaserRange = 30.0
+    lidar_hz: Rate = 10.0
     sensors: Collection[str] = ("lidar",)
-    camera_pixels: tuple[int, int] = (128, 106)
-    camera_hz: float = 10.0
-    control_hz: float = 10.0
-    people_slots: int = 6
-    map_cells: int = 64
-    map_resolution: float = 0.1
-    lost_limit_s: float = 20.0
+    camera_pixels: Annotated[tuple[int, int], PIXELS] = (128, 106)
+    camera_hz: Rate = 10.0
+    control_hz: Rate = 10.0
+    people_slots: Slots = 6
+    map_cells: MapCells = 64
+    map_resolution: Cell = 0.1
+    lost_limit_s: Patience = 20.0
     coverage: bool = False
-    coverage_goal: float = 0.99
+    coverage_goal: Annotated[float, Within(1e-6, 1.0)] = 0.99
     ends_on_contact: bool = True
 
     def __post_init__(self) -> None:
+        if isinstance(self.people, int):
+            raise InputError(f"`people` says how people are perceived, got {shown(self.people)}; see `people_count`")
+        check_fields(self)
         if self.people not in PEOPLE_SOURCES:
             raise InputError(
                 f"`people` says how people are perceived, one of {', '.join(PEOPLE_SOURCES)}; got {self.people!r} "
@@ -109,8 +104,7 @@ class FollowConfig:
             raise unknown_name("mapping", self.mapping, MAPPINGS)
         if self.mapping == "immobile" and self.slam is None:
             raise InputError('`mapping="immobile"` needs poses: choose a `slam` other than None')
-        sensors = (self.sensors,) if isinstance(self.sensors, str) else self.sensors
-        object.__setattr__(self, "sensors", tuple(sorted(set(sensors))))
+        object.__setattr__(self, "sensors", _names(self.sensors))
         for name in self.sensors:
             if name not in SENSORS:
                 raise unknown_name("sensor", name, SENSORS)
@@ -118,40 +112,23 @@ class FollowConfig:
             raise InputError(f'`sensors` must hold "lidar", which the robot cannot do without, got {self.sensors}')
         if self.people == "camera" and "rgbd" not in self.sensors:
             raise InputError(f'`people="camera"` needs "rgbd" among `sensors`, got {self.sensors}')
-        self._check_numbers()
-
-    def _check_numbers(self) -> None:
-        for name in ("leader", "coverage", "ends_on_contact"):
-            if not isinstance(getattr(self, name), bool | np.bool_):
-                raise InputError(f"`{name}` must be True or False, got {getattr(self, name)!r}")
-        least = {"people_slots": 1, "map_cells": 1, "people_count": int(self.leader), "standing": 0, "beams": 2}
-        for name, value in least.items():
-            if (name, getattr(self, name)) != ("people_count", None):
-                _check_whole(name, getattr(self, name), value)
-        for name in _POSITIVE:
-            value = getattr(self, name)
-            endless = name == "lost_limit_s" and value == math.inf
-            if not _is_number(value) or not value > 0.0 or (math.isinf(value) and not endless):
-                raise InputError(f"`{name}` must be a positive number, got {value!r}")
-        if not _is_number(self.coverage_goal) or not 0.0 < self.coverage_goal <= 1.0:
-            raise InputError(f"`coverage_goal` must be in (0, 1], got {self.coverage_goal!r}")
-        if not isinstance(self.camera_pixels, Sequence) or len(self.camera_pixels) != 2:
-            raise InputError(f"`camera_pixels` are two numbers, columns and rows, got {self.camera_pixels!r}")
-        for value in self.camera_pixels:
-            _check_whole("camera_pixels", value, 2)
+        if self.leader and self.people_count == 0:
+            raise InputError("`people_count` counts the leader: with one it must be at least 1, got 0")
         if abs(self.lidar_hz / self.control_hz - max(1, round(self.lidar_hz / self.control_hz))) > 1e-9:
             raise InputError(
                 f"`lidar_hz` must be a whole multiple of `control_hz`, got {self.lidar_hz} and {self.control_hz}"
             )
 
 
-def _is_number(value: Any) -> bool:
-    return isinstance(value, Real) and not isinstance(value, bool)
-
-
-def _check_whole(name: str, value: Any, least: int) -> None:
-    if not isinstance(value, Integral) or isinstance(value, bool) or value < least:
-        raise InputError(f"`{name}` must be a whole number of at least {least}, got {value!r}")
+def _names(sensors: Any) -> tuple[str, ...]:
+    """Return the names of sensors in their order, each once."""
+    names = (sensors,) if isinstance(sensors, str) else sensors
+    plain = isinstance(names, Collection) and len(names) <= _MOST_NAMES
+    if not plain or not all(isinstance(name, str) for name in names):
+        raise InputError(
+            f"`sensors` must be a list of names, one or more of {', '.join(SENSORS)}, got {shown(sensors)}"
+        )
+    return tuple(sorted(set(names)))
 
 
 def make_config(arguments: Mapping[str, Any]) -> FollowConfig:

@@ -11,10 +11,11 @@ from gymnasium import spaces
 from numpy.typing import ArrayLike, NDArray
 
 from ..perception.stages import Stages, completed
-from ..slam.errors import InputError
+from ..slam.errors import InputError, shown
 from .coverage import Coverage, NoCoverage
 from .endings import Ending, EndingRule
-from .episode_setup import MindFactory, check_options, interface, world_config
+from .episode_setup import MindFactory, check_options, checked_seed, interface, world_config
+from .field_checks import finite_numbers
 from .follow_config import make_config
 from .interface import OwnMap
 from .mind import Belief, Mind
@@ -172,7 +173,7 @@ class FollowEnv(gym.Env[Any, Any]):
     | key | meaning |
     |---|---|
     | `time_s` | simulated time [s] |
-    | `reward_terms` | the terms above by name; empty after `reset` |
+    | `reward_terms` | the terms above by name; all 0 after `reset` |
     | `ending` | "" or why it ended: "collision_person", "collision_static", "leader_lost", "tour_done", "covered" |
     | `is_success` | whether the tour was done, or the goal of coverage reached |
     | `leader_distance` | true distance from the leader, centre to centre [m]; like the next three only with one |
@@ -209,6 +210,7 @@ class FollowEnv(gym.Env[Any, Any]):
         self._observer = Observer(self.config)
         self._renderer = make_renderer(render_mode, render_backend)
         self._world: World | None = None
+        self._closed = False
         self.witness: Witness = nobody_notes
         """Is told of every step: the action, cut to [-1, 1], the reward, and its terms by name."""
 
@@ -216,7 +218,8 @@ class FollowEnv(gym.Env[Any, Any]):
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
         """Start an episode; see the class for `options`."""
-        super().reset(seed=seed)
+        self._require_open()
+        super().reset(seed=checked_seed(seed))
         check_options(options)
         world = World(world_config(self.config, options), self.np_random)
         self._world = world
@@ -233,7 +236,9 @@ class FollowEnv(gym.Env[Any, Any]):
         self._trail = [self._truth.robot_pose[:2]]
         if self.render_mode == "human":
             self.render()
-        return self._observer.observe(self._belief, world.frames), self._info(self._facts(0.0), Ending(), {})
+        facts, self._ending = self._facts(0.0), Ending()
+        info = self._info(facts, self._ending, dict.fromkeys(self._terms(facts), 0.0))
+        return self._observer.observe(self._belief, world.frames), info
 
     def step(self, action: ArrayLike) -> StepResult:
         """Drive for one control period; see the class."""
@@ -241,15 +246,19 @@ class FollowEnv(gym.Env[Any, Any]):
 
     def step_in_stages(self, action: ArrayLike) -> Stages[StepResult]:
         """Return the work of `step`, which can take turns with that of other environments; `action` is checked now."""
-        return self._step(self.world, self._checked(action))
+        self._require_open()
+        world = self.world
+        if self._ending.terminated:
+            raise InputError(f"the episode has ended ({self._ending.reason}): call `reset` first")
+        return self._step(world, self._checked(action))
 
     def _step(self, world: World, wanted: NDArray[np.float64]) -> Stages[StepResult]:
         yield from self._advance(world, wanted)
         yield
         facts = self._facts(float(np.linalg.norm(wanted - self._action)))
         self._action, self._covered = wanted, facts.coverage
-        terms = reward_terms(facts) if self.config.leader else exploration_terms(facts, self.config.coverage_goal)
-        ending = self._endings.update(self._truth, facts)
+        terms = self._terms(facts)
+        ending = self._ending = self._endings.update(self._truth, facts)
         if self.render_mode == "human":
             self.render()
         info, reward = self._info(facts, ending, terms), sum(terms.values())
@@ -268,8 +277,9 @@ class FollowEnv(gym.Env[Any, Any]):
         return self._renderer.draw(self.world, self._truth, self._belief, self._trail)
 
     def close(self) -> None:
-        """Close the viewer, if there is one."""
+        """Close the viewer, if there is one; what was recorded can still be read, no step can be made."""
         self._renderer.close()
+        self._closed = True
 
     @property
     def world(self) -> World:
@@ -320,7 +330,17 @@ class FollowEnv(gym.Env[Any, Any]):
             setattr(self, name, value)
 
     def _memory(self) -> dict[str, Any]:
-        names = ("_mind", "_endings", "_action", "_belief", "_truth", "_trail", "_np_random", "_np_random_seed")
+        names = (
+            "_mind",
+            "_endings",
+            "_ending",
+            "_action",
+            "_belief",
+            "_truth",
+            "_trail",
+            "_np_random",
+            "_np_random_seed",
+        )
         return {name: getattr(self, name) for name in (*names, "coverage", "_covered")}
 
     def _copied(self, memory: dict[str, Any], old_world: World, new_world: World) -> dict[str, Any]:
@@ -340,13 +360,17 @@ class FollowEnv(gym.Env[Any, Any]):
         self._trail.append(self._truth.robot_pose[:2])
 
     def _checked(self, action: ArrayLike) -> NDArray[np.float64]:
-        try:
-            wanted = np.asarray(action, dtype=np.float64)
-        except (TypeError, ValueError):
-            raise InputError(f"an action has shape {self._top.shape} and is finite, got {action!r}") from None
-        if wanted.shape != self._top.shape or not np.isfinite(wanted).all():
-            raise InputError(f"an action has shape {self._top.shape} and is finite, got {action!r}")
+        wanted = finite_numbers(action)
+        if wanted is None or wanted.shape != self._top.shape:
+            raise InputError(f"an action has shape {self._top.shape} and is finite, got {shown(action)}")
         return np.clip(wanted, -1.0, 1.0)
+
+    def _require_open(self) -> None:
+        if self._closed:
+            raise InputError("the environment is closed: make a new one")
+
+    def _terms(self, facts: StepFacts) -> dict[str, float]:
+        return reward_terms(facts) if self.config.leader else exploration_terms(facts, self.config.coverage_goal)
 
     def _facts(self, action_change: float) -> StepFacts:
         radius, step_s = self.world.config.robot.radius, 1.0 / self.config.control_hz

@@ -2,18 +2,23 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from numbers import Integral
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..slam.bounds import FARTHEST_MOUNT_M, LONGEST_RANGE_M, Share, Within, check_numbers
 from ..slam.errors import InputError
 from ..slam.scan import LaserScan
+from .field_checks import Beams, Opening, Rate
 from .groups import GROUP_SEEN
 from .mj import MjData, MjModel, mujoco
 from .ray_kernel import BOX, CYLINDER, ELLIPSOID, add_noise, cast_beams
 
 Array = NDArray[np.float64]
+LaserRange = Annotated[float, Within(0.0, LONGEST_RANGE_M)]
+"""Range of a laser [m]."""
+_Mount = Annotated[tuple[float, float, float], Within(-FARTHEST_MOUNT_M, FARTHEST_MOUNT_M)]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,29 +42,24 @@ class LidarConfig:
         height: Height of its plane above the floor [m].
     """
 
-    beams: int = 1081
-    field_of_view: float = float(np.radians(270.0))
-    rate_hz: float = 10.0
-    range_min: float = 0.1
-    range_max: float = 30.0
-    sigma_near: float = 0.01
-    sigma_far: float = 0.03
-    near: float = 10.0
-    dropout: float = 0.002
-    mount: tuple[float, float, float] = (0.1, 0.0, 0.0)
+    beams: Beams = 1081
+    field_of_view: Opening = float(np.radians(270.0))
+    rate_hz: Rate = 10.0
+    range_min: LaserRange = 0.1
+    range_max: LaserRange = 30.0
+    sigma_near: LaserRange = 0.01
+    sigma_far: LaserRange = 0.03
+    near: LaserRange = 10.0
+    dropout: Share = 0.002
+    mount: _Mount = (0.1, 0.0, 0.0)
     height: float = 0.2
 
     def __post_init__(self) -> None:
-        if not isinstance(self.beams, Integral) or self.beams < 2:
-            raise InputError(f"`beams` of the lidar must be a whole number of at least 2, got {self.beams}")
-        if not 0.0 < self.field_of_view <= 2.0 * np.pi:
-            raise InputError(f"`field_of_view` must be in (0, 2 pi] [rad], got {self.field_of_view}")
+        check_numbers(self)
         if not 0.0 <= self.range_min < self.range_max:
             raise InputError(f"need 0 <= `range_min` < `range_max` [m], got {self.range_min} and {self.range_max}")
         if not 0.0 <= self.dropout < 1.0:
             raise InputError(f"`dropout` must be in [0, 1), got {self.dropout}")
-        if not (self.rate_hz > 0.0 and min(self.sigma_near, self.sigma_far) >= 0.0):
-            raise InputError("`rate_hz` must be positive and the sigmas of the lidar not negative")
         if not 0.11 < self.height < 0.4:
             raise InputError(f"`height` of the lidar must be in (0.11, 0.4) [m]: over the chassis, got {self.height}")
 

@@ -6,13 +6,16 @@ updates; their four numbers play the part of alpha1-4 of Thrun, Burgard, Fox 200
 
 import math
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..slam.errors import InputError, unknown_name
+from ..slam.bounds import Within, check_numbers
+from ..slam.errors import unknown_name
 
 Array = NDArray[np.float64]
+_Error = Annotated[float, Within(0.0, 10.0)]  # ten times what was driven
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,18 +32,16 @@ class OdometryConfig:
         alpha4: Random way per square root of turn [m/sqrt(rad)].
     """
 
-    scale_limit: float
-    turn_limit: float
-    drift_limit: float
-    alpha1: float
-    alpha2: float
-    alpha3: float
-    alpha4: float
+    scale_limit: _Error
+    turn_limit: _Error
+    drift_limit: _Error
+    alpha1: _Error
+    alpha2: _Error
+    alpha3: _Error
+    alpha4: _Error
 
     def __post_init__(self) -> None:
-        for name, value in self.__dict__.items():
-            if not value >= 0.0:
-                raise InputError(f"`{name}` of the odometry must not be negative, got {value}")
+        check_numbers(self)
 
 
 QUALITIES: dict[str, OdometryConfig] = {

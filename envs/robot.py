@@ -6,16 +6,20 @@ sideways motion.
 """
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..slam.errors import InputError, unknown_name
+from ..slam.bounds import Within
+from ..slam.errors import InputError, shown, unknown_name
+from .field_checks import check_fields, finite_numbers
 from .groups import GROUP_ROBOT
 from .mj import MjSpec, mujoco
 
 Array = NDArray[np.float64]
+_Motion = Annotated[float, Within(1e-3, 100.0)]  # speeds and accelerations: no robot indoors comes near the upper end
+_Strength = Annotated[float, Within(1e-3, 1e5)]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,12 +40,12 @@ class RobotConfig:
     """
 
     drive: str = "differential"
-    max_speed: float = 1.3
-    max_turn_rate: float = 4.0
-    max_acceleration: float = 2.0
-    max_turn_acceleration: float = 8.0
-    mass: float = 14.0
-    grip: float = 70.0
+    max_speed: _Motion = 1.3
+    max_turn_rate: _Motion = 4.0
+    max_acceleration: _Motion = 2.0
+    max_turn_acceleration: _Motion = 8.0
+    mass: _Strength = 14.0
+    grip: _Strength = 70.0
 
     sizes: ClassVar[dict[str, tuple[float, float, float]]] = {
         "differential": (0.549, 0.517, 0.111),
@@ -50,11 +54,9 @@ class RobotConfig:
     """Length, width and height of the chassis of each drive [m]."""
 
     def __post_init__(self) -> None:
+        check_fields(self)
         if self.drive not in self.sizes:
             raise unknown_name("drive", self.drive, tuple(self.sizes))
-        for name in ("max_speed", "max_turn_rate", "max_acceleration", "max_turn_acceleration", "mass", "grip"):
-            if not getattr(self, name) > 0.0:
-                raise InputError(f"`{name}` of the robot must be positive, got {getattr(self, name)}")
 
     @property
     def size(self) -> tuple[float, float, float]:
@@ -87,10 +89,12 @@ class Robot:
         Raises:
             InputError: If the shape does not fit the drive or a value is not finite.
         """
-        wanted = np.asarray(command, dtype=np.float64)
+        wanted = finite_numbers(command)
         shapes = [(2,)] if self.config.drive == "differential" else [(2,), (3,)]
-        if wanted.shape not in shapes or not np.isfinite(wanted).all():
-            raise InputError(f"a command of the {self.config.drive} drive has shape {shapes}, finite, got {command!r}")
+        if wanted is None or wanted.shape not in shapes:
+            raise InputError(
+                f"a command of the {self.config.drive} drive has shape {shapes}, finite, got {shown(command)}"
+            )
         if wanted.shape == (2,):
             wanted = np.array([wanted[0], 0.0, wanted[1]])
         speed = np.hypot(wanted[0], wanted[1])

@@ -1,10 +1,13 @@
 """The configuration of one episode's simulator."""
 
+import os
 from dataclasses import dataclass, field
-from numbers import Integral
+from typing import Annotated
 
+from ..slam.bounds import Within
 from ..slam.errors import InputError, unknown_name
 from .camera.config import RgbdConfig
+from .field_checks import People, Rate, check_fields
 from .lidar import LidarConfig
 from .odometry import QUALITIES, OdometryConfig
 from .people.leader import STYLES
@@ -47,21 +50,22 @@ class WorldConfig:
     scene: str = "corridor"
     route: str | None = None
     split: str = "train"
-    floor_plan: str | None = None
-    walking_paths: str | None = None
-    people: int | None = 2
+    floor_plan: str | os.PathLike[str] | None = None
+    walking_paths: str | os.PathLike[str] | None = None
+    people: People | None = 2
     leader: bool = True
     leader_style: str | None = None
-    standing: int = 0
+    standing: People = 0
     odometry: str | OdometryConfig = "typical"
     lidar: LidarConfig = field(default_factory=LidarConfig)
     camera: RgbdConfig | None = None
     robot: RobotConfig = field(default_factory=RobotConfig)
     force: SocialForceConfig = field(default_factory=SocialForceConfig)
-    control_hz: float = 10.0
-    physics_dt: float = 0.0125
+    control_hz: Rate = 10.0
+    physics_dt: Annotated[float, Within(1e-4, TICK)] = 0.0125
 
     def __post_init__(self) -> None:
+        check_fields(self)
         if self.scene not in SCENES:
             raise unknown_name("scene", self.scene, tuple(SCENES))
         if self.leader_style is not None and self.leader_style not in STYLES:
@@ -69,11 +73,6 @@ class WorldConfig:
         if isinstance(self.odometry, str) and self.odometry not in QUALITIES:
             raise unknown_name("odometry quality", self.odometry, tuple(QUALITIES))
         self.request()
-        for name in ("people", "standing"):
-            value = getattr(self, name)
-            whole = isinstance(value, Integral) and not isinstance(value, bool)
-            if (name, value) != ("people", None) and not (whole and int(value) >= 0):
-                raise InputError(f"`{name}` must be a whole number of at least 0, got {value!r}")
         whole_ratio("the control period 1 / `control_hz`", 1.0 / self.control_hz, TICK)
         whole_ratio("the laser's period 1 / `rate_hz`", 1.0 / self.lidar.rate_hz, TICK)
         if self.camera is not None:

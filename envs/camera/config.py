@@ -1,14 +1,20 @@
 """The configuration of the RGB-D camera."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
 from ...perception.rgbd.frame import Pinhole
+from ...slam.bounds import FARTHEST_MOUNT_M, Share, Within
 from ...slam.errors import InputError, unknown_name
+from ..field_checks import PIXELS, Rate, check_fields
 from ..people.wardrobe import wardrobe
 
 BACKENDS = ("rays", "opengl")
+_View = Annotated[float, Within(0.01, np.pi - 0.01)]
+_Depth = Annotated[float, Within(0.0, 1000.0)]
+_Mount = Annotated[tuple[float, float, float], Within(-FARTHEST_MOUNT_M, FARTHEST_MOUNT_M)]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,23 +42,24 @@ class RgbdConfig:
         backend: "rays", or "opengl" for MuJoCo's renderer.
     """
 
-    width: int = 128
-    height: int = 106
-    horizontal_fov: float = float(np.radians(70.0))
-    vertical_fov: float = float(np.radians(60.0))
-    range_min: float = 0.5
-    range_max: float = 8.0
-    rate_hz: float = 10.0
-    mount: tuple[float, float, float] = (0.1, 0.0, 0.0)
-    camera_height: float = 1.0
-    noise: float = 1.0
-    edge_missing: float = 0.7
-    missing: float = 0.002
-    vibration: float = 0.0
+    width: Annotated[int, PIXELS] = 128
+    height: Annotated[int, PIXELS] = 106
+    horizontal_fov: _View = float(np.radians(70.0))
+    vertical_fov: _View = float(np.radians(60.0))
+    range_min: _Depth = 0.5
+    range_max: _Depth = 8.0
+    rate_hz: Rate = 10.0
+    mount: _Mount = (0.1, 0.0, 0.0)
+    camera_height: Annotated[float, Within(0.01, FARTHEST_MOUNT_M)] = 1.0
+    noise: Annotated[float, Within(0.0, 1000.0)] = 1.0
+    edge_missing: Share = 0.7
+    missing: Share = 0.002
+    vibration: Share = 0.0
     wardrobe: str = "everyday"
     backend: str = "rays"
 
     def __post_init__(self) -> None:
+        check_fields(self)
         if self.backend not in BACKENDS:
             raise unknown_name("camera back end", self.backend, BACKENDS)
         wardrobe(self.wardrobe)
@@ -61,12 +68,6 @@ class RgbdConfig:
         for name in ("edge_missing", "missing"):
             if not 0.0 <= getattr(self, name) < 1.0:
                 raise InputError(f"`{name}` must be in [0, 1), got {getattr(self, name)}")
-        for name in ("noise", "vibration"):
-            if not getattr(self, name) >= 0.0:
-                raise InputError(f"`{name}` of the camera must not be negative, got {getattr(self, name)}")
-        for name in ("rate_hz", "camera_height"):
-            if not getattr(self, name) > 0.0:
-                raise InputError(f"`{name}` of the camera must be positive, got {getattr(self, name)}")
         _ = self.pinhole  # its own checks
 
     @property

@@ -1,8 +1,10 @@
 """What is asked of a scene beyond its kind."""
 
+import os
 from dataclasses import dataclass
 
 from ...slam.errors import unknown_name
+from ..field_checks import check_fields
 
 SPLITS = ("train", "test")
 """Halves of the drawn buildings: no building of one is ever in the other."""
@@ -20,8 +22,9 @@ class SceneRequest:
 
     route: str | None = None
     split: str = "train"
-    floor_plan: str | None = None
+    floor_plan: str | os.PathLike[str] | None = None
 
     def __post_init__(self) -> None:
+        check_fields(self)
         if self.split not in SPLITS:
             raise unknown_name("split", self.split, SPLITS)

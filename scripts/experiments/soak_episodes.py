@@ -1,8 +1,8 @@
 """Episode after episode in all buildings, and one episode for hours: memory and time of each stretch.
 
-A row of the first is a round: some seconds in each registered environment, each with a new seed, so that nothing that is
-kept by building or by episode stays hidden. A row of the second is a stretch of one episode that goes on and on: nobody
-leads, and contacts do not end it.
+A row of the first is a round: some seconds in each registered environment, each with a new seed, so that nothing that
+is kept by building or by episode stays hidden. A row of the second is a stretch of one episode that goes on and on:
+nobody leads, and contacts do not end it.
 """
 
 import time
@@ -85,7 +85,7 @@ class Visit:
         self.seed = 0
 
     def go_on(self, steps: int) -> float:
-        """Start an episode with a new seed, and others as they end, for `steps` steps; return their processor time [s]."""
+        """Start an episode with a new seed, and others as they end, for `steps` steps; return their time [s]."""
         took, ended, observation = 0.0, True, {}
         for _ in range(steps):
             if ended:

@@ -218,7 +218,7 @@ def test_impossible_cameras_are_errors():
         ({"backend": "film"}, "opengl, rays"),
         ({"range_min": 9.0}, "range_min"),
         ({"missing": 1.0}, "missing"),
-        ({"width": 1}, "pixels"),
+        ({"width": 1}, "width"),
         ({"horizontal_fov": 4.0}, "horizontal_fov"),
         ({"rate_hz": 0.0}, "rate_hz"),
         ({"vibration": -1.0}, "vibration"),
