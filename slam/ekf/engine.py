@@ -10,6 +10,7 @@ from scipy.linalg import block_diag
 
 from ..bounds import checked_pose
 from ..engine import SlamUpdate
+from ..errors import InputError
 from ..geometry import between, compose, wrap_angle
 from ..grid import GridConfig, render_map
 from ..landmarks.clustering import Clusterer, make_clusterer
@@ -28,6 +29,7 @@ from .slip import Slip, find_slip
 Array = NDArray[np.float64]
 
 _PARTS = {"odometry": OdometryNoise, "sighting": SightingConfig}
+_MOST_LANDMARKS = 1000  # the time of a step grows with their square: a second at so many
 _REACH = 1.5  # landmarks so much beyond the range are compared, too, besides three sigmas [m]
 
 
@@ -159,8 +161,17 @@ class EkfSlam:
         return {"sightings": float(len(sightings.z)), "matched": float(len(chosen)), "slipped": slipped}
 
     def learn(self, z: Array, R: Array) -> None:
-        """Add the landmark seen at range and bearing `z` (2,) with noise `R` (2, 2)."""
+        """Add the landmark seen at range and bearing `z` (2,) with noise `R` (2, 2).
+
+        Raises:
+            InputError: If there are too many.
+        """
         assert self.filter is not None
+        if len(self.times_seen) >= _MOST_LANDMARKS:
+            raise InputError(
+                f"the map would hold more than {_MOST_LANDMARKS} landmarks: this is no place of single round objects; "
+                "take fewer of what is seen (`cluster_points`, `widest`), or another engine"
+            )
         self.filter.add(z, R)
         self.times_seen = np.append(self.times_seen, np.ones(1, dtype=np.int64))
         self._missed = np.append(self._missed, np.zeros(1, dtype=np.int64))

@@ -21,6 +21,9 @@ FURTHEST, MOST_TURN = 1.5, 0.6
 _SMALL, _SMALL_TURN = 0.3, 0.15
 """Of slips that only two sightings agree on."""
 _APART = 0.12  # a sighting may be so far off its landmark [m]
+_MOST_GUESSES = 2000
+"""In a crowd where more pairs of sightings lie on pairs of landmarks, constellations fit by chance: none says where."""
+_MOST_PAIRS = 10_000_000  # of pairs that are compared; above, there is such a crowd
 _VARIANCES = (0.1**2, 0.1**2, 0.05**2)
 
 
@@ -73,7 +76,12 @@ def find_slip(z: Array, landmarks: Array, pose: Array, least: int) -> Slip | Non
 
 
 def _guesses(seen: Array, landmarks: Array, pose: Array) -> list[Array]:
-    """Return the poses under which two sightings lie on two landmarks, none further away than slips are sought."""
+    """Return the poses under which two sightings lie on two landmarks, none further away than slips are sought.
+
+    There are none in a crowd.
+    """
+    if (len(seen) * len(landmarks)) ** 2 > 2 * _MOST_PAIRS:
+        return []
     guesses = []
     between_landmarks = landmarks[None] - landmarks[:, None]
     long, course = (
@@ -85,6 +93,8 @@ def _guesses(seen: Array, landmarks: Array, pose: Array) -> list[Array]:
             step = seen[b] - seen[a]
             turn = wrap_angle(course - np.arctan2(step[1], step[0]) - pose[2])
             alike = (np.abs(long - np.hypot(*step)) < _APART) & (np.abs(turn) < MOST_TURN) & (long > 0.0)
+            if len(guesses) + np.count_nonzero(alike) > _MOST_GUESSES:
+                return []
             guesses += [fit_rigid(seen[[a, b]], landmarks[[i, j]]) for i, j in np.argwhere(alike)]
     return guesses
 

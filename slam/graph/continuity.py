@@ -136,12 +136,14 @@ def looked_through(
     x0 = cm * (motion[0] - mount[0]) + sm * (motion[1] - mount[1])
     y0 = cm * (motion[1] - mount[1]) - sm * (motion[0] - mount[0])
     count, right, last = 0, 0, len(bearings) - 1
+    if last < 1:
+        return 0
     for n in range(len(points)):
         x = x0 + c * points[n, 0] - s * points[n, 1]
         y = y0 + s * points[n, 0] + c * points[n, 1]
         bearing = np.arctan2(y, x)
         bearing += 2.0 * np.pi * np.ceil((bearings[0] - bearing) / (2.0 * np.pi))
-        if bearing >= bearings[last]:
+        if not bearings[0] <= bearing < bearings[last]:
             continue
         while bearings[right] > bearing:  # the points come in the order of the beams, almost
             right -= 1

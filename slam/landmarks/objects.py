@@ -13,6 +13,9 @@ from .round_centres import round_centres
 
 Array = NDArray[np.float64]
 
+MOST_SIGHTINGS = 100
+"""So many landmarks tell all that a scan can; the time to tell which is which grows with more than their square."""
+
 
 @dataclass(frozen=True, eq=False)
 class Objects:
@@ -124,13 +127,17 @@ class Sightings:
 def see_landmarks(scan: LaserScan, clusterer: Clusterer, config: SightingConfig) -> Sightings:
     """Return what a scan shows of landmarks, by `round_centres`.
 
-    Left out are objects that are too wide, at the end of the range or of the field of view, or cut by something nearer.
+    Left out are objects that are too wide, at the end of the range or of the field of view, or cut by something nearer;
+    and of more than `MOST_SIGHTINGS` the farther ones.
     """
     labels = clusterer.fit_predict(scan.points)
     objects = describe_objects(scan.points_robot, labels)
     if not len(objects):
         return Sightings(np.zeros((0, 2)), np.zeros((0, 2, 2)), objects)
     usable = _whole(scan, labels, config) & (np.sqrt(np.trace(objects.covariances, axis1=1, axis2=2)) <= config.widest)
+    if np.count_nonzero(usable) > MOST_SIGHTINGS:
+        farness = np.where(usable, np.hypot(objects.means[:, 0], objects.means[:, 1]), np.inf)
+        usable[np.argsort(farness, kind="stable")[MOST_SIGHTINGS:]] = False
     if not usable.any():
         return Sightings(np.zeros((0, 2)), np.zeros((0, 2, 2)), objects)
     beams = np.flatnonzero(scan.is_return)
