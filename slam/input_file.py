@@ -5,14 +5,17 @@ import json
 import math
 import os
 import stat
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import wraps
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, Concatenate, ParamSpec, TypeVar
 
 from .errors import InputError, one_line, shown
 
 Source = str | os.PathLike[str]
+Rest = ParamSpec("Rest")
+Result = TypeVar("Result")
 
 MIB = 1 << 20
 MOST_JSON = 16 * MIB
@@ -29,6 +32,24 @@ _KINDS = (
 def named(path: Source) -> str:
     """Return a path as errors name it: whole, but for names that no system takes."""
     return one_line(os.fspath(path), 400)
+
+
+def names_file(read: Callable[Concatenate[Source, Rest], Result]) -> Callable[Concatenate[Source, Rest], Result]:
+    """Return a reader of files, whose first argument is a path, so that each of its errors names the file.
+
+    A reader names it where it looks at lines; what is made of their numbers in the end does not know it.
+    """
+
+    @wraps(read)
+    def reader(path: Source, *args: Rest.args, **options: Rest.kwargs) -> Result:
+        try:
+            return read(path, *args, **options)
+        except InputError as error:
+            if named(path) in str(error):
+                raise
+            raise InputError(f"{named(path)}: {error}") from error
+
+    return reader
 
 
 def checked_name(path: Source) -> Path:

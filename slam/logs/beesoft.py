@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError, shown
 from ..geometry import between, wrap_angle
+from ..input_file import names_file
 from ..occupancy_map import OccupancyMap
 from ..scan import LaserScan
 from .drive import RecordedDrive
@@ -52,6 +53,7 @@ def is_beesoft_map(path: str | os.PathLike[str]) -> bool:
     return first_line(path).startswith(("robot_specifications->", _GRID))
 
 
+@names_file
 def read_beesoft_log(path: str | os.PathLike[str]) -> RecordedDrive:
     """Return the drive of the `L` lines; `O` lines are checked, and skipped.
 
@@ -90,6 +92,7 @@ def _scan(ranges: NDArray[np.float64], mount: NDArray[np.float64], time_s: float
     return LaserScan(np.where(ranges >= _RANGE_MAX, np.inf, ranges), _BEARINGS, 0.0, _RANGE_MAX, time_s, (x, y, theta))
 
 
+@names_file
 def read_beesoft_map(path: str | os.PathLike[str]) -> OccupancyMap:
     """Read a map; its frame begins at the outer corner of the first cell.
 

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError, one_line, shown
 from ..geometry import between, compose, wrap_angle
+from ..input_file import names_file
 from ..scan import LaserScan
 from .beams import cut_behind, measured
 from .drive import RecordedDrive
@@ -41,6 +42,7 @@ class _Record(NamedTuple):
     time_s: float
 
 
+@names_file
 def read_carmen(path: str | os.PathLike[str], T_robot_lidar: Pose | None = None) -> RecordedDrive:
     """Return the drive in a CARMEN log (`.log`, `.clf`, each also gzipped; told by its first bytes).
 

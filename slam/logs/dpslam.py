@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError, shown
 from ..geometry import wrap_angle
+from ..input_file import names_file
 from ..scan import LaserScan
 from .drive import RecordedDrive
 from .sizes import DriveLength
@@ -34,6 +35,7 @@ def is_dpslam_log(path: str | os.PathLike[str]) -> bool:
     return [word.lower() for word in first_line(path).split()[:1]] in (["odometry"], ["laser"])
 
 
+@names_file
 def read_dpslam_log(path: str | os.PathLike[str]) -> RecordedDrive:
     """Return the drive; all its times are 0, and the notes say so.
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..errors import InputError, one_line, shown
 from ..files import write_text
+from ..input_file import names_file
 from ..pose_graph.pose_graph import PoseGraph
 from .text import MOST_POSES, numbered_lines
 
@@ -19,6 +20,7 @@ _UPPER = np.triu_indices(3)
 _MOST_DIGITS = 20
 
 
+@names_file
 def read_g2o(path: str | os.PathLike[str]) -> PoseGraph:
     """Return the graph in a g2o file, plain or gzipped.
 

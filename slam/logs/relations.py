@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from ..bounds import check_poses, check_times
 from ..errors import InputError
+from ..input_file import names_file
 from .text import MOST_POSES, finite_numbers, numbered_lines
 
 Array = NDArray[np.float64]
@@ -52,6 +53,7 @@ class Readings:
         check_poses(self.odometry, "odometry")
 
 
+@names_file
 def read_relations(path: str | os.PathLike[str]) -> Relations:
     """Read relations: `t1 t2 x y z roll pitch yaw` (times), or `i1 i2 x y yaw` (indices of readings).
 
@@ -63,6 +65,7 @@ def read_relations(path: str | os.PathLike[str]) -> Relations:
     return Relations(rows[:, 0], rows[:, 1], rows[:, [2, 3, 4] if by_reading else [2, 3, 7]], by_reading)
 
 
+@names_file
 def read_readings(path: str | os.PathLike[str]) -> Readings:
     """Read readings: `index time log_time odom_x odom_y odom_theta`, index counting from 0.
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError, shown
 from ..geometry import wrap_angle
+from ..input_file import names_file
 from ..scan import LaserScan
 from .bag_messages import Bag, as_defined, open_bag
 from .beams import cut_behind, measured
@@ -55,6 +56,7 @@ class _Sweep(NamedTuple):
     range_max: float
 
 
+@names_file
 def read_rosbag(
     path: str | os.PathLike[str], scan_topic: str | None = None, odometry_topic: str | None = None
 ) -> RecordedDrive:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError, shown
 from ..files import read_arrays
-from ..input_file import named
+from ..input_file import named, names_file
 from ..scan import LaserScan
 from .beams import cut_behind, measured
 from .sizes import DriveLength
@@ -17,6 +17,7 @@ from .sizes import DriveLength
 NEEDED = ("ranges", "angle_min", "angle_increment", "range_min", "range_max")
 
 
+@names_file
 def read_scans_npz(path: str | os.PathLike[str]) -> list[LaserScan]:
     """Return the scans in the file, in its order.
 

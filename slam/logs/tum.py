@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from ..bounds import check_poses, check_times
 from ..errors import InputError, shown
 from ..geometry import wrap_angle
+from ..input_file import names_file
 from .text import MOST_POSES, finite_numbers, numbered_lines, write_lines
 
 _TILT_LIMIT = 0.02  # norm of (qx, qy): about 2 degrees of roll and pitch
@@ -41,6 +42,7 @@ class Trajectory:
         return len(self.times_s)
 
 
+@names_file
 def read_tum(path: str | os.PathLike[str]) -> Trajectory:
     """Read a TUM trajectory (plain or gzipped) of a robot on the plane; z is ignored.
 

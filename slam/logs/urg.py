@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..geometry import wrap_angle
+from ..input_file import names_file
 from ..scan import LaserScan
 from .drive import RecordedDrive
 from .sizes import DriveLength
@@ -39,6 +40,7 @@ def is_urg_log(path: str | os.PathLike[str]) -> bool:
     return len(words) in (_ENCODERS, _POSE) and words[0].lstrip("-").isdigit()
 
 
+@names_file
 def read_urg_log(path: str | os.PathLike[str]) -> RecordedDrive:
     """Return the drive; a last line that was cut is left out, and said in the notes.
 
