@@ -4,6 +4,8 @@ import argparse
 import math
 from collections.abc import Callable
 
+from ...slam.errors import shown
+
 
 def at_least(least: int) -> Callable[[str], int]:
     """Return a `type` of argparse for whole numbers from `least` on."""
@@ -14,7 +16,7 @@ def at_least(least: int) -> Callable[[str], int]:
         except ValueError:
             number = least - 1
         if number < least:
-            raise argparse.ArgumentTypeError(f"must be a whole number of at least {least}, got {text!r}")
+            raise argparse.ArgumentTypeError(f"must be a whole number of at least {least}, got {shown(text)}")
         return number
 
     return whole
@@ -27,5 +29,5 @@ def positive(text: str) -> float:
     except ValueError:
         number = math.nan
     if not 0.0 < number < math.inf:
-        raise argparse.ArgumentTypeError(f"must be a positive number, got {text!r}")
+        raise argparse.ArgumentTypeError(f"must be a positive number, got {shown(text)}")
     return number
