@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ...slam.files import write_json
-from ..experiments.arguments import require_count
+from ..experiments.arguments import at_least, require_count
 from ..experiments.hardware import describe_machine, reference_kernel_s
 from ..tables import format_table
 
@@ -32,7 +32,9 @@ SCANS = {"180 beams": (180, np.pi), "361 beams": (361, np.pi), "1081 beams": (10
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.epilog = EPILOG
-    parser.add_argument("--steps", type=int, default=1000, help="timed steps of each part (default: %(default)s)")
+    parser.add_argument(
+        "--steps", type=at_least(1), default=1000, help="timed steps of each part (default: %(default)s)"
+    )
     parser.add_argument("--out", type=Path, default=Path("out/bench"), metavar="DIR", help="(default: %(default)s)")
 
 
@@ -44,6 +46,7 @@ def run(options: argparse.Namespace) -> int:
     machine = {**describe_machine(), "reference_kernel_ms": 1e3 * reference_kernel_s()}
     print(f"{machine['processor']}, {machine['cores']} cores, Python {machine['python']}")
     print(f"reference numpy kernel: {machine['reference_kernel_ms']:.1f} ms\n")
+    print("kernels are compiled before anything is timed; where none are yet, that takes minutes\n")
     environments = {
         name: speed.environment_speed(options.steps, people_count=4, **fields) for name, fields in ENVIRONMENTS.items()
     }

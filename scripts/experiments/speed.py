@@ -53,6 +53,9 @@ def latency(times_s: Sequence[float]) -> Latency:
 def environment_speed(steps: int, **fields: Any) -> dict[str, float]:
     """Return how many steps a second an environment makes with the PID follower, resets left out.
 
+    The same steps are made twice, and timed the second time: kernels are compiled where they are called first, some of
+    them after hundreds of steps.
+
     Args:
         steps: Timed steps.
         fields: Keywords of `FollowEnv`.
@@ -60,18 +63,8 @@ def environment_speed(steps: int, **fields: Any) -> dict[str, float]:
     env = gym.make("tagalong/Corridor-v0", **fields)
     inner = env.unwrapped
     assert isinstance(inner, FollowEnv)
-    follower = make_follower("pid", inner.interface)
-    seed, times = 0, []
-    observation, _ = env.reset(seed=seed)
-    while len(times) < steps + WARM_UP:
-        action = follower.act(observation)
-        start = perf_counter()
-        observation, _, terminated, truncated, _ = env.step(action)
-        times.append(perf_counter() - start)
-        if terminated or truncated:
-            seed += 1
-            observation, _ = env.reset(seed=seed)
-            follower.reset()
+    _step_times(env, steps + WARM_UP)
+    times = _step_times(env, steps + WARM_UP)
     env.close()
     stage = latency(times[WARM_UP:])
     rate = 1e3 / stage.mean_ms
@@ -81,6 +74,23 @@ def environment_speed(steps: int, **fields: Any) -> dict[str, float]:
         "mean_ms": stage.mean_ms,
         "p95_ms": stage.p95_ms,
     }
+
+
+def _step_times(env: gym.Env[Any, Any], steps: int) -> list[float]:
+    """Return the time of each of `steps` steps [s]; the same steps in every call."""
+    follower = make_follower("pid", env.get_wrapper_attr("interface"))
+    seed, times = 0, []
+    observation, _ = env.reset(seed=seed)
+    while len(times) < steps:
+        action = follower.act(observation)
+        start = perf_counter()
+        observation, _, terminated, truncated, _ = env.step(action)
+        times.append(perf_counter() - start)
+        if terminated or truncated:
+            seed += 1
+            observation, _ = env.reset(seed=seed)
+            follower.reset()
+    return times
 
 
 def gymnasium_speed(seconds: int, *, vector_envs: int, workers: int) -> dict[str, float]:

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from tagalong.scripts.experiments import soak
+from tagalong.scripts.experiments import soak, soak_episodes
 from tagalong.scripts.experiments.cells import TIMING, Cell
 from tagalong.scripts.experiments.own_process import run_alone
 from tagalong.scripts.experiments.soak_laps import there_and_back
@@ -57,7 +57,7 @@ def test_a_part_does_not_see_the_memory_of_the_process_that_asks_for_it(tmp_path
 
 
 def test_a_part_that_is_finished_is_not_run_again(tmp_path, monkeypatch):
-    words = ["--laps", "2", "--scans", "3", "--engines", "ekf", "--out", str(tmp_path)]
+    words = ["--steps", "0", "--laps", "2", "--scans", "3", "--engines", "ekf", "--out", str(tmp_path)]
     soak.main(words)
     monkeypatch.setattr("tagalong.scripts.experiments.own_process.ProcessPoolExecutor", None)
     soak.main(words)
@@ -71,7 +71,15 @@ def test_the_exit_status_says_whether_a_part_grew(tmp_path, monkeypatch, capsys)
     assert "GROWS" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("words", [["--engines", "magic"], ["--laps", "1"]])
+def test_rounds_go_through_all_environments_and_name_what_they_took(monkeypatch):
+    monkeypatch.setattr(soak_episodes, "IDS", {"tagalong/PlainCorridor-v0": {"scene": "plain_corridor"}})
+    monkeypatch.setattr(soak_episodes, "VISIT", 3)
+    rows = soak_episodes.episodes(None, 6)[TIMING]
+    assert [row["done"] for row in rows] == [3, 6]
+    assert all(row["step_ms"] > 0.0 and row["memory_mb"] > 1.0 for row in rows)
+
+
+@pytest.mark.parametrize("words", [["--engines", "magic"], ["--laps", "1"], ["--steps", "100"]])
 def test_a_run_without_sense_is_refused(words, tmp_path):
     with pytest.raises(InputError):
         soak.main([*words, "--out", str(tmp_path)])
