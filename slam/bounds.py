@@ -192,8 +192,8 @@ def check_size(columns: float, rows: float, cell: float, most: float, what: str 
     """Raise InputError if a grid of `columns` x `rows` cells of side `cell` [m] has more than `most` cells."""
     if not float(columns) * float(rows) <= most:
         raise InputError(
-            f"{what} would grow to {columns * cell:.10g} x {rows * cell:.10g} m in cells of {cell:g} m; {most:.0f} cells "
-            "are the most: a pose or a range is wrong, or the cells are too small"
+            f"{what} would grow to {columns * cell:.10g} x {rows * cell:.10g} m in cells of {cell:g} m; {most:.0f} "
+            "cells are the most: a pose or a range is wrong, or the cells are too small"
         )
 
 
