@@ -32,6 +32,12 @@ EXTRAS: Mapping[str, tuple[str, ...]] = {
 OPENGL_BACKENDS = ("egl", "osmesa", "glfw")
 
 _DRAW = """
+import os, threading, time
+def end_with_parent(parent=os.getppid()):
+    while os.getppid() == parent:
+        time.sleep(1.0)
+    os._exit(1)
+threading.Thread(target=end_with_parent, daemon=True).start()
 import mujoco
 model = mujoco.MjModel.from_xml_string('<mujoco><worldbody><light pos="0 0 3"/><geom size="1"/></worldbody></mujoco>')
 data = mujoco.MjData(model)
@@ -89,7 +95,11 @@ def check_opengl(backends: Iterable[str] = OPENGL_BACKENDS, limit_s: float = 30.
         )
         for name in backends
     }
-    return [_outcome(name, trial, began + limit_s) for name, trial in trials.items()]
+    try:
+        return [_outcome(name, trial, began + limit_s) for name, trial in trials.items()]
+    finally:
+        for trial in trials.values():  # those that an interrupted doctor still waits for
+            trial.kill()
 
 
 def _outcome(name: str, trial: "subprocess.Popen[str]", deadline: float) -> Check:

@@ -15,6 +15,7 @@ import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import redirect_stdout
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -34,6 +35,7 @@ def main() -> int:
     parser.add_argument("--kills", type=int, default=20, help="of each command (default: %(default)s)")
     parser.add_argument("--only", nargs="+", choices=kill_plans.PLANS, metavar="NAME", help="these commands")
     parser.add_argument("--seed", type=int, default=0, help="of the moments (default: %(default)s)")
+    parser.add_argument("--within", type=float, metavar="S", help="kill within so many seconds, and compare nothing")
     parser.add_argument("--hazards", action="store_true", help="full disks and such instead of kills")
     options = parser.parse_args()
     if not options.hazards:
@@ -44,7 +46,10 @@ def main() -> int:
             kill_plans.prepare(Path(scratch) / "in")
         for name in options.only or kill_plans.PLANS if not options.hazards else ():
             draw = random.Random(f"{options.seed} {name}")
-            seen, equal = killed(kill_plans.PLANS[name], Path(scratch), options.kills, draw)
+            plan = kill_plans.PLANS[name]
+            if options.within is not None:
+                plan = replace(plan, within_s=options.within, compared=False)
+            seen, equal = killed(plan, Path(scratch), options.kills, draw)
             cells = (seen.kills, seen.late, seen.orphans, len(seen.broken), len(seen.leftovers), len(seen.said), equal)
             padded = zip((*cells, f"{seen.slowest_s:.1f}"), COLUMNS, strict=True)
             print(f"{name:26s}" + "  ".join(str(cell).rjust(len(title)) for cell, title in padded), flush=True)
