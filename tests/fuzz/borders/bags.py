@@ -127,6 +127,7 @@ AREA = Area(
         Border(name="bags.messages", make=_messages, call=_with_messages, sane=sane_drive, file="drive.bag", ms=8.0),
         Border(
             name="bags.ros1", make=_damaged1, sane=sane_drive, file="drive.bag", ms=6.0,
+            reserved_mb=5000,  # of a record up to 4 GiB, as a bag states it; its bytes are not there
             call=lambda value, folder: read_log(put(folder, "drive.bag", value)),
         ),
         Border(

@@ -37,6 +37,7 @@ class Border:
         call: Sends an input through the door; the folder is empty but for what earlier inputs of this door left there.
         sane: Raises `InsaneError` for a result that makes no sense.
         file: Name that a refusal must say, as it is the file's; "" where the input is no file.
+        reserved_mb: Address space that a library may ask for there without using it [MB]; what is used stays bounded.
         ms: What an input costs [ms], measured once: dear doors get fewer inputs.
         refusals: Kinds of errors, beside InputError and MissingExtraError, that are the promised ones here.
     """
@@ -46,6 +47,7 @@ class Border:
     call: Call
     sane: Callable[[Any], None] = always_sane
     file: str = ""
+    reserved_mb: int = 256
     ms: float = 1.0
     refusals: tuple[type[BaseException], ...] = ()
 

@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 
 MEMORY_KB = 1 << 20
 """Memory above the idle process that an input may take [kB]."""
-_SLACK_KB = 256 << 10  # address space is asked for in larger pieces than are used
 NUMBER, STARTED, SEEN, TAKEN, DECLINED, SLOWEST_S, SLOWEST, PEAK_KB = range(8)
 """Entries of a board: the input at hand and since when; inputs seen, accepted, refused; the slowest; most memory."""
 
@@ -88,7 +87,7 @@ def _silenced(folder: Path) -> None:
 
 
 def _work(border: Border, inputs: Inputs, board: NDArray[np.float64], folder: Path, pipe: int) -> None:
-    _limit_memory()
+    _limit_memory(border.reserved_mb << 10)
     idle_kb = resident_kb(os.getpid())
     for number in inputs.numbers:
         board[STARTED], board[NUMBER] = time.monotonic(), number
@@ -112,9 +111,9 @@ def _work(border: Border, inputs: Inputs, board: NDArray[np.float64], folder: Pa
             return
 
 
-def _limit_memory() -> None:
+def _limit_memory(reserved_kb: int) -> None:
     held_kb = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize() // 1024
-    most = (held_kb + MEMORY_KB + _SLACK_KB) * 1024
+    most = (held_kb + MEMORY_KB + reserved_kb) * 1024
     with contextlib.suppress(ValueError, OSError):
         resource.setrlimit(resource.RLIMIT_AS, (most, most))
 
