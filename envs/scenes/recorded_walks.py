@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 WALKS = 12
 """Ways that are looked for."""
 _ATTEMPTS = 1500
-_SHORTEST = 3.0
+_SHORTEST, _LONGEST = 3.0, 1e4  # [m]; in the field of view of one camera nobody walks ten kilometres
 _CELL = 0.1
 _SLOWEST, _FASTEST = 0.3, 1.8
 
@@ -64,7 +64,10 @@ def with_recorded_walks(scene: Scene, path: str | os.PathLike[str], rng: np.rand
 def _read(file: Path, changed_ns: int) -> tuple[RecordedWalk, ...]:
     """Return the smoothed walks of a file; `changed_ns`, when it was written, makes changed files new."""
     walks = [walk.smoothed() for walk in read_pedestrians(file)]
-    return tuple(walk for walk in walks if arc_lengths(walk.points)[-1] >= _SHORTEST)
+    lengths = [float(arc_lengths(walk.points)[-1]) for walk in walks]
+    if max(lengths) > _LONGEST:
+        raise InputError(f"{file}: somebody walks {max(lengths):.3g} m in it, at most {_LONGEST:g} m are possible")
+    return tuple(walk for walk, length in zip(walks, lengths, strict=True) if length >= _SHORTEST)
 
 
 def _reachable(scene: Scene) -> tuple[Array, FreeSpace]:

@@ -66,3 +66,10 @@ def test_recordings_of_eth_and_ucy_drive_bystanders(file):
     for _ in range(50):
         world.step([0.0, 0.0])
     assert np.hypot(*(world.truth.people.positions - start).T).max() > 1.0
+
+
+def test_a_walk_of_a_hundred_kilometres_is_refused(tmp_path):
+    file = tmp_path / "walks.txt"
+    file.write_text("".join(f"{10 * k} 1 {90.0 * k} 0.0\n" for k in range(1200)))
+    with pytest.raises(InputError, match=r"somebody walks 1.08e\+05 m"):
+        World(WorldConfig(scene="corridor", walking_paths=file), np.random.default_rng(0))
