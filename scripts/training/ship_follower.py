@@ -7,7 +7,6 @@ now, and the figures of the comparison.
 """
 
 import argparse
-import json
 import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
@@ -18,7 +17,8 @@ from ...agents.learned.features import FeatureConfig
 from ...agents.learned.follower import SHIPPED
 from ...agents.learned.pilot import PilotConfig
 from ...slam.errors import InputError
-from ...slam.files import made_folder, write_json
+from ...slam.files import made_folder, read_json, write_json
+from ..cli import told
 
 NAME = "follower"
 GOAL = 0.97
@@ -48,7 +48,7 @@ def make_card(card: Mapping[str, Any], comparison: Path | None) -> dict[str, Any
         card: Of the training run, or the one that is shipped.
         comparison: Folder of `follower_comparison`, "learned" first, then "pid".
     """
-    measured = {} if comparison is None else json.loads((comparison / "comparison.json").read_text())
+    measured = {} if comparison is None else read_json(comparison / "comparison.json")
     suites = measured.get("suites", {})
     command = f"tagalong train follower --algo {card['algorithm']} --preset {card['preset']} --seed {card['seed']}"
     mapped = {name: part["figures"]["learned"]["adnn_truth_to_map_m"]["n"] for name, part in suites.items()}
@@ -137,15 +137,15 @@ def _new_policy(run: Path) -> dict[str, Any]:
     made_folder(SHIPPED)
     for suffix in (".npz", ".onnx"):
         shutil.copyfile(run / f"policy{suffix}", SHIPPED / f"{NAME}{suffix}")
-    return json.loads((run / "policy.json").read_text())
+    return read_json(run / "policy.json")
 
 
 def _renewed(card: Path) -> dict[str, Any]:
     """Return a shipped card with what surrounds the network as this program has it."""
-    content = json.loads(card.read_text())
+    content = read_json(card)
     features = FeatureConfig(**content["pilot"]["features"])
     return {**content, "pilot": asdict(replace(PilotConfig(), features=features))}
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    raise SystemExit(told(main))
