@@ -48,14 +48,10 @@ def found_in_call(node, where):
     last = name.rpartition(".")[2] or getattr(node.func, "attr", "")
     if name in CALLS or name.startswith(("os.exec", "os.spawn", "os.posix_spawn")):
         yield name
-    if (
-        where.startswith("agents/")
-        and isinstance(node.func, ast.Attribute)
-        and last in STABLE_BASELINES
-        and name != "np.load"
-    ):
+    of_numpy = name in ("np.load", "numpy.load")
+    if where.startswith("agents/") and last in STABLE_BASELINES and not of_numpy:
         yield f"{last} of a model"
-    if name in ("np.load", "numpy.load") and len(node.args) > 1:
+    if of_numpy and len(node.args) > 1:
         yield "np.load with more than a name"
     if last == "import_module" and where not in IMPORTS_BY_NAME:
         yield "import_module"
@@ -90,7 +86,8 @@ def test_nothing_in_the_package_runs_code_that_it_reads(path):
 @pytest.mark.parametrize(
     "source",
     [
-        "import pickle", "from pickle import loads", "import dill as d", "joblib.load(f)", "from joblib import load", "import yaml",
+        "import pickle", "from pickle import loads", "import dill as d", "joblib.load(f)", "from joblib import load",
+        "import yaml",
         "from multiprocessing.reduction import x; x.ForkingPickler", "eval('1')", "list(map(exec, ['1']))",
         "compile('1', '', 'eval')", "__import__('os')", "torch.load('m')", "from torch import load",
         "np.load(f, allow_pickle=True)", "np.load(f, allow_pickle=maybe)", "np.load(f, None, True)",

@@ -11,7 +11,7 @@ import torch
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.logger import Logger, configure
 
-from ...slam.errors import InputError
+from ...slam.errors import InputError, shown
 from ...slam.files import made_folder, read_json, write_json
 from .checkpoint import INDEX, Progress, load_arrays, load_progress, save_checkpoint
 from .curriculum import Curriculum
@@ -55,7 +55,11 @@ class RunConfig:
 
     def __post_init__(self) -> None:
         if not 1 <= self.workers <= MOST_WORKERS:
-            raise InputError(f"a run needs 1 to {MOST_WORKERS} workers, of about 300 MB each, got {self.workers}")
+            raise InputError(
+                f"a run needs 1 to {MOST_WORKERS} workers, of about 300 MB each, got {shown(self.workers)}"
+            )
+        if not 0 <= self.seed < 1 << 32:
+            raise InputError(f"a run's seed is a whole number from 0 to {(1 << 32) - 1}, got {shown(self.seed)}")
         if self.max_minutes is not None and not 0.0 < self.max_minutes <= _LONGEST_MIN:
             raise InputError(f"a run needs minutes above 0, at most {_LONGEST_MIN:g}, got {self.max_minutes:g}")
 

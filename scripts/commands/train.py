@@ -2,11 +2,11 @@
 
 import argparse
 from pathlib import Path
+from typing import Any
 
 from ...perception.rgbd.person_svm import MODEL
-from ...slam.errors import InputError
+from ...slam.errors import InputError, shown
 from ...slam.files import write_json
-from ..experiments.arguments import require_count
 from ..figures.leg_curve import save_leg_curve
 from ..tables import format_table
 from ..training.evaluate_legs import RATES
@@ -18,7 +18,8 @@ from ..training.train_people import PeopleTrainConfig, train_people
 
 PEOPLE_COUNTS = ("buildings", "frames", "test_buildings")
 COUNTS = ("scans", "drives", "test_scans", "test_drives", "trees")
-_MOST, _WHY = 1_000_000, "they are kept in memory"
+MOST = 100_000
+"""Of each of them: many times what the shipped models were trained with, and days of work."""
 EPILOG = """\
 writes into DIR: legs_FOREST.npz (the forest), legs_FOREST.json (its card: data, seeds, figures, limits),
 curve.json and curve.png (share of legs found against false legs a scan)
@@ -93,12 +94,22 @@ def run(options: argparse.Namespace) -> int:
     return {"follower": train_follower, "people": _train_people, "legs": _train_legs}[options.model](options)
 
 
+def _counts(options: argparse.Namespace, names: tuple[str, ...]) -> dict[str, Any]:
+    """Return the options that count things, and look at the seed, before hours of work are spent."""
+    counts = {name: getattr(options, name) for name in names}
+    for name, count in counts.items():
+        if not 1 <= count <= MOST:
+            raise InputError(f"--{name.replace('_', '-')} must be 1 to {MOST}, got {shown(count)}")
+    if not 0 <= options.seed < 1 << 32:
+        raise InputError(f"--seed must be a whole number from 0 to {(1 << 32) - 1}, got {shown(options.seed)}")
+    return counts
+
+
 def _train_people(options: argparse.Namespace) -> int:
     """Train, write the classifier with its card, print how it scores."""
-    counts = {name: getattr(options, name) for name in PEOPLE_COUNTS}
-    for name, count in counts.items():
-        least = PeopleTrainConfig().folds if name == "buildings" else 1
-        require_count(f"--{name.replace('_', '-')}", count, _MOST, _WHY, least)
+    counts = _counts(options, PEOPLE_COUNTS)
+    if options.buildings < PeopleTrainConfig().folds:
+        raise InputError(f"--buildings must be at least {PeopleTrainConfig().folds}, got {options.buildings}")
     svm, card, scores = train_people(PeopleTrainConfig(**counts), options.seed)
     path = options.out / MODEL.name
     svm.save(path, card)
@@ -111,10 +122,7 @@ def _train_legs(options: argparse.Namespace) -> int:
     """Train, write the forest with its card, print how it scores."""
     if options.forest == "real" and options.data is None:
         raise InputError("--forest real needs --data DIR with the labelled recordings")
-    counts = {name: getattr(options, name) for name in COUNTS}
-    for name, count in counts.items():
-        require_count(f"--{name.replace('_', '-')}", count, _MOST, _WHY)
-    config = TrainConfig(**counts)
+    config = TrainConfig(**_counts(options, COUNTS))
     train = train_real if options.forest == "real" else train_simulation
     if options.data is None:
         trained = train_simulation(config, options.seed)

@@ -18,6 +18,7 @@ from ...agents.learned.follower import SHIPPED
 from ...agents.learned.pilot import PilotConfig
 from ...slam.errors import InputError
 from ...slam.files import made_folder, read_json, write_json
+from ..cli import told
 
 NAME = "follower"
 GOAL = 0.97
@@ -147,4 +148,4 @@ def _renewed(card: Path) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    raise SystemExit(told(main))

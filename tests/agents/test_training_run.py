@@ -198,6 +198,12 @@ def test_a_table_of_demonstrations_that_is_none_is_told_in_one_line(tmp_path, ch
         TrainingRun(RunConfig(preset=preset, name="tiny"), tmp_path, lambda line: None).train()
 
 
+@pytest.mark.parametrize("seed", [-1, 1 << 32])
+def test_a_seed_that_no_generator_takes_is_refused(seed):
+    with pytest.raises(InputError, match="a run's seed is a whole number from 0"):
+        RunConfig(preset=tiny(), name="tiny", seed=seed)
+
+
 def test_more_workers_than_a_machine_holds_are_refused():
     with pytest.raises(InputError, match="1 to 64 workers"):
         RunConfig(preset=tiny(), name="tiny", workers=100_000)

@@ -16,6 +16,7 @@ import argparse  # noqa: E402
 import sys  # noqa: E402
 import tempfile  # noqa: E402
 import warnings  # noqa: E402
+from contextlib import suppress  # noqa: E402
 from pathlib import Path  # noqa: E402
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
@@ -58,16 +59,16 @@ def _options() -> argparse.Namespace:
 def _fuzzed(options: argparse.Namespace, folder: Path) -> list[Tally]:
     wanted = tuple(options.only.split(","))
     every = sum(len(area.borders) for area in AREAS.values())
-    tallies = []
-    for area in AREAS.values():
-        borders = [border for border in area.borders if border.name.startswith(wanted)]
-        if not borders:
-            continue
-        area.warm()
-        for border in borders:
-            count = options.count or inputs_for(border, options.minutes, every)
-            inputs = Inputs(options.seed, range(options.first, options.first + count))
-            tallies.append(_told(sent(border, inputs, folder / border.name), options))
+    tallies: list[Tally] = []
+    with suppress(KeyboardInterrupt):  # what is done is shown
+        for area in AREAS.values():
+            borders = [border for border in area.borders if border.name.startswith(wanted)]
+            if borders:
+                area.warm()
+            for border in borders:
+                count = options.count or inputs_for(border, options.minutes, every)
+                inputs = Inputs(options.seed, range(options.first, options.first + count))
+                tallies.append(_told(sent(border, inputs, folder / border.name), options))
     return tallies
 
 
