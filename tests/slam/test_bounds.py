@@ -9,7 +9,7 @@ import pytest
 from tagalong.perception.config import PerceptionConfig
 from tagalong.perception.tracking.camera import NoLegs, SeenPeople
 from tagalong.perception.tracking.tracker import PeopleTracker
-from tagalong.slam.bounds import MOST_BEAMS, Within, cell_numbers, check_numbers, checked_pose, shortened
+from tagalong.slam.bounds import MOST_BEAMS, Within, cell_numbers, check_numbers, checked_pose, memory_for, shortened
 from tagalong.slam.engine import ENGINES, make_slam
 from tagalong.slam.errors import InputError
 from tagalong.slam.gmapping.tile_maps import TileMaps
@@ -274,7 +274,12 @@ def test_a_pose_is_three_numbers():
     assert checked_pose([1, 2, 3 * math.pi]).tolist() == [1.0, 2.0, 3 * math.pi]
 
 
-@pytest.mark.parametrize("threads", [0, 257, 100_000])
+@pytest.mark.parametrize("threads", [0, 65, 100_000])
 def test_threads_are_as_many_as_a_machine_has(threads):
     with pytest.raises(InputError, match="`threads` must be within"):
         Workers(threads)
+
+
+def test_memory_that_runs_out_is_told_in_one_line():
+    with pytest.raises(InputError, match="no memory is left for the map: none"), memory_for("the map"):
+        raise MemoryError("none")
