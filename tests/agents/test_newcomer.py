@@ -45,3 +45,11 @@ def test_who_steps_without_rollout_need_not_tell_the_number_of_beams(name):
 def test_a_follower_that_was_made_for_another_laser_says_so_in_one_line():
     with pytest.raises(InputError, match="360 beams, this follower was made for 1081: make it with the interface"):
         PIDFollower().act(observation(360))
+
+
+def test_an_environment_as_it_is_by_default_changes_nothing():
+    env = gym.make("tagalong/Corridor-v0", slam=None, people="truth")
+    follower = make_follower("pid")
+    before = follower.follower
+    follower.learn_interface(env.unwrapped.interface)
+    assert follower.follower is before
