@@ -6,6 +6,7 @@ far beyond what any robot does; what lies beyond it is no measurement but a mist
 
 import math
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cache
 from numbers import Integral, Real
@@ -13,7 +14,7 @@ from types import NoneType
 from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
 
 import numpy as np
-from numpy.typing import ArrayLike, DTypeLike, NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from .errors import InputError
 
@@ -68,8 +69,8 @@ Step = Annotated[float, Within(1e-3, 2.0 * math.pi)]
 """A step between headings that are tried [rad]: a turn has 6283 of the smallest."""
 Rounds = Annotated[int, Within(0, 1000)]
 """How often something is repeated that takes a while."""
-Threads = Annotated[int, Within(1, 256)]
-"""Threads that share work: no more than the largest machines have cores."""
+Threads = Annotated[int, Within(1, 64)]
+"""Threads that share work: no work here has more pieces worth a thread each."""
 Endless = Annotated[float, Within(0.0, math.inf)]
 """A length or a time that may be without end."""
 Seed = Annotated[int, Within(0, 2**32 - 1)]
@@ -197,17 +198,17 @@ def check_size(columns: float, rows: float, cell: float, most: float, what: str 
         )
 
 
-def zeros(shape: tuple[int, ...], dtype: DTypeLike, what: str = "the map") -> NDArray[Any]:
-    """Return an array of zeros.
+@contextmanager
+def memory_for(what: str) -> Iterator[None]:
+    """Say, where memory runs out inside, what it ran out for.
 
     Raises:
-        InputError: If there is no memory for it: `what` has become too large for this machine.
+        InputError: In place of the MemoryError: `what` has become too large for this machine.
     """
     try:
-        return np.zeros(shape, dtype)
+        yield
     except MemoryError as error:
-        size = math.prod(shape) * np.dtype(dtype).itemsize
-        raise InputError(f"no memory is left for {what}: another {size / 1e6:.0f} MB were needed") from error
+        raise InputError(f"no memory is left for {what}: {str(error)[:120]}") from error
 
 
 @dataclass(frozen=True)
@@ -243,17 +244,17 @@ def check_numbers(config: object) -> None:
             _check_number(rule, number, value)
 
 
-def _check_number(rule: _Rule, number: object, value: object) -> None:
+def _check_number(rule: _Rule, number: Any, value: object) -> None:
     if isinstance(number, (bool, np.bool_)) or not isinstance(number, Integral if rule.whole else Real):
         raise InputError(f"`{rule.name}` must be a {'whole ' * rule.whole}number, got {shortened(value)}")
     if rule.within:
         low, high = rule.within
-        if not low <= number <= high:  # pyright: ignore[reportOperatorIssue]
+        if not low <= number <= high:
             raise InputError(f"`{rule.name}` must be within {low:g} .. {high:g}, got {shortened(value)}")
     elif rule.whole:
-        if not -_MOST_COUNT <= number <= _MOST_COUNT:  # pyright: ignore[reportOperatorIssue]
+        if not -_MOST_COUNT <= number <= _MOST_COUNT:
             raise InputError(f"`{rule.name}` must be within {-_MOST_COUNT} .. {_MOST_COUNT}, got {shortened(value)}")
-    elif not (number == 0 or _LEAST <= abs(number) <= _MOST):  # pyright: ignore[reportArgumentType]
+    elif not (number == 0 or _LEAST <= abs(number) <= _MOST):
         raise InputError(f"`{rule.name}` must be 0 or of a size within {_LEAST:g} .. {_MOST:g}, got {shortened(value)}")
 
 

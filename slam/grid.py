@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .bounds import MOST_DRAWN, Cell, Reach, cell_numbers, check_numbers, check_size, zeros
+from .bounds import MOST_DRAWN, Cell, Reach, cell_numbers, check_numbers, check_size, memory_for
 from .errors import InputError
 from .geometry import compose, transform_points
 from .grid_kernels import place_rays, write_observation, write_observations
@@ -199,7 +199,7 @@ class OccupancyGrid:
         col, row = self._corner - corner if old_size.all() else (0, 0)
         for name in self._layers:
             old = getattr(self, name)
-            grown = zeros((*old.shape[:-2], *size[::-1]), old.dtype)
+            grown = np.zeros((*old.shape[:-2], *size[::-1]), dtype=old.dtype)
             grown[..., row : row + old.shape[-2], col : col + old.shape[-1]] = old
             setattr(self, name, grown)
         self._corner = corner
@@ -209,9 +209,10 @@ def draw(trajectory: NDArray[np.float64], scans: Sequence[ScanRays], config: Gri
     """Return the map that `scans` draw, by rays of the same `config`, at the poses of `trajectory` (n, 3)."""
     grid = OccupancyGrid(config)
     seen = [(pose, rays) for pose, rays in zip(trajectory, scans, strict=True) if len(rays.points)]
-    for first in range(0, len(seen), _AT_ONCE):
-        grid._write_together(seen[first : first + _AT_ONCE])
-    return grid.to_map()
+    with memory_for("the map"):
+        for first in range(0, len(seen), _AT_ONCE):
+            grid._write_together(seen[first : first + _AT_ONCE])
+        return grid.to_map()
 
 
 def render_map(

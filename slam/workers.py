@@ -6,7 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 from .errors import InputError
 
-_MOST_THREADS = 256  # no more than the largest machines have cores
+_MOST_THREADS = 64  # no work here has more pieces worth a thread each
 
 
 class Workers:
@@ -16,7 +16,7 @@ class Workers:
         threads: Number of threads; 1 runs everything in the caller.
 
     Raises:
-        InputError: If there are none, or more than the largest machines can run.
+        InputError: If there are none, or more than there is work for.
     """
 
     def __init__(self, threads: int) -> None:

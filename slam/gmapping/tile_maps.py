@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bounds import cell_numbers, check_size, zeros
+from ..bounds import cell_numbers, check_size, memory_for
 from ..errors import InputError
 from ..geometry import transform_points
 from ..occupancy_map import OccupancyMap
@@ -63,12 +63,14 @@ class TileMaps:
             is_hit: (n,) whether the ray hit something at its end.
         """
         ends_map = transform_points(T_map_lidar, points_lidar[None])
-        self._reach(np.concatenate((ends_map.reshape(-1, 2), T_map_lidar[:, :2])))
+        with memory_for("the maps of all particles"):
+            self._reach(np.concatenate((ends_map.reshape(-1, 2), T_map_lidar[:, :2])))
         ends, origins = self.to_cells(ends_map), self.to_cells(T_map_lidar[:, :2])
         needed = np.zeros(self.directory.shape, dtype=np.bool_)
         count = len(T_map_lidar)
         self._workers.run(lambda start, stop: mark_particles(start, stop, origins, ends, needed), count)
-        self._own(needed)
+        with memory_for("the maps of all particles"):
+            self._own(needed)
         self._workers.run(
             lambda start, stop: write_particles(
                 start,
@@ -126,10 +128,11 @@ class TileMaps:
                 f"the maps of {len(self.directory)} particles would take {new} tiles of {SIDE} x {SIDE} cells, more "
                 f"than {_MOST_TILES}; take fewer particles, larger cells or a shorter `max_urange`"
             )
-        for name in ("counts", "means", "bits", "_references", "_free"):
-            array = getattr(self, name)
-            grown = zeros((new, *array.shape[1:]), array.dtype, "the maps of all particles")
-            grown[:old] = array
+        names = ("counts", "means", "bits", "_references", "_free")
+        # All or none: where memory runs out, the maps stay as they are.
+        more = [np.zeros((new, *getattr(self, name).shape[1:]), dtype=getattr(self, name).dtype) for name in names]
+        for name, grown in zip(names, more, strict=True):
+            grown[:old] = getattr(self, name)
             setattr(self, name, grown)
         self._free[self._free_count : self._free_count + new - old] = np.arange(new - 1, old - 1, -1)
         self._free_count += new - old
@@ -150,7 +153,7 @@ class TileMaps:
         columns, rows = (int(places) for places in upper - lower)
         most = _MOST_PLACES * SIDE**2 / len(self.directory)
         check_size(columns * SIDE, rows * SIDE, self.cell, most)
-        grown = zeros((len(self.directory), rows, columns), np.int32, "the maps of all particles")
+        grown = np.zeros((len(self.directory), rows, columns), dtype=np.int32)
         if not first:
             column, row = self.origin - lower
             grown[:, row : row + size[1], column : column + size[0]] = self.directory

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bounds import Cell, Reach, Share, check_numbers, check_size, zeros
+from ..bounds import Cell, Reach, Share, check_numbers, check_size, memory_for
 from ..errors import InputError
 from .submap_kernels import bounds, insert_scans
 from .sweep import Sweep
@@ -75,7 +75,8 @@ class Submap:
 
     def insert(self, *sweeps: Sweep) -> None:
         """Count scans, given in the local frame, one after the other."""
-        self._cover(bounds(sweep.points) for sweep in sweeps)
+        with memory_for("a submap"):
+            self._cover(bounds(sweep.points) for sweep in sweeps)
         points = np.concatenate([sweep.points for sweep in sweeps])
         sizes = np.array([(len(sweep.points), sweep.returns, sweep.between) for sweep in sweeps])
         insert_scans(
@@ -135,10 +136,11 @@ class Submap:
         if (rows, cols) == self.field.shape:
             return
         inside = slice(first_row, first_row + self.field.shape[0]), slice(first_col, first_col + self.field.shape[1])
-        for name in ("_hits", "_visits", "field", "_stamps"):
-            before = getattr(self, name)
-            grid = zeros((rows, cols), before.dtype, "a submap")
-            grid[inside] = before
+        names = ("_hits", "_visits", "field", "_stamps")
+        # All or none: where memory runs out, the submap stays as it is.
+        grids = [np.zeros((rows, cols), getattr(self, name).dtype) for name in names]
+        for name, grid in zip(names, grids, strict=True):
+            grid[inside] = getattr(self, name)
             setattr(self, name, grid)
         self.corner = np.array([x, y])
 
