@@ -29,6 +29,8 @@ from .follow_env import FollowEnv
 from .vector_worker import Rows, Share, asked, joined, split, stacked, worker_share
 
 Flags = NDArray[np.bool_]
+MOST_ENVS = 4096
+"""At 20 MB and more each they fill the memory of a large machine."""
 
 
 class FollowVectorEnv(VectorEnv[Any, Any, Any]):
@@ -68,6 +70,10 @@ class FollowVectorEnv(VectorEnv[Any, Any, Any]):
         if num_envs < 1 or not 1 <= workers <= num_envs:
             raise InputError(f"need 1 <= `workers` <= `num_envs`, got {workers} and {num_envs}")
         require_workers(workers, "`workers`")
+        if num_envs > MOST_ENVS:
+            raise InputError(f"`num_envs` must not exceed {MOST_ENVS}, which take over 80 GB already, got {num_envs}")
+        if not 2.0 <= silent_s <= 86_400.0:
+            raise InputError(f"`silent_s` must lie in [2, 86400] s: signs of life come every second; got {silent_s}")
         single = FollowEnv(**fields)
         self.config = single.config
         self.interface = interface(single.config)

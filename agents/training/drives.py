@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ...envs.follow_env import FollowEnv
 from ...envs.registration import MAX_EPISODE_STEPS
-from ...slam.process_crew import Crew
+from ...slam.process_crew import Crew, require_workers
 from ..learned.network import Network
 from ..learned.pilot import Pilot, PilotConfig
 from .curriculum import Drawn
@@ -109,8 +109,10 @@ def drive_all(tasks: Sequence[DriveTask], workers: int) -> Generator[Drive]:
     """Yield what came of each task, in their order, on so many processes (1: on this one).
 
     Raises:
-        WorkerError: If one of the processes is lost.
+        InputError: If there are more processes than the machine has use for.
+        WorkerError: If one of them is lost.
     """
+    require_workers(workers, "`workers`")
     if workers == 1:
         yield from map(drive, tasks)
         return
