@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 MEMORY_KB = 1 << 20
 """Memory above the idle process that an input may take [kB]."""
 NUMBER, STARTED, SEEN, TAKEN, DECLINED, SLOWEST_S, SLOWEST, PEAK_KB, BEGAN_CPU = range(9)
-"""Entries of a board: the input at hand and since when; inputs seen, accepted, refused; the slowest; the most memory; the
+"""Entries of a board: the input at hand and since when; inputs seen, accepted, refused; the slowest; most memory; the
 processor's time when the input came."""
 
 
