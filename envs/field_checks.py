@@ -21,8 +21,8 @@ People = Annotated[int, Within(0, 200)]
 """People in a building: the forces between them are as many as their pairs."""
 Beams = Annotated[int, Within(2, MOST_BEAMS)]
 """Beams of a laser."""
-PIXELS = Within(2, 1024)
-"""Columns or rows of a camera, each pixel a ray: twice those of the Kinect V2."""
+PIXELS = Within(2, 640)
+"""Columns or rows of a camera, each pixel a ray: the Kinect V2 has 512, and a frame of it takes a second or two."""
 Slots = Annotated[int, Within(1, 1000)]
 """Rows of an observation: more than there can be people and what is taken for them."""
 MapCells = Annotated[int, Within(1, 1024)]

@@ -123,7 +123,7 @@ class FollowConfig:
 def _names(sensors: Any) -> tuple[str, ...]:
     """Return the names of sensors in their order, each once."""
     names = (sensors,) if isinstance(sensors, str) else sensors
-    plain = isinstance(names, Collection) and len(names) <= _MOST_NAMES
+    plain = isinstance(names, list | tuple | set | frozenset) and len(names) <= _MOST_NAMES
     if not plain or not all(isinstance(name, str) for name in names):
         raise InputError(
             f"`sensors` must be a list of names, one or more of {', '.join(SENSORS)}, got {shown(sensors)}"

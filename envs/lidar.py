@@ -7,7 +7,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from ..slam.bounds import FARTHEST_MOUNT_M, LONGEST_RANGE_M, Share, Within, check_numbers
+from ..slam.bounds import FARTHEST_MOUNT_M, LEAST_SPACING, LONGEST_RANGE_M, Share, Within, check_numbers
 from ..slam.errors import InputError
 from ..slam.scan import LaserScan
 from .field_checks import Beams, Opening, Rate
@@ -56,6 +56,9 @@ class LidarConfig:
 
     def __post_init__(self) -> None:
         check_numbers(self)
+        if self.field_of_view < LEAST_SPACING * (self.beams - 1):
+            rule = f"at least {LEAST_SPACING:g} rad a beam"
+            raise InputError(f"`field_of_view` must be {rule}, got {self.field_of_view} for {self.beams} beams")
         if not 0.0 <= self.range_min < self.range_max:
             raise InputError(f"need 0 <= `range_min` < `range_max` [m], got {self.range_min} and {self.range_max}")
         if not 0.0 <= self.dropout < 1.0:

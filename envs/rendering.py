@@ -45,7 +45,9 @@ def make_renderer(mode: str | None, backend: str) -> Renderer:
     Raises:
         InputError: If the mode or the back end is unknown, or "human" has no display to show itself on.
     """
-    if backend not in BACKENDS:
+    if not isinstance(mode, str | None):
+        raise unknown_name("render mode", mode, ("rgb_array", "human"))
+    if not isinstance(backend, str) or backend not in BACKENDS:
         raise unknown_name("render back end", backend, BACKENDS)
     if mode is None:
         return NoRenderer()

@@ -208,7 +208,7 @@ def memory_for(what: str) -> Iterator[None]:
     try:
         yield
     except MemoryError as error:
-        raise InputError(f"no memory is left for {what}: {shortened(str(error), 120)}") from error
+        raise InputError(f"no memory is left for {what}: {str(error)[:120]}") from error
 
 
 @dataclass(frozen=True)
@@ -244,17 +244,17 @@ def check_numbers(config: object) -> None:
             _check_number(rule, number, value)
 
 
-def _check_number(rule: _Rule, number: object, value: object) -> None:
+def _check_number(rule: _Rule, number: Any, value: object) -> None:
     if isinstance(number, (bool, np.bool_)) or not isinstance(number, Integral if rule.whole else Real):
         raise InputError(f"`{rule.name}` must be a {'whole ' * rule.whole}number, got {shortened(value)}")
     if rule.within:
         low, high = rule.within
-        if not low <= number <= high:  # pyright: ignore
+        if not low <= number <= high:
             raise InputError(f"`{rule.name}` must be within {low:g} .. {high:g}, got {shortened(value)}")
     elif rule.whole:
-        if not -_MOST_COUNT <= number <= _MOST_COUNT:  # pyright: ignore[reportOperatorIssue]
+        if not -_MOST_COUNT <= number <= _MOST_COUNT:
             raise InputError(f"`{rule.name}` must be within {-_MOST_COUNT} .. {_MOST_COUNT}, got {shortened(value)}")
-    elif not (number == 0 or _LEAST <= abs(number) <= _MOST):  # pyright: ignore[reportArgumentType]
+    elif not (number == 0 or _LEAST <= abs(number) <= _MOST):
         raise InputError(f"`{rule.name}` must be 0 or of a size within {_LEAST:g} .. {_MOST:g}, got {shortened(value)}")
 
 

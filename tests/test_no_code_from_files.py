@@ -48,8 +48,8 @@ def found_in_call(node, where):
     last = name.rpartition(".")[2] or getattr(node.func, "attr", "")
     if name in CALLS or name.startswith(("os.exec", "os.spawn", "os.posix_spawn")):
         yield name
-    of_numpy = name in ("np.load", "numpy.load")
-    if where.startswith("agents/") and last in STABLE_BASELINES and not of_numpy:
+    of_numpy, of_something = name in ("np.load", "numpy.load"), isinstance(node.func, ast.Attribute)
+    if where.startswith("agents/") and last in STABLE_BASELINES and of_something and not of_numpy:
         yield f"{last} of a model"
     if of_numpy and len(node.args) > 1:
         yield "np.load with more than a name"

@@ -6,8 +6,10 @@ dropped: at every moment the index points to the arrays that it was written with
 """
 
 import math
+import os
 import struct
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -15,18 +17,45 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from safetensors import SafetensorError, deserialize
-from safetensors.numpy import save_file
+from safetensors.numpy import save
 
 from ...slam.errors import InputError, one_line, shown
 from ...slam.files import read_json, replacing, write_json
 from ...slam.input_file import read_bytes
 from .model_state import Arrays, Shapes
 
+try:
+    import fcntl
+except ImportError:  # Windows has no such locks
+    fcntl = None
+
 INDEX = "checkpoint.json"
 _MOST_HEADER = 1 << 20
 """Bytes of a header: it names each array in about 120, and the largest model has some 200 of them."""
 _MOST = 1 << 53
 """Of a count: beyond it, a number of JSON need not be whole."""
+
+
+@contextmanager
+def only_writer(folder: Path) -> Iterator[None]:
+    """Be the only run that trains in `folder`, until the block is left or the process ends, however it ends.
+
+    Raises:
+        InputError: If another one does.
+    """
+    if fcntl is None:
+        yield
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        os.close(handle)
+        raise InputError(f"{folder}: another run is training there now") from error
+    try:
+        yield
+    finally:
+        os.close(handle)
 
 
 @dataclass
@@ -64,7 +93,7 @@ def save_checkpoint(folder: Path, arrays: Arrays, progress: Progress) -> None:
     numbers = [number for number in there if number is not None]
     file = _file(folder, max(numbers, default=0) + 1)
     with replacing(file) as temporary:
-        save_file(arrays, temporary)
+        temporary.write_bytes(save(arrays))  # a full disk is an OSError then, which `replacing` tells
     best = None if progress.best == float("-inf") else progress.best
     write_json(folder / INDEX, {**asdict(progress), "best": best, "model": _number(file)})
     for number in numbers:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from safetensors.numpy import save_file
+from safetensors.numpy import save
 
 from ...slam.files import replacing, write_json
 from ..learned.pilot import PilotConfig
@@ -28,7 +28,7 @@ def write_policy(
     with replacing(stem.with_suffix(".npz")) as temporary:
         np.savez_compressed(temporary, allow_pickle=False, **arrays)
     with replacing(stem.with_suffix(".safetensors")) as temporary:
-        save_file({name: np.ascontiguousarray(array) for name, array in arrays.items()}, temporary)
+        temporary.write_bytes(save({name: np.ascontiguousarray(array) for name, array in arrays.items()}))
     with replacing(stem.with_suffix(".onnx")) as temporary:
         temporary.write_bytes(to_onnx(arrays, pilot.features.shapes).SerializeToString())
     write_json(stem.with_suffix(".json"), {**card, "pilot": asdict(pilot)})

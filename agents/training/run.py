@@ -3,6 +3,7 @@
 import json
 import time
 from collections.abc import Callable
+from contextlib import closing
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,7 @@ from stable_baselines3.common.logger import Logger, configure
 
 from ...slam.errors import InputError, shown
 from ...slam.files import made_folder, read_json, write_json
-from .checkpoint import INDEX, Progress, load_arrays, load_progress, save_checkpoint
+from .checkpoint import INDEX, Progress, load_arrays, load_progress, only_writer, save_checkpoint
 from .curriculum import Curriculum
 from .evaluation import Evaluation, evaluate
 from .export import write_policy
@@ -97,14 +98,13 @@ class TrainingRun:
 
     def train(self) -> Progress:
         """Train to the end or until the time is up; return how far it came. The best policy is in the folder."""
-        try:
-            self._judge()
-            self._imitate()
-            self._reinforce()
-        except _TimeUp:
-            self._export_unjudged()
-        finally:
-            self._env.close()
+        with only_writer(self.folder), closing(self._env):
+            try:
+                self._judge()
+                self._imitate()
+                self._reinforce()
+            except _TimeUp:
+                self._export_unjudged()
         return self.progress
 
     def _resume(self) -> None:
@@ -192,7 +192,10 @@ class TrainingRun:
         self._log.record("evaluation/return", result.mean_return)
         self._log.record("evaluation/success", result.success)
         self._log.record("curriculum/level", self._curriculum.level)
-        self._log.dump(self.progress.steps or self.progress.rounds)
+        try:
+            self._log.dump(self.progress.steps or self.progress.rounds)
+        except OSError as error:
+            raise InputError(f"{self.folder / 'tensorboard'}: cannot be written ({error.strerror})") from error
         if result.mean_return > self.progress.best:
             self.progress.best = result.mean_return
             write_policy(self.folder / "policy", arrays, self._preset.pilot, self._card(result))

@@ -29,7 +29,7 @@ class MatcherConfig:
             on one wall do not pretend to a certainty they have not.
     """
 
-    samples: Annotated[int, Within(1, 100_000)] = 256
+    samples: Annotated[int, Within(1, 10_000)] = 256
     sample_points: Annotated[int, Within(1, 10_000)] = 60
     sample_weight: float = 30.0
     windows: Annotated[tuple[int, ...], Within(1, 15)] = (4, 3)

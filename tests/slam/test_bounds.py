@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 import pytest
@@ -33,8 +33,8 @@ OUT = r"no map reaches|would grow"
 NONSENSE = [1e25, -1e300, 9.3e18, np.inf, np.nan]
 
 
-def scan(ranges: np.ndarray | None = None, **changes) -> LaserScan:
-    values = {"ranges": np.full(61, 2.0) if ranges is None else ranges, "bearings": BEARINGS}
+def scan(ranges: np.ndarray | None = None, **changes: Any) -> LaserScan:
+    values: dict[str, Any] = {"ranges": np.full(61, 2.0) if ranges is None else ranges, "bearings": BEARINGS}
     return LaserScan(**(values | {"range_min": 0.1, "range_max": 8.0} | changes))
 
 
@@ -104,7 +104,7 @@ def test_a_scan_has_no_more_beams_than_any_scanner():
 @pytest.mark.parametrize("poses", [[[0, 0, 0], [1e300, 0, 0]], [[0, 0, 0], [2e4, 0, 0]], [[0, 0, np.nan], [0, 0, 0]]])
 @pytest.mark.parametrize("field", ["odometry", "reference"])
 def test_a_drive_names_the_scan_where_its_poses_go_wrong(field, poses):
-    both = {"odometry": np.zeros((2, 3)), "reference": None, field: np.array(poses, dtype=np.float64)}
+    both: dict[str, Any] = {"odometry": np.zeros((2, 3)), "reference": None, field: np.array(poses, dtype=np.float64)}
     with pytest.raises(InputError, match=rf"`{field}` must .* scans? [01]"):
         RecordedDrive(scans=[scan(), scan()], name="a", **both)
 
@@ -173,7 +173,7 @@ def test_a_map_is_drawn_in_cells_of_some_size_only(name, resolution):
 
 
 def test_a_search_of_more_poses_than_can_be_tried_is_refused():
-    coarse = {"local.submaps.submap.resolution": 5e-3, "local.matcher.max_linear": 10.0}
+    coarse: dict[str, Any] = {"local.submaps.submap.resolution": 5e-3, "local.matcher.max_linear": 10.0}
     engine = make_slam("cartographer", **coarse, **{"local.extrapolator.translation_floor": 9.0})
     engine.update(np.zeros(3), scan(range_max=8.0))
     with pytest.raises(InputError, match="`max_linear`"):

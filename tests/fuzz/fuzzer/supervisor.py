@@ -14,6 +14,7 @@ import numpy as np
 from fuzzer.border import Border
 from fuzzer.codec import encoded
 from fuzzer.worker import (
+    BEGAN_CPU,
     DECLINED,
     MEMORY_KB,
     NUMBER,
@@ -26,12 +27,15 @@ from fuzzer.worker import (
     Inputs,
     forked,
     new_board,
+    processor_s,
     resident_kb,
 )
 from numpy.typing import NDArray
 
 HANG_S = 10.0
-"""An input that takes longer hangs [s]."""
+"""An input hangs that works longer, or waits longer and does not work at all [s]."""
+_BUSY_S = 120.0  # ... or is not done after so long on a machine that has no time for it
+_IDLE = 0.05  # share of the time: who works less only waits
 _LOOK_S = 0.05
 _MOST_LOST = 12  # children of one border that crash, hang or swallow memory, before it is given up
 
@@ -103,7 +107,7 @@ def _watched(
         if chunk == b"":
             break
         text += chunk or b""
-        if time.monotonic() - board[STARTED] > HANG_S:
+        if _hangs(child, board):
             kind = "hang"
         elif resident_kb(child) - idle_kb > MEMORY_KB:
             kind = "memory"
@@ -119,6 +123,15 @@ def _watched(
     elif kind:
         said = f"after {time.monotonic() - board[STARTED]:.1f} s, {resident_kb(child)} kB"
     return kind, said, [json.loads(line) for line in text.split(b"\n")[:-1]]
+
+
+def _hangs(child: int, board: NDArray[np.float64]) -> bool:
+    """Return whether the input at hand hangs; on a busy machine, work takes longer than it should."""
+    waited_s = time.monotonic() - board[STARTED]
+    if waited_s <= HANG_S:
+        return False
+    worked_s = processor_s(child) - board[BEGAN_CPU]
+    return worked_s > HANG_S or worked_s < _IDLE * waited_s or waited_s > _BUSY_S
 
 
 def _last_words(folder: Path) -> str:

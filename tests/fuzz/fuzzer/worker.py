@@ -20,13 +20,14 @@ from numpy.typing import NDArray
 
 MEMORY_KB = 1 << 20
 """Memory above the idle process that an input may take [kB]."""
-NUMBER, STARTED, SEEN, TAKEN, DECLINED, SLOWEST_S, SLOWEST, PEAK_KB = range(8)
-"""Entries of a board: the input at hand and since when; inputs seen, accepted, refused; the slowest; most memory."""
+NUMBER, STARTED, SEEN, TAKEN, DECLINED, SLOWEST_S, SLOWEST, PEAK_KB, BEGAN_CPU = range(9)
+"""Entries of a board: the input at hand and since when; inputs seen, accepted, refused; the slowest; most memory; the
+processor's time when the input came."""
 
 
 def new_board() -> NDArray[np.float64]:
     """Return numbers that parent and child share."""
-    return np.frombuffer(mmap.mmap(-1, 8 * 8), dtype=np.float64)
+    return np.frombuffer(mmap.mmap(-1, 9 * 8), dtype=np.float64)
 
 
 def draws(border: Border, seed: int, number: int) -> np.random.Generator:
@@ -90,10 +91,10 @@ def _work(border: Border, inputs: Inputs, board: NDArray[np.float64], folder: Pa
     _limit_memory(border.reserved_mb << 10)
     idle_kb = resident_kb(os.getpid())
     for number in inputs.numbers:
-        board[STARTED], board[NUMBER] = time.monotonic(), number
+        board[STARTED], board[BEGAN_CPU], board[NUMBER] = time.monotonic(), time.process_time(), number
         value = inputs.of(border, number)
         began = time.monotonic()
-        board[STARTED] = began
+        board[STARTED], board[BEGAN_CPU] = began, time.process_time()
         verdict = judge(border, value, folder)
         took, over_kb = time.monotonic() - began, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - idle_kb
         board[SEEN] += 1
@@ -124,6 +125,15 @@ def resident_kb(process: int) -> int:
         return int(Path(f"/proc/{process}/statm").read_text().split()[1]) * resource.getpagesize() // 1024
     except (OSError, IndexError):
         return 0
+
+
+def processor_s(process: int) -> float:
+    """Return the processor time that a process has used [s], 0 if it has ended."""
+    try:
+        fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+    except OSError:
+        return 0.0
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def _tell(pipe: int, finding: dict[str, object]) -> None:
