@@ -10,13 +10,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..slam.errors import InputError
+from ..slam.errors import InputError, one_line, shown
 from ..slam.files import write_text
+from ..slam.input_file import named, parse_json, read_text
 
 FIRST_LINE = "tagalong joystick log 1"
 SHIPPED = Path(__file__).parent / "joystick_logs"
 """Folder of the logs that come with the program, all by the operator model: corridor, meeting_room, office."""
-_LONGEST = 10_000_000
+_LONGEST = 1_000_000  # steps: 28 hours at 10 Hz
+_LONGEST_STEP_S = 60.0
+_MOST_BYTES = 1 << 25  # a line of at most 25 bytes a step, and a header
+_TABLE = "step forward turn"
 MODEL = "operator model, not a human"
 """What stands under "made by" where the operator model held the stick."""
 
@@ -65,7 +69,7 @@ class JoystickLog:
             ("seed", self.seed, seed),
         ):
             if recorded != asked:
-                raise InputError(f"the joystick log was recorded with {what} {recorded!r}, not {asked!r}")
+                raise InputError(f"the joystick log was recorded with {what} {shown(recorded)}, not {shown(asked)}")
 
 
 def write_joystick_log(path: str | os.PathLike[str], log: JoystickLog) -> None:
@@ -78,7 +82,7 @@ def write_joystick_log(path: str | os.PathLike[str], log: JoystickLog) -> None:
         f"seed: {log.seed}",
         f"step_s: {log.step_s:g}",
         f"steps: {len(log.actions)}",
-        "step forward turn",
+        _TABLE,
     ]
     lines += [f"{k} {log.actions[k, 0]:.4f} {log.actions[k, 1]:.4f}" for k in log.changes]
     write_text(Path(path), "\n".join(lines) + "\n")
@@ -90,48 +94,61 @@ def read_joystick_log(path: str | os.PathLike[str]) -> JoystickLog:
     Raises:
         InputError: If it is none, naming file and line.
     """
-    shipped = SHIPPED / f"{path}.txt"
-    try:
-        lines = (shipped if shipped.is_file() else Path(path)).read_text(encoding="utf-8").splitlines()
-    except OSError as error:
-        raise InputError(f"{path}: {error.strerror}") from error
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: not a joystick log: it is no text ({error})") from error
-    if not lines or lines[0] != FIRST_LINE or "step forward turn" not in lines[:12]:
-        raise InputError(f"{path}: not a joystick log: its first line should be {FIRST_LINE!r}")
-    table = lines.index("step forward turn")
+    shipped = SHIPPED / f"{named(path)}.txt"
+    text = read_text(shipped if _is_shipped(shipped) else path, _MOST_BYTES, f"a log has at most {_MOST_BYTES} bytes")
+    lines = text.splitlines()
+    if not lines or lines[0] != FIRST_LINE or _TABLE not in lines[:12]:
+        raise InputError(f"{named(path)}: not a joystick log: its first line should be {FIRST_LINE!r}")
+    table = lines.index(_TABLE)
     header = dict(line.split(": ", 1) for line in lines[1:table] if ": " in line)
     try:
-        actions = _held(lines[table + 1 :], int(header["steps"]))
-        kwargs = json.loads(header["kwargs"])
-        made_by, env, seed, step_s = header["made by"], header["env"], int(header["seed"]), float(header["step_s"])
-        _check_values(kwargs, actions, seed, step_s)
-    except (KeyError, ValueError, IndexError) as error:
-        raise InputError(f"{path}: damaged joystick log ({error})") from error
+        actions = _held(lines[table + 1 :], _count("steps", header["steps"]))
+        kwargs = parse_json(header["kwargs"], "kwargs")
+        made_by, env, seed = header["made by"], header["env"], _count("seed", header["seed"])
+        step_s = float(header["step_s"])
+        _check_values(kwargs, actions, step_s)
+    except (KeyError, ValueError) as error:
+        raise InputError(f"{named(path)}: damaged joystick log ({one_line(str(error), 200)})") from error
     return JoystickLog(made_by, env, kwargs, seed, actions, step_s)
+
+
+def _is_shipped(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except OSError:  # no name that any file can have: what was given is a path, and opening it will say so
+        return False
+
+
+def _count(name: str, word: str) -> int:
+    """Return a whole number of the header; of more than twenty digits nothing is counted."""
+    if not (word.isdecimal() and word.isascii() and len(word) <= 20):
+        raise ValueError(f"{name}: a whole number, not negative, got {shown(word)}")
+    return int(word)
 
 
 def _held(lines: Sequence[str], steps: int) -> NDArray[np.float32]:
     """Return (steps, 2): each position of the stick held until the next one."""
-    if not 0 <= steps <= _LONGEST:
+    if steps > _LONGEST:
         raise ValueError(f"steps: 0 to {_LONGEST}, got {steps}")
     actions = np.zeros((steps, 2), dtype=np.float32)
+    since, held = 0, (0.0, 0.0)
     for line in lines:
-        step, forward, turn = line.split()
-        if not 0 <= int(step) < steps:
-            raise ValueError(f"step {step} is none of the {steps}")
-        actions[int(step) :] = (float(forward), float(turn))
+        words = line.split(maxsplit=3)
+        step = _count("step", words[0]) if len(words) == 3 else steps
+        if not since <= step < steps:
+            raise ValueError(f"a line is `step forward turn`, steps ascending from 0 to {steps - 1}; got {shown(line)}")
+        actions[since:step] = held
+        since, held = step, (float(words[1]), float(words[2]))
+    actions[since:] = held
     return actions
 
 
-def _check_values(kwargs: Any, actions: NDArray[np.float32], seed: int, step_s: float) -> None:
+def _check_values(kwargs: Any, actions: NDArray[np.float32], step_s: float) -> None:
     """Raise a ValueError that says what cannot be."""
     if not isinstance(kwargs, dict):
-        raise ValueError(f"kwargs: names with values, got {kwargs!r}")
-    if seed < 0:
-        raise ValueError(f"seed: not negative, got {seed}")
-    if not 0.0 < step_s < np.inf:
-        raise ValueError(f"step_s: a time in seconds, got {step_s}")
+        raise ValueError(f"kwargs: names with values, got {shown(kwargs)}")
+    if not 0.0 < step_s <= _LONGEST_STEP_S:
+        raise ValueError(f"step_s: a time in seconds, at most {_LONGEST_STEP_S}, got {step_s}")
     if not (np.abs(actions) <= 1.0).all():
         raise ValueError("the stick is in [-1, 1]")
 

@@ -1,16 +1,16 @@
 """Maps as ROS map_server stores them: an image (PGM) and a YAML file beside it, in its mode `trinary`."""
 
 import os
-import re
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..errors import InputError
+from ..errors import InputError, shown
 from ..files import replacing, write_text
+from ..input_file import checked_name
 from ..occupancy_map import OccupancyMap
 from .flat_yaml import Value, read_flat_yaml
+from .pgm import read_pgm
 
 # what map_saver writes: white is free, black is occupied, this grey is unknown
 _FREE, _OCCUPIED, _UNKNOWN = 254, 0, 205
@@ -57,7 +57,7 @@ def read_ros_map(path: str | os.PathLike[str]) -> OccupancyMap:
     entries = read_flat_yaml(file)
     mode = entries.get("mode", "trinary")
     if mode != "trinary":
-        raise InputError(f"{file}: only the mode trinary is supported, got {mode!r}")
+        raise InputError(f"{file}: only the mode trinary is supported, got {shown(mode)}")
     resolution = _number(file, entries, "resolution")
     if not _RESOLUTIONS[0] <= resolution <= _RESOLUTIONS[1]:
         raise InputError(
@@ -70,12 +70,13 @@ def read_ros_map(path: str | os.PathLike[str]) -> OccupancyMap:
     image = entries.get("image")
     if not isinstance(image, str) or not image:
         raise InputError(f"{file}: needs the key `image` with the name of the PGM file")
-    shades = _read_pgm(file.parent / image)[::-1]
+    pixels, white = read_pgm(file.parent / checked_name(image))
+    shades = np.arange(256) / white
     occupancy = shades if _number(file, entries, "negate", 0.0) else 1.0 - shades
-    probability = np.full(occupancy.shape, np.nan, dtype=np.float32)
+    probability = np.full(256, np.nan, dtype=np.float32)
     probability[occupancy > occupied_above] = 1.0
     probability[occupancy < free_below] = 0.0
-    return OccupancyMap(probability, resolution, origin)
+    return OccupancyMap(probability[pixels[::-1]], resolution, origin)
 
 
 def _number(file: Path, entries: dict[str, Value], key: str, default: float | None = None) -> float:
@@ -85,7 +86,7 @@ def _number(file: Path, entries: dict[str, Value], key: str, default: float | No
     except ValueError:
         number = np.nan
     if not np.isfinite(number):
-        raise InputError(f"{file}: the key `{key}` needs a number, got {'nothing' if value is None else repr(value)}")
+        raise InputError(f"{file}: the key `{key}` needs a number, got {'nothing' if value is None else shown(value)}")
     return number
 
 
@@ -96,36 +97,7 @@ def _origin(file: Path, entries: dict[str, Value]) -> tuple[float, float]:
     except ValueError:
         x = y = yaw = np.nan
     if not np.isfinite([x, y, yaw]).all():
-        raise InputError(f"{file}: the key `origin` needs [x, y, yaw], got {value!r}")
+        raise InputError(f"{file}: the key `origin` needs [x, y, yaw], got {shown(value)}")
     if yaw != 0.0:
         raise InputError(f"{file}: a map that is turned against its frame is not supported (yaw 0), got yaw {yaw}")
     return x, y
-
-
-def _read_pgm(path: Path) -> NDArray[np.float64]:
-    """Return the shades (rows, cols), top row first, in [0, 1], of a PGM image, binary (P5) or text (P2)."""
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"{path}: the map's image cannot be read ({error.strerror})") from error
-    blank = rb"(?:\s|#[^\n]*\n)+"
-    header = re.match(rb"(P[25])" + blank + rb"(\d{1,9})" + blank + rb"(\d{1,9})" + blank + rb"(\d{1,9})\s", content)
-    if header is None:
-        raise InputError(f"{path}: the map's image must be a PGM (P5 or P2), got {content[:16]!r}...")
-    cols, rows, white = (int(header[i]) for i in (2, 3, 4))
-    if not 0 < white < 256 or cols * rows == 0:
-        raise InputError(f"{path}: needs an 8-bit image that is not empty, got {cols} x {rows} with maximum {white}")
-    body = content[header.end() :]
-    try:
-        values = (np.frombuffer(body, np.uint8) if header[1] == b"P5" else np.array(body.split(), dtype=np.int64))[
-            : cols * rows
-        ]
-    except (ValueError, OverflowError) as error:
-        raise InputError(f"{path}: a P2 image holds whole numbers ({error})") from error
-    if len(values) != cols * rows:
-        raise InputError(f"{path}: the image is cut: needs {cols} x {rows} pixels, got {len(values)}")
-    if values.min() < 0 or values.max() > white:
-        raise InputError(
-            f"{path}: shades are from 0 to the image's maximum {white}, got {values.min()}, {values.max()}"
-        )
-    return values.reshape(rows, cols) / white

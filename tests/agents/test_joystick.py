@@ -88,10 +88,10 @@ def test_what_is_no_log_is_refused(tmp_path, text):
         ("step_s: 0.1", "step_s: nan", "time in seconds"),
         ("steps: ", "steps: 99999999999", "steps"),
         ("steps: ", "steps: -", "steps"),
-        ("step forward turn", "step forward turn\n-3 0.5 0.0", "none of the"),
+        ("step forward turn", "step forward turn\n-3 0.5 0.0", "not negative"),
         ("step forward turn", "step forward turn\n0 nan 0.0", "the stick"),
         ("step forward turn", "step forward turn\n0 1.5 0.0", "the stick"),
-        ("made by: keyboard", "made by: \udcff", "no text"),
+        ("made by: keyboard", "made by: \udcff", "expected a text file"),
         ("seed: 3", "seed: -3", "seed"),
     ],
 )

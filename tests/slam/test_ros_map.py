@@ -72,13 +72,13 @@ def test_text_images_comments_negation_and_block_lists_are_read(tmp_path):
         ("negate: 0", "negate: 0\nnegate: 1", r"m\.yaml:5: the key 'negate' comes twice"),
         ("negate: 0", "just words", r"m\.yaml:4: expected `key: value`"),
         ("image: m.pgm\n", "", "needs the key `image`"),
-        ("m.pgm", "none.pgm", "none.pgm: the map's image cannot be read"),
+        ("m.pgm", "none.pgm", "none.pgm: cannot be read"),
         ("m.pgm", "m.yaml", r"must be a PGM \(P5 or P2\)"),
         ("m.pgm", "cut.pgm", "the image is cut: needs 3 x 2 pixels, got 5"),
         ("m.pgm", "deep.pgm", "8-bit image"),
         ("m.pgm", "huge.pgm", "must be a PGM"),
-        ("m.pgm", "pale.pgm", "shades are from 0 to the image's maximum 255, got 0, 999"),
-        ("m.pgm", "far.pgm", "a P2 image holds whole numbers"),
+        ("m.pgm", "pale.pgm", "whole numbers from 0 to the image's maximum 255, got '999'"),
+        ("m.pgm", "far.pgm", "shades are whole numbers"),
     ],
 )
 def test_mistakes_are_named(tmp_path, old, new, message):
