@@ -1,14 +1,15 @@
 """The command `tagalong`: finds the sub-command, prints user errors in one line."""
 
 import argparse
-import os
 import sys
 from collections.abc import Callable, Sequence
 from importlib import import_module
+from typing import NoReturn
 
 from .. import __version__
-from ..slam.errors import InputError, MissingExtraError
+from ..slam.errors import InputError, one_line
 from ..slam.files import require_writable
+from .last_words import MOST_SAID, exit_status
 
 # name -> what it does; the code is in commands/NAME.py, imported only when it is used
 COMMANDS: dict[str, str] = {
@@ -36,20 +37,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def told(run: Callable[[], int]) -> int:
     """Return the exit status of `run`; what its user did wrong is told in one line, with status 2."""
     try:
-        return run()
-    except (InputError, MissingExtraError) as error:
-        print(f"tagalong: {error}", file=sys.stderr)
-        return 2
+        return exit_status(run)
     except KeyboardInterrupt:
         print("tagalong: interrupted", file=sys.stderr)
         return 130
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 141
+
+
+class _Parser(argparse.ArgumentParser):
+    """Shows words of thousands of characters in a few."""
+
+    def error(self, message: str) -> NoReturn:
+        """Print the usage and `message`, and exit with status 2."""
+        super().error(one_line(message, MOST_SAID))
 
 
 def _run(words: list[str]) -> int:
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         prog="tagalong",
         description="Follow a person through a building, map it on the way, keep the people out of the map.",
         epilog="Each command has its own --help with an example.",

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..slam.errors import InputError
 from ..slam.files import write_text
+from ..slam.input_file import read_text
 from .experiments.acceptance import mean_of
 from .experiments.people import summary as tracking_summary
 from .experiments.statistics import share, t_mean
@@ -18,6 +19,8 @@ SCENE_TITLES = {"corridor": "corridor", "meeting_room": "meeting room"}
 PAPER_ADNN_CM = {"corridor": 5.90, "meeting_room": 10.30}
 LOG_RIVALS = {"intel": "0.056 (0.043 by our scorer)", "belgioioso": "0.122", "aces": "0.95"}
 GRAPH_RIVALS = {"intel": "LaMa: 0.038", "belgioioso": "GMapping: 0.122", "aces": "LaMa: 0.095"}
+
+_MOST_BYTES = 1 << 24
 
 Row = tuple[str, str, str, str]
 
@@ -43,10 +46,7 @@ def require_readme(readme: Path) -> str:
     Raises:
         InputError: If it cannot be read, or the marks are missing.
     """
-    try:
-        text = readme.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{readme}: cannot be read ({error})") from error
+    text = read_text(readme, _MOST_BYTES, f"a README has at most {_MOST_BYTES} bytes")
     if BEGIN not in text or END not in text:
         raise InputError(f"{readme}: needs the marks {BEGIN} and {END}")
     return text

@@ -90,7 +90,7 @@ def _read(options: argparse.Namespace) -> tuple[list[LaserScan], NDArray[np.floa
     path = options.scans
     if not path.exists():
         raise InputError(f"no file {path}; give a CARMEN log, a ROS bag or an .npz of scans")
-    if path.suffix == ".npz" or is_zipfile(path):
+    if path.suffix == ".npz" or (path.is_file() and is_zipfile(path)):
         scans = read_scans_npz(path)
         return scans, np.zeros((len(scans), 3))
     drive = read_log(path, options.scan_topic, options.odometry_topic)

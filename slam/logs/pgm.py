@@ -42,7 +42,7 @@ def read_pgm(path: Path) -> tuple[NDArray[np.uint8], int]:
     if len(values) != cols * rows:
         raise InputError(f"{named(path)}: the image is cut: needs {cols} x {rows} pixels, got {len(values)}")
     if values.max() > white:
-        raise InputError(f"{named(path)}: shades are whole numbers from 0 to the image's maximum {white}, got {values.max()}")
+        raise InputError(f"{named(path)}: shades are from 0 to the image's maximum {white}, got {values.max()}")
     return values.reshape(rows, cols), white
 
 

@@ -1,11 +1,20 @@
 """Files that come damaged."""
 
+import os
+import resource
+import shutil
 import zipfile
+from contextlib import contextmanager
+from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
+from tagalong.scripts.figures.canvas import save_png
+from tagalong.scripts.figures.video import save_gif
 from tagalong.slam.errors import InputError
-from tagalong.slam.files import read_arrays, write_json
+from tagalong.slam.files import made_folder, read_arrays, replacing, require_writable, write_json
+from tagalong.slam.logs.text import write_lines
 
 
 def test_arrays_come_back_by_name(tmp_path):
@@ -54,3 +63,80 @@ def test_a_folder_in_the_way_of_a_file_is_named(tmp_path):
     with pytest.raises(InputError, match=r"scores\.json: cannot be written"):
         write_json(tmp_path / "scores.json", {})
     assert [entry.name for entry in tmp_path.iterdir()] == ["scores.json"]
+
+
+@contextmanager
+def full_disk():
+    """No file may grow beyond 2 kB; the system says so as it says that a disk is full."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (2000, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def test_a_full_disk_is_one_error_and_leaves_nothing_behind(tmp_path):
+    noise = np.random.default_rng(0).integers(0, 255, (99, 99, 3), dtype=np.uint8)
+    lines = [f"{value}" for value in noise.ravel()[:2000]]
+    for name, write in {
+        "a.json": lambda path: write_json(path, {"a": lines}),
+        "a.log.gz": lambda path: write_lines(path, lines * 5),
+        "a.npz": lambda path: save_arrays(path, noise),
+        "a.png": lambda path: save_png(path, Image.fromarray(noise)),
+        "a.gif": lambda path: save_gif(path, [noise], 10.0),
+    }.items():
+        write(tmp_path / name)
+        whole = (tmp_path / name).read_bytes()
+        with full_disk(), pytest.raises(InputError, match=rf"{name}: cannot be written \(File too large\)"):
+            write(tmp_path / name)
+        assert (tmp_path / name).read_bytes() == whole
+        assert not list(tmp_path.glob(".*"))
+
+
+def save_arrays(path, noise):
+    with replacing(path) as temporary:
+        np.savez_compressed(temporary, noise=noise)
+
+
+def test_what_is_no_file_is_never_replaced(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "link").symlink_to(tmp_path / "pipe")
+    for target in (tmp_path / "pipe", tmp_path / "link", Path("/dev/null")):
+        was = target.stat().st_mode
+        with pytest.raises(InputError, match=r"cannot be written \(is a (pipe|device), not a file\)"):
+            write_json(target, {})
+        with pytest.raises(InputError, match=r"cannot be written \(is a (pipe|device), not a file\)"):
+            require_writable(target)
+        assert target.stat().st_mode == was
+
+
+def test_a_link_stays_a_link_and_what_it_points_to_is_replaced(tmp_path):
+    (tmp_path / "real.json").write_text("old")
+    (tmp_path / "link.json").symlink_to(tmp_path / "real.json")
+    (tmp_path / "new.json").symlink_to(tmp_path / "deep" / "made.json")
+    for name in ("link", "new"):
+        write_json(tmp_path / f"{name}.json", {"a": 1})
+        assert (tmp_path / f"{name}.json").is_symlink()
+    assert "1" in (tmp_path / "real.json").read_text()
+    assert "1" in (tmp_path / "deep" / "made.json").read_text()
+
+
+@pytest.mark.parametrize("name", ["n" * 300, "a\0b", "\ud800", "loop", "x" * 5000])
+def test_names_that_no_file_can_have_are_one_error(name, tmp_path):
+    (tmp_path / "loop").symlink_to(tmp_path / "loop")
+    for attempt in (lambda path: write_json(path, {}), made_folder, require_writable):
+        with pytest.raises(InputError) as error:
+            attempt(tmp_path / name)
+        assert "\n" not in str(error.value)
+        assert len(str(error.value)) < 600
+
+
+def test_the_longest_name_that_a_file_can_have_can_be_written(tmp_path):
+    write_json(tmp_path / ("n" * 250 + ".json"), {})
+    assert len(list(tmp_path.iterdir())) == 1
+
+
+def test_a_folder_that_is_gone_meanwhile_is_one_error(tmp_path):
+    with pytest.raises(InputError, match=r"a.json: cannot be written"), replacing(tmp_path / "out" / "a.json"):
+        shutil.rmtree(tmp_path / "out")
