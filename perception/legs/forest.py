@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...slam.errors import InputError
+from ...slam.errors import InputError, shown
 from ...slam.files import read_arrays, read_json, replacing, write_json
+from ...slam.input_file import checked_name, named
 from ...slam.scan import LaserScan
 from ..stages import Stages, completed
 from .clusters import Clusters
@@ -19,6 +20,7 @@ from .forest_kernel import is_sound, packed, vote
 
 MODELS = Path(__file__).resolve().parent.parent / "models"
 SHIPPED = ("real", "simulation")
+_MOST_ODDS = 1e6
 _ARRAYS = {"feature": np.int8, "value": np.float32, "right": np.int32, "roots": np.int32, "odds": np.float64}
 
 
@@ -54,17 +56,24 @@ class LegForest:
 
     @classmethod
     def _read(cls, path: Path) -> "LegForest":
-        if not path.exists():
-            raise InputError(f"no leg forest {str(path)!r}: give {' or '.join(SHIPPED)}, or a file")
+        if not checked_name(path).exists():
+            raise InputError(f"no leg forest {shown(str(path))}: give {' or '.join(SHIPPED)}, or a file")
         try:
             content = read_arrays(path)
-            names = tuple(str(name) for name in content["feature_names"])
-            arrays = {key: content[key].astype(kind) for key, kind in _ARRAYS.items()}
-        except (InputError, KeyError, ValueError, TypeError) as error:
-            raise InputError(f"{path} is not a leg forest (npz of `tagalong train legs`): {error}") from None
+        except InputError as error:
+            raise InputError(f"not a leg forest (npz of `tagalong train legs`): {error}") from None
+        missing = [name for name in ("feature_names", *_ARRAYS) if name not in content]
+        if missing:
+            raise InputError(f"{named(path)} is not a leg forest (npz of `tagalong train legs`): no {missing}")
+        names = tuple(str(name) for name in content["feature_names"].ravel())
         if names != FEATURE_NAMES:
             raise InputError(f"{path} was trained on other features ({len(names)}) than these ({len(FEATURE_NAMES)})")
-        forest = cls(**{**arrays, "odds": float(arrays["odds"])})
+        for name, kind in _ARRAYS.items():
+            array, dimensions = content[name], 0 if name == "odds" else 1
+            if array.dtype != kind or array.ndim != dimensions:
+                rule = f"of {np.dtype(kind).name} with {dimensions} dimensions"
+                raise InputError(f"{path}: `{name}` must be {rule}, got {array.dtype} with {array.ndim}")
+        forest = cls(**{**{name: content[name] for name in _ARRAYS}, "odds": float(content["odds"])})
         if not forest._is_sound():
             raise InputError(f"{path} is damaged: its trees do not end in leaves")
         return forest
@@ -103,7 +112,7 @@ class LegForest:
 
     def _is_sound(self) -> bool:
         shapes = {self.feature.shape, self.value.shape, self.right.shape}
-        if len(shapes) != 1 or self.feature.ndim != 1 or self.roots.ndim != 1 or not self.odds > 0.0:
+        if len(shapes) != 1 or self.feature.ndim != 1 or self.roots.ndim != 1 or not 0.0 < self.odds <= _MOST_ODDS:
             return False
         leaves = self.value[self.feature < 0]
         in_bounds = np.isfinite(self.value).all() and (leaves >= 0.0).all() and (leaves <= 1.0).all()

@@ -14,6 +14,7 @@ after the left one. A leaf is its own child, with the threshold +inf: who has ar
 """
 MOST_NODES = 1 << 24
 MOST_FEATURES = 1 << 8
+MOST_TREES, MOST_DEPTH = 10_000, 1000  # a cluster is asked at every level of every tree: 100 and 30 are usual
 _FEATURE_BITS = np.uint32(8)
 _FEATURE = np.uint32(MOST_FEATURES - 1)
 
@@ -71,13 +72,13 @@ def vote(nodes, share, depth, trees, rows, out):
 
 @njit(cache=True, nogil=True)
 def is_sound(feature, right, roots, columns):
-    """Whether these are trees: each node inside the arrays and reached once; and `packed` has room for them."""
+    """Whether these are trees: each node inside the arrays and reached once; and `packed` and `vote` do them soon."""
     count = len(feature)
     if count == 0 or len(roots) == 0 or roots.min() < 0 or roots.max() >= count or feature[count - 1] >= 0:
         return False
-    if count > MOST_NODES or columns > MOST_FEATURES:
+    if count > MOST_NODES or columns > MOST_FEATURES or len(roots) > MOST_TREES:
         return False
-    reached = np.zeros(count, np.int64)
+    reached, depth = np.zeros(count, np.int64), np.zeros(count, np.int64)
     for root in roots:
         reached[root] += 1
     for node in range(count):
@@ -85,8 +86,11 @@ def is_sound(feature, right, roots, columns):
             continue
         if feature[node] >= columns or right[node] <= node or right[node] >= count:
             return False
-        reached[node + 1] += 1
-        reached[right[node]] += 1
+        if depth[node] >= MOST_DEPTH:
+            return False
+        for child in (node + 1, np.int64(right[node])):
+            reached[child] += 1
+            depth[child] = depth[node] + 1
     return reached.min() == 1 and reached.max() == 1
 
 

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...slam.errors import InputError
+from ...slam.errors import InputError, shown
 from ...slam.files import read_arrays, read_json, replacing, write_json
+from ...slam.input_file import checked_name, named
 from .frame import RgbdFrame
 from .heads import Candidates
 from .hog import hog, hog_length
@@ -59,15 +60,24 @@ class PersonSvm:
         Raises:
             InputError: If there is none, or the file is damaged or made for other features.
         """
-        if not Path(path).exists():
-            raise InputError(f"there is no classifier of people at {path}")
+        if not checked_name(path).exists():
+            raise InputError(f"there is no classifier of people at {named(path)}")
         try:
             content = read_arrays(path)
-            weights, rest = content["weights"].astype(np.float32), content["calibration"].astype(np.float64)
-            bias, slope, offset = (float(value) for value in rest)
-        except (InputError, KeyError, ValueError, TypeError) as error:
-            raise InputError(f"{path} is no classifier of people (npz of `tagalong train people`): {error}") from None
-        return cls(weights, bias, slope, offset)
+        except InputError as error:
+            raise InputError(f"no classifier of people (npz of `tagalong train people`): {error}") from None
+        for name, shape in (("weights", (LENGTH,)), ("calibration", (3,))):
+            if name not in content or content[name].shape != shape or content[name].dtype.kind != "f":
+                got = f"{content[name].dtype} {shown(content[name].shape)}" if name in content else "none"
+                raise InputError(
+                    f"{named(path)} is no classifier of people (npz of `tagalong train people`): `{name}` must be "
+                    f"floats of shape {shape}, got {got}"
+                )
+        bias, slope, offset = content["calibration"].astype(np.float64).tolist()
+        try:
+            return cls(content["weights"].astype(np.float32), bias, slope, offset)
+        except InputError as error:
+            raise InputError(f"{named(path)}: {error}") from error
 
     def save(self, path: str | os.PathLike[str], card: dict[str, Any]) -> None:
         """Write the arrays to `path` (.npz) and `card` (what it was trained on, how well it does) beside it (.json)."""

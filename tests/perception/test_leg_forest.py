@@ -11,7 +11,7 @@ from tagalong.perception.legs.clusters import cluster_scan
 from tagalong.perception.legs.detector import LegDetector, LegDetectorConfig
 from tagalong.perception.legs.features import FEATURE_NAMES
 from tagalong.perception.legs.forest import SHIPPED, LegForest, read_card
-from tagalong.perception.legs.forest_kernel import is_sound, vote_reference
+from tagalong.perception.legs.forest_kernel import MOST_DEPTH, is_sound, vote_reference
 from tagalong.scripts.training.train_legs import flatten_forest
 from tagalong.slam.errors import InputError
 from tagalong.slam.scan import LaserScan
@@ -87,6 +87,37 @@ def test_a_forest_with_damaged_arrays_is_refused(learned, tmp_path, key, value):
     np.savez(tmp_path / "broken.npz", **content)
     with pytest.raises(InputError, match="damaged"):
         LegForest.load(tmp_path / "broken.npz")
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("odds", np.ones(2)),
+        ("odds", np.array("many")),
+        ("odds", np.array(np.inf)),
+        ("feature", np.zeros((2, 2), np.int8)),
+        ("value", np.array(["a"])),
+        ("right", np.array([1e300])),
+        ("roots", np.zeros(0, np.int32)),
+    ],
+)
+def test_a_forest_of_other_arrays_than_were_saved_is_refused(learned, tmp_path, key, value):
+    learned[2].save(tmp_path / "legs.npz", {})
+    with np.load(tmp_path / "legs.npz") as file:
+        content = dict(file)
+    np.savez(tmp_path / "broken.npz", **{**content, key: value})
+    with pytest.raises(InputError, match=r"broken\.npz"):
+        LegForest.load(tmp_path / "broken.npz")
+
+
+def test_a_tree_like_a_chain_is_refused():
+    """Every cluster is asked at every level: a chain of a million would take seconds a scan."""
+    chain = 2 * MOST_DEPTH + 3
+    feature = np.where(np.arange(chain) % 2 == 0, 0, -1)
+    feature[-1] = -1
+    right = np.where(feature == 0, np.arange(chain) + 2, 0)
+    assert not is_sound(feature, right, np.array([0]), 1)
+    assert is_sound(feature[2:], np.maximum(right[2:] - 2, 0), np.array([0]), 1)
 
 
 def test_a_forest_whose_walks_meet_is_refused():
