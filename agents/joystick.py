@@ -106,7 +106,7 @@ def read_joystick_log(path: str | os.PathLike[str]) -> JoystickLog:
         kwargs = parse_json(header["kwargs"], "kwargs")
         made_by, env, seed = header["made by"], header["env"], _count("seed", header["seed"])
         step_s = float(header["step_s"])
-        _check_values(kwargs, actions, step_s)
+        _check_values(kwargs, step_s)
     except (KeyError, ValueError) as error:
         raise InputError(f"{named(path)}: damaged joystick log ({one_line(str(error), 200)})") from error
     return JoystickLog(made_by, env, kwargs, seed, actions, step_s)
@@ -139,18 +139,18 @@ def _held(lines: Sequence[str], steps: int) -> NDArray[np.float32]:
             raise ValueError(f"a line is `step forward turn`, steps ascending from 0 to {steps - 1}; got {shown(line)}")
         actions[since:step] = held
         since, held = step, (float(words[1]), float(words[2]))
+        if not all(abs(value) <= 1.0 for value in held):
+            raise ValueError(f"the stick is in [-1, 1], got {shown(line)}")
     actions[since:] = held
     return actions
 
 
-def _check_values(kwargs: Any, actions: NDArray[np.float32], step_s: float) -> None:
+def _check_values(kwargs: Any, step_s: float) -> None:
     """Raise a ValueError that says what cannot be."""
     if not isinstance(kwargs, dict):
         raise ValueError(f"kwargs: names with values, got {shown(kwargs)}")
     if not 0.0 < step_s <= _LONGEST_STEP_S:
         raise ValueError(f"step_s: a time in seconds, at most {_LONGEST_STEP_S}, got {step_s}")
-    if not (np.abs(actions) <= 1.0).all():
-        raise ValueError("the stick is in [-1, 1]")
 
 
 class JoystickReplay:

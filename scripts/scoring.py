@@ -9,13 +9,13 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ..slam.errors import InputError
+from ..slam.errors import InputError, shown
 from ..slam.geometry import compose, inverse, transform_points
 from ..slam.logs.carmen import read_carmen
 from ..slam.logs.drive_folder import read_feet
 from ..slam.logs.relations import read_readings, read_relations
 from ..slam.logs.ros_map import read_ros_map
-from ..slam.logs.text import numbered_lines
+from ..slam.logs.text import finite_numbers, numbered_lines
 from ..slam.logs.tum import read_tum
 from ..slam.quality.cells import common_cells, dynamic_residue
 from ..slam.quality.relations import score_relations
@@ -26,7 +26,7 @@ Kind = Literal["trajectory", "relations", "map", "log"]
 Rows = list[tuple[str, str, str]]
 
 _CARMEN_WORDS = {"FLASER", "RLASER", "ROBOTLASER1", "ODOM", "PARAM", "NEFF", "SYNC"}
-_LINES_LOOKED_AT = 200
+_LINES_LOOKED_AT, _MOST_COLUMNS = 200, 8
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,9 @@ def kind_of(path: str | os.PathLike[str]) -> Kind:
         InputError: If it cannot be read or is none of the four kinds.
     """
     lines = (line.strip() for _, line in islice(numbered_lines(path), _LINES_LOOKED_AT))
-    words = [line.split() for line in lines if line and not line.startswith("#") and line != "---"]
+    words = [
+        line.split(maxsplit=_MOST_COLUMNS) for line in lines if line and not line.startswith("#") and line != "---"
+    ]
     if not words:
         raise InputError(f"{os.fspath(path)}: is empty")
     if words[0][0] in _CARMEN_WORDS:
@@ -71,8 +73,8 @@ def kind_of(path: str | os.PathLike[str]) -> Kind:
     if words[0][0].endswith(":"):
         return "map"
     try:
-        numbers = [[float(word) for word in line] for line in words]
-    except ValueError:
+        numbers = [finite_numbers(line, "") for line in words]
+    except InputError:
         numbers = []
     columns = {len(line) for line in numbers}
     if columns == {5}:
@@ -83,7 +85,7 @@ def kind_of(path: str | os.PathLike[str]) -> Kind:
         return "trajectory" if np.all(np.abs(lengths - 1.0) < 1e-2) else "relations"
     raise InputError(
         f"{os.fspath(path)}: neither a TUM trajectory, nor relations, nor a CARMEN log, nor a map.yaml; "
-        f"it begins with {' '.join(words[0])[:40]!r}"
+        f"it begins with {shown(' '.join(words[0]), 40)}"
     )
 
 

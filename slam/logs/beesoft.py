@@ -23,7 +23,7 @@ from ..occupancy_map import OccupancyMap
 from ..scan import LaserScan
 from .drive import RecordedDrive
 from .sizes import MOST_CELLS, DriveLength
-from .text import first_line, numbered_lines, numbers, whole_number
+from .text import LARGEST, first_line, numbered_lines, numbers, whole_number
 
 _BEAMS = 180
 _BEARINGS = np.radians(np.arange(_BEAMS) - 89.5)
@@ -72,8 +72,8 @@ def read_beesoft_log(path: str | os.PathLike[str]) -> RecordedDrive:
         if len(words) != count + 1:
             raise InputError(f"{where}: needs {count} numbers after {words[0]}, got {len(words) - 1}")
         values = np.array(numbers(words[1:], where, "a number"))
-        if not np.isfinite(values[:6]).all():
-            raise InputError(f"{where}: expected finite poses, got {shown(words[1:7])}")
+        if not (np.abs(values[:6]) <= LARGEST).all():
+            raise InputError(f"{where}: expected finite poses of at most {LARGEST:g}, got {shown(words[1:7])}")
         if words[0] == "L":
             length.add(_BEAMS)
             pose, laser = values[:3] * [_CM, _CM, 1.0], values[3:6] * [_CM, _CM, 1.0]

@@ -21,7 +21,7 @@ from ..scan import LaserScan
 from .beams import cut_behind, measured
 from .drive import RecordedDrive
 from .sizes import DriveLength
-from .text import numbered_bytes, whole_number
+from .text import LARGEST, numbered_bytes, whole_number
 
 Pose = tuple[float, float, float]
 
@@ -121,8 +121,8 @@ def _count(words: list[bytes], index: int, what: str) -> int:
 
 
 def _poses(values: NDArray[np.float64]) -> tuple[Pose, Pose]:
-    if not np.isfinite(values[:6]).all():
-        raise ValueError(f"expected finite poses, got {values[:6]}")
+    if not (np.abs(values[:6]) <= LARGEST).all():
+        raise ValueError(f"expected finite poses of at most {LARGEST:g}, got {shown(values[:6].tolist())}")
     x, y, theta, odom_x, odom_y, odom_theta = values[:6].tolist()
     return (x, y, theta), (odom_x, odom_y, odom_theta)
 

@@ -18,7 +18,7 @@ from ..geometry import wrap_angle
 from ..scan import LaserScan
 from .drive import RecordedDrive
 from .sizes import DriveLength
-from .text import first_line, numbered_lines, numbers, whole_number
+from .text import LARGEST, first_line, numbered_lines, numbers, whole_number
 
 _LASER = (0.40, 0.0, 0.0)  # T_robot_lidar
 _NEAR, _FAR, _CODES = 8.0, 81.0, 8.192  # [m] what either kind measures; values up to the last are of the first kind
@@ -68,7 +68,7 @@ def read_dpslam_log(path: str | os.PathLike[str]) -> RecordedDrive:
 
 def _pose(words: list[str], where: str) -> list[float]:
     pose = numbers(words, where, "a number")
-    if len(pose) != 3 or not np.isfinite(pose).all():
+    if len(pose) != 3 or not all(abs(value) <= LARGEST for value in pose):
         raise InputError(f"{where}: needs x, y and theta after Odometry, got {shown(' '.join(words))}")
     return pose
 
