@@ -119,7 +119,7 @@ def _sweeps(bag: Bag, topic: str, path: Path) -> list[_Sweep]:
     """Return what the scans of a topic say."""
     sweeps, room = [], DriveLength(path)
     for recorded_s, content in bag.messages(topic):
-        with as_defined(f"{path}: {topic}"):
+        with as_defined(f"{path}: {topic}"), np.errstate(invalid="ignore"):  # bytes that are no number stay none
             room.add(len(content.ranges))
             limits = (content.angle_min, content.angle_increment, content.range_min, content.range_max)
             ranges = np.asarray(content.ranges, dtype=np.float64).reshape(-1)

@@ -41,10 +41,11 @@ def read_scans_npz(path: str | os.PathLike[str]) -> list[LaserScan]:
     if not step > 0.0:
         raise InputError(f"{path}: `angle_increment` must be positive [rad], got {step}")
     bearings = first + step * np.arange(ranges.shape[1])
-    return [
-        LaserScan(*cut_behind(measured(row.astype(np.float64), limits[0]), bearings), *limits, time_s=float(time))
-        for row, time in zip(ranges, times - times[0], strict=True)
-    ]
+    with np.errstate(invalid="ignore"):  # bytes that are no number stay none
+        return [
+            LaserScan(*cut_behind(measured(row.astype(np.float64), limits[0]), bearings), *limits, time_s=float(time))
+            for row, time in zip(ranges, times - times[0], strict=True)
+        ]
 
 
 def _number(path: Path, name: str, value: NDArray[Any]) -> float:

@@ -26,7 +26,7 @@ _DIGITS = 9
 """Of a count: more of anything than these can say has no room in memory."""
 _GZIP_MAGIC = b"\x1f\x8b"
 _BLOCK = 1 << 16
-_COUNTED_FROM = 64 * MIB
+_COUNTED_FROM = 8 * MIB
 
 
 def numbered_lines(

@@ -1,5 +1,6 @@
 """Bags written by the library, read as drives."""
 
+import bz2
 import lzma
 import os
 import shutil
@@ -7,6 +8,7 @@ import sqlite3
 import sys
 from contextlib import closing
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,7 +16,8 @@ from tagalong.scripts.cli import main
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between
 from tagalong.slam.laser_odometry import laser_odometry
-from tagalong.slam.logs.bag_messages import open_bag
+from tagalong.slam.logs.bag_messages import _unpacked_bz2 as unpacked_bz2
+from tagalong.slam.logs.bag_messages import as_defined, open_bag
 from tagalong.slam.logs.log import read_log
 from tagalong.slam.logs.rosbag import read_rosbag
 
@@ -217,6 +220,40 @@ def test_a_bag_cut_in_the_middle_is_named_with_what_restores_it(tmp_path):
     (tmp_path / "cut.bag").write_bytes(whole[: len(whole) // 2])
     with pytest.raises(InputError, match=r"cut\.bag: no readable ROS bag .*`rosbag reindex` restores"):
         read_log(tmp_path / "cut.bag")
+
+
+def test_a_folder_that_holds_a_pipe_is_refused_at_once(tmp_path):
+    write_drive(tmp_path / "bag", ros2=True)
+    os.mkfifo(tmp_path / "bag" / "more.db3")
+    with pytest.raises(InputError, match=r"more\.db3: is a pipe, where a file is needed"):
+        read_log(tmp_path / "bag")
+
+
+def test_a_message_that_is_not_what_its_type_says_is_one_error():
+    """A bag brings the definitions of its types along."""
+    content = SimpleNamespace(ranges="far")
+    with pytest.raises(InputError, match="scan: a message is not what its type says"), as_defined("scan"):
+        print(content.header.stamp)
+
+
+def test_a_chunk_that_unpacks_to_gigabytes_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr("tagalong.slam.logs.bag_messages._MOST_CHUNK", 1000)
+    with pytest.raises(ValueError, match="unpacks to more than 1000 bytes"):
+        unpacked_bz2(bz2.compress(bytes(100_000)))
+    monkeypatch.setattr(Writer1, "__init__", compressed(Writer1.__init__))
+    write_drive(tmp_path / "drive.bag")
+    with pytest.raises(InputError, match="unpacks to more than 1000 bytes"):
+        read_log(tmp_path / "drive.bag")
+
+
+def compressed(made):
+    """The constructor of a writer that compresses what it writes."""
+
+    def init(self, path):
+        made(self, path)
+        self.set_compression(self.CompressionFormat.BZ2)
+
+    return init
 
 
 def test_a_bag_that_lacks_the_messages_of_its_index_is_named(tmp_path):
