@@ -16,7 +16,7 @@ from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hi
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import InputError
+from .errors import InputError, shown
 
 Array = NDArray[np.float64]
 
@@ -41,10 +41,11 @@ MOST_BEAMS = 32_768
 """Most beams of a sweep; the finest planar scanner takes 25,200 samples a turn."""
 FINEST_CELL_M, COARSEST_CELL_M = 1e-3, 100.0
 """Sides of cells [m]: lasers measure no better than a millimetre, and nothing is left of a building at 100 m."""
-MOST_CELLS = 100_000_000
-"""Most cells of a finished map, 500 m x 500 m at 5 cm: 400 MB."""
-MOST_DRAWN = 50_000_000
-"""Most cells of a map that is drawn, 350 m x 350 m at 5 cm: a gigabyte while it grows and is made a finished one."""
+MOST_CELLS = 400_000_000
+"""Most cells of a map, 1 km x 1 km at 5 cm: 1.6 GB."""
+FREE_CELLS, CELLS_A_SCAN = 50_000_000, 100_000
+"""Cells of a map that is drawn: so many at once, 350 m x 350 m at 5 cm, a gigabyte while it grows; and so many more for
+each scan in it, 16 m x 16 m: a campus has thousands of scans, one wrong number in a short log has not."""
 _MOST_INDEX = 2.0**40  # of a cell from the origin: sums and products of two such still are whole numbers of 64 bits
 _LEAST, _MOST = 1e-9, 1e9  # size of a setting that has no bound of its own: no product of a few overflows or vanishes
 _MOST_COUNT = 1_000_000  # of a setting that is a whole number, likewise
@@ -77,12 +78,6 @@ Seed = Annotated[int, Within(0, 2**32 - 1)]
 """Of random draws: what every generator takes."""
 
 
-def shortened(value: object, most: int = 60) -> str:
-    """Return `value` as one line of about `most` characters at most, for an error."""
-    text = " ".join(repr(value.tolist() if isinstance(value, np.generic) else value)[: 20 * most].split())
-    return text if len(text) <= most else f"{text[: most - 10]} ... ({len(text)} characters)"
-
-
 def checked_pose(value: ArrayLike, name: str = "odometry", before: Array | None = None) -> Array:
     """Return a pose from outside as a new array (3,) [m, m, rad].
 
@@ -97,12 +92,12 @@ def checked_pose(value: ArrayLike, name: str = "odometry", before: Array | None 
     try:
         pose = np.array(value, dtype=np.float64)
     except (TypeError, ValueError) as error:
-        raise InputError(f"`{name}` must be three numbers (x, y, theta), got {shortened(value)}") from error
+        raise InputError(f"`{name}` must be three numbers (x, y, theta), got {shown(value)}") from error
     if pose.shape != (3,):
         raise InputError(f"`{name}` must be a finite pose of shape (3,), got shape {pose.shape}")
     x, y, theta = pose.tolist()
     if not (abs(x) <= FARTHEST_M and abs(y) <= FARTHEST_M and abs(theta) <= MOST_TURNED):  # no NaN is
-        raise InputError(f"`{name}` must be a finite pose {_POSE_RULE}, got {shortened(pose.tolist())}")
+        raise InputError(f"`{name}` must be a finite pose {_POSE_RULE}, got {shown(pose.tolist())}")
     if before is not None:
         way = math.hypot(x - before.item(0), y - before.item(1))
         if way > MOST_JUMP_M:
@@ -119,14 +114,14 @@ def check_mount(pose: object, name: str = "T_robot_lidar") -> None:
     except (TypeError, ValueError):
         pass
     raise InputError(
-        f"`{name}` must be a pose within {FARTHEST_MOUNT_M:g} m and {MOST_TURNED:g} rad, got {shortened(pose)}"
+        f"`{name}` must be a pose within {FARTHEST_MOUNT_M:g} m and {MOST_TURNED:g} rad, got {shown(pose)}"
     )
 
 
 def check_time(time_s: float, name: str = "time_s") -> None:
     """Raise InputError unless a time [s] is finite and one that clocks show."""
     if not -LATEST_S <= time_s <= LATEST_S:
-        raise InputError(f"`{name}` must be finite and within {LATEST_S:g} s, got {shortened(time_s)}")
+        raise InputError(f"`{name}` must be finite and within {LATEST_S:g} s, got {shown(time_s)}")
 
 
 _POSE_RULE = f"within {FARTHEST_M:g} m and {MOST_TURNED:g} rad"
@@ -143,7 +138,7 @@ def check_poses(poses: Array, name: str, jumps: bool = True) -> None:
     good = (np.abs(poses) <= (FARTHEST_M, FARTHEST_M, MOST_TURNED)).all(axis=1)
     if not good.all():
         k = int(np.argmin(good))
-        raise InputError(f"`{name}` must be finite and {_POSE_RULE}, got {shortened(poses[k].tolist())} of scan {k}")
+        raise InputError(f"`{name}` must be finite and {_POSE_RULE}, got {shown(poses[k].tolist())} of scan {k}")
     ways = np.hypot(*np.diff(poses[:, :2], axis=0).T) if jumps and len(poses) > 1 else np.zeros(1)
     if ways.max() > MOST_JUMP_M:
         k = int(np.argmax(ways))
@@ -165,14 +160,14 @@ def check_points(points: Array, name: str, gaps: bool = False) -> None:
     if gaps:
         good |= np.isnan(points)
     if not good.all():
-        raise InputError(f"`{name}` must lie within {FARTHEST_M:g} m, got {shortened(points[~good][0])}")
+        raise InputError(f"`{name}` must lie within {FARTHEST_M:g} m, got {shown(points[~good][0])}")
 
 
 def check_times(times_s: Array, name: str) -> None:
     """Raise InputError unless each of `times_s` (n,) [s] is finite and of an age that clocks show."""
     good = np.abs(times_s) <= LATEST_S
     if not good.all():
-        raise InputError(f"`{name}` must be finite and within {LATEST_S:g} s, got {shortened(times_s[~good][0])}")
+        raise InputError(f"`{name}` must be finite and within {LATEST_S:g} s, got {shown(times_s[~good][0])}")
 
 
 def cell_numbers(cells: Array) -> NDArray[np.int64]:
@@ -184,7 +179,7 @@ def cell_numbers(cells: Array) -> NDArray[np.int64]:
     if not (np.abs(cells) <= _MOST_INDEX).all():
         raise InputError(
             "a place lies where no map reaches: a pose or a range is wrong, or the cells are too small; got "
-            f"{shortened(np.abs(cells).max())} cells from the origin"
+            f"{shown(np.abs(cells).max())} cells from the origin"
         )
     return np.floor(cells).astype(np.int64)
 
@@ -239,23 +234,24 @@ def check_numbers(config: object) -> None:
             _check_number(rule, value, value)
             continue
         if not isinstance(value, (tuple, list)) or (rule.count and len(value) != rule.count):
-            raise InputError(f"`{rule.name}` must be {rule.count or 'some'} numbers, got {shortened(value)}")
+            raise InputError(f"`{rule.name}` must be {rule.count or 'some'} numbers, got {shown(value)}")
         for number in value:
             _check_number(rule, number, value)
 
 
-def _check_number(rule: _Rule, number: Any, value: object) -> None:
-    if isinstance(number, (bool, np.bool_)) or not isinstance(number, Integral if rule.whole else Real):
-        raise InputError(f"`{rule.name}` must be a {'whole ' * rule.whole}number, got {shortened(value)}")
+def _check_number(rule: _Rule, given: object, value: object) -> None:
+    if isinstance(given, (bool, np.bool_)) or not isinstance(given, Integral if rule.whole else Real):
+        raise InputError(f"`{rule.name}` must be a {'whole ' * rule.whole}number, got {shown(value)}")
+    number: Any = given  # one that can be compared, as `Real` does not say
     if rule.within:
         low, high = rule.within
         if not low <= number <= high:
-            raise InputError(f"`{rule.name}` must be within {low:g} .. {high:g}, got {shortened(value)}")
+            raise InputError(f"`{rule.name}` must be within {low:g} .. {high:g}, got {shown(value)}")
     elif rule.whole:
         if not -_MOST_COUNT <= number <= _MOST_COUNT:
-            raise InputError(f"`{rule.name}` must be within {-_MOST_COUNT} .. {_MOST_COUNT}, got {shortened(value)}")
+            raise InputError(f"`{rule.name}` must be within {-_MOST_COUNT} .. {_MOST_COUNT}, got {shown(value)}")
     elif not (number == 0 or _LEAST <= abs(number) <= _MOST):
-        raise InputError(f"`{rule.name}` must be 0 or of a size within {_LEAST:g} .. {_MOST:g}, got {shortened(value)}")
+        raise InputError(f"`{rule.name}` must be 0 or of a size within {_LEAST:g} .. {_MOST:g}, got {shown(value)}")
 
 
 @cache

@@ -7,7 +7,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .bounds import MOST_DRAWN, Cell, Reach, cell_numbers, check_numbers, check_size, memory_for
+from .bounds import (
+    CELLS_A_SCAN,
+    FREE_CELLS,
+    MOST_CELLS,
+    Cell,
+    Reach,
+    cell_numbers,
+    check_numbers,
+    check_size,
+    memory_for,
+)
 from .errors import InputError
 from .geometry import compose, transform_points
 from .grid_kernels import place_rays, write_observation, write_observations
@@ -188,7 +198,8 @@ class OccupancyGrid:
         if size.all():
             lower, upper = np.minimum(lower, corner), np.maximum(upper, corner + size)
         columns, rows = (upper - lower).tolist()
-        check_size(columns, rows, self.config.resolution, MOST_DRAWN / math.prod(self._log_odds.shape[:-2]))
+        most = min(FREE_CELLS + CELLS_A_SCAN * self._scans, MOST_CELLS)
+        check_size(columns, rows, self.config.resolution, most / math.prod(self._log_odds.shape[:-2]))
         return lower, upper - lower
 
     def _grow(self, corner: NDArray[np.int64], size: NDArray[np.int64]) -> None:

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .bounds import COARSEST_CELL_M, FARTHEST_M, FINEST_CELL_M, MOST_CELLS, shortened
-from .errors import InputError
+from .bounds import COARSEST_CELL_M, FARTHEST_M, FINEST_CELL_M, MOST_CELLS
+from .errors import InputError, shown
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +41,7 @@ class OccupancyMap:
                 f"`resolution` must be within {FINEST_CELL_M:g} .. {COARSEST_CELL_M:g} m, got {self.resolution}"
             )
         if not (np.shape(self.origin) == (2,) and max(abs(self.origin[0]), abs(self.origin[1])) <= FARTHEST_M):
-            raise InputError(f"`origin` must be finite and within {FARTHEST_M:g} m, got {shortened(self.origin)}")
+            raise InputError(f"`origin` must be finite and within {FARTHEST_M:g} m, got {shown(self.origin)}")
         for name in ("occupied_threshold", "free_threshold"):
             if not 0.0 <= getattr(self, name) <= 1.0:
                 raise InputError(f"`{name}` must be in [0, 1], got {getattr(self, name)}")

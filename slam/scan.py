@@ -6,8 +6,8 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from .bounds import LARGEST_BEARING, LEAST_SPACING, LONGEST_RANGE_M, MOST_BEAMS, check_mount, check_time, shortened
-from .errors import InputError
+from .bounds import LARGEST_BEARING, LEAST_SPACING, LONGEST_RANGE_M, MOST_BEAMS, check_mount, check_time
+from .errors import InputError, shown
 from .geometry import transform_points
 from .scan_kernel import fill_beam_points, returns
 
@@ -58,7 +58,7 @@ class LaserScan:
         if not _ascend(bearings.tobytes()):
             raise InputError(
                 f"`bearings` must be finite and ascending by {LEAST_SPACING:g} rad at least, within "
-                f"{LARGEST_BEARING:.4g} rad, got {shortened(bearings)}"
+                f"{LARGEST_BEARING:.4g} rad, got {shown(bearings)}"
             )
         object.__setattr__(self, "ranges", ranges)
         object.__setattr__(self, "bearings", bearings)

@@ -6,8 +6,8 @@ from numbers import Integral, Real
 from types import NoneType
 from typing import Any, TypeVar, get_args
 
-from .bounds import plain_kind, shortened
-from .errors import InputError, unknown_name
+from .bounds import plain_kind
+from .errors import InputError, shown, unknown_name
 
 Config = TypeVar("Config")
 
@@ -51,16 +51,16 @@ def _checked(name: str, value: object, default: object, kind: object) -> object:
     if isinstance(default, Real):
         return _number(name, value, whole=kind is int)
     if isinstance(default, str) and not isinstance(value, str):
-        raise InputError(f"`{name}` must be a text, got {shortened(value)}")
+        raise InputError(f"`{name}` must be a text, got {shown(value)}")
     if is_dataclass(default) and not is_dataclass(value):
         inner = ", ".join(f"{name}.{field.name}" for field in fields(default))
-        raise InputError(f"`{name}` is no single value; its fields are {inner}; got {shortened(value)}")
+        raise InputError(f"`{name}` is no single value; its fields are {inner}; got {shown(value)}")
     return value
 
 
 def _number(name: str, value: object, whole: bool) -> object:
     if not isinstance(value, Integral if whole else Real):
-        raise InputError(f"`{name}` must be a {'whole ' if whole else ''}number, got {shortened(value)}")
+        raise InputError(f"`{name}` must be a {'whole ' if whole else ''}number, got {shown(value)}")
     return value
 
 
@@ -68,5 +68,5 @@ def _list_of_numbers(name: str, value: object, kinds: tuple[object, ...]) -> tup
     """Return the value as a tuple; `kinds` are those of its entries, (int, ...) for any number of one kind."""
     count = None if Ellipsis in kinds else len(kinds)
     if not isinstance(value, (tuple, list)) or count not in (None, len(value)):
-        raise InputError(f"`{name}` must be a list of {count or 'some'} numbers, got {shortened(value)}")
+        raise InputError(f"`{name}` must be a list of {count or 'some'} numbers, got {shown(value)}")
     return tuple(_number(name, entry, whole=int in kinds) for entry in value)

@@ -68,7 +68,8 @@ class Search:
             self._size = explore(self._cost, *state, goal, limit)
             if self._size + NEIGHBOURS <= len(self._heap[0]):
                 return
-            self._heap = tuple(np.concatenate((part, np.empty_like(part))) for part in self._heap)
+            prices, cells = self._heap
+            self._heap = np.concatenate((prices, np.empty_like(prices))), np.concatenate((cells, np.empty_like(cells)))
 
 
 class WayPlanner:

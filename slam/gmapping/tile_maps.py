@@ -13,7 +13,8 @@ from .tile_kernels import SIDE, mark_particles, own_tiles, write_particles
 Array = NDArray[np.float64]
 
 _MOST_PLACES = 30_000_000  # of all directories; for 30 particles and cells of 0.05 m that is 1.6 x 1.6 km
-_MOST_TILES = 48_000  # 600 MB; a drive through a large building (ACES, 57 m x 57 m) takes 5600
+_FREE_TILES = 48_000  # 600 MB; a drive through a large building (ACES, 57 m x 57 m) takes 5600
+_TILES_A_SCAN = 200  # more for each scan: half of what one sees 20 m around it, by 30 particles that all differ
 _OCCUPIED_SHARE = 0.25  # of the visits that were hits, as the ROS wrapper draws its map
 
 
@@ -44,6 +45,7 @@ class TileMaps:
         self._references = np.zeros(1, dtype=np.int64)
         self._free = np.zeros(1, dtype=np.int64)
         self._free_count = 0
+        self._scans = 0  # written so far
 
     @property
     def tiles(self) -> int:
@@ -62,6 +64,7 @@ class TileMaps:
             points_lidar: (n, 2) ends of the rays in the laser frame [m].
             is_hit: (n,) whether the ray hit something at its end.
         """
+        self._scans += 1
         ends_map = transform_points(T_map_lidar, points_lidar[None])
         with memory_for("the maps of all particles"):
             self._reach(np.concatenate((ends_map.reshape(-1, 2), T_map_lidar[:, :2])))
@@ -122,11 +125,12 @@ class TileMaps:
         if count <= self._free_count:
             return
         old = len(self.bits)
-        new = max(old + count, min(old * 3 // 2, _MOST_TILES))
-        if new > _MOST_TILES:
+        most = _FREE_TILES + _TILES_A_SCAN * self._scans
+        new = max(old + count, min(old * 3 // 2, most))
+        if new > most:
             raise InputError(
                 f"the maps of {len(self.directory)} particles would take {new} tiles of {SIDE} x {SIDE} cells, more "
-                f"than {_MOST_TILES}; take fewer particles, larger cells or a shorter `max_urange`"
+                f"than {most}; take fewer particles, larger cells or a shorter `max_urange`"
             )
         names = ("counts", "means", "bits", "_references", "_free")
         # All or none: where memory runs out, the maps stay as they are.

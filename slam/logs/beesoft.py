@@ -17,13 +17,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds import MOST_CELLS
 from ..errors import InputError, shown
 from ..geometry import between, wrap_angle
 from ..input_file import names_file
 from ..occupancy_map import OccupancyMap
 from ..scan import LaserScan
 from .drive import RecordedDrive
-from .sizes import MOST_CELLS, DriveLength
+from .sizes import DriveLength
 from .text import LARGEST, first_line, numbered_lines, numbers, whole_number
 
 _BEAMS = 180

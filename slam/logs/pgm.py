@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bounds import MOST_CELLS
 from ..errors import InputError, shown
 from ..input_file import named, read_bytes
-from .sizes import MOST_CELLS
 
 _MOST_BYTES = 4 * MOST_CELLS + 4096  # a pixel as text takes up to three digits and a blank
 _HEADER_WITHIN = 4096  # bytes: a comment may stand in it

@@ -2,6 +2,7 @@
 
 import os
 
+from ..bounds import MOST_BEAMS
 from ..errors import InputError
 from ..input_file import named
 
@@ -9,10 +10,6 @@ MOST_SCANS = 1_000_000
 """28 hours at 10 Hz; a scan takes about 700 bytes beside its ranges."""
 MOST_RANGES = 64_000_000
 """Of all scans together: 512 MB; 25 minutes of 1081 beams at 40 Hz, 10 hours of 180 beams at 10 Hz."""
-MOST_BEAMS = 32_768
-"""Of a scan; the finest planar lasers that are sold have 25,200."""
-MOST_CELLS = 1 << 26
-"""Of a map: 410 m x 410 m in cells of 5 cm; 256 MiB, and as much again for each step that scores it."""
 
 
 class DriveLength:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..bounds import MOST_CELLS, check_points, check_size, checked_pose
+from ..bounds import check_points, check_size, checked_pose
 from ..errors import InputError
 from ..geometry import inverse, transform_points
 from ..occupancy_map import OccupancyMap
@@ -13,7 +13,7 @@ from .map_kernels import look_up, mark_near
 
 Mask = NDArray[np.bool_]
 _WIDEST_M = 10.0  # [m] nobody crosses more around a foot
-_MOST_CELLS = MOST_CELLS // 4  # every cell takes eighty bytes while they are compared
+_MOST_CELLS = 50_000_000  # every cell takes eighty bytes while they are compared: 4 GB
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,9 +9,9 @@ import pytest
 from tagalong.perception.config import PerceptionConfig
 from tagalong.perception.tracking.camera import NoLegs, SeenPeople
 from tagalong.perception.tracking.tracker import PeopleTracker
-from tagalong.slam.bounds import MOST_BEAMS, Within, cell_numbers, check_numbers, checked_pose, memory_for, shortened
+from tagalong.slam.bounds import MOST_BEAMS, Within, cell_numbers, check_numbers, checked_pose, memory_for
 from tagalong.slam.engine import ENGINES, make_slam
-from tagalong.slam.errors import InputError
+from tagalong.slam.errors import InputError, shown
 from tagalong.slam.gmapping.tile_maps import TileMaps
 from tagalong.slam.graph.continuity import contradiction
 from tagalong.slam.grid import GridConfig, OccupancyGrid, render_map
@@ -212,9 +212,9 @@ def test_the_type_of_a_setting_holds_its_bounds(field, value, rule):
 
 
 def test_an_error_shows_the_beginning_of_what_is_long_in_one_line():
-    text = shortened(["x" * 5000] * 3)
+    text = shown(["x" * 5000] * 3)
     assert len(text) < 100
-    assert "\n" not in shortened(np.arange(500.0))
+    assert "\n" not in shown(np.arange(500.0))
 
 
 @pytest.mark.parametrize("value", [1e25, -1e25, np.inf, np.nan])
