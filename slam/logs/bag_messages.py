@@ -1,8 +1,12 @@
-"""Opens ROS 1 bags (a file) and ROS 2 bags (a folder) and hands out their messages by topic; pure Python."""
+"""Opens ROS 1 bags (a file) and ROS 2 bags (a folder) and hands out their messages by topic; pure Python.
+
+A bag brings the definitions of its messages along, and the library writes and runs a program for each definition that
+it is given. It is never given those of a bag: messages are read as ROS itself defines their types.
+"""
 
 import bz2
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -12,6 +16,7 @@ from ..input_file import checked_name, named, require_regular, unreadable
 
 _MAGIC = b"#ROSBAG V"
 _NS = 1e-9
+_TRANSFORMS = "geometry_msgs/TransformStamped[] transforms"  # of both types of tf, which the library's ROS 1 lacks
 _MOST_CHUNK = 1 << 28  # bytes; recorders write chunks of one or a few MB, or one message that is larger
 _MOST_DESCRIPTION = 1 << 24  # bytes of metadata.yaml: thousands of topics, with all that is said of their quality
 
@@ -28,11 +33,12 @@ class Bag:
 
     Args:
         reader: The library's reader, open.
+        types: The library's definitions of types.
         path: For errors.
     """
 
-    def __init__(self, reader: Any, path: Path) -> None:
-        self._reader = reader
+    def __init__(self, reader: Any, types: Any, path: Path) -> None:
+        self._reader, self._types = reader, types
         self._path = path
 
     @property
@@ -73,15 +79,30 @@ class Bag:
         """Yield the messages of `topics` in the order of the recording.
 
         Raises:
-            InputError: If the bag is damaged there, or lacks all messages of which its index tells.
+            InputError: If the bag is damaged there, lacks all messages of which its index tells, or defines their type
+                otherwise than ROS does.
         """
         wanted, count = [each for each in self._reader.connections if each.topic in topics], 0
         with _damage_told(self._path):
+            read = self._as_ros_defines(wanted)
             for connection, time_ns, raw in self._reader.messages(wanted) if wanted else ():
-                yield Message(time_ns * _NS, self._reader.deserialize(raw, connection.msgtype))
+                yield Message(time_ns * _NS, read(raw, connection.msgtype))
                 count += 1
         if wanted and count == 0:
             raise InputError(f"{self._path}: no readable ROS bag (there is no message of {', '.join(topics)} in it)")
+
+    def _as_ros_defines(self, connections: Sequence[Any]) -> Callable[[bytes, str], Any]:
+        """Return what reads the messages of `connections`; in ROS 1 each says by a digest how its type is defined."""
+        if not _is_ros1(self._reader):
+            return self._types.deserialize_cdr
+        for kind, digest in {(each.msgtype, each.digest) for each in connections}:
+            if digest not in ("*", self._types.generate_msgdef(kind)[1]):
+                raise ValueError(f"it defines {kind} otherwise than ROS does")
+        return self._types.deserialize_ros1
+
+
+def _is_ros1(reader: Any) -> bool:
+    return reader.__class__.__module__.startswith("rosbags.rosbag1")
 
 
 def is_bag(path: str | os.PathLike[str]) -> bool:
@@ -109,18 +130,24 @@ def open_bag(path: str | os.PathLike[str]) -> Iterator[Bag]:
     """
     path = checked_name(path)
     try:
-        from rosbags.highlevel import AnyReader
-        from rosbags.typesys import Stores, get_typestore
+        from rosbags.rosbag1 import Reader as Reader1
+        from rosbags.rosbag2 import Reader as Reader2
+        from rosbags.typesys import Stores, get_types_from_msg, get_typestore
     except ImportError:
         raise MissingExtraError("ROS bags", "ros") from None
     _require_files(path)
+    first = path.suffix == ".bag" and path.is_file()
+    types: Any = get_typestore(Stores.ROS1_NOETIC if first else Stores.ROS2_HUMBLE)
+    if first:
+        for name in ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage"):
+            types.register(get_types_from_msg(_TRANSFORMS, name))
     with _damage_told(path):
-        reader = AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE))
+        reader: Any = Reader1(path) if first else Reader2(path)
         reader.open()
     try:
-        for each in reader.readers:
-            _bound_chunks(each)
-        yield Bag(reader, path)
+        if first:
+            _bound_chunks(reader)
+        yield Bag(reader, types, path)
     finally:
         reader.close()
 
@@ -140,8 +167,6 @@ def _require_files(path: Path) -> None:
 
 def _bound_chunks(reader: Any) -> None:
     """Let no compressed chunk of a ROS 1 bag unpack to more than `_MOST_CHUNK`."""
-    if not reader.__class__.__module__.startswith("rosbags.rosbag1"):
-        return
     for position, chunk in reader.chunks.items():
         if chunk.decompressor is bz2.decompress:
             reader.chunks[position] = chunk._replace(decompressor=_unpacked_bz2)
@@ -168,10 +193,7 @@ def _unpacked(unpacker: Any, data: bytes) -> bytes:
 
 @contextmanager
 def as_defined(where: str) -> Iterator[None]:
-    """Tell in one line that a message lacks a field of its type, or has something else in it.
-
-    A bag brings the definitions of its types along, and they may say anything.
-    """
+    """Tell in one line that a message holds what its type does not allow."""
     try:
         yield
     except InputError:

@@ -25,6 +25,7 @@ rosbags = pytest.importorskip("rosbags")
 from rosbags.rosbag1 import Writer as Writer1  # noqa: E402
 from rosbags.rosbag2 import Writer as Writer2  # noqa: E402
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore  # noqa: E402
+from rosbags.typesys.store import Typestore  # noqa: E402
 
 LEGS = Path(os.environ.get("TAGALONG_DATA", "")) / "legs"
 TIMES = 1000.0 + 0.1 * np.arange(12)
@@ -265,6 +266,26 @@ def test_a_bag_that_lacks_the_messages_of_its_index_is_named(tmp_path):
         read_rosbag(folder)
 
 
+def test_no_definition_that_a_bag_brings_along_becomes_a_program(tmp_path, monkeypatch):
+    """The library writes a program for each definition that it registers, and runs it."""
+    path, registered = write_drive(tmp_path / "drive.bag"), []
+    changed = bytearray(path.read_bytes())
+    assert b"float32 range_max" in changed
+    path.write_bytes(changed.replace(b"float32 range_max", b"float32 range_evi"))
+    register = Typestore.register
+    monkeypatch.setattr(Typestore, "register", lambda self, types: (registered.append(types), register(self, types)))
+    read_rosbag(path)
+    assert "evi" not in str(registered)
+
+
+def test_a_type_that_a_bag_defines_otherwise_than_ros_does_is_refused(tmp_path):
+    path = write_drive(tmp_path / "drive.bag")
+    digest = get_typestore(Stores.ROS1_NOETIC).generate_msgdef("sensor_msgs/msg/LaserScan")[1].encode()
+    path.write_bytes(path.read_bytes().replace(digest, digest[::-1]))
+    with pytest.raises(InputError, match="defines sensor_msgs/msg/LaserScan otherwise than ROS does"):
+        read_rosbag(path)
+
+
 def test_a_mistake_of_whoever_reads_an_open_bag_is_not_called_damage(tmp_path):
     path = write_drive(tmp_path / "whole.bag")
     with pytest.raises(KeyError), open_bag(path) as bag:
@@ -306,7 +327,7 @@ def test_a_folder_that_is_no_bag_and_a_bag_without_scans_are_named(tmp_path):
 
 def test_without_the_library_the_command_that_installs_it_is_named(tmp_path, capsys, monkeypatch):
     path = write_drive(tmp_path / "drive.bag")
-    monkeypatch.setitem(sys.modules, "rosbags.highlevel", None)
+    monkeypatch.setitem(sys.modules, "rosbags.rosbag1", None)
     assert main(["slam", str(path), "--out", str(tmp_path / "out")]) == 2
     assert capsys.readouterr().err == 'tagalong: ROS bags need the extra "ros": pip install "tagalong[ros]"\n'
 
