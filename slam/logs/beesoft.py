@@ -17,14 +17,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bounds import MOST_CELLS
 from ..errors import InputError, shown
 from ..geometry import between, wrap_angle
 from ..input_file import names_file
 from ..occupancy_map import OccupancyMap
 from ..scan import LaserScan
 from .drive import RecordedDrive
-from .sizes import DriveLength
+from .sizes import MOST_PIXELS, DriveLength
 from .text import LARGEST, first_line, numbered_lines, numbers, whole_number
 
 _BEAMS = 180
@@ -122,8 +121,8 @@ def _map_header(file: Path, lines: Iterator[tuple[str, list[str]]]) -> tuple[flo
             nx, ny = (whole_number(word) or 0 for word in (*words[1:3], "", "")[:2])
             if nx * ny == 0:
                 raise InputError(f"{where}: the size of the grid needs two positive numbers, got {shown(words[1:])}")
-            if nx * ny > MOST_CELLS:
-                raise InputError(f"{where}: a map has at most {MOST_CELLS} cells, got {nx} x {ny}")
+            if nx * ny > MOST_PIXELS:
+                raise InputError(f"{where}: a map has at most {MOST_PIXELS} cells, got {nx} x {ny}")
             if not 0.0 < resolution < np.inf:
                 break
             return resolution, (nx, ny)

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bounds import MOST_CELLS
 from ..errors import InputError, shown
 from ..input_file import named, read_bytes
+from .sizes import MOST_PIXELS
 
-_MOST_BYTES = 4 * MOST_CELLS + 4096  # a pixel as text takes up to three digits and a blank
+_MOST_BYTES = 4 * MOST_PIXELS + 4096  # a pixel as text takes up to three digits and a blank
 _HEADER_WITHIN = 4096  # bytes: a comment may stand in it
 _BLANK = rb"(?:\s|#[^\n]*\n)+"
 _HEADER = re.compile(rb"(P[25])" + _BLANK + rb"(\d{1,9})" + _BLANK + rb"(\d{1,9})" + _BLANK + rb"(\d{1,9})\s")
@@ -21,10 +21,10 @@ def read_pgm(path: Path) -> tuple[NDArray[np.uint8], int]:
     """Return the shades (rows, cols), top row first, and which of them is white; black is 0.
 
     Raises:
-        InputError: If the file cannot be read, is no PGM, states more than `MOST_CELLS` pixels, more shades than 256,
+        InputError: If the file cannot be read, is no PGM, states more than `MOST_PIXELS` pixels, more shades than 256,
             or more pixels than it holds.
     """
-    content = read_bytes(path, _MOST_BYTES, f"a map's image has at most {MOST_CELLS} pixels")
+    content = read_bytes(path, _MOST_BYTES, f"a map's image has at most {MOST_PIXELS} pixels")
     header = _HEADER.match(content[:_HEADER_WITHIN])
     if header is None:
         raise InputError(f"{named(path)}: the map's image must be a PGM (P5 or P2), got {shown(content[:16])}...")
@@ -32,8 +32,8 @@ def read_pgm(path: Path) -> tuple[NDArray[np.uint8], int]:
     if not 0 < white < 256 or cols * rows == 0:
         what = f"{cols} x {rows} with maximum {white}"
         raise InputError(f"{named(path)}: needs an 8-bit image that is not empty, got {what}")
-    if cols * rows > MOST_CELLS:
-        raise InputError(f"{named(path)}: a map's image has at most {MOST_CELLS} pixels, got {cols} x {rows}")
+    if cols * rows > MOST_PIXELS:
+        raise InputError(f"{named(path)}: a map's image has at most {MOST_PIXELS} pixels, got {cols} x {rows}")
     if header[1] == b"P5":
         values = np.frombuffer(content, np.uint8, offset=header.end())[: cols * rows]
     else:

@@ -10,6 +10,8 @@ MOST_SCANS = 1_000_000
 """28 hours at 10 Hz; a scan takes about 700 bytes beside its ranges."""
 MOST_RANGES = 64_000_000
 """Of all scans together: 512 MB; 25 minutes of 1081 beams at 40 Hz, 10 hours of 180 beams at 10 Hz."""
+MOST_PIXELS = 100_000_000
+"""Of a map in a file: 500 m x 500 m in cells of 5 cm; 100 MB, and four times as much as a map."""
 
 
 class DriveLength:
