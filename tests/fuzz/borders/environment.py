@@ -149,8 +149,11 @@ def _vector_calls(rng: Generator) -> Input:
     """Return what is asked of `reset` of two environments at once, and some actions."""
     seed = [3, [1, 2], hostile_value(rng)][int(rng.integers(3))]
     mask = [[True, True], [True, False], [0.5], hostile_value(rng)][int(rng.integers(4))]
-    calls = [[_action(rng), _action(rng)] if rng.random() < 0.7 else hostile_value(rng) for _ in range(2)]
-    return {"seed": seed, "options": [["reset_mask", mask]] if rng.random() < 0.5 else [], "calls": calls}
+    calls: list[Any] = [rng.uniform(-2.0, 2.0, (2, 2)).tolist() for _ in range(2)]
+    if rng.random() < 0.6:
+        calls[1] = [_action(rng), _action(rng)] if rng.random() < 0.7 else hostile_value(rng)
+    seed = 3 if rng.random() < 0.5 else seed
+    return {"seed": seed, "options": [["reset_mask", mask]] if rng.random() < 0.3 else [], "calls": calls}
 
 
 def _vector_called(value: Input, folder: Path) -> Any:
