@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
+from tagalong.envs.scenes import ways
 from tagalong.envs.scenes.cells import FreeSpace, merged_boxes, walls_around
 from tagalong.envs.scenes.solids import box, post
 from tagalong.envs.scenes.way_kernel import apart, nearest, smooth
@@ -122,3 +123,16 @@ def test_a_hairpin_folds_and_a_wide_turn_does_not():
     turn = np.concatenate((out, np.stack((4.0 + np.cos(angles), 1.0 + np.sin(angles)), axis=-1)))
     assert folds(hairpin)
     assert not folds(turn)
+
+
+def test_a_heap_that_grows_on_the_way_changes_nothing_and_stays_small(monkeypatch):
+    cost = 1.0 + np.random.default_rng(0).random((150, 150))
+    roomy = Search(cost, 3, 4)
+    monkeypatch.setattr(ways, "_FIRST_HEAP", 9)
+    growing = Search(cost, 3, 4)
+    for search in (roomy, growing):
+        search.settle(goal=75 * 150 + 20)
+        search.settle(limit=90.0)
+    assert np.array_equal(roomy.price, growing.price)
+    assert np.array_equal(roomy.before, growing.before)
+    assert 9 < len(growing._heap[0]) < cost.size / 5

@@ -174,3 +174,10 @@ def test_impossible_worlds_are_errors():
     ):
         with pytest.raises(InputError, match=word):
             WorldConfig(**options)
+
+
+def test_a_world_reserves_no_more_for_contacts_than_it_needs():
+    world = World(WorldConfig(scene="plain_corridor"), np.random.default_rng(0))
+    world.step([0.3, 0.0])
+    assert world.data.narena <= 1 << 20
+    assert world.data.maxuse_arena < 0.1 * world.data.narena
