@@ -51,7 +51,7 @@ def _forest(value: Input, folder: Path) -> Any:
 
 def _sane_forest(result: Any) -> None:
     odds, votes = result
-    require(1e-9 <= odds <= 1e9, f"odds {odds}")
+    require(0.0 < odds <= 1e9, f"odds {odds}")
     finite(votes, "votes", 1.0)
 
 
@@ -90,7 +90,7 @@ def policy_files(value: Input) -> dict[str, bytes]:
         for step in path[:-1]:
             target = target[step] if isinstance(target.get(step), dict) else target
         target[path[-1]] = new.decode() if isinstance(new, bytes) else new
-    text = value.get("raw", json.dumps(card).encode())
+    text = value.get("raw", json.dumps(card, default=str).encode())
     return {"policy.npz": packed(_arrays(SHIPPED / "follower.npz"), value["edits"]), "policy.json": text}
 
 
