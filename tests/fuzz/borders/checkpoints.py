@@ -98,10 +98,10 @@ def _table(value: Input, folder: Path) -> Any:
 
 AREA = Area(
     (
-        Border(name="checkpoints.run", make=_checkpoint, call=_gone_on, sane=_sane_progress, ms=1.5),
+        Border(name="checkpoints.run", make=_checkpoint, call=_gone_on, sane=_sane_progress, ms=0.61),
         Border(
             name="checkpoints.arrays", make=lambda rng: edits(rng, ["scan", "labels"]), call=_table, file="round_0.npz",
-            ms=1.2,
+            ms=1.0,
         ),
     )
 )  # fmt: skip

@@ -125,7 +125,7 @@ def _action(rng: Generator) -> Input:
 
 
 def _acted(value: Input, folder: Path) -> Any:
-    env = _env()
+    env = FollowEnv(**CHEAP)  # an input may close it
     seen = [env.reset(seed=0)]
     for action in value:
         if action == "render":
@@ -220,20 +220,20 @@ _GYMNASIUM = (gymnasium.error.Error,)  # what `reset` of the library itself says
 
 AREA = Area(
     (
-        Border(name="environment.arguments", make=_arguments, call=_made, sane=_sane_spaces, ms=2.0),
-        Border(name="environment.episodes", make=_arguments, call=_lived, sane=sane_episode, ms=60.0),
+        Border(name="environment.arguments", make=_arguments, call=_made, sane=_sane_spaces, ms=2.4),
+        Border(name="environment.episodes", make=_arguments, call=_lived, sane=sane_episode, ms=5.5),
         Border(
-            name="environment.reset_options", make=_options, call=_reset, sane=sane_episode, ms=25.0,
+            name="environment.reset_options", make=_options, call=_reset, sane=sane_episode, ms=3.4,
             refusals=_GYMNASIUM,
         ),
         Border(name="environment.actions", make=_actions, call=_acted, sane=sane_episode, ms=12.0),
         Border(
-            name="environment.vector", make=_vector_calls, call=_vector_called, ms=20.0, refusals=_GYMNASIUM,
+            name="environment.vector", make=_vector_calls, call=_vector_called, ms=31.0, refusals=_GYMNASIUM,
             sane=lambda rewards: finite(rewards, "rewards"),
         ),
-        Border(name="environment.files", make=_files, call=_built, sane=sane_episode, ms=12.0),
+        Border(name="environment.files", make=_files, call=_built, sane=sane_episode, ms=38.0),
         Border(
-            name="environment.followers", make=_observed, call=_followed, ms=6.0,
+            name="environment.followers", make=_observed, call=_followed, ms=5.1,
             sane=lambda actions: finite(actions, "actions", 1.0),
         ),
     ),

@@ -125,16 +125,16 @@ AREA = Area(
     (
         Border(
             name="models.forest", make=lambda rng: edits(rng, list(_small_forest())), call=_forest, sane=_sane_forest,
-            file=FILE, ms=1.2,
+            file=FILE, ms=1.7,
         ),
         Border(
             name="models.person_svm", make=lambda rng: edits(rng, ["weights", "calibration"]), call=_svm, file=FILE,
-            sane=lambda likelihood: finite(likelihood, "likelihood", 1.0), ms=1.5,
+            sane=lambda likelihood: finite(likelihood, "likelihood", 1.0), ms=1.2,
         ),
         Border(name="models.policy", make=_policy, call=_drive_policy, sane=_sane_actions, file="policy", ms=6.0),
         Border(
             name="models.joystick", make=hostile(grammars.joystick), call=_replayed, sane=_sane_actions,
-            file="stick.txt", ms=0.4,
+            file="stick.txt", ms=0.53,
         ),
     ),
     _warm,
