@@ -44,7 +44,7 @@ def _checkpoint(rng: Generator) -> Input:
     evaluation = index["evaluations"][0]
     for _ in range(int(rng.integers(0, 4))):
         target = (index, index, index["curriculum"], evaluation)[int(rng.integers(4))]
-        if isinstance(target, dict):
+        if isinstance(target, dict) and target:
             name = list(target)[int(rng.integers(len(target)))]
             target[name] = ("../model", "/dev/zero", "..")[int(rng.integers(3))] if rng.random() < 0.1 else _plain(rng)
     while rng.random() < 0.5:
