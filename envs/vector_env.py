@@ -13,18 +13,19 @@ import os
 from collections.abc import Sequence
 from functools import partial
 from numbers import Integral
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from ..slam.errors import InputError, WorkerError
+from ..slam.errors import InputError, WorkerError, shown
 from ..slam.process_crew import require_workers
 from ..slam.process_inside import answered
 from ..slam.processes import SILENT_S, Worker, end_all
 from .episode_setup import interface
+from .field_checks import finite_numbers
 from .follow_env import FollowEnv
 from .vector_worker import Rows, Share, asked, joined, split, stacked, worker_share
 
@@ -125,7 +126,9 @@ class FollowVectorEnv(VectorEnv[Any, Any, Any]):
             return [None] * self.num_envs
         if isinstance(seed, Integral):
             return [int(seed) + i for i in range(self.num_envs)]
-        seeds = [None if one is None else int(one) for one in cast("Sequence[int | None]", seed)]
+        if not isinstance(seed, Sequence | np.ndarray) or not all(one is None or _is_whole(one) for one in seed):
+            raise InputError(f"`seed` must be None, a whole number, or one of these for each, got {shown(seed)}")
+        seeds = [None if one is None else int(one) for one in seed]
         if len(seeds) != self.num_envs:
             raise InputError(f"needs a seed for each of the {self.num_envs} environments, got {len(seeds)}")
         return seeds
@@ -147,12 +150,12 @@ class FollowVectorEnv(VectorEnv[Any, Any, Any]):
         Raises:
             InputError: If an action is missing, too many, of another shape or not finite; then nobody has moved.
         """
-        actions = np.asarray(actions, dtype=np.float64)
-        if len(actions) != self.num_envs:
-            raise InputError(f"needs an action for each of the {self.num_envs} environments, got {len(actions)}")
-        if actions.shape != self.action_space.shape or not np.isfinite(actions).all():
-            raise InputError(f"actions have shape {self.action_space.shape} and are finite, got {actions}")
-        shares: list[Rows] = self._ask("step", [(actions[part],) for part in self._shares])
+        wanted = finite_numbers(actions)
+        if wanted is not None and wanted.ndim > 0 and len(wanted) != self.num_envs:
+            raise InputError(f"needs an action for each of the {self.num_envs} environments, got {len(wanted)}")
+        if wanted is None or wanted.shape != self.action_space.shape:
+            raise InputError(f"actions have shape {self.action_space.shape} and are finite, got {shown(actions)}")
+        shares: list[Rows] = self._ask("step", [(wanted[part],) for part in self._shares])
         self._last = {
             key: np.concatenate([share.observations[key] for share in shares]) for key in shares[0].observations
         }
@@ -208,3 +211,7 @@ class FollowVectorEnv(VectorEnv[Any, Any, Any]):
         placed = old.copy()
         placed[mask] = fresh
         return placed
+
+
+def _is_whole(value: Any) -> bool:
+    return isinstance(value, Integral) and not isinstance(value, bool)

@@ -16,6 +16,7 @@ from .bounds import (
     cell_numbers,
     check_numbers,
     check_size,
+    checked_pose,
     memory_for,
 )
 from .errors import InputError
@@ -114,7 +115,12 @@ class OccupancyGrid:
     def write(self, T_map_robot: ArrayLike, scan: LaserScan) -> None:
         """Write one scan, taken at the pose `T_map_robot` (3,)."""
         rays = ScanRays.of(scan, self.config)
-        self._observe(compose(T_map_robot, rays.T_robot_lidar), rays.points, rays.log_odds, _log_odds(self.config.miss))
+        self._observe(
+            compose(checked_pose(T_map_robot, "T_map_robot"), rays.T_robot_lidar),
+            rays.points,
+            rays.log_odds,
+            _log_odds(self.config.miss),
+        )
 
     def to_map(self) -> OccupancyMap:
         """Return the grid as it is now, cut to what is known; cells that no ray met are NaN."""

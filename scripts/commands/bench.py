@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ...slam.files import write_json
-from ..experiments.arguments import at_least, require_count
+from ..experiments.arguments import require_count
 from ..experiments.hardware import describe_machine, reference_kernel_s
 from ..tables import format_table
 
@@ -32,9 +32,7 @@ SCANS = {"180 beams": (180, np.pi), "361 beams": (361, np.pi), "1081 beams": (10
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.epilog = EPILOG
-    parser.add_argument(
-        "--steps", type=at_least(1), default=1000, help="timed steps of each part (default: %(default)s)"
-    )
+    parser.add_argument("--steps", type=int, default=1000, help="timed steps of each part (default: %(default)s)")
     parser.add_argument("--out", type=Path, default=Path("out/bench"), metavar="DIR", help="(default: %(default)s)")
 
 

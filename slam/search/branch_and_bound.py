@@ -158,14 +158,11 @@ def branch_and_bound(
     leaves, looked = best_leaves(
         pyramid.levels, cells, bounds, 2 * half + 1, maxima, reach, period, least, separation.least_share
     )
-    found = []
-    for total, k, i, j in leaves.tolist():
-        pose = (
-            x + (j - half) * pyramid.resolution,
-            y + (i - half) * pyramid.resolution,
-            float(wrap_angle(headings[k])),
-        )
-        found.append(Maximum(pose, total / worth))
+    h, angles = pyramid.resolution, wrap_angle(headings)
+    found = [
+        Maximum((x + (j - half) * h, y + (i - half) * h, float(angles[k])), total / worth)
+        for total, k, i, j in leaves.tolist()
+    ]
     return SearchResult(tuple(found), candidates, int(looked))
 
 

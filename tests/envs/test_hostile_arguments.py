@@ -48,7 +48,7 @@ NONSENSE = [
     {"sensors": np.array(4)},
     {"render_mode": np.zeros(2)},
     {"render_backend": ["topview"]},
-    {"field_of_view": 1e-3},
+    {"field_of_view": 1e-7},
     {"sensors": [["lidar"]]},
     {"slam": ["gmapping"]},
     {"people": "tracker" * 1000},

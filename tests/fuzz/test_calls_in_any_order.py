@@ -21,27 +21,32 @@ class CallsInAnyOrder(RuleBasedStateMachine):
     def __init__(self):
         super().__init__()
         self.env, self.kept, self.begun = FollowEnv(**CHEAP, render_mode="rgb_array"), [], False
+        self.closed = False
 
-    def refused_before_reset(self, call):
+    def refused_when_out_of_turn(self, call):
+        """Return what a call returns, None if it is refused: in one line, and because of what was called before."""
         try:
-            result = call()
+            result, told = call(), ""
         except InputError as error:
             result, told = None, str(error)
-        else:
-            told = ""
         assert "\n" not in told
-        assert (told == "") or not self.begun or "action" in told
+        assert not told or not self.begun or self.closed or "action" in told
         assert self.begun or told
         return result
 
     @rule(seed=st.integers(0, 3))
     def reset(self, seed):
-        self.env.reset(seed=seed)
-        self.begun = True
+        try:
+            self.env.reset(seed=seed)
+        except InputError as error:
+            told = str(error)
+        else:
+            self.begun, told = True, ""
+        assert ("closed" in told) == self.closed
 
     @rule(action=ACTIONS)
     def step(self, action):
-        result = self.refused_before_reset(lambda: self.env.step(action))
+        result = self.refused_when_out_of_turn(lambda: self.env.step(action))
         if result is not None:
             observation, reward, *_ = result
             assert self.env.observation_space.contains(observation)
@@ -49,16 +54,17 @@ class CallsInAnyOrder(RuleBasedStateMachine):
 
     @rule()
     def render(self):
-        picture = self.refused_before_reset(self.env.render)
+        picture = self.refused_when_out_of_turn(self.env.render)
         assert picture is None or picture.dtype == np.uint8
 
     @rule()
     def look(self):
-        self.refused_before_reset(lambda: (self.env.world, self.env.truth, self.env.belief))
+        self.refused_when_out_of_turn(lambda: (self.env.world, self.env.truth, self.env.belief))
 
     @rule()
     def close(self):
         self.env.close()
+        self.closed = True
 
     @precondition(lambda self: self.begun)
     @rule()

@@ -36,7 +36,7 @@ def insane(result):
 def test_an_input_is_the_same_whatever_was_drawn_before_and_survives_a_file(one):
     values = [encoded(one.make(draws(one, 3, 5))) for _ in range(2)]
     one.make(draws(one, 3, 6))
-    assert values[0] == values[1] == encoded(decoded(values[0]))
+    assert repr(values[0]) == repr(values[1]) == repr(encoded(decoded(values[0])))  # a NaN equals no NaN
     assert encoded(one.make(draws(one, 4, 5))) is not None
 
 

@@ -124,7 +124,7 @@ def _damaged2(rng: Generator) -> Input:
 
 AREA = Area(
     (
-        Border(name="bags.messages", make=_messages, call=_with_messages, sane=sane_drive, file="drive.bag", ms=8.0),
+        Border(name="bags.messages", make=_messages, call=_with_messages, sane=sane_drive, file="drive.bag", ms=78.0),
         Border(
             name="bags.ros1", make=_damaged1, sane=sane_drive, file="drive.bag", ms=6.0,
             reserved_mb=5000,  # of a record up to 4 GiB, as a bag states it; its bytes are not there

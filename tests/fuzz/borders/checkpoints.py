@@ -44,7 +44,7 @@ def _checkpoint(rng: Generator) -> Input:
     evaluation = index["evaluations"][0]
     for _ in range(int(rng.integers(0, 4))):
         target = (index, index, index["curriculum"], evaluation)[int(rng.integers(4))]
-        if isinstance(target, dict):
+        if isinstance(target, dict) and target:
             name = list(target)[int(rng.integers(len(target)))]
             target[name] = ("../model", "/dev/zero", "..")[int(rng.integers(3))] if rng.random() < 0.1 else _plain(rng)
     while rng.random() < 0.5:
@@ -98,10 +98,10 @@ def _table(value: Input, folder: Path) -> Any:
 
 AREA = Area(
     (
-        Border(name="checkpoints.run", make=_checkpoint, call=_gone_on, sane=_sane_progress, ms=1.5),
+        Border(name="checkpoints.run", make=_checkpoint, call=_gone_on, sane=_sane_progress, ms=0.61),
         Border(
             name="checkpoints.arrays", make=lambda rng: edits(rng, ["scan", "labels"]), call=_table, file="round_0.npz",
-            ms=1.2,
+            ms=1.0,
         ),
     )
 )  # fmt: skip

@@ -125,7 +125,7 @@ def _warm() -> None:
 def _borders() -> tuple[Border, ...]:
     engines = [
         Border(name=f"engines.{name}", make=hostile_drive, call=driven(name), sane=sane_engine, ms=ms)
-        for name, ms in (("gmapping", 3.0), ("cartographer", 8.0), ("ekf", 4.0))
+        for name, ms in (("gmapping", 3.0), ("cartographer", 6.7), ("ekf", 4.2))
     ]
     settings = [
         Border(name=f"engines.{name}_settings", make=settings_of(name), call=_settled(name), sane=sane_engine, ms=ms)
@@ -134,13 +134,13 @@ def _borders() -> tuple[Border, ...]:
     return (
         *engines,
         *settings,
-        Border(name="engines.localizer", make=hostile_drive, call=_localized, sane=_sane_localization, ms=40.0),
+        Border(name="engines.localizer", make=hostile_drive, call=_localized, sane=_sane_localization, ms=6.9),
         Border(
-            name="engines.matchers", make=hostile_drive, call=_matched, ms=5.0,
+            name="engines.matchers", make=hostile_drive, call=_matched, ms=0.75,
             sane=lambda match: sane_poses(match.pose, "a match"),
         ),
         Border(
-            name="engines.odometry_check", make=hostile_drive, call=_checked, ms=10.0,
+            name="engines.odometry_check", make=hostile_drive, call=_checked, ms=1.8,
             sane=lambda path: finite(path, "laser odometry"),
         ),
     )  # fmt: skip

@@ -46,11 +46,11 @@ def _bomb(rng: Generator) -> Input:
 
 AREA = Area(
     (
-        Border(name="logs.carmen", make=hostile(grammars.carmen), call=read, sane=sane_drive, file=NAME, ms=0.6),
-        Border(name="logs.beesoft", make=hostile(grammars.beesoft), call=read, sane=sane_drive, file=NAME, ms=1.0),
-        Border(name="logs.dpslam", make=hostile(grammars.dpslam), call=read, sane=sane_drive, file=NAME, ms=0.6),
-        Border(name="logs.tinyslam", make=hostile(grammars.tinyslam), call=read, sane=sane_drive, file=NAME, ms=1.2),
-        Border(name="logs.mixed", make=_mixed, call=read, sane=sane_drive, file=NAME, ms=1.5),
-        Border(name="logs.gzip_bomb", make=_bomb, call=read, sane=sane_drive, file=NAME, ms=600.0),
+        Border(name="logs.carmen", make=hostile(grammars.carmen), call=read, sane=sane_drive, file=NAME, ms=1.0),
+        Border(name="logs.beesoft", make=hostile(grammars.beesoft), call=read, sane=sane_drive, file=NAME, ms=1.2),
+        Border(name="logs.dpslam", make=hostile(grammars.dpslam), call=read, sane=sane_drive, file=NAME, ms=0.75),
+        Border(name="logs.tinyslam", make=hostile(grammars.tinyslam), call=read, sane=sane_drive, file=NAME, ms=2.5),
+        Border(name="logs.mixed", make=_mixed, call=read, sane=sane_drive, file=NAME, ms=2.8),
+        Border(name="logs.gzip_bomb", make=_bomb, call=read, sane=sane_drive, file=NAME, ms=860.0),
     )
 )

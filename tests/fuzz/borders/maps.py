@@ -40,13 +40,13 @@ def _read_map(value: Input, folder: Path) -> Any:
 
 AREA = Area(
     (
-        Border(name="maps.ros", make=_ros_map, call=_read_map, sane=sane_map, ms=0.7),
+        Border(name="maps.ros", make=_ros_map, call=_read_map, sane=sane_map, ms=0.41),
         Border(
-            name="maps.beesoft", make=hostile(grammars.beesoft_map), file="b.map", ms=0.4, sane=sane_map,
+            name="maps.beesoft", make=hostile(grammars.beesoft_map), file="b.map", ms=0.71, sane=sane_map,
             call=lambda value, folder: read_beesoft_map(put(folder, "b.map", value)),
         ),
         Border(
-            name="maps.yaml", make=hostile(grammars.map_yaml), file="m.yaml", ms=0.3,
+            name="maps.yaml", make=hostile(grammars.map_yaml), file="m.yaml", ms=1.2,
             call=lambda value, folder: read_flat_yaml(put(folder, "m.yaml", value)),
         ),
     )

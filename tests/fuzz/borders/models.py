@@ -51,7 +51,7 @@ def _forest(value: Input, folder: Path) -> Any:
 
 def _sane_forest(result: Any) -> None:
     odds, votes = result
-    require(1e-9 <= odds <= 1e9, f"odds {odds}")
+    require(0.0 < odds <= 1e9, f"odds {odds}")
     finite(votes, "votes", 1.0)
 
 
@@ -90,7 +90,7 @@ def policy_files(value: Input) -> dict[str, bytes]:
         for step in path[:-1]:
             target = target[step] if isinstance(target.get(step), dict) else target
         target[path[-1]] = new.decode() if isinstance(new, bytes) else new
-    text = value.get("raw", json.dumps(card).encode())
+    text = value.get("raw", json.dumps(card, default=str).encode())
     return {"policy.npz": packed(_arrays(SHIPPED / "follower.npz"), value["edits"]), "policy.json": text}
 
 
@@ -125,16 +125,16 @@ AREA = Area(
     (
         Border(
             name="models.forest", make=lambda rng: edits(rng, list(_small_forest())), call=_forest, sane=_sane_forest,
-            file=FILE, ms=1.2,
+            file=FILE, ms=1.7,
         ),
         Border(
             name="models.person_svm", make=lambda rng: edits(rng, ["weights", "calibration"]), call=_svm, file=FILE,
-            sane=lambda likelihood: finite(likelihood, "likelihood", 1.0), ms=1.5,
+            sane=lambda likelihood: finite(likelihood, "likelihood", 1.0), ms=1.2,
         ),
         Border(name="models.policy", make=_policy, call=_drive_policy, sane=_sane_actions, file="policy", ms=6.0),
         Border(
             name="models.joystick", make=hostile(grammars.joystick), call=_replayed, sane=_sane_actions,
-            file="stick.txt", ms=0.4,
+            file="stick.txt", ms=0.53,
         ),
     ),
     _warm,

@@ -47,7 +47,7 @@ _LONG_WORK: dict[tuple[str, ...], list[str]] = {
     ("evaluate", "pid", "--out", "OUT"): ["--episodes", "--people", "--beams", "--env", "--suite", "--perception"],
     ("bench", "--out", "OUT"): ["--steps"],
     ("demo", "--out", "OUT"): ["--people", "--scene"],
-    ("teleop", "--operator", "model", "--out", "OUT/log.txt"): ["--people", "--env"],
+    ("teleop", "--operator", "model", "--out", "OUT/log.txt"): ["--env"],
     ("train", "follower", "--out", "OUT"): ["--workers", "--max-minutes", "--algo", "--preset"],
     ("train", "legs", "--out", "OUT"): ["--scans", "--drives", "--trees", "--forest"],
     ("train", "people", "--out", "OUT"): ["--buildings", "--frames"],
@@ -197,19 +197,19 @@ AREA = Area(
     (
         Border(
             name="options.slam", make=words_of("slam", ["LOG", "--out", "OUT", "--quiet"]), call=_CALL, sane=_sane_end,
-            ms=40.0,
+            ms=36.0,
         ),
-        Border(name="options.slam_log", make=_log, call=_mapped, sane=_sane_end, ms=25.0),
-        Border(name="options.long_work", make=_never_taken, call=_refused_at_once, ms=15.0),
+        Border(name="options.slam_log", make=_log, call=_mapped, sane=_sane_end, ms=78.0),
+        Border(name="options.long_work", make=_never_taken, call=_refused_at_once, ms=14.0),
         Border(
             name="options.localize", make=words_of("localize", ["LOG", "--map", "MAP", "--out", "OUT", "--quiet"]),
-            call=_CALL, sane=_sane_end, ms=15.0,
+            call=_CALL, sane=_sane_end, ms=25.0,
         ),
         Border(
             name="options.perceive", make=words_of("perceive", ["LOG", "--out", "OUT"]), call=_CALL, sane=_sane_end,
-            ms=12.0,
+            ms=6.5,
         ),
-        Border(name="options.score", make=words_of("score", ["TUM", "TUM2"]), call=_CALL, sane=_sane_end, ms=8.0),
+        Border(name="options.score", make=words_of("score", ["TUM", "TUM2"]), call=_CALL, sane=_sane_end, ms=5.2),
     ),
     _warm,
 )  # fmt: skip

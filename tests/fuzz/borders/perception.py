@@ -74,8 +74,8 @@ def _warm() -> None:
 
 AREA = Area(
     (
-        Border(name="perception.camera", make=_frame, call=_looked, sane=_sane_people, ms=6.0),
-        Border(name="perception.grids", make=hostile_drive, call=_gridded, sane=_sane_maps, ms=4.0),
+        Border(name="perception.camera", make=_frame, call=_looked, sane=_sane_people, ms=2.3),
+        Border(name="perception.grids", make=hostile_drive, call=_gridded, sane=_sane_maps, ms=11.0),
     ),
     _warm,
 )

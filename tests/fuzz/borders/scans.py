@@ -95,14 +95,14 @@ def _warm() -> None:
 
 AREA = Area(
     (
-        Border(name="scans.npz", make=_npz, call=_read_npz, sane=_sane_scans, file=NAME, ms=1.0),
+        Border(name="scans.npz", make=_npz, call=_read_npz, sane=_sane_scans, file=NAME, ms=1.4),
         Border(name="scans.feet", make=_feet, call=_read_feet, sane=_sane_feet, file=NAME, ms=1.0),
         Border(
-            name="scans.scan", make=lambda rng: hostile_drive(rng, 2), ms=0.2, sane=_sane_scans,
+            name="scans.scan", make=lambda rng: hostile_drive(rng, 2), ms=0.31, sane=_sane_scans,
             call=lambda value, folder: [scan_of(frame) for frame in value],
         ),
-        Border(name="scans.tracker", make=hostile_drive, call=_tracked, sane=_sane_people, ms=4.0),
-        Border(name="scans.people_filter", make=_filter, call=_filtered, ms=0.3),
+        Border(name="scans.tracker", make=hostile_drive, call=_tracked, sane=_sane_people, ms=1.8),
+        Border(name="scans.people_filter", make=_filter, call=_filtered, ms=0.38),
     ),
     _warm,
 )  # fmt: skip

@@ -89,13 +89,13 @@ def _numbers(value: Any) -> Any:
 
 AREA = Area(
     (
-        Border(name="tables.tum", make=hostile(grammars.tum), call=_tum, sane=_sane_trajectory, file=NAME, ms=0.4),
+        Border(name="tables.tum", make=hostile(grammars.tum), call=_tum, sane=_sane_trajectory, file=NAME, ms=0.3),
         Border(
-            name="tables.relations", make=hostile(grammars.relations), file=NAME, ms=0.4, sane=_sane_relations,
+            name="tables.relations", make=hostile(grammars.relations), file=NAME, ms=0.66, sane=_sane_relations,
             call=lambda value, folder: read_relations(put(folder, NAME, value)),
         ),
         Border(
-            name="tables.readings", make=hostile(grammars.readings), file=NAME, ms=0.4, sane=_sane_readings,
+            name="tables.readings", make=hostile(grammars.readings), file=NAME, ms=0.57, sane=_sane_readings,
             call=lambda value, folder: read_readings(put(folder, NAME, value)),
         ),
         Border(
@@ -103,9 +103,9 @@ AREA = Area(
             call=lambda value, folder: read_g2o(put(folder, NAME, value)),
         ),
         Border(
-            name="tables.pedestrians", make=hostile(grammars.pedestrians), file=NAME, ms=0.6, sane=_sane_walks,
+            name="tables.pedestrians", make=hostile(grammars.pedestrians), file=NAME, ms=0.32, sane=_sane_walks,
             call=lambda value, folder: read_pedestrians(put(folder, NAME, value)),
         ),
-        Border(name="tables.score", make=_pair, call=_judge, sane=_sane_judgement, ms=1.5),
+        Border(name="tables.score", make=_pair, call=_judge, sane=_sane_judgement, ms=0.54),
     )
 )  # fmt: skip

@@ -17,7 +17,8 @@ def hostile_value(rng: Generator, usual: Any = None) -> Any:
     if isinstance(usual, int) and draw < 0.6:
         return _WHOLE[int(rng.integers(len(_WHOLE)))] if draw < 0.3 else usual + int(rng.integers(-2, 3))
     if isinstance(usual, float) and draw < 0.7:
-        return extreme_float(rng) if draw < 0.35 else usual * float(10.0 ** rng.integers(-6, 7))
+        most = 6.0 if draw < 0.5 else 0.5
+        return extreme_float(rng) if draw < 0.3 else usual * float(10.0 ** rng.uniform(-most, most))
     if isinstance(usual, tuple | list) and usual and draw < 0.5:
         return [hostile_value(rng, entry) for entry in usual]
     if draw < 0.8:
