@@ -138,8 +138,7 @@ def branch_and_bound(
         separation: How far apart they must be; None: `Separation()`.
 
     Raises:
-        InputError: If the window has more blocks than `_MOST_BLOCKS`, or a point lies farther off than whole numbers of
-            32 bits count cells.
+        InputError: If the window has more blocks than `_MOST_BLOCKS`, or a point is farther off than 2^31 cells.
     """
     separation = separation or Separation()
     points_scan = np.ascontiguousarray(points, dtype=np.float64)
@@ -155,9 +154,8 @@ def branch_and_bound(
     least = np.int64(np.ceil(min_score * worth - 1e-6))
     if len(points_scan) == 0:
         return SearchResult((), candidates, 0)
-    leaves, looked = best_leaves(
-        pyramid.levels, cells, bounds, 2 * half + 1, maxima, reach, period, least, separation.least_share
-    )
+    share = separation.least_share
+    leaves, looked = best_leaves(pyramid.levels, cells, bounds, 2 * half + 1, maxima, reach, period, least, share)
     h, angles = pyramid.resolution, wrap_angle(headings)
     found = [
         Maximum((x + (j - half) * h, y + (i - half) * h, float(angles[k])), total / worth)
