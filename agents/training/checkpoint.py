@@ -6,10 +6,8 @@ dropped: at every moment the index points to the arrays that it was written with
 """
 
 import math
-import os
 import struct
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -24,38 +22,11 @@ from ...slam.files import read_json, replacing, write_json
 from ...slam.input_file import read_bytes
 from .model_state import Arrays, Shapes
 
-try:
-    import fcntl
-except ImportError:  # Windows has no such locks
-    fcntl = None
-
 INDEX = "checkpoint.json"
 _MOST_HEADER = 1 << 20
 """Bytes of a header: it names each array in about 120, and the largest model has some 200 of them."""
 _MOST = 1 << 53
 """Of a count: beyond it, a number of JSON need not be whole."""
-
-
-@contextmanager
-def only_writer(folder: Path) -> Iterator[None]:
-    """Be the only run that trains in `folder`, until the block is left or the process ends, however it ends.
-
-    Raises:
-        InputError: If another one does.
-    """
-    if fcntl is None:
-        yield
-        return
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError as error:
-        os.close(handle)
-        raise InputError(f"{folder}: another run is training there now") from error
-    try:
-        yield
-    finally:
-        os.close(handle)
 
 
 @dataclass

@@ -14,7 +14,7 @@ from stable_baselines3.common.logger import Logger, configure
 
 from ...slam.errors import InputError, shown
 from ...slam.files import made_folder, read_json, write_json
-from .checkpoint import INDEX, Progress, load_arrays, load_progress, only_writer, save_checkpoint
+from .checkpoint import INDEX, Progress, load_arrays, load_progress, save_checkpoint
 from .curriculum import Curriculum
 from .evaluation import Evaluation, evaluate
 from .export import write_policy
@@ -98,7 +98,7 @@ class TrainingRun:
 
     def train(self) -> Progress:
         """Train to the end or until the time is up; return how far it came. The best policy is in the folder."""
-        with only_writer(self.folder), closing(self._env):
+        with closing(self._env):
             try:
                 self._judge()
                 self._imitate()

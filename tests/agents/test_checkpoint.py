@@ -9,7 +9,7 @@ import pytest
 pytest.importorskip("stable_baselines3", reason="checkpoints need the extra learn")
 
 from tagalong.agents.training import checkpoint
-from tagalong.agents.training.checkpoint import Progress, load_arrays, load_progress, only_writer, save_checkpoint
+from tagalong.agents.training.checkpoint import Progress, load_arrays, load_progress, save_checkpoint
 from tagalong.slam.errors import InputError
 
 SHAPES = {"policy/a": (2, 3), "optimizer/0/step": (), "optimizer/0/exp_avg": (2, 3)}
@@ -62,14 +62,6 @@ def test_a_full_disk_is_told_in_one_line_and_leaves_the_checkpoint_before(tmp_pa
     with pytest.raises(InputError, match=r"cannot be written \(No space left on device\)"):
         save_checkpoint(tmp_path, arrays(2.0), Progress(rounds=3))
     assert loaded(tmp_path)[1]["policy/a"][0, 0] == 1.0
-
-
-def test_two_runs_do_not_write_into_one_folder(tmp_path):
-    told = pytest.raises(InputError, match="another run is training there now")
-    with only_writer(tmp_path), told, only_writer(tmp_path):
-        pass
-    with only_writer(tmp_path):
-        pass
 
 
 def test_only_the_newest_arrays_are_kept(tmp_path):
