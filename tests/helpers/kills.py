@@ -130,8 +130,9 @@ def _note_words(status: int, said: str, end: signal.Signals, promised: set[int],
     """Note an exit status that is not promised, a traceback, or more than one line."""
     if status in {0, 1} and "tagalong:" not in said and "Traceback" not in said:
         return  # it had ended by itself
-    if status == -end and not said:
-        return  # its work was done and its handlers gone: Python was closing down
+    if status == -end and "tagalong:" not in said and "Traceback" not in said:
+        seen.late += 1  # its work was done and its handlers gone: Python was closing down; a shell says 130 or 143
+        return
     if status not in promised | {STATUS[end]}:
         seen.said.append(f"exit status {status} after {end.name}: {said[-300:]!r}")
     lines = [line for line in said.splitlines() if line.startswith("tagalong: ") and "finished cells" not in line]
