@@ -59,7 +59,7 @@ def test_a_part_does_not_see_the_memory_of_the_process_that_asks_for_it(tmp_path
 def test_a_part_that_is_finished_is_not_run_again(tmp_path, monkeypatch):
     words = ["--steps", "0", "--laps", "2", "--scans", "3", "--engines", "ekf", "--out", str(tmp_path)]
     soak.main(words)
-    monkeypatch.setattr("tagalong.scripts.experiments.own_process.ProcessPoolExecutor", None)
+    monkeypatch.setattr("tagalong.scripts.experiments.own_process.Crew", None)
     soak.main(words)
     assert len((tmp_path / "laps" / "ekf.json").read_text()) > 100
 
