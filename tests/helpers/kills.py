@@ -130,7 +130,7 @@ def _note_words(status: int, said: str, end: signal.Signals, promised: set[int],
     """Note an exit status that is not promised, a traceback, or more than one line."""
     if status in {0, 1} and "tagalong:" not in said and "Traceback" not in said:
         return  # it had ended by itself
-    if status == -end and "tagalong:" not in said and "Traceback" not in said:
+    if end != signal.SIGKILL and status == -end and "tagalong:" not in said and "Traceback" not in said:
         seen.late += 1  # its work was done and its handlers gone: Python was closing down; a shell says 130 or 143
         return
     if status not in promised | {STATUS[end]}:
