@@ -167,7 +167,7 @@ def test_a_state_of_before_the_end_can_be_gone_on_from():
     while not env.step([-1.0, 1.0])[2]:
         pass
     env.restore_state(state)
-    env.step([0.0, 0.0])
+    assert not env.step([0.0, 0.0])[2]
 
 
 @pytest.mark.parametrize("leader", [True, False])
