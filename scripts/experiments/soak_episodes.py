@@ -16,12 +16,14 @@ from ...agents.follower import Follower
 from ...envs.follow_env import FollowEnv
 from ...envs.registration import IDS
 from .cells import TIMING
-from .trend import Row, memory_mb
+from .trend import Pace, Row, memory_mb
 
 VISIT = 200
 """Steps in one building before the next one is looked at; at 10 Hz 20 s."""
 STRETCH = 1000
 """Steps of the endless episode between two looks at the memory."""
+SAMPLE = 20
+"""Steps between two looks at the pace of the machine."""
 PEOPLE = 4
 """Walking people in each building, the same everywhere: rounds are compared with each other."""
 BEAMS = 360
@@ -35,12 +37,13 @@ def episodes(slam: str | None, steps: int) -> dict[str, Any]:
         slam: The environments' own engine ("default") or another of `FollowConfig.slam`.
         steps: At least how many steps altogether.
     """
-    visits = [Visit(name, slam) for name in IDS]
+    visits, pace = [Visit(name, slam) for name in IDS], Pace()
     rows, done = [], 0
     for _ in tqdm(range(-(-steps // (VISIT * len(visits)))), f"slam={slam}", unit="round"):
-        took = sum(visit.go_on(VISIT) for visit in visits)
+        took = sum(visit.go_on(VISIT, pace) for visit in visits)
         done += VISIT * len(visits)
-        rows.append(asdict(Row(memory_mb=memory_mb(), step_ms=1e3 * took / (VISIT * len(visits)), done=done)))
+        step_ms = 1e3 * took / (VISIT * len(visits))
+        rows.append(asdict(Row(memory_mb=memory_mb(), step_ms=step_ms, reference_ms=pace.read(), done=done)))
     return {"episodes": sum(visit.seed for visit in visits), TIMING: rows}
 
 
@@ -55,11 +58,13 @@ def endless_episode(slam: str | None, steps: int) -> dict[str, Any]:
         ends_on_contact=False,
         coverage_goal=1.0,
     )
-    robot, rows, seed, ended = make_follower("random", env.interface), [], -1, True
+    robot, rows, seed, ended, pace = make_follower("random", env.interface), [], -1, True, Pace()
     observation: dict[str, Any] = {}
     for stretch in tqdm(range(-(-steps // STRETCH)), f"one episode, slam={slam}", unit="stretch"):
         took = 0.0
-        for _ in range(STRETCH):
+        for k in range(STRETCH):
+            if k % SAMPLE == 0:
+                pace.sample()
             if ended:  # only at the start, or when by chance all of the floor was seen
                 seed += 1
                 observation, _ = env.reset(seed=seed)
@@ -68,7 +73,8 @@ def endless_episode(slam: str | None, steps: int) -> dict[str, Any]:
             start = time.process_time()
             observation, _, ended, _, _ = env.step(action)
             took += time.process_time() - start
-        rows.append(asdict(Row(memory_mb=memory_mb(), step_ms=1e3 * took / STRETCH, done=(stretch + 1) * STRETCH)))
+        step_ms, done = 1e3 * took / STRETCH, (stretch + 1) * STRETCH
+        rows.append(asdict(Row(memory_mb=memory_mb(), step_ms=step_ms, reference_ms=pace.read(), done=done)))
     return {"episodes": seed + 1, TIMING: rows}
 
 
@@ -88,10 +94,12 @@ class Visit:
         self._follower: Follower = make_follower("pid", self._env.interface)
         self.seed = 0
 
-    def go_on(self, steps: int) -> float:
+    def go_on(self, steps: int, pace: Pace) -> float:
         """Start an episode with a new seed, and others as they end, for `steps` steps; return their time [s]."""
         took, ended, observation = 0.0, True, {}
-        for _ in range(steps):
+        for k in range(steps):
+            if k % SAMPLE == 0:
+                pace.sample()
             if ended:
                 observation, _ = self._env.reset(seed=self.seed)
                 self._follower.reset()

@@ -22,9 +22,12 @@ from ...slam.logs.log import read_log
 from ...slam.scan import LaserScan
 from .cells import TIMING
 from .slow_tour import slow_tour
-from .trend import Row, memory_mb
+from .trend import Pace, Row, memory_mb
 
 Array = NDArray[np.float64]
+
+SAMPLE = 20
+"""Scans between two looks at the pace of the machine."""
 
 
 def engine_laps(method: str, log: str, scans: int | None, laps: int) -> dict[str, Any]:
@@ -37,12 +40,13 @@ def engine_laps(method: str, log: str, scans: int | None, laps: int) -> dict[str
         laps: How many laps.
     """
     drive = _drive(log)
-    engine, rows, done = make_slam(method), [], 0
+    engine, rows, done, pace = make_slam(method), [], 0, Pace()
     steps = there_and_back(drive, len(drive) if scans is None else min(scans, len(drive)), laps)
     for _ in tqdm(range(laps), f"{method}, {drive.name}", unit="lap"):
-        took, count = _lap(engine, next(steps))
+        took, count = _lap(engine, next(steps), pace)
         done += count
-        rows.append(asdict(Row(memory_mb=memory_mb(), step_ms=1e3 * took / count, done=done)))
+        step_ms = 1e3 * took / count
+        rows.append(asdict(Row(memory_mb=memory_mb(), step_ms=step_ms, reference_ms=pace.read(), done=done)))
     return {"scans": done, TIMING: rows}
 
 
@@ -68,10 +72,12 @@ def _drive(log: str) -> RecordedDrive:
     return slow_tour(WorldConfig(scene=log), 0).recording if log in SCENES else read_log(log)
 
 
-def _lap(engine: SlamEngine, steps: Iterator[tuple[Array, LaserScan]]) -> tuple[float, int]:
+def _lap(engine: SlamEngine, steps: Iterator[tuple[Array, LaserScan]], pace: Pace) -> tuple[float, int]:
     """Return the time of processor that the engine took for `steps` [s], and their number."""
     took, count = 0.0, 0
     for odometry, scan in steps:
+        if count % SAMPLE == 0:
+            pace.sample()
         start = time.process_time()
         engine.update(odometry, scan)
         took += time.process_time() - start

@@ -4,6 +4,7 @@ import gc
 import os
 import resource
 import sys
+import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,12 +23,43 @@ class Row:
     Attributes:
         memory_mb: Memory that the process held at its end, garbage collected [MB].
         step_ms: Mean time of processor for a step or a scan of it, all threads together [ms].
+        reference_ms: Mean time of processor of the same fixed work, done between these steps [ms].
         done: Steps or scans since the start.
     """
 
     memory_mb: float
     step_ms: float
+    reference_ms: float
     done: int
+
+
+class Pace:
+    """How fast the machine is just now, by a fixed piece of work.
+
+    The pace of a shared machine changes by a third within minutes, which no run of hours escapes; what a step costs is
+    therefore compared with what this work costs in between.
+    """
+
+    def __init__(self) -> None:
+        self._values = np.sin(np.arange(4000.0))
+        self._took, self._times = 0.0, 0
+
+    def sample(self) -> None:
+        """Do the work once, about a millisecond."""
+        start = time.process_time()
+        total = 0.0
+        for value in range(8000):
+            total += value
+        for _ in range(4):
+            np.cumsum(np.sort(self._values))
+        self._took += time.process_time() - start
+        self._times += 1
+
+    def read(self) -> float:
+        """Return the mean time of the samples since the last reading [ms]; there must be one."""
+        mean = 1e3 * self._took / self._times
+        self._took, self._times = 0.0, 0
+        return mean
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,7 +69,7 @@ class Trend:
     Attributes:
         settled_mb: Memory at the end of the first tenth [MB].
         largest_mb: The most that was held at the end of a later row [MB].
-        settled_ms: Median time of a step in the tenth after the first [ms].
+        settled_ms: Median time of a step in the tenth after the first, at the median pace of the whole run [ms].
         last_ms: The same in the last tenth [ms].
         bytes_a_step: By how much memory grew with each step or scan after the first tenth: the slope of a line.
     """
@@ -66,7 +98,9 @@ class Trend:
 
 def trend(rows: Sequence[Mapping[str, float]]) -> Trend:
     """Return the trend of at least two rows, each with the fields of `Row`; the first tenth, rounded up, warms up."""
-    memory, times, done = (np.array([row[name] for row in rows]) for name in ("memory_mb", "step_ms", "done"))
+    names = ("memory_mb", "step_ms", "reference_ms", "done")
+    memory, times, reference, done = (np.array([row[name] for row in rows]) for name in names)
+    times = times * np.median(reference) / reference
     tenth = -(-len(rows) // 10)
     later = slice(tenth, None)
     slope = np.polyfit(done[later], memory[later], 1)[0] if len(done[later]) > 1 else 0.0

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import LinAlgError, cho_factor, cho_solve
 from scipy.optimize import linear_sum_assignment
 from scipy.stats import chi2
 
 from ..geometry import wrap_angle
+from .association_kernels import joint_distance, largest_compatible
 
 Array = NDArray[np.float64]
 Pairs = list[tuple[int, int]]
@@ -69,61 +69,12 @@ def joint_compatibility(pairs: Comparison, gate: float) -> Pairs:
     if not pairs.distance.size:
         return []
     nearest = nearest_neighbour(pairs, gate)
-    if _joint_distance(pairs, nearest) <= _GATES[min(2 * len(nearest), 200)] and not _ambiguous(pairs, gate):
+    rows, columns = np.array(nearest, dtype=np.int64).reshape(-1, 2).T
+    joint = joint_distance(rows, columns, pairs.y, pairs.HPH, pairs.R)
+    if joint <= _GATES[min(2 * len(nearest), len(_GATES) - 1)] and not _ambiguous(pairs, gate):
         return nearest
-    search = _Search(pairs, gate)
-    search.descend(0, [], 0.0)
-    return search.best
-
-
-class _Search:
-    """The state of one branch and bound."""
-
-    def __init__(self, pairs: Comparison, gate: float) -> None:
-        self.pairs, self.gate = pairs, gate
-        self.best: Pairs = []
-        self.distance = np.inf
-        self.nodes = 0
-        self.rows = [i for i in range(len(pairs.distance)) if (pairs.distance[i] <= gate).any()]
-
-    def descend(self, depth: int, chosen: Pairs, distance: float) -> None:
-        """Try all that can follow `chosen`, of joint `distance`, from the row `depth` on."""
-        self.nodes += 1
-        better = len(chosen) > len(self.best) or (len(chosen) == len(self.best) and distance < self.distance)
-        if chosen and better:
-            self.best, self.distance = list(chosen), distance
-        if depth == len(self.rows) or self.nodes > MOST_NODES:
-            return
-        if len(chosen) + len(self.rows) - depth < len(self.best):
-            return
-        row = self.rows[depth]
-        taken = {j for _, j in chosen}
-        for j in np.argsort(self.pairs.distance[row]).tolist():
-            if self.pairs.distance[row, j] > self.gate:
-                break
-            if j in taken:
-                continue
-            longer = [*chosen, (row, j)]
-            joint = _joint_distance(self.pairs, longer)
-            if joint <= _GATES[min(2 * len(longer), 200)]:
-                self.descend(depth + 1, longer, joint)
-        self.descend(depth + 1, chosen, distance)
-
-
-def _joint_distance(pairs: Comparison, chosen: Pairs) -> float:
-    """Return the squared Mahalanobis distance of all `chosen` pairs together."""
-    if not chosen:
-        return 0.0
-    rows = np.array([i for i, _ in chosen])
-    columns = np.array([[2 * j, 2 * j + 1] for _, j in chosen]).ravel()
-    S = pairs.HPH[np.ix_(columns, columns)].copy()
-    for place, row in enumerate(rows):
-        S[2 * place : 2 * place + 2, 2 * place : 2 * place + 2] += pairs.R[row]
-    y = pairs.y[rows, columns[::2] // 2].ravel()
-    try:
-        return float(y @ cho_solve(cho_factor(S, check_finite=False), y, check_finite=False))
-    except LinAlgError:
-        return np.inf
+    best = largest_compatible(pairs.y, pairs.HPH, pairs.R, pairs.distance, gate, _GATES, MOST_NODES)
+    return [(int(i), int(best[i])) for i in np.flatnonzero(best >= 0)]
 
 
 def _ambiguous(pairs: Comparison, gate: float) -> bool:

@@ -12,9 +12,10 @@ from tagalong.slam.logs.drive import RecordedDrive
 from tagalong.slam.scan import LaserScan
 
 
-def rows_of(memory, times):
-    pairs = enumerate(zip(memory, times, strict=True), 1)
-    return [{"memory_mb": mb, "step_ms": ms, "done": 1000 * k} for k, (mb, ms) in pairs]
+def rows_of(memory, times, reference=1.0):
+    pace = np.broadcast_to(reference, len(times))
+    parts = enumerate(zip(memory, times, pace, strict=True), 1)
+    return [{"memory_mb": mb, "step_ms": ms, "reference_ms": one, "done": 1000 * k} for k, (mb, ms, one) in parts]
 
 
 def test_what_grows_only_in_the_first_tenth_is_flat():
@@ -33,6 +34,13 @@ def test_a_leak_is_told_in_bytes_a_step():
 
 def test_steps_that_take_longer_and_longer_are_not_flat():
     assert not trend(rows_of(20 * [100], np.linspace(1, 2, 20))).flat
+
+
+def test_a_machine_that_slows_down_is_no_growth():
+    slower = np.linspace(1, 2, 20)
+    went = trend(rows_of(20 * [100], 3.0 * slower, slower))
+    assert went.flat
+    assert went.time_growth == pytest.approx(0.0)
 
 
 def test_laps_join_without_a_jump_and_their_clock_goes_on():
