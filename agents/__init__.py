@@ -6,13 +6,13 @@ from functools import partial
 
 from ..envs.interface import FollowInterface
 from ..slam.errors import unknown_name
-from .dwa import DWAConfig, DWAFollower
 from .follower import Follower
 from .learned.follower import LearnedFollower
 from .newcomer import Newcomer
-from .pid import PIDConfig, PIDFollower
-from .pure_pursuit import PurePursuitConfig, PurePursuitFollower
-from .random_walk import RandomWalk, RandomWalkConfig
+from .scripted.dwa import DWAConfig, DWAFollower
+from .scripted.pid import PIDConfig, PIDFollower
+from .scripted.pure_pursuit import PurePursuitConfig, PurePursuitFollower
+from .scripted.random_walk import RandomWalk, RandomWalkConfig
 from .user import load_follower
 
 FOLLOWERS: dict[str, Callable[[FollowInterface], Follower]] = {
@@ -25,7 +25,7 @@ FOLLOWERS: dict[str, Callable[[FollowInterface], Follower]] = {
 
 
 def _frontier(interface: FollowInterface) -> Follower:
-    from .frontier import FrontierExplorer  # imported late: its kernels need numba
+    from .scripted.frontier import FrontierExplorer  # imported late: its kernels need numba
 
     return FrontierExplorer(interface)
 

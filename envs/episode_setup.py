@@ -7,30 +7,30 @@ from typing import Any
 import numpy as np
 
 from ..perception.config import PerceptionConfig
-from ..perception.immobile.view import ViewMaker
+from ..perception.immobile.view import CameraViewMaker
+from ..perception.leader.body_selector import BodyLeaderSelector
+from ..perception.leader.selector import LeaderSelector
 from ..perception.legs.detector import LegDetector
 from ..perception.legs.forest import LegForest
 from ..perception.rgbd.people import NoPeopleFinder, RgbdPeopleFinder
 from ..perception.rgbd.people_finder import PeopleFinder
 from ..perception.tracking.camera import NoLegs
-from ..perception.tracking.leader import LeaderSelector
-from ..perception.tracking.leader_body import BodyLeaderSelector
 from ..perception.tracking.tracker import PeopleTracker
 from ..slam.ekf.engine import EkfSlam
 from ..slam.errors import InputError, shown, unknown_name
 from ..slam.gmapping.engine import GMapping
 from ..slam.graph.engine import Cartographer
-from .camera.config import RgbdConfig
 from .follow_config import FollowConfig
-from .immobile_map import Drawing, ImmobileDrawing, OwnDrawing
 from .interface import FollowInterface
-from .lidar import LidarConfig
-from .mappers import EngineMapper, GraphMapper, Mapper, NoMapper
-from .mind import Mind, NobodyLeads, PeopleSource, Selector, TrackedPeopleSource
+from .onboard.camera_pipeline import CameraPipeline, NoCamera, RgbdPipeline
+from .onboard.immobile_map import Drawing, ImmobileDrawing, OwnDrawing
+from .onboard.mappers import EngineMapper, GraphMapper, Mapper, NoMapper
+from .onboard.stack import NobodyLeads, OnboardStack, PeopleSource, Selector, TrackedPeopleSource
 from .oracle import TrueMapper, TruePeopleSource, TrueRgbdPeopleFinder
-from .robot import RobotConfig
-from .sight import CameraSight, NoSight, Sight
-from .world import World, WorldConfig
+from .robot.robot import RobotConfig
+from .sensors.camera.config import RgbdConfig
+from .sensors.lidar import LidarConfig
+from .world.world import World, WorldConfig
 
 OPTIONS = ("scene", "split", "route", "people", "standing", "leader_style", "odometry")
 """Options of `reset`: fields of `WorldConfig` that they set for one episode."""
@@ -131,7 +131,7 @@ def interface(config: FollowConfig) -> FollowInterface:
     )
 
 
-class MindFactory:
+class OnboardStackFactory:
     """Makes a fresh mind for each episode; the forest of the leg detector is loaded once."""
 
     def __init__(self, config: FollowConfig) -> None:
@@ -147,12 +147,12 @@ class MindFactory:
         """What minds share and never change, as a memo for `copy.deepcopy`."""
         return {id(self._forest): self._forest, id(self._finder): self._finder}
 
-    def make(self, world: World, rng: np.random.Generator) -> Mind:
+    def make(self, world: World, rng: np.random.Generator) -> OnboardStack:
         """Return a mind that knows nothing yet; its leader's cloud and its SLAM draw from streams of their own."""
         leading = np.random.SeedSequence(int(rng.integers(2**31)))
         (mapping,) = leading.spawn(1)
         mapper, drawing, sight = self._mapper(world, mapping), self._drawing(world), self._sight(world)
-        return Mind(self._people(world), self._selector(leading), mapper, drawing, sight, self._perception)
+        return OnboardStack(self._people(world), self._selector(leading), mapper, drawing, sight, self._perception)
 
     def _selector(self, seed: np.random.SeedSequence) -> Selector:
         if not self._config.leader:
@@ -164,10 +164,12 @@ class MindFactory:
     def _drawing(self, world: World) -> Drawing:
         return OwnDrawing() if self._config.mapping == "occupancy" else ImmobileDrawing(world.config.lidar.height)
 
-    def _sight(self, world: World) -> Sight:
+    def _sight(self, world: World) -> CameraPipeline:
         if not self._looks:
-            return NoSight()
-        return CameraSight(ViewMaker(TrueRgbdPeopleFinder(world) if self._config.people == "truth" else self._finder))
+            return NoCamera()
+        return RgbdPipeline(
+            CameraViewMaker(TrueRgbdPeopleFinder(world) if self._config.people == "truth" else self._finder)
+        )
 
     def _people(self, world: World) -> PeopleSource:
         if self._config.people == "truth":

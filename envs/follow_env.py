@@ -12,20 +12,20 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..perception.stages import Stages, completed
 from ..slam.errors import InputError, shown
-from .coverage import Coverage, NoCoverage
-from .endings import Ending, EndingRule
-from .episode_setup import MindFactory, check_options, checked_seed, interface, world_config
+from .episode_setup import OnboardStackFactory, check_options, checked_seed, interface, world_config
 from .field_checks import finite_numbers
 from .follow_config import make_config
 from .interface import OwnMap
-from .mind import Belief, Mind
-from .observation import Observer, observation_space
+from .onboard.stack import Belief, OnboardStack
 from .oracle import step_facts
-from .rendering import has_display, make_renderer
-from .rewards import StepFacts, exploration_terms, reward_terms
-from .sweeps import timed_odometry
-from .truth import TrueState
-from .world import World, WorldState
+from .sensors.sweeps import timed_odometry
+from .task.coverage import Coverage, NoCoverage
+from .task.endings import Ending, EndingRule
+from .task.observation import Observer, observation_space
+from .task.rewards import StepFacts, exploration_terms, reward_terms
+from .topview.rendering import has_display, make_renderer
+from .world.truth import TrueState
+from .world.world import World, WorldState
 
 Observation = dict[str, NDArray[Any]]
 StepResult = tuple[Observation, float, bool, bool, dict[str, Any]]
@@ -109,8 +109,8 @@ class FollowEnv(gym.Env[Any, Any]):
     the robot's whole map, and its pose in it, at `env.unwrapped.interface.own_map()`.
 
     With `leader=False` nobody leads: the robot explores among the bystanders of the same seed (of `people_count` one
-    more) until it has seen `coverage_goal` of the floor, and there is no entry `leader`. `tagalong.envs.coverage` says
-    what counts as seen.
+    more) until it has seen `coverage_goal` of the floor, and there is no entry `leader`;
+    `tagalong.envs.task.coverage` says what counts as seen.
 
     ## Rewards
 
@@ -206,7 +206,7 @@ class FollowEnv(gym.Env[Any, Any]):
         self.action_space = spaces.Box(-1.0, 1.0, (3 if self.interface.holonomic else 2,), np.float32)
         top = [self.interface.max_speed] * (2 if self.interface.holonomic else 1)
         self._top = np.array([*top, self.interface.max_turn_rate])
-        self._minds = MindFactory(self.config)
+        self._minds = OnboardStackFactory(self.config)
         self._observer = Observer(self.config)
         self._renderer = make_renderer(render_mode, render_backend)
         self._world: World | None = None
@@ -223,7 +223,7 @@ class FollowEnv(gym.Env[Any, Any]):
         check_options(options)
         world = World(world_config(self.config, options), self.np_random)
         self._world = world
-        self._mind: Mind = self._minds.make(world, self.np_random)
+        self._mind: OnboardStack = self._minds.make(world, self.np_random)
         self._endings = EndingRule(self.config)
         measured = self.config.coverage or not self.config.leader
         self.coverage = Coverage(world.scene, world.config.robot.size[1]) if measured else NoCoverage()

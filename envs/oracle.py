@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..perception.legs.detector import Detections, no_detections
-from ..perception.people_filter import SiftedScan
+from ..perception.people_filter import FilteredScan
 from ..perception.rgbd.frame import RgbdFrame
 from ..perception.rgbd.people import RgbdPeople
 from ..perception.rgbd.planes import Planes
@@ -17,11 +17,11 @@ from ..perception.tracking.people import People
 from ..slam.geometry import between, compose, inverse, transform_points
 from ..slam.occupancy_map import OccupancyMap
 from ..slam.scan import LaserScan
-from .mappers import GrowingMap
-from .mind import Belief
-from .rewards import StepFacts
-from .truth import TrueState
-from .world import World
+from .onboard.mappers import GrowingMap
+from .onboard.stack import Belief
+from .task.rewards import StepFacts
+from .world.truth import TrueState
+from .world.world import World
 
 Array = NDArray[np.float64]
 
@@ -96,7 +96,7 @@ class TrueMapper:
         self._growing = GrowingMap()
         self._drawn_at: Array | None = None
 
-    def update(self, odometry: Array, sifted: SiftedScan) -> None:
+    def update(self, odometry: Array, sifted: FilteredScan) -> None:
         """Draw the scan where it was truly taken: an earlier one of this control period by the odometry since then."""
         now, pose = self._world.odometry, self.pose
         if not np.array_equal(odometry, now):

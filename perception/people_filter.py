@@ -47,7 +47,7 @@ def people_points_lidar(people: People, odometry: ArrayLike, scan: LaserScan) ->
 
 
 @dataclass(frozen=True, eq=False)
-class SiftedScan:
+class FilteredScan:
     """A scan that people can be taken out of; that is done when somebody asks, once.
 
     Attributes:

@@ -9,7 +9,7 @@ from typing import NoReturn
 
 from .. import __version__
 from ..slam.errors import InputError, WorkerError, one_line, shown
-from ..slam.files import require_writable
+from ..slam.files.output import require_writable
 from .interruption import interruptible
 from .last_words import MOST_SAID, exit_status
 from .only_writer import only_writer

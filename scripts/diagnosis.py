@@ -10,7 +10,7 @@ from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
 
-from ..envs.world import World, WorldConfig
+from ..envs.world.world import World, WorldConfig
 from ..slam.engine import make_slam
 from ..slam.geometry import between
 

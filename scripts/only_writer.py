@@ -6,7 +6,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from ..slam.errors import InputError
-from ..slam.files import made_folder
+from ..slam.files.output import made_folder
 
 try:
     import fcntl

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from ..slam.errors import InputError
-from ..slam.files import write_text
-from ..slam.input_file import read_text
-from .experiments.acceptance import mean_of
-from .experiments.people import summary as tracking_summary
-from .experiments.statistics import share, t_mean
+from ..slam.files.input import read_text
+from ..slam.files.output import write_text
+from .benchmarks.people import summary as tracking_summary
+from .lab.acceptance import mean_of
+from .lab.statistics import share, t_mean
 
 BEGIN, END = "<!-- results:begin -->", "<!-- results:end -->"
 SCENE_TITLES = {"corridor": "corridor", "meeting_room": "meeting room"}

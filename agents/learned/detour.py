@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...slam.errors import InputError
-from ..memory import Goal, Mode
+from ..scripted.leader_memory import Goal, Mode
 from .guard import GuardConfig, box_gaps
 from .manoeuvres import LONGEST_S, SPACING_M, drive_in_thought, resampled, thinned, turned_away
 from .steering import State, SteeringConfig
@@ -102,7 +102,7 @@ class Detour:
         self._held_s = self._left_s = self._left_m = 0.0
         self._begun = np.zeros((0, 5))
 
-    def relieve(
+    def escape(
         self,
         state: State,
         wish: tuple[float, float],
@@ -176,7 +176,7 @@ class NoDetour:
     def reset(self) -> None:
         """Forget nothing."""
 
-    def relieve(
+    def escape(
         self,
         state: State,
         wish: tuple[float, float],

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from ...envs.interface import FollowInterface
 from ...slam.errors import InputError
 from ..follower import Observation
-from ..memory import Goal, LeaderMemory, MemoryConfig, Mode
-from ..scan_points import own_velocity, scan_of
+from ..scripted.leader_memory import Goal, LeaderMemory, MemoryConfig, Mode
+from ..scripted.scan_points import own_velocity, scan_of
 from .steering import State
 from .trail import Trail
 

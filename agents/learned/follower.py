@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from ...envs.interface import FollowInterface
 from ...slam.errors import InputError
-from ...slam.files import read_arrays, read_json
-from ...slam.input_file import named
+from ...slam.files.input import named
+from ...slam.files.output import read_arrays, read_json
 from ..follower import Observation
 from .network import Network
 from .network_shapes import check_arrays

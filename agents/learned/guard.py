@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ...envs.interface import FollowInterface
 from ...slam.errors import InputError
 from ..follower import Observation
-from ..scan_points import ScanPoints, own_velocity, without
+from ..scripted.scan_points import ScanPoints, own_velocity, without
 from .hindsight import Hindsight
 from .steering import State, SteeringConfig, steer_many
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...envs.interface import FollowInterface
 from ..follower import Observation
-from ..scan_points import MOST_BEAMS, own_velocity, scan_of
+from ..scripted.scan_points import MOST_BEAMS, own_velocity, scan_of
 
 Array = NDArray[np.float64]
 

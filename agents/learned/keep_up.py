@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...slam.errors import InputError
-from ..memory import Goal, Mode
+from ..scripted.leader_memory import Goal, Mode
 
 Array = NDArray[np.float64]
 
@@ -48,7 +48,7 @@ class KeepUp:
     def __init__(self, config: KeepUpConfig) -> None:
         self.config = config
 
-    def urge(self, wish: tuple[float, float], goal: Goal, trail: Array) -> tuple[float, float]:
+    def keep_pace(self, wish: tuple[float, float], goal: Goal, trail: Array) -> tuple[float, float]:
         """Return `wish`, faster if its speed lets the leader get away.
 
         Args:
@@ -69,6 +69,6 @@ class KeepUp:
 class NoKeepUp:
     """Leaves the network alone."""
 
-    def urge(self, wish: tuple[float, float], goal: Goal, trail: Array) -> tuple[float, float]:
+    def keep_pace(self, wish: tuple[float, float], goal: Goal, trail: Array) -> tuple[float, float]:
         """Return `wish`."""
         return wish

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ...envs.interface import FollowInterface
 from ..follower import Observation
-from ..scan_points import as_action
+from ..scripted.scan_points import as_action
 from .detour import Detour, DetourConfig, NoDetour
 from .features import FeatureConfig, Features
 from .guard import Guard, GuardConfig, NoGuard
@@ -57,10 +57,10 @@ class Pilot:
         self._detour: Detour | NoDetour = NoDetour()
         self._swerve: Swerve | NoSwerve = NoSwerve()
         if config.guard is not None:
-            self._relieve(config, config.guard, 1.0 / interface.control_hz)
+            self._make_escape(config, config.guard, 1.0 / interface.control_hz)
         self.reset()
 
-    def _relieve(self, config: PilotConfig, guard: GuardConfig, step_s: float) -> None:
+    def _make_escape(self, config: PilotConfig, guard: GuardConfig, step_s: float) -> None:
         """Take what is only safe with a guard."""
         if config.keep_up is not None:
             self._keep_up = KeepUp(config.keep_up)
@@ -89,14 +89,14 @@ class Pilot:
         steering, step_s = self.config.steering, 1.0 / self._interface.control_hz
         f, things = self._features, self._guard.things
         wish = steering.wish((float(output[0]), float(output[1])))
-        wish = steering.within(*self._keep_up.urge(wish, f.goal, f.trail))
+        wish = steering.within(*self._keep_up.keep_pace(wish, f.goal, f.trail))
         part = step_s / (step_s + steering.wish_s)
         self._wish = (
             self._wish[0] + part * (wish[0] - self._wish[0]),
             self._wish[1] + part * (wish[1] - self._wish[1]),
         )
         wish = self._swerve.around(self.commanded, self._wish, f.goal, f.trail, things, self._people)
-        wish = self._detour.relieve(self.commanded, wish, f.goal, f.search_turn, f.trail, things, self._guard.room)
+        wish = self._detour.escape(self.commanded, wish, f.goal, f.search_turn, f.trail, things, self._guard.room)
         speed, turn = self._guard.allow(self.commanded, wish)
         self.commanded = steer(self.commanded, speed, turn, step_s, steering)
         return as_action(self.commanded[0], self.commanded[2], self._interface)

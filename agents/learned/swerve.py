@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...slam.errors import InputError
-from ..memory import Goal, Mode
+from ..scripted.leader_memory import Goal, Mode
 from .guard import GuardConfig
 from .manoeuvres import LONGEST_S, Driven, drive_in_thought, resampled, thinned, turned_away
 from .steering import State, SteeringConfig

@@ -18,8 +18,8 @@ from safetensors import SafetensorError, deserialize
 from safetensors.numpy import save
 
 from ...slam.errors import InputError, one_line, shown
-from ...slam.files import read_json, replacing, write_json
-from ...slam.input_file import read_bytes
+from ...slam.files.input import read_bytes
+from ...slam.files.output import read_json, replacing, write_json
 from .model_state import Arrays, Shapes
 
 INDEX = "checkpoint.json"

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ...envs.follow_env import FollowEnv
 from ...envs.registration import MAX_EPISODE_STEPS
-from ...slam.process_crew import Crew, require_workers
+from ...slam.processes.crew import Crew, require_workers
 from ..learned.network import Network
 from ..learned.pilot import Pilot, PilotConfig
 from .curriculum import Drawn
@@ -47,7 +47,7 @@ class DriveTask:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Drive:
+class TeacherDrive:
     """What came of it.
 
     Attributes:
@@ -70,8 +70,8 @@ class Drive:
         return self.ending == "tour_done"
 
 
-def drive(task: DriveTask) -> Drive:
-    """Drive one episode; equal for equal tasks."""
+def drive(task: DriveTask) -> TeacherDrive:
+    """TeacherDrive one episode; equal for equal tasks."""
     env = _environment(task.env)
     observation, _ = env.reset(seed=task.drawn.seed, options=task.drawn.options)
     pilot = Pilot(task.pilot, env.interface)
@@ -102,10 +102,10 @@ def drive(task: DriveTask) -> Drive:
             break
     stacked = {name: np.stack([row[name] for row in inputs]) for name in inputs[0]} if inputs else {}
     table = np.array(labels, dtype=np.float32).reshape(-1, 2)
-    return Drive(inputs=stacked, labels=table, total_reward=total, ending=ending, steps=steps)
+    return TeacherDrive(inputs=stacked, labels=table, total_reward=total, ending=ending, steps=steps)
 
 
-def drive_all(tasks: Sequence[DriveTask], workers: int) -> Generator[Drive]:
+def drive_all(tasks: Sequence[DriveTask], workers: int) -> Generator[TeacherDrive]:
     """Yield what came of each task, in their order, on so many processes (1: on this one).
 
     Raises:
@@ -116,7 +116,7 @@ def drive_all(tasks: Sequence[DriveTask], workers: int) -> Generator[Drive]:
     if workers == 1:
         yield from map(drive, tasks)
         return
-    early: dict[int, Drive] = {}
+    early: dict[int, TeacherDrive] = {}
     with Crew(workers) as crew:
         following = 0
         for index, done in crew.results(drive, [(task,) for task in tasks]):

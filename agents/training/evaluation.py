@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from .curriculum import held_out
-from .drives import Arrays, Drive, DriveTask, drive_all
+from .drives import Arrays, DriveTask, TeacherDrive, drive_all
 from .presets import TrainingPreset
 
 
@@ -36,7 +36,7 @@ class Evaluation:
 def evaluate(
     arrays: Arrays, preset: TrainingPreset, workers: int, after: str, tick: Callable[[str], None] = lambda _: None
 ) -> Evaluation:
-    """Drive the preset's held-out episodes, the same ones every time.
+    """TeacherDrive the preset's held-out episodes, the same ones every time.
 
     Args:
         arrays: Of the policy, as `learned.network` names them.
@@ -56,7 +56,7 @@ def evaluate(
         )
         for drawn in held_out(preset.curriculum, preset.evaluations)
     ]
-    drives: list[Drive] = []
+    drives: list[TeacherDrive] = []
     with closing(drive_all(tasks, workers)) as coming:
         for one in coming:
             drives.append(one)

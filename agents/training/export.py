@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from safetensors.numpy import save
 
-from ...slam.files import replacing, write_json
+from ...slam.files.output import replacing, write_json
 from ..learned.pilot import PilotConfig
 from .onnx_graph import to_onnx
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from stable_baselines3.common.base_class import BaseAlgorithm
 
 from ...slam.errors import InputError
-from ...slam.files import read_arrays, replacing
+from ...slam.files.output import read_arrays, replacing
 from .curriculum import draw_episode
 from .drives import DriveTask, drive_all
 from .extractor import statistics_of

@@ -9,7 +9,7 @@ from .models import actor_parts
 from .presets import ReinforcementConfig
 
 
-class Watch(BaseCallback):
+class TrainingMonitor(BaseCallback):
     """Counts rollouts; freezes the actor for the first ones; calls back after each, when what was learned is in place.
 
     Args:

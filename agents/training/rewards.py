@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from ...envs.interface import FollowInterface
 from ..follower import Observation
 from ..learned.steering import State
-from ..scan_points import ScanPoints
+from ..scripted.scan_points import ScanPoints
 
 _HALF_LENGTH, _HALF_WIDTH = 0.275, 0.26
 

@@ -13,7 +13,7 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.logger import Logger, configure
 
 from ...slam.errors import InputError, shown
-from ...slam.files import made_folder, read_json, write_json
+from ...slam.files.output import made_folder, read_json, write_json
 from .checkpoint import INDEX, Progress, load_arrays, load_progress, save_checkpoint
 from .curriculum import Curriculum
 from .evaluation import Evaluation, evaluate
@@ -22,7 +22,7 @@ from .imitation import PREFIX, Fit, Imitation
 from .model_state import arrays_of_model, restore_adam, restore_model, shapes_of_adam, shapes_of_model
 from .models import arrays_of, make_model
 from .presets import TrainingPreset
-from .reinforcement import Watch
+from .reinforcement import TrainingMonitor
 from .vec_env import FollowerVecEnv
 
 MOST_WORKERS = 64
@@ -163,7 +163,7 @@ class TrainingRun:
         if left <= 0:
             return
         self._out_of_time()
-        self._model.learn(left, callback=Watch(config, self.progress.rollouts, self._after_rollout))
+        self._model.learn(left, callback=TrainingMonitor(config, self.progress.rollouts, self._after_rollout))
         self._count(self.progress.rollouts + 1)
         self.progress.steps = max(self.progress.steps, config.steps)
         self._save("the end")

@@ -14,7 +14,7 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvStepRetu
 from ...envs.episode_setup import interface
 from ...envs.follow_config import make_config
 from ...envs.registration import MAX_EPISODE_STEPS
-from ...envs.vector_env import FollowVectorEnv
+from ...envs.vector.vector_env import FollowVectorEnv
 from ..learned.features import FeatureConfig
 from ..learned.pilot import Pilot, PilotConfig
 from .curriculum import Curriculum

@@ -1,6 +1,6 @@
 """Figures of an episode, computed from its recorded history alone: following, exploration, safety, smoothness."""
 
-from ..history import History
+from ..recording.history import History
 from .exploration import exploration_metrics
 from .following import following_metrics
 from .safety import safety_metrics

@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from ..history import History
+from ..recording.history import History
 
 SHARES = (0.90, 0.95, 0.99)
 """Shares of the floor whose times are reported."""
 
 
 def exploration_metrics(history: History) -> dict[str, float]:
-    """Return the figures of coverage; see `tagalong.envs.coverage` for what counts as seen.
+    """Return the figures of coverage; see `tagalong.envs.task.coverage` for what counts as seen.
 
     - `coverage`: share of the floor seen in the end.
     - `time_to_90_s`, `time_to_95_s`, `time_to_99_s`: time until that share was seen; NaN where it never was.

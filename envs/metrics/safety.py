@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ..history import History, run_lengths
+from ..recording.history import History, run_lengths
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ from ...slam.errors import InputError
 from ..scenes.scene import Errand, Scene
 from .body import Physique, draw_physique
 from .crowd import Casting, CrowdState, Role
-from .leader import Leader, draw_leader
+from .leader import LeadingPedestrian, draw_leader
 from .terrain import Terrain
 
 Array = NDArray[np.float64]
@@ -175,7 +175,9 @@ def stander_window(scene: Scene, taken: Array, rng: np.random.Generator) -> tupl
     raise InputError(f"no room for another standing person in this {scene.name}")
 
 
-def standing_still(terrain: Terrain, casting: Casting, arc: Array, sense: Array, leader: Leader | None) -> CrowdState:
+def standing_still(
+    terrain: Terrain, casting: Casting, arc: Array, sense: Array, leader: LeadingPedestrian | None
+) -> CrowdState:
     """Return the state in which everybody stands on both feet at their place, looking along their way."""
     count = len(arc)
     lateral = casting.side.copy()

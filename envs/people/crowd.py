@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..scenes.scene import Errand
 from .body import PARTS, Physique
 from .gait import advance_gait, pose_bodies
-from .leader import Leader
+from .leader import LeadingPedestrian
 from .meeting import first_coming, group_comes
 from .social_force import SocialForceConfig
 from .terrain import Terrain
@@ -75,7 +75,7 @@ class CrowdState:
     face: Array
     timer: Array
     errand: NDArray[np.int64]
-    leader: Leader | None
+    leader: LeadingPedestrian | None
 
 
 @dataclass(frozen=True, kw_only=True)

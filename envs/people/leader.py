@@ -15,7 +15,7 @@ _LAG_STOP, _LAG_GO = 2.6, 1.9
 
 
 @dataclass
-class Leader:
+class LeadingPedestrian:
     """Decides, ten times a second or so, how fast the leader wants to walk and where they look.
 
     Attributes:
@@ -55,11 +55,11 @@ class Leader:
         return 0.0 if self.waiting else self.speed
 
 
-def draw_leader(rng: np.random.Generator, style: str | None, start: float, stop_at: float) -> Leader:
+def draw_leader(rng: np.random.Generator, style: str | None, start: float, stop_at: float) -> LeadingPedestrian:
     """Return a leader who starts at arc `start` and ends the tour at `stop_at` [m]; a `style` of None is drawn."""
     drawn = str(rng.choice(sorted(STYLES)))
     low, high = STYLES[style or drawn]
-    leader = Leader(style=style or drawn, speed=float(rng.uniform(low, high)), stop_at=stop_at)
+    leader = LeadingPedestrian(style=style or drawn, speed=float(rng.uniform(low, high)), stop_at=stop_at)
     leader.pauses.append((0.0, float(rng.uniform(0.5, 1.5)), False))
     arc = start + rng.uniform(*_PAUSE_EVERY)
     while arc < stop_at - 3.0:

@@ -9,7 +9,7 @@ from ...slam.errors import InputError
 from ...slam.logs.ros_map import read_ros_map
 from ...slam.occupancy_map import OccupancyMap
 from .cells import FreeSpace, merged_boxes, regions, walls_around
-from .office_layout import Layout, Rectangle
+from .office_layout import OfficeLayout, Rectangle
 from .request import SceneRequest
 from .scene import Scene
 from .tours import PERSON_CLEARANCE, ROBOT_CLEARANCE, FloorPlan, draw_tour, toured
@@ -70,7 +70,7 @@ def _from_file(path: Path, changed_ns: int) -> tuple[FloorPlan, WayPlanner, WayP
 @lru_cache(maxsize=1)
 def _built_in() -> tuple[FloorPlan, WayPlanner, WayPlanner]:
     """Return a small day clinic: a waiting room, a corridor round the corner, and treatment rooms."""
-    layout = Layout(
+    layout = OfficeLayout(
         corridors=(Rectangle(0.0, 0.0, 14.0, 2.2), Rectangle(11.8, 0.0, 14.0, 9.0)),
         rooms=(
             Rectangle(0.0, 2.35, 5.2, 9.0),

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...slam.errors import InputError
 from .cells import merged_boxes, walls_around
-from .office_layout import CELL, WALL, Layout, Rectangle
+from .office_layout import CELL, WALL, OfficeLayout, Rectangle
 from .request import SceneRequest
 from .scene import Scene, Walk
 from .solids import Solid, box, post
@@ -29,7 +29,7 @@ def narrow_corridor(rng: np.random.Generator, request: SceneRequest) -> Scene:
     """Return a corridor of 18 x 1.9 to 2.4 m between two halls; bystanders come along it, both ways."""
     width = round(float(rng.uniform(1.9, 2.4)) / CELL) * CELL
     half = width / 2.0
-    layout = Layout(
+    layout = OfficeLayout(
         corridors=(Rectangle(6.0, -half, 24.0, half),),
         rooms=(Rectangle(0.0, -3.0, 6.0, 3.0), Rectangle(24.0, -3.0, 30.0, 3.0)),
         doors=(),
@@ -42,7 +42,7 @@ def doorway(rng: np.random.Generator, request: SceneRequest) -> Scene:
     """Return two rooms of 9 x 8 m with a door of 1.15 to 1.4 m between them, through which everybody goes."""
     width = round(float(rng.uniform(1.15, 1.4)) / CELL) * CELL
     at = round(float(rng.uniform(-2.0, 1.0)) / CELL) * CELL
-    layout = Layout(
+    layout = OfficeLayout(
         corridors=(),
         rooms=(Rectangle(0.0, -4.0, 9.0, 4.0), Rectangle(9.0 + WALL, -4.0, 18.0 + WALL, 4.0)),
         doors=(Rectangle(9.0, at, 9.0 + WALL, at + width),),
@@ -56,7 +56,7 @@ def intersection(rng: np.random.Generator, request: SceneRequest) -> Scene:
     width = round(float(rng.uniform(2.4, 3.0)) / CELL) * CELL
     half = width / 2.0
     along, across = Rectangle(-12.0, -half, 12.0, half), Rectangle(-half, -8.0, half, 8.0)
-    layout = Layout(corridors=(along, across), rooms=(), doors=())
+    layout = OfficeLayout(corridors=(along, across), rooms=(), doors=())
     ends = (Rectangle(-11.2, -0.2, -10.0, 0.2), Rectangle(10.0, -0.2, 11.2, 0.2))
     crossing = (Rectangle(-half + 0.5, -7.4, half - 0.5, -4.0), Rectangle(-half + 0.5, 4.0, half - 0.5, 7.4))
     return _situation("intersection", rng, request, layout, (ends, crossing, crossing), half - 0.2)
@@ -64,7 +64,7 @@ def intersection(rng: np.random.Generator, request: SceneRequest) -> Scene:
 
 def clutter(rng: np.random.Generator, request: SceneRequest) -> Scene:
     """Return a hall of 20 x 11 m with up to 20 boxes and posts standing about; bystanders go anywhere."""
-    layout = Layout(corridors=(), rooms=(Rectangle(0.0, -5.5, 20.0, 5.5),), doors=())
+    layout = OfficeLayout(corridors=(), rooms=(Rectangle(0.0, -5.5, 20.0, 5.5),), doors=())
     ends = (Rectangle(0.8, -4.5, 2.5, 4.5), Rectangle(17.5, -4.5, 19.2, 4.5))
     sides = (Rectangle(2.0, -5.0, 18.0, -2.0), Rectangle(2.0, 2.0, 18.0, 5.0))
     return _situation("clutter", rng, request, layout, (ends, sides, ends), 0.8, obstacles=_OBSTACLES)
@@ -74,7 +74,7 @@ def _situation(
     name: str,
     rng: np.random.Generator,
     request: SceneRequest,
-    layout: Layout,
+    layout: OfficeLayout,
     ends: tuple[tuple[Rectangle, Rectangle], ...],
     half_width: float,
     obstacles: int = 0,

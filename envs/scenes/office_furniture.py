@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .office_layout import Layout, Rectangle
+from .office_layout import OfficeLayout, Rectangle
 from .solids import Solid, box, post
 
 _DOOR_KEPT_FREE = 1.3
@@ -34,7 +34,7 @@ class _Room:
             self.taken.append(place)
 
 
-def furniture(rng: np.random.Generator, layout: Layout) -> list[Solid]:
+def furniture(rng: np.random.Generator, layout: OfficeLayout) -> list[Solid]:
     """Return the furniture of all rooms and corridors."""
     solids: list[Solid] = []
     for floor in layout.rooms:

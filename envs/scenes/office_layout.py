@@ -45,7 +45,7 @@ class Rectangle:
 
 
 @dataclass(frozen=True)
-class Layout:
+class OfficeLayout:
     """A floor of an office.
 
     Attributes:
@@ -71,7 +71,7 @@ class Layout:
         return FreeSpace(free, CELL, (float(low[0]), float(low[1])))
 
 
-def spine(rng: np.random.Generator) -> Layout:
+def spine(rng: np.random.Generator) -> OfficeLayout:
     """Return one long corridor with rooms on both sides."""
     length, width = _drawn(rng, 18.0, 27.0), _drawn(rng, 2.0, 2.8)
     above = _row(rng, 0.0, length, width, up=True)
@@ -79,7 +79,7 @@ def spine(rng: np.random.Generator) -> Layout:
     return _joined((Rectangle(0.0, 0.0, length, width),), above, below)
 
 
-def hall(rng: np.random.Generator) -> Layout:
+def hall(rng: np.random.Generator) -> OfficeLayout:
     """Return a corridor with rooms on one side and an open-plan office on the other."""
     length, width = _drawn(rng, 16.0, 23.0), _drawn(rng, 2.0, 2.6)
     depth = _drawn(rng, 5.5, 7.5)
@@ -92,7 +92,7 @@ def hall(rng: np.random.Generator) -> Layout:
     return _joined((Rectangle(0.0, 0.0, length, width),), above, ([floor], doors))
 
 
-def ring(rng: np.random.Generator) -> Layout:
+def ring(rng: np.random.Generator) -> OfficeLayout:
     """Return a corridor round a core of rooms, with more rooms on one outer side."""
     length, depth, width = _drawn(rng, 15.0, 20.0), _drawn(rng, 4.5, 6.0), _drawn(rng, 1.9, 2.5)
     x0, y0 = width + WALL, width + WALL
@@ -116,7 +116,7 @@ def ring(rng: np.random.Generator) -> Layout:
     return _joined(corridors, (core, doors), outer)
 
 
-def elbow(rng: np.random.Generator) -> Layout:
+def elbow(rng: np.random.Generator) -> OfficeLayout:
     """Return two corridors at a right angle with rooms on the outer sides of both."""
     first, second, width = _drawn(rng, 13.0, 18.0), _drawn(rng, 11.0, 15.0), _drawn(rng, 2.0, 2.8)
     corridors = (Rectangle(0.0, 0.0, first, width), Rectangle(first - width, 0.0, first, second))
@@ -135,9 +135,9 @@ TESTING = (ring, elbow)
 Row = tuple[list[Rectangle], list[Rectangle]]
 
 
-def _joined(corridors: tuple[Rectangle, ...], *rows: Row) -> Layout:
+def _joined(corridors: tuple[Rectangle, ...], *rows: Row) -> OfficeLayout:
     rooms = tuple(room for row in rows for room in row[0])
-    return Layout(corridors, rooms, tuple(door for row in rows for door in row[1]))
+    return OfficeLayout(corridors, rooms, tuple(door for row in rows for door in row[1]))
 
 
 def _row(rng: np.random.Generator, x0: float, x1: float, edge: float, *, up: bool) -> Row:

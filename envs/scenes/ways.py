@@ -39,7 +39,7 @@ class Way:
         return (len(self.points) - 1) * STEP
 
 
-class Search:
+class WaySearch:
     """Dijkstra's search from one cell, carried only as far as it is asked for.
 
     Args:
@@ -89,7 +89,7 @@ class WayPlanner:
         self._origin = np.asarray(space.origin) + offset
         narrow = np.clip((_COMFORT - self._coarse) / _COMFORT, 0.0, 1.0)
         self._cost = np.where(self._coarse >= clearance, 1.0 + 3.0 * narrow**2, np.inf)
-        self._searches: dict[tuple[int, int], Search] = {}
+        self._searches: dict[tuple[int, int], WaySearch] = {}
 
     @cached_property
     def regions(self) -> NDArray[np.int64]:
@@ -148,12 +148,12 @@ class WayPlanner:
         rows, cols = self._cost.shape
         return np.clip(cells[..., 1], 0, rows - 1), np.clip(cells[..., 0], 0, cols - 1)
 
-    def _search(self, start: ArrayLike) -> Search:
+    def _search(self, start: ArrayLike) -> WaySearch:
         row, col = (int(value) for value in self._cells(start))
         if len(self._searches) > _REMEMBERED:
             self._searches.clear()
         if (row, col) not in self._searches:
-            self._searches[row, col] = Search(self._cost, row, col)
+            self._searches[row, col] = WaySearch(self._cost, row, col)
         return self._searches[row, col]
 
     def _leg(self, start: Array, goal: Array) -> Array | None:

@@ -10,7 +10,7 @@ _LONG = 1.8
 
 
 @dataclass(frozen=True)
-class Layout:
+class PanelLayout:
     """Places in a picture [pixel].
 
     Attributes:
@@ -30,14 +30,14 @@ class Layout:
     farthest: float = 40.0
 
 
-def layout(bounds: tuple[float, float, float, float]) -> Layout:
+def layout(bounds: tuple[float, float, float, float]) -> PanelLayout:
     """Return the layout for a building within `bounds` (x_min, y_min, x_max, y_max) [m]."""
     x_min, y_min, x_max, y_max = bounds
     width, height = SIZE
     if x_max - x_min > _LONG * (y_max - y_min):
         top = height - 150
         side = 306
-        return Layout(
+        return PanelLayout(
             view=(width, top),
             map_corner=(_GAP, top + _GAP),
             map_size=(width - side - 3 * _GAP, height - top - 2 * _GAP),
@@ -45,7 +45,7 @@ def layout(bounds: tuple[float, float, float, float]) -> Layout:
             farthest=64.0,
         )
     left, below = 600, 130
-    return Layout(
+    return PanelLayout(
         view=(left, height),
         map_corner=(left + _GAP, _GAP),
         map_size=(width - left - 2 * _GAP, height - below - 2 * _GAP),

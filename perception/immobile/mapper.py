@@ -8,13 +8,13 @@ from numpy.typing import ArrayLike, NDArray
 from ...slam.bounds import check_numbers, checked_pose
 from ...slam.errors import InputError
 from ...slam.geometry import compose, inverse, transform_points
-from ...slam.immobile_grid import PoseHistory, moving_lambda, still_lambda
-from ...slam.immobile_layers import ImmobileLayers, LayersConfig
+from ...slam.immobile.grid import PoseHistory, moving_lambda, still_lambda
+from ...slam.immobile.layers import ImmobileLayers, LayersConfig
 from ...slam.scan import LaserScan
 from ..legs.clusters import cluster_scan
 from ..rgbd.planes import Surface
 from .places import Places
-from .view import View
+from .view import CameraView
 
 Array = NDArray[np.float64]
 
@@ -102,7 +102,7 @@ class ImmobileMapper:
         lambdas = np.where(stays, still_lambda(self.config.recognised), moving_lambda(moves))
         self.grid.write(pose, scan, lambdas)
 
-    def add_view(self, view: View) -> None:
+    def add_view(self, view: CameraView) -> None:
         """Write what the camera saw, where the robot was at the exposure.
 
         Raises:
@@ -119,7 +119,7 @@ class ImmobileMapper:
         for place, likelihood in zip(places, view.people.likelihood[sure], strict=True):
             self.grid.write_mobile(place, self.config.body_radius, float(moving_lambda(likelihood)))
 
-    def _remember_people(self, T_map_camera: Array, view: View) -> None:
+    def _remember_people(self, T_map_camera: Array, view: CameraView) -> None:
         """Remember whom the view shows; doubt those of whom it shows nothing."""
         looked_s = min(view.time_s - self._looked_s, _LONGEST_LOOK_S)
         self._looked_s = view.time_s
@@ -131,7 +131,7 @@ class ImmobileMapper:
         well = self._whole(T_map_camera, view, places) | (self.people.likelihood(places) == 0.0)
         self.people.add(places[well], view.people.likelihood[sure][well], view.time_s)
 
-    def _beside_people(self, T_map_camera: Array, view: View) -> Array:
+    def _beside_people(self, T_map_camera: Array, view: CameraView) -> Array:
         """Return (n,) how likely each point of a view is the ragged edge of somebody; 0 for what was recognised."""
         found = np.zeros(len(view.points))
         unknown = (view.surface == Surface.OTHER) & (view.person < 0)
@@ -155,7 +155,7 @@ class ImmobileMapper:
         parts = int(np.ceil(np.hypot(*np.ptp(piece, axis=0)) / self.config.person_radius))
         return [part.mean(axis=0) for part in np.array_split(piece, min(max(parts, 1), len(piece)))]
 
-    def _objects_that_came(self, T_map_camera: Array, view: View) -> NDArray[np.bool_]:
+    def _objects_that_came(self, T_map_camera: Array, view: CameraView) -> NDArray[np.bool_]:
         """Return (n,) whether each point of a view belongs to an object that was not there before, by the laser."""
         found = np.zeros(len(view.points), dtype=bool)
         inside = np.flatnonzero(view.cluster >= 0)
@@ -169,7 +169,7 @@ class ImmobileMapper:
         found[inside] = share[of] >= self.config.appeared_share
         return found
 
-    def _places_without_people(self, T_map_camera: Array, view: View) -> Array:
+    def _places_without_people(self, T_map_camera: Array, view: CameraView) -> Array:
         """Return (n, 2) the remembered places of people, map frame [m], where the view shows other things instead.
 
         A person at the edge of the picture is only partly in it, and may well not be recognised.
@@ -185,7 +185,7 @@ class ImmobileMapper:
         close = self._whole(T_map_camera, view, places) & (away > _RELIABLE_M[0]) & (away < _RELIABLE_M[1])
         return places[nobody & close & (near.sum(axis=0) >= _LEAST_POINTS)]
 
-    def _whole(self, T_map_camera: Array, view: View, places: Array) -> NDArray[np.bool_]:
+    def _whole(self, T_map_camera: Array, view: CameraView, places: Array) -> NDArray[np.bool_]:
         """Return (n,) whether somebody at each of `places` (n, 2), map frame [m], is all within the picture's sides."""
         x, y = transform_points(inverse(T_map_camera), places).T
         widest = np.abs(np.arctan2(view.points[:, 1], view.points[:, 0])).max(initial=0.0)

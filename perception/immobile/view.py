@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ...slam.bounds import check_numbers
 from ...slam.errors import InputError
-from ...slam.immobile_grid import UNKNOWN, moving_lambda, still_lambda
+from ...slam.immobile.grid import UNKNOWN, moving_lambda, still_lambda
 from ..rgbd.clusters import ObjectClusters, find_clusters
 from ..rgbd.frame import RgbdFrame
 from ..rgbd.people import NoPeopleFinder, RgbdPeople, RgbdPeopleFinder
@@ -20,7 +20,7 @@ _MOSTLY = 0.5
 
 @dataclass(frozen=True, kw_only=True)
 class ViewConfig:
-    """Parameters of `ViewMaker`.
+    """Parameters of `CameraViewMaker`.
 
     Attributes:
         top: Likelihood that a horizontal plane is a thing that stays, such as a desk, in [0, 1].
@@ -42,7 +42,7 @@ class ViewConfig:
 
 
 @dataclass(frozen=True, eq=False)
-class View:
+class CameraView:
     """What one frame says about the room.
 
     Attributes:
@@ -72,7 +72,7 @@ class View:
     planes: Planes
 
 
-class ViewMaker:
+class CameraViewMaker:
     """Turns frames into views.
 
     Args:
@@ -90,13 +90,13 @@ class ViewMaker:
         self._people, self._planes = people or NoPeopleFinder(), planes or PlaneFinder()
         self._config = config or ViewConfig()
 
-    def make(self, frame: RgbdFrame) -> View:
+    def make(self, frame: RgbdFrame) -> CameraView:
         """Return what `frame` says."""
         planes = self._planes.find(frame)
         return make_view(frame, planes, self._people.find(frame, planes), self._config)
 
 
-def make_view(frame: RgbdFrame, planes: Planes, people: RgbdPeople, config: ViewConfig | None = None) -> View:
+def make_view(frame: RgbdFrame, planes: Planes, people: RgbdPeople, config: ViewConfig | None = None) -> CameraView:
     """Return what `frame` says, its planes and people being known.
 
     Points that belong to no plane, no person and no object of some size are dropped: at edges the camera measures
@@ -110,7 +110,7 @@ def make_view(frame: RgbdFrame, planes: Planes, people: RgbdPeople, config: View
     lambdas = _lambdas(planes, people, config)
     thing = np.isin(planes.surface, (Surface.TOP, Surface.OTHER, Surface.FACE)) & (people.label < 0)
     above = np.where(thing, np.nan_to_num(planes.points[..., 2]) + config.graze, -np.inf)
-    return View(
+    return CameraView(
         time_s=frame.time_s,
         T_robot_camera=frame.T_robot_camera,
         camera_height=frame.camera_height,

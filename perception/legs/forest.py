@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...slam.errors import InputError, shown
-from ...slam.files import read_arrays, read_json, replacing, write_json
-from ...slam.input_file import checked_name, named
+from ...slam.files.input import checked_name, named
+from ...slam.files.output import read_arrays, read_json, replacing, write_json
 from ...slam.scan import LaserScan
 from ..stages import Stages, completed
 from .clusters import Clusters

@@ -13,7 +13,7 @@ from ..legs.detector import Detections, no_detections
 from ..rgbd.people import RgbdPeople
 from ..stages import Stages
 from . import kalman
-from .association import assign, distances
+from .data_association import assign, distances
 
 Array = NDArray[np.float64]
 

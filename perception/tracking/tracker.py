@@ -14,14 +14,14 @@ from ..legs.clusters import Clusters
 from ..legs.detector import Detections, Detector
 from ..stages import Stages, completed
 from . import leg_kernels, person_tracks
-from .association import assign, distances
 from .camera import CameraSightings, SeenPeople
+from .data_association import assign, distances
 from .leg_tracks import LegTracks
 from .local_grid import LocalGrid
-from .memory import LostPeople
 from .pairing import better_pairs, mutual_pairs
 from .people import People
 from .person_tracks import Sightings
+from .reidentification import ReidentificationMemory
 from .track_kernels import any_moved, any_sure_walker, any_wide, points_of_things, spread_among, surviving
 
 Array = NDArray[np.float64]
@@ -62,7 +62,7 @@ class PeopleTracker:
         config = self._config
         self._legs = LegTracks(config)
         self._people = np.zeros(0, dtype=person_tracks.PERSON)
-        self._lost = LostPeople(config)
+        self._lost = ReidentificationMemory(config)
         self._grid = LocalGrid(config.grid_resolution, config.grid_rise_s, config.grid_fade_s)
         self._camera = CameraSightings(config)
         self._time_s: float | None = None
@@ -88,7 +88,7 @@ class PeopleTracker:
         self._legs.predict(dt)
         person_tracks.predict(self._people, dt, self._config)
         self._lost.predict(dt)
-        match = self._adopt(self._associate(z), z)
+        match = self._reassign_legs(self._associate(z), z)
         yield
         self._legs.correct(match, z, d, dt)
         sightings = person_tracks.measure(self._people, match[: 2 * len(self._people)].reshape(-1, 2), z, d)
@@ -130,7 +130,7 @@ class PeopleTracker:
         match[rows] = columns
         return match
 
-    def _adopt(self, match: NDArray[np.intp], z: Array) -> NDArray[np.intp]:
+    def _reassign_legs(self, match: NDArray[np.intp], z: Array) -> NDArray[np.intp]:
         """Give people with a missing leg the lone tracks that could be it; a lone track so taken ends."""
         owned = 2 * len(self._people)
         missing, lone = np.flatnonzero(match[:owned] < 0), owned + np.flatnonzero(match[owned:] >= 0)
@@ -241,7 +241,7 @@ class PeopleTracker:
         if len(pairs):
             pairs = pairs[self._moved_together(alive, moved, again, sure, pairs, points, time_s)]
             free = self._grid.is_free(self._legs.positions[alive[pairs.ravel()]], time_s).reshape(-1, 2)
-            self._found(alive[pairs[free.all(axis=1)]])
+            self._confirm_tracks(alive[pairs[free.all(axis=1)]])
         self._start_by_one_leg(points, time_s)
 
     def _moved_together(
@@ -272,7 +272,7 @@ class PeopleTracker:
         went = again | (goes & left)
         return enough & left[pairs].all(axis=1) & (both_sure | went[pairs].all(axis=1))
 
-    def _found(self, rows: NDArray[np.intp]) -> None:
+    def _confirm_tracks(self, rows: NDArray[np.intp]) -> None:
         """Make people of the pairs of lone tracks `rows` (k, 2)."""
         if len(rows) == 0:
             return
@@ -302,7 +302,7 @@ class PeopleTracker:
             apart = distances(legs.positions[lone], self._lost.positions).min(axis=1, initial=np.inf)
             chosen = lone[apart.argmin()]
             legs.take(np.append(np.arange(len(legs)), chosen))
-            self._found(np.array([[chosen, len(legs) - 1]]))
+            self._confirm_tracks(np.array([[chosen, len(legs) - 1]]))
 
     def _see_by_camera(self, seen: SeenPeople, time_s: float, dt: float) -> None:
         """Correct people by the camera, and start those whom only it knows: they need not have moved.
@@ -318,7 +318,7 @@ class PeopleTracker:
             own = own[np.sort(away)[:2] <= self._config.pair_distance / 2.0]
             hidden = np.arange(len(legs), len(legs) + 2 - len(own))
             legs.begin(np.repeat(place[None], len(hidden), axis=0), np.full(len(hidden), seen.likelihood[k]))
-            self._found(np.concatenate((own, hidden))[None])
+            self._confirm_tracks(np.concatenate((own, hidden))[None])
             self._people["x"][-1, :2], self._people["confidence"][-1] = place, seen.likelihood[k]
             self._people["camera_s"][-1] = 0.0
 

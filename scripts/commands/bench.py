@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ...slam.files import write_json
-from ..experiments.arguments import require_count
-from ..experiments.hardware import describe_machine, reference_kernel_s
+from ...slam.files.output import write_json
+from ..lab.arguments import require_count
+from ..lab.hardware import describe_machine, reference_kernel_s
 from ..tables import format_table
 
 EPILOG = """\
@@ -38,7 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Measure, print tables, write bench.json."""
-    from ..experiments import immobile_speed, speed
+    from ..benchmarks import immobile_speed, speed
 
     require_count("--steps", options.steps, 10_000_000, "a day of each part")
     machine = {**describe_machine(), "reference_kernel_ms": 1e3 * reference_kernel_s()}

@@ -5,10 +5,10 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from ...agents.following_tour import SCENES, TourConfig
 from ...slam.engine import ENGINES, make_slam
 from ...slam.errors import InputError
-from ..experiments.following_tour import SCENES, TourConfig
-from ..experiments.map_comparison import MappingConfig
+from ..lab.map_comparison import MappingConfig
 from ..tables import format_table
 
 EPILOG = """\

@@ -10,14 +10,14 @@ from tqdm import tqdm
 
 from ...agents import EXPLORERS, FOLLOWERS, make_follower
 from ...envs.metrics.follow_bench import follow_bench_metrics
+from ...envs.recording.rollout import Episode, rollout
 from ...envs.registration import IDS
-from ...envs.rollout import Episode, rollout
 from ...envs.suites import FIRST_SEED, SUITES, Scenario, suite
 from ...slam.errors import InputError
-from ...slam.files import write_json
-from ..experiments.arguments import require_count
-from ..experiments.hardware import describe_machine
-from ..experiments.statistics import Estimate, metric_mean, share
+from ...slam.files.output import write_json
+from ..lab.arguments import require_count
+from ..lab.hardware import describe_machine
+from ..lab.statistics import Estimate, metric_mean, share
 from ..tables import format_table
 
 EPILOG = """\

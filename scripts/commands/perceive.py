@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from tqdm import tqdm
 
 from ...perception.config import PRESETS, perception_preset
+from ...perception.leader.selector import LeaderSelector, numbered_by_leader
 from ...perception.legs.detector import LegDetector
 from ...perception.legs.forest import LegForest
-from ...perception.tracking.leader import LeaderSelector, numbered_by_leader
 from ...perception.tracking.people import People
 from ...perception.tracking.tracker import PeopleTracker, TrackerUpdate
 from ...slam.errors import InputError
-from ...slam.files import write_json, write_text
+from ...slam.files.output import write_json, write_text
 from ...slam.logs.log import read_log
 from ...slam.logs.scans_npz import read_scans_npz
 from ...slam.scan import LaserScan

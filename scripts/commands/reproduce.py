@@ -5,8 +5,8 @@ import os
 from pathlib import Path
 
 from ...slam.errors import InputError
-from ...slam.process_crew import require_workers
-from ..experiments.backends import BACKENDS, MOST_CLUSTER_JOBS
+from ...slam.processes.crew import require_workers
+from ..lab.backends import BACKENDS, MOST_CLUSTER_JOBS
 from ..reproduce.experiment import EXPERIMENTS, load_experiment
 from ..tables import format_table
 

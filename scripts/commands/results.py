@@ -7,10 +7,10 @@ from datetime import date
 from pathlib import Path
 
 from ...slam.errors import InputError
-from ...slam.files import write_json
-from ...slam.process_crew import require_workers
-from ..experiments.cells import run_cells
-from ..experiments.hardware import describe_machine
+from ...slam.files.output import write_json
+from ...slam.processes.crew import require_workers
+from ..lab.cells import run_cells
+from ..lab.hardware import describe_machine
 from ..tables import format_table
 
 EPILOG = """\
@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the missing cells, print the table, write it."""
-    from ..experiments.acceptance import FULL, QUICK, acceptance_cells
+    from ..lab.acceptance import FULL, QUICK, acceptance_cells
     from ..results_table import require_readme, result_rows, write_readme_table
 
     require_workers(options.jobs, "--jobs")

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from ...slam.errors import InputError
-from ...slam.files import write_json
+from ...slam.files.output import write_json
 from ...slam.logs.ros_map import read_ros_map
 from ..figures.canvas import save_png
 from ..figures.maps import overlay_picture

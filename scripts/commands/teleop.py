@@ -5,7 +5,7 @@ import os
 from pathlib import Path
 from typing import Any
 
-from ...agents.joystick import JoystickLog, read_joystick_log, write_joystick_log
+from ...agents.teleop.joystick import JoystickLog, read_joystick_log, write_joystick_log
 from ...envs.follow_env import FollowEnv
 from ...envs.registration import IDS
 from ...slam.errors import InputError
@@ -78,8 +78,8 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _record(options: argparse.Namespace) -> JoystickLog:
-    from ..experiments import gamepad, keyboard
-    from ..experiments.joystick_drive import record_drive
+    from ...agents.teleop import gamepad, keyboard
+    from ...agents.teleop.joystick_drive import record_drive
 
     arguments: dict[str, Any] = {"leader": False, "people_count": options.people, "slam": None, "coverage_goal": 1.0}
     arguments["ends_on_contact"] = False
@@ -113,7 +113,7 @@ def _status(env: FollowEnv) -> None:
 
 
 def _report(log: JoystickLog) -> None:
-    from ..experiments.joystick_drive import replay_drive
+    from ...agents.teleop.joystick_drive import replay_drive
 
     episode = replay_drive(log)
     print(f"{log.env}, seed {log.seed}, made by: {log.made_by}")
@@ -123,7 +123,7 @@ def _report(log: JoystickLog) -> None:
 
 
 def _calibrate(data: Path | None) -> int:
-    from ..experiments.joystick_calibration import calibrate, log_figures, model_figures
+    from ..benchmarks.joystick_calibration import calibrate, log_figures, model_figures
 
     variable = os.environ.get("TAGALONG_DATA")
     folder = data or (Path(variable) if variable else None)

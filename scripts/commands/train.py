@@ -6,7 +6,7 @@ from typing import Any
 
 from ...perception.rgbd.person_svm import MODEL
 from ...slam.errors import InputError, shown
-from ...slam.files import write_json
+from ...slam.files.output import write_json
 from ..figures.leg_curve import save_leg_curve
 from ..tables import format_table
 from ..training.evaluate_legs import RATES

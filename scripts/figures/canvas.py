@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from ...slam.files import replacing
+from ...slam.files.output import replacing
 
 Colour = tuple[int, int, int]
 

@@ -9,7 +9,7 @@ from PIL import Image, ImageDraw
 
 from ...perception.rgbd.frame import RgbdFrame
 from ...perception.rgbd.people import RgbdPeople
-from ...slam.files import replacing
+from ...slam.files.output import replacing
 
 _TINTS = np.array([(255, 80, 60), (60, 160, 255), (90, 230, 90), (255, 200, 40), (230, 90, 230), (60, 230, 220)])
 _SCALE = 3

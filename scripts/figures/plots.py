@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...slam.errors import MissingExtraError
-from ...slam.files import replacing
+from ...slam.files.output import replacing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from ...slam.errors import InputError
-from ...slam.files import replacing
+from ...slam.files.output import replacing
 
 _COLOURS = 96
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
 from ...slam.errors import unknown_name
-from ..experiments.cells import Cell
+from ..lab.cells import Cell
 from .report import Report
 
 EXPERIMENTS: dict[str, str] = {

@@ -6,9 +6,9 @@ from datetime import date
 from pathlib import Path
 from typing import Any
 
-from ...slam.files import made_folder, write_json, write_text
-from ..experiments.cells import TIMING, run_cells, without_timing
-from ..experiments.hardware import describe_machine
+from ...slam.files.output import made_folder, write_json, write_text
+from ..lab.cells import TIMING, run_cells, without_timing
+from ..lab.hardware import describe_machine
 from .experiment import Experiment
 from .html import report_html
 from .report import Report

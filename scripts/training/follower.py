@@ -5,7 +5,7 @@ import time
 from pathlib import Path
 
 from ...slam.errors import MissingExtraError
-from ...slam.process_crew import require_workers
+from ...slam.processes.crew import require_workers
 
 ALGORITHMS = ("ppo", "sac", "recurrent-ppo")
 PRESETS = ("office", "office-map", "corridor")

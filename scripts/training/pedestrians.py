@@ -4,7 +4,7 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from .outlines import LEG, STATIC, Outlines, cast, turned
+from ...envs.simulation2d.outlines import LEG, STATIC, Outlines, cast, turned
 
 
 def draw_people(rng: Generator, building: Outlines, reach: float, heading: float) -> Outlines:

@@ -3,11 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ...envs.camera.config import RgbdConfig
-from ...envs.camera.rays import FARTHEST
-from ...envs.groups import GROUP_ABOVE, GROUP_SEEN
-from ...envs.mj import MjData, MjModel, mujoco
 from ...envs.people.body import PARTS
+from ...envs.sensors.camera.config import RgbdConfig
+from ...envs.sensors.camera.rays import FARTHEST
+from ...envs.world.groups import GROUP_ABOVE, GROUP_SEEN
+from ...envs.world.mj import MjData, MjModel, mujoco
 
 Array = NDArray[np.float64]
 _HIDDEN = 5

@@ -17,7 +17,7 @@ from ...agents.learned.features import FeatureConfig
 from ...agents.learned.follower import SHIPPED
 from ...agents.learned.pilot import PilotConfig
 from ...slam.errors import InputError
-from ...slam.files import made_folder, read_json, write_json
+from ...slam.files.output import made_folder, read_json, write_json
 from ..cli import told
 
 NAME = "follower"
@@ -59,7 +59,7 @@ def make_card(card: Mapping[str, Any], comparison: Path | None) -> dict[str, Any
         "data": DATA,
         "limits": [*measured_limits(suites), *LIMITS],
         "suites": suites,
-        "suites_command": "python -m tagalong.scripts.experiments.follower_comparison --followers learned pid "
+        "suites_command": "python -m tagalong.scripts.benchmarks.follower_comparison --followers learned pid "
         f"--plot --episodes {max((part['episodes'] for part in suites.values()), default=37)}{how}",
     }
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.random import Generator
 
-from ...envs.lidar import LidarConfig
-from ...envs.world import World, WorldConfig
+from ...envs.sensors.lidar import LidarConfig
+from ...envs.world.world import World, WorldConfig
 from ...slam.geometry import between, wrap_angle
 from ...slam.scan import LaserScan
 from .leg_scans import LabelledScan

@@ -23,7 +23,7 @@ MOST_NODES = 600
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison:
+class Innovations:
     """All pairs of sightings and landmarks.
 
     Attributes:
@@ -39,7 +39,7 @@ class Comparison:
     distance: Array
 
 
-def compare(z: Array, R: Array, expected: Array, HPH: Array) -> Comparison:
+def compare(z: Array, R: Array, expected: Array, HPH: Array) -> Innovations:
     """Compare sightings `z` (m, 2) of noise `R` with `expected` (k, 2), of covariance `HPH` (2k, 2k)."""
     k = len(expected)
     y = z[:, None] - expected[None]
@@ -50,10 +50,10 @@ def compare(z: Array, R: Array, expected: Array, HPH: Array) -> Comparison:
     distance = (
         S[..., 1, 1] * y[..., 0] ** 2 - 2.0 * S[..., 0, 1] * y[..., 0] * y[..., 1] + S[..., 0, 0] * y[..., 1] ** 2
     ) / determinant
-    return Comparison(y, HPH, R, distance)
+    return Innovations(y, HPH, R, distance)
 
 
-def nearest_neighbour(pairs: Comparison, gate: float) -> Pairs:
+def nearest_neighbour(pairs: Innovations, gate: float) -> Pairs:
     """Return the pairs (sighting, landmark) of smallest total distance among those within `gate`, one to one."""
     if not pairs.distance.size:
         return []
@@ -61,7 +61,7 @@ def nearest_neighbour(pairs: Comparison, gate: float) -> Pairs:
     return [(int(i), int(j)) for i, j in zip(rows, columns, strict=True) if pairs.distance[i, j] <= gate]
 
 
-def joint_compatibility(pairs: Comparison, gate: float) -> Pairs:
+def joint_compatibility(pairs: Innovations, gate: float) -> Pairs:
     """Return the largest set of pairs that is compatible as a whole; among equals the one of smallest distance.
 
     Branch and bound in depth first order over the sightings. `gate` holds for each pair; the whole has its 99 % bound.
@@ -77,7 +77,7 @@ def joint_compatibility(pairs: Comparison, gate: float) -> Pairs:
     return [(int(i), int(best[i])) for i in np.flatnonzero(best >= 0)]
 
 
-def _ambiguous(pairs: Comparison, gate: float) -> bool:
+def _ambiguous(pairs: Innovations, gate: float) -> bool:
     """Return whether a sighting or a landmark has two partners within the gate."""
     close = pairs.distance <= gate
     return bool((close.sum(axis=0) > 1).any() or (close.sum(axis=1) > 1).any())

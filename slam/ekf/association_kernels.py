@@ -5,6 +5,8 @@ the Cholesky factor of the joint innovation covariance. A pair more adds two row
 so that each hypothesis of the search costs two rows, not a whole factorization.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -50,62 +52,83 @@ def largest_compatible(
         most_nodes: After so many hypotheses none is made longer.
     """
     m, k = distance.shape
-    order = np.empty((m, k), dtype=np.int64)
-    candidates = np.zeros(m, dtype=np.int64)  # how many of a row's `order` are within the gate
-    rows = np.empty(m, dtype=np.int64)
-    n = 0
-    for i in range(m):
-        order[i] = np.argsort(distance[i])
-        while candidates[i] < k and distance[i, order[i, candidates[i]]] <= gate:
-            candidates[i] += 1
-        if candidates[i]:
-            rows[n] = i
-            n += 1
-    best, partner = np.full(m, -1, dtype=np.int64), np.full(m, -1, dtype=np.int64)
-    taken = np.zeros(k, dtype=np.bool_)
-    chosen_rows, chosen_columns = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
-    L, w = np.zeros((2 * n, 2 * n)), np.zeros(2 * n)
-    totals = np.zeros(n + 1)  # joint distance of the first c pairs
-    cursor = np.zeros(n + 1, dtype=np.int64)
-    count, best_count, best_total, nodes, depth = 0, 0, np.inf, 0, 0
-    entered = True
-    while depth >= 0:
-        if entered:
-            nodes += 1
-            if count and (count > best_count or (count == best_count and totals[count] < best_total)):
-                best[:], best_count, best_total = partner, count, totals[count]
-            if depth == n or nodes > most_nodes or count + n - depth < best_count:
-                cursor[depth] = k + 1  # nothing follows from here
-            else:
-                cursor[depth] = 0
-            entered = False
-        if depth < n and partner[rows[depth]] >= 0:  # back from what this pair led to
-            count -= 1
-            taken[partner[rows[depth]]] = False
-            partner[rows[depth]] = -1
-        row = rows[depth] if depth < n else 0
-        if depth == n or cursor[depth] > candidates[row]:
-            depth -= 1
+    inside = distance <= gate
+    rows = np.flatnonzero(inside.sum(axis=1))
+    n = len(rows)
+    order = np.empty((n, k), dtype=np.int64)
+    for i in range(n):
+        order[i] = np.argsort(distance[rows[i]])
+    search = _Search(
+        rows,
+        order,
+        inside,
+        np.full(n, -1, dtype=np.int64),
+        np.full(n, -1, dtype=np.int64),
+        np.zeros(k, dtype=np.bool_),
+        np.zeros((2 * n, 2 * n)),
+        np.zeros(2 * n),
+        np.full(m, -1, dtype=np.int64),
+        np.array([0.0, np.inf, 0.0]),
+    )
+    _descend(search, 0, 0, 0.0, y, HPH, R, bounds, most_nodes)
+    return search.best
+
+
+class _Search(NamedTuple):
+    """What one branch and bound works on; the arrays are written to.
+
+    Attributes:
+        rows: (n,) sightings that have a landmark within the gate.
+        order: (n, k) landmarks by distance from each of them.
+        inside: (m, k) whether a pair alone is within the gate.
+        chosen_rows: (n,) sightings of the hypothesis in hand.
+        chosen_columns: (n,) their landmarks.
+        taken: (k,) which landmarks it uses.
+        L: (2n, 2n) Cholesky factor of its joint covariance.
+        w: (2n,) its whitened innovations.
+        best: (m,) the best hypothesis so far, as landmark of each sighting.
+        score: (3,) its number of pairs, its joint distance, and how many hypotheses were looked at.
+    """
+
+    rows: Partners
+    order: Partners
+    inside: NDArray[np.bool_]
+    chosen_rows: Partners
+    chosen_columns: Partners
+    taken: NDArray[np.bool_]
+    L: Array
+    w: Array
+    best: Partners
+    score: Array
+
+
+@njit(cache=True)
+def _descend(
+    search: _Search, depth: int, count: int, total: float, y: Array, HPH: Array, R: Array, bounds: Array, most: int
+) -> None:
+    """Try all that can follow the `count` chosen pairs, of joint distance `total`, from the row `depth` on."""
+    score, n = search.score, len(search.rows)
+    score[2] += 1.0
+    if count and (count > score[0] or (count == score[0] and total < score[1])):
+        score[0], score[1] = count, total
+        search.best[:] = -1
+        for i in range(count):
+            search.best[search.chosen_rows[i]] = search.chosen_columns[i]
+    if depth == n or score[2] > most or count + n - depth < score[0]:
+        return
+    row = search.rows[depth]
+    for column in search.order[depth]:
+        if not search.inside[row, column]:
+            break
+        if search.taken[column]:
             continue
-        place = cursor[depth]
-        cursor[depth] += 1
-        if place == candidates[row]:  # the last way: this sighting has no partner
-            cursor[depth] = k + 1
-            depth += 1
-            entered = True
-            continue
-        column = order[row, place]
-        if taken[column]:
-            continue
-        chosen_rows[count], chosen_columns[count] = row, column
-        longer = totals[count] + _append(count, chosen_rows, chosen_columns, y, HPH, R, L, w)
+        search.chosen_rows[count], search.chosen_columns[count] = row, column
+        longer = total + _append(count, search.chosen_rows, search.chosen_columns, y, HPH, R, search.L, search.w)
         if longer <= bounds[min(2 * (count + 1), len(bounds) - 1)]:
-            count += 1
-            totals[count] = longer
-            partner[row], taken[column] = column, True
-            depth += 1
-            entered = True
-    return best
+            search.taken[column] = True
+            _descend(search, depth + 1, count + 1, longer, y, HPH, R, bounds, most)
+            search.taken[column] = False
+    _descend(search, depth + 1, count, total, y, HPH, R, bounds, most)
 
 
 @njit(cache=True)

@@ -14,13 +14,13 @@ from ..errors import InputError
 from ..geometry import between, compose, wrap_angle
 from ..grid import GridConfig, render_map
 from ..landmarks.clustering import Clusterer, make_clusterer
-from ..landmarks.objects import SightingConfig, Sightings, see_landmarks
+from ..landmarks.objects import LandmarkSightings, SightingConfig, see_landmarks
 from ..occupancy_map import OccupancyMap
 from ..pose_log import PoseLog
 from ..revisits import KeptScans
 from ..scan import LaserScan
 from ..settings import with_settings
-from .association import Comparison, Pairs, compare, joint_compatibility, nearest_neighbour
+from .association import Innovations, Pairs, compare, joint_compatibility, nearest_neighbour
 from .calibrated_motion import OdometryNoise
 from .config import EkfSlamConfig
 from .filter import LandmarkFilter
@@ -131,7 +131,7 @@ class EkfSlam:
         diagnostics |= {"landmarks": float(len(self.times_seen)), "sigma_position": sigma}
         return SlamUpdate(ekf.x[:3].copy(), integrated, diagnostics, sigma <= self._config.lost_sigma)
 
-    def take(self, sightings: Sightings, scan: LaserScan) -> dict[str, float]:
+    def take(self, sightings: LandmarkSightings, scan: LaserScan) -> dict[str, float]:
         """Associate the sightings, correct the filter, add and forget landmarks; return what came of it."""
         ekf = self.filter
         assert ekf is not None
@@ -180,7 +180,7 @@ class EkfSlam:
         """Remove the landmarks with these numbers from the map."""
         self._keep(~np.isin(np.arange(len(self.times_seen)), numbers))
 
-    def _compared(self, sightings: Sightings, range_max: float) -> tuple[NDArray[np.int64], Comparison]:
+    def _compared(self, sightings: LandmarkSightings, range_max: float) -> tuple[NDArray[np.int64], Innovations]:
         """Return the landmarks that could be seen, and sightings and them compared."""
         ekf = self.filter
         assert ekf is not None
@@ -188,7 +188,7 @@ class EkfSlam:
         expected, H, states = ekf.expect(near)
         return near, compare(sightings.z, sightings.R, expected, H @ ekf.P[np.ix_(states, states)] @ H.T)
 
-    def _slip(self, sightings: Sightings, near: NDArray[np.int64], chosen: Pairs) -> Slip | None:
+    def _slip(self, sightings: LandmarkSightings, near: NDArray[np.int64], chosen: Pairs) -> Slip | None:
         """Return the slip under which landmarks known for long explain the sightings, if nothing else does."""
         ekf = self.filter
         assert ekf is not None
@@ -204,7 +204,7 @@ class EkfSlam:
         self._missed[used] = 0
         self._missed[gone] += 1
 
-    def _associate(self, pairs: Comparison) -> Pairs:
+    def _associate(self, pairs: Innovations) -> Pairs:
         choose = joint_compatibility if self._config.association == "joint" else nearest_neighbour
         return choose(pairs, self._config.gate)
 

@@ -12,12 +12,12 @@ from ..geometry import between, compose, wrap_angle
 from ..grid import GridConfig, render_map, scan_rays
 from ..occupancy_map import OccupancyMap
 from ..pose_log import PoseLog
+from ..processes.threads import Workers
 from ..revisits import KeptScans
 from ..scan import LaserScan
 from ..settings import with_settings
-from ..workers import Workers
 from .config import GMappingConfig
-from .matcher import ScanMatcher
+from .matcher import ParticleScanMatcher
 from .motion import MotionModel
 from .paths import PathTree
 from .resampling import effective_number, normalised, systematic
@@ -48,7 +48,7 @@ class GMapping:
         workers = Workers(self.config.threads)
         config = self.config
         self._maps = TileMaps(config.particles, config.delta, config.fullness, workers, config.ray_margin)
-        self._matcher = ScanMatcher(self.config.matcher, workers)
+        self._matcher = ParticleScanMatcher(self.config.matcher, workers)
         self._motion = MotionModel(self.config.srr, self.config.srt, self.config.str_, self.config.stt)
         self._paths = PathTree()
         self._poses = np.zeros((self.config.particles, 3))

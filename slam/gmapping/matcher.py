@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..workers import Workers
+from ..processes.threads import Workers
 from .config import MatcherConfig
 from .match_kernels import match_particles
 from .search_kernels import search_particles
@@ -30,7 +30,7 @@ class Matches:
     losses: Array
 
 
-class ScanMatcher:
+class ParticleScanMatcher:
     """Looks for a start among samples of the odometry's error, then takes Gauss-Newton steps from coarse to fine.
 
     Args:

@@ -7,7 +7,7 @@ from ..bounds import cell_numbers, check_size, memory_for
 from ..errors import InputError
 from ..geometry import transform_points
 from ..occupancy_map import OccupancyMap
-from ..workers import Workers
+from ..processes.threads import Workers
 from .tile_kernels import SIDE, mark_particles, own_tiles, write_particles
 
 Array = NDArray[np.float64]

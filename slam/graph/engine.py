@@ -16,14 +16,14 @@ from ..occupancy_map import OccupancyMap
 from ..pose_log import PoseLog
 from ..scan import LaserScan
 from ..settings import with_settings
-from .constraints import Constraint
-from .continuity import Continuity, ContinuityConfig
-from .doubt import Doubt, Verdict, verdict
-from .global_config import GlobalSlamConfig
-from .global_slam import GlobalSlam
-from .local_slam import LocalResult, LocalSlam, LocalSlamConfig
-from .relocalization import Reach, Relocalization, searchable
-from .watch import Watch, WatchConfig
+from .local.local_slam import LocalResult, LocalSlam, LocalSlamConfig
+from .local.match_monitor import MatchMonitor, MatchMonitorConfig
+from .loops.constraints import Constraint
+from .loops.global_config import GlobalSlamConfig
+from .loops.global_slam import GlobalSlam
+from .recovery.kidnap_hypothesis import KidnapHypothesis, Verdict, verdict
+from .recovery.relocalization import Relocalization, SearchRegion, searchable
+from .recovery.scan_consistency import ScanConsistency, ScanConsistencyConfig
 
 Array = NDArray[np.float64]
 
@@ -45,8 +45,8 @@ class CartographerConfig:
 
     local: LocalSlamConfig = field(default_factory=LocalSlamConfig)
     global_: GlobalSlamConfig | None = field(default_factory=GlobalSlamConfig)
-    watch: WatchConfig | None = field(default_factory=WatchConfig)
-    continuity: ContinuityConfig = field(default_factory=ContinuityConfig)
+    watch: MatchMonitorConfig | None = field(default_factory=MatchMonitorConfig)
+    continuity: ScanConsistencyConfig = field(default_factory=ScanConsistencyConfig)
     resolution: Cell = 0.05
 
     def __post_init__(self) -> None:
@@ -73,7 +73,7 @@ class Cartographer:
     def __init__(self, config: CartographerConfig | None = None) -> None:
         self.config = config or CartographerConfig()
         watched = self.config.watch if self.config.global_ else None
-        self._watch = Watch(watched) if watched else None
+        self._watch = MatchMonitor(watched) if watched else None
         self._local = LocalSlam(self.config.local, self._watch)
         local, graph = self._local, self.config.global_
         self._global = GlobalSlam(graph, local.submaps, local.sweep) if graph else None
@@ -84,8 +84,8 @@ class Cartographer:
         self._doubted: list[tuple[int, Array]] = []
         self._scans: list[LaserScan] = []
         self._rays: list[ScanRays] = []
-        self._continuity = Continuity(self.config.continuity, self.config.local.extrapolator)
-        self._doubt = Doubt()
+        self._continuity = ScanConsistency(self.config.continuity, self.config.local.extrapolator)
+        self._doubt = KidnapHypothesis()
         self._breaks: list[int] = []
         self._search: Relocalization | None = None
         self._place: tuple[int, PlaceMap | None] = (-_NEW_NODES, None)
@@ -145,14 +145,14 @@ class Cartographer:
         self._doubted = []
 
     def _weighed(
-        self, watch: Watch, graph: GlobalSlam, result: LocalResult, odometry: Array, scan: LaserScan
+        self, watch: MatchMonitor, graph: GlobalSlam, result: LocalResult, odometry: Array, scan: LaserScan
     ) -> LocalResult:
         """Weigh doubtful scans against the whole map where it is due; return what local SLAM makes of this one then."""
         pose = result.match.pose if result.match else result.pose
         torn = self._continuity.tears(scan, odometry, pose, result.doubtful and watch.in_doubt == 1)
         if result.apart and result.sigma is not None:
             if not self._doubt.torn:
-                self._doubt = Doubt()
+                self._doubt = KidnapHypothesis()
             self._leap(graph, result.pose, result.sigma, odometry, scan)
             result = self._local.update(odometry, scan)
             if self._search or not (torn or self._doubt.torn):
@@ -163,7 +163,7 @@ class Cartographer:
         here = compose(graph.local_to_global, result.match.pose if result.match else result.pose)
         alarmed, search = watch.alarmed, self._relocalization(graph)
         match self._verdict(watch, graph, search, here, result):
-            case Verdict.CARRIED:
+            case Verdict.KIDNAPPED:
                 self._lose(graph, search)
             case outcome:
                 self._doubt.conclude(outcome)
@@ -176,14 +176,14 @@ class Cartographer:
         return self._local.update(odometry, scan)
 
     def _verdict(
-        self, watch: Watch, graph: GlobalSlam, search: Relocalization, here: Array, result: LocalResult
+        self, watch: MatchMonitor, graph: GlobalSlam, search: Relocalization, here: Array, result: LocalResult
     ) -> Verdict:
         """Return what the doubt comes to; who is lost already can only be lost again, where nothing fits."""
         if self._search or not result.match:
-            return Verdict.CARRIED if watch.plainly_lost else Verdict.UNSURE
+            return Verdict.KIDNAPPED if watch.plainly_lost else Verdict.UNSURE
         return verdict(self._doubt, watch, search.contest(here, self._doubt.trust, _DRIFT * graph.drift))
 
-    def _suspect(self, watch: Watch, doubtful: bool, torn: float, odometry: Array, scan: LaserScan) -> None:
+    def _suspect(self, watch: MatchMonitor, doubtful: bool, torn: float, odometry: Array, scan: LaserScan) -> None:
         """Keep the scans since something began to be wrong."""
         doubt = self._doubt
         if torn > doubt.torn and not self._search:
@@ -219,7 +219,7 @@ class Cartographer:
         """
         if not (sigma <= graph.reach).all():
             way = float(np.hypot(*(pose - self._poses_local[-1])[:2]))
-            reach = Reach.across(way, sigma, compose(graph.local_to_global, pose))
+            reach = SearchRegion.across(way, sigma, compose(graph.local_to_global, pose))
             if self._search:
                 reach = self._search.reach.widened(reach) if self._search.reach else None
             self._doubt.add(odometry, scan)
@@ -228,7 +228,7 @@ class Cartographer:
         self._breaks.append(len(self._poses_local))
         self._begin_anew(graph)
 
-    def _lose(self, graph: GlobalSlam, search: Relocalization, reach: Reach | None = None) -> None:
+    def _lose(self, graph: GlobalSlam, search: Relocalization, reach: SearchRegion | None = None) -> None:
         """Begin a new piece of the drive with the next update, and the search on the map without it.
 
         Args:
@@ -244,7 +244,7 @@ class Cartographer:
         self._breaks.append(first)
         graph.begin_piece(sum(k >= first for k in self._inserted[-since:]), reach is None)
         self._begin_anew(graph)
-        self._doubt = Doubt()
+        self._doubt = KidnapHypothesis()
 
     def _begin_anew(self, graph: GlobalSlam) -> None:
         self._local.restart(graph.submaps)

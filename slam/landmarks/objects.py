@@ -110,7 +110,7 @@ class SightingConfig:
 
 
 @dataclass(frozen=True, eq=False)
-class Sightings:
+class LandmarkSightings:
     """Landmarks seen in one scan, from the robot.
 
     Attributes:
@@ -124,7 +124,7 @@ class Sightings:
     objects: Objects
 
 
-def see_landmarks(scan: LaserScan, clusterer: Clusterer, config: SightingConfig) -> Sightings:
+def see_landmarks(scan: LaserScan, clusterer: Clusterer, config: SightingConfig) -> LandmarkSightings:
     """Return what a scan shows of landmarks, by `round_centres`.
 
     Left out are objects that are too wide, at the end of the range or of the field of view, or cut by something nearer;
@@ -133,13 +133,13 @@ def see_landmarks(scan: LaserScan, clusterer: Clusterer, config: SightingConfig)
     labels = clusterer.fit_predict(scan.points)
     objects = describe_objects(scan.points_robot, labels)
     if not len(objects):
-        return Sightings(np.zeros((0, 2)), np.zeros((0, 2, 2)), objects)
+        return LandmarkSightings(np.zeros((0, 2)), np.zeros((0, 2, 2)), objects)
     usable = _whole(scan, labels, config) & (np.sqrt(np.trace(objects.covariances, axis1=1, axis2=2)) <= config.widest)
     if np.count_nonzero(usable) > MOST_SIGHTINGS:
         farness = np.where(usable, np.hypot(objects.means[:, 0], objects.means[:, 1]), np.inf)
         usable[np.argsort(farness, kind="stable")[MOST_SIGHTINGS:]] = False
     if not usable.any():
-        return Sightings(np.zeros((0, 2)), np.zeros((0, 2, 2)), objects)
+        return LandmarkSightings(np.zeros((0, 2)), np.zeros((0, 2, 2)), objects)
     beams = np.flatnonzero(scan.is_return)
     place = np.full(int(labels.max()) + 2, -1)
     place[np.unique(labels[labels >= 0])[usable]] = np.arange(int(usable.sum()))
@@ -150,7 +150,7 @@ def see_landmarks(scan: LaserScan, clusterer: Clusterer, config: SightingConfig)
         scan.ranges[beams[kept]], scan.bearings[beams[kept]], label[kept], spacing, config.radius, config.sigma_range
     )
     z, R = _from_robot(polar, covariance, np.asarray(scan.T_robot_lidar), config.sigma_shape)
-    return Sightings(z, R, objects)
+    return LandmarkSightings(z, R, objects)
 
 
 def _from_robot(polar: Array, covariance: Array, T_robot_lidar: Array, sigma_shape: float) -> tuple[Array, Array]:

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from ..bounds import Reach, Rounds, Within, check_numbers
 from ..errors import InputError
 from ..geometry import compose, transform_points
-from ..graph.refine_kernels import refine_pose
+from ..scan_to_grid.refine_kernels import refine_pose
 from .evidence_kernels import UNSEEN, beam_likelihoods, count_blocked
 from .place_map import PlaceMap
-from .view import View
+from .prepared_scan import PreparedScan
 
 Array = NDArray[np.float64]
 
@@ -57,7 +57,7 @@ class Evidence:
         self._place, self._config = place, config
         self._sigma = max(config.sigma, _CELLS * place.resolution)
 
-    def judge(self, view: View, poses: Array) -> tuple[Array, Array]:
+    def judge(self, view: PreparedScan, poses: Array) -> tuple[Array, Array]:
         """Return (k,) mean log-likelihoods of the beams of a view at `poses` (k, 3), and (k,) shares explained.
 
         A beam that ends where the map knows nothing counts as half explained.
@@ -74,7 +74,7 @@ class Evidence:
         explained = 0.5 * ((likelihoods > unseen).mean(axis=1) + (likelihoods >= unseen).mean(axis=1))
         return np.log(likelihoods).mean(axis=1, dtype=np.float64), explained
 
-    def blocked(self, view: View, pose: Array) -> float:
+    def blocked(self, view: PreparedScan, pose: Array) -> float:
         """Return the share of the beams of a view that come through walls, the robot at `pose` (3,)."""
         place, slack = self._place, self._config.slack
         rays = np.concatenate((view.foot[None], view.points))

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from ..bounds import Cell, Share, Step, Within, check_numbers
 from ..errors import InputError
 from ..geometry import between, transform_points, wrap_angle
-from ..graph.voxel_filter import voxel_first
+from ..scan_to_grid.voxel_filter import voxel_first
 from ..search.branch_and_bound import SearchWindow, Separation, branch_and_bound
 from .evidence import Evidence
 from .place_map import PlaceMap
-from .view import View
+from .prepared_scan import PreparedScan
 
 Array = NDArray[np.float64]
 
@@ -73,7 +73,7 @@ class GlobalSearchConfig:
 
 
 @dataclass(frozen=True, eq=False)
-class Belief:
+class PlaceBelief:
     """Where the robot may be.
 
     Attributes:
@@ -96,7 +96,7 @@ class Belief:
         return float(np.exp(min(-self.log_ratios[1], 700.0))) if len(self.poses) > 1 else float("inf")
 
 
-_NOTHING = Belief(np.empty((0, 3)), np.empty(0), np.empty(0), False)
+_NOTHING = PlaceBelief(np.empty((0, 3)), np.empty(0), np.empty(0), False)
 
 
 class GlobalSearch:
@@ -118,14 +118,14 @@ class GlobalSearch:
 
     def forget(self) -> None:
         """Drop all views and hypotheses."""
-        self._views: list[View] = []
+        self._views: list[PreparedScan] = []
         self._freshness: list[float] = []
         self._poses = np.empty((0, 3))
         self._priors = np.empty(0)  # log-likelihoods before any view
         self._tables = np.empty((0, 0, 2))  # hypotheses x views x (mean log-likelihood, share explained)
         self._since_search = np.inf
 
-    def remember(self, view: View) -> None:
+    def remember(self, view: PreparedScan) -> None:
         """Take a view without a search; hypotheses are carried on by the odometry and judged."""
         freshness = 1.0
         if self._views:
@@ -166,12 +166,12 @@ class GlobalSearch:
         self._tables = np.concatenate((self._tables, table))
         self._settle()
 
-    def update(self, view: View) -> Belief:
+    def update(self, view: PreparedScan) -> PlaceBelief:
         """Take a view, search the map if the robot has moved, and return what is believed now."""
         self.remember(view)
         return self.look()
 
-    def look(self) -> Belief:
+    def look(self) -> PlaceBelief:
         """Search the map if the robot has moved since the last search, and return what is believed now."""
         self._settle()
         if self._since_search >= self._config.search_every:
@@ -181,7 +181,7 @@ class GlobalSearch:
             self.propose(self._slid(self._poses[0]))
         return self.belief()
 
-    def belief(self) -> Belief:
+    def belief(self) -> PlaceBelief:
         """Return what is believed now."""
         if not len(self._poses):
             return _NOTHING
@@ -192,7 +192,7 @@ class GlobalSearch:
         needed = np.log(config.sure_ratio) * (1.0 + 10.0 * missing)
         clear = len(ratios) < 2 or -ratios[1] > needed
         sure = bool(clear and explained[0] >= config.least_explained)
-        return Belief(self._poses.copy(), ratios, explained, sure)
+        return PlaceBelief(self._poses.copy(), ratios, explained, sure)
 
     def _search(self) -> Array:
         """Return (k, 3) refined maxima of the whole map for the last views together."""

@@ -9,15 +9,15 @@ from numpy.typing import ArrayLike, NDArray
 from ..bounds import check_numbers, checked_pose
 from ..errors import InputError
 from ..geometry import between
-from ..graph.extrapolator import ExtrapolatorConfig, OdometryExtrapolator, Prediction
-from ..graph.scan_matcher import ScanMatcher, ScanMatcherConfig
-from ..graph.voxel_filter import AdaptiveVoxelConfig
 from ..occupancy_map import OccupancyMap
 from ..scan import LaserScan
+from ..scan_to_grid.extrapolator import ExtrapolatorConfig, OdometryExtrapolator, Prediction
+from ..scan_to_grid.scan_matcher import GridScanMatcher, GridScanMatcherConfig
+from ..scan_to_grid.voxel_filter import AdaptiveVoxelConfig
 from .evidence import Evidence, EvidenceConfig
-from .global_search import Belief, GlobalSearch, GlobalSearchConfig
+from .global_search import GlobalSearch, GlobalSearchConfig, PlaceBelief
 from .place_map import PlaceMap, PlaceMapConfig
-from .view import View, ViewMaker
+from .prepared_scan import PreparedScan, ScanPreparation
 
 Array = NDArray[np.float64]
 
@@ -58,7 +58,7 @@ class LocalizerConfig:
     search: GlobalSearchConfig = field(default_factory=GlobalSearchConfig)
     voxel_filter: AdaptiveVoxelConfig = field(default_factory=AdaptiveVoxelConfig)
     extrapolator: ExtrapolatorConfig = field(default_factory=ExtrapolatorConfig)
-    matcher: ScanMatcherConfig = field(default_factory=ScanMatcherConfig)
+    matcher: GridScanMatcherConfig = field(default_factory=GridScanMatcherConfig)
     min_points: int = 20
     doubt: float = 0.85
     doubt_below: float = 0.5
@@ -90,7 +90,7 @@ class LocalizationUpdate:
     state: State
     matched: bool
     explained: float | None
-    belief: Belief | None
+    belief: PlaceBelief | None
 
 
 class Localizer:
@@ -115,7 +115,7 @@ class Localizer:
         self.place = grid if isinstance(grid, PlaceMap) else PlaceMap(grid, self.config.place)
         self._evidence = Evidence(self.place, self.config.evidence)
         self._search = GlobalSearch(self.place, self._evidence, self.config.search)
-        self._views = ViewMaker(self.config.voxel_filter)
+        self._views = ScanPreparation(self.config.voxel_filter)
         self._start = None if start is None else self._checked(checked_pose(start, "start"))
         self._tracker: OdometryExtrapolator | None = None
         self._odometry: Array | None = None
@@ -154,12 +154,12 @@ class Localizer:
         self._updates.append(result.pose)
         return result
 
-    def _search_for(self, view: View) -> LocalizationUpdate:
+    def _search_for(self, view: PreparedScan) -> LocalizationUpdate:
         if len(view.points) < self.config.min_points:
             return LocalizationUpdate(None, State.SEARCHING, False, None, None)
         return self._concluded(self._search.update(view), view)
 
-    def _concluded(self, belief: Belief, view: View) -> LocalizationUpdate:
+    def _concluded(self, belief: PlaceBelief, view: PreparedScan) -> LocalizationUpdate:
         """Return what a belief means; if it is sure, tracking begins."""
         explained = float(belief.explained[0]) if len(belief.explained) else None
         if not belief.sure:
@@ -171,10 +171,10 @@ class Localizer:
     def _track_from(self, odometry: Array, pose: Array) -> None:
         self._tracker = OdometryExtrapolator(self.config.extrapolator, odometry)
         self._tracker.correct(odometry, pose)
-        self._matcher = ScanMatcher(self.config.matcher)
+        self._matcher = GridScanMatcher(self.config.matcher)
         self._doubtful, self._usual, self._blind_from = 0, 0.0, pose
 
-    def _track(self, tracker: OdometryExtrapolator, view: View) -> LocalizationUpdate:
+    def _track(self, tracker: OdometryExtrapolator, view: PreparedScan) -> LocalizationUpdate:
         prediction = tracker.predict(view.odometry)
         if self._start is not None:
             prediction = Prediction(self._start, _START_SIGMA)
@@ -202,7 +202,7 @@ class Localizer:
         tracker.correct(view.odometry, match.pose)
         return LocalizationUpdate(match.pose, State.TRACKING, True, explained, None)
 
-    def _give_up(self, view: View, prediction: Prediction, pose: Array) -> LocalizationUpdate:
+    def _give_up(self, view: PreparedScan, prediction: Prediction, pose: Array) -> LocalizationUpdate:
         """Stop tracking; the map is searched, and where the view fits best beside `pose` (3,) is one place of many.
 
         It is trusted only where the odometry may have led. Unrefined it would be judged worse by this view than by the

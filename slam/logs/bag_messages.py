@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ..errors import InputError, MissingExtraError, one_line, shown
-from ..input_file import checked_name, named, require_regular, unreadable
+from ..files.input import checked_name, named, require_regular, unreadable
 
 _MAGIC = b"#ROSBAG V"
 _NS = 1e-9

@@ -18,12 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, shown
+from ..files.input import names_file
+from ..files.sizes import MOST_PIXELS, DriveLength
 from ..geometry import between, wrap_angle
-from ..input_file import names_file
 from ..occupancy_map import OccupancyMap
 from ..scan import LaserScan
 from .drive import RecordedDrive
-from .sizes import MOST_PIXELS, DriveLength
 from .text import LARGEST, first_line, numbered_lines, numbers, whole_number
 
 _BEAMS = 180

@@ -16,12 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, one_line, shown
+from ..files.input import names_file
+from ..files.sizes import DriveLength
 from ..geometry import between, compose, wrap_angle
-from ..input_file import names_file
 from ..scan import LaserScan
 from .beams import cut_behind, measured
 from .drive import RecordedDrive
-from .sizes import DriveLength
 from .text import LARGEST, numbered_bytes, whole_number
 
 Pose = tuple[float, float, float]

@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, shown
+from ..files.input import names_file
+from ..files.sizes import DriveLength
 from ..geometry import wrap_angle
-from ..input_file import names_file
 from ..scan import LaserScan
 from .drive import RecordedDrive
-from .sizes import DriveLength
 from .text import LARGEST, first_line, numbered_lines, numbers, whole_number
 
 _LASER = (0.40, 0.0, 0.0)  # T_robot_lidar

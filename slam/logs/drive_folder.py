@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..bounds import check_points, check_poses
 from ..errors import InputError
-from ..files import read_arrays, replacing
+from ..files.output import read_arrays, replacing
 from .carmen import read_carmen
 from .carmen_writer import write_carmen
 from .drive import RecordedDrive

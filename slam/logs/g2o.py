@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InputError, one_line, shown
-from ..files import write_text
-from ..input_file import names_file
+from ..files.input import names_file
+from ..files.output import write_text
 from ..pose_graph.pose_graph import PoseGraph
 from .text import MOST_POSES, numbered_lines
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InputError
-from ..input_file import checked_name, named
+from ..files.input import checked_name, named
 from .bag_messages import is_bag
 from .beesoft import is_beesoft_log, read_beesoft_log
 from .carmen import read_carmen

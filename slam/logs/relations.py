@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ..bounds import check_poses, check_times
 from ..errors import InputError
-from ..input_file import names_file
+from ..files.input import names_file
 from .text import MOST_POSES, finite_numbers, numbered_lines
 
 Array = NDArray[np.float64]

@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InputError, shown
-from ..files import replacing, write_text
-from ..input_file import checked_name
+from ..files.input import checked_name
+from ..files.output import replacing, write_text
+from ..files.pgm import read_pgm
 from ..occupancy_map import OccupancyMap
 from .flat_yaml import Value, read_flat_yaml
-from .pgm import read_pgm
 
 # what map_saver writes: white is free, black is occupied, this grey is unknown
 _FREE, _OCCUPIED, _UNKNOWN = 254, 0, 205

@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, shown
+from ..files.input import names_file
+from ..files.sizes import DriveLength
 from ..geometry import wrap_angle
-from ..input_file import names_file
 from ..scan import LaserScan
 from .bag_messages import Bag, as_defined, open_bag
 from .beams import cut_behind, measured
 from .drive import RecordedDrive
 from .ros_frames import FrameTree, frame_name, planar, rotation_matrix, stamp_s
-from .sizes import DriveLength
 
 Array = NDArray[np.float64]
 Pose = tuple[float, float, float]

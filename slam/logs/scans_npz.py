@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, shown
-from ..files import read_arrays
-from ..input_file import named, names_file
+from ..files.input import named, names_file
+from ..files.output import read_arrays
+from ..files.sizes import DriveLength
 from ..scan import LaserScan
 from .beams import cut_behind, measured
-from .sizes import DriveLength
 
 NEEDED = ("ranges", "angle_min", "angle_increment", "range_min", "range_max")
 

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import IO
 
 from ..errors import InputError, shown
-from ..files import replacing
-from ..input_file import MIB, named, opened
+from ..files.input import MIB, named, opened
+from ..files.output import replacing
 
 MOST_BYTES = 512 * MIB
 """Of a text file, unpacked: half an hour of a laser of 1081 beams at 40 Hz, or 14 hours of one of 180 beams at 10."""

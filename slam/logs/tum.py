@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from ..bounds import check_poses, check_times
 from ..errors import InputError, shown
+from ..files.input import names_file
 from ..geometry import wrap_angle
-from ..input_file import names_file
 from .text import MOST_POSES, finite_numbers, numbered_lines, write_lines
 
 _TILT_LIMIT = 0.02  # norm of (qx, qy): about 2 degrees of roll and pitch

@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from ..files.input import names_file
+from ..files.sizes import DriveLength
 from ..geometry import wrap_angle
-from ..input_file import names_file
 from ..scan import LaserScan
 from .drive import RecordedDrive
-from .sizes import DriveLength
 from .text import finite_numbers, first_line, numbered_lines
 
 _BEAMS = 683

@@ -15,7 +15,7 @@ from scipy.sparse.linalg import splu
 from ..bounds import Rounds, check_numbers
 from ..errors import InputError
 from ..geometry import compose
-from .normal_equations import Pattern, block_pattern, fill
+from .normal_equations import SparsityPattern, block_pattern, fill
 from .pose_graph import PoseGraph
 
 Array = NDArray[np.float64]
@@ -84,7 +84,7 @@ def adjust(graph: PoseGraph, config: AdjustmentConfig | None = None, fixed: int 
     return Adjustment(poses, cost, config.iterations, False)
 
 
-def _linearize(graph: PoseGraph, pattern: Pattern, poses: Array, fixed: int) -> tuple[float, Array, Array]:
+def _linearize(graph: PoseGraph, pattern: SparsityPattern, poses: Array, fixed: int) -> tuple[float, Array, Array]:
     data, gradient = np.empty(len(pattern.indices)), np.empty(poses.size)
     cost = fill(
         poses,
@@ -103,7 +103,7 @@ def _linearize(graph: PoseGraph, pattern: Pattern, poses: Array, fixed: int) -> 
     return cost, data, gradient
 
 
-def _solve(pattern: Pattern, data: Array, gradient: Array, damping: float) -> Array:
+def _solve(pattern: SparsityPattern, data: Array, gradient: Array, damping: float) -> Array:
     """Return (n, 3) the damped step of each pose, in its own frame."""
     damped = data.copy()
     diagonal = damped[pattern.diagonal]

@@ -13,7 +13,7 @@ Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
-class Pattern:
+class SparsityPattern:
     """Where the 3 x 3 blocks of the symmetric matrix H lie in compressed columns.
 
     Attributes:
@@ -45,7 +45,7 @@ def fill_reducing_order(n: int, edges: Indices) -> Indices:
     return np.asarray(splu(links, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options).perm_c, np.int64)
 
 
-def block_pattern(n: int, edges: Indices) -> Pattern:
+def block_pattern(n: int, edges: Indices) -> SparsityPattern:
     """Return the pattern of H for `n` poses and `edges` (m, 2)."""
     place = fill_reducing_order(n, edges)
     i, j = place[edges].T
@@ -69,7 +69,7 @@ def block_pattern(n: int, edges: Indices) -> Pattern:
     edge_blocks = np.stack((diagonal_block[i], diagonal_block[j], upper, lower), axis=-1).astype(np.int64)
     steps = np.arange(3)
     diagonal = (base[diagonal_block][:, None] + steps * (stride[diagonal_block][:, None] + 1)).ravel()
-    return Pattern(place, indptr, indices, base, stride, edge_blocks, diagonal)
+    return SparsityPattern(place, indptr, indices, base, stride, edge_blocks, diagonal)
 
 
 @njit(cache=True, nogil=True)

@@ -8,7 +8,7 @@ from tagalong.agents.learned.detour import Detour, DetourConfig
 from tagalong.agents.learned.guard import GuardConfig, box_gaps
 from tagalong.agents.learned.pilot import Pilot, PilotConfig
 from tagalong.agents.learned.steering import REST, SteeringConfig
-from tagalong.agents.memory import Goal, Mode
+from tagalong.agents.scripted.leader_memory import Goal, Mode
 from tagalong.envs.interface import FollowInterface
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import inverse, transform_points
@@ -87,7 +87,7 @@ def test_a_lost_leader_is_looked_for_where_its_trail_ends_whatever_the_network_w
 def relieved(state, wish, goal, trail, search_turn=0.0):
     detour = Detour(DetourConfig(), GUARD, SteeringConfig(), 0.1)
     for _ in range(40):
-        last = detour.relieve(state, wish, goal, search_turn, np.array(trail), np.array([[0.5, 0.0]]), FREE)
+        last = detour.escape(state, wish, goal, search_turn, np.array(trail), np.array([[0.5, 0.0]]), FREE)
     return last
 
 
@@ -107,7 +107,7 @@ def wishes_before_a_wall(keep):
     detour = Detour(DetourConfig(keep=keep), GUARD, SteeringConfig(), 0.1)
     goal, trail = Goal(Mode.FOLLOW, 3.0, 0.0), np.array([[1.0, 0.0], [2.0, 0.0]])
     wall = np.column_stack((np.full(9, 0.5), np.linspace(-0.25, 0.25, 9)))
-    return [detour.relieve(REST, (0.5, 0.0), goal, 0.0, trail, wall, FREE) for _ in range(24)][9:]
+    return [detour.escape(REST, (0.5, 0.0), goal, 0.0, trail, wall, FREE) for _ in range(24)][9:]
 
 
 def test_a_manoeuvre_that_was_begun_goes_on_to_its_second_part_instead_of_beginning_anew():
@@ -126,7 +126,7 @@ def test_nobody_is_led_back_over_ground_that_was_not_seen():
     least = {}
     for room in (1.0, 0.0):
         detour = Detour(DetourConfig(), GUARD, SteeringConfig(), 0.1)
-        least[room] = min(detour.relieve(REST, (0.5, 0.0), goal, 0.0, trail, pocket, known(room))[0] for _ in range(24))
+        least[room] = min(detour.escape(REST, (0.5, 0.0), goal, 0.0, trail, pocket, known(room))[0] for _ in range(24))
     assert least[1.0] < 0.0 <= least[0.0]
 
 
@@ -136,7 +136,7 @@ def test_a_manoeuvre_may_come_a_little_nearer_to_things_than_the_guard_would_let
     wishes = []
     for touch in (DetourConfig().touch, GUARD.margin):
         detour = Detour(DetourConfig(touch=touch), GUARD, SteeringConfig(), 0.1)
-        wishes.append([detour.relieve(REST, (0.5, 0.0), goal, 0.0, trail, gate, FREE) for _ in range(12)][-1])
+        wishes.append([detour.escape(REST, (0.5, 0.0), goal, 0.0, trail, gate, FREE) for _ in range(12)][-1])
     assert wishes[0] == (0.9, 0.0)
     assert wishes[1] != (0.9, 0.0)
 

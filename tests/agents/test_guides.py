@@ -5,13 +5,13 @@ import math
 import numpy as np
 import pytest
 from tagalong.agents import EXPLORERS, FOLLOWERS, make_follower
-from tagalong.agents.dwa import DWAFollower
-from tagalong.agents.dynamic_window import DynamicWindow, DynamicWindowConfig, Surroundings, arcs
-from tagalong.agents.frontier import FrontierExplorer
-from tagalong.agents.frontier_plan import FrontierConfig, frontiers, place_ahead, plan_way
-from tagalong.agents.grid_field import way_field, way_field_reference
-from tagalong.agents.pure_pursuit import PurePursuitFollower
-from tagalong.agents.random_walk import RandomWalk
+from tagalong.agents.scripted.dwa import DWAFollower
+from tagalong.agents.scripted.dynamic_window import DynamicWindow, DynamicWindowConfig, Surroundings, arcs
+from tagalong.agents.scripted.frontier import FrontierExplorer
+from tagalong.agents.scripted.frontier_plan import FrontierConfig, frontiers, place_ahead, plan_way
+from tagalong.agents.scripted.grid_field import way_field, way_field_reference
+from tagalong.agents.scripted.pure_pursuit import PurePursuitFollower
+from tagalong.agents.scripted.random_walk import RandomWalk
 from tagalong.envs.interface import FollowInterface, OwnMap
 from tagalong.slam.errors import InputError
 from tagalong.slam.occupancy_map import OccupancyMap
@@ -277,5 +277,5 @@ def test_a_follower_of_ones_own_that_is_none_is_refused(path):
 
 
 def test_a_follower_of_ones_own_may_ask_for_the_interface():
-    follower = make_follower("tagalong.agents.pid:PIDFollower", INTERFACE)
+    follower = make_follower("tagalong.agents.scripted.pid:PIDFollower", INTERFACE)
     assert follower.interface is INTERFACE

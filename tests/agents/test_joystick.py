@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tagalong.agents.joystick import (
+from tagalong.agents.teleop.joystick import (
     FIRST_LINE,
     MODEL,
     JoystickLog,
@@ -13,9 +13,9 @@ from tagalong.agents.joystick import (
     read_joystick_log,
     write_joystick_log,
 )
-from tagalong.agents.operator_model import OperatorConfig, OperatorModel, Sight
-from tagalong.scripts.experiments.joystick_calibration import driving_figures
-from tagalong.scripts.experiments.joystick_drive import record_drive, replay_drive
+from tagalong.agents.teleop.joystick_drive import record_drive, replay_drive
+from tagalong.agents.teleop.operator_model import OperatorConfig, OperatorModel, OperatorView
+from tagalong.scripts.benchmarks.joystick_calibration import driving_figures
 from tagalong.slam.errors import InputError
 
 NOBODY = np.empty((0, 2))
@@ -109,7 +109,7 @@ def drive(route, seconds, people=NOBODY, config=None, start=(0.0, 0.0, 0.0)):
     operator = OperatorModel(np.asarray(route, dtype=float), np.random.default_rng(0), config)
     pose, rows = np.array(start), []
     for _ in range(int(seconds * 10)):
-        speed, turn = operator.act(Sight(pose.copy(), float(pose[0]), people))
+        speed, turn = operator.act(OperatorView(pose.copy(), float(pose[0]), people))
         pose += np.array([speed * math.cos(pose[2]), speed * math.sin(pose[2]), turn]) * 0.1
         rows.append((*pose, speed, turn))
     return np.array(rows)
@@ -134,8 +134,8 @@ def test_the_operator_reacts_late():
     config = OperatorConfig(reaction_s=0.5, hold_s=0.1, stuck_s=100.0)
     operator = OperatorModel(np.array([(0.0, 0.0), (30.0, 0.0)]), np.random.default_rng(0), config)
     for _ in range(30):
-        operator.act(Sight(np.zeros(3), 0.0, NOBODY))
-    turned = [operator.act(Sight(np.array([0.0, 0.0, 0.9]), 0.0, NOBODY))[1] for _ in range(12)]
+        operator.act(OperatorView(np.zeros(3), 0.0, NOBODY))
+    turned = [operator.act(OperatorView(np.array([0.0, 0.0, 0.9]), 0.0, NOBODY))[1] for _ in range(12)]
     assert not np.any(turned[:4])
     assert turned[-1] < -0.4
 
@@ -184,6 +184,6 @@ def test_a_log_of_no_environment_of_ours_is_not_replayed(changes, said):
 
 def test_the_operator_backs_out_when_the_robot_is_stuck():
     operator = OperatorModel(np.array([(0.0, 0.0), (30.0, 0.0)]), np.random.default_rng(0))
-    speeds = [operator.act(Sight(np.zeros(3), 0.0, NOBODY))[0] for _ in range(80)]
+    speeds = [operator.act(OperatorView(np.zeros(3), 0.0, NOBODY))[0] for _ in range(80)]
     assert max(speeds[:20]) > 0.5
     assert min(speeds) < -0.2

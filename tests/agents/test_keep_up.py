@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tagalong.agents.learned.keep_up import KeepUp, KeepUpConfig
 from tagalong.agents.learned.pilot import Pilot, PilotConfig
-from tagalong.agents.memory import Goal, Mode
+from tagalong.agents.scripted.leader_memory import Goal, Mode
 from tagalong.envs.interface import FollowInterface
 from tagalong.slam.errors import InputError
 
@@ -14,30 +14,30 @@ CONFIG = KeepUpConfig(distance=1.35, gain=1.2, pace=1.0, ahead=0.8)
 NO_TRAIL = np.zeros((0, 2))
 
 
-def urge(wish, goal, trail=NO_TRAIL):
-    return KeepUp(CONFIG).urge(wish, goal, np.asarray(trail, dtype=np.float64))
+def keep_pace(wish, goal, trail=NO_TRAIL):
+    return KeepUp(CONFIG).keep_pace(wish, goal, np.asarray(trail, dtype=np.float64))
 
 
 def test_the_leaders_pace_and_the_way_that_is_too_much_give_the_least_speed():
     goal = Goal(Mode.FOLLOW, 1.85, 0.0, 0.4, 0.0)
-    assert urge((0.1, 0.2), goal) == pytest.approx((0.4 + 1.2 * 0.5, 0.2))
-    assert urge((1.3, 0.2), goal) == (1.3, 0.2)  # who is fast enough is left alone
+    assert keep_pace((0.1, 0.2), goal) == pytest.approx((0.4 + 1.2 * 0.5, 0.2))
+    assert keep_pace((1.3, 0.2), goal) == (1.3, 0.2)  # who is fast enough is left alone
     near = Goal(Mode.FOLLOW, 0.8, 0.0, 0.0, 0.0)
-    assert urge((-0.2, 0.0), near) == (-0.2, 0.0)  # and who is near may back away
+    assert keep_pace((-0.2, 0.0), near) == (-0.2, 0.0)  # and who is near may back away
 
 
 def test_the_way_is_that_along_the_trail_and_counts_less_the_farther_it_leads_aside():
     goal = Goal(Mode.FOLLOW, 1.0, 1.0, 0.0, 0.0)
-    round_the_corner = urge((0.0, 0.0), goal, [[1.0, 0.0]])  # 2 m of way, the next 0.8 m straight ahead
+    round_the_corner = keep_pace((0.0, 0.0), goal, [[1.0, 0.0]])  # 2 m of way, the next 0.8 m straight ahead
     assert round_the_corner[0] == pytest.approx(1.2 * 0.65)
-    straight = urge((0.0, 0.0), goal)  # 1.41 m, at 45 degrees
+    straight = keep_pace((0.0, 0.0), goal)  # 1.41 m, at 45 degrees
     assert straight[0] == pytest.approx(1.2 * (np.sqrt(2.0) - 1.35) * 0.5)
-    assert urge((0.0, 1.6), Goal(Mode.FOLLOW, 0.0, 3.0, 0.0, 1.0))[0] == pytest.approx(0.0)
+    assert keep_pace((0.0, 1.6), Goal(Mode.FOLLOW, 0.0, 3.0, 0.0, 1.0))[0] == pytest.approx(0.0)
 
 
 @pytest.mark.parametrize("mode", [Mode.WAIT, Mode.APPROACH, Mode.SEARCH])
 def test_nobody_is_urged_after_a_leader_out_of_sight(mode):
-    assert urge((0.1, 0.1), Goal(mode, 3.0, 3.0, 1.0, 0.0)) == (0.1, 0.1)
+    assert keep_pace((0.1, 0.1), Goal(mode, 3.0, 3.0, 1.0, 0.0)) == (0.1, 0.1)
 
 
 def drive(pilot, leader, steps):

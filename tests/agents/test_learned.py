@@ -18,9 +18,9 @@ from tagalong.agents.learned.pilot import PilotConfig
 from tagalong.agents.learned.steering import REST, SteeringConfig, steer, steer_many
 from tagalong.agents.learned.trail import Trail
 from tagalong.envs.interface import FollowInterface
-from tagalong.envs.rollout import rollout
+from tagalong.envs.recording.rollout import rollout
 from tagalong.slam.errors import InputError
-from tagalong.slam.files import read_arrays
+from tagalong.slam.files.output import read_arrays
 
 CONFIG = SteeringConfig()
 wishes = st.lists(st.tuples(st.floats(-2.0, 2.0), st.floats(-2.0, 2.0)), min_size=1, max_size=40)

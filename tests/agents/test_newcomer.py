@@ -4,8 +4,8 @@ import gymnasium as gym
 import numpy as np
 import pytest
 from tagalong.agents import FOLLOWERS, make_follower
-from tagalong.agents.pid import PIDFollower
-from tagalong.envs.rollout import rollout
+from tagalong.agents.scripted.pid import PIDFollower
+from tagalong.envs.recording.rollout import rollout
 from tagalong.slam.errors import InputError
 
 

@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 from tagalong.agents import PIDFollower, make_follower
-from tagalong.agents.avoidance import AvoidanceConfig, free_heading, free_lengths
-from tagalong.agents.memory import LeaderMemory, MemoryConfig, Mode
-from tagalong.agents.pid import PIDConfig
-from tagalong.agents.pid_axis import Axis, AxisConfig
-from tagalong.agents.scan_points import ScanPoints
+from tagalong.agents.scripted.avoidance import AvoidanceConfig, free_heading, free_lengths
+from tagalong.agents.scripted.leader_memory import LeaderMemory, MemoryConfig, Mode
+from tagalong.agents.scripted.pid import PIDConfig
+from tagalong.agents.scripted.pid_axis import Axis, AxisConfig
+from tagalong.agents.scripted.scan_points import ScanPoints
 from tagalong.envs.interface import FollowInterface
 from tagalong.slam.errors import InputError
 

@@ -10,7 +10,7 @@ from tagalong.agents.learned.features import FeatureConfig
 from tagalong.agents.learned.follower import SHIPPED, LearnedFollower, load_policy
 from tagalong.agents.learned.network_shapes import check_arrays
 from tagalong.slam.errors import InputError
-from tagalong.slam.files import read_arrays
+from tagalong.slam.files.output import read_arrays
 
 CARD = json.loads((SHIPPED / "follower.json").read_text())
 ARRAYS = read_arrays(SHIPPED / "follower.npz")

@@ -9,7 +9,7 @@ from tagalong.agents.learned.manoeuvres import drive_in_thought, resampled, thin
 from tagalong.agents.learned.pilot import Pilot, PilotConfig
 from tagalong.agents.learned.steering import SteeringConfig
 from tagalong.agents.learned.swerve import Swerve, SwerveConfig, foreseen
-from tagalong.agents.memory import Goal, Mode
+from tagalong.agents.scripted.leader_memory import Goal, Mode
 from tagalong.envs.interface import FollowInterface
 from tagalong.slam.errors import InputError
 

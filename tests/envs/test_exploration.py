@@ -5,14 +5,14 @@ import numpy as np
 import pytest
 import tagalong  # noqa: F401 (registers the ids)
 from gymnasium.utils.env_checker import check_env
-from tagalong.envs.coverage import CELL_M, FARTHEST_M, Coverage
-from tagalong.envs.coverage_kernels import sweep, sweep_reference
 from tagalong.envs.metrics.exploration import exploration_metrics
-from tagalong.envs.rollout import rollout
+from tagalong.envs.recording.rollout import rollout
 from tagalong.envs.scenes.scene import Scene
 from tagalong.envs.scenes.solids import Solid
+from tagalong.envs.task.coverage import CELL_M, FARTHEST_M, Coverage
+from tagalong.envs.task.coverage_kernels import sweep, sweep_reference
 from tagalong.perception.config import PerceptionConfig
-from tagalong.perception.people_filter import SiftedScan
+from tagalong.perception.people_filter import FilteredScan
 from tagalong.perception.tracking.camera import NoLegs
 from tagalong.perception.tracking.tracker import PeopleTracker
 from tagalong.slam.errors import InputError
@@ -24,7 +24,7 @@ SMALL = {"beams": 361, "slam": None}
 def of_nobody(scan):
     """A scan in which nobody is known or suspected."""
     update = PeopleTracker(PerceptionConfig(), NoLegs()).update(scan, np.zeros(3))
-    return SiftedScan(scan, update.odometry, update.people, update.detections, PerceptionConfig())
+    return FilteredScan(scan, update.odometry, update.people, update.detections, PerceptionConfig())
 
 
 def make(**arguments):

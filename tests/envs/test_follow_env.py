@@ -11,8 +11,8 @@ from gymnasium.utils.env_checker import check_env
 from scipy.spatial import KDTree
 from tagalong.agents import make_follower
 from tagalong.envs.follow_env import nobody_notes
+from tagalong.envs.recording.rollout import rollout
 from tagalong.envs.registration import IDS, MAX_EPISODE_STEPS
-from tagalong.envs.rollout import rollout
 from tagalong.envs.scenes.occupancy import true_map
 from tagalong.slam.errors import InputError
 

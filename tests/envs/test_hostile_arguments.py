@@ -3,12 +3,12 @@
 import gymnasium as gym
 import numpy as np
 import pytest
-from tagalong.envs.camera.config import RgbdConfig
 from tagalong.envs.follow_config import FollowConfig
 from tagalong.envs.follow_env import FollowEnv
-from tagalong.envs.lidar import LidarConfig
-from tagalong.envs.robot import RobotConfig
-from tagalong.envs.world_config import WorldConfig
+from tagalong.envs.robot.robot import RobotConfig
+from tagalong.envs.sensors.camera.config import RgbdConfig
+from tagalong.envs.sensors.lidar import LidarConfig
+from tagalong.envs.world.config import WorldConfig
 from tagalong.slam.errors import InputError
 
 DEEP: list = []

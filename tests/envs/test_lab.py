@@ -4,9 +4,9 @@ import gymnasium as gym
 import numpy as np
 import pytest
 import tagalong  # noqa: F401 (registers the ids)
-from tagalong.envs.lidar import LidarConfig
-from tagalong.envs.operator import Operator
-from tagalong.envs.world import World, WorldConfig
+from tagalong.envs.robot.operator import Operator
+from tagalong.envs.sensors.lidar import LidarConfig
+from tagalong.envs.world.world import World, WorldConfig
 from tagalong.slam.errors import InputError
 
 LASER = LidarConfig(beams=61, range_max=10.0, height=0.32)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from tagalong.envs.odometry import QUALITIES, WheelOdometry, odometry_quality
+from tagalong.envs.robot.odometry import QUALITIES, WheelOdometry, odometry_quality
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import compose
 

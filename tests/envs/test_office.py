@@ -4,13 +4,13 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from tagalong.envs.lidar import LidarConfig
 from tagalong.envs.people.crowd import Role
 from tagalong.envs.scenes.catalogue import make_scene
 from tagalong.envs.scenes.office_layout import TESTING, TRAINING
 from tagalong.envs.scenes.request import SceneRequest
 from tagalong.envs.scenes.ways import folds
-from tagalong.envs.world import World, WorldConfig
+from tagalong.envs.sensors.lidar import LidarConfig
+from tagalong.envs.world.world import World, WorldConfig
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import wrap_angle
 

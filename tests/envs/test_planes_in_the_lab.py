@@ -1,10 +1,10 @@
 """Planes of the simulated camera's frames against the true surfaces."""
 
 import numpy as np
-from tagalong.envs.camera.config import RgbdConfig
-from tagalong.envs.lidar import LidarConfig
-from tagalong.envs.operator import Operator
-from tagalong.envs.world import World, WorldConfig
+from tagalong.envs.robot.operator import Operator
+from tagalong.envs.sensors.camera.config import RgbdConfig
+from tagalong.envs.sensors.lidar import LidarConfig
+from tagalong.envs.world.world import World, WorldConfig
 from tagalong.perception.rgbd.planes import PlaneFinder, Surface
 
 SURFACES = {"floor": Surface.FLOOR, "ceiling": Surface.CEILING, "wall": Surface.WALL, "table": Surface.TOP}

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tagalong.envs.lidar import LidarConfig
-from tagalong.envs.world import World, WorldConfig
+from tagalong.envs.sensors.lidar import LidarConfig
+from tagalong.envs.world.world import World, WorldConfig
 from tagalong.slam.errors import InputError
 
 DATA = os.environ.get("TAGALONG_DATA")

@@ -6,10 +6,10 @@ import gymnasium as gym
 import numpy as np
 import pytest
 import tagalong  # noqa: F401 (registers the ids)
-from tagalong.envs.rendering import CameraRenderer, make_renderer
 from tagalong.envs.topview import palette
 from tagalong.envs.topview.canvas import Camera
 from tagalong.envs.topview.map_panel import sample_map
+from tagalong.envs.topview.rendering import CameraRenderer, make_renderer
 from tagalong.slam.errors import InputError
 from tagalong.slam.occupancy_map import OccupancyMap
 

@@ -8,15 +8,15 @@ import sys
 
 import numpy as np
 import pytest
-from tagalong.envs.camera.config import RgbdConfig
-from tagalong.envs.camera.looks import dress
-from tagalong.envs.camera.noise import depth_sigma, measure_depth, on_edge
-from tagalong.envs.camera.opengl import open_renderer
-from tagalong.envs.camera.pattern import Pattern
-from tagalong.envs.lidar import LidarConfig
-from tagalong.envs.mj import mujoco
 from tagalong.envs.scenes.lab import CEILING
-from tagalong.envs.world import World, WorldConfig
+from tagalong.envs.sensors.camera.config import RgbdConfig
+from tagalong.envs.sensors.camera.looks import dress
+from tagalong.envs.sensors.camera.noise import depth_sigma, measure_depth, on_edge
+from tagalong.envs.sensors.camera.opengl import open_renderer
+from tagalong.envs.sensors.camera.pattern import ProjectorPattern
+from tagalong.envs.sensors.lidar import LidarConfig
+from tagalong.envs.world.mj import mujoco
+from tagalong.envs.world.world import World, WorldConfig
 from tagalong.slam.errors import InputError
 
 EXACT = RgbdConfig(noise=0.0, edge_missing=0.0, missing=0.0)
@@ -110,7 +110,7 @@ def test_people_wear_different_clothes_on_different_seeds_and_faces_have_hair():
     torsos = [w.model.geom_rgba[w.model.geom_bodyid == w.model.body("person 0 torso").id][0] for w in (world, other)]
     assert np.abs(torsos[0] - torsos[1]).max() > 0.05
     looks = dress(world.model, rng(4))
-    heads = np.flatnonzero(looks.pattern == Pattern.HEAD)
+    heads = np.flatnonzero(looks.pattern == ProjectorPattern.HEAD)
     assert len(heads) == 4
     assert np.abs(looks.first[heads] - looks.second[heads]).max() > 0.1
 
@@ -132,7 +132,7 @@ import json
 import numpy as np
 from tagalong.envs.camera.config import RgbdConfig
 from tagalong.envs.camera.looks import dress
-from tagalong.envs.camera.pattern import Pattern
+from tagalong.envs.camera.pattern import ProjectorPattern
 from tagalong.envs.camera.opengl import OpenGlCamera
 from tagalong.envs.camera.rays import RayCamera
 from tagalong.envs.mj import mujoco
@@ -140,7 +140,7 @@ from tagalong.envs.world import World, WorldConfig
 
 world = World(WorldConfig(scene="lab", route="operator", people=0, leader=False), np.random.default_rng(0))
 looks = dress(world.model, np.random.default_rng(5))
-looks.pattern[:] = Pattern.PLAIN
+looks.pattern[:] = ProjectorPattern.PLAIN
 mujoco.mj_forward(world.model, world.data)
 camera = RgbdConfig().pinhole
 opengl = OpenGlCamera(camera, world.model)

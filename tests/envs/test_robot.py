@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from tagalong.envs.lidar import LidarConfig
-from tagalong.envs.robot import Robot, RobotConfig
-from tagalong.envs.world import World, WorldConfig
+from tagalong.envs.robot.robot import Robot, RobotConfig
+from tagalong.envs.sensors.lidar import LidarConfig
+from tagalong.envs.world.world import World, WorldConfig
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between
 

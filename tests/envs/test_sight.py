@@ -6,13 +6,13 @@ import gymnasium as gym
 import numpy as np
 import pytest
 import tagalong  # noqa: F401 (registers the ids)
-from tagalong.envs.camera.config import RgbdConfig
-from tagalong.envs.episode_setup import MindFactory
+from tagalong.envs.episode_setup import OnboardStackFactory
 from tagalong.envs.follow_config import FollowConfig
-from tagalong.envs.sight import SIGHT_DELAY_S, CameraSight, NoSight
-from tagalong.envs.world import World
-from tagalong.envs.world_config import WorldConfig
-from tagalong.perception.immobile.view import ViewMaker
+from tagalong.envs.onboard.camera_pipeline import SIGHT_DELAY_S, NoCamera, RgbdPipeline
+from tagalong.envs.sensors.camera.config import RgbdConfig
+from tagalong.envs.world.config import WorldConfig
+from tagalong.envs.world.world import World
+from tagalong.perception.immobile.view import CameraViewMaker
 from tagalong.perception.rgbd.frame import RgbdFrame
 from tagalong.perception.rgbd.people import RgbdPeople
 from tagalong.slam.errors import InputError
@@ -36,7 +36,7 @@ def frame_at(time_s):
 
 
 def test_a_sighting_comes_late_and_lies_where_the_robot_was_at_the_exposure():
-    sight = CameraSight(ViewMaker(SomebodyAhead()))
+    sight = RgbdPipeline(CameraViewMaker(SomebodyAhead()))
     poses = {0.1 * k: np.array([0.2 * k, 0.0, 0.1 * k]) for k in range(6)}
     known = []
     for time_s, pose in poses.items():
@@ -51,7 +51,7 @@ def test_a_sighting_comes_late_and_lies_where_the_robot_was_at_the_exposure():
 
 
 def test_without_a_camera_nothing_is_seen():
-    sight = NoSight()
+    sight = NoCamera()
     sight.look(())
     assert sight.update(0.0, np.zeros(3)) == ()
 
@@ -59,7 +59,7 @@ def test_without_a_camera_nothing_is_seen():
 def watched(world, seconds=3.0, **given):
     """The mind's last belief after standing still in the lab before people who stand still."""
     config = FollowConfig(scene="lab", leader=False, slam=None, **given)
-    mind = MindFactory(config).make(world, np.random.default_rng(0))
+    mind = OnboardStackFactory(config).make(world, np.random.default_rng(0))
     believed = mind.update(world.scan(), world.odometry)
     mind.look(world.frames)
     while world.time_s < seconds:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from tagalong.agents import make_follower
 from tagalong.envs.metrics.follow_bench import follow_bench_metrics
-from tagalong.envs.rollout import rollout
+from tagalong.envs.recording.rollout import rollout
 from tagalong.envs.suites import SUITES, suite
 from tagalong.scripts.cli import main
 from tagalong.slam.errors import InputError

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import tagalong  # noqa: F401 (registers the ids)
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
-from tagalong.envs.vector_worker import Share
+from tagalong.envs.vector.worker import WorkerShare
 from tagalong.slam.errors import InputError, MissingExtraError, WorkerError
 
 FIELDS = {"beams": 61, "slam": None, "people_count": 3}
@@ -196,7 +196,7 @@ def test_after_an_interrupted_step_a_reset_gives_what_it_always_gives(monkeypatc
     env = native("tagalong/Corridor-v0")
     first = env.reset(seed=0)
     with monkeypatch.context() as patch:
-        patch.setattr(Share, "step", interrupted)
+        patch.setattr(WorkerShare, "step", interrupted)
         with pytest.raises(KeyboardInterrupt):
             env.step(np.ones((COUNT, 2)))
     same(env.reset(seed=0), first)

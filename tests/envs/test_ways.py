@@ -11,7 +11,7 @@ from tagalong.envs.scenes import ways
 from tagalong.envs.scenes.cells import FreeSpace, merged_boxes, walls_around
 from tagalong.envs.scenes.solids import box, post
 from tagalong.envs.scenes.way_kernel import apart, nearest, smooth
-from tagalong.envs.scenes.ways import Search, WayPlanner, folds
+from tagalong.envs.scenes.ways import WayPlanner, WaySearch, folds
 
 
 @settings(max_examples=40, deadline=None)
@@ -46,7 +46,7 @@ def test_the_cheapest_ways_are_those_of_scipy(seed):
     rng = np.random.default_rng(seed)
     cost = np.where(rng.random((12, 17)) < 0.25, np.inf, rng.uniform(1.0, 4.0, (12, 17)))
     row, col = np.argwhere(np.isfinite(cost))[0]
-    whole, lazy, truth = Search(cost, row, col), Search(cost, row, col), reference_search(cost, row, col)
+    whole, lazy, truth = WaySearch(cost, row, col), WaySearch(cost, row, col), reference_search(cost, row, col)
     whole.settle()
     price, before = whole.price, whole.before
     assert np.allclose(price, truth)
@@ -127,9 +127,9 @@ def test_a_hairpin_folds_and_a_wide_turn_does_not():
 
 def test_a_heap_that_grows_on_the_way_changes_nothing_and_stays_small(monkeypatch):
     cost = 1.0 + np.random.default_rng(0).random((150, 150))
-    roomy = Search(cost, 3, 4)
+    roomy = WaySearch(cost, 3, 4)
     monkeypatch.setattr(ways, "_FIRST_HEAP", 9)
-    growing = Search(cost, 3, 4)
+    growing = WaySearch(cost, 3, 4)
     for search in (roomy, growing):
         search.settle(goal=75 * 150 + 20)
         search.settle(limit=90.0)

@@ -4,9 +4,9 @@ import pickle
 
 import numpy as np
 import pytest
-from tagalong.envs.lidar import LidarConfig
 from tagalong.envs.scenes.polyline import resample
-from tagalong.envs.world import World, WorldConfig
+from tagalong.envs.sensors.lidar import LidarConfig
+from tagalong.envs.world.world import World, WorldConfig
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import wrap_angle
 

@@ -3,7 +3,7 @@ from itertools import permutations
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tagalong.perception.tracking.association import assign, distances
+from tagalong.perception.tracking.data_association import assign, distances
 
 
 def least_total(cost, gate):

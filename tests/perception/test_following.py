@@ -3,8 +3,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tagalong.scripts.experiments.clear_mot import ClearMot
-from tagalong.scripts.experiments.following import judge_following
+from tagalong.perception.metrics.clear_mot import ClearMot
+from tagalong.scripts.benchmarks.following import judge_following
 from tagalong.slam.errors import InputError
 
 OUTDOOR = Path(os.environ.get("TAGALONG_DATA", "")) / "legs" / "person_following_outdoor_1.npz"

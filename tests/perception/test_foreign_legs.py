@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from tagalong.perception.tracking.doubles import Doubles
-from tagalong.perception.tracking.foreign_legs import ForeignLegs
-from tagalong.perception.tracking.leader import Leader
+from tagalong.perception.leader.selector import LeaderEstimate
+from tagalong.perception.tracking.duplicate_tracks import DuplicateTracks
+from tagalong.perception.tracking.legs_of_others import LegsOfOthers
 from tagalong.perception.tracking.people import People, SeenLegs
 
 DT = 0.1
@@ -18,7 +18,7 @@ def asked(legs, places, own=(), explained=1.0):
 
 
 def seen_apart(times, place=(1.0, 0.0)):
-    legs = ForeignLegs()
+    legs = LegsOfOthers()
     for _ in range(times):
         asked(legs, [place, (0.0, 0.0)])
         legs.note(np.array([True, False]))
@@ -79,7 +79,7 @@ def people_at(places, unseen_s=0.0):
 
 
 def watched(place, steps, **fields):
-    doubles, leader = Doubles(0.4, 0.8), Leader(0, 0, np.zeros(2), np.zeros(2), True, 0.9, 0.0)
+    doubles, leader = DuplicateTracks(0.4, 0.8), LeaderEstimate(0, 0, np.zeros(2), np.zeros(2), True, 0.9, 0.0)
     for _ in range(steps):
         doubles.watch(people_at([(0.0, 0.0), place], **fields), leader, DT)
     return doubles, leader

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from tagalong.perception.immobile.mapper import ImmobileMapper, ImmobileMapperConfig
 from tagalong.perception.immobile.places import Places
-from tagalong.perception.immobile.view import ViewConfig, ViewMaker, make_view
+from tagalong.perception.immobile.view import CameraViewMaker, ViewConfig, make_view
 from tagalong.perception.rgbd.frame import Pinhole, RgbdFrame
 from tagalong.perception.rgbd.people import NoPeopleFinder, RgbdPeople, nobody
 from tagalong.perception.rgbd.planes import PlaneFinder, Surface
@@ -246,7 +246,7 @@ def test_a_view_holds_what_was_measured_and_belongs_to_something():
     depth[:, :8] = np.nan
     depth[20:23, 12] = 1.2  # three pixels alone in the room
     frame = replace(frame, depth=depth)
-    view = ViewMaker(config=ViewConfig(graze=0.3)).make(frame)
+    view = CameraViewMaker(config=ViewConfig(graze=0.3)).make(frame)
     assert np.isfinite(view.points).all()
     assert np.abs(view.points[:, 0] - 1.2).min() > 0.05
     board = view.cluster >= 0

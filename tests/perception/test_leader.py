@@ -1,7 +1,7 @@
 from dataclasses import replace
 
 import numpy as np
-from tagalong.perception.tracking.leader import LeaderSelector, numbered_by_leader
+from tagalong.perception.leader.selector import LeaderSelector, numbered_by_leader
 
 ORIGIN = np.zeros(3)
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from tagalong.perception.config import PerceptionConfig
-from tagalong.perception.tracking.leader import LeaderSelector
-from tagalong.perception.tracking.leader_body import BodyConfig, BodyLeaderSelector
+from tagalong.perception.leader.body_selector import BodyConfig, BodyLeaderSelector
+from tagalong.perception.leader.selector import LeaderSelector
 from tagalong.perception.tracking.people import People, SeenLegs
 from tagalong.slam.errors import InputError
 from tagalong.slam.scan import LaserScan
@@ -197,7 +197,7 @@ def test_a_leader_whose_track_was_stolen_is_seen_by_legs_that_are_nobodys(seed):
 
 def test_a_leader_alone_is_its_track(monkeypatch):
     room = Room(body_selector())
-    monkeypatch.setattr("tagalong.perception.tracking.leader_body.BodyCloud", None)  # it needs no cloud
+    monkeypatch.setattr("tagalong.perception.leader.body_selector.BodyCloud", None)  # it needs no cloud
     for k in range(40):
         place = np.array([1.5, -1.0 + 0.05 * k])
         found = room.show([(0, place, np.array([0.0, 0.5]), True), (1, place + 1.6, np.zeros(2), True)])

@@ -1,10 +1,10 @@
 """The cloud of bodies: its kernels against plain numpy, and known answers."""
 
+import cloud_reference as reference
 import numpy as np
 import pytest
-from tagalong.perception.tracking import cloud_kernels as kernels
-from tagalong.perception.tracking import cloud_reference as reference
-from tagalong.perception.tracking.leader_cloud import BodyCloud, CloudConfig, View
+from tagalong.perception.leader import cloud_kernels as kernels
+from tagalong.perception.leader.cloud import BodyCloud, CloudConfig, LeaderView
 from tagalong.slam.errors import InputError
 from tagalong.slam.scan import LaserScan
 
@@ -50,13 +50,13 @@ def test_kernels_do_what_the_reference_does(seed):
 
 
 def open_view(ranges=9.0, count=361):
-    return View(np.full(count, float(ranges)), -np.pi / 2.0, np.pi / (count - 1), np.zeros(3))
+    return LeaderView(np.full(count, float(ranges)), -np.pi / 2.0, np.pi / (count - 1), np.zeros(3))
 
 
 def test_a_scan_becomes_a_view_in_the_odometry_frame():
     ranges = np.array([1.0, np.inf, np.nan, 0.01, 30.0])
     scan = LaserScan(ranges, np.linspace(-1.0, 1.0, 5), 0.1, 20.0, T_robot_lidar=(0.2, 0.0, 0.0))
-    view = View.of(scan, (1.0, 2.0, np.pi / 2.0))
+    view = LeaderView.of(scan, (1.0, 2.0, np.pi / 2.0))
     assert view.ranges.tolist() == [1.0, 20.0, 0.0, 0.0, 20.0]
     assert (view.first, view.step) == (-1.0, 0.5)
     assert view.laser == pytest.approx([1.0, 2.2, np.pi / 2.0])
@@ -67,7 +67,7 @@ def test_bodies_die_in_free_view_and_live_on_out_of_sight():
     cloud.bodies[::2, :2] = 3.0, 3.0
     ranges = np.full(361, 9.0)
     ranges[225:] = 2.0  # a wall before the half of them at 45 degrees
-    view = View(ranges, -np.pi / 2.0, np.pi / 360.0, np.zeros(3))
+    view = LeaderView(ranges, -np.pi / 2.0, np.pi / 360.0, np.zeros(3))
     for _ in range(3):
         cloud.weigh(np.zeros((0, 2)), np.zeros(0), view)
     assert cloud.near(np.array([[3.0, 3.0]]), 0.5)[0] > 0.98
@@ -78,7 +78,7 @@ def test_bodies_do_not_walk_through_walls():
     cloud = BodyCloud(CloudConfig(push=0.01), np.random.default_rng(0), np.array([1.5, 0.0]), np.array([1.5, 0.0]))
     cloud.bodies[::2] = 1.5, 0.0, -1.0, 0.0
     ranges = 2.0 / np.cos(np.linspace(-np.pi / 2.0, np.pi / 2.0, 361)).clip(0.05)
-    view = View(ranges, -np.pi / 2.0, np.pi / 360.0, np.zeros(3))
+    view = LeaderView(ranges, -np.pi / 2.0, np.pi / 360.0, np.zeros(3))
     for _ in range(8):
         cloud.advance(0.1, view)
     assert cloud.weights[cloud.bodies[:, 0] > 2.0].sum() < 0.06

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from legs_reference import cluster_features_reference
+from tagalong.envs.simulation2d.outlines import LEG, Outlines
 from tagalong.perception.legs.clusters import cluster_scan
 from tagalong.perception.legs.features import FEATURE_NAMES, cluster_features, is_wide
-from tagalong.perception.legs.reference import cluster_features_reference
 from tagalong.scripts.training.leg_scans import Scanner, draw_scan, take_scan
-from tagalong.scripts.training.outlines import LEG, Outlines
 from tagalong.slam.scan import LaserScan
 
 

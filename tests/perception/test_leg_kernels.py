@@ -1,8 +1,9 @@
 """The questions that the tracker asks its leg tracks, against plain numpy and by known answers."""
 
+import leg_tracks_reference as leg_reference
 import numpy as np
 import pytest
-from tagalong.perception.tracking import leg_kernels, leg_reference
+from tagalong.perception.tracking import leg_kernels
 from tagalong.perception.tracking.leg_tracks import LEG
 from tagalong.perception.tracking.person_tracks import PERSON
 

@@ -1,7 +1,6 @@
 import numpy as np
 import pytest
 from tagalong.perception.config import PerceptionConfig
-from tagalong.perception.tracking.memory import LostPeople
 from tagalong.perception.tracking.pairing import (
     better_pairs,
     better_pairs_reference,
@@ -9,6 +8,7 @@ from tagalong.perception.tracking.pairing import (
     mutual_pairs_reference,
 )
 from tagalong.perception.tracking.person_tracks import PERSON
+from tagalong.perception.tracking.reidentification import ReidentificationMemory
 
 
 def spread_of(places):
@@ -52,7 +52,7 @@ def lost_person(config, seconds):
     person = np.zeros(1, dtype=PERSON)
     person["id"], person["x"], person["p"], person["unseen_s"] = 7, (1.0, 0.0, 0.5, 0.0), (0.05, 0.0, 0.05), 0.5
     person["age_s"] = 20.0
-    memory = LostPeople(config)
+    memory = ReidentificationMemory(config)
     memory.remember(person)
     for _ in range(round(10 * seconds)):
         memory.predict(0.1)

@@ -3,7 +3,7 @@ from types import SimpleNamespace
 import numpy as np
 from tagalong.perception.config import PerceptionConfig
 from tagalong.perception.legs.detector import Detections
-from tagalong.perception.people_filter import SiftedScan, filter_people, people_points_lidar, suspect_points_lidar
+from tagalong.perception.people_filter import FilteredScan, filter_people, people_points_lidar, suspect_points_lidar
 from tagalong.slam.scan import LaserScan
 
 
@@ -49,9 +49,9 @@ def test_a_sifted_scan_drops_who_is_known_and_who_may_be_somebody_each_by_its_ow
     confidence = np.array([0.5, 0.49])
     found = Detections(ends[[3, 5]], confidence, confidence >= 0.3, clusters=None)
     config = PerceptionConfig(zeta=0.25, suspect_radius=0.1, suspect_confidence=0.5)
-    sifted = SiftedScan(scan, np.zeros(3), people, found, config)
+    sifted = FilteredScan(scan, np.zeros(3), people, found, config)
     np.testing.assert_array_equal(sifted.near_people, [False, True, True, True, False, False])
     np.testing.assert_array_equal(np.isnan(sifted.without_people.ranges), sifted.near_people)
     np.testing.assert_array_equal(sifted.scan.ranges, 4.0)
-    as_the_paper = SiftedScan(scan, np.zeros(3), people, found, PerceptionConfig(zeta=0.25, suspect_radius=0.0))
+    as_the_paper = FilteredScan(scan, np.zeros(3), people, found, PerceptionConfig(zeta=0.25, suspect_radius=0.0))
     np.testing.assert_array_equal(as_the_paper.near_people, [False, True, True, False, False, False])

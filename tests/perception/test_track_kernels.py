@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+import tracking_reference as reference
 from tagalong.perception.legs.centres_kernel import move_to_centres, move_to_centres_reference
-from tagalong.perception.tracking import reference, track_kernels
+from tagalong.perception.tracking import track_kernels
 from tagalong.perception.tracking.leg_tracks import LEG
 from tagalong.perception.tracking.person_tracks import PERSON
 

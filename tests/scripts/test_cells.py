@@ -8,8 +8,8 @@ import time
 from pathlib import Path
 
 import pytest
-from tagalong.scripts.experiments.cells import Cell, files_of, run_cells
-from tagalong.scripts.experiments.hardware import code_fingerprint
+from tagalong.scripts.lab.cells import Cell, files_of, run_cells
+from tagalong.scripts.lab.hardware import code_fingerprint
 from tagalong.slam.errors import MissingExtraError
 
 
@@ -101,7 +101,7 @@ def test_results_of_other_code_are_kept_and_counted(tmp_path, log, monkeypatch, 
     run_cells(cells(log, (1, 2)), tmp_path)
     run_cells(cells(log, (1, 2, 3)), tmp_path)
     assert "other code" not in capsys.readouterr().err
-    monkeypatch.setattr("tagalong.scripts.experiments.cells.code_fingerprint", lambda: "another")
+    monkeypatch.setattr("tagalong.scripts.lab.cells.code_fingerprint", lambda: "another")
     assert run_cells(cells(log, (1, 2, 3, 4)), tmp_path)["part/4"]["square"] == 16
     said = [line for line in capsys.readouterr().err.splitlines() if line.startswith("tagalong: ")]
     assert len(said) == 1

@@ -4,7 +4,7 @@ import pytest
 from tagalong.scripts.cli import main
 from tagalong.slam.engine import ENGINES
 from tagalong.slam.errors import InputError
-from tagalong.slam.files import require_writable
+from tagalong.slam.files.output import require_writable
 
 
 def test_an_output_folder_that_cannot_be_is_told_before_the_work(tmp_path, capsys, monkeypatch):

@@ -5,10 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tagalong.scripts.experiments import drawn_worlds
-from tagalong.scripts.experiments.building_plans import CLEARANCE, KINDS, Plan, draw_plan
-from tagalong.scripts.experiments.cells import without_timing
-from tagalong.scripts.experiments.drawn_drives import (
+from tagalong.envs.simulation2d.building_plans import CLEARANCE, KINDS, BuildingPlan, draw_plan
+from tagalong.envs.simulation2d.drawn_drives import (
     ODOMETRY,
     DrawnDrive,
     Traits,
@@ -19,8 +17,10 @@ from tagalong.scripts.experiments.drawn_drives import (
     take_scan,
     wheel_odometry,
 )
-from tagalong.scripts.experiments.sweep_kernel import sweep
-from tagalong.scripts.training.outlines import Outlines, cast
+from tagalong.envs.simulation2d.outlines import Outlines, cast
+from tagalong.envs.simulation2d.sweep_kernel import sweep
+from tagalong.scripts.benchmarks import drawn_worlds
+from tagalong.scripts.lab.cells import without_timing
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between
 from tagalong.slam.logs.drive import RecordedDrive
@@ -35,7 +35,7 @@ NOBODY = np.zeros((0, 3))
 def square_room(side=10.0):
     out = Outlines()
     out.polygon(np.array([(0.0, 0.0), (side, 0.0), (side, side), (0.0, side)]))
-    return Plan(out, np.full(2, side / 2.0))
+    return BuildingPlan(out, np.full(2, side / 2.0))
 
 
 def scan_of(plan, pose, traits=TRAITS, feet=NOBODY):

@@ -5,8 +5,8 @@ import sys
 from importlib import import_module
 
 import pytest
+from tagalong.scripts.benchmarks import follower_comparison
 from tagalong.scripts.cli import told
-from tagalong.scripts.experiments import follower_comparison
 from tagalong.slam.errors import InputError
 
 
@@ -30,7 +30,7 @@ from tagalong.slam.errors import InputError
 def test_numbers_that_make_no_sense_are_refused_by_their_option(words, capsys, tmp_path):
     name, *arguments = words.split()
     with pytest.raises(SystemExit) as ended:
-        import_module(f"tagalong.scripts.experiments.{name}").main([*arguments, "--out", str(tmp_path / "out")])
+        import_module(f"tagalong.scripts.benchmarks.{name}").main([*arguments, "--out", str(tmp_path / "out")])
     assert ended.value.code == 2
     error = capsys.readouterr().err.splitlines()[-1]
     assert f"argument {arguments[0]}: must be a" in error
@@ -48,7 +48,7 @@ def test_what_a_user_did_wrong_is_told_in_one_line(capsys):
 
 
 def test_an_experiment_started_as_a_module_tells_it_so():
-    words = [sys.executable, "-m", "tagalong.scripts.experiments.people", "--preset", "nothing"]
+    words = [sys.executable, "-m", "tagalong.scripts.benchmarks.people", "--preset", "nothing"]
     ended = subprocess.run(words, capture_output=True, text=True, check=False)
     assert ended.returncode == 2
     assert ended.stderr.startswith("tagalong: unknown preset 'nothing'")

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from tagalong.scripts.experiments.follower_comparison import FIGURES, compare, draw_trade_off, finished_rows
+from tagalong.scripts.benchmarks.follower_comparison import FIGURES, compare, draw_trade_off, finished_rows
 from tagalong.slam.errors import InputError
 
 
@@ -46,7 +46,7 @@ def test_the_trade_off_is_drawn(result, tmp_path):
 
 def test_nobody_is_below_the_plot(monkeypatch, tmp_path):
     pytest.importorskip("matplotlib")
-    from tagalong.scripts.experiments import follower_comparison
+    from tagalong.scripts.benchmarks import follower_comparison
 
     kept = []
     monkeypatch.setattr(follower_comparison, "save_figure", lambda path, figure: kept.append(figure) or path)

@@ -8,8 +8,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from tagalong.scripts.experiments import graph_slam, kidnapping
-from tagalong.scripts.experiments.intel_reference import (
+from tagalong.scripts.benchmarks import graph_slam, kidnapping
+from tagalong.scripts.benchmarks.intel_reference import (
     CORRECTED,
     corrected_poses,
     corrected_readings,
@@ -19,7 +19,7 @@ from tagalong.scripts.experiments.intel_reference import (
 from tagalong.scripts.results_table import result_rows
 from tagalong.slam.engine import make_slam
 from tagalong.slam.geometry import between, compose
-from tagalong.slam.graph.constraints import Constraint, Kind
+from tagalong.slam.graph.loops.constraints import Constraint, Kind
 from tagalong.slam.logs.carmen import read_carmen
 
 

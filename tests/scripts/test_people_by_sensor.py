@@ -1,7 +1,7 @@
 """People by laser, camera and both, in the environment's own minds."""
 
 import pytest
-from tagalong.scripts.experiments import people_by_sensor
+from tagalong.scripts.benchmarks import people_by_sensor
 
 
 def test_the_camera_adds_those_who_never_move_to_what_the_laser_knows():

@@ -2,7 +2,7 @@
 
 import numpy as np
 from tagalong.perception.legs.forest import LegForest
-from tagalong.scripts.experiments import recall_by_distance
+from tagalong.scripts.benchmarks import recall_by_distance
 
 
 def test_near_people_are_found_and_counted_once():

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
-from tagalong.scripts.experiments.backends import runner
-from tagalong.scripts.experiments.cells import Cell, without_timing
+from tagalong.scripts.lab.backends import runner
+from tagalong.scripts.lab.cells import Cell, without_timing
 from tagalong.scripts.reproduce.experiment import EXPERIMENTS, Experiment, load_experiment
 from tagalong.scripts.reproduce.report import Figure, Report, Section, Table
 from tagalong.scripts.reproduce.run import run_experiment

@@ -3,17 +3,17 @@ import argparse
 import numpy as np
 import pytest
 from scipy.stats import ttest_rel
-from tagalong.envs.episode_setup import MindFactory
+from tagalong.envs.episode_setup import OnboardStackFactory
 from tagalong.envs.follow_config import FollowConfig
-from tagalong.envs.world import World, WorldConfig
-from tagalong.scripts.experiments.cells import files_of, run_cells
-from tagalong.scripts.experiments.drive_files import limited, load_input
+from tagalong.envs.world.world import World, WorldConfig
+from tagalong.scripts.lab.cells import files_of, run_cells
+from tagalong.scripts.lab.drive_files import limited, load_input
 from tagalong.scripts.reproduce.following.drives import filtered_scans
 from tagalong.scripts.reproduce.following.experiment import EXPERIMENT
 from tagalong.scripts.reproduce.following.judgement import Pair, pair, sure_verdicts
 from tagalong.scripts.reproduce.following.plan import (
     QUICK_SWEEP,
-    Sweep,
+    ParameterSweep,
     all_cells,
     map_cell,
     map_name,
@@ -42,7 +42,7 @@ def test_the_published_experiment_has_a_raw_and_a_filtered_map_of_every_drive():
 
 
 def test_every_cell_comes_after_those_that_it_needs_and_once():
-    cells = all_cells(2, Sweep(repeats=1))
+    cells = all_cells(2, ParameterSweep(repeats=1))
     names = [cell.name for cell in cells]
     assert len(set(names)) == len(names)
     for place, cell in enumerate(cells):
@@ -79,7 +79,7 @@ def test_one_of_many_verdicts_is_sure_only_where_it_stands_their_number():
 def test_filtered_scans_of_a_drive_alone_are_those_of_the_environments_robot():
     rng = np.random.default_rng(1)
     world = World(WorldConfig(scene="corridor", people=4, leader=False), rng)
-    mind = MindFactory(FollowConfig(slam=None, leader=False)).make(world, rng)
+    mind = OnboardStackFactory(FollowConfig(slam=None, leader=False)).make(world, rng)
     scans, odometry, filtered = [], [], []
     for _ in range(30):
         world.step(np.array([0.5, 0.05]))

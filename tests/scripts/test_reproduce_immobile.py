@@ -5,10 +5,10 @@ import json
 
 import numpy as np
 import pytest
-from tagalong.scripts.experiments import rgbd_planes
+from tagalong.scripts.benchmarks import rgbd_planes
 from tagalong.scripts.reproduce.experiment import load_experiment
 from tagalong.scripts.reproduce.immobile import measures, tables
-from tagalong.scripts.reproduce.immobile.counted import Counted, Share
+from tagalong.scripts.reproduce.immobile.counted import Counted, CountedShare
 from tagalong.scripts.reproduce.immobile.drives import MAPPERS, lab_drive, lab_world
 from tagalong.scripts.reproduce.immobile.plan import CLEAN, SHAKEN, cell_name, plan_of
 from tagalong.scripts.reproduce.run import run_experiment
@@ -121,8 +121,8 @@ def test_a_ray_that_passes_beside_a_cell_of_the_door_does_not_see_it_open():
 
 
 def test_shares_are_written_with_their_counts():
-    assert str(Share(1, 8)) == "12.5 % (1 of 8)"
-    assert str(Share(0, 0)) == "none"
+    assert str(CountedShare(1, 8)) == "12.5 % (1 of 8)"
+    assert str(CountedShare(0, 0)) == "none"
 
 
 def drive_row(people, door_late, laser_known=100):

@@ -5,21 +5,21 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tagalong.scripts.experiments.cells import run_cells
-from tagalong.scripts.experiments.scan_pairs import blind_direction, simulated_scans, split_trials, with_people
-from tagalong.scripts.experiments.statistics import Estimate
+from tagalong.scripts.lab.cells import run_cells
+from tagalong.scripts.lab.scan_pairs import blind_direction, simulated_scans, split_trials, with_people
+from tagalong.scripts.lab.statistics import Estimate
 from tagalong.scripts.reproduce.scan_matching import EXPERIMENT
 from tagalong.scripts.reproduce.scan_matching.answers import crossing
 from tagalong.scripts.reproduce.scan_matching.claims import about
 from tagalong.scripts.reproduce.scan_matching.degenerate import degenerate
 from tagalong.scripts.reproduce.scan_matching.experiment import left_out
-from tagalong.scripts.reproduce.scan_matching.plan import Extent, Plan
+from tagalong.scripts.reproduce.scan_matching.plan import Extent, MatchingPlan
 from tagalong.scripts.reproduce.scan_matching.real_pairs import known_rooms, read_pairs
 from tagalong.scripts.reproduce.scan_matching.searches import exact
 from tagalong.scripts.reproduce.scan_matching.success import success
 from tagalong.slam.errors import InputError
-from tagalong.slam.matching import MATCHERS
 from tagalong.slam.scan import LaserScan
+from tagalong.slam.scan_to_scan import MATCHERS
 
 TINY = Extent(
     rotations=(0.0, 20.0, 180.0),
@@ -61,7 +61,7 @@ def test_with_logs_there_are_corridors_real_pairs_and_speeds_too(tmp_path):
     logs.mkdir()
     for name in ("intel_every5th.log.gz", "intel.gfs.log.gz"):
         (logs / name).touch()
-    plan = Plan(TINY, logs, None)
+    plan = MatchingPlan(TINY, logs, None)
     cells = plan.cells()
     names = [cell.name for cell in cells]
     assert {name.split("/")[0] for name in names} >= {"corridor", "distance", "views", "consecutive", "exact"}

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from tagalong.scripts.experiments import soak, soak_episodes
-from tagalong.scripts.experiments.cells import TIMING, Cell
-from tagalong.scripts.experiments.own_process import run_alone
-from tagalong.scripts.experiments.soak_laps import there_and_back
-from tagalong.scripts.experiments.trend import memory_mb, trend
+from tagalong.scripts.benchmarks import soak, soak_episodes
+from tagalong.scripts.benchmarks.soak_laps import there_and_back
+from tagalong.scripts.lab.cells import TIMING, Cell
+from tagalong.scripts.lab.own_process import run_alone
+from tagalong.scripts.lab.trend import memory_mb, trend
 from tagalong.slam.errors import InputError
 from tagalong.slam.logs.drive import RecordedDrive
 from tagalong.slam.scan import LaserScan
@@ -67,7 +67,7 @@ def test_a_part_does_not_see_the_memory_of_the_process_that_asks_for_it(tmp_path
 def test_a_part_that_is_finished_is_not_run_again(tmp_path, monkeypatch):
     words = ["--steps", "0", "--laps", "2", "--scans", "3", "--engines", "ekf", "--out", str(tmp_path)]
     soak.main(words)
-    monkeypatch.setattr("tagalong.scripts.experiments.own_process.Crew", None)
+    monkeypatch.setattr("tagalong.scripts.lab.own_process.Crew", None)
     soak.main(words)
     assert len((tmp_path / "laps" / "ekf.json").read_text()) > 100
 

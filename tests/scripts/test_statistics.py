@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 from scipy.stats import binom
-from tagalong.scripts.experiments.statistics import (
+from tagalong.scripts.lab.statistics import (
     holm,
     metric_mean,
     paired_shares,

@@ -2,15 +2,15 @@
 
 import numpy as np
 import pytest
-from tagalong.agents.joystick import MODEL, SHIPPED, JoystickLog, read_joystick_log, write_joystick_log
-from tagalong.agents.operator_model import OperatorConfig, Sight
+from tagalong.agents.teleop.gamepad import AXIS, BUTTON, EVENT, FULL, GamepadStick, gamepad_events
+from tagalong.agents.teleop.joystick import MODEL, SHIPPED, JoystickLog, read_joystick_log, write_joystick_log
+from tagalong.agents.teleop.joystick_drive import record_drive, replay_drive
+from tagalong.agents.teleop.keyboard import KeyboardStick
+from tagalong.agents.teleop.operator_model import OperatorConfig, OperatorView
 from tagalong.envs.follow_env import FollowEnv
 from tagalong.scripts.cli import main
-from tagalong.scripts.experiments.gamepad import AXIS, BUTTON, EVENT, FULL, GamepadStick, gamepad_events
-from tagalong.scripts.experiments.joystick_drive import record_drive, replay_drive
-from tagalong.scripts.experiments.keyboard import KeyboardStick
 
-SIGHT = Sight(np.zeros(3), 0.0, np.empty((0, 2)))
+SIGHT = OperatorView(np.zeros(3), 0.0, np.empty((0, 2)))
 KWARGS = {"leader": False, "people_count": 1, "slam": None, "beams": 181, "max_episode_steps": 60}
 
 
@@ -101,7 +101,7 @@ def test_a_shipped_log_replays_until_the_whole_floor_was_seen():
 
 def test_the_model_records_a_log_that_says_so(tmp_path, monkeypatch, capsys):
     made = JoystickLog("operator model, not a human", "tagalong/Corridor-v0", KWARGS, 2, np.ones((3, 2), np.float32))
-    monkeypatch.setattr("tagalong.scripts.experiments.joystick_drive.record_drive", lambda *a, **k: made)
+    monkeypatch.setattr("tagalong.agents.teleop.joystick_drive.record_drive", lambda *a, **k: made)
     assert main(["teleop", "--operator", "model", "--seed", "2", "--out", str(tmp_path / "log.txt")]) == 0
     assert read_joystick_log(tmp_path / "log.txt").made_by == "operator model, not a human"
     assert "not a human" in capsys.readouterr().out

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from tagalong.perception.rgbd.people import RgbdPeople
 from tagalong.perception.rgbd.person_svm import PersonSvm
+from tagalong.scripts.benchmarks.rgbd_people import by_distance, by_visible
 from tagalong.scripts.cli import main
-from tagalong.scripts.experiments.rgbd_people import by_distance, by_visible
 from tagalong.scripts.training.evaluate_people import PeopleScores, joined, score_frame
 from tagalong.scripts.training.rgbd_frames import LabelledFrame, draw_frames
 from tagalong.scripts.training.rgbd_props import PROPS

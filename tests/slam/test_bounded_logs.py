@@ -5,9 +5,10 @@ from itertools import islice
 
 import numpy as np
 import pytest
-from tagalong.agents.joystick import read_joystick_log
+from tagalong.agents.teleop.joystick import read_joystick_log
 from tagalong.slam.errors import InputError
-from tagalong.slam.logs import sizes, text
+from tagalong.slam.files import sizes
+from tagalong.slam.logs import text
 from tagalong.slam.logs.beesoft import read_beesoft_map
 from tagalong.slam.logs.carmen import read_carmen
 from tagalong.slam.logs.flat_yaml import read_flat_yaml

@@ -13,20 +13,20 @@ from tagalong.slam.bounds import MOST_BEAMS, Within, cell_numbers, check_numbers
 from tagalong.slam.engine import ENGINES, make_slam
 from tagalong.slam.errors import InputError, shown
 from tagalong.slam.gmapping.tile_maps import TileMaps
-from tagalong.slam.graph.continuity import contradiction
+from tagalong.slam.graph.recovery.scan_consistency import contradiction
 from tagalong.slam.grid import GridConfig, OccupancyGrid, render_map
 from tagalong.slam.localization.localizer import Localizer
 from tagalong.slam.logs.drive import RecordedDrive
 from tagalong.slam.logs.drive_folder import SimulatedDrive
 from tagalong.slam.logs.tum import Trajectory
-from tagalong.slam.matching import make_matcher
-from tagalong.slam.matching.matchers import MATCHERS
 from tagalong.slam.occupancy_map import OccupancyMap
+from tagalong.slam.processes.threads import Workers
 from tagalong.slam.quality.adnn import adnn
 from tagalong.slam.quality.cells import common_cells, dynamic_residue
 from tagalong.slam.quality.trajectory import absolute_error
 from tagalong.slam.scan import LaserScan
-from tagalong.slam.workers import Workers
+from tagalong.slam.scan_to_scan import make_matcher
+from tagalong.slam.scan_to_scan.matchers import MATCHERS
 
 BEARINGS = np.linspace(-1.5, 1.5, 61)
 OUT = r"no map reaches|would grow|must be a finite pose"

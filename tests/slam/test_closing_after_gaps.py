@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from tagalong.slam.geometry import compose
-from tagalong.slam.graph.active_submaps import ActiveSubmapsConfig
 from tagalong.slam.graph.engine import Cartographer, CartographerConfig
-from tagalong.slam.graph.local_slam import LocalSlamConfig
+from tagalong.slam.graph.local.active_submaps import ActiveSubmapsConfig
+from tagalong.slam.graph.local.local_slam import LocalSlamConfig
 from walls import cast
 
 REACH = 4.0  # [m] of the laser

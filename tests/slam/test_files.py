@@ -13,7 +13,7 @@ from PIL import Image
 from tagalong.scripts.figures.canvas import save_png
 from tagalong.scripts.figures.video import save_gif
 from tagalong.slam.errors import InputError
-from tagalong.slam.files import made_folder, read_arrays, replacing, require_writable, write_json
+from tagalong.slam.files.output import made_folder, read_arrays, replacing, require_writable, write_json
 from tagalong.slam.logs.text import write_lines
 
 

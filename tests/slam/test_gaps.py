@@ -5,10 +5,10 @@ import pytest
 from tagalong.slam.engine import make_slam
 from tagalong.slam.geometry import between, compose
 from tagalong.slam.graph.engine import Cartographer
-from tagalong.slam.graph.relocalization import Reach
-from tagalong.slam.graph.submap import Submap, SubmapConfig
-from tagalong.slam.graph.sweep import Sweep
-from tagalong.slam.graph.watch import Watch, WatchConfig
+from tagalong.slam.graph.local.match_monitor import MatchMonitor, MatchMonitorConfig
+from tagalong.slam.graph.local.submap import Submap, SubmapConfig
+from tagalong.slam.graph.local.sweep import Sweep
+from tagalong.slam.graph.recovery.relocalization import SearchRegion
 from walls import cast
 
 REACH = 5.0  # [m] of the laser
@@ -97,7 +97,7 @@ def test_after_a_long_gap_the_robot_is_lost_until_it_comes_back_to_its_map():
 
 def test_a_place_is_within_reach_if_the_odometry_over_the_gap_can_have_led_there():
     start = np.array([10.0, 2.0, 0.3])
-    reach = Reach.across(8.0, np.array([0.4, 0.8]), start)  # 16 steps: a quarter, twice
+    reach = SearchRegion.across(8.0, np.array([0.4, 0.8]), start)  # 16 steps: a quarter, twice
     np.testing.assert_allclose(reach.limits, [0.2 + 4.0 * 0.4, 0.4])
     since = np.array([5.0, -1.0, 2.0])
     expected = compose(start, since)
@@ -110,7 +110,7 @@ def test_a_place_is_within_reach_if_the_odometry_over_the_gap_can_have_led_there
         assert reach.holds(compose(compose(start, slip), since), expected) == within, slip
     np.testing.assert_allclose(reach.widened(reach).limits, 2.0 * reach.limits)
     np.testing.assert_array_equal(reach.widened(reach).start, start)
-    np.testing.assert_allclose(Reach.across(0.1, np.array([0.4, 0.8]), start).limits, [0.8 + 0.05 * 1.6, 1.6])
+    np.testing.assert_allclose(SearchRegion.across(0.1, np.array([0.4, 0.8]), start).limits, [0.8 + 0.05 * 1.6, 1.6])
 
 
 @pytest.mark.parametrize(
@@ -129,14 +129,14 @@ def test_a_scan_sees_nothing_of_a_submap_where_it_fits_nowhere_and_lies_beside(a
     submap, bearings = Submap(SubmapConfig(), np.zeros(3)), np.linspace(-np.pi, np.pi, 200, endpoint=False)
     circle = 3.0 * np.stack((np.cos(bearings), np.sin(bearings)), axis=-1)
     submap.insert(Sweep(np.concatenate((np.zeros((1, 2)), circle)), len(circle), 0))
-    watch = Watch(WatchConfig())
+    watch = MatchMonitor(MatchMonitorConfig())
     assert not watch.doubts(submap, circle, np.zeros(2), np.zeros(3), 0.9)
     predicted, pose = np.array([away, float(far), 0.0]), np.array([away, 0.0, 0.0])
     assert watch.sees_nothing(submap, circle, predicted, pose, score) == nothing
 
 
 def test_a_match_is_far_off_by_a_quarter_of_a_metre_or_six_degrees():
-    watch, predicted = Watch(WatchConfig()), np.array([1.0, 2.0, 3.1])
+    watch, predicted = MatchMonitor(MatchMonitorConfig()), np.array([1.0, 2.0, 3.1])
     for off, far in (((0.2, 0.1, 0.09), False), ((0.2, 0.2, 0.0), True), ((0.0, 0.0, 0.11), True)):
         assert watch.far_off(predicted, compose(predicted, np.array(off))) == far, off
 

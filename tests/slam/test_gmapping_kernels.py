@@ -1,22 +1,22 @@
 """The kernels against plain numpy, and the tiles they work on."""
 
+import gmapping_reference as reference
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from tagalong.slam.errors import InputError
-from tagalong.slam.gmapping import reference
 from tagalong.slam.gmapping.config import MatcherConfig
 from tagalong.slam.gmapping.match_kernels import accumulate, solve
-from tagalong.slam.gmapping.matcher import ScanMatcher
+from tagalong.slam.gmapping.matcher import ParticleScanMatcher
 from tagalong.slam.gmapping.search_kernels import count_missed, search
 from tagalong.slam.gmapping.tile_kernels import SIDE
 from tagalong.slam.gmapping.tile_maps import TileMaps
 from tagalong.slam.grid import GridConfig, OccupancyGrid, render_map
 from tagalong.slam.grid_kernels import write_observation, write_observation_reference
+from tagalong.slam.processes.threads import Workers
 from tagalong.slam.rays import ray_cells
 from tagalong.slam.scan import LaserScan
-from tagalong.slam.workers import Workers
 
 FULLNESS = 0.1
 coordinate = st.floats(-20.0, 20.0, allow_nan=False)
@@ -118,7 +118,7 @@ def test_more_points_than_are_independent_make_a_pose_no_surer():
     def covariance(independent):
         rng = np.random.default_rng(5)
         maps, points = written_maps(rng), room_scan(rng, 400)
-        matcher = ScanMatcher(MatcherConfig(samples=1, independent_points=independent), Workers(1))
+        matcher = ParticleScanMatcher(MatcherConfig(samples=1, independent_points=independent), Workers(1))
         matches = matcher.match(maps, points, np.zeros((1, 3)), np.diag([4.0, 4.0, 1.0])[None], rng)
         return matches.roots[0] @ matches.roots[0].T, len(matcher.thinned(points, maps.cell))
 

@@ -1,20 +1,20 @@
 """The kernels of graph SLAM do what their plain numpy twins do."""
 
+import graph_reference as reference
 import numpy as np
 import pytest
+from pose_graph_reference import normal_equations
 from scipy.optimize import minimize
 from tagalong.slam.geometry import between, compose, transform_points
-from tagalong.slam.graph import reference
-from tagalong.slam.graph.blur_kernels import blurred_scores, blurred_scores_reference
-from tagalong.slam.graph.correlative import correlate
-from tagalong.slam.graph.refine_kernels import refine_many, refine_pose
-from tagalong.slam.graph.scan_matcher import far_radius
-from tagalong.slam.graph.spline_kernels import expand, linearize, misfit
-from tagalong.slam.graph.submap_kernels import insert_scans
-from tagalong.slam.graph.voxel_filter import AdaptiveVoxelConfig, AdaptiveVoxelFilter, voxel_first, voxel_mean
+from tagalong.slam.graph.local.submap_kernels import insert_scans
+from tagalong.slam.graph.loops.blur_kernels import blurred_scores, blurred_scores_reference
 from tagalong.slam.pose_graph.normal_equations import block_pattern, fill
 from tagalong.slam.pose_graph.pose_graph import PoseGraph
-from tagalong.slam.pose_graph.reference import normal_equations
+from tagalong.slam.scan_to_grid.correlative import correlate
+from tagalong.slam.scan_to_grid.refine_kernels import refine_many, refine_pose
+from tagalong.slam.scan_to_grid.scan_matcher import far_radius
+from tagalong.slam.scan_to_grid.spline_kernels import expand, linearize, misfit
+from tagalong.slam.scan_to_grid.voxel_filter import AdaptiveVoxelConfig, AdaptiveVoxelFilter, voxel_first, voxel_mean
 from tagalong.slam.search.branch_and_bound import SearchWindow
 from tagalong.slam.search.kernels import block_sum, rotated_cells, top_bounds
 from tagalong.slam.search.score_pyramid import ScoreGrid, build_pyramid

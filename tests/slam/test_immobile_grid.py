@@ -6,14 +6,7 @@ from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between, transform_points
 from tagalong.slam.grid import GridConfig, OccupancyGrid
 from tagalong.slam.grid_kernels import write_observation, write_observation_reference
-from tagalong.slam.immobile_grid import (
-    UNKNOWN,
-    ImmobileConfig,
-    ImmobileGrid,
-    PoseHistory,
-    moving_lambda,
-    still_lambda,
-)
+from tagalong.slam.immobile.grid import UNKNOWN, ImmobileConfig, ImmobileGrid, PoseHistory, moving_lambda, still_lambda
 from tagalong.slam.scan import LaserScan
 
 ORIGIN = np.zeros(3)

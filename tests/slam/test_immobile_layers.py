@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from tagalong.slam.errors import InputError
-from tagalong.slam.immobile_layers import ImmobileLayers, LayersConfig
-from tagalong.slam.layer_kernels import write_view, write_view_reference
+from tagalong.slam.immobile.layer_kernels import write_view, write_view_reference
+from tagalong.slam.immobile.layers import ImmobileLayers, LayersConfig
 from tagalong.slam.scan import LaserScan
 
 ORIGIN = np.zeros(3)

@@ -9,8 +9,8 @@ import zipfile
 import numpy as np
 import pytest
 from tagalong.slam.errors import InputError, one_line, shown, unknown_name
-from tagalong.slam.files import read_arrays, read_json
-from tagalong.slam.input_file import opened, read_bytes
+from tagalong.slam.files.input import opened, read_bytes
+from tagalong.slam.files.output import read_arrays, read_json
 
 NO_FILES = ["/dev/zero", "/dev/null", ".", "pipe", "nowhere", "n" * 5000, "nul\0"]
 
@@ -32,7 +32,7 @@ def test_nothing_but_a_regular_file_is_read(name, here):
 
 
 def test_a_file_that_is_exchanged_for_a_pipe_is_not_waited_for(here, monkeypatch):
-    monkeypatch.setattr("tagalong.slam.input_file.require_regular", lambda path: None)
+    monkeypatch.setattr("tagalong.slam.files.input.require_regular", lambda path: None)
     with pytest.raises(InputError, match="pipe: is a pipe, where a file is needed"), opened("pipe", 9, "small"):
         pass
 
@@ -96,7 +96,7 @@ def test_a_size_that_an_array_only_states_is_not_believed(header, tmp_path):
 
 
 def test_an_array_that_expands_to_gigabytes_is_refused_by_what_its_entry_states(tmp_path, monkeypatch):
-    monkeypatch.setattr("tagalong.slam.npz.MOST_BYTES", 1 << 16)
+    monkeypatch.setattr("tagalong.slam.files.npz.MOST_BYTES", 1 << 16)
     np.savez_compressed(tmp_path / "a.npz", one=np.zeros(1 << 20))
     with pytest.raises(InputError, match="an npz file and all its arrays together have at most"):
         read_arrays(tmp_path / "a.npz")

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tagalong.slam.geometry import between, compose
-from tagalong.slam.laser_odometry import laser_odometry
+from tagalong.slam.scan_to_scan.laser_odometry import laser_odometry
 from walls import cast
 
 ROOM = np.array(

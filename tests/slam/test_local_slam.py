@@ -5,11 +5,11 @@ import pytest
 from tagalong.slam.engine import make_slam
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between, compose
-from tagalong.slam.graph.active_submaps import ActiveSubmaps, ActiveSubmapsConfig
-from tagalong.slam.graph.constraints import Kind
 from tagalong.slam.graph.engine import Cartographer
-from tagalong.slam.graph.local_slam import LocalSlamConfig
-from tagalong.slam.graph.sweep import Sweep
+from tagalong.slam.graph.local.active_submaps import ActiveSubmaps, ActiveSubmapsConfig
+from tagalong.slam.graph.local.local_slam import LocalSlamConfig
+from tagalong.slam.graph.local.sweep import Sweep
+from tagalong.slam.graph.loops.constraints import Kind
 from tagalong.slam.scan import LaserScan
 from walls import cast
 

@@ -1,16 +1,16 @@
 """Localization on maps of synthetic buildings: found where it can be, "not sure" where it cannot."""
 
+import localization_reference as reference
 import numpy as np
 import pytest
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between, compose
 from tagalong.slam.grid import GridConfig, render_map
-from tagalong.slam.localization import reference
 from tagalong.slam.localization.evidence import Evidence, EvidenceConfig
 from tagalong.slam.localization.evidence_kernels import FREE, OCCUPIED, beam_likelihoods
 from tagalong.slam.localization.localizer import Localizer, LocalizerConfig, State
 from tagalong.slam.localization.place_map import PlaceMap, PlaceMapConfig
-from tagalong.slam.localization.view import View
+from tagalong.slam.localization.prepared_scan import PreparedScan
 from tagalong.slam.occupancy_map import OccupancyMap
 from tagalong.slam.scan import LaserScan
 from walls import BEARINGS, cast
@@ -204,10 +204,10 @@ def test_blocked_beams_are_among_those_that_contradict_the_map(room):
         likely = np.empty((1, 60), np.float32)
         setting = place.states, place.distances, place.outer_corner, place.resolution, foot, points, pose[None]
         beam_likelihoods(*setting, 0.12, 0.4, likely)
-        stopped = [evidence.blocked(View(np.zeros(3), point[None], foot), pose) for point in points]
+        stopped = [evidence.blocked(PreparedScan(np.zeros(3), point[None], foot), pose) for point in points]
         total += sum(stopped)
         assert (likely[0][np.array(stopped) == 1.0] < 0.051).all()
-        assert 60 * evidence.blocked(View(np.zeros(3), points, foot), pose) == pytest.approx(sum(stopped))
+        assert 60 * evidence.blocked(PreparedScan(np.zeros(3), points, foot), pose) == pytest.approx(sum(stopped))
     assert 60 < total < 1140
 
 

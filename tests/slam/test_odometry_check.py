@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tagalong.slam.geometry import between, compose
 from tagalong.slam.logs.drive import RecordedDrive
-from tagalong.slam.odometry_check import OdometryFactors, odometry_factors
+from tagalong.slam.scan_to_scan.odometry_check import OdometryFactors, odometry_factors
 from walls import cast
 
 WALLS = np.array(

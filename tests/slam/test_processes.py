@@ -11,8 +11,8 @@ from contextlib import suppress
 
 import pytest
 from tagalong.slam.errors import InputError, WorkerError
-from tagalong.slam.process_crew import Crew, caller, most_workers, require_workers
-from tagalong.slam.processes import Worker, end_all
+from tagalong.slam.processes.crew import Crew, caller, most_workers, require_workers
+from tagalong.slam.processes.supervised import Worker, end_all
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="signals")
 PARENT = """

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from tagalong.slam.engine import make_slam
 from tagalong.slam.geometry import between, compose, transform_points
-from tagalong.slam.graph.doubt import Doubt, Verdict
 from tagalong.slam.graph.engine import Cartographer, CartographerConfig
-from tagalong.slam.graph.relocalization import searchable
-from tagalong.slam.graph.submap import Submap, SubmapConfig
-from tagalong.slam.graph.sweep import Sweep
-from tagalong.slam.graph.watch import Watch, WatchConfig, contradictions
-from tagalong.slam.localization.contest import contest
-from tagalong.slam.matching import make_matcher
+from tagalong.slam.graph.local.match_monitor import MatchMonitor, MatchMonitorConfig, contradictions
+from tagalong.slam.graph.local.submap import Submap, SubmapConfig
+from tagalong.slam.graph.local.sweep import Sweep
+from tagalong.slam.graph.recovery.kidnap_hypothesis import KidnapHypothesis, Verdict
+from tagalong.slam.graph.recovery.place_comparison import compare_places
+from tagalong.slam.graph.recovery.relocalization import searchable
+from tagalong.slam.scan_to_scan import make_matcher
 from walls import cast
 
 
@@ -186,7 +186,7 @@ def test_what_score_is_usual_follows_the_scores_up_and_down():
     odd[:50] *= 0.5  # a quarter of the beams end where the others went through
 
     def doubtful(usual, score):
-        watch = Watch(WatchConfig())
+        watch = MatchMonitor(MatchMonitorConfig())
         for old in usual:
             assert not watch.doubts(submap, circle, np.zeros(2), np.zeros(3), old)
         return watch.doubts(submap, odd, np.zeros(2), np.zeros(3), score)
@@ -234,8 +234,8 @@ def test_a_submap_that_was_begun_by_the_very_scan_that_shows_the_robot_lost_is_t
     engine, odometry, last, rng = mapped
     submaps = engine._local.submaps  # pyright: ignore[reportPrivateUsage]
     known, weighed = len(submaps), []
-    monkeypatch.setattr(Doubt, "due", property(lambda _: len(submaps) > known and not weighed))
-    monkeypatch.setattr(engine, "_verdict", lambda *_: weighed.append(len(submaps)) or Verdict.CARRIED)
+    monkeypatch.setattr(KidnapHypothesis, "due", property(lambda _: len(submaps) > known and not weighed))
+    monkeypatch.setattr(engine, "_verdict", lambda *_: weighed.append(len(submaps)) or Verdict.KIDNAPPED)
     fed(engine, ahead(last, (0.1, 0.0, 0.05), 120), odometry, rng)
     assert weighed == [known + 1]
     assert engine.losses == 1
@@ -321,7 +321,7 @@ def test_a_contest_tells_a_place_beside_from_one_elsewhere(mapped):
         ((0.0, 0.0, 0.5), False),
     ):
         here = compose(last, np.array(away))
-        outcome = contest(place, scans, here)
+        outcome = compare_places(place, scans, here)
         assert distance(outcome.belief.poses[0], last) < 0.1
         assert outcome.beside == beside
         assert outcome.stays == (away == (0.0, 0.0, 0.0))
@@ -330,17 +330,17 @@ def test_a_contest_tells_a_place_beside_from_one_elsewhere(mapped):
 def test_a_contest_says_what_is_explained_where_the_robot_is_and_nothing_where_it_surely_is_not(mapped):
     engine, odometry, last, rng = mapped
     place, scans = searchable(engine.map_at(0.05)), [(odometry, cast(WALLS, last, rng))]
-    assert contest(place, scans, last).explained > 0.8
-    assert contest(place, scans, np.array([-3.8, 0.9, -1.2])).explained == 0.0
+    assert compare_places(place, scans, last).explained > 0.8
+    assert compare_places(place, scans, np.array([-3.8, 0.9, -1.2])).explained == 0.0
 
 
 def test_a_contest_counts_the_beams_that_walls_would_stop(mapped):
     engine, odometry, last, rng = mapped
     place, back = searchable(engine.map_at(0.05)), np.array([-0.1, 0.0, 0.0])
     scans = [(odometry, cast(WALLS, last, rng)), (compose(odometry, back), cast(WALLS, compose(last, back), rng))]
-    assert contest(place, scans[:1], last).blocked < 0.02
-    assert contest(place, scans, compose(last, back)).blocked < 0.02
-    assert contest(place, scans, np.array([-3.8, 0.9, -1.2])).blocked > 0.2
+    assert compare_places(place, scans[:1], last).blocked < 0.02
+    assert compare_places(place, scans, compose(last, back)).blocked < 0.02
+    assert compare_places(place, scans, np.array([-3.8, 0.9, -1.2])).blocked > 0.2
 
 
 def test_without_a_watch_or_a_graph_nobody_notices():
@@ -376,4 +376,4 @@ def test_the_kernel_of_the_watch_counts_beams_through_walls_and_ends_in_seen_fre
 
 def test_a_watch_without_sense_is_refused():
     with pytest.raises(ValueError, match="patience"):
-        WatchConfig(patience=0)
+        MatchMonitorConfig(patience=0)

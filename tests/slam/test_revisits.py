@@ -7,14 +7,14 @@ from hypothesis import strategies as st
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between, compose
 from tagalong.slam.gmapping.paths import PathTree
-from tagalong.slam.graph.constraints import Constraint, Kind
 from tagalong.slam.graph.engine import Cartographer
-from tagalong.slam.graph.extrapolator import Prediction
-from tagalong.slam.graph.node import Node
-from tagalong.slam.graph.trimming import Renumbering, TrimmedNodes
+from tagalong.slam.graph.loops.constraints import Constraint, Kind
+from tagalong.slam.graph.loops.node import Node
+from tagalong.slam.graph.loops.trimming import Renumbering, TrimmedNodes
 from tagalong.slam.pose_log import PoseLog
 from tagalong.slam.revisits import KeptScans, RevisitConfig, superseded
 from tagalong.slam.scan import LaserScan
+from tagalong.slam.scan_to_grid.extrapolator import Prediction
 from walls import cast
 
 ROOM = np.array(

@@ -15,11 +15,11 @@ import pytest
 from tagalong.scripts.cli import main
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between
-from tagalong.slam.laser_odometry import laser_odometry
 from tagalong.slam.logs.bag_messages import _unpacked_bz2 as unpacked_bz2
 from tagalong.slam.logs.bag_messages import as_defined, open_bag
 from tagalong.slam.logs.log import read_log
 from tagalong.slam.logs.rosbag import read_rosbag
+from tagalong.slam.scan_to_scan.laser_odometry import laser_odometry
 
 rosbags = pytest.importorskip("rosbags")
 from rosbags.rosbag1 import Writer as Writer1  # noqa: E402

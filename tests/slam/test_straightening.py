@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between, compose, inverse
-from tagalong.slam.graph.constraints import Constraint, ConstraintBuilder, ConstraintConfig, Kind
 from tagalong.slam.graph.engine import Cartographer, CartographerConfig
-from tagalong.slam.graph.extrapolator import Prediction
-from tagalong.slam.graph.global_config import GlobalSlamConfig
-from tagalong.slam.graph.submap import Submap, SubmapConfig
-from tagalong.slam.graph.sweep import Sweep
+from tagalong.slam.graph.local.submap import Submap, SubmapConfig
+from tagalong.slam.graph.local.sweep import Sweep
+from tagalong.slam.graph.loops.constraints import Constraint, ConstraintBuilder, ConstraintConfig, Kind
+from tagalong.slam.graph.loops.global_config import GlobalSlamConfig
+from tagalong.slam.scan_to_grid.extrapolator import Prediction
 from walls import cast
 
 ROOM = np.array([(0, 0, 6, 0), (6, 0, 6, 4), (6, 4, 0, 4), (0, 4, 0, 0), (2, 2, 2.5, 2), (2.5, 2, 2.5, 2.6)], float)

@@ -12,7 +12,7 @@ from ....slam.ekf.engine import EkfSlam
 from ....slam.geometry import between, compose, wrap_angle
 from ....slam.landmarks.objects import see_landmarks
 from ....slam.quality.trajectory import absolute_error
-from .drives import ROBOTS, Drive, blinded, shortened, simulate
+from .drives import ROBOTS, LandmarkDrive, blinded, shortened, simulate
 from .example import mean_areas
 from .filters import SIGHTING, errors_of, run_localization, run_slam
 from .methods import METHODS, Clustered, Replay, cluster, cluster_by_number
@@ -26,7 +26,7 @@ GAPS = {"6 m": (6.0, False), "12 m": (12.0, False), "6 m and a slip": (6.0, True
 DISTANCES, NEIGHBOURS, REACHES = (0.1, 0.15, 0.25, 0.5, 1.0, 1.5, 2.0), (1, 2, 3, 4, 5), (4.0, 6.0, 8.0)
 
 
-def clusters_of(drive: Drive, reach: float = 8.0) -> dict[str, Clustered]:
+def clusters_of(drive: LandmarkDrive, reach: float = 8.0) -> dict[str, Clustered]:
     """Return the clusters of the drive's key scans, seen to `reach` [m], by every method."""
     scans = [shortened(drive.scans[i], reach) for i in drive.keys]
     found = {name: cluster(name, scans) for name in ("heuristic", "dbscan")}
@@ -58,14 +58,14 @@ def world_cell(seed: int) -> Mapping[str, Any]:
     return {**size, "robots": robots, "sightings": sightings, "growth": growth, "timing": timing}
 
 
-def _labels_of_lost(found: Clustered, drive: Drive) -> list[NDArray[np.int64]]:
+def _labels_of_lost(found: Clustered, drive: LandmarkDrive) -> list[NDArray[np.int64]]:
     """Return the labels with those of covered scans emptied."""
     start = LOST_AT * drive.lap
     covered = (drive.arcs[drive.keys] >= start) & (drive.arcs[drive.keys] < start + LOST_WAY)
     return [label[:0] if hidden else label for label, hidden in zip(found.labels, covered, strict=True)]
 
 
-def _sightings(drive: Drive, found: Clustered) -> float:
+def _sightings(drive: LandmarkDrive, found: Clustered) -> float:
     """Return how many landmarks a scan shows on average."""
     replay = Replay(found.labels)
     return float(np.mean([len(see_landmarks(drive.scans[i], replay, SIGHTING).z) for i in drive.keys]))
@@ -108,7 +108,7 @@ def recovery_cell(seed: int) -> Mapping[str, Any]:
 
 
 def _recovered(
-    drive: Drive, engine: EkfSlam, start: int, way: float, slips: bool, rng: np.random.Generator
+    drive: LandmarkDrive, engine: EkfSlam, start: int, way: float, slips: bool, rng: np.random.Generator
 ) -> dict[str, Any]:
     scans, odometry = blinded(drive, drive.arcs[start], way), drive.odometry["typical"]
     end = int(np.searchsorted(drive.arcs, drive.arcs[start] + way))
@@ -163,12 +163,12 @@ def sweep_cell(seed: int, slow: bool) -> Mapping[str, Any]:
     return points
 
 
-def _swept(drive: Drive, name: str, distance: float, count: int, reach: float) -> dict[str, Any]:
+def _swept(drive: LandmarkDrive, name: str, distance: float, count: int, reach: float) -> dict[str, Any]:
     scans = {i: shortened(drive.scans[i], reach) for i in drive.keys}
     return _judged(drive, scans, cluster(name, list(scans.values()), distance, count))
 
 
-def _judged(drive: Drive, scans: Mapping[int, Any], found: Clustered) -> dict[str, Any]:
+def _judged(drive: LandmarkDrive, scans: Mapping[int, Any], found: Clustered) -> dict[str, Any]:
     by_number = [scans.get(i) for i in range(len(drive.scans))]
     run = run_slam(drive, "typical", by_number, found.labels)  # pyright: ignore[reportArgumentType]
     errors = errors_of(drive, run.poses)

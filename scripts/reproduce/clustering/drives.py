@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ....envs.lidar import LidarConfig
-from ....envs.operator import Operator
+from ....envs.robot.operator import Operator
 from ....envs.scenes.polyline import arc_lengths
-from ....envs.world import World, WorldConfig
+from ....envs.sensors.lidar import LidarConfig
+from ....envs.world.world import World, WorldConfig
 from ....slam.geometry import between
 from ....slam.scan import LaserScan
 
@@ -22,7 +22,7 @@ KEY_WAY, KEY_TURN = 0.4, 0.2
 
 
 @dataclass(frozen=True, eq=False)
-class Drive:
+class LandmarkDrive:
     """One drive.
 
     Attributes:
@@ -49,7 +49,7 @@ class Drive:
         return between(self.truth[0], self.truth)
 
 
-def simulate(seed: int) -> Drive:
+def simulate(seed: int) -> LandmarkDrive:
     """Return the drive of world `seed`: posts, path, odometry error and noise are drawn from it."""
     world = World(WorldConfig(scene="landmarks", leader=False, people=0, lidar=LASER), np.random.default_rng(seed))
     operator = Operator(world.scene)
@@ -60,7 +60,7 @@ def simulate(seed: int) -> Drive:
         odometry.append(world.odometry)
         scans.append(world.scan())
     poses = np.array(truth)
-    return Drive(
+    return LandmarkDrive(
         truth=poses,
         odometry={"perfect": between(poses[0], poses), "typical": np.array(odometry)},
         scans=tuple(scans),
@@ -79,7 +79,7 @@ def shortened(scan: LaserScan, reach: float) -> LaserScan:
     )
 
 
-def blinded(drive: Drive, start: float, way: float) -> tuple[LaserScan, ...]:
+def blinded(drive: LandmarkDrive, start: float, way: float) -> tuple[LaserScan, ...]:
     """Return the drive's scans, the laser covered on `way` metres from `start` on [m]."""
     covered = (drive.arcs >= start) & (drive.arcs < start + way)
     return tuple(_empty(scan) if hidden else scan for scan, hidden in zip(drive.scans, covered, strict=True))

@@ -11,7 +11,7 @@ from ....slam.ekf.filter import LandmarkFilter
 from ....slam.geometry import between, inverse, transform_points
 from ....slam.landmarks.clustering import Labels
 from ....slam.landmarks.objects import covariance_ellipse, describe_objects
-from .drives import Drive, blinded, simulate
+from .drives import LandmarkDrive, blinded, simulate
 from .filters import NOISE, Run, run_slam
 from .methods import PAPER, cluster, cluster_by_number
 
@@ -69,7 +69,7 @@ def _of(run: Run) -> dict[str, Array]:
     return {"poses": run.poses, "landmarks": ekf.landmarks, "covariances": P}
 
 
-def _objects(drive: Drive, labels: Sequence[Labels], poses: Array, name: str) -> dict[str, NDArray[Any]]:
+def _objects(drive: LandmarkDrive, labels: Sequence[Labels], poses: Array, name: str) -> dict[str, NDArray[Any]]:
     """Return the objects of all scans used, robot frame: means, covariances with the odometry's, their scan; points."""
     odometry = odometry_covariances(drive)
     means, covariances, scan, points, of = [], [], [], [], []
@@ -90,7 +90,7 @@ def _objects(drive: Drive, labels: Sequence[Labels], poses: Array, name: str) ->
     }
 
 
-def odometry_covariances(drive: Drive) -> Array:
+def odometry_covariances(drive: LandmarkDrive) -> Array:
     """Return (k, 2, 2) the covariance of the position by odometry alone at the drive's keys [m^2]."""
     odometry = drive.odometry["typical"]
     ekf, found = LandmarkFilter(np.zeros(3), NOISE["typical"]), [np.zeros((2, 2))]
@@ -100,7 +100,7 @@ def odometry_covariances(drive: Drive) -> Array:
     return np.array(found)
 
 
-def mean_areas(drive: Drive, labels: Sequence[Labels]) -> Array:
+def mean_areas(drive: LandmarkDrive, labels: Sequence[Labels]) -> Array:
     """Return (k,) the mean area of the objects' ellipses without any update (eq. 17) [m^2]; -1 without objects."""
     odometry, poses = odometry_covariances(drive), drive.odometry["typical"][drive.keys]
     areas = []

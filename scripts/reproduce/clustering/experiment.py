@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from ....slam.errors import InputError
-from ...experiments.cells import Cell, files_of
 from ...figures.plots import require_matplotlib
+from ...lab.cells import Cell, files_of
 from ..report import Report, Section
 from .animation import animate
 from .cells import LOST_AT, LOST_WAY, consistency_cell, recovery_cell, sweep_cell, world_cell

@@ -16,7 +16,7 @@ from ....slam.landmarks.clustering import Labels
 from ....slam.landmarks.objects import SightingConfig, see_landmarks
 from ....slam.quality.trajectory import absolute_error
 from ....slam.scan import LaserScan
-from .drives import Drive
+from .drives import LandmarkDrive
 from .methods import Replay
 
 Array = NDArray[np.float64]
@@ -48,7 +48,7 @@ class Run:
     engine: EkfSlam | None = None
 
 
-def run_slam(drive: Drive, robot: str, scans: Sequence[LaserScan], labels: Sequence[Labels]) -> Run:
+def run_slam(drive: LandmarkDrive, robot: str, scans: Sequence[LaserScan], labels: Sequence[Labels]) -> Run:
     """Return EKF-SLAM on `scans` (n,), whose keys are clustered as `labels` (k,) say."""
     config = EkfSlamConfig(travel=0.0, turn=0.0, odometry=NOISE[robot])
     engine = EkfSlam(config, Replay(labels))
@@ -61,7 +61,7 @@ def run_slam(drive: Drive, robot: str, scans: Sequence[LaserScan], labels: Seque
     return Run(np.array(poses), np.array(seconds), engine)
 
 
-def run_localization(drive: Drive, robot: str, scans: Sequence[LaserScan], labels: Sequence[Labels]) -> Run:
+def run_localization(drive: LandmarkDrive, robot: str, scans: Sequence[LaserScan], labels: Sequence[Labels]) -> Run:
     """Return the paper's localization on the map of objects; the unicycle is driven every 0.1 s."""
     objects = transform_points(inverse(drive.truth[0]), drive.posts)
     localizer, clusterer, config = ObjectLocalizer(objects, np.zeros(3), LOCALIZATION[robot]), Replay(labels), SIGHTING
@@ -83,7 +83,7 @@ def run_localization(drive: Drive, robot: str, scans: Sequence[LaserScan], label
 SIGHTING = SightingConfig()
 
 
-def errors_of(drive: Drive, poses: Array) -> dict[str, float]:
+def errors_of(drive: LandmarkDrive, poses: Array) -> dict[str, float]:
     """Return the errors of `poses` (k, 3) at the drive's keys.
 
     `rms_m`: of the position in the frame of the first pose, nothing aligned; `ate_m`: after the best rigid motion;

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import binomtest, chi2, wilcoxon
 
-from ...experiments.statistics import Estimate, holm, ratio, share
+from ...lab.statistics import Estimate, holm, ratio, share
 from .cells import GAPS
 from .drives import ROBOTS
 from .methods import METHODS, PAPER

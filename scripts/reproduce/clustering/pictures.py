@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from ....slam.geometry import transform_points
 from ....slam.landmarks.objects import covariance_ellipse
-from ...experiments.statistics import Estimate, t_mean
 from ...figures.plots import logarithmic, new_figure, save_figure
+from ...lab.statistics import Estimate, t_mean
 from ..report import Figure
 from .cells import DISTANCES, NEIGHBOURS, REACHES
 from .drives import ROBOTS

@@ -9,7 +9,7 @@ import numpy as np
 
 from ....slam.ekf.config import EkfSlamConfig
 from ....slam.ekf.engine import EkfSlam
-from .drives import Drive, simulate
+from .drives import LandmarkDrive, simulate
 
 SIZES = (10, 20, 100, 1000)
 _STEPS, _REPEATS = 24, 3
@@ -43,7 +43,7 @@ def _resized(engine: EkfSlam, size: int, seed: int) -> EkfSlam:
     return sized
 
 
-def _milliseconds(engine: EkfSlam, drive: Drive, start: int) -> float:
+def _milliseconds(engine: EkfSlam, drive: LandmarkDrive, start: int) -> float:
     times = np.full((_REPEATS, _STEPS), np.inf)
     for repeat in range(_REPEATS):
         trial = copy.deepcopy(engine)

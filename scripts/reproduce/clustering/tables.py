@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ...experiments.statistics import t_mean
+from ...lab.statistics import t_mean
 from ..report import Table
 from .cells import DISTANCES, NEIGHBOURS, REACHES
 from .drives import ROBOTS

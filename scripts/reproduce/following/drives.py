@@ -5,18 +5,18 @@ from typing import Any
 
 import numpy as np
 
+from ....agents.following_tour import TourConfig, following_tour
 from ....envs.episode_setup import PERCEPTION
+from ....envs.recording.slow_tour import SlowTourConfig, slow_tour
 from ....envs.scenes.occupancy import true_map
-from ....envs.world import World, WorldConfig
+from ....envs.world.world import World, WorldConfig
 from ....perception.legs.detector import LegDetector
 from ....perception.legs.forest import LegForest
 from ....perception.people_filter import filter_people, people_points_lidar, suspect_points_lidar
 from ....perception.tracking.tracker import PeopleTracker
 from ....slam.logs.drive_folder import SimulatedDrive
 from ....slam.scan import LaserScan
-from ...experiments.drive_files import MappingInput, save_input
-from ...experiments.following_tour import TourConfig, following_tour
-from ...experiments.slow_tour import SlowTourConfig, slow_tour
+from ...lab.drive_files import MappingInput, save_input
 from .map_files import save_map
 
 RESOLUTION = 0.02

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from ....slam.errors import InputError
-from ...experiments.cells import Cell
 from ...figures.plots import require_matplotlib
+from ...lab.cells import Cell
 from ..report import Report, Section
 from .pictures import draw_boxes, draw_overlays, draw_scan, draw_scenes
-from .plan import QUICK_SWEEP, Sweep, all_cells
+from .plan import QUICK_SWEEP, ParameterSweep, all_cells
 from .sweep import SweepResults, draw_heat_maps, sweep_section
 from .tables import (
     PaperResults,
@@ -109,8 +109,8 @@ def _repeats(options: argparse.Namespace) -> int:
     return repeats
 
 
-def _sweep(options: argparse.Namespace) -> Sweep:
-    sweep = QUICK_SWEEP if options.quick else Sweep()
+def _sweep(options: argparse.Namespace) -> ParameterSweep:
+    sweep = QUICK_SWEEP if options.quick else ParameterSweep()
     return replace(sweep, repeats=0) if options.no_sweep else sweep
 
 

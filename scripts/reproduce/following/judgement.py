@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t
 
-from ...experiments.statistics import Estimate, holm, t_mean
+from ...lab.statistics import Estimate, holm, t_mean
 from .plan import map_name
 
 Array = NDArray[np.float64]

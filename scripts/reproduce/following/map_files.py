@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ....slam.files import replacing
+from ....slam.files.output import replacing
 from ....slam.occupancy_map import OccupancyMap
 
 Array = NDArray[np.float64]

@@ -8,20 +8,20 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
-from ....envs.world import World, WorldConfig
+from ....envs.world.world import World, WorldConfig
 from ....slam.engine import SlamEngine, make_slam
 from ....slam.geometry import inverse, transform_points
-from ....slam.graph.global_config import GlobalSlamConfig
-from ....slam.graph.local_slam import LocalSlamConfig
-from ....slam.graph.voxel_filter import AdaptiveVoxelConfig
+from ....slam.graph.local.local_slam import LocalSlamConfig
+from ....slam.graph.loops.global_config import GlobalSlamConfig
 from ....slam.occupancy_map import OccupancyMap
 from ....slam.quality.adnn import adnn
 from ....slam.quality.registration import register
 from ....slam.quality.score import score_map
 from ....slam.quality.trajectory import absolute_error
 from ....slam.scan import LaserScan
-from ...experiments.cells import TIMING
-from ...experiments.drive_files import MappingInput, load_input, load_truth
+from ....slam.scan_to_grid.voxel_filter import AdaptiveVoxelConfig
+from ...lab.cells import TIMING
+from ...lab.drive_files import MappingInput, load_input, load_truth
 from .drives import RESOLUTION
 from .map_files import load_map, save_map
 

@@ -4,15 +4,15 @@ from pathlib import Path
 
 import numpy as np
 
+from ....agents.following_tour import SCENES
 from ....slam.geometry import compose, inverse
-from ...experiments.cells import files_of
-from ...experiments.drive_files import load_input, load_truth
-from ...experiments.following_tour import SCENES
 from ...figures.canvas import save_png, side_by_side, stacked
 from ...figures.maps import overlay_picture
 from ...figures.plots import new_figure, save_figure
 from ...figures.scans import scan_pair_picture
 from ...figures.trajectory import trajectory_picture
+from ...lab.cells import files_of
+from ...lab.drive_files import load_input, load_truth
 from ..report import Figure
 from .map_files import load_map
 from .maps import ENGINES, VARIANTS

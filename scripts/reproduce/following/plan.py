@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from ...experiments.cells import Cell
-from ...experiments.following_tour import SCENES
+from ....agents.following_tour import SCENES
+from ...lab.cells import Cell
 from .drives import record_reference, record_tour
 from .maps import ENGINES, map_reference, map_tour
 
@@ -17,7 +17,7 @@ REFERENCE_ENGINE = {OFTEN: "gmapping", NO_VOXEL: "cartographer"}
 
 
 @dataclass(frozen=True, kw_only=True)
-class Sweep:
+class ParameterSweep:
     """What the sweep goes through: when does filtering matter?
 
     Attributes:
@@ -39,7 +39,9 @@ class Sweep:
         return (*ENGINES, OFTEN) if odometry == "slipping" else ENGINES
 
 
-QUICK_SWEEP = Sweep(scenes=("plain_corridor",), odometry=("slipping",), people=(0, 2), ranges=(30.0, 8.0), repeats=1)
+QUICK_SWEEP = ParameterSweep(
+    scenes=("plain_corridor",), odometry=("slipping",), people=(0, 2), ranges=(30.0, 8.0), repeats=1
+)
 
 
 def paper_cells(repeats: int) -> list[Cell]:
@@ -58,7 +60,7 @@ def paper_cells(repeats: int) -> list[Cell]:
     return cells
 
 
-def sweep_cells(sweep: Sweep) -> list[Cell]:
+def sweep_cells(sweep: ParameterSweep) -> list[Cell]:
     """Return the cells of the sweep; some are also the published experiment's."""
     cells = []
     for scene in sweep.scenes:
@@ -76,7 +78,7 @@ def sweep_cells(sweep: Sweep) -> list[Cell]:
     return cells
 
 
-def all_cells(repeats: int, sweep: Sweep) -> list[Cell]:
+def all_cells(repeats: int, sweep: ParameterSweep) -> list[Cell]:
     """Return everything, each cell once; those of the published experiment win, since they keep more."""
     unique: dict[str, Cell] = {}
     for cell in (*paper_cells(repeats), *sweep_cells(sweep)):

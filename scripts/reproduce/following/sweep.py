@@ -12,7 +12,7 @@ from ...figures.plots import new_figure, save_figure
 from ..report import Figure, Section, Table
 from .judgement import METRICS, Pair, pair
 from .maps import VARIANTS
-from .plan import Sweep
+from .plan import ParameterSweep
 from .tables import TITLES
 
 Array = NDArray[np.float64]
@@ -55,7 +55,7 @@ class SweepResults:
     """
 
     results: Mapping[str, Any]
-    sweep: Sweep
+    sweep: ParameterSweep
 
     def points(self) -> Iterator[Point]:
         """Yield every cell."""

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from ...experiments.following_tour import SCENES
-from ...experiments.statistics import Estimate, metric_mean, share
+from ....agents.following_tour import SCENES
+from ...lab.statistics import Estimate, metric_mean, share
 from ..report import Table
 from .judgement import METRICS, Pair, pair, sure_verdicts
 from .maps import ENGINES, VARIANTS

@@ -8,17 +8,17 @@ import gymnasium as gym
 import numpy as np
 
 from ....agents import RandomWalk, RandomWalkConfig, make_follower
-from ....agents.joystick import JoystickReplay, write_joystick_log
+from ....agents.teleop.joystick import JoystickReplay, write_joystick_log
+from ....agents.teleop.joystick_drive import record_drive
 from ....envs.follow_env import FollowEnv
-from ....envs.rollout import Episode, rollout
+from ....envs.recording.rollout import Episode, rollout
 from ....envs.scenes.occupancy import true_map
 from ....slam.errors import InputError
 from ....slam.geometry import inverse, transform_points
 from ....slam.quality.score import score_map
 from ....slam.quality.trajectory import absolute_error
-from ...experiments.cells import TIMING
-from ...experiments.joystick_drive import record_drive
 from ...figures.video import save_gif
+from ...lab.cells import TIMING
 
 GUIDES = ("pid", "pure_pursuit", "dwa", "joystick", "random", "frontier")
 """Those of the report; more followers may be added by name (`--also`)."""

@@ -7,8 +7,8 @@ from typing import Any
 
 from ....agents import make_follower
 from ....slam.errors import InputError
-from ...experiments.cells import Cell
 from ...figures.plots import require_matplotlib
+from ...lab.cells import Cell
 from ..report import Report, Section
 from .drives import GUIDES, SCENES, UNLED, guide_drive
 from .measured import Measured, cell_name

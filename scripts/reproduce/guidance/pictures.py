@@ -6,8 +6,8 @@ from shutil import copyfile
 
 import numpy as np
 
-from ...experiments.cells import files_of
 from ...figures.plots import new_figure, save_figure
+from ...lab.cells import files_of
 from ..report import Figure
 from .drives import CURVE_STEP_S
 from .measured import DECIDES, Measured, cell_name

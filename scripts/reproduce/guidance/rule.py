@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import rankdata, wilcoxon
 
-from ...experiments.statistics import holm, ratio
+from ...lab.statistics import holm, ratio
 
 Array = NDArray[np.float64]
 

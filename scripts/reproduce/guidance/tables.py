@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...experiments.statistics import metric_mean, t_mean
+from ...lab.statistics import metric_mean, t_mean
 from ..report import Table
 from .measured import DECIDES, FIGURES, OTHERS, SCALES, Measured
 from .rule import METHODS, PAPER, pluses, verdict

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ...experiments.statistics import Estimate, ratio, upper_bound
+from ...lab.statistics import Estimate, ratio, upper_bound
 from .measures import HIDDEN
 from .plan import CLEAN, cell_name
 
@@ -22,7 +22,7 @@ UNKNOWN = {mark: f"unknown cells in {mark}" for mark in HIDDEN}
 
 
 @dataclass(frozen=True)
-class Share:
+class CountedShare:
     """A part of a whole.
 
     Attributes:
@@ -59,26 +59,26 @@ class Counted:
     results: Mapping[str, Any]
     seeds: Sequence[int]
 
-    def errors(self, mapper: str, disturbance: str = CLEAN, seed: int | None = None) -> dict[str, Share]:
+    def errors(self, mapper: str, disturbance: str = CLEAN, seed: int | None = None) -> dict[str, CountedShare]:
         """Return the shares that should be small, of one seed or of all together."""
         return {
-            "people cells left": Share(
+            "people cells left": CountedShare(
                 self._sum(disturbance, seed, mapper, "people_cells"),
                 self._sum(disturbance, seed, "conventional", "people_cells"),
             ),
             "door cells not cleared in 2 s": self._door(disturbance, seed, mapper),
             "desk top cells missing": self._missing(disturbance, seed, mapper, "table"),
             "seat cells missing": self._missing(disturbance, seed, mapper, "chair"),
-            "static cells lost": Share(
+            "static cells lost": CountedShare(
                 self._sum(disturbance, seed, mapper, "static_lost"),
                 sum(row["static_cells"] for row in self._rows(disturbance, seed)),
             ),
             **{UNKNOWN[mark]: self._unknown(disturbance, seed, mapper, mark) for mark in HIDDEN},
         }
 
-    def known(self, mapper: str, mark: str, disturbance: str = CLEAN, seed: int | None = None) -> Share:
+    def known(self, mapper: str, mark: str, disturbance: str = CLEAN, seed: int | None = None) -> CountedShare:
         """Return the known cells of a mark, over those that the laser alone knows, which nothing disturbs."""
-        return Share(
+        return CountedShare(
             sum(row["maps"][mapper]["known"][mark] for row in self._rows(disturbance, seed)),
             sum(row["maps"]["laser"]["known"][mark] for row in self._rows(CLEAN, seed)),
         )
@@ -104,10 +104,10 @@ class Counted:
             parts.append([self.errors(mapper, each, seed)[name].part / max(whole, 1) for seed in self.seeds])
         return ratio(*parts)
 
-    def wrongly_free(self, mapper: str) -> Share:
+    def wrongly_free(self, mapper: str) -> CountedShare:
         """Return the cells of boxes, behind the screens, that count as free, of those that are known."""
         pairs = [row["maps"][mapper]["wrongly_free"][mark] for row in self._rows(CLEAN, None) for mark in HIDDEN]
-        return Share(sum(free for _, free in pairs), sum(known for known, _ in pairs))
+        return CountedShare(sum(free for _, free in pairs), sum(known for known, _ in pairs))
 
     def door(self, mapper: str, seed: int) -> dict[str, Any]:
         """Return what was measured at the door of one drive."""
@@ -123,17 +123,17 @@ class Counted:
     def _sum(self, disturbance: str, seed: int | None, mapper: str, what: str) -> int:
         return sum(row["maps"][mapper][what] for row in self._rows(disturbance, seed))
 
-    def _missing(self, disturbance: str, seed: int | None, mapper: str, kind: str) -> Share:
+    def _missing(self, disturbance: str, seed: int | None, mapper: str, kind: str) -> CountedShare:
         pairs = [row["maps"][mapper][kind] for row in self._rows(disturbance, seed)]
         seen = sum(pair[0] for pair in pairs)
-        return Share(seen - sum(pair[1] for pair in pairs), seen)
+        return CountedShare(seen - sum(pair[1] for pair in pairs), seen)
 
-    def _unknown(self, disturbance: str, seed: int | None, mapper: str, mark: str) -> Share:
+    def _unknown(self, disturbance: str, seed: int | None, mapper: str, mark: str) -> CountedShare:
         rows = self._rows(disturbance, seed)
         whole = sum(row["hidden_cells"][mark] for row in rows)
-        return Share(whole - sum(row["maps"][mapper]["known"][mark] for row in rows), whole)
+        return CountedShare(whole - sum(row["maps"][mapper]["known"][mark] for row in rows), whole)
 
-    def _door(self, disturbance: str, seed: int | None, mapper: str) -> Share:
+    def _door(self, disturbance: str, seed: int | None, mapper: str) -> CountedShare:
         found = [row["door"][mapper] for row in self._rows(disturbance, seed) if mapper in row["door"]]
         cells = sum(door["cells"] for door in found)
-        return Share(cells - sum(door["within_2_s"] for door in found), cells)
+        return CountedShare(cells - sum(door["within_2_s"] for door in found), cells)

@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ....envs.camera.config import RgbdConfig
-from ....envs.lidar import LidarConfig
-from ....envs.operator import Operator
 from ....envs.oracle import TrueRgbdPeopleFinder
-from ....envs.world import World, WorldConfig
+from ....envs.robot.operator import Operator
+from ....envs.sensors.camera.config import RgbdConfig
+from ....envs.sensors.lidar import LidarConfig
+from ....envs.world.world import World, WorldConfig
 from ....perception.config import PerceptionConfig
 from ....perception.immobile.mapper import ImmobileMapper
-from ....perception.immobile.view import View, make_view
+from ....perception.immobile.view import CameraView, make_view
 from ....perception.legs.detector import LegDetector
 from ....perception.legs.forest import LegForest
 from ....perception.people_filter import near_points
@@ -108,7 +108,7 @@ class _Drive:
         self._finders = {name: finder for name, finder in finders.items() if name in ways}
         self.conventional = OccupancyGrid(GridConfig(max_range=LASER.range_max))
         self.mappers = {name: ImmobileMapper() for name in MAPPERS[1:] if name in ways}
-        self._waiting: deque[tuple[float, dict[str, View]]] = deque()
+        self._waiting: deque[tuple[float, dict[str, CameraView]]] = deque()
         self._last_frame: RgbdFrame | None = None
         kinds = ("floor", "ceiling", *(solid.kind for solid in world.scene.solids))
         self._kinds = np.array([*kinds, *["mover"] * (world.model.ngeom - len(kinds))])

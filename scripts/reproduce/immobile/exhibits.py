@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ....perception.immobile.view import View
+from ....perception.immobile.view import CameraView
 from ....perception.rgbd.frame import RgbdFrame
 from ....perception.rgbd.planes import Surface
 from ....slam.geometry import compose, transform_points
@@ -59,7 +59,7 @@ class Exhibits:
         self._score, self._best = -1.0, None
         self._cells: dict[str, set[int]] = {"wall": set(), "thing": set()}
 
-    def add_frame(self, frame: RgbdFrame, view: View, scan: LaserScan, pose: Array, people: int) -> None:
+    def add_frame(self, frame: RgbdFrame, view: CameraView, scan: LaserScan, pose: Array, people: int) -> None:
         """Keep `frame` if it shows more kinds of surfaces, and more of `people` (pixels), than those before.
 
         People who are cut by the picture's sides or its upper edge count less.
@@ -82,7 +82,7 @@ class Exhibits:
                 np.array(frame.time_s),
             )
 
-    def add_view(self, view: View, pose: Array) -> None:
+    def add_view(self, view: CameraView, pose: Array) -> None:
         """Note in which cells the camera saw walls, and in which other things."""
         T_map_camera = compose(pose, view.T_robot_camera)
         thing = np.isin(view.surface, (Surface.TOP, Surface.FACE, Surface.OTHER)) & (view.person < 0)

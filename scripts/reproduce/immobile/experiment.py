@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ...experiments.cells import Cell, files_of
 from ...figures.plots import require_matplotlib
+from ...lab.cells import Cell, files_of
 from ..report import Report, Section
 from . import sensors, tables
 from .counted import Counted

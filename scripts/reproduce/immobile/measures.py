@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from ....envs.scenes.scene import Scene
 from ....slam.geometry import compose, inverse, transform_points
-from ....slam.immobile_layers import ImmobileLayers
+from ....slam.immobile.layers import ImmobileLayers
 from ....slam.occupancy_map import OccupancyMap
 from ....slam.scan import LaserScan
 

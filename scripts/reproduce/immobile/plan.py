@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ....slam.errors import InputError
-from ...experiments.cells import Cell
+from ...lab.cells import Cell
 from .drives import MAPPERS, METHOD, POSES, lab_drive
 
 SEEDS, QUICK_SEEDS = 5, 1
@@ -24,7 +24,7 @@ QUICK_SHAKEN = (CLEAN, "vibration 2 deg")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Plan:
+class ImmobilePlan:
     """What is driven.
 
     Attributes:
@@ -72,7 +72,7 @@ def add_plan_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--minutes", type=float, metavar="M", help="cut the drive off (default: at its end)")
 
 
-def plan_of(options: argparse.Namespace) -> Plan:
+def plan_of(options: argparse.Namespace) -> ImmobilePlan:
     """Return the plan that the options ask for.
 
     Raises:
@@ -87,7 +87,7 @@ def plan_of(options: argparse.Namespace) -> Plan:
     if options.minutes is not None and not options.minutes >= 0.1:
         raise InputError(f"--minutes must be at least 0.1, got {options.minutes}")
     longest = None if options.minutes is None else 60.0 * options.minutes
-    return Plan(
+    return ImmobilePlan(
         seeds=range(options.first_seed, options.first_seed + count),
         disturbances=QUICK_SHAKEN if options.quick else tuple(SHAKEN),
         settings={"poses": options.poses, "camera_hz": hz, "delay_s": options.delay, "longest_s": longest},

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ....envs.camera.config import RgbdConfig
+from ....envs.sensors.camera.config import RgbdConfig
 from ....perception.rgbd.planes import Surface
 from ....slam.geometry import transform_points
 from ...figures.plots import name_colours, new_figure, save_figure

@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 from typing import Any
 
-from ....slam.immobile_grid import UNKNOWN, moving_lambda, still_lambda
-from ...experiments.statistics import Estimate
+from ....slam.immobile.grid import UNKNOWN, moving_lambda, still_lambda
+from ...lab.statistics import Estimate
 from ..report import Table
-from .counted import BOUNDS, GAIN, Counted, Share
+from .counted import BOUNDS, GAIN, Counted, CountedShare
 from .drives import MAPPERS, METHOD
 from .measures import HIDDEN
 from .plan import CLEAN, ways_of
@@ -56,7 +56,7 @@ Static: cells that hold a true surface at the laser's height and are occupied in
 in this one. A door is watched on two maps only."""
 
 
-def _gain(share: Share) -> str:
+def _gain(share: CountedShare) -> str:
     return f"{share.value:.2f}" if share.whole else "-"
 
 
@@ -115,7 +115,7 @@ largest error that the disturbed drives leave believable (upper 95 % bound of Cl
 that of the undisturbed ones: of none of n cells, about 3 / n is believable."""
 
 
-def _doubled(calm: Share, error: Share, ratio: Estimate) -> tuple[str, ...]:
+def _doubled(calm: CountedShare, error: CountedShare, ratio: Estimate) -> tuple[str, ...]:
     """Return the last five cells of a row."""
     if not (error.whole and calm.whole):
         return str(calm), str(error), "-", "-", "-"

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...experiments.statistics import Estimate
-from .plan import POINTS, Plan, search_name, success_name
+from ...lab.statistics import Estimate
+from .plan import POINTS, MatchingPlan, search_name, success_name
 from .searches import ALGORITHMS
 
 
@@ -22,7 +22,7 @@ class Answers:
     """
 
     results: Mapping[str, Any]
-    plan: Plan
+    plan: MatchingPlan
 
     def on_grid(self, matcher: str, at: tuple[float, float | None]) -> dict[str, Any]:
         """Return the result of a matcher at an error of the guess (m, deg) of Figs. 7 and 8."""

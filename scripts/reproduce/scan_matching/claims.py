@@ -3,7 +3,7 @@
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from ...experiments.statistics import Estimate
+from ...lab.statistics import Estimate
 from .answers import Answers, estimate
 from .contestants import FAMILY, PLAIN
 from .plan import PATH, POINTS, corridor_name

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ....slam.matching import Matcher, make_matcher
-from ....slam.matching.iterative import MBICP, IterativeMatcher
 from ....slam.scan import LaserScan
-from ...experiments.scan_pairs import LOGS, read_scans, simulated_scans
+from ....slam.scan_to_scan import Matcher, make_matcher
+from ....slam.scan_to_scan.iterative import MBICP, IterativeMatcher
+from ...lab.scan_pairs import LOGS, read_scans, simulated_scans
 
 SIMULATED = "simulated"
 MAIN = ("intel", "belgioioso", "sena", "seattle")

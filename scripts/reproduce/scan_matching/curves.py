@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ....slam.matching.genetic import SIZES
+from ....slam.scan_to_scan.genetic import SIZES
 from ...figures.plots import logarithmic, new_figure, save_figure
 from ..report import Figure
 from .answers import Answers, estimate

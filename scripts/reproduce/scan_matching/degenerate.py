@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 
+from ....envs.simulation2d.outlines import Outlines, cast
 from ....slam.geometry import between, compose
 from ....slam.scan import LaserScan
-from ...training.outlines import Outlines, cast
 from .contestants import make_contestant
 
 _BEARINGS = np.radians(np.arange(-180.0, 180.0))

@@ -6,14 +6,14 @@ from pathlib import Path
 from typing import Any
 
 from ....slam.errors import InputError
-from ...experiments.cells import Cell
 from ...figures.plots import require_matplotlib
+from ...lab.cells import Cell
 from ..report import Report, Section, Table
 from . import curves, pictures, tables
 from .answers import Answers, estimate
 from .claims import Claim, paper_claims, timed_claims
 from .contestants import MAIN, logs_in
-from .plan import POINTS, QUICK, Extent, Plan
+from .plan import POINTS, QUICK, Extent, MatchingPlan
 from .targets import Row, targets
 
 EPILOG = """\
@@ -164,7 +164,7 @@ def _lead(answers: Answers, claims: Sequence[Claim], asked: Sequence[Row]) -> st
     )
 
 
-def left_out(plan: Plan) -> list[str]:
+def left_out(plan: MatchingPlan) -> list[str]:
     """Return what could not be computed, and why."""
     out = ["the paper's RAWSEEDS scans, which are not used"]
     if plan.logs is None:
@@ -175,7 +175,7 @@ def left_out(plan: Plan) -> list[str]:
     return out + ([f"pairs of simulated rooms (no {_PAIRS})"] if plan.pairs_file is None else [])
 
 
-def _plan(options: argparse.Namespace) -> Plan:
+def _plan(options: argparse.Namespace) -> MatchingPlan:
     extent = QUICK if options.quick else Extent()
     if options.trials is not None:
         if options.trials < 10:
@@ -188,7 +188,7 @@ def _plan(options: argparse.Namespace) -> Plan:
     if pairs is None and options.data is not None:
         found = [file for file in (options.data / _PAIRS, options.data / "reference" / _PAIRS) if file.is_file()]
         pairs = found[0] if found else None
-    return Plan(extent, logs if logs is not None and logs.is_dir() else None, pairs)
+    return MatchingPlan(extent, logs if logs is not None and logs.is_dir() else None, pairs)
 
 
 EXPERIMENT = ScanMatching()

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....slam.geometry import transform_points
-from ....slam.matching.genetic import SIZES
-from ....slam.matching.lookup import LookupConfig, build_lookup
+from ....slam.scan_to_scan.genetic import SIZES
+from ....slam.scan_to_scan.lookup import LookupConfig, build_lookup
 from ...figures.plots import new_figure, save_figure
 from ..report import Figure
 

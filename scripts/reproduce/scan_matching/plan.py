@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ....slam.matching import MATCHERS
-from ...experiments.cells import Cell
-from ...experiments.scan_pairs import VIEWS
+from ....slam.scan_to_scan import MATCHERS
+from ...lab.cells import Cell
+from ...lab.scan_pairs import VIEWS
 from .contestants import FAMILY, MAIN, PLAIN, SIMULATED, SUFFIX, logs_in
 from .degenerate import degenerate
 from .real_pairs import AT_TRUTH, consecutive, known_rooms, views
@@ -77,7 +77,7 @@ QUICK = Extent(
 
 
 @dataclass(frozen=True)
-class Plan:
+class MatchingPlan:
     """What is computed from which scans.
 
     Attributes:

@@ -11,8 +11,8 @@ from ....slam.errors import InputError
 from ....slam.geometry import between
 from ....slam.logs.carmen import read_carmen
 from ....slam.scan import LaserScan
-from ...experiments.scan_pairs import LOGS, Trial, view_pairs
-from ...experiments.statistics import share
+from ...lab.scan_pairs import LOGS, Trial, view_pairs
+from ...lab.statistics import share
 from .contestants import make_contestant, quantiles
 
 AT_TRUTH = "plicp from the reference"

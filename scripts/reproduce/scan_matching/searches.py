@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 
 from ....slam.geometry import between
-from ....slam.matching.genetic import LARGE, SIZES, GeneticConfig
-from ....slam.matching.global_matcher import GlobalConfig, GlobalMatcher
-from ....slam.matching.hybrid import HybridConfig, HybridMatcher
-from ....slam.matching.iterative import MBICP, IterativeMatcher
-from ....slam.matching.lookup import LookupConfig, build_lookup
-from ....slam.matching.surfaces import near_points
+from ....slam.scan_to_scan.genetic import LARGE, SIZES, GeneticConfig
+from ....slam.scan_to_scan.global_matcher import GlobalConfig, GlobalMatcher
+from ....slam.scan_to_scan.hybrid import HybridConfig, HybridMatcher
+from ....slam.scan_to_scan.iterative import MBICP, IterativeMatcher
+from ....slam.scan_to_scan.lookup import LookupConfig, build_lookup
+from ....slam.scan_to_scan.surfaces import near_points
 from ....slam.search.exhaustive import exhaustive_search
-from ...experiments.scan_pairs import box_trials, is_success, split_trials
-from ...experiments.statistics import share, t_mean
+from ...lab.scan_pairs import box_trials, is_success, split_trials
+from ...lab.statistics import share, t_mean
 from .contestants import quantiles, scans_of, spread
 from .success import PRE_ANGULAR, PRE_LINEAR
 

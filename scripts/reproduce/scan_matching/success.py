@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....slam.geometry import between
-from ....slam.matching import Match, Matcher
-from ....slam.matching.hybrid import HybridMatcher
-from ...experiments.scan_pairs import Trial, blind_direction, is_success, split_trials
-from ...experiments.statistics import quantile_interval, share, t_mean
+from ....slam.scan_to_scan import Match, Matcher
+from ....slam.scan_to_scan.hybrid import HybridMatcher
+from ...lab.scan_pairs import Trial, blind_direction, is_success, split_trials
+from ...lab.statistics import quantile_interval, share, t_mean
 from .contestants import make_contestant, quantiles, scans_of, spread
 
 PRE_LINEAR, PRE_ANGULAR = 0.30, 0.1

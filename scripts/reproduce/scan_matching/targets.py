@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
-from ...experiments.statistics import Estimate, paired_shares
+from ...lab.statistics import Estimate, paired_shares
 from .answers import Answers, estimate
 from .contestants import SUFFIX
 from .plan import POINTS, TURNS, view_name

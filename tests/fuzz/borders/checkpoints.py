@@ -16,7 +16,7 @@ from numpy.random import Generator
 from tagalong.agents.training.checkpoint import load_arrays, load_progress
 from tagalong.agents.training.curriculum import Curriculum
 from tagalong.agents.training.presets import make_preset
-from tagalong.slam.files import read_arrays
+from tagalong.slam.files.output import read_arrays
 
 _SHAPES = {"policy.weight": (2, 3), "policy.bias": (3,), "steps": ()}
 _INDEX: dict[str, Any] = {

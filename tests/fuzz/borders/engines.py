@@ -12,12 +12,12 @@ from fuzzer.scans import drive, hostile_drive, scan_of
 from fuzzer.values import hostile_value
 from numpy.random import Generator
 from tagalong.slam.engine import make_slam
-from tagalong.slam.laser_odometry import laser_odometry
 from tagalong.slam.localization.localizer import Localizer
 from tagalong.slam.logs.drive import RecordedDrive
-from tagalong.slam.matching.matchers import make_matcher
 from tagalong.slam.occupancy_map import OccupancyMap
-from tagalong.slam.odometry_check import odometry_factors
+from tagalong.slam.scan_to_scan.laser_odometry import laser_odometry
+from tagalong.slam.scan_to_scan.matchers import make_matcher
+from tagalong.slam.scan_to_scan.odometry_check import odometry_factors
 
 FEW = {"gmapping": {"particles": 3, "threads": 1}, "cartographer": {}, "ekf": {}}
 _MATCHERS = ("icp", "plicp", "mbicp", "hglasm-g-small", "global")

@@ -19,7 +19,7 @@ from tagalong.envs.episode_setup import OPTIONS
 from tagalong.envs.follow_config import FollowConfig
 from tagalong.envs.follow_env import FollowEnv
 from tagalong.envs.interface import FollowInterface
-from tagalong.envs.vector_env import FollowVectorEnv
+from tagalong.envs.vector.vector_env import FollowVectorEnv
 
 from borders.logs import hostile
 

@@ -14,8 +14,8 @@ from fuzzer.mutations import mutated_bytes
 from fuzzer.sanity import finite
 from fuzzer.values import hostile_value
 from numpy.random import Generator
-from tagalong.agents.joystick import JoystickReplay, read_joystick_log
 from tagalong.agents.learned.follower import SHIPPED, LearnedFollower
+from tagalong.agents.teleop.joystick import JoystickReplay, read_joystick_log
 from tagalong.envs.interface import FollowInterface
 from tagalong.perception.legs.features import FEATURE_NAMES
 from tagalong.perception.legs.forest import MODELS, LegForest

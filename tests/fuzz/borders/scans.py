@@ -12,10 +12,10 @@ from fuzzer.sanity import finite, sane_scan
 from fuzzer.scans import drive, hostile_drive, scan_of
 from numpy.random import Generator
 from tagalong.perception.config import PerceptionConfig, perception_preset
+from tagalong.perception.leader.selector import LeaderSelector
 from tagalong.perception.legs.detector import LegDetector
 from tagalong.perception.legs.forest import LegForest
 from tagalong.perception.people_filter import filter_people
-from tagalong.perception.tracking.leader import LeaderSelector
 from tagalong.perception.tracking.tracker import PeopleTracker
 from tagalong.slam.logs.drive_folder import read_feet
 from tagalong.slam.logs.scans_npz import NEEDED, read_scans_npz

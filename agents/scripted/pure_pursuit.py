@@ -1,0 +1,133 @@
+"""A follower by pure pursuit (Coulter 1992): on the leader's own trail instead of straight at the leader."""
+
+import math
+from collections import deque
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...envs.interface import FollowInterface
+from ...slam.errors import InputError
+from ..follower import Observation
+from .avoidance import AvoidanceConfig, free_heading
+from .leader_memory import Goal, LeaderMemory, MemoryConfig, Mode
+from .scan_points import ScanPoints, as_action, leader_row, own_velocity, without
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PurePursuitConfig:
+    """How the trail is followed.
+
+    Attributes:
+        distance: Distance kept from the leader, centre to centre [m].
+        lookahead: The point on the trail that is steered for lies this far away [m].
+        spacing: Distance between two points of the trail [m].
+        catch_up: Forward speed per metre that the leader is too far away, beside its own speed [1/s].
+        reverse_speed: Fastest backing away from a leader who comes near [m/s].
+        acceleration: Limit on the change of the forward speed [m/s^2].
+        turn_acceleration: Limit on the change of the turn rate [rad/s^2].
+        pivot: Bearing of the aim beyond which the robot turns on the spot [rad].
+        pivot_gain: Turn rate per bearing while it does [1/s].
+        body: Returns nearer than this to a leader who is seen are the leader, not an obstacle [m].
+        avoidance: How the robot keeps clear of things.
+        memory: What it does when the leader is lost.
+    """
+
+    distance: float = 1.3
+    lookahead: float = 0.8
+    spacing: float = 0.1
+    catch_up: float = 1.0
+    reverse_speed: float = 0.5
+    acceleration: float = 1.5
+    turn_acceleration: float = 3.0
+    pivot: float = 0.8
+    pivot_gain: float = 1.8
+    body: float = 0.45
+    avoidance: AvoidanceConfig = field(default_factory=AvoidanceConfig)
+    memory: MemoryConfig = field(default_factory=MemoryConfig)
+
+    def __post_init__(self) -> None:
+        for name in ("distance", "lookahead", "spacing", "acceleration", "turn_acceleration"):
+            if not getattr(self, name) > 0.0:
+                raise InputError(f"`{name}` of pure pursuit must be positive, got {getattr(self, name)}")
+
+
+class PurePursuitFollower:
+    """Drives along arcs to a point of the leader's trail, so it goes round corners where the leader did."""
+
+    def __init__(self, interface: FollowInterface | None = None, config: PurePursuitConfig | None = None) -> None:
+        self.interface = interface or FollowInterface()
+        self.config = config or PurePursuitConfig()
+        self._step_s = 1.0 / self.interface.control_hz
+        self._memory = LeaderMemory(self.config.memory, self._step_s)
+        self._points = ScanPoints(self.interface)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything; call it before each episode."""
+        self._memory.reset()
+        self._trail: deque[tuple[float, float]] = deque()
+        self._speed = self._turn = self._deviation = 0.0
+
+    def act(self, observation: Observation) -> NDArray[np.float32]:
+        """Return the action (forward, turn), or (forward, 0, turn) for a holonomic robot, each in [-1, 1]."""
+        velocity = own_velocity(observation)
+        goal = self._memory.update(leader_row(observation), velocity)
+        self._carry_along(velocity)
+        if goal.mode is Mode.WAIT:
+            return self._command(0.0, 0.0)
+        if goal.mode is Mode.SEARCH:
+            self._trail.clear()
+            return self._command(0.0, self._memory.search_turn)
+        self._extend(goal)
+        aim = self._aim(goal)
+        points = self._points.near(observation, self.config.avoidance.horizon + 1.0)
+        if observation["leader"][5] > 0.5:
+            points = without(points, np.array([[goal.x, goal.y]]), self.config.body)
+        bearing, reach = math.atan2(aim[1], aim[0]), math.hypot(*aim)
+        way = free_heading(bearing, reach, points, self._deviation, self.config.avoidance)
+        self._deviation = way.heading - bearing
+        return self._command(*self._drive(goal, way.heading, reach, way.ahead))
+
+    def _drive(self, goal: Goal, heading: float, reach: float, ahead: float) -> tuple[float, float]:
+        c = self.config
+        if abs(heading) > c.pivot:
+            return 0.0, c.pivot_gain * heading
+        keep = c.distance if goal.mode is Mode.FOLLOW else 0.0
+        pace = max(0.0, goal.vx * math.cos(goal.bearing) + goal.vy * math.sin(goal.bearing))
+        wish = pace + c.catch_up * (goal.distance - keep)
+        if wish < -0.1:
+            return max(wish, -c.reverse_speed), c.pivot_gain * goal.bearing
+        speed = max(0.0, wish) * math.cos(heading)
+        speed = min(speed, self.interface.max_speed, math.sqrt(2.0 * c.acceleration * max(0.0, ahead - 0.1)))
+        curvature = 2.0 * math.sin(heading) / max(reach, 0.3)
+        standing_turn = 0.0 if speed > 0.15 else c.pivot_gain * goal.bearing
+        return speed, speed * curvature + standing_turn
+
+    def _extend(self, goal: Goal) -> None:
+        last = self._trail[-1] if self._trail else (math.inf, math.inf)
+        if math.hypot(goal.x - last[0], goal.y - last[1]) > self.config.spacing:
+            self._trail.append((goal.x, goal.y))
+
+    def _aim(self, goal: Goal) -> tuple[float, float]:
+        """Return the first point of the trail, robot frame, that is not nearer than `lookahead`; drops those before."""
+        while self._trail and math.hypot(*self._trail[0]) < self.config.lookahead:
+            self._trail.popleft()
+        return self._trail[0] if self._trail else (goal.x, goal.y)
+
+    def _carry_along(self, velocity: tuple[float, float, float]) -> None:
+        """Move the trail from the last robot frame into the present one."""
+        dx, dy, turned = (v * self._step_s for v in velocity)
+        cos, sin = math.cos(turned), math.sin(turned)
+        moved = ((x - dx, y - dy) for x, y in self._trail)
+        self._trail = deque((cos * x + sin * y, cos * y - sin * x) for x, y in moved)
+
+    def _command(self, speed: float, turn: float) -> NDArray[np.float32]:
+        step, turn_step = self.config.acceleration * self._step_s, self.config.turn_acceleration * self._step_s
+        top = self.interface.max_turn_rate
+        self._speed = min(max(speed, self._speed - step), self._speed + step)
+        self._turn = min(max(turn, self._turn - turn_step, -top), self._turn + turn_step, top)
+        return as_action(self._speed, self._turn, self.interface)

@@ -1,0 +1,195 @@
+"""What the robot believes: from its scans and its odometry alone, unless a switch lets truth in (truth.py)."""
+
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...perception.config import PerceptionConfig
+from ...perception.leader.selector import LeaderEstimate
+from ...perception.legs.detector import Detections, no_detections
+from ...perception.people_filter import FilteredScan
+from ...perception.rgbd.frame import RgbdFrame
+from ...perception.stages import Stages, completed
+from ...perception.tracking.camera import SeenPeople
+from ...perception.tracking.people import People
+from ...perception.tracking.tracker import PeopleTracker
+from ...slam.geometry import between, inverse, transform_points
+from ...slam.occupancy_map import OccupancyMap
+from ...slam.scan import LaserScan
+from .camera_pipeline import CameraPipeline
+from .immobile_map import Drawing
+from .mappers import Mapper
+
+Array = NDArray[np.float64]
+
+
+class PeopleSource(Protocol):
+    """Where the robot's knowledge of people comes from."""
+
+    def update_in_stages(self, scan: LaserScan, odometry: Array, seen: SeenPeople | None) -> Stages[People]:
+        """Take one scan with its odometry pose (3,), and whom a camera saw, if it did.
+
+        Returns:
+            The people in the odometry frame.
+        """
+        ...
+
+    @property
+    def detections(self) -> Detections:
+        """What was found in the last scan: legs, some of people not known yet."""
+        ...
+
+
+class TrackedPeopleSource:
+    """People found by the tracker, in the scans and in what a camera saw."""
+
+    def __init__(self, tracker: PeopleTracker) -> None:
+        self._tracker = tracker
+        self._detections = no_detections()
+
+    def update_in_stages(self, scan: LaserScan, odometry: Array, seen: SeenPeople | None) -> Stages[People]:
+        """Take one scan with its odometry pose (3,), and whom a camera saw; return the people, odometry frame."""
+        update = yield from self._tracker.update_in_stages(scan, odometry, seen)
+        self._detections = update.detections
+        return update.people
+
+    @property
+    def detections(self) -> Detections:
+        """What the tracker's detector found in the last scan."""
+        return self._detections
+
+
+class Selector(Protocol):
+    """Chooses and keeps the leader."""
+
+    def update(self, people: People, robot_pose: Array, scan: LaserScan) -> LeaderEstimate | None:
+        """Return the leader among `people` (odometry frame), in a scan from the robot's pose (3,); None for none."""
+        ...
+
+
+class NobodyLeads:
+    """There is no leader to choose."""
+
+    def update(self, people: People, robot_pose: Array, scan: LaserScan) -> None:
+        """Choose nobody."""
+
+
+@dataclass(frozen=True, eq=False)
+class Belief:
+    """What the robot believes after a step.
+
+    Attributes:
+        sifted: The latest scan, with and without people.
+        odometry: (3,) T_odom_robot.
+        velocity: (3,) of the robot by odometry: forward, left, turn [m/s, m/s, rad/s].
+        people: People in the odometry frame.
+        people_robot: The same people in the robot frame.
+        leader: The leader in the robot frame; None until one was chosen.
+        map: The map so far.
+        map_pose: (3,) T_map_robot; NaN without a map.
+    """
+
+    sifted: FilteredScan
+    odometry: Array
+    velocity: Array
+    people: People
+    people_robot: People
+    leader: LeaderEstimate | None
+    map: OccupancyMap
+    map_pose: Array
+
+    @property
+    def scan(self) -> LaserScan:
+        """The latest scan as measured."""
+        return self.sifted.scan
+
+    @property
+    def filtered(self) -> LaserScan:
+        """The same without people."""
+        return self.sifted.without_people
+
+    @property
+    def leader_id(self) -> int:
+        """Identity of the track that carries the leader now; -1 for none."""
+        return -1 if self.leader is None else self.leader.track_id
+
+    @property
+    def sees_leader(self) -> bool:
+        """Whether the leader is seen now."""
+        return self.leader is not None and self.leader.visible
+
+
+class OnboardStack:
+    """People, leader, people-free scans and map, from one scan to the next.
+
+    Args:
+        people: Where the knowledge of people comes from.
+        selector: Chooses and keeps the leader.
+        mapper: Builds the map from people-free scans.
+        drawing: The map on the mapper's poses.
+        sight: Understands what the camera sees.
+        config: How near to people, and to what may be people, returns are dropped.
+    """
+
+    def __init__(
+        self,
+        people: PeopleSource,
+        selector: Selector,
+        mapper: Mapper,
+        drawing: Drawing,
+        sight: CameraPipeline,
+        config: PerceptionConfig,
+    ) -> None:
+        self._people, self._selector, self._mapper, self._config = people, selector, mapper, config
+        self._drawing, self._sight = drawing, sight
+        self._last: tuple[float, Array] | None = None
+        self._velocity = np.zeros(3)
+
+    def update(self, scan: LaserScan, odometry: Array) -> Belief:
+        """Take one scan and the odometry pose (3,) at its time; return what is believed now."""
+        return completed(self.update_in_stages(scan, odometry))
+
+    def update_in_stages(self, scan: LaserScan, odometry: Array) -> Stages[Belief]:
+        """Do as `update`, with pauses."""
+        self._measure_velocity(scan.time_s, odometry)
+        sightings = self._sight.update(scan.time_s, odometry)
+        seen = sightings[-1].people if sightings else None
+        people = yield from self._people.update_in_stages(scan, odometry, seen)
+        yield
+        leader = self._selector.update(people, odometry, scan)
+        yield
+        sifted = FilteredScan(scan, odometry, people, self._people.detections, self._config)
+        self._mapper.update(odometry, sifted)
+        grid = self._drawing.update(self._mapper, sifted, [sighting.view for sighting in sightings])
+        return Belief(
+            sifted=sifted,
+            odometry=odometry,
+            velocity=self._velocity,
+            people=people,
+            people_robot=people.in_frame_of(odometry),
+            leader=None if leader is None else _in_robot_frame(leader, odometry),
+            map=grid,
+            map_pose=self._mapper.pose,
+        )
+
+    def look(self, frames: tuple[RgbdFrame, ...]) -> None:
+        """Take the camera's frames, oldest first; what they say is believed with later scans."""
+        self._sight.look(frames)
+
+    def _measure_velocity(self, time_s: float, odometry: Array) -> None:
+        if self._last is not None:
+            before_s, before = self._last
+            self._velocity = between(before, odometry) / (time_s - before_s)
+        self._last = (time_s, odometry)
+
+
+def _in_robot_frame(leader: LeaderEstimate, odometry: Array) -> LeaderEstimate:
+    T_robot_odom = inverse(odometry)
+    turn = np.array([0.0, 0.0, T_robot_odom[2]])
+    return replace(
+        leader,
+        position=transform_points(T_robot_odom, leader.position[None])[0],
+        velocity=transform_points(turn, leader.velocity[None])[0],
+    )

@@ -1,0 +1,1 @@
+"""What happened in an episode, recorded: histories, rollouts and reference drives."""

@@ -1,0 +1,1 @@
+"""The robot: its base, its wheel odometry, and a scripted operator that drives it."""

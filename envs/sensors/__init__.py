@@ -1,0 +1,1 @@
+"""Simulated sensors: the laser and the RGB-D camera."""

@@ -1,0 +1,1 @@
+"""A second, planar simulator: buildings, lasers, drives and people drawn at random, without MuJoCo."""

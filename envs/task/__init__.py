@@ -1,0 +1,1 @@
+"""The task of an episode: observations, rewards, endings and coverage."""

@@ -1,0 +1,1 @@
+"""Many environments in worker processes, as one Gymnasium vector environment."""

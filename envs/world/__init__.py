@@ -1,0 +1,1 @@
+"""The simulated world: building, doors and people compiled into one MuJoCo model, and stepped."""

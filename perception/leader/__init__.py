@@ -1,0 +1,1 @@
+"""Which of the tracked people leads the robot, and how it is recognised again."""

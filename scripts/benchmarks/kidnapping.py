@@ -1,0 +1,276 @@
+"""A robot that wakes up somewhere on a finished map, or is carried away: how soon it knows where it is.
+
+The maps are our own: of people-free drives through the simulated scenes, and of every second scan of the Intel log.
+
+Run: python -m tagalong.scripts.benchmarks.kidnapping LOGS OUT [TRIALS] [JOBS] [SEED]
+
+The seed says which building a scene is, and where robots are carried to.
+"""
+
+import argparse
+import copy
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...envs.recording.slow_tour import slow_tour
+from ...envs.world.world import WorldConfig
+from ...slam.engine import SlamEngine, make_slam
+from ...slam.files.output import write_json
+from ...slam.geometry import between
+from ...slam.grid import GridConfig, render_map
+from ...slam.localization.localizer import Localizer
+from ...slam.logs.carmen import read_carmen
+from ...slam.logs.drive import RecordedDrive
+from ...slam.occupancy_map import OccupancyMap
+from ...slam.quality.trajectory import absolute_error
+from ..cli import told
+from ..lab.cells import TIMING, Cell, run_cells
+from ..lab.hardware import describe_machine
+from ..lab.scan_pairs import LOGS
+from ..lab.statistics import share
+from ..tables import format_table
+from .kidnapped_legs import Leg, LegSource, RecordedLegs, SimulatedLegs
+
+SCENES = ("corridor", "meeting_room")
+PEOPLE = 2
+BLOCK = 10  # trials of one cell
+SLAM_BLOCK = 50  # likewise, where a cell maps the whole drive first
+SCANS = 10  # in which the robot must be found
+BEFORE = 6  # scans of a tracked robot before it is carried away
+LINEAR, ANGULAR = 0.3, np.radians(5.0)
+_RESOLUTION = 0.05
+
+
+def map_scene(scene: str, seed: int, files: Path) -> dict[str, Any]:
+    """Map a scene by a slow drive without people; keep the map and where it lies in the world."""
+    drive = slow_tour(WorldConfig(scene=scene), seed)
+    engine = _mapped(drive.recording)
+    placed = absolute_error(engine.trajectory(), drive.truth)
+    _keep(files, engine.map_at(_RESOLUTION), T_world_map=placed.T_ref_est)
+    return {"scans": len(drive.recording), "ate_m": placed.translation.rmse}
+
+
+def map_log(folder: str, building: str, files: Path) -> dict[str, Any]:
+    """Map every second scan of a log at the poses that SLAM of all scans found; keep the map and the poses."""
+    drive = read_carmen(Path(folder) / LOGS[building])
+    engine = _mapped(drive)
+    poses = engine.trajectory()
+    _keep(files, render_map(poses[::2], drive.scans[::2], GridConfig(resolution=_RESOLUTION)), truth=poses)
+    return {"scans": len(drive)}
+
+
+def awake(
+    building: str,
+    folder: str | None,
+    people: int,
+    carried: bool,
+    seed: int,
+    first: int,
+    trials: int,
+    inputs: Sequence[Path],
+) -> dict[str, Any]:
+    """Return what became of some trials: by which scan the robot was found, its errors, and whether it was wrong.
+
+    Args:
+        building: Scene, or name of a log.
+        folder: Of the logs; None: a scene.
+        people: Who walk in a scene while the robot looks for itself.
+        carried: Whether it was tracked elsewhere before, and not told.
+        seed: Of the scene, and of all trials.
+        first: Number of the first trial; each has random numbers of its own.
+        trials: How many.
+        inputs: Folder of the map.
+    """
+    kept = np.load(inputs[0] / "map.npz")
+    grid = OccupancyMap(kept["probability"], float(kept["resolution"]), tuple(kept["origin"].tolist()))
+    result: dict[str, Any] = {"found_at": [], "error_m": [], "error_deg": [], "wrong": [], "noticed_at": []}
+    legs, times = _legs(building, folder, people, seed, grid, kept), list[float]()
+    for trial in range(first, first + trials):
+        rng = np.random.default_rng([seed, trial, carried, people])
+        outcome = _trial(legs, grid, carried, rng, times)
+        for key, value in outcome.items():
+            result[key].append(value)
+    return {**result, TIMING: {"median_ms": 1e3 * np.median(times), "longest_ms": 1e3 * max(times)}}
+
+
+def carried_while_mapping(
+    building: str, folder: str | None, people: int, seed: int, first: int, trials: int, inputs: Sequence[Path]
+) -> dict[str, Any]:
+    """Return what became of trials in which SLAM has mapped the whole drive when the robot is carried away.
+
+    A pose counts only where SLAM says that it is located. Arguments as of `awake`; of a log, the legs are of scans
+    that were mapped, too.
+    """
+    kept = np.load(inputs[0] / "map.npz")
+    grid = OccupancyMap(kept["probability"], float(kept["resolution"]), tuple(kept["origin"].tolist()))
+    if folder is None:
+        drive = slow_tour(WorldConfig(scene=building), seed).recording
+        legs = _legs(building, None, people, seed, grid, kept)
+    else:
+        drive = read_carmen(Path(folder) / LOGS[building])
+        legs = RecordedLegs(drive, kept["truth"], np.ones(len(drive), dtype=np.bool_))
+    engine = _mapped(drive)
+    engine.trajectory()  # the graph is adjusted now, not in each trial
+    result: dict[str, Any] = {"found_at": [], "error_m": [], "error_deg": [], "wrong": [], "noticed_at": []}
+    last = Leg(drive.odometry[-1:], drive.scans[-1:], drive.odometry[-1:])
+    for trial in range(first, first + trials):
+        rng = np.random.default_rng([seed, trial, 2, people])
+        kept_scans = {id(scan): scan for scan in drive.scans}  # they never change: no copy of them is needed
+        robot, leg = copy.deepcopy(engine, kept_scans), legs.draw(SCANS, rng).after(last)
+        updates = [robot.update(odometry, scan) for odometry, scan in zip(leg.odometry, leg.scans, strict=True)]
+        for key, value in _judged([u.pose if u.located else None for u in updates], leg.truth).items():
+            result[key].append(value)
+    return result
+
+
+def cells(folder: Path | None, trials: int, seed: int) -> list[Cell]:
+    """Return all cells: the maps, and blocks of trials; without a folder of logs only those of the scenes."""
+    made = [
+        Cell(name=f"map/{scene}", function=map_scene, arguments={"scene": scene, "seed": seed}, keeps_files=True)
+        for scene in SCENES
+    ]
+    settings: list[tuple[str, str | None, int]] = [(scene, None, people) for scene in SCENES for people in (0, PEOPLE)]
+    if folder is not None:
+        source = {"folder": str(folder), "building": "intel"}
+        made.append(Cell(name="map/intel", function=map_log, arguments=source, keeps_files=True))
+        settings.append(("intel", str(folder), 0))
+    for building, logs, people in settings:
+        for carried in (False, True):
+            for first in range(0, trials, BLOCK):
+                arguments = {
+                    "building": building, "folder": logs, "people": people, "carried": carried,
+                    "seed": seed, "first": first, "trials": min(BLOCK, trials - first),
+                }  # fmt: skip
+                name = f"{building}/{people}p/{'carried' if carried else 'awake'}/{first}"
+                made.append(Cell(name=name, function=awake, arguments=arguments, needs=(f"map/{building}",)))
+        for first in range(0, trials, SLAM_BLOCK):
+            arguments = {
+                "building": building, "folder": logs, "people": people, "seed": seed,
+                "first": first, "trials": min(SLAM_BLOCK, trials - first),
+            }  # fmt: skip
+            name = f"{building}/{people}p/slam/{first}"
+            made.append(
+                Cell(name=name, function=carried_while_mapping, arguments=arguments, needs=(f"map/{building}",))
+            )
+    return made
+
+
+def summary(results: Mapping[str, Mapping[str, Any]]) -> dict[str, dict[str, Any]]:
+    """Return by building, people and kind: the shares found within `SCANS`, wrong though sure, and not sure."""
+    joined: dict[str, dict[str, list[Any]]] = {}
+    for name, result in results.items():
+        if not name.startswith("map/"):
+            together = joined.setdefault(name.rsplit("/", 1)[0], {})
+            for key in ("found_at", "error_m", "error_deg", "wrong"):
+                together.setdefault(key, []).extend(result[key])
+    table = {}
+    for name, together in joined.items():
+        found = [value is not None for value in together["found_at"]]
+        scans = [value for value in together["found_at"] if value is not None]
+        table[name] = {
+            "found": share(found).to_dict(),
+            "wrong": share(together["wrong"]).to_dict(),
+            "median_scans": float(np.median(scans)) if scans else None,
+            "p95_scans": float(np.quantile(scans, 0.95)) if scans else None,
+            "median_error_cm": 100.0 * float(np.median([v for v in together["error_m"] if v is not None] or [np.nan])),
+        }
+    return table
+
+
+def _trial(
+    legs: LegSource, grid: OccupancyMap, carried: bool, rng: np.random.Generator, times: list[float]
+) -> dict[str, Any]:
+    localizer = Localizer(grid)
+    leg = legs.draw(SCANS, rng)
+    if carried:
+        before = legs.draw(BEFORE, rng)
+        localizer = Localizer(grid, start=before.truth[0])
+        for odometry, scan in zip(before.odometry, before.scans, strict=True):
+            localizer.update(odometry, scan)
+        leg = leg.after(before)
+    poses = []
+    for odometry, scan in zip(leg.odometry, leg.scans, strict=True):
+        start = time.perf_counter()
+        poses.append(localizer.update(odometry, scan).pose)
+        times.append(time.perf_counter() - start)
+    return _judged(poses, leg.truth)
+
+
+def _judged(poses: Sequence[NDArray[np.float64] | None], truth: NDArray[np.float64]) -> dict[str, Any]:
+    errors = [None if pose is None else between(true, pose) for true, pose in zip(truth, poses, strict=True)]
+    good = [e is not None and bool(np.hypot(e[0], e[1]) <= LINEAR and abs(e[2]) <= ANGULAR) for e in errors]
+    last = errors[-1]
+    found = SCANS - next((k for k, fine in enumerate(reversed(good)) if not fine), SCANS)
+    return {
+        "found_at": found + 1 if found < SCANS else None,
+        "error_m": None if last is None else float(np.hypot(last[0], last[1])),
+        "error_deg": None if last is None else float(np.degrees(abs(last[2]))),
+        "wrong": last is not None and not good[-1],
+        "noticed_at": next((k + 1 for k, error in enumerate(errors) if error is None), None),
+    }
+
+
+def _mapped(drive: RecordedDrive) -> SlamEngine:
+    engine = make_slam("cartographer")
+    for odometry, scan in zip(drive.odometry, drive.scans, strict=True):
+        engine.update(odometry, scan)
+    return engine
+
+
+def _legs(
+    building: str, folder: str | None, people: int, seed: int, grid: OccupancyMap, kept: Mapping[str, Any]
+) -> LegSource:
+    if folder is None:
+        return SimulatedLegs(building, seed, people, grid, kept["T_world_map"])
+    truth = kept["truth"]
+    return RecordedLegs(read_carmen(Path(folder) / LOGS[building]), truth, np.arange(len(truth)) % 2 == 1)
+
+
+def _keep(files: Path, grid: OccupancyMap, **more: Any) -> None:
+    np.savez(files / "map.npz", probability=grid.probability, resolution=grid.resolution, origin=grid.origin, **more)
+
+
+def _interval(row: Mapping[str, float]) -> str:
+    return f"{row['mean']:.2f} [{row['low']:.2f}, {row['high']:.2f}]"
+
+
+def main(words: Sequence[str]) -> int:
+    """Run the experiment: LOGS OUT [TRIALS] [JOBS] [SEED]."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("logs", type=Path, metavar="LOGS", help="folder of recorded logs")
+    parser.add_argument("out", type=Path, metavar="OUT", help="where the results go")
+    for name, default in (("trials", 100), ("jobs", 1), ("seed", 0)):
+        parser.add_argument(
+            name, type=int, nargs="?", default=default, metavar=name.upper(), help=f"(default: {default})"
+        )
+    options = parser.parse_args(words)
+    if not options.logs.is_dir():
+        parser.error(f"{options.logs} is not a folder")
+    out, trials, seed = options.out, options.trials, options.seed
+    results = run_cells(cells(options.logs, trials, seed), out, jobs=options.jobs)
+    table = summary(results)
+    write_json(out / "summary.json", {"machine": describe_machine(), "seed": seed, "trials": trials, "results": table})
+    rows = [
+        (
+            name,
+            _interval(row["found"]),
+            _interval(row["wrong"]),
+            f"{row['median_scans']}",
+            f"{row['p95_scans']}",
+            f"{row['median_error_cm']:.1f}",
+        )
+        for name, row in table.items()
+    ]
+    header = ("building", f"found in {SCANS} scans", "sure but wrong", "median scans", "p95 scans", "median error [cm]")
+    print(format_table(header, rows))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(told(lambda: main(sys.argv[1:])))

@@ -1,0 +1,226 @@
+"""How well people are tracked and kept out of scans in simulated drives.
+
+Command: python -m tagalong.scripts.benchmarks.people --scene corridor --seeds 10 --people 4
+"""
+
+import argparse
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...envs.world.truth import TrueState
+from ...envs.world.world import World, WorldConfig
+from ...perception.config import PerceptionConfig, perception_preset
+from ...perception.leader.selector import LeaderSelector
+from ...perception.legs.detector import LegDetector
+from ...perception.legs.forest import LegForest
+from ...perception.metrics.clear_mot import ClearMot
+from ...perception.people_filter import near_points, people_points_lidar
+from ...perception.tracking.tracker import PeopleTracker, TrackerUpdate
+from ...slam.files.output import write_json
+from ...slam.geometry import between, compose, inverse, transform_points, wrap_angle
+from ...slam.scan import LaserScan
+from ..cli import told
+from ..lab.arguments import at_least, positive
+
+RANGE = 6.0
+LEAST_RETURNS = 3
+Array = NDArray[np.float64]
+
+
+@dataclass(eq=False)
+class Shares:
+    """Returns kept and removed.
+
+    Attributes:
+        people: Returns on walking people within 6 m, and those of them removed.
+        tracked: The same, of people who have been tracked for a second or more at that moment.
+        known: The same, from one second after a person's first track to the end of the drive, tracked or not.
+        static: Returns on all that is no person, and those of them removed.
+    """
+
+    people: Array = field(default_factory=lambda: np.zeros(2))
+    tracked: Array = field(default_factory=lambda: np.zeros(2))
+    known: Array = field(default_factory=lambda: np.zeros(2))
+    static: Array = field(default_factory=lambda: np.zeros(2))
+
+
+class DriveJudge:
+    """Judges one drive, scan by scan."""
+
+    def __init__(self, config: PerceptionConfig) -> None:
+        self._config = config
+        self.walking, self.standing, self.shares = ClearMot(), ClearMot(), Shares()
+        self._since: dict[tuple[int, int], float] = {}
+        self._first: dict[int, float] = {}
+
+    def add(self, world: World, truth: TrueState, update: TrackerUpdate, scan: LaserScan) -> None:
+        """Take one scan of `world`."""
+        people, centres = update.people, truth.people.positions
+        labels = world.scan_labels()[scan.is_return]
+        T_world_odom = compose(truth.robot_pose, inverse(update.odometry))
+        tracks = transform_points(T_world_odom, people.positions)
+        near = np.hypot(*(centres - truth.robot_pose[:2]).T) <= RANGE
+        seen = near & (returns_on_a_leg(truth, scan, labels) >= LEAST_RETURNS)
+        tracks_near = np.hypot(*(tracks - truth.robot_pose[:2]).T) <= RANGE
+        walks = truth.people.walking
+        matched = self.walking.add(centres, seen & walks, tracks, people.ids, tracks_near)
+        self.standing.add(centres, seen & ~walks, tracks, people.ids, np.zeros(len(tracks), dtype=bool))
+        known = self._known(matched, people.ids, truth.time_s)
+        self._count_returns(update, scan, labels, walks, *known)
+
+    def _known(
+        self, matched: NDArray[np.intp], ids: NDArray[np.int64], time_s: float
+    ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        tracked, known = np.zeros(len(matched), dtype=bool), np.zeros(len(matched), dtype=bool)
+        for person, track in enumerate(matched):
+            if track >= 0:
+                since = self._since.setdefault((person, int(ids[track])), time_s)
+                self._first.setdefault(person, time_s)
+                tracked[person] = time_s - since >= 1.0
+            known[person] = time_s - self._first.get(person, np.inf) >= 1.0
+        return tracked, known
+
+    def _count_returns(
+        self,
+        update: TrackerUpdate,
+        scan: LaserScan,
+        labels: NDArray[np.int32],
+        walks: NDArray[np.bool_],
+        tracked: NDArray[np.bool_],
+        known: NDArray[np.bool_],
+    ) -> None:
+        points = people_points_lidar(update.people, update.odometry, scan)
+        removed = near_points(scan, points, self._config.zeta)[scan.is_return]
+        human = labels >= 0
+        person = np.where(human, labels, 0)
+        walker = human & walks[person] & (scan.ranges[scan.is_return] <= RANGE) if len(walks) else human
+        for total, chosen in (
+            (self.shares.people, walker),
+            (self.shares.tracked, walker & tracked[person] if len(walks) else walker),
+            (self.shares.known, walker & known[person] if len(walks) else walker),
+            (self.shares.static, ~human),
+        ):
+            total += (np.count_nonzero(chosen), np.count_nonzero(chosen & removed))
+
+
+def returns_on_a_leg(truth: TrueState, scan: LaserScan, labels: NDArray[np.int32]) -> NDArray[np.int64]:
+    """Return (n,) the returns on that leg of each person that has more of them."""
+    points = transform_points(truth.robot_pose, scan.points_robot)
+    counts = np.zeros((len(truth.people), 2), dtype=np.int64)
+    for person, legs in enumerate(truth.people.legs):
+        own = points[labels == person]
+        leg = np.hypot(own[:, None, 0] - legs[:, 0], own[:, None, 1] - legs[:, 1]).argmin(axis=1)
+        counts[person] = np.bincount(leg, minlength=2)
+    return counts.max(axis=1)
+
+
+def follow_command(truth: TrueState, distance: float = 1.3) -> Array:
+    """Return (2,) speeds [m/s, rad/s] that follow the true leader; straight on without one."""
+    if truth.leader_index < 0:
+        return np.array([0.3, 0.0])
+    leader = truth.people.positions[truth.leader_index]
+    ahead = between(truth.robot_pose, np.array([*leader, 0.0]))
+    bearing = float(wrap_angle(np.arctan2(ahead[1], ahead[0])))
+    speed = 1.5 * (float(np.hypot(ahead[0], ahead[1])) - distance) * max(0.0, np.cos(bearing))
+    return np.array([np.clip(speed, 0.0, 1.3), np.clip(2.5 * bearing, -1.5, 1.5)])
+
+
+def drives(options: argparse.Namespace) -> Iterator[dict[str, Any]]:
+    """Run the drives one by one and yield a row of the table for each."""
+    config = perception_preset(options.preset)
+    detector = LegDetector(LegForest.load(options.forest), config.detector())
+    for seed in range(options.first_seed, options.first_seed + options.seeds):
+        world = World(WorldConfig(scene=options.scene, people=options.people), np.random.default_rng(seed))
+        yield {"seed": seed, **_judge_drive(world, config, detector, options.seconds)}
+
+
+def _judge_drive(world: World, config: PerceptionConfig, detector: LegDetector, seconds: float) -> dict[str, Any]:
+    tracker, selector, judge = PeopleTracker(config, detector), LeaderSelector(config), DriveJudge(config)
+    spent, scans, right, chosen, onset_s = 0.0, 0, None, 0.0, 0.0
+    while world.time_s < seconds and not world.truth.tour_done:
+        world.step(follow_command(world.truth))
+        scan, truth = world.scan(), world.truth
+        start = time.perf_counter()
+        update = tracker.update(scan, world.odometry)
+        leader = selector.update(update.people, world.odometry)
+        spent += time.perf_counter() - start
+        scans += 1
+        judge.add(world, truth, update, scan)
+        if leader is not None:
+            place = transform_points(compose(truth.robot_pose, inverse(update.odometry)), leader.position[None])[0]
+            on_leader = bool(np.hypot(*(place - truth.people.positions[truth.leader_index])) < 0.6)
+            onset_s = truth.time_s if right is None else onset_s
+            right = on_leader if right is None or truth.time_s - onset_s < 1.2 else right
+            chosen += on_leader
+    return _row(judge) | {"leader_right": right, "leader_held": chosen / scans, "ms": 1e3 * spent / scans}
+
+
+def _row(judge: DriveJudge) -> dict[str, Any]:
+    walking, shares = judge.walking, judge.shares
+    return {
+        "mota": walking.mota,
+        "misses": walking.misses,
+        "false": walking.false,
+        "switches": walking.switches,
+        "truths": walking.truths,
+        "motp": walking.motp,
+        "standing_mota": judge.standing.mota,
+        "standing_truths": judge.standing.truths,
+        "people": shares.people,
+        "tracked": shares.tracked,
+        "known": shares.known,
+        "static": shares.static,
+    }
+
+
+def summary(rows: list[dict[str, Any]]) -> dict[str, float]:
+    """Return the figures over all drives: sums of counts, not means of ratios."""
+    total = {key: sum(row[key] for row in rows) for key in ("misses", "false", "switches", "truths")}
+    shares = {key: np.sum([row[key] for row in rows], axis=0) for key in ("people", "tracked", "known", "static")}
+    known_leader = [row["leader_right"] for row in rows if row["leader_right"] is not None]
+    return {
+        "mota": 1.0 - (total["misses"] + total["false"] + total["switches"]) / max(1, total["truths"]),
+        **{key: total[key] / max(1, total["truths"]) for key in ("misses", "false", "switches")},
+        **{f"removed_{key}": float(value[1] / max(1.0, value[0])) for key, value in shares.items()},
+        "leader_right": float(np.mean(known_leader)) if known_leader else float("nan"),
+        "leader_held": float(np.mean([row["leader_held"] for row in rows])),
+        "ms_per_scan": float(np.mean([row["ms"] for row in rows])),
+    }
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the experiment; see the module's docstring."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--scene", default="corridor")
+    parser.add_argument("--seeds", type=at_least(1), default=10)
+    parser.add_argument("--first-seed", type=at_least(0), default=0)
+    parser.add_argument("--people", type=at_least(1), default=4)
+    parser.add_argument("--preset", default="table2")
+    parser.add_argument("--forest", default="simulation")
+    parser.add_argument("--seconds", type=positive, default=120.0, help="longest drive [s]")
+    parser.add_argument("--out", type=Path, help="folder for people.json")
+    options = parser.parse_args(arguments)
+    rows = []
+    for row in drives(options):
+        rows.append(row)
+        print(
+            f"seed {row['seed']:3d}  MOTA {row['mota']:.3f} (misses {row['misses']}, false {row['false']}, "
+            f"switches {row['switches']} of {row['truths']})  standing {row['standing_mota']:.3f} "
+            f"of {row['standing_truths']}  leader {row['leader_right']} held {row['leader_held']:.2f}",
+            flush=True,
+        )
+    figures = summary(rows)
+    print("  ".join(f"{key} {value:.4f}" for key, value in figures.items()))
+    if options.out is not None:
+        write_json(options.out / "people.json", {"options": vars(options), "figures": figures, "drives": rows})
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(told(main))

@@ -1,0 +1,186 @@
+"""How fast the parts are: of an environment step, and of a processed scan of the SLAM engines."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from time import perf_counter
+from typing import Any, TypeVar
+
+import gymnasium as gym
+import numpy as np
+from gymnasium.utils.performance import benchmark_step, benchmark_vector_step
+from numpy.typing import NDArray
+
+from ...agents import make_follower
+from ...envs.follow_env import FollowEnv
+from ...envs.recording.slow_tour import slow_tour
+from ...envs.sensors.lidar import LidarConfig
+from ...envs.world.world import World, WorldConfig
+from ...perception.config import PerceptionConfig
+from ...perception.legs.detector import LegDetector, LegDetectorConfig
+from ...perception.legs.forest import LegForest
+from ...perception.people_filter import filter_people, people_points_lidar
+from ...perception.tracking.tracker import PeopleTracker
+from ...slam.engine import make_slam
+from ...slam.scan import LaserScan
+
+T = TypeVar("T")
+
+WARM_UP = 20
+"""Calls before timing starts: compiled kernels are loaded, caches filled."""
+
+
+@dataclass(frozen=True)
+class Latency:
+    """Time of one stage.
+
+    Attributes:
+        mean_ms: Mean [ms].
+        p95_ms: Ninety-five of a hundred calls take at most this long [ms].
+        calls: How many calls were timed.
+    """
+
+    mean_ms: float
+    p95_ms: float
+    calls: int
+
+
+def latency(times_s: Sequence[float]) -> Latency:
+    """Return mean and 95 % point of `times_s` [s]."""
+    milliseconds = 1e3 * np.asarray(times_s)
+    return Latency(float(milliseconds.mean()), float(np.percentile(milliseconds, 95)), len(milliseconds))
+
+
+def environment_speed(steps: int, **fields: Any) -> dict[str, float]:
+    """Return how many steps a second an environment makes with the PID follower, resets left out.
+
+    The same steps are made twice, and timed the second time: kernels are compiled where they are called first, some of
+    them after hundreds of steps.
+
+    Args:
+        steps: Timed steps.
+        fields: Keywords of `FollowEnv`.
+    """
+    env = gym.make("tagalong/Corridor-v0", **fields)
+    inner = env.unwrapped
+    assert isinstance(inner, FollowEnv)
+    _step_times(env, steps + WARM_UP)
+    times = _step_times(env, steps + WARM_UP)
+    env.close()
+    stage = latency(times[WARM_UP:])
+    rate = 1e3 / stage.mean_ms
+    return {
+        "steps_per_s": rate,
+        "real_time_factor": rate / inner.config.control_hz,
+        "mean_ms": stage.mean_ms,
+        "p95_ms": stage.p95_ms,
+    }
+
+
+def _step_times(env: gym.Env[Any, Any], steps: int) -> list[float]:
+    """Return the time of each of `steps` steps [s]; the same steps in every call."""
+    follower = make_follower("pid", env.get_wrapper_attr("interface"))
+    seed, times = 0, []
+    observation, _ = env.reset(seed=seed)
+    while len(times) < steps:
+        action = follower.act(observation)
+        start = perf_counter()
+        observation, _, terminated, truncated, _ = env.step(action)
+        times.append(perf_counter() - start)
+        if terminated or truncated:
+            seed += 1
+            observation, _ = env.reset(seed=seed)
+            follower.reset()
+    return times
+
+
+def gymnasium_speed(seconds: int, *, vector_envs: int, workers: int) -> dict[str, float]:
+    """Return steps a second of a single and of a vector environment by Gymnasium's own benchmark functions.
+
+    The office with 5 people, 360 beams and the tracker, random actions, resets included; contacts and lost leaders do
+    not end episodes there, since random actions would end them at once.
+
+    Args:
+        seconds: Duration of each of the two measurements [s].
+        vector_envs: Environments of the vector environment.
+        workers: Its processes.
+    """
+    fields = {"beams": 360, "slam": None, "people_count": 5, "ends_on_contact": False, "lost_limit_s": 1e6}
+    single = gym.make("tagalong/Office-v0", disable_env_checker=True, **fields)
+    vector = gym.make_vec(
+        "tagalong/Office-v0",
+        num_envs=vector_envs,
+        vectorization_mode="vector_entry_point",
+        workers=workers,
+        **fields,
+    )
+    benchmark_step(single, 1, seed=0)
+    benchmark_vector_step(vector, 1, seed=0)
+    rates = {
+        "single environment": benchmark_step(single, seconds, seed=1),
+        f"vector environment, {workers} processes": benchmark_vector_step(vector, seconds, seed=1),
+    }
+    vector.close()
+    return rates
+
+
+def stage_latencies(steps: int, beams: int, people: int) -> dict[str, Latency]:
+    """Return the time of each stage of a step: simulation with laser, legs, tracker (with the legs), filter.
+
+    Args:
+        steps: Timed steps.
+        beams: Beams of the laser.
+        people: People in the building.
+    """
+    config = WorldConfig(people=people, lidar=LidarConfig(beams=beams, rate_hz=10.0))
+    world, perception = World(config, np.random.default_rng(0)), PerceptionConfig()
+    parameters = LegDetectorConfig(alpha=perception.alpha, beta=perception.beta, gamma=perception.gamma)
+    detector = LegDetector(LegForest.load("simulation"), parameters)
+    tracker = PeopleTracker(perception, detector)
+    times: dict[str, list[float]] = {name: [] for name in ("world", "legs", "legs + tracker", "filter")}
+    for _ in range(steps + WARM_UP):
+        _timed(times["world"], lambda: world.step([0.3, 0.0]))
+        scan, odometry = world.scan(), world.odometry
+        _timed(times["legs"], lambda scan=scan: detector.detect(scan))
+        found = _timed(times["legs + tracker"], lambda s=scan, o=odometry: tracker.update(s, o))
+        _timed(
+            times["filter"],
+            lambda s=scan, o=odometry, f=found: filter_people(s, people_points_lidar(f.people, o, s), perception.zeta),
+        )
+    return {name: latency(values[WARM_UP:]) for name, values in times.items()}
+
+
+def processed_scan_latency(method: str, beams: int, fov: float, scans: int, **options: Any) -> Latency:
+    """Return the time of an update in which the engine matched and wrote the scan.
+
+    Args:
+        method: Name of the engine.
+        beams: Beams kept of the simulated laser's 1081.
+        fov: Field of view kept [rad].
+        scans: Updates that are timed.
+        options: The engine's configuration.
+    """
+    drive = slow_tour(WorldConfig(), 0).recording
+    engine, times = make_slam(method, **options), []
+    for odometry, scan in zip(drive.odometry, drive.scans, strict=True):
+        part = thinned(scan, beams, fov)
+        start = perf_counter()
+        update = engine.update(odometry, part)
+        if update.integrated:
+            times.append(perf_counter() - start)
+        if len(times) == scans + 5:
+            break
+    return latency(times[5:])
+
+
+def _timed(times: list[float], call: Callable[[], T]) -> T:
+    start = perf_counter()
+    result = call()
+    times.append(perf_counter() - start)
+    return result
+
+
+def thinned(scan: LaserScan, beams: int, fov: float) -> LaserScan:
+    """Return `beams` of the scan's beams, evenly spread over `fov` [rad]."""
+    wanted = np.linspace(-fov / 2.0, fov / 2.0, beams)
+    nearest: NDArray[np.intp] = np.abs(scan.bearings[None] - wanted[:, None]).argmin(axis=1)
+    return replace(scan, ranges=scan.ranges[nearest], bearings=scan.bearings[nearest])

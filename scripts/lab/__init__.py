@@ -1,0 +1,1 @@
+"""What experiments share: resumable cells, statistics, acceptance figures, hardware, arguments."""

@@ -1,0 +1,1 @@
+"""Local SLAM: scans matched on the submaps that they fill, without loop closure."""

@@ -1,0 +1,158 @@
+"""Local SLAM: a continuous, slowly drifting trajectory from odometry and scans, without loop closure."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...bounds import Cell, check_numbers
+from ...errors import InputError
+from ...geometry import between
+from ...scan import LaserScan
+from ...scan_to_grid.degenerate_direction import open_way
+from ...scan_to_grid.extrapolator import ExtrapolatorConfig, OdometryExtrapolator, Prediction
+from ...scan_to_grid.scan_matcher import GridMatch, GridScanMatcher, GridScanMatcherConfig
+from ...scan_to_grid.voxel_filter import AdaptiveVoxelConfig, AdaptiveVoxelFilter
+from .active_submaps import ActiveSubmaps, ActiveSubmapsConfig
+from .match_monitor import MatchMonitor
+from .motion_filter import MotionFilter, MotionFilterConfig
+from .submap import Submap
+from .sweep import Sweep
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class LocalSlamConfig:
+    """Settings of `LocalSlam`, one of each of its parts.
+
+    Attributes:
+        extrapolator: Error model of the odometry.
+        motion_filter: Which scans are inserted.
+        voxel_filter: Which points are matched.
+        submaps: How submaps are made.
+        matcher: How scans are matched.
+        insertion_voxel: Returns within a voxel of this side are inserted as one [m].
+    """
+
+    extrapolator: ExtrapolatorConfig = field(default_factory=ExtrapolatorConfig)
+    motion_filter: MotionFilterConfig = field(default_factory=MotionFilterConfig)
+    voxel_filter: AdaptiveVoxelConfig = field(default_factory=AdaptiveVoxelConfig)
+    submaps: ActiveSubmapsConfig = field(default_factory=ActiveSubmapsConfig)
+    matcher: GridScanMatcherConfig = field(default_factory=GridScanMatcherConfig)
+    insertion_voxel: Cell = 0.05
+
+    def __post_init__(self) -> None:
+        check_numbers(self)
+        if not self.insertion_voxel > 0.0:
+            raise InputError(f"`insertion_voxel` must be positive [m], got {self.insertion_voxel}")
+
+
+@dataclass(frozen=True, eq=False)
+class Insertion:
+    """A scan that was inserted: what the pose graph makes a node of.
+
+    Attributes:
+        submaps: Indices of the submaps that it stands in.
+        points: (N, 2) thinned returns for matching, robot frame [m].
+        match: How it was matched; None: not at all (the first scan, or too few points).
+        motion: By the odometry since the last inserted scan, in its frame; zero for the first.
+        scan: The scan itself.
+    """
+
+    submaps: tuple[int, ...]
+    points: Array
+    match: GridMatch | None
+    motion: Prediction
+    scan: LaserScan
+
+
+@dataclass(frozen=True, eq=False)
+class LocalResult:
+    """What local SLAM made of one scan.
+
+    Attributes:
+        pose: (3,) T_local_robot [m, m, rad].
+        match: How the scan fits on the submap; None: it was not matched, the pose is that of the odometry.
+        insertion: What was inserted; None: the motion filter dropped the scan, or it is doubtful.
+        doubtful: Whether the scan contradicts the submap: the pose is that of the odometry.
+        sigma: (2,) standard deviations of that pose where it is doubtful [m, rad]; else None.
+        apart: Whether the scan sees nothing of what the submap knows, as the first one after a gap does not.
+    """
+
+    pose: Array
+    match: GridMatch | None
+    insertion: Insertion | None
+    doubtful: bool = False
+    sigma: Array | None = None
+    apart: bool = False
+
+
+class LocalSlam:
+    """Wires the parts of local SLAM up.
+
+    Args:
+        config: Settings.
+        watch: Who notices that matching has failed; None: nobody does, every match is believed.
+    """
+
+    def __init__(self, config: LocalSlamConfig, watch: MatchMonitor | None = None) -> None:
+        self._config = config
+        self._watch = watch
+        self._extrapolator: OdometryExtrapolator | None = None
+        self._inserted_at: Array | None = None
+        self._motion_filter = MotionFilter(config.motion_filter)
+        self._voxel_filter = AdaptiveVoxelFilter(config.voxel_filter)
+        self._active = ActiveSubmaps(config.submaps)
+        self._matcher = GridScanMatcher(config.matcher)
+
+    @property
+    def submaps(self) -> list[Submap]:
+        """Every submap so far; the last two are still growing."""
+        return self._active.submaps
+
+    def restart(self, known: int | None = None) -> None:
+        """Begin a new piece of the drive: submaps anew, from where the odometry says the robot is.
+
+        Args:
+            known: So many submaps stay, as the last scan, which may have begun one, is taken anew; None: all.
+        """
+        self._active.restart(known)
+        self._motion_filter = MotionFilter(self._config.motion_filter)
+        self._matcher = GridScanMatcher(self._config.matcher)
+        if self._watch:
+            self._watch.restart()
+
+    def trim(self, stay: NDArray[np.bool_]) -> None:
+        """Drop the finished submaps where `stay` (one for each submap) is false."""
+        self._active.trim(stay)
+
+    def update(self, odometry: Array, scan: LaserScan) -> LocalResult:
+        """Take one scan and the odometry pose T_odom_robot (3,) at that time."""
+        if self._extrapolator is None:
+            self._extrapolator = OdometryExtrapolator(self._config.extrapolator, odometry)
+        prediction = self._extrapolator.predict(odometry)
+        points = self._voxel_filter.apply(scan.points_robot)
+        match = None
+        if self._active.begun:
+            match = self._matcher.match(self._active.front, points, prediction, open_way(scan, points))
+        if match and self._watch:
+            submap, foot = self._active.front, np.array(scan.T_robot_lidar[:2], dtype=np.float64)
+            if self._watch.sees_nothing(submap, points, prediction.pose, match.pose, match.score):
+                return LocalResult(prediction.pose, match, None, True, prediction.sigma, True)
+            if self._watch.doubts(submap, points, foot, match.pose, match.score):
+                return LocalResult(prediction.pose, match, None, True, prediction.sigma)
+        pose = match.pose if match else prediction.pose
+        if match or not self._active.begun:
+            self._extrapolator.correct(odometry, pose)
+        insertion = None
+        if len(points) >= self._config.matcher.min_points and self._motion_filter.passes(pose):
+            since = between(odometry if self._inserted_at is None else self._inserted_at, odometry)
+            motion = Prediction(since, self._config.extrapolator.sigma(since))
+            insertion = Insertion(self._active.insert(pose, self.sweep(scan)), points, match, motion, replace(scan))
+            self._inserted_at = odometry
+        return LocalResult(pose, match, insertion)
+
+    def sweep(self, scan: LaserScan) -> Sweep:
+        """Return what a scan draws into a submap, robot frame."""
+        return Sweep.of(scan, self._config.insertion_voxel, self._config.submaps.submap.free_ray_length)

@@ -1,0 +1,229 @@
+"""Constraints between submaps and nodes, and how a node is matched against a finished submap."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...bounds import Angle, Share, Within, check_numbers
+from ...errors import InputError
+from ...geometry import between, compose
+from ...scan_to_grid.refine_kernels import refine_many, refine_pose
+from ...scan_to_grid.scan_matcher import far_radius
+from ...search.branch_and_bound import SearchWindow, branch_and_bound
+from ...search.score_pyramid import ScoreGrid, ScorePyramid, build_pyramid
+from ..local.submap import Submap
+from .blur_kernels import blurred_scores
+
+Array = NDArray[np.float64]
+
+_LEAST_INFORMATION = 1e-3  # [1/m^2, 1/rad^2] keeps blind directions invertible
+_TRACK_ANGLES = 4  # steps of heading to each side
+_INDEPENDENT = 0.02  # share of a scan's points that count as independent of each other
+_CERTAIN = 1e9  # [1/m^2, 1/rad^2] of a node that defines its submap
+
+
+class Kind(Enum):
+    """INTRA: the node stands in the submap; INTER: it was matched against it later (Konolige et al. 2010)."""
+
+    INTRA = "intra"
+    INTER = "inter"
+
+
+@dataclass(frozen=True, eq=False)
+class Constraint:
+    """Where a node stands, seen from a submap.
+
+    Attributes:
+        submap: Index of the submap.
+        node: Index of the node.
+        pose: (3,) T_submap_node [m, m, rad].
+        information: (3, 3) inverse covariance of its error in the frame of the node.
+        kind: INTRA or INTER.
+        score: Mean occupancy under the node's points; of INTRA 1.
+        searched: Whether a global search found it (a loop closure), not a match from a good guess.
+    """
+
+    submap: int
+    node: int
+    pose: Array
+    information: Array
+    kind: Kind
+    score: float = 1.0
+    searched: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class ConstraintConfig:
+    """Settings of `ConstraintBuilder`.
+
+    Attributes:
+        weight: Weight of a point's `1 - occupancy`, as in local matching.
+        intra_sigma: Least standard deviation of INTRA constraints [m, rad].
+        inter_sigma: Least standard deviation of INTER constraints [m, rad].
+        min_score: Least score of a match from a good guess, as a share of the typical score of local matches.
+        search_min_score: Likewise of a match by global search.
+        bound: The search opens no block of poses that scores less, on the blurred submap.
+        search_linear: Half side of the searched square [m].
+        search_angular: Half range of the searched headings [rad].
+        search_points: The search uses about so many points.
+        max_shift: A match from a good guess must not move farther than this [m, rad].
+        min_points: Fewer points than this match nothing.
+    """
+
+    weight: float = 1.5
+    intra_sigma: tuple[float, float] = (0.003, 0.001)
+    inter_sigma: tuple[float, float] = (0.01, 0.003)
+    min_score: Share = 0.6
+    search_min_score: Share = 0.7
+    bound: Share = 0.4
+    search_linear: Annotated[float, Within(0.0, 100.0)] = 4.0
+    search_angular: Angle = 0.5
+    search_points: Annotated[int, Within(1, 10_000)] = 100
+    max_shift: Annotated[tuple[float, float], Within(0.0, 10.0)] = (0.25, 0.1)
+    min_points: int = 30
+
+    def __post_init__(self) -> None:
+        check_numbers(self)
+        for name, value in vars(self).items():
+            if not np.all(np.asarray(value) > 0):
+                raise InputError(f"`{name}` must be positive, got {value}")
+
+
+class ConstraintBuilder:
+    """Matches nodes against finished submaps.
+
+    Args:
+        config: Settings.
+
+    Attributes:
+        typical_score: Mean score of local matches so far, which depends on the laser and the building.
+    """
+
+    def __init__(self, config: ConstraintConfig) -> None:
+        self._config = config
+        self._pyramids: dict[int, ScorePyramid] = {}
+        self.typical_score = 0.0
+
+    def intra(self, index: int, submap: Submap, node: int, pose_local: Array, curvature: Array | None) -> Constraint:
+        """Return the constraint of a node at `pose_local` (3,) that was inserted into a submap."""
+        pose = between(submap.pose_local, pose_local)
+        certain = curvature if curvature is not None else _CERTAIN * np.eye(3)
+        information = information_in_node(certain, pose[2], self._config.intra_sigma)
+        return Constraint(index, node, pose, information, Kind.INTRA)
+
+    def track(
+        self, index: int, submap: Submap, nodes: Sequence[int], points: Sequence[Array], guesses: Array, wide: bool
+    ) -> list[Constraint]:
+        """Return the constraints of those `nodes` that match the submap near their `guesses` (n, 3) T_submap_node.
+
+        Args:
+            index: Index of the submap.
+            submap: The submap.
+            nodes: Indices of n nodes.
+            points: The (N, 2) points of each node, robot frame [m].
+            guesses: Where the nodes should be.
+            wide: Whether to search the surroundings first; otherwise the guess must be right to a cell.
+        """
+        config = self._config
+        firsts = np.concatenate(([0], np.cumsum([len(p) for p in points]))).astype(np.int64)
+        starts = compose(submap.pose_local, guesses)
+        poses, curvatures, scores = refine_many(
+            submap.field,
+            submap.corner,
+            submap.config.resolution,
+            np.concatenate(points),
+            firsts,
+            starts,
+            config.weight,
+            int(np.ceil(config.max_shift[0] / submap.config.resolution)) if wide else 0,
+            _TRACK_ANGLES,
+            0.8 * self.typical_score,
+            0.7 * config.min_score * self.typical_score,
+        )
+        moved = between(starts, poses)
+        good = (np.hypot(moved[:, 0], moved[:, 1]) <= config.max_shift[0]) & (
+            np.abs(moved[:, 2]) <= config.max_shift[1]
+        )
+        good &= (scores >= config.min_score * self.typical_score) & (np.diff(firsts) >= config.min_points)
+        found = np.flatnonzero(good)
+        relative = between(submap.pose_local, poses[found])
+        information = information_in_node(curvatures[found], relative[:, 2], config.inter_sigma)
+        return [
+            Constraint(index, nodes[k], pose, matrix, Kind.INTER, float(scores[k]))
+            for k, pose, matrix in zip(found.tolist(), relative, information, strict=True)
+        ]
+
+    def search(self, index: int, submap: Submap, node: int, points: Array, guess: Array) -> Constraint | None:
+        """Return the best constraint in the search window around `guess` (3,); None: none reaches the least score."""
+        config = self._config
+        if len(points) < config.min_points:
+            return None
+        thinned = points[:: max(1, len(points) // config.search_points)]
+        step = 1.5 * submap.config.resolution / max(far_radius(points), 1.0)
+        window = SearchWindow(linear=config.search_linear, angular=config.search_angular, angular_step=step)
+        found = branch_and_bound(
+            self._pyramid(index, submap), thinned, compose(submap.pose_local, guess), window, min_score=config.bound
+        ).best
+        if found is None:
+            return None
+        return self._closure(index, submap, node, points, np.array(found.pose), config.search_min_score)
+
+    def again(self, constraint: Constraint, submap: Submap, points: Array) -> Constraint | None:
+        """Return what a global search found once, matched anew on the `submap` as it is drawn now; None: it is no more.
+
+        Args:
+            constraint: What was found.
+            submap: Its submap.
+            points: (N, 2) points of its node, robot frame [m].
+        """
+        start = compose(submap.pose_local, constraint.pose)
+        return self._closure(constraint.submap, submap, constraint.node, points, start, self._config.min_score)
+
+    def renumber(self, numbers: Mapping[int, int]) -> None:
+        """Take the new numbers of the submaps that stay, old -> new; forget what was made of the others."""
+        self._pyramids = {numbers[s]: pyramid for s, pyramid in self._pyramids.items() if s in numbers}
+
+    def forget(self, index: int) -> None:
+        """Forget what was made of a submap that is drawn anew."""
+        self._pyramids.pop(index, None)
+
+    def _closure(
+        self, index: int, submap: Submap, node: int, points: Array, start: Array, least: float
+    ) -> Constraint | None:
+        """Return the closure of a node near `start` (3,) in the local frame, if it scores `least` of the typical."""
+        config = self._config
+        place = submap.field, submap.corner, submap.config.resolution
+        pose, curvature, rest, _ = refine_pose(*place, points, start, start, np.eye(3), config.weight, 20)
+        score = 1.0 - rest / len(points)
+        if score < least * self.typical_score:
+            return None
+        pose = between(submap.pose_local, pose)
+        information = information_in_node(config.weight * curvature, pose[2], config.inter_sigma)
+        return Constraint(index, node, pose, information, Kind.INTER, score, True)
+
+    def _pyramid(self, index: int, submap: Submap) -> ScorePyramid:
+        if index not in self._pyramids:
+            h = submap.config.resolution
+            corner = submap.corner - 0.5 * h
+            grid = ScoreGrid(blurred_scores(submap.field), (float(corner[0]), float(corner[1])), h)
+            self._pyramids[index] = build_pyramid(grid, margin=int(self._config.search_linear / h) + 1)
+        return self._pyramids[index]
+
+
+def information_in_node(curvature: Array, heading: Array | float, sigma: tuple[float, float]) -> Array:
+    """Return (..., 3, 3) information in the node's frame, from a curvature along the submap's axes and a least `sigma`.
+
+    Args:
+        curvature: (..., 3, 3) information along the submap's axes.
+        heading: (...) of the node in the submap [rad].
+        sigma: Standard deviations that stand for what the curvature does not know [m, rad].
+    """
+    floor = np.diag(np.array([sigma[0], sigma[0], sigma[1]]) ** 2)
+    c, s, zero = np.cos(heading), np.sin(heading), np.zeros_like(heading)
+    R = np.moveaxis(np.array([[c, -s, zero], [s, c, zero], [zero, zero, zero + 1.0]]), (0, 1), (-2, -1))
+    H = np.swapaxes(R, -1, -2) @ (_INDEPENDENT * curvature) @ R + _LEAST_INFORMATION * np.eye(3)
+    return np.asarray(np.linalg.inv(np.linalg.inv(H) + floor), dtype=np.float64)

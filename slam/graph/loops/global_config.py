@@ -1,0 +1,52 @@
+"""Settings of global SLAM."""
+
+from dataclasses import dataclass, field
+
+from ...bounds import Threads, check_numbers
+from ...errors import InputError
+from ...pose_graph.adjustment import AdjustmentConfig
+from ...revisits import RevisitConfig
+from .constraints import ConstraintConfig
+
+
+@dataclass(frozen=True, kw_only=True)
+class GlobalSlamConfig:
+    """Settings of `GlobalSlam`.
+
+    Attributes:
+        constraints: How constraints are made.
+        adjustment: How the graph is adjusted.
+        adjust_every: The graph is adjusted after so many nodes, if a constraint is new.
+        max_distance: Submaps whose middle (the laser's mean place) is farther off a node are not matched [m].
+        known_for: A submap that tied a node counts as well placed for so many nodes after it: no search is needed.
+        kernel_width: Of INTER constraints, in standard deviations.
+        odometry_share: Share of its information with which odometry ties a node to the one before.
+        reject_beyond: INTER constraints that the adjusted graph contradicts by more standard deviations are dropped.
+        settled: A match that the adjusted graph meets as well as this is not made anew [m, rad].
+        nearest: A node is matched with at most so many known submaps; in the end with twice as many.
+        search_every: One global search for each so many metres travelled [m].
+        final_residual: INTER constraints that the finished graph misses by more are dropped [m, rad].
+        revisits: When a node is superseded; a submap all of whose nodes are leaves the graph, and with it those nodes.
+        threads: Threads that share what `finish` matches and draws; the result does not depend on them.
+    """
+
+    constraints: ConstraintConfig = field(default_factory=ConstraintConfig)
+    adjustment: AdjustmentConfig = field(default_factory=lambda: AdjustmentConfig(iterations=20, tolerance=1e-5))
+    adjust_every: int = 40
+    max_distance: float = 15.0
+    known_for: int = 20
+    kernel_width: float = 4.0
+    odometry_share: float = 0.02
+    reject_beyond: float = 12.0
+    final_residual: tuple[float, float] = (0.1, 0.0175)
+    settled: tuple[float, float] = (0.05, 0.02)
+    nearest: int = 4
+    search_every: float = 0.4
+    revisits: RevisitConfig = field(default_factory=RevisitConfig)
+    threads: Threads = 2
+
+    def __post_init__(self) -> None:
+        check_numbers(self)
+        for name in ("adjust_every", "max_distance", "known_for", "kernel_width", "odometry_share", "reject_beyond"):
+            if not getattr(self, name) > 0:
+                raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")

@@ -1,0 +1,1 @@
+"""Supervised worker processes and threads; no result depends on how many there are."""

@@ -1,0 +1,41 @@
+"""Shares independent pieces of work among threads; the result never depends on how many there are."""
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+
+from ..errors import InputError
+
+_MOST_THREADS = 64  # no work here has more pieces worth a thread each
+
+
+class Workers:
+    """Runs a function, mostly kernels that release the interpreter's lock, on slices of the pieces.
+
+    Args:
+        threads: Number of threads; 1 runs everything in the caller.
+
+    Raises:
+        InputError: If there are none, or more than there is work for.
+    """
+
+    def __init__(self, threads: int) -> None:
+        if not 1 <= threads <= _MOST_THREADS:
+            raise InputError(f"`threads` must be within 1 .. {_MOST_THREADS}, got {threads}")
+        self.threads = threads
+        self._pool: ThreadPoolExecutor | None = None
+        self._process = os.getpid()
+
+    def run(self, work: Callable[[int, int], object], count: int) -> None:
+        """Call `work(start, stop)` for slices that cover range(count), each index once."""
+        if self.threads == 1 or count <= 1:
+            work(0, count)
+            return
+        if self._pool is None or self._process != os.getpid():  # a forked process has no threads but its own
+            self._pool, self._process = ThreadPoolExecutor(self.threads), os.getpid()
+        slices = min(count, 4 * self.threads)  # smaller than a thread's share, so that none waits long for another
+        bounds = [count * i // slices for i in range(slices + 1)]
+        list(self._pool.map(work, bounds[:-1], bounds[1:]))
+
+    def __getstate__(self) -> dict[str, object]:
+        return {"threads": self.threads, "_pool": None, "_process": 0}  # threads are not copied: they start again

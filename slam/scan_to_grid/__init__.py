@@ -1,0 +1,1 @@
+"""Matching scans to occupancy grids: prediction, thinning, correlative search and least squares on a spline."""

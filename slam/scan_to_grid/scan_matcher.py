@@ -1,0 +1,181 @@
+"""Scan-to-submap matching: correlative search where odometry leaves much open, then non-linear least squares."""
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, Protocol
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from ..bounds import Angle, Rounds, Within, check_numbers
+from ..errors import InputError
+from ..geometry import transform_points, wrap_one
+from .correlative import correlate
+from .extrapolator import Prediction
+from .refine_kernels import refine_pose
+
+Array = NDArray[np.float64]
+
+_SCORE_MEMORY = 0.1  # share of the newest score in the typical one
+_TRUSTED = 100.0  # times more than elsewhere odometry counts along a way that scans are blind along
+_MOST_POSES = 50_000_000  # of a correlative search, of each of its points: seconds; by default it has 10^5
+_SLIP = np.array([0.05, 0.1])  # [m, rad] what a wheel may slip at no motion
+
+
+@dataclass(frozen=True, kw_only=True)
+class GridScanMatcherConfig:
+    """Settings of `GridScanMatcher`.
+
+    Attributes:
+        weight: Weight of a point's `1 - occupancy` beside the odometry's squared error over its variance.
+        sigmas: The search window reaches so many standard deviations of the odometry.
+        max_linear: But not farther than this [m].
+        max_angular: And not turned further than this [rad].
+        capture: Errors of points below this [m] are left to the least squares: no search.
+        search_points: The search uses about so many of the points.
+        iterations: Most iterations of the least squares.
+        min_points: Fewer points than this match nothing.
+        retry_below: A score below so much of the typical one makes the matcher search more widely ...
+        retry_gain: ... and it takes what it finds when the score is higher by so much of the typical one.
+        retry_sigmas: How many times wider the odometry's errors count then.
+    """
+
+    weight: float = 1.5
+    sigmas: float = 3.0
+    max_linear: Annotated[float, Within(0.0, 10.0)] = 0.5
+    max_angular: Angle = 0.5
+    capture: float = 0.06
+    search_points: Annotated[int, Within(1, 10_000)] = 100
+    iterations: Rounds = 20
+    min_points: int = 10
+    retry_below: float = 0.4
+    retry_gain: float = 0.35
+    retry_sigmas: float = 10.0
+
+    def __post_init__(self) -> None:
+        check_numbers(self)
+        for name, value in vars(self).items():
+            if not value > 0:
+                raise InputError(f"`{name}` must be positive, got {value}")
+
+
+@dataclass(frozen=True, eq=False)
+class GridMatch:
+    """Where a scan fits on a submap.
+
+    Attributes:
+        pose: (3,) T_local_robot [m, m, rad].
+        information: (3, 3) curvature of the scan's cost there, without that of the prior.
+        score: Mean occupancy under the points, in [0, 1].
+        searched: Whether the correlative search was needed.
+    """
+
+    pose: Array
+    information: Array
+    score: float
+    searched: bool
+
+
+class Walls(Protocol):
+    """What a scan can be matched on: a submap, or a finished map."""
+
+    field: NDArray[np.float32]
+    """(rows, cols) occupancy of each cell in [0, 1]; 0 where nothing is known."""
+
+    @property
+    def corner(self) -> Array:
+        """(2,) centre of cell [0, 0] [m]."""
+        ...
+
+    @property
+    def resolution(self) -> float:
+        """Side of a cell [m]."""
+        ...
+
+
+class GridScanMatcher:
+    """Finds the pose of a scan in a submap's frame, near where odometry expects it.
+
+    Where a scan fits much worse than scans usually do, the odometry may have slipped: it is searched for again with
+    ten times the odometry's standard deviations, and what wheels slip at rest.
+
+    Args:
+        config: Settings.
+    """
+
+    def __init__(self, config: GridScanMatcherConfig) -> None:
+        self._config = config
+        self._typical_score = 0.0
+
+    def match(
+        self, submap: Walls, points: Array, prediction: Prediction, blind: Array | None = None
+    ) -> GridMatch | None:
+        """Return the match of a scan; None: there are too few points.
+
+        Args:
+            submap: What it is matched on.
+            points: (N, 2) robot frame [m].
+            prediction: Where the odometry expects it.
+            blind: (2,) direction that is left to the odometry, robot frame, as `open_way` returns it.
+        """
+        config = self._config
+        if len(points) < config.min_points:
+            return None
+        match = self._match(submap, points, prediction, blind)
+        if match.score < config.retry_below * self._typical_score:
+            wide = Prediction(prediction.pose, config.retry_sigmas * prediction.sigma + _SLIP)
+            retried = self._match(submap, points, wide, blind)
+            if retried.score > match.score + config.retry_gain * self._typical_score:
+                match = retried
+        self._typical_score += _SCORE_MEMORY * (match.score - self._typical_score)
+        return match
+
+    def _match(self, submap: Walls, points: Array, prediction: Prediction, blind: Array | None) -> GridMatch:
+        config = self._config
+        reach, angles, step = self._window(submap.resolution, points, prediction)
+        prior, information = prediction.pose, prediction.information
+        if blind is not None and blind.any():
+            way = transform_points((0.0, 0.0, prior[2]), blind[None])[0]
+            information[:2, :2] += _TRUSTED * information[0, 0] * np.outer(way, way)
+        place = (submap.field, submap.corner, submap.resolution)
+        start = prior
+        if reach or angles:
+            thinned = points[:: max(1, len(points) // config.search_points)]
+            weight = config.weight * len(points) / len(thinned)
+            start, _ = correlate(*place, thinned, prior, information, weight, reach, angles, step)
+        pose, curvature, rest, _ = refine_pose(
+            *place, points, start, prior, information, config.weight, config.iterations
+        )
+        pose[2] = wrap_one(pose.item(2))
+        return GridMatch(pose, config.weight * curvature, 1.0 - rest / len(points), bool(reach or angles))
+
+    def _window(self, resolution: float, points: Array, prediction: Prediction) -> tuple[int, int, float]:
+        """Return cells, angle steps to each side and the step [rad]; zeros where the least squares alone will do."""
+        config = self._config
+        linear, angular = (config.sigmas * prediction.sigma).tolist()
+        linear, angular = min(linear, config.max_linear), min(angular, config.max_angular)
+        far = far_radius(points)
+        if linear + angular * far <= config.capture:
+            return 0, 0, 0.0
+        step = resolution / max(far, 1.0)
+        reach, angles = math.ceil(linear / resolution), math.ceil(angular / step)
+        poses = (2 * reach + 1) ** 2 * (2 * angles + 1)
+        if poses > _MOST_POSES:
+            raise InputError(
+                f"scans would be searched for at {poses} poses each, more than {_MOST_POSES}; `max_linear` or "
+                "`max_angular` is too large, or the cells are too small"
+            )
+        return reach, angles, step
+
+
+@njit(cache=True, nogil=True)
+def far_radius(points: Array) -> float:
+    """Return the distance from the origin [m] that 80 % of `points` (N, 2) keep: how far out a turn moves them."""
+    squares = points[:, 0] * points[:, 0] + points[:, 1] * points[:, 1]
+    at = 0.8 * (len(points) - 1)
+    low = int(at)
+    high = min(low + 1, len(points) - 1)
+    ordered = np.partition(squares, high)
+    below = ordered[:high].max() if high > low else ordered[low]
+    return np.sqrt(below + (at - low) * (ordered[high] - below))

@@ -1,0 +1,95 @@
+"""The kernels of GMapping once more, in plain numpy on one grid without tiles: what the tests compare them with.
+
+Lengths are in cells. Grids are (rows, cols), row 0 at y = 0.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+from tagalong.slam.gmapping.search_kernels import NEAR
+from tagalong.slam.gmapping.tile_kernels import SIDE
+from tagalong.slam.rays import ray_cells
+
+Array = NDArray[np.float64]
+
+
+def count_rays(
+    x0: float, y0: float, ends: Array, is_hit: NDArray[np.bool_], shape: tuple[int, int], margin: float = 0.0
+) -> tuple[NDArray[np.int64], Array]:
+    """Return counts (rows, cols, 2) of hits and visits, and the sums (rows, cols, 2) of hit points from the corner of
+    their cells, of rays from (x0, y0) to `ends` (n, 2); the last share `margin` of those that hit visits nothing."""
+    counts, sums = np.zeros((*shape, 2), dtype=np.int64), np.zeros((*shape, 2))
+    for end, hit in zip(ends, is_hit, strict=True):
+        share = 1.0 - margin if hit else 1.0
+        cells = ray_cells(x0, y0, x0 + share * (end[0] - x0), y0 + share * (end[1] - y0))
+        rows, cols = cells[:-1].T
+        counts[rows, cols, 1] += 1
+        if hit:
+            col, row = np.floor(end).astype(int)
+            counts[row, col] += 1
+            sums[row, col] += end - (col, row)
+    return counts, sums
+
+
+def normal_equations(
+    pose: Array, points: Array, half: int, scale: float, straightness: float, centres: Array, hits: Array
+) -> tuple[Array, float]:
+    """Return what `match_kernels.accumulate` does: (3, 4) weighted [H | g] and the mean loss.
+
+    Args:
+        pose: (3,) x, y, theta.
+        points: (n, 2) of the scan.
+        half: Half size of the window.
+        scale: Distance at which a point counts a quarter.
+        straightness: Largest ratio of the variances across and along a line.
+        centres: (m, 2) x, y mean hit points of the occupied cells.
+        hits: (m,) how many points each is the mean of: its weight in a line.
+    """
+    system, losses = np.zeros((3, 4)), []
+    cells = np.floor(centres)
+    cos, sin = np.cos(pose[2]), np.sin(pose[2])
+    for arm in points @ np.array([[cos, sin], [-sin, cos]]):
+        point = pose[:2] + arm
+        seen = np.flatnonzero(np.abs(cells - np.floor(point)).max(axis=1) <= half)
+        if not len(seen):
+            losses.append(1.0)
+            continue
+        nearest = seen[np.argmin(np.sum((centres[seen] - point) ** 2, axis=1))]
+        beside = np.abs(cells - cells[nearest]).max(axis=1) <= 2
+        around, weights = centres[beside], hits[beside]
+        jacobian = np.array([[1.0, 0.0, -arm[1]], [0.0, 1.0, arm[0]]])
+        residual = point - centres[nearest]
+        variances, axes = np.ones(2), np.eye(2)
+        if len(around) >= 3:
+            variances, axes = np.linalg.eigh(np.cov(around.T, bias=True, aweights=weights))
+        if variances[0] <= straightness * variances[1]:
+            normal = axes[:, :1].T
+            residual, jacobian = normal @ (point - np.average(around, axis=0, weights=weights)), normal @ jacobian
+        error = residual @ residual / scale**2
+        system += jacobian.T @ np.column_stack((jacobian, residual)) / (1.0 + error) ** 2
+        losses.append(error / (1.0 + error))
+    return system, float(np.mean(losses))
+
+
+def sample_values(
+    prior: Array,
+    root: Array,
+    samples: Array,
+    points: Array,
+    weight: float,
+    occupied: NDArray[np.bool_],
+) -> tuple[Array, Array]:
+    """Return the poses (m, 3) among which `search_kernels.search` chooses, and the value (m,) of each."""
+    poses = prior + samples @ root.T
+    cells = np.zeros((*occupied.shape, 2), dtype=bool)
+    for row, col in np.argwhere(occupied):
+        tile_row, tile_col = row // SIDE * SIDE, col // SIDE * SIDE
+        for level, reach in enumerate((1, NEAR)):
+            rows = slice(max(row - reach, tile_row), min(row + reach + 1, tile_row + SIDE))
+            cols = slice(max(col - reach, tile_col), min(col + reach + 1, tile_col + SIDE))
+            cells[rows, cols, level] = True
+    cos, sin = np.cos(poses[:, 2, None]), np.sin(poses[:, 2, None])
+    x = np.floor(poses[:, 0, None] + cos * points[:, 0] - sin * points[:, 1]).astype(int)
+    y = np.floor(poses[:, 1, None] + sin * points[:, 0] + cos * points[:, 1]).astype(int)
+    inside = (x >= 0) & (y >= 0) & (x < occupied.shape[1]) & (y < occupied.shape[0])
+    near = cells[np.where(inside, y, 0), np.where(inside, x, 0)] & inside[..., None]
+    return poses, weight * near.mean(axis=(1, 2)) - 0.5 * np.sum(samples**2, axis=1)

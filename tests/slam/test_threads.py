@@ -1,0 +1,45 @@
+"""Work that is shared among threads."""
+
+import copy
+import os
+import signal
+
+import pytest
+from tagalong.slam.processes.threads import Workers
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+@pytest.mark.parametrize("count", [0, 1, 2, 100])
+def test_each_piece_is_done_once(threads, count):
+    done = list[int]()
+    Workers(threads).run(lambda start, stop: done.extend(range(start, stop)), count)
+    assert sorted(done) == list(range(count))
+
+
+def test_an_error_in_a_thread_reaches_the_caller():
+    def fail(start: int, _: int) -> None:
+        if start:
+            raise KeyError("piece")
+
+    with pytest.raises(KeyError, match="piece"):
+        Workers(2).run(fail, 50)
+
+
+def test_a_copy_starts_threads_of_its_own():
+    workers, done = Workers(2), list[int]()
+    workers.run(lambda start, _: done.append(start), 20)
+    copy.deepcopy(workers).run(lambda start, _: done.append(start), 20)
+    assert len(done) == 16
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system has no fork")
+@pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
+def test_a_forked_process_does_not_wait_for_threads_that_it_lacks():
+    workers, done = Workers(2), list[int]()
+    workers.run(lambda start, _: done.append(start), 20)
+    child = os.fork()
+    if child == 0:
+        signal.alarm(20)  # ends the process if it waits for ever
+        workers.run(lambda start, _: done.append(start), 20)
+        os._exit(0 if len(done) == 16 else 1)
+    assert os.waitpid(child, 0)[1] == 0
