@@ -70,7 +70,7 @@ def largest_compatible(
         np.full(m, -1, dtype=np.int64),
         np.array([0.0, np.inf, 0.0]),
     )
-    _descend(search, 0, 0, 0.0, y, HPH, R, bounds, most_nodes)
+    _explore(search, y, HPH, R, bounds, most_nodes)
     return search.best
 
 
@@ -103,10 +103,52 @@ class _Search(NamedTuple):
 
 
 @njit(cache=True)
-def _descend(
-    search: _Search, depth: int, count: int, total: float, y: Array, HPH: Array, R: Array, bounds: Array, most: int
-) -> None:
-    """Try all that can follow the `count` chosen pairs, of joint distance `total`, from the row `depth` on."""
+def _explore(search: _Search, y: Array, HPH: Array, R: Array, bounds: Array, most: int) -> None:
+    """Go through the hypotheses in depth first order: at each depth a sighting gets each landmark in turn, then none."""
+    n, k = search.order.shape
+    cursor = np.zeros(n + 1, dtype=np.int64)  # the next place in `order` to try at each depth; past k: all were tried
+    paired = np.zeros(n + 1, dtype=np.bool_)  # whether what was tried last at each depth is a pair
+    totals = np.zeros(n + 1)  # joint distance of the first so many pairs
+    depth = count = 0
+    cursor[0] = 0 if _go_on(search, 0, 0, 0.0, most) else k + 1
+    while depth >= 0:
+        if paired[depth]:
+            count -= 1
+            search.taken[search.chosen_columns[count]], paired[depth] = False, False
+        if cursor[depth] > k:
+            depth -= 1
+            continue
+        column = _next_landmark(search, depth, cursor)
+        if column >= 0:
+            search.chosen_rows[count], search.chosen_columns[count] = search.rows[depth], column
+            grown = _append(count, search.chosen_rows, search.chosen_columns, y, HPH, R, search.L, search.w)
+            if not totals[count] + grown <= bounds[min(2 * (count + 1), len(bounds) - 1)]:
+                continue
+            totals[count + 1] = totals[count] + grown
+            count += 1
+            search.taken[column], paired[depth] = True, True
+        depth += 1
+        cursor[depth] = 0 if _go_on(search, depth, count, totals[count], most) else k + 1
+
+
+@njit(cache=True)
+def _next_landmark(search: _Search, depth: int, cursor: Partners) -> int:
+    """Return the next landmark to try at a depth, -1 for the last way, none; move the depth's cursor past it."""
+    row, k = search.rows[depth], search.order.shape[1]
+    while cursor[depth] < k:
+        column = search.order[depth, cursor[depth]]
+        cursor[depth] += 1
+        if not search.inside[row, column]:
+            break
+        if not search.taken[column]:
+            return column
+    cursor[depth] = k + 1
+    return -1
+
+
+@njit(cache=True)
+def _go_on(search: _Search, depth: int, count: int, total: float, most: int) -> bool:
+    """Keep a hypothesis if it is the best so far; return whether a longer one could be better."""
     score, n = search.score, len(search.rows)
     score[2] += 1.0
     if count and (count > score[0] or (count == score[0] and total < score[1])):
@@ -114,21 +156,7 @@ def _descend(
         search.best[:] = -1
         for i in range(count):
             search.best[search.chosen_rows[i]] = search.chosen_columns[i]
-    if depth == n or score[2] > most or count + n - depth < score[0]:
-        return
-    row = search.rows[depth]
-    for column in search.order[depth]:
-        if not search.inside[row, column]:
-            break
-        if search.taken[column]:
-            continue
-        search.chosen_rows[count], search.chosen_columns[count] = row, column
-        longer = total + _append(count, search.chosen_rows, search.chosen_columns, y, HPH, R, search.L, search.w)
-        if longer <= bounds[min(2 * (count + 1), len(bounds) - 1)]:
-            search.taken[column] = True
-            _descend(search, depth + 1, count + 1, longer, y, HPH, R, bounds, most)
-            search.taken[column] = False
-    _descend(search, depth + 1, count, total, y, HPH, R, bounds, most)
+    return depth < n and score[2] <= most and count + n - depth >= score[0]
 
 
 @njit(cache=True)
