@@ -104,7 +104,7 @@ class _Search(NamedTuple):
 
 @njit(cache=True)
 def _explore(search: _Search, y: Array, HPH: Array, R: Array, bounds: Array, most: int) -> None:
-    """Go through the hypotheses in depth first order: at each depth a sighting gets each landmark in turn, then none."""
+    """Go through the hypotheses depth first: at each depth a sighting gets each landmark in turn, then none."""
     n, k = search.order.shape
     cursor = np.zeros(n + 1, dtype=np.int64)  # the next place in `order` to try at each depth; past k: all were tried
     paired = np.zeros(n + 1, dtype=np.bool_)  # whether what was tried last at each depth is a pair
