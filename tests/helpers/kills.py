@@ -25,7 +25,7 @@ STATUS = {signal.SIGKILL: -signal.SIGKILL, signal.SIGTERM: 143, signal.SIGINT: 1
 TIMES = {"timing", "minutes", "wall_s", "timing.json"}
 """Names under which stands what depends on the clock."""
 UNEQUAL = re.compile(
-    r"(timing|bench)\.json|report\.html|.*tfevents.*|checkpoint\.json|model_.*|.*\.gif|.*_time\.png|settings\.json"
+    r"(timing|bench)\.json|report\.html|.*tfevents.*|checkpoint\.json|model_.*|.*\.gif|.*[-_]times?\.png|settings\.json"
 )
 """Files that may differ between two runs: they hold times, or serve only to go on."""
 

@@ -133,7 +133,7 @@ def draw_iterations(answers: Answers, folder: Path) -> Figure:
         axes.set_xticks(turns, labels, fontsize=8)
         axes.grid(alpha=0.3)
     left.legend(fontsize=8)
-    file = save_figure(folder / "iterations.png", figure)
+    file = save_figure(folder / "iterations-and-times.png", figure)
     return Figure(file=file, caption="What pre-alignment saves MbICP, and what it costs, over the error of the guess.")
 
 
