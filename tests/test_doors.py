@@ -1,0 +1,57 @@
+"""The public surface: what each floor's door offers, and that it is light and says so itself."""
+
+import ast
+import doctest
+import subprocess
+import sys
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+FLOORS = ("slam", "perception", "envs", "agents")
+SURFACE = {
+    "slam": """CartographerConfig EkfSlamConfig GMappingConfig InputError LaserScan Localizer OccupancyMap RecordedDrive
+        SlamEngine SlamRun SlamUpdate absolute_error make_matcher make_slam read_log read_ros_map run_slam score_map
+        write_ros_map""",
+}
+"""What users may rely on. A name that goes, or comes, is a decision: it is made here, and told in the changelog."""
+
+
+@pytest.mark.parametrize("floor", SURFACE)
+def test_the_door_offers_these_names_and_no_others(floor):
+    door = import_module(f"tagalong.{floor}")
+    assert sorted(door.__all__) == sorted(SURFACE[floor].split()) == dir(door)
+    for name in door.__all__:
+        assert getattr(door, name).__doc__, name
+
+
+@pytest.mark.parametrize("floor", SURFACE)
+def test_type_checkers_see_the_same_names(floor):
+    door = import_module(f"tagalong.{floor}")
+    tree = ast.parse(Path(door.__file__).read_text())
+    seen = [n for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.level for n in node.names]
+    assert {(alias.asname or alias.name) for alias in seen} >= set(door.__all__)
+
+
+@pytest.mark.parametrize("floor", SURFACE)
+def test_the_example_of_the_manual_runs(floor):
+    door = import_module(f"tagalong.{floor}")
+    result = doctest.testmod(door, optionflags=doctest.ELLIPSIS)
+    assert result.attempted >= 3
+    assert result.failed == 0
+
+
+@pytest.mark.parametrize("floor", SURFACE)
+def test_a_name_that_is_not_there_is_told_with_those_that_are(floor):
+    door = import_module(f"tagalong.{floor}")
+    with pytest.raises(AttributeError, match="public names"):
+        _ = door.no_such_name
+
+
+def test_the_doors_open_without_anything_heavy():
+    heavy = ("torch", "mujoco", "numba", "matplotlib", "sklearn", "stable_baselines3")
+    code = f"import sys; import {', '.join('tagalong.' + floor for floor in FLOORS)}\n"
+    code += f"print([name for name in {heavy} if name in sys.modules])"
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert found.stdout.strip() == "[]"
