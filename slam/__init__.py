@@ -3,7 +3,7 @@
     make_slam(name, **settings)          a SLAM engine: "gmapping", "cartographer" (graph SLAM) or "ekf" (landmarks)
     run_slam(engine, drive) -> SlamRun   a whole recorded drive through an engine: trajectory, map, times
     read_log(path) -> RecordedDrive      a recorded drive: CARMEN, BeeSoft, DP-SLAM and tinySLAM logs, ROS bags
-    Localizer(map)                       where on a finished map the robot is, from nowhere and with an honest "not sure"
+    Localizer(map)                       where on a finished map the robot is, from nowhere or "not sure"
     make_matcher(name, **settings)       the pose of one scan in the frame of another: "plicp", "mbicp", "ndt", ...
     write_ros_map, read_ros_map          maps as ROS's map_server reads them
     score_map, absolute_error            how good a map (ADNN) and a trajectory (ATE) are

@@ -15,6 +15,7 @@ from ..legs.clusters import cluster_scan
 from ..rgbd.planes import Surface
 from .places import Places
 from .view import CameraView
+from .written import WrittenObservations, WrittenScan, WrittenView
 
 Array = NDArray[np.float64]
 
@@ -74,10 +75,12 @@ class ImmobileMapper:
 
     Args:
         config: Parameters.
+        redrawable: Whether what was written is kept, so that the map can be drawn anew by `redraw`.
     """
 
-    def __init__(self, config: ImmobileMapperConfig | None = None) -> None:
+    def __init__(self, config: ImmobileMapperConfig | None = None, redrawable: bool = False) -> None:
         self.config = config or ImmobileMapperConfig()
+        self._written = WrittenObservations() if redrawable else None
         self.grid = ImmobileLayers(self.config.grid)
         self.people = Places(self.config.person_radius)
         self.came = Places(self.config.person_radius, self.config.settles_s)
@@ -100,7 +103,7 @@ class ImmobileMapper:
         moves = np.maximum(moves, people)
         stays = self.grid.is_recognised(T_map_lidar, scan.beam_points)
         lambdas = np.where(stays, still_lambda(self.config.recognised), moving_lambda(moves))
-        self.grid.write(pose, scan, lambdas)
+        self._write(WrittenScan(scan, lambdas), pose)
 
     def add_view(self, view: CameraView) -> None:
         """Write what the camera saw, where the robot was at the exposure.
@@ -112,12 +115,44 @@ class ImmobileMapper:
         self._remember_people(T_map_camera, view)
         moves = np.where(self._objects_that_came(T_map_camera, view), 1.0, self._beside_people(T_map_camera, view))
         lambdas = np.where(moves > 0.0, np.fmin(view.lambdas, moving_lambda(moves)), view.lambdas)
-        level = view.surface == Surface.TOP
-        self.grid.write_view(T_map_camera, view.camera_height, view.points, lambdas, view.above, level)
         sure = view.people.likelihood >= self.config.least_likely
-        places = transform_points(self._poses.at(view.time_s), view.people.positions[sure])
-        for place, likelihood in zip(places, view.people.likelihood[sure], strict=True):
-            self.grid.write_mobile(place, self.config.body_radius, float(moving_lambda(likelihood)))
+        written = WrittenView(
+            view=view,
+            lambdas=lambdas,
+            level=view.surface == Surface.TOP,
+            people=view.people.positions[sure],
+            people_lambdas=np.asarray(moving_lambda(view.people.likelihood[sure])),
+            body_radius=self.config.body_radius,
+        )
+        self._write(written, self._poses.at(view.time_s))
+
+    def redraw(self, times_s: ArrayLike, poses: ArrayLike) -> None:
+        """Draw the map anew, because the robot is now believed to have been elsewhere, as when SLAM closes a loop.
+
+        What was recognised stays what it was. Observations that many newer ones from the same place have superseded
+        are left out.
+
+        Args:
+            times_s: (n,) rising times [s]; the last is that of the last scan.
+            poses: (n, 3) T_map_robot at these times.
+
+        Raises:
+            InputError: If the mapper is not `redrawable`, or nothing was written yet.
+        """
+        if self._written is None or not len(self._written):
+            raise InputError("only a map that was made `redrawable`, and written to, can be drawn anew")
+        times, path = np.asarray(times_s, dtype=np.float64), np.asarray(poses, dtype=np.float64)
+        T_new_old = compose(path[-1], inverse(self._poses.newest))
+        self.grid = ImmobileLayers(self.config.grid)
+        self._written.draw(self.grid, times, path)
+        self._poses.replace(times, path)
+        self.people.transform(T_new_old)
+        self.came.transform(T_new_old)
+
+    def _write(self, observation: WrittenScan | WrittenView, T_map_robot: Array) -> None:
+        observation.write(self.grid, T_map_robot)
+        if self._written is not None:
+            self._written.add(observation, T_map_robot)
 
     def _remember_people(self, T_map_camera: Array, view: CameraView) -> None:
         """Remember whom the view shows; doubt those of whom it shows nothing."""

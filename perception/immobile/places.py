@@ -37,6 +37,10 @@ class Places:
         apart = np.hypot(*(points[:, None] - self._places[None]).transpose(2, 0, 1))
         return np.where(apart < self._radius, self._likelihood, 0.0).max(axis=1, initial=0.0)
 
+    def transform(self, T_new_old: Array) -> None:
+        """Go on in a map frame in which everything near the robot has moved by (3,) `T_new_old`."""
+        self._places = transform_points(T_new_old, self._places)
+
     def add(self, places: Array, likelihood: Array, time_s: float) -> None:
         """Add `places` (n, 2), map frame [m]; each takes over from older ones near to it.
 

@@ -164,6 +164,16 @@ class PoseHistory:
             self._times.pop(0)
             self._poses.pop(0)
 
+    @property
+    def newest(self) -> Array:
+        """(3,) the last pose that was added."""
+        return self._poses[-1]
+
+    def replace(self, times_s: Array, poses: Array) -> None:
+        """Believe from now on that the robot was at `poses` (n, 3) at the rising `times_s` (n,) [s]."""
+        recent = times_s >= times_s[-1] - self._longest_s
+        self._times, self._poses = times_s[recent].tolist(), list(poses[recent])
+
     def at(self, time_s: float) -> Array:
         """Return the pose (3,) at `time_s`, between the two poses around it.
 

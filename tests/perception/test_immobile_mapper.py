@@ -12,7 +12,7 @@ from tagalong.perception.rgbd.frame import Pinhole, RgbdFrame
 from tagalong.perception.rgbd.people import NoPeopleFinder, RgbdPeople, nobody
 from tagalong.perception.rgbd.planes import PlaneFinder, Surface
 from tagalong.slam.errors import InputError
-from tagalong.slam.geometry import transform_points
+from tagalong.slam.geometry import compose, transform_points
 from tagalong.slam.scan import LaserScan
 
 CAMERA = Pinhole(width=64, height=53, horizontal_fov=np.radians(70.0), vertical_fov=np.radians(60.0))
@@ -284,3 +284,41 @@ def test_wrong_inputs_are_errors():
     planes = PlaneFinder().find(frame)
     with pytest.raises(InputError, match="no pose"):
         mapper.add_view(make_view(frame, planes, NoPeopleFinder().find(frame, planes)))
+
+
+def test_a_map_whose_robot_was_elsewhere_is_drawn_anew_there():
+    away = np.array([1.0, -2.0, 0.0])  # by whole cells: what was recognised is the same then
+    frame = room_frame(board=(2.0, 0.0, 1.7))
+    view = make_view(frame, PlaneFinder().find(frame), person_of(frame, 2.0))
+    path = np.array([(0.02 * k, 0.0, 0.01 * k) for k in range(30)])
+    times = 0.1 * np.arange(30) + 0.1
+    moved, there = ImmobileMapper(redrawable=True), ImmobileMapper()
+    for k in range(30):
+        scan = scan_of(post=(2.0, 1.0) if k < 20 else None, time_s=float(times[k]))
+        moved.add_scan(path[k], scan)
+        there.add_scan(compose(away, path[k]), scan)
+        if k == 15:
+            late = replace(view, time_s=float(times[k]))
+            moved.add_view(late)
+            there.add_view(late)
+    moved.redraw(times, compose(away, path))
+    wanted, got = there.grid.to_map(), moved.grid.to_map()
+    assert got.origin == pytest.approx(wanted.origin)
+    np.testing.assert_allclose(got.probability, wanted.probability, atol=1e-6)
+    np.testing.assert_allclose(moved.people.moving(3.0), there.people.moving(3.0), atol=1e-9)
+
+
+def test_only_a_map_that_keeps_what_was_written_is_drawn_anew():
+    mapper = ImmobileMapper()
+    mapper.add_scan(np.zeros(3), scan_of())
+    with pytest.raises(InputError, match="redrawable"):
+        mapper.redraw([0.1], np.zeros((1, 3)))
+
+
+def test_laps_of_one_place_do_not_keep_all_that_was_seen():
+    mapper = ImmobileMapper(redrawable=True)
+    for k in range(1200):
+        mapper.add_scan(np.zeros(3), scan_of(time_s=0.1 + 0.1 * k))
+    assert len(mapper._written) < 700  # pyright: ignore[reportPrivateUsage]
+    mapper.redraw([0.1, 120.0], np.zeros((2, 3)))
+    assert occupied_at(mapper.grid.to_map(), 4.02, 0.0)
