@@ -15,6 +15,7 @@ from ....envs.sensors.camera.config import RgbdConfig
 from ....envs.sensors.lidar import LidarConfig
 from ....envs.world.world import World, WorldConfig
 from ....perception.config import PerceptionConfig
+from ....perception.immobile.localization import ImmobileLocalization
 from ....perception.immobile.mapper import ImmobileMapper
 from ....perception.immobile.view import CameraView, make_view
 from ....perception.legs.detector import LegDetector
@@ -25,7 +26,7 @@ from ....perception.rgbd.people import RgbdPeopleFinder
 from ....perception.rgbd.people_finder import PeopleFinder
 from ....perception.rgbd.planes import PlaneFinder, Planes
 from ....perception.tracking.tracker import PeopleTracker
-from ....slam.engine import make_slam
+from ....slam.engine import ENGINES, make_slam
 from ....slam.errors import unknown_name
 from ....slam.geometry import between, compose, inverse, transform_points
 from ....slam.grid import GridConfig, OccupancyGrid
@@ -44,7 +45,8 @@ MAPPERS = ("conventional", "laser", "immobile", "true people")
 by the simulator, an upper bound."""
 METHOD = "immobile"
 """The way that stands for the paper's method."""
-POSES = ("gmapping", "cartographer", "truth")
+POSES = ("gmapping", "cartographer", "immobile", "truth")
+"""Who localises: an engine, the immobile map itself, or the simulator."""
 _LONGEST_S = 420.0
 _SCANS_IN_2_S = round(2.0 * LASER.rate_hz)
 
@@ -98,7 +100,8 @@ class _Drive:
 
     def __init__(self, world: World, poses: str, delay_s: float, wrong: float, seed: int, ways: Sequence[str]) -> None:
         self.world = world
-        self._engine = None if poses == "truth" else make_slam(poses, **({"seed": seed} if poses == "gmapping" else {}))
+        self._engine = make_slam(poses, seed=seed) if poses in ENGINES else None
+        self._by_map = ImmobileLocalization() if poses == "immobile" else None
         self._delay_s, self._wrong, self._rng = delay_s, wrong, np.random.default_rng([seed, 7])
         perception = PerceptionConfig()
         self._zeta = perception.zeta
@@ -129,12 +132,12 @@ class _Drive:
         """Take the latest scan, and the latest frame if it is new."""
         scan, odometry = self.world.scan(), self.world.odometry
         true_pose = between(self.T_world_map, self.world.truth.robot_pose)
-        pose = true_pose if self._engine is None else self._engine.update(odometry, scan).pose
+        people = self._beams_on_people(scan, odometry)
+        pose = self._located(odometry, scan, people, true_pose)
         self._errors.append(between(true_pose, pose))
         self._path.append(pose)
         self._walked.append(self.world.truth.people.positions.copy())
         self.conventional.write(pose, scan)
-        people = self._beams_on_people(scan, odometry)
         for mapper in self.mappers.values():
             mapper.add_scan(pose, scan, people)
         if self.world.frames and self.world.frames[-1] is not self._last_frame:
@@ -144,6 +147,12 @@ class _Drive:
             for name, view in self._waiting.popleft()[1].items():
                 self.mappers[name].add_view(view)
         self._watch_door(pose, scan)
+
+    def _located(self, odometry: Array, scan: LaserScan, people: Array, true_pose: Array) -> Array:
+        """Return the pose by whom the drive was told to ask."""
+        if self._by_map is not None:
+            return self._by_map.locate(self.mappers[METHOD].grid, odometry, scan, people)
+        return true_pose if self._engine is None else self._engine.update(odometry, scan).pose
 
     def _beams_on_people(self, scan: LaserScan, odometry: Array) -> Array:
         """Return (N,) how likely each beam met somebody whose legs are tracked."""
