@@ -47,7 +47,7 @@ def test_it_stays_on_the_map_where_the_odometry_does_not():
         pose = localization.locate(mapper.grid, driven_to, scan, met.astype(float))
         mapper.add_scan(pose, scan, met.astype(float))
     assert np.hypot(*between(truth[-1], odometry[-1])[:2]) > 0.2
-    assert np.hypot(*between(truth[-1], pose)[:2]) < 0.03
+    assert np.hypot(*between(truth[-1], pose)[:2]) < 0.05  # a cell
 
 
 def test_the_walls_that_it_matches_lie_where_the_map_has_them():
@@ -58,7 +58,8 @@ def test_the_walls_that_it_matches_lie_where_the_map_has_them():
     rows, cols = np.nonzero(walls.field > 0.5)
     x, y = (walls.corner + walls.resolution * np.stack((cols, rows), axis=-1)).T
     assert np.abs(np.maximum(np.abs(x) - 4.0, np.abs(y) - 3.0)).max() < 0.08
-    assert not walls.field[:8].any() and not walls.field[:, -8:].any()
+    assert not walls.field[:8].any()
+    assert not walls.field[:, -8:].any()
 
 
 def test_a_likelihood_beyond_one_is_refused():
