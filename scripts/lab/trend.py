@@ -67,14 +67,16 @@ class Trend:
     """How memory and time went.
 
     Attributes:
-        settled_mb: Memory at the end of the first tenth [MB].
-        largest_mb: The most that was held at the end of a later row [MB].
+        settled_mb: Median memory of the rows of the tenth after the first [MB].
+        later_mb: The largest such median of a later tenth [MB]: what one row holds depends on its building.
+        largest_mb: The most that was held at the end of any row after the first tenth [MB].
         settled_ms: Median time of a step in the tenth after the first, at the median pace of the whole run [ms].
         last_ms: The same in the last tenth [ms].
         bytes_a_step: By how much memory grew with each step or scan after the first tenth: the slope of a line.
     """
 
     settled_mb: float
+    later_mb: float
     largest_mb: float
     settled_ms: float
     last_ms: float
@@ -83,7 +85,7 @@ class Trend:
     @property
     def memory_growth(self) -> float:
         """Share by which memory grew after the first tenth."""
-        return self.largest_mb / self.settled_mb - 1.0
+        return self.later_mb / self.settled_mb - 1.0
 
     @property
     def time_growth(self) -> float:
@@ -105,7 +107,8 @@ def trend(rows: Sequence[Mapping[str, float]]) -> Trend:
     later = slice(tenth, None)
     slope = np.polyfit(done[later], memory[later], 1)[0] if len(done[later]) > 1 else 0.0
     return Trend(
-        settled_mb=float(memory[tenth - 1]),
+        settled_mb=float(np.median(memory[tenth : 2 * tenth])),
+        later_mb=max(float(np.median(part)) for part in np.split(memory, range(tenth, len(memory), tenth))[1:]),
         largest_mb=float(memory[later].max()),
         settled_ms=float(np.median(times[tenth : 2 * tenth])),
         last_ms=float(np.median(times[-tenth:])),

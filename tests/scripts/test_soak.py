@@ -21,9 +21,15 @@ def rows_of(memory, times, reference=1.0):
 def test_what_grows_only_in_the_first_tenth_is_flat():
     went = trend(rows_of([100, 300] + 18 * [301], [9.0, 9.0] + 18 * [1.0]))
     assert went.flat
-    assert went.settled_mb == 300
-    assert went.memory_growth == pytest.approx(1 / 300)
+    assert went.settled_mb == 301
+    assert went.memory_growth == 0.0
     assert went.bytes_a_step == pytest.approx(0.0, abs=1e-6)
+
+
+def test_one_building_that_needs_more_is_no_growth():
+    went = trend(rows_of([100] * 30 + [120] + [100] * 9, 40 * [1.0]))
+    assert went.flat
+    assert went.largest_mb == 120
 
 
 def test_a_leak_is_told_in_bytes_a_step():
@@ -73,7 +79,7 @@ def test_a_part_that_is_finished_is_not_run_again(tmp_path, monkeypatch):
 
 
 def test_the_exit_status_says_whether_a_part_grew(tmp_path, monkeypatch, capsys):
-    grown = {"scans": 9, TIMING: rows_of([100, 200, 300], [1.0, 1.0, 1.0])}
+    grown = {"scans": 9, TIMING: rows_of([100, 200, 300, 400], 4 * [1.0])}
     monkeypatch.setattr(soak, "run_alone", lambda cell, folder: grown)
     assert soak.main(["--engines", "ekf", "--out", str(tmp_path)]) == 1
     assert "GROWS" in capsys.readouterr().out
