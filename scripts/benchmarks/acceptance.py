@@ -11,7 +11,7 @@ import gymnasium as gym
 import numpy as np
 
 from ...agents import make_follower
-from ...agents.following_tour import SCENES, TourConfig, following_tour
+from ...agents.tour import SCENES, TourConfig, following_tour
 from ...envs.recording.rollout import rollout
 from ...envs.recording.slow_tour import slow_tour
 from ...envs.world.world import WorldConfig

@@ -5,7 +5,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from ...agents.following_tour import SCENES, TourConfig
+from ...agents.tour import SCENES, TourConfig
 from ...slam.engine import ENGINES, make_slam
 from ...slam.errors import InputError
 from ..console.tables import format_table

@@ -45,6 +45,7 @@ def add_subcommands(
         required: Whether one has to be chosen.
     """
     action = parser.add_subparsers(dest=kind, metavar=kind.upper(), required=required, action=_LateSubcommands)
+    assert isinstance(action, _LateSubcommands)
     action.declare = declare
     for name, summary in summaries.items():
         action.add_parser(name, help=summary, description=summary, formatter_class=argparse.RawDescriptionHelpFormatter)

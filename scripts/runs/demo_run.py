@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from ...agents.following_tour import FollowingTour, TourConfig, following_tour
+from ...agents.tour import FollowingTour, TourConfig, following_tour
 from ...envs.follow_env import FollowEnv
 from ...envs.recording.slow_tour import slow_tour
 from ...envs.world.world import WorldConfig
