@@ -60,7 +60,7 @@ def test_packages_in_pyproject_are_the_folders_with_an_init_file():
 
 
 def test_tests_are_no_packages():
-    assert [path for path in (ROOT / "tests").rglob("__init__.py")] == []
+    assert list((ROOT / "tests").rglob("__init__.py")) == []
 
 
 def test_no_source_file_is_longer_than_400_lines_and_no_function_longer_than_50():
