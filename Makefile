@@ -30,7 +30,7 @@ fuzz: $(LEARN)
 	$(BIN)/python tests/fuzz/run.py --minutes $(MINUTES) --seed $(SEED) --out out/fuzz
 
 bench: $(STAMP)
-	$(BIN)/tagalong bench --out out/bench
+	$(BIN)/tagalong bench speed
 
 $(STAMP): pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "tagalong needs Python 3.11 or newer; set PYTHON=...")'

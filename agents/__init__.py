@@ -1,37 +1,61 @@
-"""Who drives: followers of a leader, and explorers without one. Importing this needs neither torch nor mujoco."""
+"""Who drives: followers of a leader, and explorers without one.
 
-import os
-from collections.abc import Callable
-from functools import partial
+    make_follower          a follower ("pid", "pure_pursuit", "dwa", "learned") or explorer ("random", "frontier") by
+                           name; your own class as "module:name"; a folder that `tagalong train follower` wrote
+    FOLLOWERS, EXPLORERS   the names, and what makes each
+    Follower               what each of them is: `reset()`, and `act(observation)` -> action in [-1, 1]
+    PIDFollower, PurePursuitFollower, DWAFollower     by rules, with PIDConfig, PurePursuitConfig, DWAConfig
+    LearnedFollower        a trained network with a guard around it, in plain numpy
+    RandomWalk, RandomWalkConfig, FrontierExplorer    explore without a leader; the last where a map is built
+    following_tour, TourConfig   one recorded drive behind a leader, with the scans filtered
 
-from ..envs.interface import FollowInterface
-from ..slam.errors import unknown_name
-from .follower import Follower
-from .learned.follower import LearnedFollower
-from .newcomer import Newcomer
-from .scripted.dwa import DWAConfig, DWAFollower
-from .scripted.pid import PIDConfig, PIDFollower
-from .scripted.pure_pursuit import PurePursuitConfig, PurePursuitFollower
-from .scripted.random_walk import RandomWalk, RandomWalkConfig
-from .user import load_follower
+Example:
+    >>> import gymnasium as gym
+    >>> from tagalong.agents import PIDConfig, PIDFollower
+    >>> env = gym.make("tagalong/Corridor-v0", slam=None, beams=181)
+    >>> follower = PIDFollower(env.unwrapped.interface, PIDConfig(distance=1.5))
+    >>> observation, info = env.reset(seed=0)
+    >>> for _ in range(10):
+    ...     observation, reward, terminated, truncated, info = env.step(follower.act(observation))
+    >>> terminated
+    False
 
-FOLLOWERS: dict[str, Callable[[FollowInterface], Follower]] = {
-    "pid": PIDFollower,
-    "pure_pursuit": PurePursuitFollower,
-    "dwa": DWAFollower,
-    "learned": LearnedFollower,
+These names are what is public; the modules below are private and may change. Each is loaded when it is first asked for,
+so that importing this needs neither torch nor mujoco nor numba. Training needs the extra `learn`: `tagalong train`.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .learned.follower import LearnedFollower
+    from .protocol.follower import Follower
+    from .roster import EXPLORERS, FOLLOWERS, make_follower
+    from .scripted.dwa import DWAConfig, DWAFollower
+    from .scripted.frontier import FrontierExplorer
+    from .scripted.pid import PIDConfig, PIDFollower
+    from .scripted.pure_pursuit import PurePursuitConfig, PurePursuitFollower
+    from .scripted.random_walk import RandomWalk, RandomWalkConfig
+    from .tour import TourConfig, following_tour
+
+_MODULES = {
+    "EXPLORERS": "roster",
+    "FOLLOWERS": "roster",
+    "DWAConfig": "scripted.dwa",
+    "DWAFollower": "scripted.dwa",
+    "Follower": "protocol.follower",
+    "FrontierExplorer": "scripted.frontier",
+    "LearnedFollower": "learned.follower",
+    "PIDConfig": "scripted.pid",
+    "PIDFollower": "scripted.pid",
+    "PurePursuitConfig": "scripted.pure_pursuit",
+    "PurePursuitFollower": "scripted.pure_pursuit",
+    "RandomWalk": "scripted.random_walk",
+    "RandomWalkConfig": "scripted.random_walk",
+    "TourConfig": "tour",
+    "following_tour": "tour",
+    "make_follower": "roster",
 }
-"""Who needs a leader."""
-
-
-def _frontier(interface: FollowInterface) -> Follower:
-    from .scripted.frontier import FrontierExplorer  # imported late: its kernels need numba
-
-    return FrontierExplorer(interface)
-
-
-EXPLORERS: dict[str, Callable[[FollowInterface], Follower]] = {"random": RandomWalk, "frontier": _frontier}
-"""Who needs none: for environments with `leader=False`; "frontier" for those that build a map."""
 
 __all__ = [
     "EXPLORERS",
@@ -39,6 +63,7 @@ __all__ = [
     "DWAConfig",
     "DWAFollower",
     "Follower",
+    "FrontierExplorer",
     "LearnedFollower",
     "PIDConfig",
     "PIDFollower",
@@ -46,28 +71,17 @@ __all__ = [
     "PurePursuitFollower",
     "RandomWalk",
     "RandomWalkConfig",
+    "TourConfig",
+    "following_tour",
     "make_follower",
 ]
 
 
-def make_follower(name: str, interface: FollowInterface | None = None) -> Follower:
-    """Return a new follower or explorer.
+def __getattr__(name: str) -> Any:
+    if name not in _MODULES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f".{_MODULES[name]}", __name__), name)
 
-    Args:
-        name: "pid", "pure_pursuit", "dwa", "learned" (behind a leader); "random", "frontier" (without); your own class,
-            as "module:name"; or a folder that `tagalong train follower` wrote.
-        interface: Scales of the environment it will act in, `env.unwrapped.interface`; None: it learns them
-            there (but a class of your own is told the defaults).
 
-    Raises:
-        InputError: If the name is unknown, or "frontier" finds no map.
-    """
-    if ":" in name:
-        return load_follower(name, interface or FollowInterface())
-    everybody = {**FOLLOWERS, **EXPLORERS}
-    make = everybody.get(name)
-    if make is None and os.path.isdir(name):
-        make = partial(LearnedFollower, policy=name)
-    if make is None:
-        raise unknown_name("follower", name, tuple(everybody))
-    return Newcomer(make) if interface is None else make(interface)
+def __dir__() -> list[str]:
+    return [*globals(), *__all__]

@@ -1,6 +1,7 @@
 """The rules of the house that a program can check."""
 
 import ast
+import re
 import tomllib
 from pathlib import Path
 
@@ -16,6 +17,10 @@ HEAVY = {
     "sb3_contrib": {"agents"},
     "matplotlib": {"scripts"},
 }
+
+
+DOORS = {"tagalong", *(f"tagalong.{room}" for room in FLOORS if room != "scripts")}
+MOST_METHODS = 20
 
 
 def imported(path: Path) -> list[tuple[str, bool]]:
@@ -54,6 +59,10 @@ def test_packages_in_pyproject_are_the_folders_with_an_init_file():
     assert sorted(listed) == sorted(found)
 
 
+def test_tests_are_no_packages():
+    assert list((ROOT / "tests").rglob("__init__.py")) == []
+
+
 def test_no_source_file_is_longer_than_400_lines_and_no_function_longer_than_50():
     for path in SOURCES:
         text = path.read_text()
@@ -61,3 +70,78 @@ def test_no_source_file_is_longer_than_400_lines_and_no_function_longer_than_50(
         for node in ast.walk(ast.parse(text)):
             if isinstance(node, ast.FunctionDef):
                 assert (node.end_lineno or 0) - node.lineno < 50, f"{path}: {node.name}"
+
+
+def folders_imported(path: Path) -> set[str]:
+    """The folders of the package that a file imports from, its own left out.
+
+    A floor's door only names what it lends, for type checkers, and loads it when it is asked for: that ties nothing.
+    """
+    tree = ast.parse(path.read_text())
+    of_door = [node for node in tree.body if isinstance(node, ast.If) and path.parent.name in FLOORS]
+    left_out = {id(inner) for node in of_door if path.name == "__init__.py" for inner in ast.walk(node)}
+    found = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node.level and id(node) not in left_out:
+            base = path.parents[node.level - 1].joinpath(*(node.module or "").split("."))
+            for target in (base / alias.name for alias in node.names):
+                lies_in = target if target.is_dir() else base if base.is_dir() else base.parent
+                found.add(lies_in.relative_to(ROOT).as_posix())
+    return found - {path.parent.relative_to(ROOT).as_posix(), "."}
+
+
+def test_folders_do_not_import_each_other_in_a_circle():
+    ties: dict[str, dict[str, str]] = {}
+    for path in SOURCES:
+        for folder in folders_imported(path):
+            ties.setdefault(path.parent.relative_to(ROOT).as_posix(), {})[folder] = path.name
+
+    def reached(start: str) -> set[str]:
+        seen, ahead = set(), [start]
+        while ahead:
+            new = set(ties.get(ahead.pop(), ())) - seen
+            seen |= new
+            ahead += new
+        return seen
+
+    below = {folder: reached(folder) for folder in ties}
+    circles = [f"{a}/{name} -> {b}" for a in ties for b, name in ties[a].items() if a in below.get(b, ())]
+    assert circles == []
+
+
+def classes() -> list[tuple[Path, ast.ClassDef]]:
+    """Every class of the package, but for those inside functions and classes."""
+    nodes = [(path, node) for path in SOURCES for node in ast.parse(path.read_text()).body]
+    return [(path.relative_to(ROOT), node) for path, node in nodes if isinstance(node, ast.ClassDef)]
+
+
+def test_no_class_has_more_than_20_methods():
+    counts = {
+        f"{path}: {node.name}": sum(isinstance(part, ast.FunctionDef) for part in node.body) for path, node in classes()
+    }
+    assert {name: count for name, count in counts.items() if count > MOST_METHODS} == {}
+
+
+def test_no_two_classes_have_the_same_name():
+    where: dict[str, list[str]] = {}
+    for path, node in classes():
+        where.setdefault(node.name, []).append(str(path))
+    assert {name: paths for name, paths in where.items() if len(paths) > 1} == {}
+
+
+README_PROGRAMS = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+SHOWN = {
+    **{f"README, program {k}": text for k, text in enumerate(README_PROGRAMS, 1)},
+    **{path.name: path.read_text() for path in sorted((ROOT / "examples").rglob("*.py"))},
+}
+
+
+@pytest.mark.parametrize("name", SHOWN)
+def test_what_is_shown_to_users_comes_in_by_the_doors(name):
+    used = set()
+    for node in ast.walk(ast.parse(SHOWN[name])):
+        if isinstance(node, ast.Import):
+            used |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            used.add(node.module or "")
+    assert {module for module in used if module.partition(".")[0] == "tagalong"} <= DOORS

@@ -19,3 +19,17 @@ def test_actions_are_pinned_by_the_hash_of_a_commit(path):
 @pytest.mark.parametrize("path", WORKFLOWS, ids=lambda path: path.name)
 def test_a_workflow_may_only_read(path):
     assert re.search(r"^permissions:\n  contents: read$", path.read_text(), flags=re.M)
+
+
+def test_what_is_pushed_is_checked_and_tested():
+    steps = (ROOT / ".ci" / "run").read_text().splitlines()
+    assert "make check" in steps
+    assert "make test" in steps
+    assert "- run: .ci/run" in (ROOT / ".github" / "workflows" / "ci.yml").read_text()
+
+
+def test_what_looks_at_a_commit_has_the_version_that_continuous_integration_has():
+    pinned = dict(re.findall(r"^(\S+)==(\S+)$", (ROOT / "constraints.txt").read_text(), flags=re.M))
+    tools = re.findall(r'"([\w-]+)==([\d.]+)"', (ROOT / ".pre-commit-config.yaml").read_text())
+    assert ("ruff", pinned["ruff"]) in tools
+    assert len(set(tools)) == 2  # and one version of the other

@@ -6,16 +6,16 @@ driven in thought, and the one that comes farthest along the trail without a tou
 has lost the leader to where the trail ends; there it looks around.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...slam.errors import InputError
-from ..scripted.leader_memory import Goal, Mode
+from ..scripted.leader_memory import Mode
 from .guard import GuardConfig, box_gaps
 from .manoeuvres import LONGEST_S, SPACING_M, drive_in_thought, resampled, thinned, turned_away
+from .situation import Situation, Wish
 from .steering import State, SteeringConfig
 
 Array = NDArray[np.float64]
@@ -102,38 +102,20 @@ class Detour:
         self._held_s = self._left_s = self._left_m = 0.0
         self._begun = np.zeros((0, 5))
 
-    def escape(
-        self,
-        state: State,
-        wish: tuple[float, float],
-        goal: Goal,
-        search_turn: float,
-        trail: Array,
-        things: Array,
-        room: Callable[[], float],
-    ) -> tuple[float, float]:
-        """Return `wish`, or what is to be wished instead; once a step.
-
-        Args:
-            state: What is commanded now.
-            wish: The network's, speed [m/s] and turn rate [rad/s].
-            goal: Where the leader is taken to be.
-            search_turn: Turn rate at which a lost leader is looked for [rad/s].
-            trail: (k, 2) the leader's trail from here on, robot frame [m].
-            things: (n, 2) what must not be touched, robot frame [m].
-            room: Asks how far back the ground is known to be free [m].
-        """
+    def escape(self, wish: Wish, situation: Situation) -> Wish:
+        """Return `wish`, or what is to be wished instead; once a step."""
+        state, goal = situation.commanded, situation.goal
         if goal.mode is Mode.WAIT:
             return wish
         if goal.mode is Mode.SEARCH and self.config.search:
-            return 0.0, search_turn
+            return 0.0, situation.search_turn
         lost = goal.mode is Mode.APPROACH and self.config.search
-        path = resampled(np.vstack((trail, (goal.x, goal.y))), 0.0 if lost else self.config.distance)
+        path = resampled(np.vstack((situation.trail, (goal.x, goal.y))), 0.0 if lost else self.config.distance)
         self._watch(state, len(path) * SPACING_M)
         if not (lost or self._left_s > 0.0) or not len(path):
             self._begun = np.zeros((0, 5))
             return wish
-        return self._best(state, path, things, room())
+        return self._best(state, path, situation.things, situation.room_behind())
 
     def _watch(self, state: State, behind: float) -> None:
         """Notice that the robot is held up, or has been relieved for long enough."""
@@ -147,7 +129,7 @@ class Detour:
         if self._held_s > c.held_s and self._left_s == 0.0:
             self._held_s, self._left_s, self._left_m = 0.0, c.relieved_s, c.relieved_m
 
-    def _best(self, state: State, path: Array, things: Array, room: float) -> tuple[float, float]:
+    def _best(self, state: State, path: Array, things: Array, room: float) -> Wish:
         """Return what the best manoeuvre wishes now, and remember it as begun."""
         c, plans = self.config, np.vstack((self._plans, self._begun))
         near = thinned(things, _REACH_M)
@@ -176,15 +158,6 @@ class NoDetour:
     def reset(self) -> None:
         """Forget nothing."""
 
-    def escape(
-        self,
-        state: State,
-        wish: tuple[float, float],
-        goal: Goal,
-        search_turn: float,
-        trail: Array,
-        things: Array,
-        room: Callable[[], float],
-    ) -> tuple[float, float]:
+    def escape(self, wish: Wish, situation: Situation) -> Wish:
         """Return `wish`."""
         return wish

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ...envs.interface import FollowInterface
 from ...slam.errors import InputError
-from ..follower import Observation
+from ..protocol.follower import Observation
 from ..scripted.leader_memory import Goal, LeaderMemory, MemoryConfig, Mode
 from ..scripted.scan_points import own_velocity, scan_of
 from .steering import State

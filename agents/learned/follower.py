@@ -10,7 +10,7 @@ from ...envs.interface import FollowInterface
 from ...slam.errors import InputError
 from ...slam.files.input import named
 from ...slam.files.output import read_arrays, read_json
-from ..follower import Observation
+from ..protocol.follower import Observation
 from .network import Network
 from .network_shapes import check_arrays
 from .pilot import Pilot, PilotConfig

@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 
 from ...envs.interface import FollowInterface
 from ...slam.errors import InputError
-from ..follower import Observation
+from ..protocol.follower import Observation
 from ..scripted.scan_points import ScanPoints, own_velocity, without
 from .hindsight import Hindsight
+from .situation import Wish
 from .steering import State, SteeringConfig, steer_many
 
 Array = NDArray[np.float64]
@@ -95,9 +96,9 @@ class Guard:
         self._kept = np.zeros((0, 3))  # x, y [m], age [s]
         self._behind.reset()
 
-    def look(self, observation: Observation) -> None:
-        """Take the returns of an observation; once a step, before `allow`."""
-        self._behind.look(observation)
+    def observe(self, observation: Observation) -> None:
+        """Take the returns of an observation; once a step, before `limit`."""
+        self._behind.observe(observation)
         before, self._points = self._points, self._things(observation)
         dx, dy, turned = (value * self._step_s for value in own_velocity(observation))
         old = np.vstack((self._kept, np.column_stack((before, np.zeros(len(before))))))
@@ -122,11 +123,11 @@ class Guard:
         """(n, 2) what must not be touched, robot frame [m]; not to be written to."""
         return np.vstack((self._points, self._kept[:, :2]))
 
-    def room(self) -> float:
+    def room_behind(self) -> float:
         """Return how far back the ground is known to be free, at most 1 m [m]."""
         return self._behind.room()
 
-    def allow(self, state: State, wish: tuple[float, float]) -> tuple[float, float]:
+    def limit(self, state: State, wish: Wish) -> Wish:
         """Return `wish`, or the nearest one that can be braked without a touch; standing still if there is none.
 
         Args:
@@ -170,7 +171,7 @@ class Guard:
             gaps = signed_gaps(poses, things, self.config)
             spare, back = np.minimum(spare, (gaps - bounds).min(axis=1, initial=np.inf)), np.maximum(back, -poses[:, 0])
         least = float(back[-1]) + _NEARER_M
-        room = least if back.max() <= least else max(self.room(), least)
+        room = least if back.max() <= least else max(self.room_behind(), least)
         return ((spare >= 0.0) & (back <= room))[:-1]
 
 
@@ -216,13 +217,13 @@ class NoGuard:
     things = np.zeros((0, 2))
     """Nothing is minded."""
 
-    def look(self, observation: Observation) -> None:
+    def observe(self, observation: Observation) -> None:
         """Ignore the observation."""
 
-    def allow(self, state: State, wish: tuple[float, float]) -> tuple[float, float]:
+    def limit(self, state: State, wish: Wish) -> Wish:
         """Return `wish`."""
         return wish
 
-    def room(self) -> float:
+    def room_behind(self) -> float:
         """Mind no room."""
         return float("inf")

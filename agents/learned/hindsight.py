@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...envs.interface import FollowInterface
-from ..follower import Observation
+from ..protocol.follower import Observation
 from ..scripted.scan_points import MOST_BEAMS, own_velocity, scan_of
 
 Array = NDArray[np.float64]
@@ -53,7 +53,7 @@ class Hindsight:
         self._ranges = np.zeros((1, self._sectors))  # at first it has seen nothing, and stands where it stands
         self._room: float | None = None
 
-    def look(self, observation: Observation) -> None:
+    def observe(self, observation: Observation) -> None:
         """Take the view of an observation; once a step."""
         self._carry_along(own_velocity(observation))
         scan = scan_of(observation, self._count)[self._beams].astype(np.float64)

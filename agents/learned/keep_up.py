@@ -9,12 +9,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...slam.errors import InputError
-from ..scripted.leader_memory import Goal, Mode
-
-Array = NDArray[np.float64]
+from ..scripted.leader_memory import Mode
+from .situation import Situation, Wish
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,7 +37,7 @@ class KeepUpConfig:
 
 
 class KeepUp:
-    """Urges who falls behind; without memory.
+    """Speeds up who falls behind; without memory.
 
     Args:
         config: What is asked for.
@@ -48,14 +46,9 @@ class KeepUp:
     def __init__(self, config: KeepUpConfig) -> None:
         self.config = config
 
-    def keep_pace(self, wish: tuple[float, float], goal: Goal, trail: Array) -> tuple[float, float]:
-        """Return `wish`, faster if its speed lets the leader get away.
-
-        Args:
-            wish: Speed [m/s] and turn rate [rad/s].
-            goal: Where the leader is taken to be.
-            trail: (k, 2) the leader's trail from here on, robot frame [m].
-        """
+    def keep_pace(self, wish: Wish, situation: Situation) -> Wish:
+        """Return `wish`, faster if its speed lets the leader get away."""
+        goal, trail = situation.goal, situation.trail
         if goal.mode is not Mode.FOLLOW:
             return wish
         c, path = self.config, np.vstack((np.zeros(2), trail, (goal.x, goal.y)))
@@ -69,6 +62,6 @@ class KeepUp:
 class NoKeepUp:
     """Leaves the network alone."""
 
-    def keep_pace(self, wish: tuple[float, float], goal: Goal, trail: Array) -> tuple[float, float]:
+    def keep_pace(self, wish: Wish, situation: Situation) -> Wish:
         """Return `wish`."""
         return wish

@@ -7,12 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...envs.interface import FollowInterface
-from ..follower import Observation
+from ..protocol.follower import Observation
 from ..scripted.scan_points import as_action
 from .detour import Detour, DetourConfig, NoDetour
 from .features import FeatureConfig, Features
 from .guard import Guard, GuardConfig, NoGuard
 from .keep_up import KeepUp, KeepUpConfig, NoKeepUp
+from .situation import Situation
 from .steering import REST, SteeringConfig, steer
 from .swerve import NoSwerve, Swerve, SwerveConfig
 
@@ -80,23 +81,27 @@ class Pilot:
 
     def inputs(self, observation: Observation) -> dict[str, Floats]:
         """Return the inputs of the network for an observation; once a step."""
-        self._guard.look(observation)
+        self._guard.observe(observation)
         self._people = observation["people"].astype(np.float64)
         return self._features.update(observation, self.commanded)
 
     def drive(self, output: Sequence[float] | Floats) -> Floats:
         """Return the environment's action for an output (2,) of the network in [-1, 1]; once a step."""
         steering, step_s = self.config.steering, 1.0 / self._interface.control_hz
-        f, things = self._features, self._guard.things
+        situation = self._situation()
         wish = steering.wish((float(output[0]), float(output[1])))
-        wish = steering.within(*self._keep_up.keep_pace(wish, f.goal, f.trail))
+        wish = steering.clipped(*self._keep_up.keep_pace(wish, situation))
         part = step_s / (step_s + steering.wish_s)
         self._wish = (
             self._wish[0] + part * (wish[0] - self._wish[0]),
             self._wish[1] + part * (wish[1] - self._wish[1]),
         )
-        wish = self._swerve.around(self.commanded, self._wish, f.goal, f.trail, things, self._people)
-        wish = self._detour.escape(self.commanded, wish, f.goal, f.search_turn, f.trail, things, self._guard.room)
-        speed, turn = self._guard.allow(self.commanded, wish)
+        wish = self._swerve.avoid(self._wish, situation)
+        wish = self._detour.escape(wish, situation)
+        speed, turn = self._guard.limit(self.commanded, wish)
         self.commanded = steer(self.commanded, speed, turn, step_s, steering)
         return as_action(self.commanded[0], self.commanded[2], self._interface)
+
+    def _situation(self) -> Situation:
+        f, guard = self._features, self._guard
+        return Situation(self.commanded, f.goal, f.search_turn, f.trail, guard.things, self._people, guard.room_behind)

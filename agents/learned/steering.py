@@ -65,7 +65,7 @@ class SteeringConfig:
         middle, half = 0.5 * (self.max_speed - self.reverse_speed), 0.5 * (self.max_speed + self.reverse_speed)
         return middle + half * forward, self.max_turn_rate * turn
 
-    def within(self, speed: float, turn: float) -> tuple[float, float]:
+    def clipped(self, speed: float, turn: float) -> tuple[float, float]:
         """Return the velocity that can be wished next to `speed` [m/s] and `turn` [rad/s]."""
         return (
             min(max(speed, -self.reverse_speed), self.max_speed),

@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...slam.errors import InputError
-from ..scripted.leader_memory import Goal, Mode
+from ..scripted.leader_memory import Mode
 from .guard import GuardConfig
 from .manoeuvres import LONGEST_S, Driven, drive_in_thought, resampled, thinned, turned_away
+from .situation import Situation, Wish
 from .steering import State, SteeringConfig
 
 Array = NDArray[np.float64]
@@ -75,20 +76,10 @@ class Swerve:
     def __init__(self, config: SwerveConfig, guard: GuardConfig, steering: SteeringConfig, step_s: float) -> None:
         self.config, self._guard, self._steering, self._step_s = config, guard, steering, step_s
 
-    def around(
-        self, state: State, wish: tuple[float, float], goal: Goal, trail: Array, things: Array, people: Array
-    ) -> tuple[float, float]:
-        """Return `wish`, or what is better wished instead.
-
-        Args:
-            state: What is commanded now.
-            wish: Speed [m/s] and turn rate [rad/s].
-            goal: Where the leader is taken to be.
-            trail: (k, 2) the leader's trail from here on, robot frame [m].
-            things: (n, 2) what must not be touched, robot frame [m].
-            people: (m, 6) bystanders, as in the observation.
-        """
-        near = thinned(foreseen(things, people, self.config.foresight_s), _REACH_M)
+    def avoid(self, wish: Wish, situation: Situation) -> Wish:
+        """Return `wish`, or the one that is nearest to it and comes not too near to things."""
+        state, goal = situation.commanded, situation.goal
+        near = thinned(foreseen(situation.things, situation.people, self.config.foresight_s), _REACH_M)
         if goal.mode is not Mode.FOLLOW or not len(near) or max(wish[0], state[0]) < 0.1:
             return wish
         if self._driven(state, np.array([wish]), near).gaps[0] >= self.config.trigger:
@@ -101,7 +92,7 @@ class Swerve:
         cost = c.slower * np.abs(tried[:, 0] - wish[0]) + c.turning * np.abs(tried[:, 1] - wish[1]) + c.tight * tight
         then = np.array((goal.x + goal.vx * c.ahead_s, goal.y + goal.vy * c.ahead_s))
         cost += c.blocked * (driven.gaps < self._guard.margin) + c.facing * turned_away(driven.poses, then)
-        path = resampled(np.vstack((trail, (goal.x, goal.y))), 0.0)
+        path = resampled(np.vstack((situation.trail, (goal.x, goal.y))), 0.0)
         if len(path):
             x, y = driven.poses[:, :1], driven.poses[:, 1:2]
             cost += c.off_trail * np.hypot(path[:, 0] - x, path[:, 1] - y).min(axis=1)
@@ -126,8 +117,6 @@ def foreseen(things: Array, people: Array, ahead_s: float) -> Array:
 class NoSwerve:
     """Leaves it to the guard."""
 
-    def around(
-        self, state: State, wish: tuple[float, float], goal: Goal, trail: Array, things: Array, people: Array
-    ) -> tuple[float, float]:
+    def avoid(self, wish: Wish, situation: Situation) -> Wish:
         """Return `wish`."""
         return wish

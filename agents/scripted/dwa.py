@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...envs.interface import FollowInterface
-from ..follower import Observation
+from ..protocol.follower import Observation
 from .dynamic_window import DynamicWindow, DynamicWindowConfig, Surroundings
 from .leader_memory import Goal, LeaderMemory, MemoryConfig, Mode
 from .scan_points import ScanPoints, as_action, leader_row, own_velocity, without

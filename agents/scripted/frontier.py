@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ...envs.interface import FollowInterface
 from ...slam.errors import InputError
-from ..follower import Observation
+from ..protocol.follower import Observation
 from .dwa import known_people
 from .dynamic_window import DynamicWindow, DynamicWindowConfig, Surroundings
 from .frontier_plan import FrontierConfig, FrontierWay, place_ahead, plan_way

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ...envs.interface import FollowInterface
 from ...slam.errors import InputError
-from ..follower import Observation
+from ..protocol.follower import Observation
 from .avoidance import AvoidanceConfig, free_heading
 from .leader_memory import Goal, LeaderMemory, MemoryConfig, Mode
 from .pid_axis import Axis, AxisConfig

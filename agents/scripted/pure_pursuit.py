@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ...envs.interface import FollowInterface
 from ...slam.errors import InputError
-from ..follower import Observation
+from ..protocol.follower import Observation
 from .avoidance import AvoidanceConfig, free_heading
 from .leader_memory import Goal, LeaderMemory, MemoryConfig, Mode
 from .scan_points import ScanPoints, as_action, leader_row, own_velocity, without

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...envs.interface import FollowInterface
-from ..follower import Observation
+from ..protocol.follower import Observation
 from .avoidance import AvoidanceConfig, free_lengths
 from .dwa import known_people
 from .dynamic_window import DynamicWindow, DynamicWindowConfig, Surroundings

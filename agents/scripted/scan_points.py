@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from ...envs.interface import FollowInterface
 from ...slam.errors import InputError
-from ..follower import Observation
+from ..protocol.follower import Observation
 
 Array = NDArray[np.float64]
 

@@ -21,8 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...envs.interface import FollowInterface
-from ..follower import Observation
 from ..learned.steering import State
+from ..protocol.follower import Observation
 from ..scripted.scan_points import ScanPoints
 
 _HALF_LENGTH, _HALF_WIDTH = 0.275, 0.26

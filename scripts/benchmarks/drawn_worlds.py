@@ -4,16 +4,14 @@ Offices, rings of corridors, grids of equal rooms, halls and caves; lasers of 4 
 beams; a scan every 0.1 to 2 s; good to bad odometry; up to six people. Nobody carries the robot: each time that the
 engine believes it lost is false. Each world has a kind and a seed, and is the same to the byte on every machine alike.
 
-Run: python -m tagalong.scripts.benchmarks.drawn_worlds OUT [--engines cartographer gmapping] [--kinds office ...]
-     [--seeds LOW HIGH] [--jobs N]
+example:
+  tagalong bench drawn-worlds --engines cartographer gmapping --kinds office --seeds 0 99 --jobs 2
 """
 
 import argparse
-import sys
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,17 +20,17 @@ from numpy.typing import NDArray
 from ...envs.simulation2d.building_plans import KINDS
 from ...envs.simulation2d.drawn_drives import draw_drive
 from ...slam.engine import SlamEngine, make_slam
-from ...slam.files.output import require_writable, write_json
+from ...slam.errors import InputError
 from ...slam.graph.engine import Cartographer
 from ...slam.logs.drive import RecordedDrive
 from ...slam.quality.trajectory import absolute_error
-from ..cli import told
-from ..lab.arguments import at_least
+from ..console.arguments import at_least
+from ..console.tables import format_table
 from ..lab.cells import TIMING, Cell, run_cells
-from ..lab.hardware import describe_machine, reference_kernel_s
+from ..lab.hardware import reference_kernel_s
 from ..lab.statistics import quantile_interval, share
-from ..tables import format_table
 from .graph_slam import closures
+from .results import write_results
 
 Array = NDArray[np.float64]
 
@@ -159,10 +157,8 @@ def _error(poses: Array, truth: Array) -> dict[str, float]:
     return {"rmse_m": error.rmse, "max_m": error.max}
 
 
-def main(words: Sequence[str]) -> int:
-    """Run the experiment: OUT [--engines ...] [--kinds ...] [--seeds LOW HIGH] [--jobs N]."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("out", type=Path, metavar="OUT", help="where the results go")
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
     parser.add_argument("--engines", nargs="+", choices=ENGINES, default=ENGINES[:1], help=f"(default: {ENGINES[0]})")
     parser.add_argument("--kinds", nargs="+", choices=KINDS, default=list(KINDS), help="of buildings (default: all)")
     parser.add_argument(
@@ -170,18 +166,16 @@ def main(words: Sequence[str]) -> int:
         help="the worlds of each kind, both ends included (default: 0 9)",
     )  # fmt: skip
     parser.add_argument("--jobs", type=at_least(1), default=1, help="processes (default: 1)")
-    options = parser.parse_args(words)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Measure, print, write results.json."""
     low, high = options.seeds
     if low > high:
-        parser.error(f"argument --seeds: the first must not be larger than the last, got {low} {high}")
-    require_writable(options.out, folder=True)
+        raise InputError(f"--seeds: the first must not be larger than the last, got {low} {high}")
     worlds = cells(options.engines, options.kinds, range(low, high + 1))
     results = run_cells(worlds, options.out, jobs=options.jobs, label="worlds")
     summed = summary(results)
-    write_json(options.out / "results.json", {"machine": describe_machine(), "summary": summed, "worlds": results})
+    write_results(options, {"summary": summed, "worlds": results})
     print(table(summed))
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(told(lambda: main(sys.argv[1:])))

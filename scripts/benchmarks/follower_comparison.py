@@ -1,10 +1,11 @@
 """Compares followers on the suites, episode by episode on the same seeds, full perception, with or without SLAM.
 
-`python -m tagalong.scripts.benchmarks.follower_comparison --followers learned pid --episodes 100 --out DIR`
-
-Every finished episode is a line of DIR/episodes.jsonl; the same command goes on where it was stopped. In the end
-DIR/comparison.json holds, for each suite, the figures of each follower with 95 % intervals and, for each figure, the
+Every finished episode is a line of episodes.jsonl; the same command goes on where it was stopped. In the end
+results.json holds, for each suite, the figures of each follower with 95 % intervals and, for each figure, the
 paired difference between the first follower and the others with Wilcoxon's signed-rank test.
+
+example:
+  tagalong bench follower-comparison --followers learned pid --episodes 100
 """
 
 import argparse
@@ -26,14 +27,13 @@ from ...envs.recording.rollout import rollout
 from ...envs.scenes.occupancy import true_map
 from ...envs.suites import FIRST_SEED, SUITES, suite
 from ...slam.errors import InputError
-from ...slam.files.output import made_folder, write_json, write_text
+from ...slam.files.output import made_folder, write_text
 from ...slam.quality.score import score_map
-from ..cli import told
+from ..console.arguments import at_least
+from ..console.tables import format_table
 from ..figures.plots import new_figure, save_figure
-from ..lab.arguments import at_least
-from ..lab.hardware import describe_machine
 from ..lab.statistics import Estimate, metric_mean, share
-from ..tables import format_table
+from .results import write_results
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -175,9 +175,8 @@ def finished_rows(file: Path, maps: float = math.inf) -> list[dict[str, Any]]:
     return [row for row in rows if row.get("slam", row["adnn_truth_to_map_m"] is not None) == (row["episode"] < maps)]
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Drive what is missing, print and write the comparison."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
     parser.add_argument("--followers", nargs="+", default=["learned", "pid"], metavar="WHO")
     parser.add_argument("--suites", nargs="+", default=list(DEFAULT_SUITES), choices=sorted(SUITES), metavar="SUITE")
     parser.add_argument("--episodes", type=at_least(1), default=100, metavar="N")
@@ -188,8 +187,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         help="build maps in the first N episodes only (default: in all): faster",
     )
     parser.add_argument("--plot", action="store_true", help="draw tours done over jerk (extra viz)")
-    parser.add_argument("--out", type=Path, default=Path("out/followers"), metavar="DIR")
-    options = parser.parse_args(arguments)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Measure, print, write results.json."""
     options.followers = list(dict.fromkeys(options.followers))
     file = made_folder(options.out) / "episodes.jsonl"
     maps = math.inf if options.maps is None else options.maps
@@ -203,7 +204,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 with file.open("a", encoding="utf-8") as lines:
                     lines.write(json.dumps(rows[-1]) + "\n")
     result = compare(rows, options.followers)
-    write_json(options.out / "comparison.json", {"suites": result, "machine": describe_machine()})
+    write_results(options, {"suites": result})
     if options.plot:
         print(draw_trade_off(result, options.out / "trade_off.png"))
     for name, part in result.items():
@@ -226,7 +227,3 @@ def _lines(figures: dict[str, Any]) -> list[tuple[str, ...]]:
         )
         for key, title in titles.items()
     ]
-
-
-if __name__ == "__main__":
-    raise SystemExit(told(main))

@@ -1,11 +1,12 @@
 """How long a followed person is held in a recorded drive with clicked positions and no odometry.
 
-Command: python -m tagalong.scripts.benchmarks.following person_following_outdoor_1.npz --preset outdoor
-
 A scan counts where the person was clicked. `held`: the leader, chosen once and looked for unaided, is within 0.75 m.
 `one_number`: so is the person with that number which was nearest in the first 3 s after anybody was tracked; the leader
 keeps its own. `anybody`: so is anybody. `switches`: changes of the track that is the leader. `false`: people farther
 off, a scan.
+
+example:
+  tagalong bench following person_following_outdoor_1.npz --preset outdoor
 """
 
 import argparse
@@ -23,7 +24,7 @@ from ...perception.tracking.people import People
 from ...perception.tracking.tracker import PeopleTracker
 from ...slam.errors import InputError
 from ...slam.logs.scans_npz import read_scans_npz
-from ..cli import told
+from .results import write_results
 
 RADIUS = 0.75
 CHOICE_S = 3.0
@@ -96,18 +97,18 @@ def judge_following(path: Path, preset: str, forest: str) -> dict[str, float]:
     return judge.figures()
 
 
-def main(arguments: list[str] | None = None) -> int:
-    """Run the experiment and print one line a preset; see the module's docstring."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("scans", type=Path)
-    parser.add_argument("--preset", choices=list(PRESETS), help="default: all")
-    parser.add_argument("--forest", default="real")
-    options = parser.parse_args(arguments)
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("scans", type=Path, metavar="FILE", help="a recording with clicked positions (.npz)")
+    parser.add_argument("--preset", choices=list(PRESETS), help="parameters of the tracker (default: all)")
+    parser.add_argument("--forest", default="real", help="who tells legs (default: %(default)s)")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Measure, print, write results.json."""
+    rows = {}
     for preset in [options.preset] if options.preset else PRESETS:
-        figures = judge_following(options.scans, preset, options.forest)
+        figures = rows[preset] = judge_following(options.scans, preset, options.forest)
         print(f"{preset:8s}", "  ".join(f"{key} {value:.4f}" for key, value in figures.items()), flush=True)
+    write_results(options, {"figures": rows})
     return 0
-
-
-if __name__ == "__main__":
-    raise SystemExit(told(main))

@@ -2,16 +2,16 @@
 
 One configuration for all logs. Times are processor time, beside that of a fixed numpy kernel in the same process.
 
-Run: python -m tagalong.scripts.benchmarks.graph_slam DATA REFERENCE OUT [JOBS]
-
 DATA holds the folder slam_logs, REFERENCE simulated logs NAME.log.gz with true poses NAME.gt.tum and the same drives
 without the returns on true feet, NAME-filtered.log.gz.
+
+example:
+  tagalong bench graph-slam data simulated-logs --jobs 2
 """
 
 import argparse
-import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -24,7 +24,7 @@ from ...perception.legs.detector import LegDetector
 from ...perception.legs.forest import LegForest
 from ...perception.people_filter import filter_people, people_points_lidar
 from ...perception.tracking.tracker import PeopleTracker
-from ...slam.files.output import write_json
+from ...slam.errors import InputError
 from ...slam.geometry import between, compose, inverse
 from ...slam.graph.engine import Cartographer
 from ...slam.graph.loops.constraints import Kind
@@ -35,14 +35,14 @@ from ...slam.logs.tum import Trajectory, read_tum
 from ...slam.quality.relations import score_relations
 from ...slam.quality.trajectory import absolute_error
 from ...slam.scan import LaserScan
-from ..cli import told
-from ..lab.acceptance import LOGS
-from ..lab.arguments import at_least
+from ..console.arguments import at_least
+from ..console.tables import format_table
 from ..lab.cells import TIMING, Cell, run_cells
-from ..lab.hardware import describe_machine, reference_kernel_s
-from ..slam_run import usable_times
-from ..tables import format_table
+from ..lab.hardware import reference_kernel_s
+from ..runs.slam_run import usable_times
+from .acceptance import LOGS
 from .intel_reference import READINGS, RELATIONS, corrected_poses, published_poses, related_poses
+from .results import write_results
 from .speed import thinned
 
 Array = NDArray[np.float64]
@@ -283,23 +283,19 @@ def _counts(engine: Cartographer) -> dict[str, Any]:
     }
 
 
-def main(words: Sequence[str]) -> int:
-    """Run the experiment: DATA REFERENCE OUT [JOBS]."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
     parser.add_argument("data", type=Path, metavar="DATA", help="holds the folder slam_logs")
     parser.add_argument("reference", type=Path, metavar="REFERENCE", help="simulated logs")
-    parser.add_argument("out", type=Path, metavar="OUT", help="where the results go")
-    parser.add_argument("jobs", type=at_least(1), nargs="?", default=1, metavar="JOBS", help="processes (default: 1)")
-    options = parser.parse_args(words)
+    parser.add_argument("--jobs", type=at_least(1), default=1, help="processes (default: 1)")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Measure, print, write results.json."""
     for folder in (options.data / "slam_logs", options.reference):
         if not folder.is_dir():
-            parser.error(f"{folder} is not a folder")
-    out: Path = options.out
-    results = run_cells(cells(options.data, options.reference), out, jobs=options.jobs)
-    write_json(out / "summary.json", {"machine": describe_machine(), "results": results})
+            raise InputError(f"{folder} is not a folder")
+    results = run_cells(cells(options.data, options.reference), options.out, jobs=options.jobs)
+    write_results(options, {"results": results})
     print(tables(results))
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(told(lambda: main(sys.argv[1:])))

@@ -14,7 +14,7 @@ from ...perception.rgbd.people_finder import PeopleFinder
 from ...perception.rgbd.planes import PlaneFinder
 from ...slam.geometry import between
 from ...slam.grid import GridConfig, OccupancyGrid
-from .speed import WARM_UP, Latency, latency
+from .latency import WARM_UP, Latency, latency
 
 STAGES = (
     "world, laser and camera",

@@ -19,7 +19,7 @@ from ...slam.pose_graph.initialisation import initialise
 from ...slam.pose_graph.pose_graph import PoseGraph
 from ...slam.quality.relations import readings_of_scans
 from ...slam.scan_to_scan.matchers import make_matcher
-from ..slam_run import usable_times
+from ..runs.slam_run import usable_times
 
 Array = NDArray[np.float64]
 

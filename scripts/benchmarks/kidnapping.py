@@ -2,14 +2,14 @@
 
 The maps are our own: of people-free drives through the simulated scenes, and of every second scan of the Intel log.
 
-Run: python -m tagalong.scripts.benchmarks.kidnapping LOGS OUT [TRIALS] [JOBS] [SEED]
-
 The seed says which building a scene is, and where robots are carried to.
+
+example:
+  tagalong bench kidnapping data/slam_logs --trials 100 --jobs 2
 """
 
 import argparse
 import copy
-import sys
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from ...envs.recording.slow_tour import slow_tour
 from ...envs.world.world import WorldConfig
 from ...slam.engine import SlamEngine, make_slam
-from ...slam.files.output import write_json
+from ...slam.errors import InputError
 from ...slam.geometry import between
 from ...slam.grid import GridConfig, render_map
 from ...slam.localization.localizer import Localizer
@@ -29,13 +29,13 @@ from ...slam.logs.carmen import read_carmen
 from ...slam.logs.drive import RecordedDrive
 from ...slam.occupancy_map import OccupancyMap
 from ...slam.quality.trajectory import absolute_error
-from ..cli import told
+from ..console.arguments import at_least
+from ..console.tables import format_table
 from ..lab.cells import TIMING, Cell, run_cells
-from ..lab.hardware import describe_machine
 from ..lab.scan_pairs import LOGS
 from ..lab.statistics import share
-from ..tables import format_table
 from .kidnapped_legs import Leg, LegSource, RecordedLegs, SimulatedLegs
+from .results import write_results
 
 SCENES = ("corridor", "meeting_room")
 PEOPLE = 2
@@ -240,22 +240,21 @@ def _interval(row: Mapping[str, float]) -> str:
     return f"{row['mean']:.2f} [{row['low']:.2f}, {row['high']:.2f}]"
 
 
-def main(words: Sequence[str]) -> int:
-    """Run the experiment: LOGS OUT [TRIALS] [JOBS] [SEED]."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
     parser.add_argument("logs", type=Path, metavar="LOGS", help="folder of recorded logs")
-    parser.add_argument("out", type=Path, metavar="OUT", help="where the results go")
-    for name, default in (("trials", 100), ("jobs", 1), ("seed", 0)):
-        parser.add_argument(
-            name, type=int, nargs="?", default=default, metavar=name.upper(), help=f"(default: {default})"
-        )
-    options = parser.parse_args(words)
+    parser.add_argument("--trials", type=at_least(1), default=100, help="of each building (default: %(default)s)")
+    parser.add_argument("--jobs", type=at_least(1), default=1, help="processes (default: %(default)s)")
+    parser.add_argument("--seed", type=at_least(0), default=0, help="of scenes and places (default: %(default)s)")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Measure, print, write results.json."""
     if not options.logs.is_dir():
-        parser.error(f"{options.logs} is not a folder")
-    out, trials, seed = options.out, options.trials, options.seed
-    results = run_cells(cells(options.logs, trials, seed), out, jobs=options.jobs)
+        raise InputError(f"{options.logs} is not a folder")
+    results = run_cells(cells(options.logs, options.trials, options.seed), options.out, jobs=options.jobs)
     table = summary(results)
-    write_json(out / "summary.json", {"machine": describe_machine(), "seed": seed, "trials": trials, "results": table})
+    write_results(options, {"results": table})
     rows = [
         (
             name,
@@ -270,7 +269,3 @@ def main(words: Sequence[str]) -> int:
     header = ("building", f"found in {SCANS} scans", "sure but wrong", "median scans", "p95 scans", "median error [cm]")
     print(format_table(header, rows))
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(told(lambda: main(sys.argv[1:])))

@@ -1,13 +1,13 @@
 """How well people are tracked and kept out of scans in simulated drives.
 
-Command: python -m tagalong.scripts.benchmarks.people --scene corridor --seeds 10 --people 4
+example:
+  tagalong bench people --scene corridor --seeds 10 --people 4
 """
 
 import argparse
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,11 +22,10 @@ from ...perception.legs.forest import LegForest
 from ...perception.metrics.clear_mot import ClearMot
 from ...perception.people_filter import near_points, people_points_lidar
 from ...perception.tracking.tracker import PeopleTracker, TrackerUpdate
-from ...slam.files.output import write_json
 from ...slam.geometry import between, compose, inverse, transform_points, wrap_angle
 from ...slam.scan import LaserScan
-from ..cli import told
-from ..lab.arguments import at_least, positive
+from ..console.arguments import at_least, positive
+from .results import write_results
 
 RANGE = 6.0
 LEAST_RETURNS = 3
@@ -194,9 +193,8 @@ def summary(rows: list[dict[str, Any]]) -> dict[str, float]:
     }
 
 
-def main(arguments: list[str] | None = None) -> int:
-    """Run the experiment; see the module's docstring."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
     parser.add_argument("--scene", default="corridor")
     parser.add_argument("--seeds", type=at_least(1), default=10)
     parser.add_argument("--first-seed", type=at_least(0), default=0)
@@ -204,8 +202,10 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--preset", default="table2")
     parser.add_argument("--forest", default="simulation")
     parser.add_argument("--seconds", type=positive, default=120.0, help="longest drive [s]")
-    parser.add_argument("--out", type=Path, help="folder for people.json")
-    options = parser.parse_args(arguments)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Measure, print, write results.json."""
     rows = []
     for row in drives(options):
         rows.append(row)
@@ -217,10 +217,5 @@ def main(arguments: list[str] | None = None) -> int:
         )
     figures = summary(rows)
     print("  ".join(f"{key} {value:.4f}" for key, value in figures.items()))
-    if options.out is not None:
-        write_json(options.out / "people.json", {"options": vars(options), "figures": figures, "drives": rows})
+    write_results(options, {"figures": figures, "drives": rows})
     return 0
-
-
-if __name__ == "__main__":
-    raise SystemExit(told(main))

@@ -11,7 +11,8 @@ Removed are returns that the mind keeps out of its map: of those on people withi
 move, and of all others (which should stay). Counts are added up over the drives; the intervals (95 %) are Student's, of
 the drives' own figures.
 
-Command: python -m tagalong.scripts.benchmarks.people_by_sensor --seeds 5 --first-seed 121 --out out/people-by-sensor
+example:
+  tagalong bench people-by-sensor --seeds 5 --first-seed 121
 
 It gave (five drives of about 280 s):
 
@@ -28,7 +29,6 @@ is missed are people beside and behind the robot whom the camera has not seen ye
 """
 
 import argparse
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -42,15 +42,13 @@ from ...envs.world.truth import TrueState
 from ...envs.world.world import World
 from ...perception.metrics.clear_mot import ClearMot
 from ...slam.errors import InputError
-from ...slam.files.output import write_json
 from ...slam.geometry import compose, inverse, transform_points
-from ..cli import told
-from ..lab.arguments import at_least, positive
-from ..lab.hardware import describe_machine
+from ..console.arguments import at_least, positive
+from ..console.tables import format_table
 from ..lab.statistics import Estimate, t_mean
-from ..tables import format_table
 from ..training.rgbd_truth import WholeBodies
 from .people import LEAST_RETURNS, RANGE, returns_on_a_leg
+from .results import write_results
 
 Array = NDArray[np.float64]
 
@@ -151,14 +149,15 @@ def _who_never_moves(world: World) -> NDArray[np.bool_]:
     return np.array([len(errand.places) == 1 for errand in world.scene.errands])
 
 
-def main(arguments: list[str] | None = None) -> int:
-    """Run the experiment; see the module's docstring."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
     parser.add_argument("--seeds", type=at_least(1), default=5)
     parser.add_argument("--first-seed", type=at_least(0), default=0)
     parser.add_argument("--seconds", type=positive, default=330.0, help="longest drive [s]")
-    parser.add_argument("--out", type=Path, help="folder for people_by_sensor.json")
-    options = parser.parse_args(arguments)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Measure, print, write results.json."""
     drives = []
     for seed in range(options.first_seed, options.first_seed + options.seeds):
         drives.append(drive(seed, options.seconds))
@@ -167,10 +166,9 @@ def main(arguments: list[str] | None = None) -> int:
     print(
         format_table(COLUMNS, [[name, *(value.text(digits=3) for value in row.values())] for name, row in rows.items()])
     )
-    if options.out is not None:
-        figures_of = {name: {k: value.to_dict() for k, value in row.items()} for name, row in rows.items()}
-        content: dict[str, Any] = {"options": vars(options), "figures": figures_of, "machine": describe_machine()}
-        write_json(options.out / "people_by_sensor.json", content)
+    write_results(
+        options, {"figures": {name: {k: value.to_dict() for k, value in row.items()} for name, row in rows.items()}}
+    )
     return 0
 
 
@@ -199,7 +197,3 @@ def _figures(judges: list[SensorJudge]) -> dict[str, float]:
         **{kind: share("all_round", kind) for kind in errors},
         **{f"removed_{name}": float(value[1] / max(1.0, value[0])) for name, value in removed.items()},
     }
-
-
-if __name__ == "__main__":
-    raise SystemExit(told(main))

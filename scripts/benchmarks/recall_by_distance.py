@@ -4,7 +4,8 @@ A drive follows the true leader through an office among bystanders. A walking pe
 beam meets a leg; recall is the share of such moments in which a track is within 0.75 m; false tracks are counted where
 nobody is within 1 m. Intervals are Student's over drives.
 
-Command: python -m tagalong.scripts.benchmarks.recall_by_distance --seeds 12 --out out/recall
+example:
+  tagalong bench recall-by-distance --seeds 12
 
 It gave, recall (false tracks), 12 drives of at most 40 s:
 
@@ -23,7 +24,6 @@ By spacing, nobody is found less often. Beyond 4.6 m a leg gets fewer than 2 of 
 import argparse
 from dataclasses import replace
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -36,14 +36,12 @@ from ...perception.config import PerceptionConfig
 from ...perception.legs.detector import LegDetector
 from ...perception.legs.forest import LegForest
 from ...perception.tracking.tracker import PeopleTracker
-from ...slam.files.output import write_json
 from ...slam.geometry import compose, inverse, transform_points
-from ..cli import told
-from ..lab.arguments import at_least, positive
-from ..lab.hardware import describe_machine
+from ..console.arguments import at_least, positive
+from ..console.tables import format_table
 from ..lab.statistics import t_mean
-from ..tables import format_table
 from .people import follow_command
+from .results import write_results
 
 EDGES = (0.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
 """Borders of the distances that are counted apart [m]."""
@@ -100,13 +98,14 @@ def measure(seeds: int, seconds: float) -> list[dict[str, Any]]:
     return rows
 
 
-def main(arguments: list[str] | None = None) -> int:
-    """Run the experiment; see the module's docstring."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
     parser.add_argument("--seeds", type=at_least(1), default=6)
     parser.add_argument("--seconds", type=positive, default=40.0, help="longest drive [s]")
-    parser.add_argument("--out", type=Path, help="folder for recall_by_distance.json")
-    options = parser.parse_args(arguments)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Measure, print, write results.json."""
     rows = measure(options.seeds, options.seconds)
     columns = [(beams, width) for beams in BEAMS for width in FAR_WIDTHS]
     header = ["distance [m]", *(f"{b} beams, {'beta 3' if w == 0.0 else 'by spacing'}" for b, w in columns)]
@@ -120,11 +119,5 @@ def main(arguments: list[str] | None = None) -> int:
             (f"{near:.0f} .. {far:.0f}", *(f"{c['recall']:.2f} (n {c['there']}, false {c['false']})" for c in cells))
         )
     print(format_table(header, lines))
-    if options.out is not None:
-        content = {"seeds": options.seeds, "seconds": options.seconds, "rows": rows, "machine": describe_machine()}
-        write_json(options.out / "recall_by_distance.json", content)
+    write_results(options, {"rows": rows})
     return 0
-
-
-if __name__ == "__main__":
-    raise SystemExit(told(main))

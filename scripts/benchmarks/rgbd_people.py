@@ -10,8 +10,9 @@ Three rooms of work, all in the scene "lab":
 A person counts within 6 m if at least half of what the picture would show of it is in sight. The likelihood's expected
 calibration error is over all candidates within 6 m, in ten bins.
 
-Command: python -m tagalong.scripts.benchmarks.rgbd_people --seeds 8 --first-seed 201 --work crowd --out out/crowd
-and the same with --seeds 4 --work drive shaken.
+examples:
+  tagalong bench rgbd-people --seeds 8 --first-seed 201 --work crowd
+  tagalong bench rgbd-people --seeds 4 --first-seed 201 --work drive shaken
 
 It gave, at a likelihood of 0.5 (in brackets 95 % intervals; then the recall where the precision is 0.95, and the
 expected calibration error of the likelihood):
@@ -32,7 +33,6 @@ import argparse
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,16 +45,14 @@ from ...envs.world.world import World
 from ...perception.rgbd.people_finder import PeopleFinder
 from ...perception.rgbd.person_svm import MODEL, PersonSvm
 from ...perception.rgbd.planes import PlaneFinder
-from ...slam.files.output import write_json
 from ...slam.geometry import inverse, transform_points
-from ..cli import told
+from ..console.arguments import at_least
+from ..console.tables import format_table
 from ..figures.detections import save_detections
-from ..lab.arguments import at_least
-from ..lab.hardware import describe_machine
-from ..tables import format_table
 from ..training.evaluate_people import THRESHOLD, PeopleScores, score_people
 from ..training.rgbd_frames import LabelledFrame, draw_frames
 from ..training.rgbd_truth import WholeBodies
+from .results import write_results
 
 Array = NDArray[np.float64]
 
@@ -118,27 +116,26 @@ def by_visible(scores: PeopleScores) -> list[str]:
     return recall_between(scores, scores.visible, VISIBLE, scores.threshold_at(PRECISION))
 
 
-def main(arguments: list[str] | None = None) -> int:
-    """Run the experiment; see the module's docstring."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
     parser.add_argument("--seeds", type=at_least(1), default=5)
     parser.add_argument("--first-seed", type=at_least(0), default=0)
     parser.add_argument("--model", type=Path, default=MODEL, help="classifier (the shipped one)")
     parser.add_argument("--work", nargs="+", choices=("drive", "shaken", "crowd"), default=["drive", "shaken", "crowd"])
-    parser.add_argument("--out", type=Path, help="folder for rgbd_people.json and detections.png")
-    options = parser.parse_args(arguments)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Measure, print, write results.json."""
     svm = PersonSvm.load(options.model)
     seeds = range(options.first_seed, options.first_seed + options.seeds)
     scores = {name: score_people(svm, (f for seed in seeds for f in work(name, seed))) for name in options.work}
     _print(scores)
-    if options.out is not None:
-        figures = {
-            name: {**each.figures(), "by_distance": by_distance(each), "by_visible": by_visible(each)}
-            for name, each in scores.items()
-        }
-        content: dict[str, Any] = {"options": vars(options), "figures": figures, "machine": describe_machine()}
-        write_json(options.out / "rgbd_people.json", content)
-        _draw(options.out / "detections.png", svm, options.first_seed, options.work)
+    figures = {
+        name: {**each.figures(), "by_distance": by_distance(each), "by_visible": by_visible(each)}
+        for name, each in scores.items()
+    }
+    write_results(options, {"figures": figures})
+    _draw(options.out / "detections.png", svm, options.first_seed, options.work)
     return 0
 
 
@@ -160,7 +157,3 @@ def _draw(path: Path, svm: PersonSvm, seed: int, names: list[str]) -> None:
         chosen = frames[:: max(1, len(frames) * len(names) // FIGURE_FRAMES)][: FIGURE_FRAMES // len(names)]
         seen += [(drawn.frame, finder.find(drawn.frame, planes.find(drawn.frame))) for drawn in chosen]
     save_detections(path, seen)
-
-
-if __name__ == "__main__":
-    raise SystemExit(told(main))

@@ -5,7 +5,8 @@ pitch and roll of 2 degrees standard deviation, which is 3 degrees now and then.
 a point of a desk or seat is on its top if it is measured above the lower edge of the slab. What is left of the tilt is
 the slope of the true ceiling, or else floor, after the correction.
 
-Command: python -m tagalong.scripts.benchmarks.rgbd_planes --seeds 3 --first-seed 100 --out out/rgbd-planes
+example:
+  tagalong bench rgbd-planes --seeds 3 --first-seed 100
 
 It gave (share of the points; tilt in degrees: the largest corrected, what was left in the median and 95 of 100 frames):
 
@@ -17,8 +18,6 @@ What is wrong at tables and chairs lies at their edges: a third of their points 
 """
 
 import argparse
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,11 +28,9 @@ from ...envs.sensors.lidar import LidarConfig
 from ...envs.world.config import WorldConfig
 from ...envs.world.world import World
 from ...perception.rgbd.planes import PlaneFinder, Planes, Surface
-from ...slam.files.output import write_json
-from ..cli import told
-from ..lab.arguments import at_least
-from ..lab.hardware import describe_machine
-from ..tables import format_table
+from ..console.arguments import at_least
+from ..console.tables import format_table
+from .results import write_results
 
 KINDS = {
     "floor": Surface.FLOOR,
@@ -112,13 +109,14 @@ def count_drive(seed: int, vibration: float, counts: Counts, longest_s: float = 
             counts.add(finder.find(last), kinds[world.frame_geoms()])
 
 
-def main(arguments: list[str] | None = None) -> int:
-    """Run the experiment; see the module's docstring."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
     parser.add_argument("--seeds", type=at_least(1), default=3)
     parser.add_argument("--first-seed", type=at_least(0), default=0)
-    parser.add_argument("--out", type=Path, help="folder for rgbd_planes.json")
-    options = parser.parse_args(arguments)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Measure, print, write results.json."""
     results, rows = {}, []
     for name, vibration in VIBRATIONS.items():
         counts = Counts()
@@ -127,11 +125,5 @@ def main(arguments: list[str] | None = None) -> int:
         results[name] = vars(counts)
         rows.append([name, *counts.row()])
     print(format_table(["camera", *KINDS, "largest tilt", "left [deg]", "95 %"], rows))
-    if options.out is not None:
-        content: dict[str, Any] = {"options": vars(options), "counts": results, "machine": describe_machine()}
-        write_json(options.out / "rgbd_planes.json", content)
+    write_results(options, {"counts": results})
     return 0
-
-
-if __name__ == "__main__":
-    raise SystemExit(told(main))

@@ -1,29 +1,27 @@
 """Long runs: whether memory and time stay flat, over episodes in all scenes and over laps of a log through each engine.
 
 After the first tenth neither may grow by more than 5 %; the exit status is 1 where one does. Each part runs in a
-process of its own, so that none sees the memory of another; what this code has finished in OUT is not run again.
+process of its own, so that none sees the memory of another; what this code has finished is not run again.
 
 The steps are shared by rounds through all registered environments with and without SLAM, and one endless episode.
 
-Run: python -m tagalong.scripts.benchmarks.soak --steps 1000000 --laps 50 --out OUT [--log LOG]
+example:
+  tagalong bench soak --steps 1000000 --laps 50 --log intel.log.gz
 """
 
 import argparse
-import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from ...slam.engine import ENGINES
 from ...slam.errors import InputError, unknown_name
-from ...slam.files.output import require_writable, write_json
-from ..cli import told
-from ..lab.arguments import at_least
+from ..console.arguments import at_least
+from ..console.tables import format_table
 from ..lab.cells import TIMING, Cell
-from ..lab.hardware import describe_machine
 from ..lab.own_process import run_alone
 from ..lab.trend import MOST_GROWTH, trend
-from ..tables import format_table
+from .results import write_results
 from .soak_episodes import endless_episode, episodes
 from .soak_laps import engine_laps
 
@@ -70,29 +68,25 @@ def table(results: Mapping[str, Any]) -> str:
     return format_table(("part", "steps", *titles), rows)
 
 
-def main(words: Sequence[str]) -> int:
-    """Run the parts that are asked for, print the table, write summary.json."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
     parser.add_argument("--steps", type=at_least(0), default=1_000_000, help="environment steps (default: %(default)s)")
     parser.add_argument("--laps", type=at_least(0), default=50, help="laps through each engine (default: %(default)s)")
     parser.add_argument("--log", type=Path, help="a log to drive to and fro (default: a simulated drive)")
     parser.add_argument("--scans", type=at_least(2), help="how many of its scans, from the first on (default: all)")
     parser.add_argument("--engines", nargs="+", default=list(ENGINES), metavar="ENGINE", help="(default: all)")
-    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="where the results go")
-    options = parser.parse_args(words)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Measure, print, write results.json."""
     for name in options.engines:
         if name not in ENGINES:
             raise unknown_name("SLAM engine", name, ENGINES)
     if options.laps == 1 or 0 < options.steps < FEWEST_STEPS:
         least = f"at least 2 laps and {FEWEST_STEPS} steps, or 0 for none"
         raise InputError(f"a trend needs {least}, got {options.laps} and {options.steps}")
-    require_writable(options.out, folder=True)
     results = {cell.name: run_alone(cell, options.out) for cell in cells(options)}
     trends = {name: trend(result[TIMING]) for name, result in results.items()}
-    write_json(options.out / "summary.json", {"machine": describe_machine(), "results": results})
+    write_results(options, {"results": results})
     print(table(results))
     return int(not all(went.flat for went in trends.values()))
-
-
-if __name__ == "__main__":
-    sys.exit(told(lambda: main(sys.argv[1:])))

@@ -12,7 +12,7 @@ from typing import Any
 from tqdm import tqdm
 
 from ...agents import make_follower
-from ...agents.follower import Follower
+from ...agents.protocol.follower import Follower
 from ...envs.follow_env import FollowEnv
 from ...envs.registration import IDS
 from ..lab.cells import TIMING

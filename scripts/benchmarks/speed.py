@@ -1,7 +1,15 @@
-"""How fast the parts are: of an environment step, and of a processed scan of the SLAM engines."""
+"""How fast this machine is with tagalong: environment steps, their stages, the SLAM engines, the immobile-area map.
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+Times depend on the machine and on what else it does. The time of a fixed numpy kernel is printed beside them, so that
+figures of two machines can be compared as ratios.
+
+example:
+  tagalong bench speed --steps 300
+"""
+
+import argparse
+from collections.abc import Callable
+from dataclasses import asdict, replace
 from time import perf_counter
 from typing import Any, TypeVar
 
@@ -22,32 +30,23 @@ from ...perception.people_filter import filter_people, people_points_lidar
 from ...perception.tracking.tracker import PeopleTracker
 from ...slam.engine import make_slam
 from ...slam.scan import LaserScan
+from ..console.arguments import require_count
+from ..console.tables import format_table
+from ..lab.hardware import describe_machine, reference_kernel_s
+from . import immobile_speed
+from .latency import WARM_UP, Latency, latency
+from .results import write_results
 
 T = TypeVar("T")
 
-WARM_UP = 20
-"""Calls before timing starts: compiled kernels are loaded, caches filled."""
-
-
-@dataclass(frozen=True)
-class Latency:
-    """Time of one stage.
-
-    Attributes:
-        mean_ms: Mean [ms].
-        p95_ms: Ninety-five of a hundred calls take at most this long [ms].
-        calls: How many calls were timed.
-    """
-
-    mean_ms: float
-    p95_ms: float
-    calls: int
-
-
-def latency(times_s: Sequence[float]) -> Latency:
-    """Return mean and 95 % point of `times_s` [s]."""
-    milliseconds = 1e3 * np.asarray(times_s)
-    return Latency(float(milliseconds.mean()), float(np.percentile(milliseconds, 95)), len(milliseconds))
+ENVIRONMENTS = {
+    "360 beams, tracker, 4 people": {"beams": 360, "slam": None},
+    "1081 beams, tracker, 4 people": {"beams": 1081, "slam": None},
+    "1081 beams, tracker, 4 people, gmapping": {"beams": 1081, "slam": "gmapping"},
+}
+BENCHMARK_S = 10
+"""Duration of each of Gymnasium's benchmarks [s]."""
+SCANS = {"180 beams": (180, np.pi), "361 beams": (361, np.pi), "1081 beams": (1081, 1.5 * np.pi)}
 
 
 def environment_speed(steps: int, **fields: Any) -> dict[str, float]:
@@ -184,3 +183,61 @@ def thinned(scan: LaserScan, beams: int, fov: float) -> LaserScan:
     wanted = np.linspace(-fov / 2.0, fov / 2.0, beams)
     nearest: NDArray[np.intp] = np.abs(scan.bearings[None] - wanted[:, None]).argmin(axis=1)
     return replace(scan, ranges=scan.ranges[nearest], bearings=scan.bearings[nearest])
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("--steps", type=int, default=1000, help="timed steps of each part (default: %(default)s)")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Measure, print tables, write results.json."""
+    require_count("--steps", options.steps, 10_000_000, "a day of each part")
+    machine, kernel_ms = describe_machine(), 1e3 * reference_kernel_s()
+    print(f"{machine['processor']}, {machine['cores']} cores, Python {machine['python']}")
+    print(f"reference numpy kernel: {kernel_ms:.1f} ms\n")
+    print("kernels are compiled before anything is timed; where none are yet, that takes minutes\n")
+    environments = {
+        name: environment_speed(options.steps, people_count=4, **fields) for name, fields in ENVIRONMENTS.items()
+    }
+    rows = [
+        (name, *(f"{row[key]:.2f}" for key in ("steps_per_s", "real_time_factor", "mean_ms", "p95_ms")))
+        for name, row in environments.items()
+    ]
+    print(format_table(("one environment step, laser at 10 Hz", "steps/s", "x real time", "mean ms", "p95 ms"), rows))
+    throughput = gymnasium_speed(BENCHMARK_S, vector_envs=16, workers=2)
+    title = "Gymnasium's benchmarks: office, 5 people, 360 beams, tracker"
+    print("\n" + format_table((title, "steps/s"), [(name, f"{rate:.0f}") for name, rate in throughput.items()]))
+    stages = {
+        f"{name}, {beams} beams": stage
+        for beams in (360, 1081)
+        for name, stage in stage_latencies(options.steps, beams, 4).items()
+    }
+    print("\n" + _latencies("stage of a step, 4 people", stages))
+    scans = {
+        f"{name}, {threads} thread{'s' * (threads > 1)}": processed_scan_latency(
+            "gmapping", *size, scans=40, threads=threads, linear_update=0.2
+        )
+        for name, size in SCANS.items()
+        for threads in (1, 2)
+    }
+    print("\n" + _latencies("GMapping, 30 particles, processed scan", scans))
+    lab = immobile_speed.immobile_latencies(options.steps)
+    print("\n" + _latencies("immobile-area map, camera at 10 Hz", lab))
+    print(f"everything: {immobile_speed.real_time_factor(lab):.1f} x real time on one core")
+    content = {
+        "reference_kernel_ms": kernel_ms,
+        "environment": environments,
+        "gymnasium_benchmarks": throughput,
+        "stages": {name: asdict(stage) for name, stage in stages.items()},
+        "immobile_map": {name: asdict(stage) for name, stage in lab.items()},
+        "gmapping_processed_scan": {name: asdict(stage) for name, stage in scans.items()},
+    }
+    write_results(options, content)
+    print(f"\nwritten to {options.out / 'results.json'}")
+    return 0
+
+
+def _latencies(title: str, stages: dict) -> str:
+    rows = [(name, f"{s.mean_ms:.3f}", f"{s.p95_ms:.3f}", str(s.calls)) for name, s in stages.items()]
+    return format_table((title, "mean ms", "p95 ms", "calls"), rows)

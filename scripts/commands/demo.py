@@ -5,11 +5,11 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from ...agents.following_tour import SCENES, TourConfig
+from ...agents.tour import SCENES, TourConfig
 from ...slam.engine import ENGINES, make_slam
 from ...slam.errors import InputError
+from ..console.tables import format_table
 from ..lab.map_comparison import MappingConfig
-from ..tables import format_table
 
 EPILOG = """\
 One drive behind a leader; the same scans go to two SLAM engines, raw and with the people removed; a slow drive of the
@@ -51,7 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the demo, write everything, print the table."""
-    from .. import demo_run
+    from ..runs import demo_run
 
     if options.people < 1:
         raise InputError(f"--people counts the leader and must be at least 1, got {options.people}")

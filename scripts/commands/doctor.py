@@ -4,8 +4,8 @@ import argparse
 import platform
 
 from ... import __version__
-from ..diagnosis import CORE, EXTRAS, Check, check_drive, check_extras, check_opengl, installed_version
-from ..tables import format_table
+from ..console.tables import format_table
+from ..runs.diagnosis import CORE, EXTRAS, Check, check_drive, check_extras, check_opengl, installed_version
 
 EPILOG = """\
 exits with 0 when the core works, with 1 when it does not; extras and OpenGL are not needed for the core:

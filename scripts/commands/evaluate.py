@@ -15,10 +15,10 @@ from ...envs.registration import IDS
 from ...envs.suites import FIRST_SEED, SUITES, Scenario, suite
 from ...slam.errors import InputError
 from ...slam.files.output import write_json
-from ..lab.arguments import require_count
+from ..console.arguments import require_count
+from ..console.tables import format_table
 from ..lab.hardware import describe_machine
 from ..lab.statistics import Estimate, metric_mean, share
-from ..tables import format_table
 
 EPILOG = """\
 Every episode has its own seed: --seed, --seed + 1, ... Intervals are 95 % each: Wilson's for shares,

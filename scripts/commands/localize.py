@@ -13,10 +13,10 @@ from ...slam.localization.localizer import Localizer
 from ...slam.logs.beesoft import is_beesoft_map, read_beesoft_map
 from ...slam.logs.ros_map import read_ros_map
 from ...slam.occupancy_map import OccupancyMap
-from ..localize_run import LocalizeRun, run_localizer, write_localize_run
-from ..log_options import add_topics, read_with_odometry
-from ..slam_run import prepare_folder
-from ..tables import format_table
+from ..console.log_options import add_topics, read_with_odometry
+from ..console.tables import format_table
+from ..runs.localize_run import LocalizeRun, run_localizer, write_localize_run
+from ..runs.slam_run import prepare_folder
 
 EPILOG = """\
 The whole map is searched first, and again whenever the scans contradict the map. Where several places fit about as

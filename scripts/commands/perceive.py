@@ -21,7 +21,7 @@ from ...slam.files.output import write_json, write_text
 from ...slam.logs.log import read_log
 from ...slam.logs.scans_npz import read_scans_npz
 from ...slam.scan import LaserScan
-from ..log_options import add_topics
+from ..console.log_options import add_topics
 
 LEGS_HEADER, PEOPLE_HEADER = "scan,x,y,confidence", "scan,id,x,y,vx,vy,confidence"
 

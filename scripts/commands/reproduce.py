@@ -6,9 +6,10 @@ from pathlib import Path
 
 from ...slam.errors import InputError
 from ...slam.processes.crew import require_workers
+from ..console.subcommands import add_subcommands
+from ..console.tables import format_table
 from ..lab.backends import BACKENDS, MOST_CLUSTER_JOBS
 from ..reproduce.experiment import EXPERIMENTS, load_experiment
-from ..tables import format_table
 
 EPILOG = """\
 Writes results.json, timing.json, figures as PNG and one report.html. Everything is computed in cells that are stored
@@ -23,17 +24,16 @@ example:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the experiments, each with its own options."""
     parser.epilog = EPILOG.format(example=next(iter(EXPERIMENTS)))
-    experiments = parser.add_subparsers(dest="experiment", metavar="EXPERIMENT", required=True)
-    for name, summary in EXPERIMENTS.items():
-        sub = experiments.add_parser(
-            name, help=summary, description=summary, formatter_class=argparse.RawDescriptionHelpFormatter
-        )
-        sub.add_argument("--out", type=Path, required=True, metavar="DIR", help="where everything is written")
-        sub.add_argument("--quick", action="store_true", help="the same on fewer repeats")
-        sub.add_argument("--jobs", type=int, default=1, metavar="N", help="processes (default: %(default)s)")
-        sub.add_argument("--backend", choices=BACKENDS, default="local", help="who runs them (default: %(default)s)")
-        sub.add_argument("--data", type=Path, metavar="DIR", help="recorded data (default: TAGALONG_DATA)")
-        load_experiment(name).add_arguments(sub)
+    add_subcommands(parser, "experiment", EXPERIMENTS, _declare, required=True)
+
+
+def _declare(name: str, parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="where everything is written")
+    parser.add_argument("--quick", action="store_true", help="the same on fewer repeats")
+    parser.add_argument("--jobs", type=int, default=1, metavar="N", help="processes (default: %(default)s)")
+    parser.add_argument("--backend", choices=BACKENDS, default="local", help="who runs them (default: %(default)s)")
+    parser.add_argument("--data", type=Path, metavar="DIR", help="recorded data (default: TAGALONG_DATA)")
+    load_experiment(name).add_arguments(parser)
 
 
 def run(options: argparse.Namespace) -> int:

@@ -9,9 +9,9 @@ from pathlib import Path
 from ...slam.errors import InputError
 from ...slam.files.output import write_json
 from ...slam.processes.crew import require_workers
+from ..console.tables import format_table
 from ..lab.cells import run_cells
 from ..lab.hardware import describe_machine
-from ..tables import format_table
 
 EPILOG = """\
 Following (30 seeds a scene), maps (5), tracking (10), recorded logs (5 each; where --data or the variable TAGALONG_DATA
@@ -35,8 +35,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the missing cells, print the table, write it."""
-    from ..lab.acceptance import FULL, QUICK, acceptance_cells
-    from ..results_table import require_readme, result_rows, write_readme_table
+    from ..benchmarks.acceptance import FULL, QUICK, acceptance_cells
+    from ..benchmarks.acceptance_table import require_readme, result_rows, write_readme_table
 
     require_workers(options.jobs, "--jobs")
     variable = os.environ.get("TAGALONG_DATA")

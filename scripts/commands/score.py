@@ -6,10 +6,10 @@ from pathlib import Path
 from ...slam.errors import InputError
 from ...slam.files.output import write_json
 from ...slam.logs.ros_map import read_ros_map
+from ..console.tables import format_table
 from ..figures.canvas import save_png
 from ..figures.maps import overlay_picture
-from ..scoring import ScoringOptions, judge
-from ..tables import format_table
+from ..runs.scoring import ScoringOptions, judge
 
 EPILOG = """\
 What the files are is told by what is in them; plain or gzipped:

@@ -13,9 +13,9 @@ from ...slam.engine import ENGINES, make_slam
 from ...slam.errors import InputError
 from ...slam.logs.drive import RecordedDrive
 from ...slam.logs.tum import read_tum
-from ..log_options import add_topics, read_with_odometry
-from ..slam_run import prepare_folder, run_slam, write_run
-from ..tables import format_table
+from ..console.log_options import add_topics, read_with_odometry
+from ..console.tables import format_table
+from ..runs.slam_run import prepare_folder, run_slam, write_run
 
 EPILOG = """\
 writes into DIR:

@@ -9,7 +9,7 @@ from ...agents.teleop.joystick import JoystickLog, read_joystick_log, write_joys
 from ...envs.follow_env import FollowEnv
 from ...envs.registration import IDS
 from ...slam.errors import InputError
-from ..tables import format_table
+from ..console.tables import format_table
 
 EPILOG = """\
 Keys: arrows or w a s d, space lets go; a gamepad's left stick. q, back or start, and Ctrl-C end the drive; the log of

@@ -7,10 +7,10 @@ from typing import Any
 from ...perception.rgbd.person_svm import MODEL
 from ...slam.errors import InputError, shown
 from ...slam.files.output import write_json
-from ..figures.leg_curve import save_leg_curve
-from ..tables import format_table
+from ..console.tables import format_table
 from ..training.evaluate_legs import RATES
 from ..training.follower import add_follower_arguments, train_follower
+from ..training.leg_curve import save_leg_curve
 from ..training.leg_forests import GAMMA, TrainedLegs, figures, train_real, train_simulation, write
 from ..training.leg_recordings import read_leg_recordings
 from ..training.train_legs import TrainConfig

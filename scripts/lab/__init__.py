@@ -1,1 +1,1 @@
-"""What experiments share: resumable cells, statistics, acceptance figures, hardware, arguments."""
+"""What benchmarks and experiments share: resumable cells, statistics, maps of drives, hardware."""

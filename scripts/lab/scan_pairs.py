@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ...envs.simulation2d.furnished_buildings import draw_building
 from ...envs.simulation2d.outlines import Outlines, cast
 from ...slam.geometry import between
 from ...slam.logs.carmen import read_carmen
 from ...slam.scan import LaserScan
 from ...slam.scan_to_scan.confidence import LONG_LINES
 from ...slam.scan_to_scan.surfaces import find_surfaces
-from ..training.buildings import draw_building
 
 # name of a building -> its log in the folder of the logs
 LOGS = {

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
+from ...envs.simulation2d.furnished_buildings import draw_building, draw_decoys, draw_screens
 from ...envs.simulation2d.outlines import LEG, STATIC, Outlines, cast
 from ...slam.scan import LaserScan
-from .buildings import draw_building, draw_decoys, draw_screens
 from .pedestrians import draw_people
 
 SCREENED = 0.35  # share of scans with things close before the laser

@@ -1,6 +1,6 @@
 """Ships a trained follower: its files and a card, made of its training run and of a comparison on the suites.
 
-`python -m tagalong.scripts.training.ship_follower --run out/follower --comparison out/followers`
+`python -m tagalong.scripts.training.ship_follower --run out/follower --comparison out/bench/follower-comparison`
 
 Without `--run`, the policy that is shipped already gets a new card: what surrounds the network as this program has it
 now, and the figures of the comparison.
@@ -18,7 +18,7 @@ from ...agents.learned.follower import SHIPPED
 from ...agents.learned.pilot import PilotConfig
 from ...slam.errors import InputError
 from ...slam.files.output import made_folder, read_json, write_json
-from ..cli import told
+from ..console.last_words import told
 
 NAME = "follower"
 GOAL = 0.97
@@ -46,9 +46,9 @@ def make_card(card: Mapping[str, Any], comparison: Path | None) -> dict[str, Any
 
     Args:
         card: Of the training run, or the one that is shipped.
-        comparison: Folder of `follower_comparison`, "learned" first, then "pid".
+        comparison: Folder of `tagalong bench follower-comparison`, "learned" first, then "pid".
     """
-    measured = {} if comparison is None else read_json(comparison / "comparison.json")
+    measured = {} if comparison is None else read_json(comparison / "results.json")
     suites = measured.get("suites", {})
     command = f"tagalong train follower --algo {card['algorithm']} --preset {card['preset']} --seed {card['seed']}"
     mapped = {name: part["figures"]["learned"]["adnn_truth_to_map_m"]["n"] for name, part in suites.items()}
@@ -59,7 +59,7 @@ def make_card(card: Mapping[str, Any], comparison: Path | None) -> dict[str, Any
         "data": DATA,
         "limits": [*measured_limits(suites), *LIMITS],
         "suites": suites,
-        "suites_command": "python -m tagalong.scripts.benchmarks.follower_comparison --followers learned pid "
+        "suites_command": "tagalong bench follower-comparison --followers learned pid "
         f"--plot --episodes {max((part['episodes'] for part in suites.values()), default=37)}{how}",
     }
 
@@ -122,7 +122,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Copy the files and write the card."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--run", type=Path, metavar="DIR", help="folder of `tagalong train follower`")
-    parser.add_argument("--comparison", type=Path, metavar="DIR", help="folder of `follower_comparison`")
+    parser.add_argument("--comparison", type=Path, metavar="DIR", help="folder of `tagalong bench follower-comparison`")
     options = parser.parse_args(arguments)
     card = _new_policy(options.run) if options.run is not None else _renewed(SHIPPED / f"{NAME}.json")
     write_json(SHIPPED / f"{NAME}.json", make_card(card, options.comparison))

@@ -42,6 +42,7 @@ def names_file(read: Callable[Concatenate[Source, Rest], Result]) -> Callable[Co
 
     @wraps(read)
     def reader(path: Source, *args: Rest.args, **options: Rest.kwargs) -> Result:
+        """Read `path`, and say which file it was that could not be read."""
         try:
             return read(path, *args, **options)
         except InputError as error:

@@ -7,6 +7,7 @@ import pytest
 from tagalong.agents.learned.detour import Detour, DetourConfig
 from tagalong.agents.learned.guard import GuardConfig, box_gaps
 from tagalong.agents.learned.pilot import Pilot, PilotConfig
+from tagalong.agents.learned.situation import Situation
 from tagalong.agents.learned.steering import REST, SteeringConfig
 from tagalong.agents.scripted.leader_memory import Goal, Mode
 from tagalong.envs.interface import FollowInterface
@@ -84,10 +85,14 @@ def test_a_lost_leader_is_looked_for_where_its_trail_ends_whatever_the_network_w
     assert abs(poses[-1, 2] - poses[-20, 2]) > 0.8  # it looks around
 
 
+def escaped(detour, wish, goal, trail, things, room, state=REST, search_turn=0.0):
+    return detour.escape(wish, Situation(state, goal, search_turn, trail, things, np.zeros((0, 6)), room))
+
+
 def relieved(state, wish, goal, trail, search_turn=0.0):
     detour = Detour(DetourConfig(), GUARD, SteeringConfig(), 0.1)
     for _ in range(40):
-        last = detour.escape(state, wish, goal, search_turn, np.array(trail), np.array([[0.5, 0.0]]), FREE)
+        last = escaped(detour, wish, goal, np.array(trail), np.array([[0.5, 0.0]]), FREE, state, search_turn)
     return last
 
 
@@ -107,7 +112,7 @@ def wishes_before_a_wall(keep):
     detour = Detour(DetourConfig(keep=keep), GUARD, SteeringConfig(), 0.1)
     goal, trail = Goal(Mode.FOLLOW, 3.0, 0.0), np.array([[1.0, 0.0], [2.0, 0.0]])
     wall = np.column_stack((np.full(9, 0.5), np.linspace(-0.25, 0.25, 9)))
-    return [detour.escape(REST, (0.5, 0.0), goal, 0.0, trail, wall, FREE) for _ in range(24)][9:]
+    return [escaped(detour, (0.5, 0.0), goal, trail, wall, FREE) for _ in range(24)][9:]
 
 
 def test_a_manoeuvre_that_was_begun_goes_on_to_its_second_part_instead_of_beginning_anew():
@@ -126,7 +131,7 @@ def test_nobody_is_led_back_over_ground_that_was_not_seen():
     least = {}
     for room in (1.0, 0.0):
         detour = Detour(DetourConfig(), GUARD, SteeringConfig(), 0.1)
-        least[room] = min(detour.escape(REST, (0.5, 0.0), goal, 0.0, trail, pocket, known(room))[0] for _ in range(24))
+        least[room] = min(escaped(detour, (0.5, 0.0), goal, trail, pocket, known(room))[0] for _ in range(24))
     assert least[1.0] < 0.0 <= least[0.0]
 
 
@@ -136,7 +141,7 @@ def test_a_manoeuvre_may_come_a_little_nearer_to_things_than_the_guard_would_let
     wishes = []
     for touch in (DetourConfig().touch, GUARD.margin):
         detour = Detour(DetourConfig(touch=touch), GUARD, SteeringConfig(), 0.1)
-        wishes.append([detour.escape(REST, (0.5, 0.0), goal, 0.0, trail, gate, FREE) for _ in range(12)][-1])
+        wishes.append([escaped(detour, (0.5, 0.0), goal, trail, gate, FREE) for _ in range(12)][-1])
     assert wishes[0] == (0.9, 0.0)
     assert wishes[1] != (0.9, 0.0)
 

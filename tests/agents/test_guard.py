@@ -42,8 +42,8 @@ class Robot:
         """Wish so for some steps; return how far it came [m]."""
         before = self.pose.copy()
         for _ in range(steps):
-            self.guard.look(seen(self.pose, self.walls, (self.state[0], self.state[2])))
-            self.state = steer(self.state, *self.guard.allow(self.state, wish), 0.1, STEERING)
+            self.guard.observe(seen(self.pose, self.walls, (self.state[0], self.state[2])))
+            self.state = steer(self.state, *self.guard.limit(self.state, wish), 0.1, STEERING)
             v, w, heading = self.state[0], self.state[2], self.pose[2] + 0.05 * self.state[2]
             self.pose = self.pose + 0.1 * np.array((v * np.cos(heading), v * np.sin(heading), w))
             corners = np.array([(x, y) for x in (-0.275, 0.275) for y in (-0.259, 0.259)])
@@ -125,10 +125,10 @@ def test_the_newest_view_of_a_place_counts():
     hindsight = Hindsight(CONFIG.half_length, CONFIG.half_width, SCALES)
     turn = np.pi / 10.0  # each step 18 degrees
     for k in range(11):  # half a turn in an empty place: what is behind now was ahead
-        hindsight.look(seen((0.0, 0.0, k * turn), [], (0.0, turn / 0.1 if k else 0.0)))
+        hindsight.observe(seen((0.0, 0.0, k * turn), [], (0.0, turn / 0.1 if k else 0.0)))
     assert hindsight.room() == 1.0
     for k in range(20):  # a whole turn, and now there is a wall
-        hindsight.look(seen((0.0, 0.0, np.pi + (k + 1) * turn), [(1.0, 0.0, 0.7)], (0.0, turn / 0.1)))
+        hindsight.observe(seen((0.0, 0.0, np.pi + (k + 1) * turn), [(1.0, 0.0, 0.7)], (0.0, turn / 0.1)))
     assert 0.3 < hindsight.room() < 0.7 - 0.275
     hindsight.reset()
     assert hindsight.room() == 0.0

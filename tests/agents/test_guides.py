@@ -4,12 +4,13 @@ import math
 
 import numpy as np
 import pytest
+from grid_field_reference import way_field_reference
 from tagalong.agents import EXPLORERS, FOLLOWERS, make_follower
 from tagalong.agents.scripted.dwa import DWAFollower
 from tagalong.agents.scripted.dynamic_window import DynamicWindow, DynamicWindowConfig, Surroundings, arcs
 from tagalong.agents.scripted.frontier import FrontierExplorer
 from tagalong.agents.scripted.frontier_plan import FrontierConfig, frontiers, place_ahead, plan_way
-from tagalong.agents.scripted.grid_field import way_field, way_field_reference
+from tagalong.agents.scripted.grid_field import way_field
 from tagalong.agents.scripted.pure_pursuit import PurePursuitFollower
 from tagalong.agents.scripted.random_walk import RandomWalk
 from tagalong.envs.interface import FollowInterface, OwnMap

@@ -1,4 +1,4 @@
-"""Who falls behind is urged on, by as much as the pursuit law says."""
+"""Who falls behind drives faster, by as much as the pursuit law says."""
 
 from dataclasses import replace
 
@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from tagalong.agents.learned.keep_up import KeepUp, KeepUpConfig
 from tagalong.agents.learned.pilot import Pilot, PilotConfig
+from tagalong.agents.learned.situation import Situation
+from tagalong.agents.learned.steering import REST
 from tagalong.agents.scripted.leader_memory import Goal, Mode
 from tagalong.envs.interface import FollowInterface
 from tagalong.slam.errors import InputError
@@ -15,7 +17,8 @@ NO_TRAIL = np.zeros((0, 2))
 
 
 def keep_pace(wish, goal, trail=NO_TRAIL):
-    return KeepUp(CONFIG).keep_pace(wish, goal, np.asarray(trail, dtype=np.float64))
+    trail, nothing = np.asarray(trail, dtype=np.float64), np.zeros((0, 2))
+    return KeepUp(CONFIG).keep_pace(wish, Situation(REST, goal, 0.0, trail, nothing, np.zeros((0, 6)), lambda: 0.0))
 
 
 def test_the_leaders_pace_and_the_way_that_is_too_much_give_the_least_speed():

@@ -333,8 +333,8 @@ def test_whoever_wishes_into_a_wall_is_stopped_before_it(wish):
     corners = np.array([(x, y) for x in (-0.275, 0.275) for y in (-0.259, 0.259)])
     for _ in range(80):
         velocity = np.array((state[0], state[2]), dtype=np.float32)
-        guard.look({**scan_of_wall(pose, 1.6), "velocity": velocity})
-        state = steer(state, *guard.allow(state, wish), 0.1, CONFIG)
+        guard.observe({**scan_of_wall(pose, 1.6), "velocity": velocity})
+        state = steer(state, *guard.limit(state, wish), 0.1, CONFIG)
         pose = pose + 0.1 * np.array((state[0] * np.cos(pose[2]), state[0] * np.sin(pose[2]), state[2]))
         reach = pose[0] + (corners * (np.cos(pose[2]), -np.sin(pose[2]))).sum(axis=1)
         nearest = min(nearest, 1.6 - reach.max())
@@ -343,8 +343,8 @@ def test_whoever_wishes_into_a_wall_is_stopped_before_it(wish):
 
 def test_the_guard_leaves_a_wish_alone_where_nothing_is_near():
     guard = Guard(GuardConfig(), CONFIG, interface())
-    guard.look(observation(scan=0.5))
-    assert guard.allow((1.0, 0.0, 0.3, 0.0), (1.3, -0.7)) == (1.3, -0.7)
+    guard.observe(observation(scan=0.5))
+    assert guard.limit((1.0, 0.0, 0.3, 0.0), (1.3, -0.7)) == (1.3, -0.7)
 
 
 def test_the_guard_remembers_what_the_laser_has_lost_behind_it():
@@ -352,12 +352,12 @@ def test_the_guard_remembers_what_the_laser_has_lost_behind_it():
     scan[10:40] = 0.4 / 30.0  # a post aft on the right
     guard = Guard(GuardConfig(), CONFIG, interface())
     still = {**observation(), "velocity": np.zeros(2, dtype=np.float32)}
-    guard.look({**still, "scan": scan})
+    guard.observe({**still, "scan": scan})
     turned = {**observation(), "velocity": np.array((0.0, 6.0), dtype=np.float32)}
-    guard.look({**turned, "scan": np.ones(1081, dtype=np.float32)})  # 0.6 rad to the left: the post is out of sight
-    assert guard.allow(REST, (-0.4, 0.0)) != (-0.4, 0.0)
+    guard.observe({**turned, "scan": np.ones(1081, dtype=np.float32)})  # 0.6 rad to the left: the post is out of sight
+    assert guard.limit(REST, (-0.4, 0.0)) != (-0.4, 0.0)
     guard.reset()
     for velocity in [(0.0, 0.0), *[(1.0, 0.0)] * 10]:  # where it has come forward, it may back
         moving = {**still, "velocity": np.array(velocity, dtype=np.float32)}
-        guard.look({**moving, "scan": np.ones(1081, dtype=np.float32)})
-    assert guard.allow(REST, (-0.4, 0.0)) == (-0.4, 0.0)
+        guard.observe({**moving, "scan": np.ones(1081, dtype=np.float32)})
+    assert guard.limit(REST, (-0.4, 0.0)) == (-0.4, 0.0)

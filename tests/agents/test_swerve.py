@@ -7,6 +7,7 @@ import pytest
 from tagalong.agents.learned.guard import GuardConfig
 from tagalong.agents.learned.manoeuvres import drive_in_thought, resampled, thinned, turned_away
 from tagalong.agents.learned.pilot import Pilot, PilotConfig
+from tagalong.agents.learned.situation import Situation
 from tagalong.agents.learned.steering import SteeringConfig
 from tagalong.agents.learned.swerve import Swerve, SwerveConfig, foreseen
 from tagalong.agents.scripted.leader_memory import Goal, Mode
@@ -21,10 +22,11 @@ POST = np.array([[1.0, 0.0], [1.0, 0.03], [1.0, -0.03]])
 NOBODY = np.zeros((0, 6))
 
 
-def around(wish, goal, things=POST, trail=((0.5, 0.0),), state=ON, people=NOBODY, **fields):
+def avoided(wish, goal, things=POST, trail=((0.5, 0.0),), state=ON, people=NOBODY, **fields):
     swerve = Swerve(SwerveConfig(**fields), GUARD, STEERING, 0.1)
     trail, things = np.asarray(trail, dtype=np.float64), np.asarray(things, dtype=np.float64)
-    return swerve.around(state, wish, goal, trail, things, np.asarray(people, dtype=np.float64))
+    people = np.asarray(people, dtype=np.float64)
+    return swerve.avoid(wish, Situation(state, goal, 0.0, trail, things, people, lambda: 0.0))
 
 
 def gap_of(wish, state=ON, things=POST):
@@ -35,7 +37,7 @@ def gap_of(wish, state=ON, things=POST):
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_a_post_in_the_way_is_passed_where_the_leader_passed_it(side):
     goal, trail = Goal(Mode.FOLLOW, 1.8, side * 0.7, 0.8, 0.0), [[0.5, side * 0.3], [1.0, side * 0.6]]
-    speed, turn = around((0.8, 0.0), goal, trail=trail)
+    speed, turn = avoided((0.8, 0.0), goal, trail=trail)
     assert turn * side > 0.2
     assert speed > 0.1
     assert gap_of((speed, turn)) > gap_of((0.8, 0.0))
@@ -44,14 +46,14 @@ def test_a_post_in_the_way_is_passed_where_the_leader_passed_it(side):
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_where_either_side_would_do_it_turns_to_the_leader_not_away(side):
     goal = Goal(Mode.FOLLOW, 1.5, side * 1.2)
-    assert around((0.8, 0.0), goal, off_trail=0.0)[1] * side > 0.0
+    assert avoided((0.8, 0.0), goal, off_trail=0.0)[1] * side > 0.0
 
 
 def test_what_touches_nothing_is_driven_as_wished():
     goal = Goal(Mode.FOLLOW, 2.0, 0.0, 0.8, 0.0)
-    assert around((0.8, 0.1), goal, things=np.zeros((0, 2))) == (0.8, 0.1)
-    assert around((0.8, 0.1), goal, things=[[0.5, 0.9], [0.5, -0.9]]) == (0.8, 0.1)
-    assert around((0.8, 0.0), goal) != (0.8, 0.0)
+    assert avoided((0.8, 0.1), goal, things=np.zeros((0, 2))) == (0.8, 0.1)
+    assert avoided((0.8, 0.1), goal, things=[[0.5, 0.9], [0.5, -0.9]]) == (0.8, 0.1)
+    assert avoided((0.8, 0.0), goal) != (0.8, 0.0)
 
 
 def test_bystanders_who_walk_are_minded_where_they_will_be():
@@ -69,17 +71,17 @@ def test_bystanders_who_walk_are_minded_where_they_will_be():
 
 def test_who_leaves_the_way_is_not_swerved_and_who_comes_into_it_is():
     goal = Goal(Mode.FOLLOW, 2.0, 0.0, 0.8, 0.0)
-    assert around((0.8, 0.0), goal, people=[[1.1, 0.0, 0.0, 1.5, 0.9, 1.0]]) == (0.8, 0.0)
+    assert avoided((0.8, 0.0), goal, people=[[1.1, 0.0, 0.0, 1.5, 0.9, 1.0]]) == (0.8, 0.0)
     beside, comes = POST + np.array([0.0, 0.9]), [[1.1, 0.9, 0.0, -1.5, 0.9, 1.0]]
-    assert around((0.8, 0.0), goal, things=beside) == (0.8, 0.0)
-    assert around((0.8, 0.0), goal, things=beside, people=comes) != (0.8, 0.0)
-    assert around((0.8, 0.0), goal, things=beside, people=comes, foresight_s=0.0) == (0.8, 0.0)
+    assert avoided((0.8, 0.0), goal, things=beside) == (0.8, 0.0)
+    assert avoided((0.8, 0.0), goal, things=beside, people=comes) != (0.8, 0.0)
+    assert avoided((0.8, 0.0), goal, things=beside, people=comes, foresight_s=0.0) == (0.8, 0.0)
 
 
 def test_who_stands_or_has_lost_the_leader_is_left_to_the_detour():
     rest = (0.0, 0.0, 0.0, 0.0)
-    assert around((0.05, 0.5), Goal(Mode.FOLLOW, 2.0, 0.0), things=[[0.4, 0.0]], state=rest) == (0.05, 0.5)
-    assert around((0.8, 0.0), Goal(Mode.APPROACH, 2.0, 0.0)) == (0.8, 0.0)
+    assert avoided((0.05, 0.5), Goal(Mode.FOLLOW, 2.0, 0.0), things=[[0.4, 0.0]], state=rest) == (0.05, 0.5)
+    assert avoided((0.8, 0.0), Goal(Mode.APPROACH, 2.0, 0.0)) == (0.8, 0.0)
 
 
 def test_a_manoeuvre_in_thought_goes_where_it_leads_and_tells_how_near_it_came():

@@ -20,7 +20,7 @@ import tagalong.slam.grid
 with atheris.instrument_imports(include=["tagalong.slam.logs"]):
     import tagalong.slam.logs.log  # noqa: F401
 
-from borders import AREAS
+from borders.areas import AREAS
 from fuzzer.verdict import judge
 from fuzzer.worker import draws
 

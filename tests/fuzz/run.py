@@ -21,7 +21,7 @@ from pathlib import Path  # noqa: E402
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from borders import AREAS  # noqa: E402
+from borders.areas import AREAS  # noqa: E402
 from fuzzer.border import Border  # noqa: E402
 from fuzzer.codec import read_finding  # noqa: E402
 from fuzzer.report import printed, put_table, rows, write_findings, write_summary  # noqa: E402

@@ -6,7 +6,7 @@ import time
 
 import numpy as np
 import pytest
-from borders import AREAS
+from borders.areas import AREAS
 from fuzzer.border import Border, InsaneError
 from fuzzer.codec import decoded, encoded
 from fuzzer.supervisor import sent

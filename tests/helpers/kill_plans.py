@@ -50,7 +50,7 @@ PLANS = {
     "evaluate": _tagalong("evaluate pid --episodes 1 --beams 181 --out out"),
     "teleop": _tagalong("teleop --operator model --out out/drive.txt"),
     "results": _tagalong("results --quick --jobs 2 --out out", within_s=40.0, compared=False),
-    "bench": _tagalong("bench --steps 2 --out out", within_s=30.0, compared=False),
+    "bench speed": _tagalong("bench speed --steps 2 --out out", within_s=30.0, compared=False),
     "demo": _tagalong("demo --out out"),
 }
 
@@ -62,7 +62,7 @@ from pathlib import Path
 from tagalong.agents.training.curriculum import CurriculumConfig
 from tagalong.agents.training.presets import ImitationConfig, ReinforcementConfig, make_preset
 from tagalong.agents.training.run import RunConfig, TrainingRun
-from tagalong.scripts.cli import told
+from tagalong.scripts.console.last_words import told
 
 
 def train():

@@ -10,7 +10,7 @@ from tagalong.slam.files.output import require_writable
 def test_an_output_folder_that_cannot_be_is_told_before_the_work(tmp_path, capsys, monkeypatch):
     (tmp_path / "file").write_text("")
     monkeypatch.setattr("tagalong.scripts.commands.bench.run", lambda options: pytest.fail("it began to work"))
-    assert main(["bench", "--out", str(tmp_path / "file" / "deep" / "out")]) == 2
+    assert main(["bench", "speed", "--out", str(tmp_path / "file" / "deep" / "out")]) == 2
     error = capsys.readouterr().err
     assert error.startswith(f"tagalong: {tmp_path}/file/deep/out: cannot be written ({tmp_path}/file: ")
     assert error.count("\n") == 1
@@ -46,7 +46,7 @@ def test_a_file_may_be_written_again_but_is_no_folder(tmp_path):
         ("evaluate damaged:A", "named as module:class, got 'damaged:A' (invalid syntax (damaged.py, line 1))"),
         ("teleop --operator model --out FOLDER", "is a folder, where a file has to be written"),
         ("teleop --operator gamepad --out new --gamepad FOLDER", "no gamepad at"),
-        ("bench --steps 0", "--steps must be at least 1, got 0"),
+        ("bench speed --steps 0", "--steps must be at least 1, got 0"),
         ("results --readme FILE", "needs the marks"),
         ("evaluate random --people 0", "--people counts the leader"),
         ("perceive FILE --out new --min-confidence nan", "--min-confidence must lie in [0, 1], got nan"),

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from tagalong.scripts import cli
 from tagalong.scripts.commands import doctor
-from tagalong.scripts.diagnosis import CORE, EXTRAS, Check, check_drive, check_opengl
+from tagalong.scripts.runs.diagnosis import CORE, EXTRAS, Check, check_drive, check_opengl
 
 PROJECT = tomllib.loads((Path(__file__).resolve().parents[2] / "pyproject.toml").read_text())["project"]
 

@@ -20,6 +20,7 @@ from tagalong.envs.simulation2d.drawn_drives import (
 from tagalong.envs.simulation2d.outlines import Outlines, cast
 from tagalong.envs.simulation2d.sweep_kernel import sweep
 from tagalong.scripts.benchmarks import drawn_worlds
+from tagalong.scripts.cli import main
 from tagalong.scripts.lab.cells import without_timing
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between
@@ -186,12 +187,11 @@ def test_an_interrupted_run_goes_on_and_tells_what_a_whole_one_tells(monkeypatch
         return tiny(kind, seed)
 
     monkeypatch.setattr(drawn_worlds, "draw_drive", counted)
-    words = ["--kinds", "hall", "cave", "--seeds", "0", "1"]
-    with pytest.raises(KeyboardInterrupt):
-        drawn_worlds.main([str(tmp_path / "cut"), *words])
-    assert drawn_worlds.main([str(tmp_path / "cut"), *words]) == 0
+    words = ["bench", "drawn-worlds", "--kinds", "hall", "cave", "--seeds", "0", "1", "--out"]
+    assert main([*words, str(tmp_path / "cut")]) == 130
+    assert main([*words, str(tmp_path / "cut")]) == 0
     assert drawn == [("hall", 0), ("cave", 0), ("hall", 1), ("hall", 1), ("cave", 1)]
-    assert drawn_worlds.main([str(tmp_path / "whole"), *words]) == 0
+    assert main([*words, str(tmp_path / "whole")]) == 0
     cut, whole = (json.loads((tmp_path / name / "results.json").read_text()) for name in ("cut", "whole"))
     assert without_timing(cut["worlds"]) == without_timing(whole["worlds"])
     assert cut["summary"]["cartographer/all"]["n"] == 4
@@ -220,7 +220,6 @@ def test_the_summary_counts_worlds_by_kind_and_all_together():
 def test_kinds_that_do_not_exist_and_seeds_in_the_wrong_order_are_refused(capsys, tmp_path):
     with pytest.raises(InputError, match="unknown kind of building 'barn'; "):
         draw_plan("barn", np.random.default_rng(0))
-    with pytest.raises(SystemExit):
-        drawn_worlds.main([str(tmp_path / "out"), "--seeds", "3", "1"])
-    assert "argument --seeds" in capsys.readouterr().err
+    assert main(["bench", "drawn-worlds", "--out", str(tmp_path / "out"), "--seeds", "3", "1"]) == 2
+    assert "--seeds: the first must not be larger than the last, got 3 1" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()

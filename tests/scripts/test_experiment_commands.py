@@ -1,40 +1,42 @@
-"""What the experiments' own command lines promise: whatever a user does wrong is told in a line or two, before work."""
+"""What `tagalong bench` promises: each has help, and what a user does wrong is told in a line or two, before work."""
 
-import subprocess
-import sys
-from importlib import import_module
+import argparse
 
 import pytest
+from tagalong.scripts import cli
 from tagalong.scripts.benchmarks import follower_comparison
-from tagalong.scripts.cli import told
+from tagalong.scripts.benchmarks.benchmark import BENCHMARKS, load_benchmark
+from tagalong.scripts.benchmarks.results import write_results
+from tagalong.scripts.console.last_words import told
 from tagalong.slam.errors import InputError
+from tagalong.slam.files.output import read_json
 
 
 @pytest.mark.parametrize(
     "words",
     [
-        "follower_comparison --episodes 0",
-        "follower_comparison --maps -1",
-        "recall_by_distance --seeds 0",
-        "recall_by_distance --seconds nan",
+        "follower-comparison --episodes 0",
+        "follower-comparison --maps -1",
+        "recall-by-distance --seeds 0",
+        "recall-by-distance --seconds nan",
         "people --seeds 0",
         "people --people none",
         "people --seconds 0",
         "people --first-seed -1",
-        "people_by_sensor --seconds -3",
-        "people_by_sensor --first-seed -1",
-        "rgbd_people --seeds 0",
-        "rgbd_planes --seeds 1.5",
+        "people-by-sensor --seconds -3",
+        "people-by-sensor --first-seed -1",
+        "rgbd-people --seeds 0",
+        "rgbd-planes --seeds 1.5",
     ],
 )
 def test_numbers_that_make_no_sense_are_refused_by_their_option(words, capsys, tmp_path):
-    name, *arguments = words.split()
     with pytest.raises(SystemExit) as ended:
-        import_module(f"tagalong.scripts.benchmarks.{name}").main([*arguments, "--out", str(tmp_path / "out")])
+        cli.main(["bench", *words.split(), "--out", str(tmp_path / "out")])
     assert ended.value.code == 2
     error = capsys.readouterr().err.splitlines()[-1]
-    assert f"argument {arguments[0]}: must be a" in error
-    assert error.endswith(f"got {arguments[1]!r}")
+    _, option, value = words.split()
+    assert f"argument {option}: must be a" in error
+    assert error.endswith(f"got {value!r}")
     assert not (tmp_path / "out").exists()
 
 
@@ -47,12 +49,41 @@ def test_what_a_user_did_wrong_is_told_in_one_line(capsys):
     assert told(lambda: 1) == 1
 
 
-def test_an_experiment_started_as_a_module_tells_it_so():
-    words = [sys.executable, "-m", "tagalong.scripts.benchmarks.people", "--preset", "nothing"]
-    ended = subprocess.run(words, capture_output=True, text=True, check=False)
-    assert ended.returncode == 2
-    assert ended.stderr.startswith("tagalong: unknown preset 'nothing'")
-    assert ended.stderr.count("\n") == 1
+def test_a_benchmark_tells_it_so(tmp_path, capsys):
+    assert cli.main(["bench", "people", "--preset", "nothing", "--out", str(tmp_path)]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("tagalong: unknown preset 'nothing'")
+    assert error.count("\n") == 1
+
+
+def test_without_a_name_the_benchmarks_are_listed_with_a_line_each(capsys):
+    assert cli.main(["bench"]) == 0
+    lines = capsys.readouterr().out.splitlines()[2:]
+    assert [line.split()[0] for line in lines] == list(BENCHMARKS)
+    with pytest.raises(SystemExit):
+        cli.main(["bench", "nothing"])
+    assert "invalid choice: 'nothing'" in capsys.readouterr().err
+    with pytest.raises(InputError, match="unknown benchmark 'nothing'; "):
+        load_benchmark("nothing")
+
+
+@pytest.mark.parametrize("name", BENCHMARKS)
+def test_every_benchmark_has_help_with_an_example(name, capsys):
+    with pytest.raises(SystemExit) as ended:
+        cli.main(["bench", name, "--help"])
+    assert ended.value.code == 0
+    told_user = capsys.readouterr().out
+    assert f"\n  tagalong bench {name} " in told_user
+    assert f"(default: out/bench/{name})" in " ".join(told_user.split())
+
+
+def test_results_hold_what_was_asked_for_and_the_machine(tmp_path):
+    options = argparse.Namespace(command="bench", name="people", run=None, out=tmp_path, seeds=3)
+    write_results(options, {"figures": {"mota": 0.5}})
+    written = read_json(tmp_path / "results.json")
+    assert written["options"] == {"seeds": 3}
+    assert written["figures"] == {"mota": 0.5}
+    assert written["machine"]["cores"] >= 1
 
 
 def test_a_follower_that_is_named_twice_drives_once(tmp_path, capsys, monkeypatch):
@@ -65,6 +96,6 @@ def test_a_follower_that_is_named_twice_drives_once(tmp_path, capsys, monkeypatc
 
     monkeypatch.setattr(follower_comparison, "episode_row", driven)
     words = "--followers pid pid --suites corridor --episodes 2 --maps 0 --out"
-    assert follower_comparison.main([*words.split(), str(tmp_path)]) == 0
+    assert cli.main(["bench", "follower-comparison", *words.split(), str(tmp_path)]) == 0
     assert len(rows) == 2
     assert "tours done" in capsys.readouterr().out

@@ -8,7 +8,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from tagalong.scripts.benchmarks import graph_slam, kidnapping
+from tagalong.scripts.benchmarks import graph_slam
+from tagalong.scripts.benchmarks.acceptance_table import result_rows
 from tagalong.scripts.benchmarks.intel_reference import (
     CORRECTED,
     corrected_poses,
@@ -16,7 +17,7 @@ from tagalong.scripts.benchmarks.intel_reference import (
     published_poses,
     related_poses,
 )
-from tagalong.scripts.results_table import result_rows
+from tagalong.scripts.cli import main
 from tagalong.slam.engine import make_slam
 from tagalong.slam.geometry import between, compose
 from tagalong.slam.graph.loops.constraints import Constraint, Kind
@@ -61,22 +62,17 @@ def test_corrected_scans_are_readings_by_the_order_of_the_lines(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("main", "words", "missing"),
-    [(graph_slam.main, ("none", "none", "out"), "none/slam_logs"), (kidnapping.main, ("none", "out"), "none")],
+    ("words", "missing"), [("graph-slam none none", "none/slam_logs"), ("kidnapping none", "none")]
 )
-def test_the_experiments_say_what_they_need(tmp_path, monkeypatch, capsys, main, words, missing):
+def test_the_benchmarks_of_logs_say_what_they_need(tmp_path, monkeypatch, capsys, words, missing):
     monkeypatch.chdir(tmp_path)
-    for given, status, said in (
-        (["--help"], 0, "OUT"),
-        ([], 2, "required: "),
-        (words, 2, f"{missing} is not a folder"),
-    ):
-        with pytest.raises(SystemExit) as ended:
-            main(given)
-        assert ended.value.code == status
-        printed = capsys.readouterr()
-        assert said in printed.out + printed.err
-    assert not any(tmp_path.iterdir())
+    with pytest.raises(SystemExit) as ended:
+        main(["bench", words.split()[0]])
+    assert ended.value.code == 2
+    assert "required: " in capsys.readouterr().err
+    assert main(["bench", *words.split()]) == 2
+    assert f"{missing} is not a folder" in capsys.readouterr().err
+    assert not [path for path in tmp_path.rglob("*") if path.suffix == ".json"]
 
 
 def test_every_cell_has_a_name_of_its_own_and_every_drive_with_people_is_mapped_three_ways(tmp_path):

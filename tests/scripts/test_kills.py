@@ -11,8 +11,8 @@ import pytest
 from kill_plans import PLANS, TAGALONG, room_drive
 from kills import Killed, files, kill_once, start
 from tagalong.scripts import cli
-from tagalong.scripts.interruption import interruptible
-from tagalong.scripts.only_writer import only_writer
+from tagalong.scripts.console.interruption import interruptible
+from tagalong.scripts.console.only_writer import only_writer
 from tagalong.slam.errors import InputError
 from tagalong.slam.logs.carmen_writer import write_carmen
 
@@ -21,7 +21,7 @@ SIGNALS = [signal.SIGKILL, signal.SIGTERM, signal.SIGINT]
 CELLS = """
 import operator, sys, time
 from pathlib import Path
-from tagalong.scripts.cli import told
+from tagalong.scripts.console.last_words import told
 from tagalong.scripts.experiments.cells import Cell, run_cells
 
 def slow(value):
@@ -36,7 +36,7 @@ if __name__ == "__main__":
 """
 FINALIZER = """
 import sys, time
-from tagalong.scripts.cli import told
+from tagalong.scripts.console.last_words import told
 
 class Slow:
     def __del__(self):
@@ -51,7 +51,7 @@ sys.exit(told(run))
 """
 KERNEL = """
 import sys, numba
-from tagalong.scripts.cli import told
+from tagalong.scripts.console.last_words import told
 
 @numba.njit
 def kernel(n):

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 from tagalong.scripts.cli import main
-from tagalong.scripts.last_words import exit_status
+from tagalong.scripts.console.last_words import exit_status
 from tagalong.slam.errors import InputError, MissingExtraError
 
 
@@ -63,9 +63,8 @@ def test_an_error_of_the_program_itself_comes_out_as_it_is():
 def test_output_that_is_not_taken_ends_without_a_traceback(words, sink, status, line, unbuffered):
     if sink == "/dev/full" and not os.path.exists(sink):
         pytest.skip("this system has no /dev/full")
-    code = (
-        f"import sys; from tagalong.scripts.last_words import exit_status; sys.exit(exit_status(lambda: {words} or 0))"
-    )
+    door = "from tagalong.scripts.console.last_words import exit_status"
+    code = f"import sys; {door}; sys.exit(exit_status(lambda: {words} or 0))"
     if sink == "closed pipe":
         read, out = os.pipe()
         os.close(read)

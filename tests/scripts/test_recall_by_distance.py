@@ -3,6 +3,7 @@
 import numpy as np
 from tagalong.perception.legs.forest import LegForest
 from tagalong.scripts.benchmarks import recall_by_distance
+from tagalong.scripts.cli import main
 
 
 def test_near_people_are_found_and_counted_once():
@@ -14,9 +15,8 @@ def test_near_people_are_found_and_counted_once():
 
 def test_the_table_has_a_line_for_each_distance(monkeypatch, capsys, tmp_path):
     monkeypatch.setattr(recall_by_distance, "BEAMS", (360,))
-    words = ["--seeds", "1", "--seconds", "3", "--out", str(tmp_path)]
-    assert recall_by_distance.main(words) == 0
+    assert main(["bench", "recall-by-distance", "--seeds", "1", "--seconds", "3", "--out", str(tmp_path)]) == 0
     printed = capsys.readouterr().out
     assert "360 beams, by spacing" in printed
     assert len(printed.splitlines()) == 2 + len(recall_by_distance.EDGES) - 1
-    assert (tmp_path / "recall_by_distance.json").exists()
+    assert (tmp_path / "results.json").exists()

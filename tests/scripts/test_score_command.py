@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from tagalong.scripts import cli
-from tagalong.scripts.scoring import kind_of
+from tagalong.scripts.runs.scoring import kind_of
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import compose, transform_points
 from tagalong.slam.logs.ros_map import write_ros_map

@@ -62,7 +62,7 @@ def shipped(tmp_path, monkeypatch):
 
 
 def test_a_renewed_card_keeps_the_training_and_takes_the_figures_and_what_surrounds_the_network(shipped, tmp_path):
-    (tmp_path / "comparison.json").write_text(json.dumps({"suites": SUITES}))
+    (tmp_path / "results.json").write_text(json.dumps({"suites": SUITES}))
     assert ship_follower.main(["--comparison", str(tmp_path)]) == 0
     card = json.loads((shipped / "follower.json").read_text())
     assert card["minutes"] == 7.0

@@ -3,7 +3,8 @@
 import time
 
 from tagalong.envs.follow_env import FollowEnv
-from tagalong.scripts.benchmarks.speed import WARM_UP, environment_speed
+from tagalong.scripts.benchmarks.latency import WARM_UP
+from tagalong.scripts.benchmarks.speed import environment_speed
 
 
 def test_kernels_that_are_compiled_after_the_warm_up_are_not_timed(monkeypatch):

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ....agents.following_tour import TourConfig, following_tour
+from ....agents.tour import TourConfig, following_tour
 from ....envs.episode_setup import PERCEPTION
 from ....envs.recording.slow_tour import SlowTourConfig, slow_tour
 from ....envs.scenes.occupancy import true_map

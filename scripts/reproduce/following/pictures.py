@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ....agents.following_tour import SCENES
+from ....agents.tour import SCENES
 from ....slam.geometry import compose, inverse
 from ...figures.canvas import save_png, side_by_side, stacked
 from ...figures.maps import overlay_picture

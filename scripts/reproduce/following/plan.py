@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from ....agents.following_tour import SCENES
+from ....agents.tour import SCENES
 from ...lab.cells import Cell
 from .drives import record_reference, record_tour
 from .maps import ENGINES, map_reference, map_tour

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ....agents.following_tour import SCENES
+from ....agents.tour import SCENES
 from ...lab.statistics import Estimate, metric_mean, share
 from ..report import Table
 from .judgement import METRICS, Pair, pair, sure_verdicts

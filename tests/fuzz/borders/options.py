@@ -45,7 +45,7 @@ _NAMES = ("OUT", "IN/fifo", "IN/loop", "IN", "IN/nowhere/x", "OUT/" + "n" * 300)
 
 _LONG_WORK: dict[tuple[str, ...], list[str]] = {
     ("evaluate", "pid", "--out", "OUT"): ["--episodes", "--people", "--beams", "--env", "--suite", "--perception"],
-    ("bench", "--out", "OUT"): ["--steps"],
+    ("bench", "speed", "--out", "OUT"): ["--steps"],
     ("demo", "--out", "OUT"): ["--people", "--scene"],
     ("teleop", "--operator", "model", "--out", "OUT/log.txt"): ["--env"],
     ("train", "follower", "--out", "OUT"): ["--workers", "--max-minutes", "--algo", "--preset"],

@@ -9,7 +9,7 @@ from fuzzer.border import Area, Border, Input, require
 from fuzzer.files import put
 from fuzzer.sanity import finite, sane_poses, sane_times
 from numpy.random import Generator
-from tagalong.scripts.scoring import ScoringOptions, judge
+from tagalong.scripts.runs.scoring import ScoringOptions, judge
 from tagalong.slam.logs.g2o import read_g2o
 from tagalong.slam.logs.pedestrians import read_pedestrians
 from tagalong.slam.logs.relations import read_readings, read_relations

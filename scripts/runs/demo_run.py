@@ -11,20 +11,20 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from ..agents.following_tour import FollowingTour, TourConfig, following_tour
-from ..envs.follow_env import FollowEnv
-from ..envs.recording.slow_tour import slow_tour
-from ..envs.world.world import WorldConfig
-from ..slam.files.output import write_json
-from ..slam.logs.drive_folder import SimulatedDrive, write_drive
-from ..slam.logs.ros_map import write_ros_map
-from .figures.canvas import save_png, side_by_side, stacked
-from .figures.maps import map_picture, overlay_picture
-from .figures.scans import scan_pair_picture
-from .figures.trajectory import trajectory_picture
-from .figures.video import save_gif
-from .lab.map_comparison import JudgedMap, MappingConfig, judge_map, map_reference
-from .lab.mapping import MappedDrive
+from ...agents.tour import FollowingTour, TourConfig, following_tour
+from ...envs.follow_env import FollowEnv
+from ...envs.recording.slow_tour import slow_tour
+from ...envs.world.world import WorldConfig
+from ...slam.files.output import write_json
+from ...slam.logs.drive_folder import SimulatedDrive, write_drive
+from ...slam.logs.ros_map import write_ros_map
+from ..figures.canvas import save_png, side_by_side, stacked
+from ..figures.maps import map_picture, overlay_picture
+from ..figures.scans import scan_pair_picture
+from ..figures.trajectory import trajectory_picture
+from ..figures.video import save_gif
+from ..lab.map_comparison import JudgedMap, MappingConfig, judge_map, map_reference
+from ..lab.mapping import MappedDrive
 
 FRAME_EVERY = 5
 """Steps between two frames of the video."""

@@ -11,7 +11,7 @@ import gymnasium as gym
 import numpy as np
 
 from ...agents import make_follower
-from ...agents.following_tour import SCENES, TourConfig, following_tour
+from ...agents.tour import SCENES, TourConfig, following_tour
 from ...envs.recording.rollout import rollout
 from ...envs.recording.slow_tour import slow_tour
 from ...envs.world.world import WorldConfig
@@ -21,10 +21,10 @@ from ...slam.logs.relations import read_readings, read_relations
 from ...slam.logs.tum import Trajectory
 from ...slam.quality.relations import score_relations
 from ...slam.quality.trajectory import absolute_error
-from ..benchmarks.people import drives
-from ..slam_run import run_slam, usable_times
-from .cells import Cell
-from .map_comparison import MappingConfig, judge_map, map_reference
+from ..lab.cells import Cell
+from ..lab.map_comparison import MappingConfig, judge_map, map_reference
+from ..runs.slam_run import run_slam, usable_times
+from .people import drives
 
 LOGS = {
     "intel": "intel_every5th.log.gz",

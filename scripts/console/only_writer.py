@@ -5,8 +5,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from ..slam.errors import InputError
-from ..slam.files.output import made_folder
+from ...slam.errors import InputError
+from ...slam.files.output import made_folder
 
 try:
     import fcntl

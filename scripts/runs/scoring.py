@@ -9,18 +9,18 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ..slam.errors import InputError, shown
-from ..slam.geometry import compose, inverse, transform_points
-from ..slam.logs.carmen import read_carmen
-from ..slam.logs.drive_folder import read_feet
-from ..slam.logs.relations import read_readings, read_relations
-from ..slam.logs.ros_map import read_ros_map
-from ..slam.logs.text import finite_numbers, numbered_lines
-from ..slam.logs.tum import read_tum
-from ..slam.quality.cells import common_cells, dynamic_residue
-from ..slam.quality.relations import score_relations
-from ..slam.quality.score import score_map
-from ..slam.quality.trajectory import absolute_error, associate, relative_error
+from ...slam.errors import InputError, shown
+from ...slam.geometry import compose, inverse, transform_points
+from ...slam.logs.carmen import read_carmen
+from ...slam.logs.drive_folder import read_feet
+from ...slam.logs.relations import read_readings, read_relations
+from ...slam.logs.ros_map import read_ros_map
+from ...slam.logs.text import finite_numbers, numbered_lines
+from ...slam.logs.tum import read_tum
+from ...slam.quality.cells import common_cells, dynamic_residue
+from ...slam.quality.relations import score_relations
+from ...slam.quality.score import score_map
+from ...slam.quality.trajectory import absolute_error, associate, relative_error
 
 Kind = Literal["trajectory", "relations", "map", "log"]
 Rows = list[tuple[str, str, str]]

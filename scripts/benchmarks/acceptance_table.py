@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from ..slam.errors import InputError
-from ..slam.files.input import read_text
-from ..slam.files.output import write_text
-from .benchmarks.people import summary as tracking_summary
-from .lab.acceptance import mean_of
-from .lab.statistics import share, t_mean
+from ...slam.errors import InputError
+from ...slam.files.input import read_text
+from ...slam.files.output import write_text
+from ..lab.statistics import share, t_mean
+from .acceptance import mean_of
+from .people import summary as tracking_summary
 
 BEGIN, END = "<!-- results:begin -->", "<!-- results:end -->"
 SCENE_TITLES = {"corridor": "corridor", "meeting_room": "meeting room"}

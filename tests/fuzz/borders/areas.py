@@ -1,8 +1,7 @@
 """All borders by area, in the order in which they are tried; what takes longest to make ready comes last."""
 
-from fuzzer.border import Area
-
 from borders import bags, checkpoints, engines, environment, logs, maps, models, options, perception, scans, tables
+from fuzzer.border import Area
 
 AREAS: dict[str, Area] = {
     "logs": logs.AREA,

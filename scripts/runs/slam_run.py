@@ -12,19 +12,19 @@ import numpy as np
 from numpy.typing import NDArray
 from tqdm import tqdm
 
-from .. import __version__
-from ..slam.engine import SlamEngine
-from ..slam.errors import InputError
-from ..slam.files.output import write_json
-from ..slam.geometry import compose
-from ..slam.logs.drive import RecordedDrive
-from ..slam.logs.ros_map import write_ros_map
-from ..slam.logs.tum import Trajectory, write_tum
-from ..slam.occupancy_map import OccupancyMap
-from ..slam.quality.trajectory import absolute_error, relative_error
-from .figures.canvas import save_png
-from .figures.trajectory import trajectory_picture
-from .lab.hardware import describe_machine
+from ... import __version__
+from ...slam.engine import SlamEngine
+from ...slam.errors import InputError
+from ...slam.files.output import write_json
+from ...slam.geometry import compose
+from ...slam.logs.drive import RecordedDrive
+from ...slam.logs.ros_map import write_ros_map
+from ...slam.logs.tum import Trajectory, write_tum
+from ...slam.occupancy_map import OccupancyMap
+from ...slam.quality.trajectory import absolute_error, relative_error
+from ..figures.canvas import save_png
+from ..figures.trajectory import trajectory_picture
+from ..lab.hardware import describe_machine
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,9 +10,9 @@ from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
 
-from ..envs.world.world import World, WorldConfig
-from ..slam.engine import make_slam
-from ..slam.geometry import between
+from ...envs.world.world import World, WorldConfig
+from ...slam.engine import make_slam
+from ...slam.geometry import between
 
 CORE = ("gymnasium", "mujoco", "numpy", "scipy", "scikit-learn", "filterpy", "numba", "pillow", "tqdm")
 """Distributions that the package cannot do without."""

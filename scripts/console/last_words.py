@@ -7,11 +7,33 @@ import sys
 from collections.abc import Callable
 from contextlib import suppress
 
-from ..slam.errors import InputError, MissingExtraError, one_line
+from ...slam.errors import InputError, MissingExtraError, WorkerError, one_line
+from .interruption import interruptible
 
 MOST_SAID = 500
 """Characters of the line: readers shorten what they show, and this holds for all that they did not write."""
-BAD_INPUT, BROKEN_PIPE = 2, 141
+BAD_INPUT, LOST_WORKER, BROKEN_PIPE = 2, 3, 141
+
+
+def told(run: Callable[[], int], *, is_program: bool = True) -> int:
+    """Return the exit status of `run`; what went wrong is told in one line.
+
+    0 fine, 1 a stated bound was missed, 2 bad input, 3 a worker process was lost, 128 + n ended by signal n (130 by
+    Ctrl-C, 143 by SIGTERM).
+
+    Args:
+        run: What to do.
+        is_program: The process has nothing else to do.
+    """
+    return interruptible(lambda: _told(run), is_program=is_program)
+
+
+def _told(run: Callable[[], int]) -> int:
+    try:
+        return exit_status(run)
+    except WorkerError as error:
+        print(f"tagalong: {one_line(str(error), MOST_SAID)}", file=sys.stderr)
+        return LOST_WORKER
 
 
 def exit_status(run: Callable[[], int]) -> int:

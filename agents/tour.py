@@ -15,7 +15,7 @@ from ..slam.errors import unknown_name
 from ..slam.logs.drive import RecordedDrive
 from ..slam.logs.drive_folder import SimulatedDrive
 from ..slam.scan import LaserScan
-from . import make_follower
+from .roster import make_follower
 
 SCENES = {"corridor": "tagalong/Corridor-v0", "meeting_room": "tagalong/MeetingRoom-v0"}
 """Environment ids of the paper's two scenes."""

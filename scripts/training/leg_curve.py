@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..training.evaluate_legs import LegScores
-from .plots import logarithmic, new_figure, save_figure
+from ..figures.plots import logarithmic, new_figure, save_figure
+from .evaluate_legs import LegScores
 
 
 def save_leg_curve(path: Path, curves: Mapping[str, LegScores]) -> None:

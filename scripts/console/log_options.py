@@ -5,10 +5,10 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
-from ..slam.logs.drive import RecordedDrive
-from ..slam.logs.log import read_log
-from ..slam.scan_to_scan.laser_odometry import laser_odometry
-from ..slam.scan_to_scan.odometry_check import odometry_factors
+from ...slam.logs.drive import RecordedDrive
+from ...slam.logs.log import read_log
+from ...slam.scan_to_scan.laser_odometry import laser_odometry
+from ...slam.scan_to_scan.odometry_check import odometry_factors
 
 
 def add_topics(parser: argparse.ArgumentParser) -> None:

@@ -1,4 +1,4 @@
-"""Kinds of numbers on the command lines of experiments: what is none of the kind is told by argparse in one line."""
+"""Kinds of numbers on command lines: what is none of the kind is told by argparse in one line."""
 
 import argparse
 import math
@@ -11,6 +11,7 @@ def at_least(least: int) -> Callable[[str], int]:
     """Return a `type` of argparse for whole numbers from `least` on."""
 
     def whole(text: str) -> int:
+        """Return the number that `text` is."""
         try:
             number = int(text)
         except ValueError:

@@ -10,15 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 from tqdm import tqdm
 
-from .. import __version__
-from ..slam.files.output import write_json
-from ..slam.localization.localizer import LocalizationUpdate, Localizer
-from ..slam.logs.drive import RecordedDrive
-from ..slam.logs.tum import Trajectory, write_tum
-from ..slam.occupancy_map import OccupancyMap
-from .figures.canvas import save_png
-from .figures.trajectory import trajectory_picture
-from .lab.hardware import describe_machine
+from ... import __version__
+from ...slam.files.output import write_json
+from ...slam.localization.localizer import LocalizationUpdate, Localizer
+from ...slam.logs.drive import RecordedDrive
+from ...slam.logs.tum import Trajectory, write_tum
+from ...slam.occupancy_map import OccupancyMap
+from ..figures.canvas import save_png
+from ..figures.trajectory import trajectory_picture
+from ..lab.hardware import describe_machine
 from .slam_run import peak_memory_mb, usable_times
 
 

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from ...envs.simulation2d.outlines import Outlines, cast, turned
+from .outlines import Outlines, cast, turned
 
 
 def draw_building(rng: Generator, centre_size: float) -> Outlines:

@@ -1,0 +1,51 @@
+"""Sub-commands whose code is imported only when they are the ones that are asked for, so that help comes at once."""
+
+import argparse
+from collections.abc import Callable, Mapping
+from typing import Any, NoReturn
+
+from ...slam.errors import one_line
+from .last_words import MOST_SAID
+
+
+class CommandParser(argparse.ArgumentParser):
+    """An argument parser that shows words of thousands of characters in a few."""
+
+    def error(self, message: str) -> NoReturn:
+        """Print the usage and `message`, and exit with status 2."""
+        super().error(one_line(message, MOST_SAID))
+
+
+class _LateSubcommands(argparse._SubParsersAction):
+    """Lets the sub-command that was chosen declare its options just before they are read."""
+
+    declare: Callable[[str, argparse.ArgumentParser], None]
+
+    def __call__(self, parser: Any, namespace: Any, values: Any, option_string: Any = None) -> None:
+        if values[0] in self.choices:
+            self.declare(values[0], self.choices[values[0]])
+        super().__call__(parser, namespace, values, option_string)
+
+
+def add_subcommands(
+    parser: argparse.ArgumentParser,
+    kind: str,
+    summaries: Mapping[str, str],
+    declare: Callable[[str, argparse.ArgumentParser], None],
+    *,
+    required: bool = False,
+) -> None:
+    """Add sub-commands to a parser.
+
+    Args:
+        parser: Of the command above them.
+        kind: What they are, such as "command": the name of the attribute that holds the one that was chosen, or None.
+        summaries: Name -> what it does, in a line of the help.
+        declare: Adds the options of the sub-command of a name to its parser; called for the chosen one alone.
+        required: Whether one has to be chosen.
+    """
+    action = parser.add_subparsers(dest=kind, metavar=kind.upper(), required=required, action=_LateSubcommands)
+    assert isinstance(action, _LateSubcommands)
+    action.declare = declare
+    for name, summary in summaries.items():
+        action.add_parser(name, help=summary, description=summary, formatter_class=argparse.RawDescriptionHelpFormatter)
