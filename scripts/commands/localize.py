@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 
 from ...slam.errors import InputError
 from ...slam.localization.localizer import Localizer
+from ...slam.localization.runner import LocalizerRun, run_localizer
 from ...slam.logs.beesoft import is_beesoft_map, read_beesoft_map
 from ...slam.logs.ros_map import read_ros_map
 from ...slam.occupancy_map import OccupancyMap
-from ..localize_run import LocalizeRun, run_localizer, write_localize_run
+from ..localize_run import write_localize_run
 from ..log_options import add_topics, read_with_odometry
-from ..slam_run import prepare_folder
+from ..slam_run import prepare_folder, progress_bar
 from ..tables import format_table
 
 EPILOG = """\
@@ -65,7 +66,7 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(f"{options.map}: {error}") from error
     drive = read_with_odometry(options.log, options.scan_topic, options.odometry_topic)
     prepare_folder(options.out)
-    result = run_localizer(localizer, drive, progress=not options.quiet)
+    result = run_localizer(localizer, drive, progress=progress_bar(drive.name, not options.quiet))
     settings = {
         "map": options.map.name,
         "start": None if start is None else start.tolist(),
@@ -89,7 +90,7 @@ def _start(words: list[float] | None) -> NDArray[np.float64] | None:
     return np.array([words[0], words[1], np.radians(words[2])])
 
 
-def _rows(metrics: dict[str, Any], result: LocalizeRun) -> list[tuple[str, str, str]]:
+def _rows(metrics: dict[str, Any], result: LocalizerRun) -> list[tuple[str, str, str]]:
     first, explained = metrics["first_sure_scan"], metrics["explained_median"]
     return [
         ("scans", str(metrics["scans"]), ""),
@@ -99,5 +100,5 @@ def _rows(metrics: dict[str, Any], result: LocalizeRun) -> list[tuple[str, str, 
         ("lost", str(metrics["lost"]), "times"),
         ("beams explained", "-" if explained is None else f"{100 * explained:.0f}", "%"),
         ("path", f"{metrics['path_m']:.1f}", "m"),
-        ("time", f"{result.wall_s.sum():.2f}", "s"),
+        ("time", f"{result.seconds.sum():.2f}", "s"),
     ]

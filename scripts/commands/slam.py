@@ -13,8 +13,9 @@ from ...slam.engine import ENGINES, make_slam
 from ...slam.errors import InputError
 from ...slam.logs.drive import RecordedDrive
 from ...slam.logs.tum import read_tum
+from ...slam.runner import run_slam
 from ..log_options import add_topics, read_with_odometry
-from ..slam_run import prepare_folder, run_slam, write_run
+from ..slam_run import prepare_folder, progress_bar, write_run
 from ..tables import format_table
 
 EPILOG = """\
@@ -72,10 +73,10 @@ def run(options: argparse.Namespace) -> int:
     drive = read_with_odometry(options.log, options.scan_topic, options.odometry_topic)
     reference = _reference(options.log, drive)
     prepare_folder(options.out)
-    result = run_slam(engine, drive, options.resolution, progress=not options.quiet)
+    result = run_slam(engine, drive, progress=progress_bar(drive.name, not options.quiet))
     how = {"method": options.method, "seed": options.seed, "config": asdict(engine.config)}
-    metrics = write_run(options.out, drive, result, how, reference)
-    print(format_table(("quantity", "value", "unit"), _rows(metrics, result.wall_s)))
+    metrics = write_run(options.out, drive, result, how, reference, options.resolution)
+    print(format_table(("quantity", "value", "unit"), _rows(metrics, float(result.seconds.sum()))))
     print(f"written to {options.out}")
     return 0
 
