@@ -15,7 +15,7 @@ from ...slam.logs.beesoft import is_beesoft_map, read_beesoft_map
 from ...slam.logs.ros_map import read_ros_map
 from ...slam.occupancy_map import OccupancyMap
 from ..localize_run import write_localize_run
-from ..log_options import add_topics, read_with_odometry
+from ..log_options import add_log_options, read_with_odometry
 from ..slam_run import prepare_folder, progress_bar
 from ..tables import format_table
 
@@ -53,7 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--start", type=float, nargs=3, metavar=("X", "Y", "DEG"), help="pose on the map at the first scan [m, m, deg]"
     )
-    add_topics(parser)
+    add_log_options(parser)
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
 
 
@@ -64,13 +64,15 @@ def run(options: argparse.Namespace) -> int:
         localizer = Localizer(grid, start=start)
     except InputError as error:
         raise InputError(f"{options.map}: {error}") from error
-    drive = read_with_odometry(options.log, options.scan_topic, options.odometry_topic)
+    read = read_with_odometry(options)
+    drive = read.drive
     prepare_folder(options.out)
     result = run_localizer(localizer, drive, progress=progress_bar(drive.name, not options.quiet))
     settings = {
         "map": options.map.name,
         "start": None if start is None else start.tolist(),
         "config": asdict(localizer.config),
+        **read.settings,
     }
     metrics = write_localize_run(options.out, drive, result, grid, settings)
     print(format_table(("quantity", "value", "unit"), _rows(metrics, result)))
