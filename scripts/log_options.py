@@ -30,10 +30,14 @@ class ReadDrive:
     settings: dict[str, Any] = field(default_factory=dict)
 
 
-def add_log_options(parser: argparse.ArgumentParser) -> None:
-    """Declare the options that say which topics of a ROS bag are read, and where the odometry comes from."""
+def add_topics(parser: argparse.ArgumentParser) -> None:
+    """Declare the options that choose the topics of a ROS bag."""
     parser.add_argument("--scan-topic", metavar="NAME", help="of a ROS bag with several topics of laser scans")
     parser.add_argument("--odometry-topic", metavar="NAME", help="of a ROS bag with several topics of odometry")
+
+
+def add_odometry(parser: argparse.ArgumentParser) -> None:
+    """Declare the options that say where the odometry comes from."""
     parser.add_argument(
         "--odometry",
         default="log",

@@ -15,7 +15,7 @@ from ...slam.logs.beesoft import is_beesoft_map, read_beesoft_map
 from ...slam.logs.ros_map import read_ros_map
 from ...slam.occupancy_map import OccupancyMap
 from ..localize_run import write_localize_run
-from ..log_options import add_log_options, read_with_odometry
+from ..log_options import add_odometry, add_topics, read_with_odometry
 from ..slam_run import prepare_folder, progress_bar
 from ..tables import format_table
 
@@ -53,7 +53,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--start", type=float, nargs=3, metavar=("X", "Y", "DEG"), help="pose on the map at the first scan [m, m, deg]"
     )
-    add_log_options(parser)
+    add_topics(parser)
+    add_odometry(parser)
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
 
 

@@ -13,7 +13,7 @@ from ...slam.errors import InputError
 from ...slam.logs.drive import RecordedDrive
 from ...slam.logs.tum import read_tum
 from ...slam.runner import run_slam
-from ..log_options import add_log_options, read_with_odometry
+from ..log_options import add_odometry, add_topics, read_with_odometry
 from ..setting_words import settings_from
 from ..slam_run import prepare_folder, progress_bar, write_run
 from ..tables import format_table
@@ -48,7 +48,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="LOG",
         help="CARMEN, BeeSoft, DP-SLAM or tinySLAM log (plain or .gz), ROS 1 bag or ROS 2 bag folder",
     )
-    add_log_options(parser)
+    add_topics(parser)
+    add_odometry(parser)
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="where the results go")
     parser.add_argument(
         "--method", default="gmapping", help=f"SLAM engine: {', '.join(ENGINES)} (default: %(default)s)"
