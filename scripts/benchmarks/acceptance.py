@@ -21,9 +21,10 @@ from ...slam.logs.relations import read_readings, read_relations
 from ...slam.logs.tum import Trajectory
 from ...slam.quality.relations import score_relations
 from ...slam.quality.trajectory import absolute_error
+from ...slam.runner import run_slam
 from ..lab.cells import Cell
 from ..lab.map_comparison import MappingConfig, judge_map, map_reference
-from ..runs.slam_run import run_slam, usable_times
+from ..runs.slam_run import usable_times
 from .people import drives
 
 LOGS = {
@@ -111,7 +112,7 @@ def map_log_once(data: str, log: str, seed: int, method: str = "gmapping") -> di
     folder = Path(data) / "slam_logs"
     drive = read_carmen(folder / LOGS[log])
     start = time.perf_counter()
-    done = run_slam(make_slam(method, seed=seed), drive, progress=False)
+    done = run_slam(make_slam(method, seed=seed), drive)
     scans = int(done.integrated.sum())
     row = {"scans": len(drive), "processed": scans, "wall_s": time.perf_counter() - start}
     if drive.reference is not None:

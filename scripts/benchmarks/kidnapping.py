@@ -10,7 +10,6 @@ example:
 
 import argparse
 import copy
-import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -20,15 +19,17 @@ from numpy.typing import NDArray
 
 from ...envs.recording.slow_tour import slow_tour
 from ...envs.world.world import WorldConfig
-from ...slam.engine import SlamEngine, make_slam
+from ...slam.engine import make_slam
 from ...slam.errors import InputError
 from ...slam.geometry import between
 from ...slam.grid import GridConfig, render_map
 from ...slam.localization.localizer import Localizer
+from ...slam.localization.runner import run_localizer
 from ...slam.logs.carmen import read_carmen
 from ...slam.logs.drive import RecordedDrive
 from ...slam.occupancy_map import OccupancyMap
 from ...slam.quality.trajectory import absolute_error
+from ...slam.runner import SlamRun, run_slam
 from ..console.arguments import at_least
 from ..console.tables import format_table
 from ..lab.cells import TIMING, Cell, run_cells
@@ -50,17 +51,16 @@ _RESOLUTION = 0.05
 def map_scene(scene: str, seed: int, files: Path) -> dict[str, Any]:
     """Map a scene by a slow drive without people; keep the map and where it lies in the world."""
     drive = slow_tour(WorldConfig(scene=scene), seed)
-    engine = _mapped(drive.recording)
-    placed = absolute_error(engine.trajectory(), drive.truth)
-    _keep(files, engine.map_at(_RESOLUTION), T_world_map=placed.T_ref_est)
+    mapped = _mapped(drive.recording)
+    placed = absolute_error(mapped.trajectory, drive.truth)
+    _keep(files, mapped.map(_RESOLUTION), T_world_map=placed.T_ref_est)
     return {"scans": len(drive.recording), "ate_m": placed.translation.rmse}
 
 
 def map_log(folder: str, building: str, files: Path) -> dict[str, Any]:
     """Map every second scan of a log at the poses that SLAM of all scans found; keep the map and the poses."""
     drive = read_carmen(Path(folder) / LOGS[building])
-    engine = _mapped(drive)
-    poses = engine.trajectory()
+    poses = _mapped(drive).trajectory
     _keep(files, render_map(poses[::2], drive.scans[::2], GridConfig(resolution=_RESOLUTION)), truth=poses)
     return {"scans": len(drive)}
 
@@ -115,8 +115,7 @@ def carried_while_mapping(
     else:
         drive = read_carmen(Path(folder) / LOGS[building])
         legs = RecordedLegs(drive, kept["truth"], np.ones(len(drive), dtype=np.bool_))
-    engine = _mapped(drive)
-    engine.trajectory()  # the graph is adjusted now, not in each trial
+    engine = _mapped(drive).engine  # its graph is adjusted now, not in each trial
     result: dict[str, Any] = {"found_at": [], "error_m": [], "error_deg": [], "wrong": [], "noticed_at": []}
     last = Leg(drive.odometry[-1:], drive.scans[-1:], drive.odometry[-1:])
     for trial in range(first, first + trials):
@@ -191,14 +190,11 @@ def _trial(
     if carried:
         before = legs.draw(BEFORE, rng)
         localizer = Localizer(grid, start=before.truth[0])
-        for odometry, scan in zip(before.odometry, before.scans, strict=True):
-            localizer.update(odometry, scan)
+        run_localizer(localizer, RecordedDrive(before.odometry, before.scans, None, "before"))
         leg = leg.after(before)
-    poses = []
-    for odometry, scan in zip(leg.odometry, leg.scans, strict=True):
-        start = time.perf_counter()
-        poses.append(localizer.update(odometry, scan).pose)
-        times.append(time.perf_counter() - start)
+    run = run_localizer(localizer, RecordedDrive(leg.odometry, leg.scans, None, "after"))
+    times.extend(run.seconds.tolist())
+    poses = [pose if sure else None for pose, sure in zip(run.trajectory, run.sure, strict=True)]
     return _judged(poses, leg.truth)
 
 
@@ -216,11 +212,8 @@ def _judged(poses: Sequence[NDArray[np.float64] | None], truth: NDArray[np.float
     }
 
 
-def _mapped(drive: RecordedDrive) -> SlamEngine:
-    engine = make_slam("cartographer")
-    for odometry, scan in zip(drive.odometry, drive.scans, strict=True):
-        engine.update(odometry, scan)
-    return engine
+def _mapped(drive: RecordedDrive) -> SlamRun:
+    return run_slam(make_slam("cartographer"), drive)
 
 
 def _legs(

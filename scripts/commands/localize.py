@@ -10,13 +10,14 @@ from numpy.typing import NDArray
 
 from ...slam.errors import InputError
 from ...slam.localization.localizer import Localizer
+from ...slam.localization.runner import LocalizerRun, run_localizer
 from ...slam.logs.beesoft import is_beesoft_map, read_beesoft_map
 from ...slam.logs.ros_map import read_ros_map
 from ...slam.occupancy_map import OccupancyMap
-from ..console.log_options import add_topics, read_with_odometry
+from ..console.log_options import add_odometry, add_topics, read_with_odometry
 from ..console.tables import format_table
-from ..runs.localize_run import LocalizeRun, run_localizer, write_localize_run
-from ..runs.slam_run import prepare_folder
+from ..runs.localize_run import write_localize_run
+from ..runs.slam_run import prepare_folder, progress_bar
 
 EPILOG = """\
 The whole map is searched first, and again whenever the scans contradict the map. Where several places fit about as
@@ -53,6 +54,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--start", type=float, nargs=3, metavar=("X", "Y", "DEG"), help="pose on the map at the first scan [m, m, deg]"
     )
     add_topics(parser)
+    add_odometry(parser)
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
 
 
@@ -63,13 +65,15 @@ def run(options: argparse.Namespace) -> int:
         localizer = Localizer(grid, start=start)
     except InputError as error:
         raise InputError(f"{options.map}: {error}") from error
-    drive = read_with_odometry(options.log, options.scan_topic, options.odometry_topic)
+    read = read_with_odometry(options)
+    drive = read.drive
     prepare_folder(options.out)
-    result = run_localizer(localizer, drive, progress=not options.quiet)
+    result = run_localizer(localizer, drive, progress=progress_bar(drive.name, not options.quiet))
     settings = {
         "map": options.map.name,
         "start": None if start is None else start.tolist(),
         "config": asdict(localizer.config),
+        **read.settings,
     }
     metrics = write_localize_run(options.out, drive, result, grid, settings)
     print(format_table(("quantity", "value", "unit"), _rows(metrics, result)))
@@ -89,7 +93,7 @@ def _start(words: list[float] | None) -> NDArray[np.float64] | None:
     return np.array([words[0], words[1], np.radians(words[2])])
 
 
-def _rows(metrics: dict[str, Any], result: LocalizeRun) -> list[tuple[str, str, str]]:
+def _rows(metrics: dict[str, Any], result: LocalizerRun) -> list[tuple[str, str, str]]:
     first, explained = metrics["first_sure_scan"], metrics["explained_median"]
     return [
         ("scans", str(metrics["scans"]), ""),
@@ -99,5 +103,5 @@ def _rows(metrics: dict[str, Any], result: LocalizeRun) -> list[tuple[str, str, 
         ("lost", str(metrics["lost"]), "times"),
         ("beams explained", "-" if explained is None else f"{100 * explained:.0f}", "%"),
         ("path", f"{metrics['path_m']:.1f}", "m"),
-        ("time", f"{result.wall_s.sum():.2f}", "s"),
+        ("time", f"{result.seconds.sum():.2f}", "s"),
     ]

@@ -1,7 +1,6 @@
 """`tagalong slam`: maps a recorded drive."""
 
 import argparse
-import ast
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -13,9 +12,11 @@ from ...slam.engine import ENGINES, make_slam
 from ...slam.errors import InputError
 from ...slam.logs.drive import RecordedDrive
 from ...slam.logs.tum import read_tum
-from ..console.log_options import add_topics, read_with_odometry
+from ...slam.runner import run_slam
+from ..console.log_options import add_odometry, add_topics, read_with_odometry
+from ..console.setting_words import settings_from
 from ..console.tables import format_table
-from ..runs.slam_run import prepare_folder, run_slam, write_run
+from ..runs.slam_run import prepare_folder, progress_bar, write_run
 
 EPILOG = """\
 writes into DIR:
@@ -34,6 +35,7 @@ in one line on stderr.
 example:
   tagalong slam aces.log.gz --out out/aces --seed 1 --set particles=50
   tagalong slam drive.bag --out out/drive --method cartographer --scan-topic /front/scan
+  tagalong slam drive.log --out out/drive --odometry refined --matcher icp
 """
 
 
@@ -47,6 +49,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="CARMEN, BeeSoft, DP-SLAM or tinySLAM log (plain or .gz), ROS 1 bag or ROS 2 bag folder",
     )
     add_topics(parser)
+    add_odometry(parser)
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="where the results go")
     parser.add_argument(
         "--method", default="gmapping", help=f"SLAM engine: {', '.join(ENGINES)} (default: %(default)s)"
@@ -69,29 +72,22 @@ def run(options: argparse.Namespace) -> int:
     if options.resolution is not None and not 0.001 <= options.resolution <= 10.0:
         raise InputError(f"--resolution must lie in [0.001, 10] m, got {options.resolution}")
     engine = make_slam(options.method, seed=options.seed, **_settings(options.settings))
-    drive = read_with_odometry(options.log, options.scan_topic, options.odometry_topic)
+    read = read_with_odometry(options)
+    drive = read.drive
     reference = _reference(options.log, drive)
     prepare_folder(options.out)
-    result = run_slam(engine, drive, options.resolution, progress=not options.quiet)
-    how = {"method": options.method, "seed": options.seed, "config": asdict(engine.config)}
-    metrics = write_run(options.out, drive, result, how, reference)
-    print(format_table(("quantity", "value", "unit"), _rows(metrics, result.wall_s)))
+    result = run_slam(engine, drive, progress=progress_bar(drive.name, not options.quiet))
+    how = {"method": options.method, "seed": options.seed, "config": asdict(engine.config), **read.settings}
+    metrics = write_run(options.out, drive, result, how, reference, options.resolution)
+    print(format_table(("quantity", "value", "unit"), _rows(metrics, float(result.seconds.sum()))))
     print(f"written to {options.out}")
     return 0
 
 
 def _settings(words: list[str]) -> dict[str, Any]:
-    settings: dict[str, Any] = {}
-    for word in words:
-        name, equals, value = word.partition("=")
-        if not equals or not all(part.isidentifier() for part in name.split(".")):
-            raise InputError(f"--set needs NAME=VALUE, got {word!r}")
-        if name == "seed":
-            raise InputError("the seed has an option of its own: --seed")
-        try:
-            settings[name] = ast.literal_eval(value)
-        except (ValueError, SyntaxError):
-            settings[name] = value
+    settings = settings_from(words)
+    if "seed" in settings:
+        raise InputError("the seed has an option of its own: --seed")
     return settings
 
 

@@ -2,13 +2,32 @@
 
 import argparse
 import sys
-from dataclasses import replace
-from pathlib import Path
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any
 
+from ...slam.errors import InputError, unknown_name
 from ...slam.logs.drive import RecordedDrive
 from ...slam.logs.log import read_log
-from ...slam.scan_to_scan.laser_odometry import laser_odometry
+from ...slam.scan_to_scan import MATCHERS
+from ...slam.scan_to_scan.laser_odometry import LaserOdometryConfig, laser_odometry
 from ...slam.scan_to_scan.odometry_check import odometry_factors
+from .setting_words import settings_from
+
+SOURCES = ("log", "laser", "refined")
+"""Where the odometry comes from: the log (from its scans, if it has none), its scans alone, or both."""
+
+
+@dataclass(frozen=True, eq=False)
+class ReadDrive:
+    """A drive as a command uses it.
+
+    Attributes:
+        drive: The drive.
+        settings: How its odometry was made from its scans, for the results; empty where it is the log's own.
+    """
+
+    drive: RecordedDrive
+    settings: dict[str, Any] = field(default_factory=dict)
 
 
 def add_topics(parser: argparse.ArgumentParser) -> None:
@@ -17,26 +36,54 @@ def add_topics(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--odometry-topic", metavar="NAME", help="of a ROS bag with several topics of odometry")
 
 
-def read_with_odometry(path: Path, scan_topic: str | None, odometry_topic: str | None) -> RecordedDrive:
-    """Return the drive in a log; where it has no odometry, with one made from its scans.
+def add_odometry(parser: argparse.ArgumentParser) -> None:
+    """Declare the options that say where the odometry comes from."""
+    parser.add_argument(
+        "--odometry",
+        default="log",
+        metavar="SOURCE",
+        help="log: the log's own, made from its scans where it has none; laser: from its scans alone, by scan "
+        "matching; refined: the log's own, refined by matching each scan with one before (default: %(default)s)",
+    )
+    parser.add_argument("--matcher", metavar="NAME", help=f"what matches them: {', '.join(MATCHERS)} (default: plicp)")
+    parser.add_argument(
+        "--matcher-set",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="a field of the matcher's configuration, e.g. last_reach=0.2; may be repeated",
+    )
+
+
+def read_with_odometry(options: argparse.Namespace) -> ReadDrive:
+    """Return the drive in `options.log`, with odometry from where `options` say.
 
     What was assumed is said on stderr, and once in a line if the odometry is grossly wrong by what the scans show.
 
-    Args:
-        path: CARMEN, BeeSoft, DP-SLAM or tinySLAM log, or ROS bag.
-        scan_topic: Of a bag, the topic of the scans; None: the only one.
-        odometry_topic: Of a bag, the topic of the odometry; None: the only one.
+    Raises:
+        InputError: If the log cannot be read, an option is wrong, or the log has no odometry that could be refined.
     """
-    drive = read_log(path, scan_topic, odometry_topic)
+    if options.odometry not in SOURCES:
+        raise unknown_name("source of odometry", options.odometry, SOURCES)
+    settings = settings_from(options.matcher_set, "--matcher-set")
+    config = LaserOdometryConfig(matcher=options.matcher or "plicp", settings=settings)
+    drive = read_log(options.log, options.scan_topic, options.odometry_topic)
     for note in drive.notes:
-        print(f"tagalong: {path}: {note}", file=sys.stderr)
-    if drive.has_odometry:
+        print(f"tagalong: {options.log}: {note}", file=sys.stderr)
+    if options.odometry == "refined" and not drive.has_odometry:
+        raise InputError(f"{options.log}: has no odometry to refine; `--odometry laser` makes it from the scans")
+    if drive.has_odometry and options.odometry != "laser":
         complaint = odometry_factors(drive).complaint
         if complaint:
-            print(f"tagalong: {path}: {complaint}; poses may be wrong", file=sys.stderr)
-        return drive
-    made = laser_odometry(drive.scans)
-    lost = int((~made.matched).sum())
-    said = f"odometry is made from the scans; {lost} of {len(drive)} could not be matched with one before"
+            print(f"tagalong: {options.log}: {complaint}; poses may be wrong", file=sys.stderr)
+    if drive.has_odometry and options.odometry == "log":
+        if options.matcher or settings:
+            raise InputError("--matcher matches nothing where the log has odometry; add --odometry refined or laser")
+        return ReadDrive(drive)
+    refined = options.odometry == "refined"
+    made = laser_odometry(drive.scans, config, drive.odometry if refined else None)
+    lost, what = int((~made.matched).sum()), "refined by" if refined else "made from"
+    said = f"odometry is {what} the scans; {lost} of {len(drive)} could not be matched with one before"
     print(f"tagalong: {said}", file=sys.stderr)
-    return replace(drive, odometry=made.poses)
+    source = "refined" if refined else "laser"
+    return ReadDrive(replace(drive, odometry=made.poses), {"odometry": {"source": source, **asdict(config)}})

@@ -1,18 +1,19 @@
 """The experiment of Ye et al. 2021: one drive mapped from raw and from filtered scans, against a reference map."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...slam.engine import make_slam
 from ...slam.geometry import inverse, transform_points
 from ...slam.logs.drive_folder import SimulatedDrive
+from ...slam.occupancy_map import OccupancyMap
 from ...slam.quality.score import MapScore, score_map
 from ...slam.quality.trajectory import AbsoluteError, absolute_error
+from ...slam.runner import run_slam
 from ...slam.scan import LaserScan
-from .mapping import MappedDrive, map_drive
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,6 +29,19 @@ class MappingConfig:
     method: str = "gmapping"
     resolution: float = 0.02
     seed: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class MappedDrive:
+    """What an engine made of a drive.
+
+    Attributes:
+        map: The map.
+        trajectory: (n, 3) T_map_robot of every scan, final.
+    """
+
+    map: OccupancyMap
+    trajectory: NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +75,7 @@ def map_reference(drive: SimulatedDrive, config: MappingConfig) -> MappedDrive:
 
 def judge_map(
     drive: SimulatedDrive,
-    scans: Sequence[LaserScan],
+    scans: list[LaserScan],
     reference_drive: SimulatedDrive,
     reference: MappedDrive,
     config: MappingConfig,
@@ -76,8 +90,9 @@ def judge_map(
     )
 
 
-def _mapped(drive: SimulatedDrive, scans: Sequence[LaserScan], config: MappingConfig) -> MappedDrive:
-    return map_drive(drive.recording.odometry, scans, config.method, config.resolution, seed=config.seed)
+def _mapped(drive: SimulatedDrive, scans: list[LaserScan], config: MappingConfig) -> MappedDrive:
+    run = run_slam(make_slam(config.method, seed=config.seed), replace(drive.recording, scans=scans))
+    return MappedDrive(run.map(config.resolution), run.trajectory)
 
 
 def _in_map_of(drive: SimulatedDrive, mapped: MappedDrive, points_world: NDArray[np.float64]) -> NDArray[np.float64]:

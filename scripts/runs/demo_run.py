@@ -23,8 +23,7 @@ from ..figures.maps import map_picture, overlay_picture
 from ..figures.scans import scan_pair_picture
 from ..figures.trajectory import trajectory_picture
 from ..figures.video import save_gif
-from ..lab.map_comparison import JudgedMap, MappingConfig, judge_map, map_reference
-from ..lab.mapping import MappedDrive
+from ..lab.map_comparison import JudgedMap, MappedDrive, MappingConfig, judge_map, map_reference
 
 FRAME_EVERY = 5
 """Steps between two frames of the video."""

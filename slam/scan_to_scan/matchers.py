@@ -1,10 +1,10 @@
 """The table of matchers."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 from ..errors import InputError, unknown_name
+from ..settings import with_settings
 from .genetic import SIZES
 from .global_matcher import GlobalConfig, GlobalMatcher
 from .hybrid import HybridConfig, HybridMatcher
@@ -36,7 +36,8 @@ def make_matcher(name: str, **config: Any) -> Matcher:
     Args:
         name: "icp", "plicp", "mbicp"; "pga", "glasm", "glasm-g" (genetic searches alone, in the large space),
             "hglasm-g-small", "hglasm-g-medium", "hglasm-g-large"; "global".
-        config: Fields of the matcher's configuration that differ from its preset, e.g. `polish=True`.
+        config: Fields of the matcher's configuration that differ from its preset, e.g. `polish=True`; those of a part
+            of it by their path, e.g. `**{"lookup.cell": 0.05}`.
 
     Raises:
         InputError: If the name or a field is unknown, or a value is out of its range.
@@ -45,6 +46,6 @@ def make_matcher(name: str, **config: Any) -> Matcher:
         raise unknown_name("scan matcher", name, MATCHERS)
     make, preset = _MATCHERS[name]
     try:
-        return make(replace(preset, **config))
-    except TypeError as error:
+        return make(with_settings(preset, config))
+    except InputError as error:
         raise InputError(f"scan matcher {name!r}: {error}") from error

@@ -8,7 +8,7 @@ from tagalong.scripts.reproduce.clustering.animation import LEGEND
 from tagalong.scripts.reproduce.clustering.cells import GAPS, recovery_cell
 from tagalong.scripts.reproduce.clustering.drives import ROBOTS, shortened, simulate
 from tagalong.scripts.reproduce.clustering.example import COLUMNS, odometry_covariances
-from tagalong.scripts.reproduce.clustering.filters import errors_of, run_localization, run_slam, y_errors
+from tagalong.scripts.reproduce.clustering.filters import errors_of, run_ekf_slam, run_localization, y_errors
 from tagalong.scripts.reproduce.clustering.judgement import Worlds, claim, compare_all, consistency, recovery, slowest
 from tagalong.scripts.reproduce.clustering.methods import METHODS, PAPER, cluster
 from tagalong.scripts.reproduce.clustering.pictures import _ground, draw_dynamics, draw_growth, draw_times
@@ -41,7 +41,7 @@ def test_a_world_is_two_laps_of_two_robots(drive):
 def test_both_filters_do_better_than_odometry(drive):
     found = cluster("dbscan", [drive.scans[i] for i in drive.keys])
     blind = errors_of(drive, drive.odometry["typical"][drive.keys])["rms_m"]
-    for run in (run_slam, run_localization):
+    for run in (run_ekf_slam, run_localization):
         assert errors_of(drive, run(drive, "typical", drive.scans, found.labels).poses)["rms_m"] < min(0.1, 0.5 * blind)
 
 

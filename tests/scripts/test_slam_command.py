@@ -131,6 +131,19 @@ def test_the_cells_can_be_chosen(log, tmp_path, fake):
     assert read_ros_map(tmp_path / "out" / "map.yaml").resolution == 0.5
 
 
+@pytest.mark.parametrize("source", ["laser", "refined"])
+def test_the_scans_can_make_or_refine_the_odometry(log, tmp_path, fake, capsys, source):
+    words = ["slam", str(log), "--out", str(tmp_path / "out"), "--quiet", "--odometry", source]
+    assert cli.main([*words, "--matcher", "mbicp", "--matcher-set", "kept=0.9"]) == 0
+    said = capsys.readouterr().err
+    assert f"odometry is {'made from' if source == 'laser' else 'refined by'} the scans" in said
+    trajectory = read_tum(tmp_path / "out" / "trajectory.tum").poses
+    np.testing.assert_allclose(trajectory, square_room_drive().odometry, atol=0.2)
+    assert not np.array_equal(trajectory, square_room_drive().odometry)
+    odometry = json.loads((tmp_path / "out" / "metrics.json").read_text())["odometry"]
+    assert (odometry["source"], odometry["matcher"], odometry["settings"]) == (source, "mbicp", {"kept": 0.9})
+
+
 def test_gmapping_twice_with_one_seed_gives_the_same_bytes(log, tmp_path):
     for folder in ("one", "two"):
         words = ["slam", str(log), "--out", str(tmp_path / folder), "--quiet", "--set", "particles=3"]
@@ -158,6 +171,11 @@ def test_gmapping_twice_with_one_seed_gives_the_same_bytes(log, tmp_path):
         (["slam", "LOG", "--out", "out", "--resolution", "0"], "--resolution must lie in"),
         (["slam", "LOG", "--out", "LOG"], "is a file, where a folder has to be written"),
         (["slam", "CUT", "--out", "out"], "cut"),
+        (["slam", "LOG", "--out", "out", "--odometry", "wheels"], "unknown source of odometry 'wheels'"),
+        (["slam", "LOG", "--out", "out", "--odometry", "laser", "--matcher", "ipc"], "unknown scan matcher 'ipc'"),
+        (["slam", "LOG", "--out", "out", "--matcher", "icp"], "add --odometry refined or laser"),
+        (["slam", "LOG", "--out", "out", "--matcher-set", "kept"], "--matcher-set needs NAME=VALUE"),
+        (["slam", "LOG", "--out", "out", "--odometry", "laser", "--matcher-set", "kep=1"], "scan matcher 'plicp': unk"),
         (["slam", "EMPTY", "--out", "out"], "no laser scan found"),
     ],
 )

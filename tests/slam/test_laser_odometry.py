@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between, compose
-from tagalong.slam.scan_to_scan.laser_odometry import laser_odometry
+from tagalong.slam.scan_to_scan.laser_odometry import LaserOdometryConfig, laser_odometry
 from walls import cast
 
 ROOM = np.array(
@@ -69,3 +70,52 @@ def test_no_scan_and_one_scan_are_no_motion():
     one = laser_odometry(drive(steps=0)[1])
     np.testing.assert_array_equal(one.poses, np.zeros((1, 3)))
     assert one.matched.tolist() == [True]
+
+
+CHEAP = {
+    "icp": {},
+    "mbicp": {},
+    "hglasm-g-small": {},
+    "global": {"second_maxima": 0, "window.linear": 0.3, "window.angular": 0.3},
+}
+
+
+@pytest.mark.parametrize("name", CHEAP)
+def test_any_matcher_makes_odometry_and_refines_that_of_bad_wheels(name):
+    truth, scans = drive(steps=12)
+    config = LaserOdometryConfig(matcher=name, settings=CHEAP[name])
+    for odometry in (None, truth * (1.15, 1.15, 1.1)):
+        made = laser_odometry(scans, config, odometry)
+        away, turned = off(truth, made.poses)
+        assert made.matched.mean() > 0.8
+        assert away.max() < 0.05  # the wheels end 0.18 m off
+        assert turned.max() < 0.04
+
+
+def test_along_a_corridor_the_wheels_count_and_across_it_the_scans():
+    walls, rng = np.array([(-50, -1, 50, -1), (-50, 1, 50, 1)], dtype=float), np.random.default_rng(0)
+    truth = np.stack((0.1 * np.arange(20), np.zeros(20), np.zeros(20)), axis=-1)
+    scans = [cast(walls, pose, rng, noise=0.005) for pose in truth]
+    drifting = truth + np.stack((np.zeros(20), 0.02 * np.arange(20), 0.01 * np.arange(20)), axis=-1)
+    refined = laser_odometry(scans, odometry=drifting).poses
+    np.testing.assert_allclose(refined[:, 0], truth[:, 0], atol=0.05)
+    np.testing.assert_allclose(refined[:, 1:], truth[:, 1:], atol=0.02)
+
+
+def test_where_the_scans_say_nothing_the_wheels_go_on_and_their_frame_is_kept():
+    truth, scans = drive(steps=4)
+    odometry = compose((5.0, -2.0, 1.0), truth)
+    blind = [scan.without(np.ones(len(scan), dtype=bool)) for scan in scans]
+    made = laser_odometry(blind, odometry=odometry)
+    np.testing.assert_allclose(made.poses, odometry, atol=1e-12)
+    assert made.matched.tolist() == [True, False, False, False, False]
+    np.testing.assert_allclose(laser_odometry(scans, odometry=odometry).poses, odometry, atol=0.02)
+
+
+def test_bad_settings_are_named():
+    with pytest.raises(InputError, match="unknown scan matcher 'ipc'; scan matchers: glasm, "):
+        LaserOdometryConfig(matcher="ipc")
+    with pytest.raises(InputError, match="scan matcher 'icp': unknown IterativeConfig field 'wibble'"):
+        laser_odometry([], LaserOdometryConfig(matcher="icp", settings={"wibble": 1}))
+    with pytest.raises(InputError, match="`most_way` must be positive, got 0"):
+        LaserOdometryConfig(most_way=0.0)

@@ -14,7 +14,7 @@ from ....slam.landmarks.objects import see_landmarks
 from ....slam.quality.trajectory import absolute_error
 from .drives import ROBOTS, LandmarkDrive, blinded, shortened, simulate
 from .example import mean_areas
-from .filters import SIGHTING, errors_of, run_localization, run_slam
+from .filters import SIGHTING, errors_of, run_ekf_slam, run_localization
 from .methods import METHODS, Clustered, Replay, cluster, cluster_by_number
 
 Array = NDArray[np.float64]
@@ -43,9 +43,9 @@ def world_cell(seed: int) -> Mapping[str, Any]:
     for robot in ROBOTS:
         robots[robot] = {"odometry": errors_of(drive, drive.odometry[robot][drive.keys])}
         for name in METHODS:
-            slam = run_slam(drive, robot, drive.scans, found[name].labels)
+            slam = run_ekf_slam(drive, robot, drive.scans, found[name].labels)
             known = run_localization(drive, robot, drive.scans, found[name].labels)
-            hidden = run_slam(drive, robot, lost, _labels_of_lost(found[name], drive))
+            hidden = run_ekf_slam(drive, robot, lost, _labels_of_lost(found[name], drive))
             robots[robot][name] = {
                 "slam": errors_of(drive, slam.poses),
                 "localization": errors_of(drive, known.poses),
@@ -170,7 +170,7 @@ def _swept(drive: LandmarkDrive, name: str, distance: float, count: int, reach: 
 
 def _judged(drive: LandmarkDrive, scans: Mapping[int, Any], found: Clustered) -> dict[str, Any]:
     by_number = [scans.get(i) for i in range(len(drive.scans))]
-    run = run_slam(drive, "typical", by_number, found.labels)  # pyright: ignore[reportArgumentType]
+    run = run_ekf_slam(drive, "typical", by_number, found.labels)  # pyright: ignore[reportArgumentType]
     errors = errors_of(drive, run.poses)
     timing = {"cluster_ms": 1e3 * float(found.seconds.mean()), "step_ms": 1e3 * float(run.seconds.mean())}
     return {"rms_m": errors["rms_m"], "ate_m": errors["ate_m"], "timing": timing}

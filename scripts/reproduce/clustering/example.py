@@ -12,7 +12,7 @@ from ....slam.geometry import between, inverse, transform_points
 from ....slam.landmarks.clustering import Labels
 from ....slam.landmarks.objects import covariance_ellipse, describe_objects
 from .drives import LandmarkDrive, blinded, simulate
-from .filters import NOISE, Run, run_slam
+from .filters import NOISE, Run, run_ekf_slam
 from .methods import PAPER, cluster, cluster_by_number
 
 Array = NDArray[np.float64]
@@ -49,8 +49,8 @@ def example_cell(seed: int, lost_at: float, lost_way: float, files: Path) -> Map
     for name in PAPER:
         empty = [label[:0] if off else label for label, off in zip(labels[name], covered, strict=True)]
         for column, run in (
-            ("slam", run_slam(drive, "typical", drive.scans, labels[name])),
-            ("lost", run_slam(drive, "typical", hidden, empty)),
+            ("slam", run_ekf_slam(drive, "typical", drive.scans, labels[name])),
+            ("lost", run_ekf_slam(drive, "typical", hidden, empty)),
         ):
             stored |= {f"{name}_{column}_{key}": value for key, value in _of(run).items()}
     for name in PAPER:

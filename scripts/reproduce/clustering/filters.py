@@ -14,7 +14,9 @@ from ....slam.ekf.localization import LocalizationConfig, ObjectLocalizer
 from ....slam.geometry import between, inverse, transform_points
 from ....slam.landmarks.clustering import Labels
 from ....slam.landmarks.objects import SightingConfig, see_landmarks
+from ....slam.logs.drive import RecordedDrive
 from ....slam.quality.trajectory import absolute_error
+from ....slam.runner import run_slam
 from ....slam.scan import LaserScan
 from .drives import LandmarkDrive
 from .methods import Replay
@@ -48,17 +50,13 @@ class Run:
     engine: EkfSlam | None = None
 
 
-def run_slam(drive: LandmarkDrive, robot: str, scans: Sequence[LaserScan], labels: Sequence[Labels]) -> Run:
+def run_ekf_slam(drive: LandmarkDrive, robot: str, scans: Sequence[LaserScan], labels: Sequence[Labels]) -> Run:
     """Return EKF-SLAM on `scans` (n,), whose keys are clustered as `labels` (k,) say."""
     config = EkfSlamConfig(travel=0.0, turn=0.0, odometry=NOISE[robot])
     engine = EkfSlam(config, Replay(labels))
-    poses, seconds = [], []
-    for i in drive.keys:
-        start = time.process_time()
-        engine.update(drive.odometry[robot][i], scans[i])
-        seconds.append(time.process_time() - start)
-        poses.append(engine.pose)
-    return Run(np.array(poses), np.array(seconds), engine)
+    used = RecordedDrive(drive.odometry[robot][drive.keys], [scans[i] for i in drive.keys], None, robot)
+    run = run_slam(engine, used, clock=time.process_time)
+    return Run(run.online, run.seconds, engine)
 
 
 def run_localization(drive: LandmarkDrive, robot: str, scans: Sequence[LaserScan], labels: Sequence[Labels]) -> Run:

@@ -1,5 +1,6 @@
 """Cells that map a drive and judge the map."""
 
+from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -18,6 +19,7 @@ from ....slam.quality.adnn import adnn
 from ....slam.quality.registration import register
 from ....slam.quality.score import score_map
 from ....slam.quality.trajectory import absolute_error
+from ....slam.runner import run_slam
 from ....slam.scan import LaserScan
 from ....slam.scan_to_grid.voxel_filter import AdaptiveVoxelConfig
 from ...lab.cells import TIMING
@@ -103,11 +105,9 @@ def map_tour(
 
 
 def _mapped(variant: str, seed: int, tour: MappingInput, scans: list[LaserScan]) -> tuple[OccupancyMap, Array, float]:
-    engine = make_variant(variant, seed)
     start = perf_counter()
-    for odometry, scan in zip(tour.drive.recording.odometry, scans, strict=True):
-        engine.update(odometry, scan)
-    return engine.map_at(RESOLUTION), engine.trajectory(), perf_counter() - start
+    run = run_slam(make_variant(variant, seed), replace(tour.drive.recording, scans=scans))
+    return run.map(RESOLUTION), run.trajectory, perf_counter() - start
 
 
 def _against_truth(grid: OccupancyMap, truth: Array, edges: Mask | None = None) -> dict[str, float]:

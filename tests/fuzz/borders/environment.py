@@ -7,6 +7,7 @@ from typing import Any
 
 import gymnasium
 import numpy as np
+from borders.logs import hostile
 from fuzzer import grammars
 from fuzzer.border import Area, Border, Input, require
 from fuzzer.files import put, put_all
@@ -20,8 +21,6 @@ from tagalong.envs.follow_config import FollowConfig
 from tagalong.envs.follow_env import FollowEnv
 from tagalong.envs.interface import FollowInterface
 from tagalong.envs.vector.vector_env import FollowVectorEnv
-
-from borders.logs import hostile
 
 CHEAP: dict[str, Any] = {"scene": "plain_corridor", "slam": None, "people": "truth", "beams": 16, "people_count": 1}
 _WORDS = {

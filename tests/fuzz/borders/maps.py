@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+from borders.logs import hostile
 from fuzzer import grammars
 from fuzzer.border import Area, Border, Input
 from fuzzer.files import put, put_all
@@ -12,8 +13,6 @@ from numpy.random import Generator
 from tagalong.slam.logs.beesoft import read_beesoft_map
 from tagalong.slam.logs.flat_yaml import read_flat_yaml
 from tagalong.slam.logs.ros_map import read_ros_map
-
-from borders.logs import hostile
 
 _IMAGES = (b"map.pgm", b"../map.pgm", b"/dev/zero", b"map.yaml", b".", b"", b"n" * 5000, b"map\x00.pgm", b"/dev/stdin")
 

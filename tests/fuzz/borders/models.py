@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from borders.logs import hostile
 from fuzzer import grammars
 from fuzzer.arrays import edits, packed
 from fuzzer.border import Area, Border, Input, require
@@ -20,8 +21,6 @@ from tagalong.envs.interface import FollowInterface
 from tagalong.perception.legs.features import FEATURE_NAMES
 from tagalong.perception.legs.forest import MODELS, LegForest
 from tagalong.perception.rgbd.person_svm import LENGTH, PersonSvm
-
-from borders.logs import hostile
 
 FILE = "model.npz"
 _CACHE: dict[str, dict[str, np.ndarray]] = {}

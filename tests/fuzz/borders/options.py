@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from borders.engines import FEW, setting_names
 from fuzzer import grammars
 from fuzzer.border import Area, Border, Call, Input, require
 from fuzzer.files import put
@@ -22,8 +23,6 @@ from tagalong.slam.engine import ENGINES, make_slam
 from tagalong.slam.errors import InputError
 from tagalong.slam.logs.ros_map import read_ros_map
 from tagalong.slam.logs.tum import read_tum
-
-from borders.engines import FEW, setting_names
 
 _OPTIONS = {
     "slam": ["--method", "--seed", "--resolution", "--set", "--scan-topic", "--quiet", "--out", "--bad"],

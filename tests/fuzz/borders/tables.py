@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from borders.logs import hostile
 from fuzzer import grammars
 from fuzzer.border import Area, Border, Input, require
 from fuzzer.files import put
@@ -14,8 +15,6 @@ from tagalong.slam.logs.g2o import read_g2o
 from tagalong.slam.logs.pedestrians import read_pedestrians
 from tagalong.slam.logs.relations import read_readings, read_relations
 from tagalong.slam.logs.tum import read_tum
-
-from borders.logs import hostile
 
 NAME = "table.txt"
 _GRAMMARS = {
