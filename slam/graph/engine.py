@@ -11,6 +11,7 @@ from ..bounds import Cell, check_numbers, checked_pose
 from ..engine import SlamUpdate
 from ..geometry import between, compose, wrap_angle
 from ..grid import GridConfig, ScanRays, draw, render_map
+from ..growing_map import GrowingMap
 from ..localization.place_map import PlaceMap
 from ..occupancy_map import OccupancyMap
 from ..pose_log import PoseLog
@@ -90,6 +91,7 @@ class Cartographer:
         self._search: Relocalization | None = None
         self._place: tuple[int, PlaceMap | None] = (-_NEW_NODES, None)
         self.losses = self.relocalizations = 0
+        self._live: GrowingMap | None = None  # only once `live_map` has been asked for
 
     @classmethod
     def from_options(cls, seed: int = 0, **options: Any) -> Self:
@@ -117,6 +119,8 @@ class Cartographer:
         bridge = self._global.local_to_global if self._global else np.zeros(3)
         self._online.append(compose(bridge, result.pose))
         self._trim()
+        if self._live and result.insertion:
+            self._live.follow(self.node_poses, self._inserted, self._scans)
         diagnostics = {"score": result.match.score} if result.match else {}
         located = self._search is None and not (result.doubtful or self._doubt.unsure)
         return SlamUpdate(self.pose, result.insertion is not None, diagnostics, located)
@@ -181,7 +185,7 @@ class Cartographer:
         """Return what the doubt comes to; who is lost already can only be lost again, where nothing fits."""
         if self._search or not result.match:
             return Verdict.KIDNAPPED if watch.plainly_lost else Verdict.UNSURE
-        return verdict(self._doubt, watch, search.contest(here, self._doubt.trust, _DRIFT * graph.drift))
+        return verdict(self._doubt, watch, search.compare_places(here, self._doubt.trust, _DRIFT * graph.drift))
 
     def _suspect(self, watch: MatchMonitor, doubtful: bool, torn: float, odometry: Array, scan: LaserScan) -> None:
         """Keep the scans since something began to be wrong."""
@@ -265,11 +269,15 @@ class Cartographer:
         """(3,) T_map_robot, the best estimate now."""
         return self._online[-1] if len(self._online) else np.zeros(3)
 
+    def finish(self) -> None:
+        """Match each node with all submaps around it, optimise the graph and straighten its submaps."""
+        if self._global:
+            self._global.finish()
+
     def trajectory(self) -> Array:
-        """Return (n, 3) T_map_robot for every scan so far, by the best knowledge now."""
+        """Return (n, 3) T_map_robot for every scan so far, as the graph has them now; after a drive, `finish` first."""
         if not self._global or not self._inserted:
             return self.local_trajectory()
-        self._global.finish()
         nodes = np.concatenate((np.array(self._trimmed, dtype=np.int64), self._inserted)).astype(np.int64)
         poses = np.concatenate((self._global.trimmed_poses, self._global.node_poses))
         order = np.argsort(nodes)
@@ -320,6 +328,13 @@ class Cartographer:
         placed = np.flatnonzero(self._global.mappable) if self._global else range(len(poses))
         scans = [self._scans[k] for k in placed]
         return render_map(poses[placed], scans, GridConfig(resolution=resolution))
+
+    def live_map(self) -> OccupancyMap:
+        """Return the map to which each node is added at once, with cells of 5 cm; not to be written to."""
+        if self._live is None:
+            self._live = GrowingMap()
+            self._live.follow(self.node_poses, self._inserted, self._scans)
+        return self._live.map
 
 
 def _between_nodes(local: Array, inserted: NDArray[np.int64], nodes: Array, breaks: list[int]) -> Array:

@@ -58,6 +58,7 @@ def drive(engine, pieces, slips):
 
 
 def errors(engine, truth):
+    engine.finish()
     off = between(truth, engine.trajectory())
     return np.hypot(off[:, 0], off[:, 1])
 
@@ -84,6 +85,7 @@ def test_after_a_long_gap_the_robot_is_lost_until_it_comes_back_to_its_map():
     updates, truth, odometry = drive(engine, [along(2.0, 9.0), along(20.0, 26.0)], slip)
     assert (engine.losses, engine.relocalizations) == (1, 0)
     assert not any(update.located for update in updates[71:])
+    engine.finish()
     far = np.hypot(*(engine.map().occupied_points - truth[0, :2]).T) > 15.0
     assert far.sum() > 100  # drawn all the same, where the odometry puts it
     rng, back = np.random.default_rng(1), along(26.0, 3.0)

@@ -89,6 +89,7 @@ def test_slam_finds_a_carried_robot_on_its_map_within_ten_scans(mapped):
     assert sum(located[9:]) >= 30  # a scan of what the young submap has not seen may be doubtful, too
     for update, pose in zip(updates[9:], after[9:], strict=True):
         assert distance(update.pose, pose) < 0.1
+    engine.finish()
     final = engine.trajectory()
     assert max(distance(a, b) for a, b in zip(final[-40:], after, strict=True)) < 0.1
     assert max(distance(a, b) for a, b in zip(final[:90], tour(), strict=True)) < 0.1
@@ -106,8 +107,10 @@ def test_where_slam_recovers_icp_from_the_last_scan_does_not(mapped):
 
 def test_the_map_stays_clean_of_what_was_seen_before_the_robot_was_found(mapped):
     engine, odometry, _, rng = mapped
+    engine.finish()
     before = engine.map().occupied.sum()
     fed(engine, ahead((-3.8, 0.9, -1.2), (0.1, 0.0, 0.03), 30), odometry, rng)
+    engine.finish()
     occupied = engine.map().occupied_points
     a, e = WALLS[:, :2], WALLS[:, 2:] - WALLS[:, :2]
     share = np.clip(((occupied[:, None] - a) * e).sum(-1) / (e**2).sum(-1), 0.0, 1.0)
@@ -118,10 +121,12 @@ def test_the_map_stays_clean_of_what_was_seen_before_the_robot_was_found(mapped)
 
 def test_carried_into_another_building_it_is_not_located_and_its_map_stays(mapped):
     engine, odometry, _, rng = mapped
+    engine.finish()
     before = engine.map().occupied.sum()
     updates, _ = fed(engine, ahead((-4.0, 0.0, 0.0), (0.15, 0.0, 0.0), 25), odometry, rng, ELSEWHERE)
     assert not any(update.located for update in updates[5:])
     assert engine.relocalizations == 0
+    engine.finish()
     assert abs(engine.map().occupied.sum() - before) < 20
     assert len(engine.trajectory()) == 115
 
@@ -140,10 +145,12 @@ def test_while_scans_are_doubtful_the_odometry_carries_the_pose_on(mapped):
 
 def test_what_a_lost_robot_sees_is_not_drawn_until_it_is_found(mapped):
     engine, odometry, _, rng = mapped
+    engine.finish()
     before = engine.map().occupied_points
     updates, _ = fed(engine, ahead((-4.0, 0.0, 0.0), (0.15, 0.0, 0.0), 25), odometry, rng, ELSEWHERE)
     assert engine.losses == 1
     assert sum(update.integrated for update in updates) >= 10  # it maps on, apart from the map
+    engine.finish()
     drawn = engine.map().occupied_points
     new = np.linalg.norm(drawn[:, None] - before[None], axis=-1).min(axis=1) > 0.1
     assert not new.any()
@@ -173,6 +180,7 @@ def test_once_a_doubt_is_over_the_doubtful_scans_lie_where_they_fitted_not_where
         online.append(update.pose)
         assert update.located != crowded
     assert abs(between(after[4], online[4])[2]) > 0.1
+    engine.finish()
     final = engine.trajectory()[-12:]
     assert np.abs(between(np.array(after), final)[:, 2]).max() < np.radians(0.5)
 
@@ -306,13 +314,14 @@ def test_drift_is_that_since_the_graph_was_last_tied_to_old_submaps(mapped):
     steps = np.array([node.motion.sigma[0] for node in graph.nodes])
     assert graph.drift == pytest.approx(np.sqrt((steps**2).sum()), rel=1e-9)  # one tour: never back at old submaps
     fed(engine, np.concatenate((tour()[1:], tour()[1:30])), odometry, rng)
-    engine.trajectory()
+    engine.finish()
     steps = np.array([node.motion.sigma[0] for node in graph.nodes[-20:]])
     assert graph.drift == pytest.approx(np.sqrt((steps**2).sum()), rel=1e-9)  # as many as a tie is good for
 
 
 def test_a_contest_tells_a_place_beside_from_one_elsewhere(mapped):
     engine, odometry, last, rng = mapped
+    engine.finish()
     place, scans = searchable(engine.map_at(0.05)), [(odometry, cast(WALLS, last, rng))]
     for away, beside in (
         ((0.0, 0.0, 0.0), True),
@@ -329,6 +338,7 @@ def test_a_contest_tells_a_place_beside_from_one_elsewhere(mapped):
 
 def test_a_contest_says_what_is_explained_where_the_robot_is_and_nothing_where_it_surely_is_not(mapped):
     engine, odometry, last, rng = mapped
+    engine.finish()
     place, scans = searchable(engine.map_at(0.05)), [(odometry, cast(WALLS, last, rng))]
     assert compare_places(place, scans, last).explained > 0.8
     assert compare_places(place, scans, np.array([-3.8, 0.9, -1.2])).explained == 0.0
@@ -336,6 +346,7 @@ def test_a_contest_says_what_is_explained_where_the_robot_is_and_nothing_where_i
 
 def test_a_contest_counts_the_beams_that_walls_would_stop(mapped):
     engine, odometry, last, rng = mapped
+    engine.finish()
     place, back = searchable(engine.map_at(0.05)), np.array([-0.1, 0.0, 0.0])
     scans = [(odometry, cast(WALLS, last, rng)), (compose(odometry, back), cast(WALLS, compose(last, back), rng))]
     assert compare_places(place, scans[:1], last).blocked < 0.02

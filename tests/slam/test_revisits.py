@@ -56,6 +56,7 @@ def test_laps_of_one_room_leave_a_graph_that_grows_no_more(lapped):
 
 def test_the_trajectory_keeps_every_scan_of_what_has_left_the_graph(lapped):
     engine, _, truth = lapped
+    engine.finish()
     error = between(truth, engine.trajectory())
     assert len(error) == len(truth)
     assert np.hypot(error[:, 0], error[:, 1]).max() < 0.06

@@ -113,7 +113,7 @@ def test_closures_that_fit_no_more_count_as_rejected(monkeypatch):
     graph.constraints = [replace(tie, searched=tie.kind is Kind.INTER) for tie in graph.constraints]
     found, before = sum(tie.searched for tie in graph.constraints), engine.rejected
     monkeypatch.setattr(ConstraintBuilder, "again", lambda *_: None)
-    engine.trajectory()
+    engine.finish()
     assert found > 0
     assert engine.rejected - before >= found
     assert not any(tie.searched for tie in engine.constraints)
@@ -122,7 +122,7 @@ def test_closures_that_fit_no_more_count_as_rejected(monkeypatch):
 def test_finished_submaps_get_the_shape_that_the_graph_gives_them():
     engine = twice_around()
     before = [dict(nodes) for nodes in engine.submap_nodes]
-    engine.trajectory()
+    engine.finish()
     after = engine.submap_nodes
     assert [list(nodes) for nodes in after] == [list(nodes) for nodes in before]
     for was, now in list(zip(before, after, strict=True))[-2:]:  # local SLAM still matches on these
@@ -133,6 +133,8 @@ def test_finished_submaps_get_the_shape_that_the_graph_gives_them():
 
 def test_the_final_optimisation_does_not_depend_on_the_threads():
     one, three = twice_around(1), twice_around(3)
+    for engine in (one, three):
+        engine.finish()
     np.testing.assert_array_equal(one.trajectory(), three.trajectory())
     ties = [[(c.submap, c.node, *c.pose, c.score) for c in engine.constraints] for engine in (one, three)]
     assert ties[0] == ties[1]
@@ -141,7 +143,7 @@ def test_the_final_optimisation_does_not_depend_on_the_threads():
 
 def test_no_node_is_matched_with_a_submap_that_it_stands_in():
     engine = twice_around()
-    engine.trajectory()
+    engine.finish()
     ties = [tie for tie in engine.constraints if tie.kind is Kind.INTER]
     assert ties
     assert not any(tie.node in engine.submap_nodes[tie.submap] for tie in ties)
@@ -150,7 +152,7 @@ def test_no_node_is_matched_with_a_submap_that_it_stands_in():
 def test_a_wrong_tie_is_dropped_and_leaves_no_trace_but_a_slip_of_the_wheels_is_kept():
     engines, dropped = (twice_around(), twice_around()), []
     for engine in engines:
-        engine.trajectory()
+        engine.finish()
         graph = engine._global  # pyright: ignore[reportPrivateUsage]
         assert graph is not None
         slip = Prediction(compose(graph.nodes[30].motion.pose, [1.0, 0.5, 0.4]), np.array([0.001, 0.001]))
