@@ -55,7 +55,7 @@ class Cartographer:
 
     A scan that is inconsistent with the one before tells that the robot may have been kidnapped, or slipped far. Where
     the map then shows that it is elsewhere, a new drive segment begins, apart from the map, and is joined to it once
-    the robot has been found on the map again. Until that is settled it is not located.
+    the robot has been found on the map again. Until then it is not located.
 
     `SlamUpdate.diagnostics`: `score` (mean occupancy of the submap under the scan's points, 0 .. 1).
 

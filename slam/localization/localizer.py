@@ -80,7 +80,7 @@ class LocalizationUpdate:
     Attributes:
         pose: (3,) T_map_robot [m, m, rad]; None: not sure where the robot is (never a guess among several).
         state: SEARCHING exactly where `pose` is None.
-        matched: Whether this scan was matched on the map; if not, a pose is carried on by the odometry.
+        matched: Whether this scan was matched on the map; if not, a pose follows the odometry.
         explained: Share of the scan's beams that end at walls of the map, at the pose or the best hypothesis; None
             where the scan has too few returns to say, or no hypothesis is left.
         belief: The hypotheses while the robot is searched for, and at the scan that found it; None while tracking.

@@ -15,8 +15,8 @@ from ..scan import LaserScan
 
 Array = NDArray[np.float64]
 
-_RUN = 9  # neighbouring points to which a piece of wall is fitted
-_LONGEST_RUN = 3.0  # [m] between its ends; longer ones are no piece of wall
+_RUN = 9  # neighbouring points to which a line along a wall is fitted
+_LONGEST_RUN = 3.0  # [m] between its ends; longer ones are no single wall
 _LEAST_RUNS = 5
 _DEGENERATE = 0.08  # mean square of the walls' normals along a direction below which it is degenerate
 _ASIDE = float(np.cos(np.radians(6.0)))  # beams within 6 degrees look along a direction

@@ -42,13 +42,13 @@ def along(first, last):
     return np.stack((x, 0.1 * np.sin(x), np.full(len(x), heading)), axis=-1)
 
 
-def drive(engine, pieces, slips):
-    """Feed scans at the true poses of `pieces`; the odometry errs by `slips` (3,) from one to the next.
+def drive(engine, segments, slips):
+    """Feed scans at the true poses of `segments`; the odometry errs by `slips` (3,) from one to the next.
 
     Returns updates, (n, 3) true poses and (n, 3) odometry.
     """
-    rng, truth, odometry, updates = np.random.default_rng(0), np.concatenate(pieces), [pieces[0][0]], []
-    starts = np.cumsum([len(piece) for piece in pieces]).tolist()
+    rng, truth, odometry, updates = np.random.default_rng(0), np.concatenate(segments), [segments[0][0]], []
+    starts = np.cumsum([len(segment) for segment in segments]).tolist()
     for k, pose in enumerate(truth):
         if k:
             motion = between(truth[k - 1], pose)

@@ -254,7 +254,7 @@ def test_a_robot_that_was_pushed_aside_is_not_sure_of_where_it_was_before(room):
             assert error(update, pose)[0] < 0.1
 
 
-def test_a_robot_that_was_carried_to_where_it_looks_almost_as_where_it_was_is_not_sure():
+def test_a_robot_that_was_kidnapped_to_where_it_looks_almost_as_where_it_was_is_not_sure():
     grid = drawn(SYMMETRIC, PLACES)
     cases = [
         ((-2.0, 0.0, 0.3), (0.2, 0.0, 0.45)),

@@ -80,14 +80,14 @@ def distance(a, b):
     return float(np.hypot(*between(a, b)[:2]))
 
 
-def test_slam_finds_a_carried_robot_on_its_map_within_ten_scans(mapped):
+def test_slam_finds_a_kidnapped_robot_on_its_map_within_ten_scans(mapped):
     engine, odometry, _, rng = mapped
     after = ahead((-3.8, 0.9, -1.2), (0.1, 0.0, 0.03), 40)
     updates, _ = fed(engine, after, odometry, rng)
     located = [update.located for update in updates]
     assert (engine.losses, engine.relocalizations) == (1, 1)
-    assert not any(located[:2])  # doubtful from the first scan on
-    assert sum(located[9:]) >= 30  # a scan of what the young submap has not seen may be doubtful, too
+    assert not any(located[:2])  # inconsistent from the first scan on
+    assert sum(located[9:]) >= 30  # a scan of what the young submap has not seen may be inconsistent, too
     for update, pose in zip(updates[9:], after[9:], strict=True):
         assert distance(update.pose, pose) < 0.1
     engine.finish()
@@ -120,7 +120,7 @@ def test_the_map_stays_clean_of_what_was_seen_before_the_robot_was_found(mapped)
     assert len(occupied) >= before
 
 
-def test_carried_into_another_building_it_is_not_located_and_its_map_stays(mapped):
+def test_kidnapped_into_another_building_it_is_not_located_and_its_map_stays(mapped):
     engine, odometry, _, rng = mapped
     engine.finish()
     before = engine.map().occupied.sum()
@@ -220,7 +220,7 @@ def test_where_another_place_looks_almost_the_same_it_does_not_stay_sure_of_the_
     assert not any(wrong[4:])
 
 
-def test_carried_along_a_corridor_that_looks_alike_everywhere_it_is_found_and_not_sure_before():
+def test_kidnapped_along_a_corridor_that_looks_alike_everywhere_it_is_found_and_not_sure_before():
     niches = [(1.0, 0.9), (4.5, 0.9), (6.0, 1.4), (11.0, 0.9), (15.5, 2.0), (19.0, 0.9), (21.0, 0.9), (26.0, 1.4)]
     outline = [(0.0, -1.2), (30.0, -1.2), (30.0, 1.2)]
     for start, width in reversed(niches):
