@@ -24,7 +24,7 @@ from .follow_config import FollowConfig
 from .interface import FollowInterface
 from .onboard.camera_pipeline import CameraPipeline, NoCamera, RgbdPipeline
 from .onboard.immobile_map import Drawing, ImmobileDrawing, OwnDrawing
-from .onboard.mappers import EngineMapper, GraphMapper, Mapper, NoMapper
+from .onboard.mappers import Mapper, NoMapper, SlamMapper
 from .onboard.stack import NobodyLeads, OnboardStack, PeopleSource, Selector, TrackedPeopleSource
 from .oracle import TrueMapper, TruePeopleSource, TrueRgbdPeopleFinder
 from .robot.robot import RobotConfig
@@ -184,7 +184,7 @@ class OnboardStackFactory:
         if self._config.slam == "truth":
             return TrueMapper(world)
         if self._config.slam == "cartographer":
-            return GraphMapper(Cartographer())
+            return SlamMapper(Cartographer())
         if self._config.slam == "ekf":
-            return GraphMapper(EkfSlam())
-        return EngineMapper(GMapping(seed=seed))
+            return SlamMapper(EkfSlam())
+        return SlamMapper(GMapping(seed=seed))

@@ -67,5 +67,5 @@ def run_slam(
         update = engine.update(odometry, scan)
         seconds[i] = clock() - start
         online[i], integrated[i], located[i] = update.pose, update.integrated, update.located
-    trajectory = engine.trajectory()
-    return SlamRun(engine, trajectory, online, integrated, located, seconds)
+    engine.finish()
+    return SlamRun(engine, engine.trajectory(), online, integrated, located, seconds)

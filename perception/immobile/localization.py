@@ -14,7 +14,7 @@ from ...slam.bounds import check_numbers, checked_pose
 from ...slam.errors import InputError
 from ...slam.immobile.layers import ImmobileLayers
 from ...slam.scan import LaserScan
-from ...slam.scan_to_grid.degenerate_direction import open_way
+from ...slam.scan_to_grid.degenerate_direction import degenerate_direction
 from ...slam.scan_to_grid.extrapolator import ExtrapolatorConfig, OdometryExtrapolator
 from ...slam.scan_to_grid.scan_matcher import GridScanMatcher, GridScanMatcherConfig
 from ...slam.scan_to_grid.voxel_filter import AdaptiveVoxelConfig, AdaptiveVoxelFilter
@@ -101,7 +101,7 @@ class ImmobileLocalization:
         prediction = self._extrapolator.predict(now)
         stays = (np.broadcast_to(people, scan.ranges.shape) <= self._config.most_likely)[scan.is_return]
         points = self._voxel_filter.apply(scan.points_robot[stays])
-        match = self._matcher.match(LaserWalls.of(grid), points, prediction, open_way(scan, points))
+        match = self._matcher.match(LaserWalls.of(grid), points, prediction, degenerate_direction(scan, points))
         pose = prediction.pose if match is None else match.pose
         self._extrapolator.correct(now, pose)
         return pose
