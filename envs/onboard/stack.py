@@ -6,10 +6,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ...perception.config import PerceptionConfig
 from ...perception.leader.selector import LeaderEstimate
 from ...perception.legs.detector import Detections, no_detections
-from ...perception.people_filter import FilteredScan
+from ...perception.people_filter import FilteredScan, RemovalConfig
 from ...perception.rgbd.frame import RgbdFrame
 from ...perception.stages import Stages, completed
 from ...perception.tracking.camera import SeenPeople
@@ -140,7 +139,7 @@ class OnboardStack:
         mapper: Mapper,
         drawing: Drawing,
         sight: CameraPipeline,
-        config: PerceptionConfig,
+        config: RemovalConfig,
     ) -> None:
         self._people, self._selector, self._mapper, self._config = people, selector, mapper, config
         self._drawing, self._sight = drawing, sight

@@ -4,9 +4,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
-from tagalong.perception.config import PerceptionConfig
 from tagalong.perception.legs.clusters import Clusters
 from tagalong.perception.legs.detector import Detections
+from tagalong.perception.tracking.config import TrackerConfig
 from tagalong.perception.tracking.tracker import PeopleTracker
 from tagalong.slam.scan import LaserScan
 
@@ -31,7 +31,7 @@ class ScriptedDetector:
 
     positions: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
     confidence: np.ndarray = field(default_factory=lambda: np.zeros(0))
-    gamma: float = PerceptionConfig().gamma
+    gamma: float = 0.3
     width: float = 0.1
 
     def detect_in_stages(self, scan):
@@ -47,13 +47,13 @@ class ScriptedDetector:
 class Stage:
     """A tracker at the origin that is shown legs and things, scan by scan."""
 
-    config: PerceptionConfig = field(default_factory=PerceptionConfig)
+    config: TrackerConfig = field(default_factory=TrackerConfig)
     rate_hz: float = 10.0
     noise: float = 0.01
     scans: int = 0
 
     def __post_init__(self):
-        self.detector = ScriptedDetector(gamma=self.config.gamma)
+        self.detector = ScriptedDetector(gamma=self.config.confirmation.gamma)
         self.tracker = PeopleTracker(self.config, self.detector)
         self.rng = np.random.default_rng(0)
 

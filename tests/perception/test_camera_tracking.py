@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from tagalong.perception.people_filter import filter_people, people_points_lidar
+from tagalong.perception.people_filter import near_points, points_lidar
 from tagalong.perception.rgbd.people import RgbdPeople
 from tagalong.perception.stages import completed
 from tagalong.perception.tracking.camera import NoLegs, SeenPeople
@@ -35,7 +35,7 @@ def test_returns_of_somebody_who_never_moves_are_removed_once_the_camera_saw_the
         stage = make_stage()
         for _ in range(6):
             people = stage.show(LEGS, seen=seen(stage, (2.05, 0.0)) if camera else None)
-        kept = filter_people(scan, people_points_lidar(people, np.zeros(3), scan), stage.config.zeta)
+        kept = scan.without(near_points(scan, points_lidar(scan, people.points, np.zeros(3)), 0.35))
         assert np.count_nonzero(np.isnan(kept.ranges)) == pytest.approx(removed, abs=1)
         assert not np.isnan(kept.ranges[ranges == 4.0]).any()
 
