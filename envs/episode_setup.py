@@ -12,10 +12,10 @@ from ..perception.leader.body_selector import BodyLeaderSelector
 from ..perception.leader.selector import LeaderSelector
 from ..perception.legs.detector import LegDetector, LegDetectorConfig
 from ..perception.legs.forest import LegForest
+from ..perception.people_filter import PeopleFilter
 from ..perception.rgbd.people import NoPeopleFinder, RgbdPeopleFinder
 from ..perception.rgbd.people_finder import PeopleFinder
 from ..perception.tracking.camera import NoLegs
-from ..perception.tracking.tracker import PeopleTracker
 from ..slam.ekf.engine import EkfSlam
 from ..slam.errors import InputError, shown, unknown_name
 from ..slam.gmapping.engine import GMapping
@@ -25,7 +25,7 @@ from .interface import FollowInterface
 from .onboard.camera_pipeline import CameraPipeline, NoCamera, RgbdPipeline
 from .onboard.immobile_map import Drawing, ImmobileDrawing, OwnDrawing
 from .onboard.mappers import EngineMapper, GraphMapper, Mapper, NoMapper
-from .onboard.stack import NobodyLeads, OnboardStack, PeopleSource, Selector, TrackedPeopleSource
+from .onboard.stack import NobodyLeads, OnboardStack, PeopleSource, Selector
 from .oracle import TrueMapper, TruePeopleSource, TrueRgbdPeopleFinder
 from .robot.robot import RobotConfig
 from .sensors.camera.config import RgbdConfig
@@ -152,9 +152,7 @@ class OnboardStackFactory:
         leading = np.random.SeedSequence(int(rng.integers(2**31)))
         (mapping,) = leading.spawn(1)
         mapper, drawing, sight = self._mapper(world, mapping), self._drawing(world), self._sight(world)
-        return OnboardStack(
-            self._people(world), self._selector(leading), mapper, drawing, sight, self._perception.removal
-        )
+        return OnboardStack(self._people(world), self._selector(leading), mapper, drawing, sight)
 
     def _selector(self, seed: np.random.SeedSequence) -> Selector:
         if not self._config.leader:
@@ -176,10 +174,10 @@ class OnboardStackFactory:
 
     def _people(self, world: World) -> PeopleSource:
         if self._config.people == "truth":
-            return TruePeopleSource(world)
+            return TruePeopleSource(world, self._perception.removal)
         p = self._perception
         detector = NoLegs() if self._forest is None else LegDetector(self._forest, p.detector)
-        return TrackedPeopleSource(PeopleTracker(p.tracker, detector))
+        return PeopleFilter(p, detector)
 
     def _mapper(self, world: World, seed: np.random.SeedSequence) -> Mapper:
         if self._config.slam is None:

@@ -10,7 +10,6 @@ from ...slam.geometry import transform_points
 from ...slam.scan import LaserScan
 from ..legs.detector import Detections, no_detections
 from ..rgbd.people import RgbdPeople
-from ..stages import Stages
 from . import kalman
 from .config import TrackerConfig
 from .data_association import assign, distances
@@ -45,9 +44,8 @@ class SeenPeople:
 class NoLegs:
     """A detector that finds no legs: for people by the camera alone."""
 
-    def detect_in_stages(self, scan: LaserScan) -> Stages[Detections]:
+    def detect(self, scan: LaserScan) -> Detections:
         """Return nothing, whatever `scan` shows."""
-        yield
         return no_detections()
 
 

@@ -11,7 +11,6 @@ from ...slam.geometry import compose, transform_points
 from ...slam.scan import LaserScan
 from ..legs.clusters import Clusters
 from ..legs.detector import Detections, Detector
-from ..stages import Stages, completed
 from . import leg_kernels, person_tracks
 from .camera import CameraSightings, SeenPeople
 from .config import TrackerConfig
@@ -74,40 +73,29 @@ class PeopleTracker:
         Raises:
             InputError: If the scan is not later than the one before.
         """
-        return completed(self.update_in_stages(scan, odometry, seen))
-
-    def update_in_stages(
-        self, scan: LaserScan, odometry: ArrayLike, seen: SeenPeople | None = None
-    ) -> Stages[TrackerUpdate]:
-        """Do as `update`, with pauses."""
         pose, dt = checked_pose(odometry), self._step(scan.time_s)
-        detections = yield from self._detector.detect_in_stages(scan)
-        yield
+        detections = self._detector.detect(scan)
         z = transform_points(pose, detections.positions[detections.human])
         d = detections.confidence[detections.human]
         self._legs.predict(dt)
         person_tracks.predict(self._people, dt, self._config)
         self._lost.predict(dt)
         match = self._reassign_legs(self._associate(z), z)
-        yield
         self._legs.correct(match, z, d, dt)
         sightings = person_tracks.measure(self._people, match[: 2 * len(self._people)].reshape(-1, 2), z, d)
         sightings = self._see_legs_in_one(sightings, detections, pose, scan.time_s)
         person_tracks.correct(self._people, sightings, dt, self._config)
-        yield
         self._carry_hidden_legs(match)
         self._legs.measure_apart(dt)
         self._count_owned(dt)
         match = self._exchange_legs(match)
         thing = ~detections.human
         thing[detections.human] = self._is_still(match, len(z))
-        yield
         self._end_tracks()
         self._begin_legs(match, z, d)
         T_odom_lidar = compose(pose, scan.T_robot_lidar)
         points = transform_points(T_odom_lidar, detections.clusters.points)
         self._start_people(points, scan.time_s)
-        yield
         if seen is not None:
             self._see_by_camera(seen, scan.time_s, dt)
         self._mark_grid(points, detections.clusters, thing, pose, scan.time_s, dt)

@@ -34,8 +34,7 @@ class ScriptedDetector:
     gamma: float = 0.3
     width: float = 0.1
 
-    def detect_in_stages(self, scan):
-        yield
+    def detect(self, scan):
         corners = self.width * np.array([[-0.5, 0.0], [-0.2, -0.3], [0.2, -0.3], [0.5, 0.0]])
         points = (self.positions[:, None] + corners).reshape(-1, 2)
         start = 4 * np.arange(len(self.positions))

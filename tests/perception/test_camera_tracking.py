@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from tagalong.perception.people_filter import near_points, points_lidar
 from tagalong.perception.rgbd.people import RgbdPeople
-from tagalong.perception.stages import completed
 from tagalong.perception.tracking.camera import NoLegs, SeenPeople
 from tagalong.slam.scan import LaserScan
 
@@ -99,7 +98,7 @@ def test_two_people_seen_by_the_camera_alone_are_two_and_keep_their_numbers(stag
 
 def test_without_legs_the_laser_tells_nothing():
     scan = LaserScan(np.ones(5), np.linspace(-0.1, 0.1, 5), 0.1, 10.0)
-    found = completed(NoLegs().detect_in_stages(scan))
+    found = NoLegs().detect(scan)
     assert len(found) == 0
     assert len(found.clusters) == 0
 
