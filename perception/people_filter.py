@@ -1,7 +1,7 @@
 """Keeps people out of scans before they reach a map (Ye 2021, section II.B)."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -130,10 +130,25 @@ class PeopleFilter:
 
 
 def filtered_scans(drive: RecordedDrive, config: PeopleFilterConfig | None = None) -> Iterator[FilteredScan]:
-    """Yield each scan of `drive` as a fresh `PeopleFilter` leaves it."""
+    """Yield each scan of `drive` as a fresh `PeopleFilter` leaves it.
+
+    Stamps of a log may be rounded, go back, or stand still; people are tracked by times that increase all the same.
+    """
     people_filter = PeopleFilter(config)
-    for odometry, scan in zip(drive.odometry, drive.scans, strict=True):
-        yield people_filter.update(scan, odometry)
+    times_s = _increasing(drive.times_s, people_filter.config.tracker.motion.reference_rate_hz)
+    for odometry, scan, time_s in zip(drive.odometry, drive.scans, times_s.tolist(), strict=True):
+        timed = scan if scan.time_s == time_s else replace(scan, time_s=time_s)
+        yield replace(people_filter.update(timed, odometry), scan=scan)
+
+
+def _increasing(times_s: NDArray[np.float64], rate_hz: float) -> NDArray[np.float64]:
+    """Return stamps (n,) that increase: a step that does not is the median of those that do, or one at `rate_hz`."""
+    steps = np.diff(times_s)
+    forward = steps > 0.0
+    if forward.all():
+        return times_s
+    usual = float(np.median(steps[forward])) if 2 * forward.sum() > len(steps) else 1.0 / rate_hz
+    return times_s[0] + np.concatenate(([0.0], np.cumsum(np.where(forward, steps, usual))))
 
 
 def near_points(scan: LaserScan, points_lidar: ArrayLike, distance: float) -> NDArray[np.bool_]:
