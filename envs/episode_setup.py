@@ -10,12 +10,12 @@ from ..perception.config import PerceptionConfig
 from ..perception.immobile.view import CameraViewMaker
 from ..perception.leader.body_selector import BodyLeaderSelector
 from ..perception.leader.selector import LeaderSelector
-from ..perception.legs.detector import LegDetector
+from ..perception.legs.detector import LegDetector, LegDetectorConfig
 from ..perception.legs.forest import LegForest
+from ..perception.people_filter import PeopleFilter
 from ..perception.rgbd.people import NoPeopleFinder, RgbdPeopleFinder
 from ..perception.rgbd.people_finder import PeopleFinder
 from ..perception.tracking.camera import NoLegs
-from ..perception.tracking.tracker import PeopleTracker
 from ..slam.ekf.engine import EkfSlam
 from ..slam.errors import InputError, shown, unknown_name
 from ..slam.gmapping.engine import GMapping
@@ -25,7 +25,7 @@ from .interface import FollowInterface
 from .onboard.camera_pipeline import CameraPipeline, NoCamera, RgbdPipeline
 from .onboard.immobile_map import Drawing, ImmobileDrawing, OwnDrawing
 from .onboard.mappers import Mapper, NoMapper, SlamMapper
-from .onboard.stack import NobodyLeads, OnboardStack, PeopleSource, Selector, TrackedPeopleSource
+from .onboard.stack import NobodyLeads, OnboardStack, PeopleSource, Selector
 from .oracle import TrueMapper, TruePeopleSource, TrueRgbdPeopleFinder
 from .robot.robot import RobotConfig
 from .sensors.camera.config import RgbdConfig
@@ -39,7 +39,7 @@ FAR_WIDTH_M = 0.12
 """A cluster needs as many points as a leg of this width gets beams, 2 or 3, by distance and spacing of the beams: 2
 from 3.1 m on with 360 beams, from 9.2 m on with 1081. What that gains: `tagalong bench recall-by-distance`."""
 
-PERCEPTION = PerceptionConfig(far_width=FAR_WIDTH_M)
+PERCEPTION = PerceptionConfig(forest="simulation", detector=LegDetectorConfig(far_width=FAR_WIDTH_M))
 """How the robot of the environments perceives people."""
 
 
@@ -137,7 +137,7 @@ class OnboardStackFactory:
     def __init__(self, config: FollowConfig) -> None:
         self._config = config
         self._perception = PERCEPTION
-        self._forest = LegForest.load("simulation") if config.people == "tracker" else None
+        self._forest = LegForest.load(PERCEPTION.forest) if config.people == "tracker" else None
         self._looks = "rgbd" in config.sensors and (config.people != "truth" or config.mapping == "immobile")
         found = self._looks and config.people != "truth"
         self._finder: RgbdPeopleFinder = PeopleFinder.load() if found else NoPeopleFinder()
@@ -152,14 +152,15 @@ class OnboardStackFactory:
         leading = np.random.SeedSequence(int(rng.integers(2**31)))
         (mapping,) = leading.spawn(1)
         mapper, drawing, sight = self._mapper(world, mapping), self._drawing(world), self._sight(world)
-        return OnboardStack(self._people(world), self._selector(leading), mapper, drawing, sight, self._perception)
+        return OnboardStack(self._people(world), self._selector(leading), mapper, drawing, sight)
 
     def _selector(self, seed: np.random.SeedSequence) -> Selector:
         if not self._config.leader:
             return NobodyLeads()
+        p = self._perception
         if self._forest is None:  # known by truth, by one number for ever, or without any legs
-            return LeaderSelector(self._perception)
-        return BodyLeaderSelector(self._perception, np.random.default_rng(seed))
+            return LeaderSelector(p.leader, p.tracker.motion)
+        return BodyLeaderSelector(np.random.default_rng(seed), p.body, p.leader, p.tracker.motion)
 
     def _drawing(self, world: World) -> Drawing:
         return OwnDrawing() if self._config.mapping == "occupancy" else ImmobileDrawing(world.config.lidar.height)
@@ -173,10 +174,10 @@ class OnboardStackFactory:
 
     def _people(self, world: World) -> PeopleSource:
         if self._config.people == "truth":
-            return TruePeopleSource(world)
+            return TruePeopleSource(world, self._perception.removal)
         p = self._perception
-        detector = NoLegs() if self._forest is None else LegDetector(self._forest, p.detector())
-        return TrackedPeopleSource(PeopleTracker(p, detector))
+        detector = NoLegs() if self._forest is None else LegDetector(self._forest, p.detector)
+        return PeopleFilter(p, detector)
 
     def _mapper(self, world: World, seed: np.random.SeedSequence) -> Mapper:
         if self._config.slam is None:

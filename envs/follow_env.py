@@ -10,8 +10,8 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import ArrayLike, NDArray
 
-from ..perception.stages import Stages, completed
 from ..slam.errors import InputError, shown
+from ..slam.processes.stages import Stages, completed
 from .episode_setup import OnboardStackFactory, check_options, checked_seed, interface, world_config
 from .field_checks import finite_numbers
 from .follow_config import make_config

@@ -16,6 +16,7 @@ from ...slam.runner import run_slam
 from ..console.log_options import add_odometry, add_topics, read_with_odometry
 from ..console.setting_words import settings_from
 from ..console.tables import format_table
+from ..people_removal import add_people_options, people_filter_config, remove_people
 from ..runs.slam_run import prepare_folder, progress_bar, write_run
 
 EPILOG = """\
@@ -28,6 +29,8 @@ writes into DIR:
                          errors where the log has reference poses
                          (its own corrected poses, or NAME.gt.tum beside NAME.log.gz)
   timing.json            speed and memory; the only file that differs between two runs
+  people.json            with --filter-people: who was tracked and where, in the odometry frame;
+                         metrics.json says how many returns were removed
 
 Odometry that says less than 0.8 or more than 1.25 metres or radians for each one that the scans show is complained of,
 in one line on stderr.
@@ -36,6 +39,7 @@ example:
   tagalong slam aces.log.gz --out out/aces --seed 1 --set particles=50
   tagalong slam drive.bag --out out/drive --method cartographer --scan-topic /front/scan
   tagalong slam drive.log --out out/drive --odometry refined --matcher icp
+  tagalong slam drive.bag --out out/drive --filter-people
 """
 
 
@@ -64,6 +68,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         dest="settings",
         help="a field of the engine's configuration, e.g. particles=50 or local.insertion_voxel=0.1; may be repeated",
     )
+    add_people_options(parser)
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
 
 
@@ -71,13 +76,17 @@ def run(options: argparse.Namespace) -> int:
     """Map the log, write the results, print a table."""
     if options.resolution is not None and not 0.001 <= options.resolution <= 10.0:
         raise InputError(f"--resolution must lie in [0.001, 10] m, got {options.resolution}")
+    people = people_filter_config(options.filter_people, options.forest)
     engine = make_slam(options.method, seed=options.seed, **_settings(options.settings))
     read = read_with_odometry(options)
     drive = read.drive
     reference = _reference(options.log, drive)
     prepare_folder(options.out)
+    how: dict[str, Any] = {"method": options.method, "seed": options.seed, "config": asdict(engine.config)}
+    how |= read.settings
+    if people is not None:
+        drive, how["people_filter"] = remove_people(drive, people, options.out, not options.quiet)
     result = run_slam(engine, drive, progress=progress_bar(drive.name, not options.quiet))
-    how = {"method": options.method, "seed": options.seed, "config": asdict(engine.config), **read.settings}
     metrics = write_run(options.out, drive, result, how, reference, options.resolution)
     print(format_table(("quantity", "value", "unit"), _rows(metrics, float(result.seconds.sum()))))
     print(f"written to {options.out}")
@@ -111,6 +120,12 @@ def _rows(metrics: dict[str, Any], wall_s: float) -> list[tuple[str, str, str]]:
         ("free area", f"{metrics['map']['free_m2']:.1f}", "m2"),
         ("engine time", f"{wall_s:.2f}", "s"),
     ]
+    if "people_filter" in metrics:
+        removed = metrics["people_filter"]
+        rows.append(("people", str(removed["people"]), ""))
+        rows.append(
+            ("removed", f"{100.0 * removed['removed_returns'] / max(removed['returns'], 1):.2f}", "% of returns")
+        )
     errors = metrics["against_reference"]
     if errors is not None:
         rows += [
