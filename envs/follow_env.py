@@ -13,9 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 from ..perception.stages import Stages, completed
 from ..slam.errors import InputError, shown
 from .episode_setup import OnboardStackFactory, check_options, checked_seed, interface, world_config
-from .field_checks import finite_numbers
 from .follow_config import make_config
 from .interface import OwnMap
+from .limits.field_checks import finite_numbers
 from .onboard.stack import Belief, OnboardStack
 from .oracle import step_facts
 from .sensors.sweeps import timed_odometry

@@ -10,7 +10,7 @@ from ..scenes.scene import Errand, Scene
 from .body import Physique, draw_physique
 from .crowd import Casting, CrowdState, Role
 from .leader import LeadingPedestrian, draw_leader
-from .terrain import Terrain
+from .movement.terrain import Terrain
 
 Array = NDArray[np.float64]
 

@@ -11,10 +11,10 @@ from ..scenes.scene import Errand
 from .body import PARTS, Physique
 from .gait import advance_gait, pose_bodies
 from .leader import LeadingPedestrian
-from .meeting import first_coming, group_comes
-from .social_force import SocialForceConfig
-from .terrain import Terrain
-from .walking import SPACING, advance_bodies, locate, turn_bodies, wanted_directions
+from .movement.meeting import first_coming, group_comes
+from .movement.social_force import SocialForceConfig
+from .movement.terrain import Terrain
+from .movement.walking import SPACING, advance_bodies, locate, turn_bodies, wanted_directions
 
 Array = NDArray[np.float64]
 

@@ -11,8 +11,8 @@ from .body import draw_physique
 from .casting import stander_window, standing_still, without_leader
 from .crowd import Casting, CrowdState, Role
 from .leader import draw_leader
-from .terrain import Terrain
-from .walking import SPACING
+from .movement.terrain import Terrain
+from .movement.walking import SPACING
 
 Array = NDArray[np.float64]
 

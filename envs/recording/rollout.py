@@ -14,7 +14,7 @@ from ..follow_config import FollowConfig
 from ..follow_env import FollowEnv
 from ..interface import FollowInterface
 from ..metrics import episode_metrics
-from .history import History
+from ..metrics.history import History
 from .recorder import Recorder
 
 

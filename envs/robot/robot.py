@@ -13,9 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...slam.bounds import Within
 from ...slam.errors import InputError, shown, unknown_name
-from ..field_checks import check_fields, finite_numbers
-from ..world.groups import GROUP_ROBOT
-from ..world.mj import MjSpec, mujoco
+from ..limits.field_checks import check_fields, finite_numbers
+from ..physics.groups import GROUP_ROBOT
+from ..physics.mj import MjSpec, mujoco
 
 Array = NDArray[np.float64]
 _Motion = Annotated[float, Within(1e-3, 100.0)]  # speeds and accelerations: no robot indoors comes near the upper end

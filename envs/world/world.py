@@ -10,25 +10,25 @@ from numpy.typing import ArrayLike, NDArray
 from ...perception.rgbd.frame import RgbdFrame
 from ...perception.stages import Stages, completed
 from ...slam.scan import LaserScan
+from ..appearance.looks import dress
+from ..appearance.wardrobe import Outfit, draw_outfit, wardrobe
 from ..people.body import PARTS
 from ..people.casting import MOST_ON_ROUTE, cast_people
 from ..people.crowd import Casting, Crowd, CrowdState
-from ..people.terrain import Terrain
-from ..people.walking import locate
+from ..people.movement.terrain import Terrain
+from ..people.movement.walking import locate
 from ..people.wanderers import MOST_DRAWN, cast_wanderers
-from ..people.wardrobe import Outfit, draw_outfit, wardrobe
+from ..physics.mj import mujoco
 from ..robot.odometry import WheelOdometry, odometry_quality
 from ..robot.robot import Robot
 from ..scenes.catalogue import make_scene
 from ..scenes.recorded_walks import with_recorded_walks
 from ..scenes.scene import Scene
-from ..sensors.camera.looks import dress
 from ..sensors.camera.rgbd import RgbdCamera
 from ..sensors.lidar import Lidar
 from .building import build
 from .config import TICK, WorldConfig, whole_ratio
 from .doors import Doors
-from .mj import mujoco
 from .truth import TruePeople, TrueState
 
 Array = NDArray[np.float64]

@@ -37,7 +37,7 @@ from numpy.typing import NDArray
 from ...envs.episode_setup import OnboardStackFactory, camera_config, world_config
 from ...envs.follow_config import FollowConfig
 from ...envs.onboard.stack import Belief
-from ...envs.robot.operator import Operator
+from ...envs.recording.operator import Operator
 from ...envs.world.truth import TrueState
 from ...envs.world.world import World
 from ...perception.metrics.clear_mot import ClearMot

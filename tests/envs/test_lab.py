@@ -4,7 +4,7 @@ import gymnasium as gym
 import numpy as np
 import pytest
 import tagalong  # noqa: F401 (registers the ids)
-from tagalong.envs.robot.operator import Operator
+from tagalong.envs.recording.operator import Operator
 from tagalong.envs.sensors.lidar import LidarConfig
 from tagalong.envs.world.world import World, WorldConfig
 from tagalong.slam.errors import InputError

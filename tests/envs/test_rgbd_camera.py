@@ -8,14 +8,14 @@ import sys
 
 import numpy as np
 import pytest
+from tagalong.envs.appearance.looks import dress
+from tagalong.envs.appearance.pattern import ProjectorPattern
+from tagalong.envs.physics.mj import mujoco
 from tagalong.envs.scenes.lab import CEILING
 from tagalong.envs.sensors.camera.config import RgbdConfig
-from tagalong.envs.sensors.camera.looks import dress
 from tagalong.envs.sensors.camera.noise import depth_sigma, measure_depth, on_edge
 from tagalong.envs.sensors.camera.opengl import open_renderer
-from tagalong.envs.sensors.camera.pattern import ProjectorPattern
 from tagalong.envs.sensors.lidar import LidarConfig
-from tagalong.envs.world.mj import mujoco
 from tagalong.envs.world.world import World, WorldConfig
 from tagalong.slam.errors import InputError
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from tagalong.envs.people.wardrobe import ARMS, WARDROBES, draw_outfit, wardrobe
+from tagalong.envs.appearance.pattern import ProjectorPattern
+from tagalong.envs.appearance.wardrobe import ARMS, WARDROBES, draw_outfit, wardrobe
 from tagalong.envs.sensors.camera.config import RgbdConfig
-from tagalong.envs.sensors.camera.pattern import ProjectorPattern
 from tagalong.envs.sensors.lidar import LidarConfig
 from tagalong.envs.world.world import World, WorldConfig
 from tagalong.slam.errors import InputError

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...people.body import PARTS
-from ...people.wardrobe import Outfit, draw_outfit, wardrobe
-from ...world.mj import MjModel
+from ..people.body import PARTS
+from ..physics.mj import MjModel
 from .pattern import ProjectorPattern
+from .wardrobe import Outfit, draw_outfit, wardrobe
 
 Array = NDArray[np.float64]
 

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scenes.polyline import resample, tangents
-from ..scenes.scene import Scene
+from ...scenes.polyline import resample, tangents
+from ...scenes.scene import Scene
 from .walking import SPACING, free_sides
 
 Array = NDArray[np.float64]

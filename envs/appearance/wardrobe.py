@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...slam.errors import unknown_name
-from ..sensors.camera.pattern import ProjectorPattern
+from .pattern import ProjectorPattern
 
 Array = NDArray[np.float64]
 
