@@ -7,7 +7,8 @@ from typing import Annotated
 from ...slam.bounds import Within
 from ...slam.errors import InputError, unknown_name
 from ..limits.field_checks import People, Rate, check_fields
-from ..people.leader import STYLES
+from ..people.behaviours.behaviour import Behaviour, checked_behaviours
+from ..people.behaviours.leader import STYLES
 from ..people.movement.social_force import SocialForceConfig
 from ..robot.odometry import QUALITIES, OdometryConfig
 from ..robot.robot import RobotConfig
@@ -38,6 +39,8 @@ class WorldConfig:
         leader_style: "steady", "hurried" or "waits" (when the robot lags); None draws one.
         standing: Number of further people who walk to and fro beside the route and stand still for 25 s once the
             robot has come near.
+        behaviours: Further people, one for each behaviour, see `tagalong.envs.people.behaviours`. Each begins with a
+            copy of the object that stands here, where it says, or at a drawn place of the route.
         odometry: Name of a quality, see `QUALITIES`, or a configuration.
         lidar: The laser scanner.
         camera: The RGB-D camera; None for none. With one, clothing, paint and light are drawn too.
@@ -56,6 +59,7 @@ class WorldConfig:
     leader: bool = True
     leader_style: str | None = None
     standing: People = 0
+    behaviours: tuple[Behaviour, ...] = ()
     odometry: str | OdometryConfig = "typical"
     lidar: LidarConfig = field(default_factory=LidarConfig)
     camera: RgbdConfig | None = None
@@ -66,6 +70,7 @@ class WorldConfig:
 
     def __post_init__(self) -> None:
         check_fields(self)
+        object.__setattr__(self, "behaviours", checked_behaviours(self.behaviours))
         if self.scene not in SCENES:
             raise unknown_name("scene", self.scene, tuple(SCENES))
         if self.leader_style is not None and self.leader_style not in STYLES:

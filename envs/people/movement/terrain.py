@@ -61,6 +61,10 @@ class Terrain:
         left, right = self._free[self._row(arc, path)]
         return float(min(max(lateral, -right), left))
 
+    def length_of(self, path: int) -> float:
+        """Return the length of a path [m]."""
+        return float(self.count[path] - 1) * SPACING
+
     def ahead(self, arc: float, path: int = 0) -> float:
         """Return the direction of a path at `arc` [m], in radians."""
         tangent = self.tangents[self._row(arc, path)]
