@@ -21,7 +21,6 @@ from ..slam.errors import InputError, shown, unknown_name
 from ..slam.gmapping.engine import GMapping
 from ..slam.graph.engine import Cartographer
 from .follow_config import FollowConfig
-from .interface import FollowInterface
 from .onboard.camera_pipeline import CameraPipeline, NoCamera, RgbdPipeline
 from .onboard.immobile_map import Drawing, ImmobileDrawing, OwnDrawing
 from .onboard.mappers import EngineMapper, GraphMapper, Mapper, NoMapper
@@ -30,6 +29,7 @@ from .oracle import TrueMapper, TruePeopleSource, TrueRgbdPeopleFinder
 from .robot.robot import RobotConfig
 from .sensors.camera.config import RgbdConfig
 from .sensors.lidar import LidarConfig
+from .task.interface import FollowInterface
 from .world.world import World, WorldConfig
 
 OPTIONS = ("scene", "split", "route", "people", "standing", "leader_style", "odometry")

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from ..slam.bounds import Cell, Within
 from ..slam.errors import InputError, shown, unknown_name
-from .field_checks import PIXELS, Beams, MapCells, Opening, Patience, People, Rate, Slots, check_fields
+from .limits.field_checks import PIXELS, Beams, MapCells, Opening, Patience, People, Rate, Slots, check_fields
 from .sensors.lidar import LaserRange
 
 PEOPLE_SOURCES = ("tracker", "camera", "truth")

@@ -13,14 +13,14 @@ from numpy.typing import ArrayLike, NDArray
 from ..perception.stages import Stages, completed
 from ..slam.errors import InputError, shown
 from .episode_setup import OnboardStackFactory, check_options, checked_seed, interface, world_config
-from .field_checks import finite_numbers
 from .follow_config import make_config
-from .interface import OwnMap
+from .limits.field_checks import finite_numbers
 from .onboard.stack import Belief, OnboardStack
 from .oracle import step_facts
 from .sensors.sweeps import timed_odometry
 from .task.coverage import Coverage, NoCoverage
 from .task.endings import Ending, EndingRule
+from .task.interface import OwnMap
 from .task.observation import Observer, observation_space
 from .task.rewards import StepFacts, exploration_terms, reward_terms
 from .topview.rendering import has_display, make_renderer

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from ...slam.errors import InputError
 from ..follow_config import FollowConfig
 from ..follow_env import FollowEnv
-from ..interface import FollowInterface
 from ..metrics import episode_metrics
+from ..task.interface import FollowInterface
 from .history import History
 from .recorder import Recorder
 

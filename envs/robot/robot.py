@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...slam.bounds import Within
 from ...slam.errors import InputError, shown, unknown_name
-from ..field_checks import check_fields, finite_numbers
+from ..limits.field_checks import check_fields, finite_numbers
 from ..world.groups import GROUP_ROBOT
 from ..world.mj import MjSpec, mujoco
 

@@ -4,7 +4,7 @@ import os
 from dataclasses import dataclass
 
 from ...slam.errors import unknown_name
-from ..field_checks import check_fields
+from ..limits.field_checks import check_fields
 
 SPLITS = ("train", "test")
 """Halves of the drawn buildings: no building of one is ever in the other."""

@@ -10,9 +10,9 @@ from ...perception.rgbd.frame import RgbdFrame
 from ...perception.tracking.people import People
 from ...slam.scan import LaserScan
 from ..follow_config import FollowConfig
-from ..interface import LEADER_COLUMNS, PERSON_COLUMNS
 from ..onboard.stack import Belief
 from ..sensors.camera.config import RgbdConfig
+from .interface import LEADER_COLUMNS, PERSON_COLUMNS
 from .map_patch import MapPatch
 
 Floats = NDArray[np.float32]

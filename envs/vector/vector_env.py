@@ -25,8 +25,8 @@ from ...slam.processes.crew import require_workers
 from ...slam.processes.inside import answered
 from ...slam.processes.supervised import SILENT_S, Worker, end_all
 from ..episode_setup import interface
-from ..field_checks import finite_numbers
 from ..follow_env import FollowEnv
+from ..limits.field_checks import finite_numbers
 from .worker import Rows, WorkerShare, asked, joined, split, stacked, worker_share
 
 Flags = NDArray[np.bool_]

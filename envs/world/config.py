@@ -6,7 +6,7 @@ from typing import Annotated
 
 from ...slam.bounds import Within
 from ...slam.errors import InputError, unknown_name
-from ..field_checks import People, Rate, check_fields
+from ..limits.field_checks import People, Rate, check_fields
 from ..people.leader import STYLES
 from ..people.social_force import SocialForceConfig
 from ..robot.odometry import QUALITIES, OdometryConfig

@@ -8,7 +8,7 @@ import numpy as np
 from ....perception.rgbd.frame import Pinhole
 from ....slam.bounds import FARTHEST_MOUNT_M, Share, Within
 from ....slam.errors import InputError, unknown_name
-from ...field_checks import PIXELS, Rate, check_fields
+from ...limits.field_checks import PIXELS, Rate, check_fields
 from ...people.wardrobe import wardrobe
 
 BACKENDS = ("rays", "opengl")

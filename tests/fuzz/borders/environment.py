@@ -18,7 +18,7 @@ from tagalong.agents import EXPLORERS, FOLLOWERS, make_follower
 from tagalong.envs.episode_setup import OPTIONS
 from tagalong.envs.follow_config import FollowConfig
 from tagalong.envs.follow_env import FollowEnv
-from tagalong.envs.interface import FollowInterface
+from tagalong.envs.task.interface import FollowInterface
 from tagalong.envs.vector.vector_env import FollowVectorEnv
 
 from borders.logs import hostile
