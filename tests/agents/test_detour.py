@@ -9,7 +9,7 @@ from tagalong.agents.learned.guard import GuardConfig, box_gaps
 from tagalong.agents.learned.pilot import Pilot, PilotConfig
 from tagalong.agents.learned.steering import REST, SteeringConfig
 from tagalong.agents.scripted.leader_memory import Goal, Mode
-from tagalong.envs.interface import FollowInterface
+from tagalong.envs.task.interface import FollowInterface
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import inverse, transform_points
 
