@@ -73,6 +73,7 @@ def world_config(config: FollowConfig, options: Mapping[str, Any] | None) -> Wor
         "leader": config.task.leader,
         "standing": people.standing,
         "leader_style": people.leader_style,
+        "behaviours": people.behaviours,
         "odometry": config.sensors.odometry,
     }
     made = WorldConfig(

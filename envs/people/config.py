@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from ...slam.errors import InputError, shown
 from ..limits.field_checks import People, check_fields
+from .behaviours.behaviour import Behaviour, checked_behaviours
 
 PEOPLE_SOURCES = ("tracker", "camera", "truth")
 """How the robot comes to know of people."""
@@ -18,6 +19,8 @@ class PeopleConfig:
             what it sees; "camera" by that alone; "truth" from the simulator.
         people_count: Walking people in the building, the leader included; may be 0 without one. None draws it.
         standing: Further people who come to stand still beside the route.
+        behaviours: Further people, one for each behaviour, see `tagalong.envs.people.behaviours`; each begins an
+            episode with a copy of the object that stands here.
         leader_style: Manner of the leader: "steady", "hurried", "waits"; None draws one from the seed.
     """
 
@@ -25,6 +28,7 @@ class PeopleConfig:
     people_count: People | None = 2
     standing: People = 0
     leader_style: str | None = None
+    behaviours: tuple[Behaviour, ...] = ()
 
     def __post_init__(self) -> None:
         if not isinstance(self.source, str) or self.source not in PEOPLE_SOURCES:
@@ -33,3 +37,4 @@ class PeopleConfig:
                 "(their number is `people_count`)"
             )
         check_fields(self)
+        object.__setattr__(self, "behaviours", checked_behaviours(self.behaviours))

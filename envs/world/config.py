@@ -12,8 +12,8 @@ from ..people.behaviours.leader import STYLES
 from ..people.movement.social_force import SocialForceConfig
 from ..robot.odometry import QUALITIES, OdometryConfig
 from ..robot.robot import RobotConfig
-from ..scenes.catalogue import SCENES
-from ..scenes.request import SceneRequest
+from ..scenes.catalogue import check_scene_name
+from ..scenes.request import SceneMaker, SceneRequest
 from ..sensors.camera.config import RgbdConfig
 from ..sensors.lidar import LidarConfig
 
@@ -26,7 +26,7 @@ class WorldConfig:
     """What to simulate.
 
     Attributes:
-        scene: Name of the building, see `SCENES`.
+        scene: Kind of the building, see `tagalong.envs.scenes.SCENES`, or a function that draws one of one's own.
         route: Name of the tour, None draws one.
         split: Of which half offices are drawn: "train" or "test".
         floor_plan: File `map.yaml` for the scene "floor_plan"; None takes the built-in plan.
@@ -50,7 +50,7 @@ class WorldConfig:
         physics_dt: Time step of the physics [s].
     """
 
-    scene: str = "corridor"
+    scene: str | SceneMaker = "corridor"
     route: str | None = None
     split: str = "train"
     floor_plan: str | os.PathLike[str] | None = None
@@ -71,8 +71,7 @@ class WorldConfig:
     def __post_init__(self) -> None:
         check_fields(self)
         object.__setattr__(self, "behaviours", checked_behaviours(self.behaviours))
-        if self.scene not in SCENES:
-            raise unknown_name("scene", self.scene, tuple(SCENES))
+        check_scene_name(self.scene)
         if self.leader_style is not None and self.leader_style not in STYLES:
             raise unknown_name("leader style", self.leader_style, tuple(STYLES))
         if isinstance(self.odometry, str) and self.odometry not in QUALITIES:

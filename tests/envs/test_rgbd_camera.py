@@ -130,13 +130,13 @@ def test_pictures_tell_people_from_walls_by_their_true_labels():
 BOTH = """
 import json
 import numpy as np
-from tagalong.envs.camera.config import RgbdConfig
-from tagalong.envs.camera.looks import dress
-from tagalong.envs.camera.pattern import SurfacePattern
-from tagalong.envs.camera.opengl import OpenGlCamera
-from tagalong.envs.camera.rays import RayCamera
-from tagalong.envs.mj import mujoco
-from tagalong.envs.world import World, WorldConfig
+from tagalong.envs.appearance.looks import dress
+from tagalong.envs.appearance.pattern import SurfacePattern
+from tagalong.envs.physics.mj import mujoco
+from tagalong.envs.sensors.camera.config import RgbdConfig
+from tagalong.envs.sensors.camera.opengl import OpenGlCamera
+from tagalong.envs.sensors.camera.rays import RayCamera
+from tagalong.envs.world.world import World, WorldConfig
 
 world = World(WorldConfig(scene="lab", route="operator", people=0, leader=False), np.random.default_rng(0))
 looks = dress(world.model, np.random.default_rng(5))
