@@ -4,7 +4,7 @@ import os
 from collections.abc import Callable
 from functools import partial
 
-from ..envs.interface import FollowInterface
+from ..envs.task.interface import FollowInterface
 from ..slam.errors import unknown_name
 from .learned.follower import LearnedFollower
 from .protocol.follower import Follower

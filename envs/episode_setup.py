@@ -6,41 +6,29 @@ from typing import Any
 
 import numpy as np
 
-from ..perception.config import PerceptionConfig
 from ..perception.immobile.view import CameraViewMaker
 from ..perception.leader.body_selector import BodyLeaderSelector
 from ..perception.leader.selector import LeaderSelector
-from ..perception.legs.detector import LegDetector, LegDetectorConfig
+from ..perception.legs.detector import LegDetector
 from ..perception.legs.forest import LegForest
 from ..perception.people_filter import PeopleFilter
 from ..perception.rgbd.people import NoPeopleFinder, RgbdPeopleFinder
 from ..perception.rgbd.people_finder import PeopleFinder
 from ..perception.tracking.camera import NoLegs
-from ..slam.ekf.engine import EkfSlam
 from ..slam.errors import InputError, shown, unknown_name
-from ..slam.gmapping.engine import GMapping
-from ..slam.graph.engine import Cartographer
 from .follow_config import FollowConfig
-from .interface import FollowInterface
 from .onboard.camera_pipeline import CameraPipeline, NoCamera, RgbdPipeline
+from .onboard.engines import TRUE_POSES, make_engine
 from .onboard.immobile_map import Drawing, ImmobileDrawing, OwnDrawing
 from .onboard.mappers import Mapper, NoMapper, SlamMapper
 from .onboard.stack import NobodyLeads, OnboardStack, PeopleSource, Selector
 from .oracle import TrueMapper, TruePeopleSource, TrueRgbdPeopleFinder
-from .robot.robot import RobotConfig
-from .sensors.camera.config import RgbdConfig
-from .sensors.lidar import LidarConfig
+from .task.interface import FollowInterface
+from .task.observation import Observed
 from .world.world import World, WorldConfig
 
 OPTIONS = ("scene", "split", "route", "people", "standing", "leader_style", "odometry")
 """Options of `reset`: fields of `WorldConfig` that they set for one episode."""
-
-FAR_WIDTH_M = 0.12
-"""A cluster needs as many points as a leg of this width gets beams, 2 or 3, by distance and spacing of the beams: 2
-from 3.1 m on with 360 beams, from 9.2 m on with 1081. What that gains: `tagalong bench recall-by-distance`."""
-
-PERCEPTION = PerceptionConfig(forest="simulation", detector=LegDetectorConfig(far_width=FAR_WIDTH_M))
-"""How the robot of the environments perceives people."""
 
 
 def check_options(options: Mapping[str, Any] | None) -> None:
@@ -75,59 +63,54 @@ def world_config(config: FollowConfig, options: Mapping[str, Any] | None) -> Wor
     Raises:
         InputError: If a value is out of its range.
     """
-    robot = RobotConfig(drive=config.drive)
+    world, people = config.world, config.people
     fields: dict[str, Any] = {
-        "scene": config.scene,
-        "split": config.split,
-        "floor_plan": config.floor_plan,
-        "walking_paths": config.walking_paths,
-        "people": config.people_count,
-        "leader": config.leader,
-        "standing": config.standing,
-        "leader_style": config.leader_style,
-        "odometry": config.odometry,
+        "scene": world.scene,
+        "split": world.split,
+        "floor_plan": world.floor_plan,
+        "walking_paths": world.walking_paths,
+        "people": people.people_count,
+        "leader": config.task.leader,
+        "standing": people.standing,
+        "leader_style": people.leader_style,
+        "behaviours": people.behaviours,
+        "odometry": config.sensors.odometry,
     }
     made = WorldConfig(
         **{**fields, **(options or {})},
-        lidar=lidar_config(config),
-        camera=camera_config(config),
-        robot=robot,
-        control_hz=config.control_hz,
+        lidar=config.sensors.lidar,
+        camera=config.sensors.camera,
+        robot=config.robot,
+        control_hz=config.task.control_hz,
     )
-    if config.leader and made.people == 0:
+    if config.task.leader and made.people == 0:
         raise InputError("option `people` counts the leader: with one it must be at least 1, got 0")
     return made
 
 
-def lidar_config(config: FollowConfig) -> LidarConfig:
-    """Return the laser's configuration."""
-    return LidarConfig(
-        beams=config.beams,
-        field_of_view=config.field_of_view,
-        range_max=config.laser_range,
-        rate_hz=config.lidar_hz,
-    )
-
-
-def camera_config(config: FollowConfig) -> RgbdConfig | None:
-    """Return the camera's configuration, None without a camera."""
-    if "rgbd" not in config.sensors:
-        return None
-    width, height = config.camera_pixels
-    return RgbdConfig(width=width, height=height, rate_hz=config.camera_hz)
-
-
 def interface(config: FollowConfig) -> FollowInterface:
-    """Return the scales of the environment's observations and actions."""
-    lidar = lidar_config(config)
+    """Return the scales of the environment's observations and actions, and the robot's size."""
+    lidar, robot = config.sensors.lidar, config.robot
     return FollowInterface(
-        max_speed=RobotConfig().max_speed,
-        max_turn_rate=config.top_turn_rate,
-        control_hz=config.control_hz,
-        holonomic=config.drive == "holonomic",
+        max_speed=robot.max_speed,
+        max_turn_rate=config.task.top_turn_rate,
+        control_hz=config.task.control_hz,
+        holonomic=robot.holonomic,
         bearings=lidar.bearings,
         range_max=lidar.range_max,
         T_robot_lidar=lidar.mount,
+    )
+
+
+def observed(config: FollowConfig) -> Observed:
+    """Return what there is to observe."""
+    return Observed(
+        config=config.observation,
+        beams=config.sensors.lidar.beams,
+        holonomic=config.robot.holonomic,
+        leader=config.task.leader,
+        map=config.slam is not None,
+        camera=config.sensors.camera,
     )
 
 
@@ -135,11 +118,11 @@ class OnboardStackFactory:
     """Makes a fresh mind for each episode; the forest of the leg detector is loaded once."""
 
     def __init__(self, config: FollowConfig) -> None:
-        self._config = config
-        self._perception = PERCEPTION
-        self._forest = LegForest.load(PERCEPTION.forest) if config.people == "tracker" else None
-        self._looks = "rgbd" in config.sensors and (config.people != "truth" or config.mapping == "immobile")
-        found = self._looks and config.people != "truth"
+        self._config, self._source = config, config.people.source
+        self._perception = config.perception
+        self._forest = LegForest.load(self._perception.forest) if self._source == "tracker" else None
+        found = config.sensors.camera is not None and self._source != "truth"
+        self._looks = found or (config.sensors.camera is not None and config.mapping.map == "immobile")
         self._finder: RgbdPeopleFinder = PeopleFinder.load() if found else NoPeopleFinder()
 
     @property
@@ -152,10 +135,11 @@ class OnboardStackFactory:
         leading = np.random.SeedSequence(int(rng.integers(2**31)))
         (mapping,) = leading.spawn(1)
         mapper, drawing, sight = self._mapper(world, mapping), self._drawing(world), self._sight(world)
-        return OnboardStack(self._people(world), self._selector(leading), mapper, drawing, sight)
+        people, selector, filters = self._people(world), self._selector(leading), self._config.mapping.filter_people
+        return OnboardStack(people, selector, mapper, drawing, sight, filters)
 
     def _selector(self, seed: np.random.SeedSequence) -> Selector:
-        if not self._config.leader:
+        if not self._config.task.leader:
             return NobodyLeads()
         p = self._perception
         if self._forest is None:  # known by truth, by one number for ever, or without any legs
@@ -163,17 +147,15 @@ class OnboardStackFactory:
         return BodyLeaderSelector(np.random.default_rng(seed), p.body, p.leader, p.tracker.motion)
 
     def _drawing(self, world: World) -> Drawing:
-        return OwnDrawing() if self._config.mapping == "occupancy" else ImmobileDrawing(world.config.lidar.height)
+        return OwnDrawing() if self._config.mapping.map == "occupancy" else ImmobileDrawing(world.config.lidar.height)
 
     def _sight(self, world: World) -> CameraPipeline:
         if not self._looks:
             return NoCamera()
-        return RgbdPipeline(
-            CameraViewMaker(TrueRgbdPeopleFinder(world) if self._config.people == "truth" else self._finder)
-        )
+        return RgbdPipeline(CameraViewMaker(TrueRgbdPeopleFinder(world) if self._source == "truth" else self._finder))
 
     def _people(self, world: World) -> PeopleSource:
-        if self._config.people == "truth":
+        if self._source == "truth":
             return TruePeopleSource(world, self._perception.removal)
         p = self._perception
         detector = NoLegs() if self._forest is None else LegDetector(self._forest, p.detector)
@@ -182,10 +164,6 @@ class OnboardStackFactory:
     def _mapper(self, world: World, seed: np.random.SeedSequence) -> Mapper:
         if self._config.slam is None:
             return NoMapper()
-        if self._config.slam == "truth":
+        if self._config.slam == TRUE_POSES:
             return TrueMapper(world)
-        if self._config.slam == "cartographer":
-            return SlamMapper(Cartographer())
-        if self._config.slam == "ekf":
-            return SlamMapper(EkfSlam())
-        return SlamMapper(GMapping(seed=seed))
+        return SlamMapper(make_engine(self._config.slam, seed))

@@ -12,15 +12,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..slam.errors import InputError, shown
 from ..slam.processes.stages import Stages, completed
-from .episode_setup import OnboardStackFactory, check_options, checked_seed, interface, world_config
-from .field_checks import finite_numbers
+from .episode_setup import OnboardStackFactory, check_options, checked_seed, observed, world_config
 from .follow_config import make_config
-from .interface import OwnMap
+from .limits.field_checks import finite_numbers
 from .onboard.stack import Belief, OnboardStack
 from .oracle import step_facts
 from .sensors.sweeps import timed_odometry
+from .task import interface
 from .task.coverage import Coverage, NoCoverage
 from .task.endings import Ending, EndingRule
+from .task.interface import OwnMap
 from .task.observation import Observer, observation_space
 from .task.rewards import StepFacts, exploration_terms, reward_terms
 from .topview.rendering import has_display, make_renderer
@@ -199,15 +200,15 @@ class FollowEnv(gym.Env[Any, Any]):
         self.render_mode = render_mode
         self.metadata = {
             "render_modes": [mode for mode in type(self).metadata["render_modes"] if mode != "human" or has_display()],
-            "render_fps": round(self.config.control_hz),
+            "render_fps": round(self.config.task.control_hz),
         }
-        self.interface = replace(interface(self.config), own_map=self.own_map if self.config.slam else None)
-        self.observation_space: spaces.Space[Any] = observation_space(self.config)
+        self.interface = replace(interface(self.config), own_map=self.own_map if self.config.slam is not None else None)
+        self.observation_space: spaces.Space[Any] = observation_space(observed(self.config))
         self.action_space = spaces.Box(-1.0, 1.0, (3 if self.interface.holonomic else 2,), np.float32)
         top = [self.interface.max_speed] * (2 if self.interface.holonomic else 1)
         self._top = np.array([*top, self.interface.max_turn_rate])
         self._minds = OnboardStackFactory(self.config)
-        self._observer = Observer(self.config)
+        self._observer = Observer(observed(self.config))
         self._renderer = make_renderer(render_mode, render_backend)
         self._world: World | None = None
         self._closed = False
@@ -224,8 +225,8 @@ class FollowEnv(gym.Env[Any, Any]):
         world = World(world_config(self.config, options), self.np_random)
         self._world = world
         self._mind: OnboardStack = self._minds.make(world, self.np_random)
-        self._endings = EndingRule(self.config)
-        measured = self.config.coverage or not self.config.leader
+        self._endings = EndingRule(self.config.task)
+        measured = self.config.task.coverage or not self.config.task.leader
         self.coverage = Coverage(world.scene, world.config.robot.size[1]) if measured else NoCoverage()
         self._action = np.zeros(len(self._top))
         self._belief: Belief = self._mind.update(world.scan(), world.odometry)
@@ -370,10 +371,11 @@ class FollowEnv(gym.Env[Any, Any]):
             raise InputError("the environment is closed: make a new one")
 
     def _terms(self, facts: StepFacts) -> dict[str, float]:
-        return reward_terms(facts) if self.config.leader else exploration_terms(facts, self.config.coverage_goal)
+        task, reward = self.config.task, self.config.reward
+        return reward_terms(facts, reward) if task.leader else exploration_terms(facts, task.coverage_goal, reward)
 
     def _facts(self, action_change: float) -> StepFacts:
-        radius, step_s = self.world.config.robot.radius, 1.0 / self.config.control_hz
+        radius, step_s = self.world.config.robot.radius, 1.0 / self.config.task.control_hz
         covered = (self._covered, self.coverage.share)
         return step_facts(self._truth, self._belief, radius, action_change, step_s, covered)
 
@@ -388,7 +390,7 @@ class FollowEnv(gym.Env[Any, Any]):
             "odometry": belief.odometry.copy(),
             "robot_pose": self._truth.robot_pose.copy(),
         }
-        if self.config.leader:
+        if self.config.task.leader:
             info["leader_distance"] = facts.distance
             info["following_leader"] = facts.following_leader
             info["lost_s"] = ending.lost_s

@@ -14,7 +14,7 @@ IDS: dict[str, dict[str, Any]] = {
         "slam": "ekf",
         "beams": 181,
         "field_of_view": math.pi,
-        "laser_range": 8.0,
+        "lidar.range_max": 8.0,
     },
     "tagalong/MeetingRoom-v0": {"scene": "meeting_room"},
     "tagalong/Office-v0": {"scene": "office", "people_count": None},

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...envs.interface import FollowInterface
+from ...envs.task.interface import FollowInterface
 from ...slam.errors import InputError
 from ..protocol.follower import Observation
 from ..scripted.leader_memory import Goal, LeaderMemory, MemoryConfig, Mode

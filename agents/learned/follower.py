@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ...envs.interface import FollowInterface
+from ...envs.task.interface import FollowInterface
 from ...slam.errors import InputError
 from ...slam.files.input import named
 from ...slam.files.output import read_arrays, read_json

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...envs.interface import FollowInterface
+from ...envs.task.interface import FollowInterface
 from ...slam.errors import InputError
 from ..protocol.follower import Observation
 from ..scripted.scan_points import ScanPoints, own_velocity, without

@@ -8,7 +8,7 @@ there: free; a beam ended there: not free. What no view tells of is not known, a
 import numpy as np
 from numpy.typing import NDArray
 
-from ...envs.interface import FollowInterface
+from ...envs.task.interface import FollowInterface
 from ..protocol.follower import Observation
 from ..scripted.scan_points import MOST_BEAMS, own_velocity, scan_of
 

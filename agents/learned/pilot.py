@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from ...envs.interface import FollowInterface
+from ...envs.task.interface import FollowInterface
 from ..protocol.follower import Observation
 from ..scripted.scan_points import as_action
 from .detour import Detour, DetourConfig, NoDetour

@@ -7,7 +7,7 @@ from importlib import import_module
 from inspect import signature
 from typing import Any
 
-from ...envs.interface import FollowInterface
+from ...envs.task.interface import FollowInterface
 from ...slam.errors import InputError, one_line, shown
 from .follower import Follower
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from ...envs.interface import FollowInterface
+from ...envs.task.interface import FollowInterface
 from ..protocol.follower import Observation
 from .dynamic_window import DynamicWindow, DynamicWindowConfig, Surroundings
 from .leader_memory import Goal, LeaderMemory, MemoryConfig, Mode

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from ...envs.interface import OwnMap
+from ...envs.task.interface import OwnMap
 from ...slam.geometry import transform_points
 from .grid_field import way_field
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ...envs.interface import FollowInterface
+from ...envs.task.interface import FollowInterface
 from ...slam.errors import InputError
 from ..protocol.follower import Observation
 

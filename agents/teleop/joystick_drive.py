@@ -30,7 +30,7 @@ class Stick(Protocol):
 def model_operator(env: FollowEnv, seed: int, config: OperatorConfig | None = None) -> OperatorModel:
     """Return the operator model for the present episode of `env`."""
     rng = np.random.default_rng([seed, 20_01])
-    return OperatorModel(env.world.scene.route, rng, config, 1.0 / env.config.control_hz)
+    return OperatorModel(env.world.scene.route, rng, config, 1.0 / env.config.task.control_hz)
 
 
 def record_drive(
@@ -76,7 +76,9 @@ def record_drive(
             done = terminated or truncated
     env.close()
     plain = json.loads(json.dumps(dict(kwargs)))
-    return JoystickLog(made_by, env_id, plain, seed, np.array(actions).reshape(-1, 2), 1.0 / inner.config.control_hz)
+    return JoystickLog(
+        made_by, env_id, plain, seed, np.array(actions).reshape(-1, 2), 1.0 / inner.config.task.control_hz
+    )
 
 
 def replay_drive(log: JoystickLog, watch: Watch | None = None) -> Episode:
@@ -90,8 +92,10 @@ def replay_drive(log: JoystickLog, watch: Watch | None = None) -> Episode:
     env = gym.make(log.env, **log.kwargs)
     inner = env.unwrapped
     assert isinstance(inner, FollowEnv)
-    if abs(log.step_s * inner.config.control_hz - 1.0) > 1e-4:
-        raise InputError(f"the log has steps of {log.step_s} s, its environment {inner.config.control_hz} in a second")
+    if abs(log.step_s * inner.config.task.control_hz - 1.0) > 1e-4:
+        raise InputError(
+            f"the log has steps of {log.step_s} s, its environment {inner.config.task.control_hz} in a second"
+        )
     episode = rollout(
         env,
         JoystickReplay(log, log.env, log.kwargs, log.seed),

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...envs.interface import FollowInterface
+from ...envs.task.interface import FollowInterface
 from ..learned.steering import State
 from ..protocol.follower import Observation
 from ..scripted.scan_points import ScanPoints

@@ -1,8 +1,8 @@
 """Figures of an episode, computed from its recorded history alone: following, exploration, safety, smoothness."""
 
-from ..recording.history import History
 from .exploration import exploration_metrics
 from .following import following_metrics
+from .history import History
 from .safety import safety_metrics
 from .smoothness import smoothness_metrics
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..recording.history import History
+from .history import History
 
 SHARES = (0.90, 0.95, 0.99)
 """Shares of the floor whose times are reported."""

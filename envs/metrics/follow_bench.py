@@ -7,7 +7,7 @@ robot's own tracker sees it.
 
 import numpy as np
 
-from ..recording.history import SAME_TIME_S, History, run_lengths
+from .history import SAME_TIME_S, History, run_lengths
 
 PERSONAL_M, PRIVATE_M = 1.2, 0.45
 """Hall's personal and intimate distance [m]."""

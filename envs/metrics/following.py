@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...slam.geometry import wrap_angle
-from ..recording.history import SAME_TIME_S, History, run_lengths
+from .history import SAME_TIME_S, History, run_lengths
 
 FOLLOWING_DISTANCE = 1.3
 """Distance that the follower keeps from the leader, centre to centre [m]."""

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ..recording.history import History, run_lengths
+from .history import History, run_lengths
 
 Array = NDArray[np.float64]
 

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 from scipy.signal import butter, sosfiltfilt
 
 from ...slam.geometry import wrap_angle
-from ..recording.history import History, run_lengths
+from .history import History, run_lengths
 
 Array = NDArray[np.float64]
 

@@ -1,6 +1,6 @@
 """What the robot believes: from its scans and its odometry alone, unless a switch lets truth in (truth.py)."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Protocol
 
 import numpy as np
@@ -94,15 +94,28 @@ class Belief:
         return self.leader is not None and self.leader.visible
 
 
+class RawScan(FilteredScan):
+    """A scan from which nobody is taken out, for who maps what was measured."""
+
+    @property
+    def removed(self) -> NDArray[np.bool_]:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """(N,) no beam."""
+        return np.zeros(len(self.scan), dtype=np.bool_)
+
+
+_FIELDS = tuple(field.name for field in fields(FilteredScan))
+
+
 class OnboardStack:
     """People, leader, people-free scans and map, from one scan to the next.
 
     Args:
         people: Where the knowledge of people comes from.
         selector: Chooses and keeps the leader.
-        mapper: Builds the map from people-free scans.
+        mapper: Builds the map from the scans.
         drawing: The map on the mapper's poses.
         sight: Understands what the camera sees.
+        filter_people: Whether people are taken out of the scans before they are mapped.
     """
 
     def __init__(
@@ -112,9 +125,10 @@ class OnboardStack:
         mapper: Mapper,
         drawing: Drawing,
         sight: CameraPipeline,
+        filter_people: bool = True,
     ) -> None:
         self._people, self._selector, self._mapper = people, selector, mapper
-        self._drawing, self._sight = drawing, sight
+        self._drawing, self._sight, self._filters = drawing, sight, filter_people
         self._last: tuple[float, Array] | None = None
         self._velocity = np.zeros(3)
 
@@ -131,8 +145,9 @@ class OnboardStack:
         yield
         leader = self._selector.update(sifted.people, odometry, scan)
         yield
-        self._mapper.update(odometry, sifted)
-        grid = self._drawing.update(self._mapper, sifted, [sighting.view for sighting in sightings])
+        mapped = sifted if self._filters else RawScan(**{name: getattr(sifted, name) for name in _FIELDS})
+        self._mapper.update(odometry, mapped)
+        grid = self._drawing.update(self._mapper, mapped, [sighting.view for sighting in sightings])
         return Belief(
             sifted=sifted,
             odometry=odometry,

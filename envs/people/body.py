@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from ..world.groups import GROUP_ABOVE, GROUP_HIDDEN, GROUP_SEEN
-from ..world.mj import MjsBody, MjSpec, mujoco
+from ..physics.groups import GROUP_ABOVE, GROUP_HIDDEN, GROUP_SEEN
+from ..physics.mj import MjsBody, MjSpec, mujoco
 
 PARTS = ("torso", "head", "left thigh", "left shin", "right thigh", "right shin")
 """Mocap bodies of a person, in this order."""

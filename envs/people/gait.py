@@ -10,7 +10,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from .body import ANKLE, HIP_HALF_WIDTH
-from .obstacles import keep_clear
+from .movement.obstacles import keep_clear
 
 Array = NDArray[np.float64]
 

@@ -6,13 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...slam.errors import InputError
-from ..scenes.scene import Scene
+from .behaviours.leader import Leader, draw_leader
 from .body import draw_physique
-from .casting import stander_window, standing_still, without_leader
-from .crowd import Casting, CrowdState, Role
-from .leader import draw_leader
-from .terrain import Terrain
-from .walking import SPACING
+from .draft import CastRequest, Draft, Part, stander_window
 
 Array = NDArray[np.float64]
 
@@ -20,7 +16,6 @@ MOST_DRAWN = 12
 """Most bystanders where their number is drawn."""
 _COMPANY = 0.25
 _APART, _FROM_ROBOT = 0.9, 1.8
-_LEADER_FIRST_S = 3.0  # wanderers stand this long at first: the robot takes for its leader who walks off before it
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,99 +46,80 @@ TEMPERAMENTS: dict[str, Temperament] = {
 """Name -> what such people are like."""
 
 
-def cast_wanderers(
-    scene: Scene,
-    terrain: Terrain,
-    people: int,
-    standing: int,
-    style: str | None,
-    with_leader: bool,
-    start_arc: float,
-    leader_rng: np.random.Generator,
-    rng: np.random.Generator,
-) -> tuple[Casting, CrowdState]:
-    """Draw the people of one episode: a leader, now and then somebody with them, wanderers on the scene's walks.
+def draw_wanderers(request: CastRequest) -> tuple[list[Draft], Leader]:
+    """Draw a leader, now and then somebody with them, wanderers on the scene's walks, and standers.
 
-    Arguments, results and errors are those of `cast_people`.
+    Raises:
+        InputError: If the building is too small for so many.
     """
-    if not with_leader:
-        led = cast_wanderers(scene, terrain, people + 1, standing, style, True, start_arc, leader_rng, rng)
-        return without_leader(*led)
+    people, rng = request.people, request.rng
     company = people > 1 and rng.random() < _COMPANY
-    roles = [Role.LEADER, *[Role.COMPANION] * company, *[Role.WANDERER] * (people - 1 - company)]
-    roles += [Role.STANDER] * standing
-    count = len(roles)
-    leader = draw_leader(leader_rng, style, start_arc, scene.tour_length)
-    physiques = [draw_physique(leader_rng), *(draw_physique(rng) for _ in roles[1:])]
+    parts = [Part.LEADER, *[Part.COMPANION] * company, *[Part.WANDERER] * (people - 1 - company)]
+    parts += [Part.STANDER] * request.standing
+    count = len(parts)
+    leader = draw_leader(request.leader_rng, request.style, request.start_arc, request.scene.tour_length)
+    physiques = [draw_physique(request.leader_rng), *(draw_physique(rng) for _ in parts[1:])]
     temper = [TEMPERAMENTS[str(name)] for name in rng.choice(sorted(TEMPERAMENTS), count)]
-    casting = Casting(
-        roles=np.array(roles, dtype=np.int64),
-        physiques=tuple(physiques),
-        pace=np.array([rng.uniform(*kind.pace) for kind in temper]),
-        side=np.array([rng.uniform(*kind.right) for kind in temper]),
-        gap=rng.uniform(1.1, 1.6, count),
-        window=np.zeros((count, 2)),
-        path=np.zeros(count, dtype=np.int64),
-        patience=np.array([rng.uniform(*kind.patience) for kind in temper]),
-        rest=np.array([rng.uniform(*kind.rest) for kind in temper]),
-        gives_way=np.array([kind.gives_way for kind in temper]),
-    )
-    arc, sense = _places(scene, terrain, casting, start_arc, start_arc + leader_rng.uniform(1.2, 1.5), rng)
-    state = standing_still(terrain, casting, arc, sense, leader)
-    state.timer[casting.roles == Role.WANDERER] = -_LEADER_FIRST_S
-    return casting, state
+    pace = [float(rng.uniform(*kind.pace)) for kind in temper]
+    side = [float(rng.uniform(*kind.right)) for kind in temper]
+    gap = rng.uniform(1.1, 1.6, count)
+    patience = [float(rng.uniform(*kind.patience)) for kind in temper]
+    rest = [float(rng.uniform(*kind.rest)) for kind in temper]
+    drafts = [
+        Draft(
+            part=part,
+            physique=physiques[k],
+            pace=pace[k],
+            side=side[k],
+            gap=float(gap[k]),
+            patience=patience[k],
+            rest=rest[k],
+            gives_way=temper[k].gives_way,
+        )
+        for k, part in enumerate(parts)
+    ]
+    _place(request, drafts, request.start_arc + request.leader_rng.uniform(1.2, 1.5))
+    return drafts, leader
 
 
-def _places(
-    scene: Scene, terrain: Terrain, casting: Casting, start_arc: float, leader_arc: float, rng: np.random.Generator
-) -> tuple[Array, Array]:
-    """Return arc length and sense of everybody, apart from each other; writes side, window and path into `casting`."""
-    count = len(casting.roles)
-    arc, sense = np.zeros(count), np.ones(count)
-    taken = [terrain.place(start_arc, 0.0)]
-    order = rng.permutation(len(scene.walks)) + 1
-    for person, role in enumerate(casting.roles):
-        if role in (Role.LEADER, Role.COMPANION):
-            arc[person] = leader_arc + (casting.gap[person] if role == Role.COMPANION else 0.0)
-            casting.side[person] = 0.0
-        elif role == Role.STANDER:
-            arc[person] = _stand(scene, terrain, casting, person, arc, np.array(taken), rng)
+def _place(request: CastRequest, drafts: list[Draft], leader_arc: float) -> None:
+    """Give everybody a place, apart from each other, and wanderers a walk."""
+    terrain, rng = request.terrain, request.rng
+    taken = [terrain.place(request.start_arc, 0.0)]
+    order = rng.permutation(len(request.scene.walks)) + 1
+    for person, draft in enumerate(drafts):
+        if draft.part in (Part.LEADER, Part.COMPANION):
+            draft.arc = leader_arc + (draft.gap if draft.part == Part.COMPANION else 0.0)
+            draft.side = 0.0
+        elif draft.part == Part.STANDER:
+            _stand(request, draft, drafts[:person], np.array(taken))
         else:
-            sense[person] = rng.choice([-1.0, 1.0])
-            casting.path[person] = order[person % len(order)]
-            arc[person] = _free_arc(terrain, casting, person, float(sense[person]), taken, rng)
-        lateral = float(casting.side[person]) * (-sense[person] if role == Role.WANDERER else 1.0)
-        taken.append(terrain.place(float(arc[person]), lateral, int(casting.path[person])))
-    return arc, sense
+            draft.sense = float(rng.choice([-1.0, 1.0]))
+            draft.path = int(order[person % len(order)])
+            draft.arc = _free_arc(request, draft, taken, len(drafts))
+        lateral = draft.side * (-draft.sense if draft.part == Part.WANDERER else 1.0)
+        taken.append(terrain.place(draft.arc, lateral, draft.path))
 
 
-def _free_arc(
-    terrain: Terrain, casting: Casting, person: int, sense: float, taken: list[Array], rng: np.random.Generator
-) -> float:
-    path = int(casting.path[person])
-    length = float(terrain.count[path] - 1) * SPACING
+def _free_arc(request: CastRequest, draft: Draft, taken: list[Array], people: int) -> float:
+    """Return a place on the draft's path that is free; `taken` is where the robot and those before are [m]."""
+    terrain, path = request.terrain, draft.path
+    length = terrain.length_of(path)
     for _ in range(300):
-        arc = float(rng.uniform(0.0, length))
-        lateral = terrain.within_free(arc, -sense * float(casting.side[person]), path)
+        arc = float(request.rng.uniform(0.0, length))
+        lateral = terrain.within_free(arc, -draft.sense * draft.side, path)
         away = np.hypot(*(np.array(taken) - terrain.place(arc, lateral, path)).T)
         if away[0] > _FROM_ROBOT and np.all(away[1:] > _APART):
             return arc
-    raise InputError(f"no room for {len(casting.roles)} people in this building: at most about {len(taken) - 1} fit")
+    raise InputError(f"no room for {people} people in this building: at most about {len(taken) - 1} fit")
 
 
-def _stand(
-    scene: Scene,
-    terrain: Terrain,
-    casting: Casting,
-    person: int,
-    arc: Array,
-    taken: Array,
-    rng: np.random.Generator,
-) -> float:
-    """Return where somebody who will stand beside the route begins; writes their side and window into `casting`."""
+def _stand(request: CastRequest, draft: Draft, before: list[Draft], taken: Array) -> None:
+    """Give somebody who will stand beside the route a place there; `taken` (k, 2) is where others are [m]."""
+    on_route = np.array([other.arc for other in before if other.path == 0])
     for _ in range(100):
-        low, high, lateral = stander_window(scene, arc[:person][casting.path[:person] == 0], rng)
-        if np.hypot(*(taken - terrain.place(low + 0.1, lateral)).T).min() > _APART:
-            casting.side[person], casting.window[person] = lateral, (low, high)
-            return low + 0.1
-    raise InputError(f"no room for another standing person in this {scene.name}")
+        low, high, lateral = stander_window(request.scene, on_route, request.rng)
+        if np.hypot(*(taken - request.terrain.place(low + 0.1, lateral)).T).min() > _APART:
+            draft.side, draft.window, draft.arc = lateral, (low, high), low + 0.1
+            return
+    raise InputError(f"no room for another standing person in this {request.scene.name}")

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from ...slam.geometry import transform_points
 from ..follow_env import FollowEnv, nobody_notes
-from .history import History
+from ..metrics.history import History
 
 
 class Recorder:

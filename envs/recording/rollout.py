@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from ...slam.errors import InputError
 from ..follow_config import FollowConfig
 from ..follow_env import FollowEnv
-from ..interface import FollowInterface
 from ..metrics import episode_metrics
-from .history import History
+from ..metrics.history import History
+from ..task.interface import FollowInterface
 from .recorder import Recorder
 
 

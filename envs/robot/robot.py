@@ -13,13 +13,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...slam.bounds import Within
 from ...slam.errors import InputError, shown, unknown_name
-from ..field_checks import check_fields, finite_numbers
-from ..world.groups import GROUP_ROBOT
-from ..world.mj import MjSpec, mujoco
+from ..limits.field_checks import check_fields, finite_numbers
+from ..physics.groups import GROUP_ROBOT
+from ..physics.mj import MjSpec, mujoco
 
 Array = NDArray[np.float64]
 _Motion = Annotated[float, Within(1e-3, 100.0)]  # speeds and accelerations: no robot indoors comes near the upper end
 _Strength = Annotated[float, Within(1e-3, 1e5)]
+_Chassis = Annotated[tuple[float, float, float], Within(0.05, 3.0)]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,7 +31,9 @@ class RobotConfig:
     acceleration limits (20 m/s^2) are no physical ones, so ours are moderate.
 
     Attributes:
-        drive: "differential" (Dingo-D) or "holonomic" (Dingo-O).
+        drive: "differential" (forward and turn) or "holonomic" (sideways, too).
+        chassis: Length, width and height of the chassis [m]; None takes that of the Dingo with this drive, Dingo-D or
+            Dingo-O. It hides nothing from the laser, which may look out of it.
         max_speed: Largest linear speed [m/s].
         max_turn_rate: Largest angular speed [rad/s].
         max_acceleration: Largest change of the linear velocity setpoint [m/s^2].
@@ -40,6 +43,7 @@ class RobotConfig:
     """
 
     drive: str = "differential"
+    chassis: _Chassis | None = None
     max_speed: _Motion = 1.3
     max_turn_rate: _Motion = 4.0
     max_acceleration: _Motion = 2.0
@@ -51,7 +55,7 @@ class RobotConfig:
         "differential": (0.549, 0.517, 0.111),
         "holonomic": (0.680, 0.510, 0.111),
     }
-    """Length, width and height of the chassis of each drive [m]."""
+    """Length, width and height of the Dingo's chassis with each drive [m]."""
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -59,14 +63,30 @@ class RobotConfig:
             raise unknown_name("drive", self.drive, tuple(self.sizes))
 
     @property
+    def holonomic(self) -> bool:
+        """Whether it can drive sideways."""
+        return self.drive == "holonomic"
+
+    @property
     def size(self) -> tuple[float, float, float]:
         """Length, width, height of the chassis [m]."""
-        return self.sizes[self.drive]
+        return self.sizes[self.drive] if self.chassis is None else self.chassis
 
     @property
     def radius(self) -> float:
         """Radius of the circle around the chassis [m]."""
         return float(np.hypot(self.size[0], self.size[1])) / 2.0
+
+
+ROBOTS: dict[str, RobotConfig] = {
+    "dingo-d": RobotConfig(),
+    "dingo-o": RobotConfig(drive="holonomic"),
+    "pioneer": RobotConfig(chassis=(0.455, 0.381, 0.237), max_speed=1.2, max_turn_rate=5.2, mass=14.0, grip=60.0),
+}
+"""Name -> robot. The Clearpath Dingo by its data sheet: "dingo-d" with two driven wheels, "dingo-o" with four Mecanum
+wheels (Ye 2021). "pioneer" is the Pioneer 3-DX of Zhang et al. 2019: 455 x 381 x 237 mm, 9 kg without laser and
+computer, 1.2 m/s and 300 deg/s by the data sheet of Adept MobileRobots; accelerations are moderate as the Dingo's,
+since the firmware's are settings of its user."""
 
 
 class Robot:
@@ -90,7 +110,7 @@ class Robot:
             InputError: If the shape does not fit the drive or a value is not finite.
         """
         wanted = finite_numbers(command)
-        shapes = [(2,)] if self.config.drive == "differential" else [(2,), (3,)]
+        shapes = [(2,), (3,)] if self.config.holonomic else [(2,)]
         if wanted is None or wanted.shape not in shapes:
             raise InputError(
                 f"a command of the {self.config.drive} drive has shape {shapes}, finite, got {shown(command)}"

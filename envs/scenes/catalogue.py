@@ -1,7 +1,5 @@
 """The table of scenes."""
 
-from collections.abc import Callable
-
 import numpy as np
 
 from ...slam.errors import unknown_name
@@ -13,10 +11,11 @@ from .landmarks import landmarks
 from .meeting_room import meeting_room
 from .office import office
 from .plain_corridor import plain_corridor
-from .request import SceneRequest
+from .request import SceneMaker, SceneRequest
 from .scene import Scene
+from .scene_check import checked_scene
 
-SCENES: dict[str, Callable[[np.random.Generator, SceneRequest], Scene]] = {
+SCENES: dict[str, SceneMaker] = {
     "clutter": clutter,
     "corridor": lambda rng, request: corridor(rng, request.route),
     "doorway": doorway,
@@ -33,19 +32,32 @@ SCENES: dict[str, Callable[[np.random.Generator, SceneRequest], Scene]] = {
 
 
 def make_scene(
-    name: str, rng: np.random.Generator, route: str | None = None, request: SceneRequest | None = None
+    scene: str | SceneMaker, rng: np.random.Generator, route: str | None = None, request: SceneRequest | None = None
 ) -> Scene:
-    """Return a building of the kind `name`, its sizes and clutter drawn from `rng`.
+    """Return a building, its sizes and clutter drawn from `rng`.
 
     Args:
-        name: A key of `SCENES`.
+        scene: Its kind, a key of `SCENES`; or a function of one's own that takes `rng` and the request and returns a
+            `Scene`.
         rng: Source of all draws.
         route: Name of one of the scene's tours; None draws one. Only without `request`.
         request: All that can be asked for.
 
     Raises:
-        InputError: If the scene or the route is unknown.
+        InputError: If the scene or the route is unknown, or a function of one's own returns none that can be used.
     """
-    if name not in SCENES:
-        raise unknown_name("scene", name, tuple(SCENES))
-    return SCENES[name](rng, request or SceneRequest(route=route))
+    request = request or SceneRequest(route=route)
+    check_scene_name(scene)
+    if isinstance(scene, str):
+        return SCENES[scene](rng, request)
+    return checked_scene(scene(rng, request), request)
+
+
+def check_scene_name(scene: object) -> None:
+    """Refuse what is neither a kind of building nor a function.
+
+    Raises:
+        InputError: Naming the kinds that there are.
+    """
+    if not callable(scene) and (not isinstance(scene, str) or scene not in SCENES):
+        raise unknown_name("scene", scene, tuple(SCENES))

@@ -1,10 +1,14 @@
 """What is asked of a scene beyond its kind."""
 
 import os
+from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+
 from ...slam.errors import unknown_name
-from ..field_checks import check_fields
+from ..limits.field_checks import check_fields
+from .scene import Scene
 
 SPLITS = ("train", "test")
 """Halves of the drawn buildings: no building of one is ever in the other."""
@@ -28,3 +32,7 @@ class SceneRequest:
         check_fields(self)
         if self.split not in SPLITS:
             raise unknown_name("split", self.split, SPLITS)
+
+
+SceneMaker = Callable[[np.random.Generator, SceneRequest], Scene]
+"""What draws a building: a function of the source of all draws and of what is asked for."""

@@ -115,16 +115,16 @@ class OperatorPlan:
 
 @dataclass(frozen=True, kw_only=True)
 class Scene:
-    """One drawn building. World frame: x and y along the walls.
+    """One drawn building, in a world frame of its own. A scene of one's own needs the first six; see `make_scene`.
 
     Attributes:
-        name: Name in the table of scenes.
+        name: What it is called in errors and reports.
         solids: Walls and furniture.
         floor: (k, 2) polygon of the walkable floor between the walls [m]; furniture stands on it.
         routes: Tours by name; each (n, 2) [m], drivable by the robot, ending `RUN_OUT` metres behind the tour's end.
         route_name: The tour of this episode.
-        lap: Length [m] of one lap where the route is a closed lap driven several times, else 0.
         half_width: Clear space to both sides of the route [m].
+        lap: Length [m] of one lap where the route is a closed lap driven several times, else 0.
         standing_places: (m, 2) arc length along the route and lateral offset (left positive) of places where somebody
             can stand without blocking the robot [m].
         walks: Ways of bystanders who do not walk on the tour; () where all walk on the tour.
@@ -140,9 +140,9 @@ class Scene:
     floor: Array
     routes: dict[str, Array]
     route_name: str
-    lap: float
     half_width: float
-    standing_places: Array
+    lap: float = 0.0
+    standing_places: Array = field(default_factory=lambda: np.zeros((0, 2)))
     walks: tuple[Walk, ...] = ()
     ceiling: float | None = None
     doors: tuple[Door, ...] = ()

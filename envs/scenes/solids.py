@@ -82,3 +82,14 @@ def box(kind: str, low: tuple[float, float], high: tuple[float, float], top: flo
 def post(kind: str, x: float, y: float, radius: float, top: float, *, blocks_people: bool = True) -> Solid:
     """Return a cylinder that stands on the floor."""
     return Solid(kind=kind, x=x, y=y, radius=radius, top=top, blocks_people=blocks_people)
+
+
+def room(low: tuple[float, float], high: tuple[float, float], thickness: float = 0.2) -> tuple[Solid, ...]:
+    """Return four walls around the free rectangle between the corners `low` and `high` (x, y) [m]."""
+    (x0, y0), (x1, y1), t = low, high, thickness
+    return (
+        box("wall", (x0 - t, y0 - t), (x1 + t, y0)),
+        box("wall", (x0 - t, y1), (x1 + t, y1 + t)),
+        box("wall", (x0 - t, y0), (x0, y1)),
+        box("wall", (x1, y0), (x1 + t, y1)),
+    )

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from ...slam.bounds import FARTHEST_MOUNT_M, LEAST_SPACING, LONGEST_RANGE_M, Share, Within, check_numbers
 from ...slam.errors import InputError
 from ...slam.scan import LaserScan
-from ..field_checks import Beams, Opening, Rate
-from ..world.groups import GROUP_SEEN
-from ..world.mj import MjData, MjModel, mujoco
+from ..limits.field_checks import Beams, Opening, Rate
+from ..physics.groups import GROUP_SEEN
+from ..physics.mj import MjData, MjModel, mujoco
 from .ray_kernel import BOX, CYLINDER, ELLIPSOID, add_noise, cast_beams
 
 Array = NDArray[np.float64]

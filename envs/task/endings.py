@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from ..follow_config import FollowConfig
 from ..world.truth import TrueState
+from .config import TaskConfig
 from .rewards import StepFacts
 
 
@@ -33,7 +33,7 @@ class EndingRule:
             one, and whether a contact ends it all.
     """
 
-    def __init__(self, config: FollowConfig) -> None:
+    def __init__(self, config: TaskConfig) -> None:
         self._config = config
         self._lost_s = 0.0
 

@@ -1,18 +1,22 @@
 """The observation of a follow environment: its spaces, and its arrays from what the robot believes."""
 
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from gymnasium import spaces
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ...perception.rgbd.frame import RgbdFrame
 from ...perception.tracking.people import People
+from ...slam.bounds import Cell, check_numbers
+from ...slam.errors import InputError, shown
 from ...slam.scan import LaserScan
-from ..follow_config import FollowConfig
-from ..interface import LEADER_COLUMNS, PERSON_COLUMNS
+from ..limits.field_checks import MapCells, Slots
 from ..onboard.stack import Belief
 from ..sensors.camera.config import RgbdConfig
+from .interface import LEADER_COLUMNS, PERSON_COLUMNS
 from .map_patch import MapPatch
 
 Floats = NDArray[np.float32]
@@ -28,36 +32,95 @@ _LOW = np.array([-FARTHEST_M, -FARTHEST_M, -FASTEST_MPS, -FASTEST_MPS, 0.0, 0.0]
 _HIGH = np.array([FARTHEST_M, FARTHEST_M, FASTEST_MPS, FASTEST_MPS, 1.0, 1.0], dtype=np.float32)
 
 
-def observation_space(config: FollowConfig) -> spaces.Dict:
+Entry = tuple[spaces.Space[Any], Callable[[Belief], ArrayLike]]
+"""The space of an entry of the observation, and what it holds: a function of what the robot believes."""
+OWN_ENTRIES = ("scan", "people", "velocity", "leader", "map", "rgb", "depth")
+
+
+@dataclass(frozen=True, kw_only=True)
+class ObservationConfig:
+    """What is observed.
+
+    Attributes:
+        people_slots: Most people in entry `people`; the nearest are kept.
+        map_cells: Side of entry `map` [cells].
+        map_resolution: Side of a cell of it [m].
+        entries: Further entries: name -> (space, function). The function is given the `Belief` of the onboard stack,
+            never the truth, and returns an array of the space's shape; `info` and the reward may know the truth.
+    """
+
+    people_slots: Slots = 6
+    map_cells: MapCells = 64
+    map_resolution: Cell = 0.1
+    entries: Mapping[str, Entry] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        check_numbers(self)
+        if not isinstance(self.entries, Mapping):
+            rule = "a table of names, each with a space and a function"
+            raise InputError(f"`observation.entries` must be {rule}, got {shown(self.entries)}")
+        for name, entry in self.entries.items():
+            if not isinstance(name, str) or name in OWN_ENTRIES:
+                raise InputError(f"an entry of `observation.entries` needs a name of its own, got {shown(name)}")
+            good = isinstance(entry, tuple | list) and len(entry) == 2 and callable(entry[1])
+            if not good or not isinstance(entry[0], spaces.Box | spaces.Discrete | spaces.MultiBinary):
+                rule = "(space, function): a Box, Discrete or MultiBinary, and what returns a value of it"
+                raise InputError(f"`observation.entries[{name!r}]` must be {rule}, got {shown(entry)}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Observed:
+    """What there is to observe.
+
+    Attributes:
+        config: What is observed.
+        beams: Beams of the laser.
+        holonomic: Whether the robot drives sideways, too.
+        leader: Whether somebody leads.
+        map: Whether somebody maps.
+        camera: The camera; None for none.
+    """
+
+    config: ObservationConfig
+    beams: int
+    holonomic: bool
+    leader: bool
+    map: bool
+    camera: RgbdConfig | None
+
+
+def observation_space(observed: Observed) -> spaces.Dict:
     """Return the observation space; `map` is there only where something builds a map, `leader` only with a leader."""
-    slots = config.people_slots
-    top = [FASTEST_MPS] * (2 if config.drive == "holonomic" else 1) + [FASTEST_TURN]
+    slots, cells = observed.config.people_slots, observed.config.map_cells
+    top = [FASTEST_MPS] * (2 if observed.holonomic else 1) + [FASTEST_TURN]
     fastest = np.array(top, dtype=np.float32)
     entries: dict[str, spaces.Space] = {
-        "scan": spaces.Box(0.0, 1.0, (config.beams,), np.float32),
+        "scan": spaces.Box(0.0, 1.0, (observed.beams,), np.float32),
         "people": spaces.Box(np.tile(_LOW, (slots, 1)), np.tile(_HIGH, (slots, 1)), (slots, len(PERSON_COLUMNS))),
         "velocity": spaces.Box(-fastest, fastest, fastest.shape, np.float32),
     }
-    if "rgbd" in config.sensors:
-        width, height = config.camera_pixels
+    if observed.camera is not None:
+        width, height = observed.camera.width, observed.camera.height
         entries["rgb"] = spaces.Box(0, 255, (height, width, 3), np.uint8)
         entries["depth"] = spaces.Box(0.0, 1.0, (height, width), np.float32)
-    if config.leader:
+    if observed.leader:
         entries["leader"] = spaces.Box(_LOW, _HIGH, (len(LEADER_COLUMNS),), np.float32)
-    if config.slam is not None:
-        entries["map"] = spaces.Box(0.0, 1.0, (config.map_cells, config.map_cells), np.float32)
-    return spaces.Dict(entries)
+    if observed.map:
+        entries["map"] = spaces.Box(0.0, 1.0, (cells, cells), np.float32)
+    return spaces.Dict({**entries, **{name: space for name, (space, _) in observed.config.entries.items()}})
 
 
 class Observer:
     """Turns beliefs into observations; every array is new in every step."""
 
-    def __init__(self, config: FollowConfig) -> None:
+    def __init__(self, observed: Observed) -> None:
+        config = observed.config
         self._slots = config.people_slots
-        self._leader = config.leader
-        self._planar = config.drive == "holonomic"
-        self._farthest = RgbdConfig().range_max
-        self._patch = MapPatch(config.map_cells, config.map_resolution) if config.slam is not None else None
+        self._leader = observed.leader
+        self._planar = observed.holonomic
+        self._farthest = 0.0 if observed.camera is None else observed.camera.range_max
+        self._patch = MapPatch(config.map_cells, config.map_resolution) if observed.map else None
+        self._entries = config.entries
 
     def observe(self, belief: Belief, frames: tuple[RgbdFrame, ...] = ()) -> dict[str, NDArray[Any]]:
         """Return the observation of `belief` and of the last of the camera's `frames`, if there are any."""
@@ -73,6 +136,8 @@ class Observer:
         if frames:
             observation["rgb"] = frames[-1].colour.copy()
             observation["depth"] = depth_entry(frames[-1], self._farthest)
+        for name, (space, function) in self._entries.items():
+            observation[name] = own_entry(name, space, function(belief))
         return observation
 
     def _velocity_entry(self, velocity: NDArray[np.float64]) -> Floats:
@@ -80,6 +145,21 @@ class Observer:
         linear = [forward, left] if self._planar else [forward]
         clipped = [min(max(v, -FASTEST_MPS), FASTEST_MPS) for v in linear]
         return np.array([*clipped, min(max(turn, -FASTEST_TURN), FASTEST_TURN)], dtype=np.float32)
+
+
+def own_entry(name: str, space: spaces.Space[Any], value: ArrayLike) -> NDArray[Any]:
+    """Return a new array of the space's type and shape.
+
+    Raises:
+        InputError: If `value` has another shape, or holds what is no number of the type.
+    """
+    try:
+        array = np.array(value, dtype=space.dtype)
+    except (TypeError, ValueError, OverflowError):
+        array = None
+    if array is None or array.shape != space.shape:
+        raise InputError(f"`observation.entries[{name!r}]` must return shape {space.shape}, got {shown(value)}")
+    return array
 
 
 def scan_entry(scan: LaserScan) -> Floats:

@@ -4,12 +4,20 @@ Shaping terms are per step of 0.1 s, scaled to the actual step, so that returns 
 """
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Annotated, Any
 
+from ...slam.bounds import Within, check_numbers
+from ...slam.errors import InputError, shown
+
+_Weight = Annotated[float, Within(0.0, 1e6)]
+_Length = Annotated[float, Within(1e-3, 1e3)]
+_Angle = Annotated[float, Within(1e-3, math.pi)]
 FOLLOWING_DISTANCE = 1.3
-"""Wanted distance from the leader, centre to centre [m]."""
+"""Wanted distance from the leader, centre to centre, where nothing else is said [m]."""
 PERSONAL_SPACE_M = 0.45
-"""Free space to bystanders below which the robot intrudes [m]."""
+"""Free space to bystanders below which the robot intrudes, where nothing else is said [m]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,30 +49,105 @@ class StepFacts:
     newly_covered: float = 0.0
 
 
-def reward_terms(facts: StepFacts) -> dict[str, float]:
-    """Return each term by name; the manual of `FollowEnv` gives formulas and reasons."""
-    share = facts.step_s * 10.0
+RewardTerm = Callable[[StepFacts], float]
+"""A term of the reward: what a step is worth, of what truly happened in it."""
+FOLLOWING_TERMS = ("distance", "facing", "personal_space", "smoothness", "lost", "collision", "tour")
+EXPLORING_TERMS = ("coverage", "personal_space", "smoothness", "collision", "covered")
+
+
+@dataclass(frozen=True, kw_only=True)
+class RewardConfig:
+    """Weights and shapes of the reward's terms, and further terms. A weight of 0 leaves a term at 0.
+
+    Attributes:
+        distance: Weight of `distance`.
+        facing: Of `facing`.
+        personal_space: Of `personal_space`, which is negative, as are the next three.
+        smoothness: Of `smoothness`.
+        lost: Of `lost`.
+        collision: Of `collision`.
+        tour: Of `tour`.
+        coverage: Of `coverage`.
+        covered: Of `covered`.
+        following_distance: Wanted distance from the leader, centre to centre [m].
+        distance_bound: So far off it is still perfect [m].
+        distance_margin: So much farther off it is worth 0.1 [m].
+        facing_bound: The leader may be so far aside [rad].
+        facing_margin: So much farther aside it is worth 0.1 [rad].
+        space: Free space to bystanders below which the robot intrudes [m].
+        terms: Further terms: name -> function of `StepFacts`, which returns what is added to the reward of the step.
+    """
+
+    distance: _Weight = 1.0
+    facing: _Weight = 0.2
+    personal_space: _Weight = 1.0
+    smoothness: _Weight = 0.1
+    lost: _Weight = 0.2
+    collision: _Weight = 20.0
+    tour: _Weight = 20.0
+    coverage: _Weight = 100.0
+    covered: _Weight = 20.0
+    following_distance: _Length = FOLLOWING_DISTANCE
+    distance_bound: _Length = 0.15
+    distance_margin: _Length = 0.85
+    facing_bound: _Angle = 0.2
+    facing_margin: _Angle = 1.2
+    space: _Length = PERSONAL_SPACE_M
+    terms: Mapping[str, RewardTerm] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        check_numbers(self)
+        if not isinstance(self.terms, Mapping):
+            raise InputError(f"`reward.terms` must be a table of names and functions, got {shown(self.terms)}")
+        for name, function in self.terms.items():
+            if not isinstance(name, str) or name in (*FOLLOWING_TERMS, *EXPLORING_TERMS):
+                raise InputError(f"a term of `reward.terms` needs a name of its own, got {shown(name)}")
+            if not callable(function):
+                raise InputError(f"`reward.terms[{name!r}]` must be a function of `StepFacts`, got {shown(function)}")
+
+
+def reward_terms(facts: StepFacts, config: RewardConfig) -> dict[str, float]:
+    """Return each term behind a leader by name; the manual of `FollowEnv` gives formulas and reasons."""
+    share, off = facts.step_s * 10.0, facts.distance - config.following_distance
+    near = tolerance(off, bound=config.distance_bound, margin=config.distance_margin)
+    faced = tolerance(facts.bearing, bound=config.facing_bound, margin=config.facing_margin)
     return {
-        "distance": share * tolerance(facts.distance - FOLLOWING_DISTANCE, bound=0.15, margin=0.85),
-        "facing": share * 0.2 * tolerance(facts.bearing, bound=0.2, margin=1.2),
-        "personal_space": -share * intrusion(facts.bystander_space),
-        "smoothness": -0.1 * facts.action_change,
-        "lost": 0.0 if facts.following_leader else -0.2 * share,
-        "collision": -20.0 if facts.collided else 0.0,
-        "tour": 20.0 if facts.tour_done and not facts.collided else 0.0,
+        "distance": share * config.distance * near,
+        "facing": share * config.facing * faced,
+        "personal_space": -share * config.personal_space * intrusion(facts.bystander_space, config.space),
+        "smoothness": -config.smoothness * facts.action_change,
+        "lost": 0.0 if facts.following_leader else -config.lost * share,
+        "collision": -float(config.collision) if facts.collided else 0.0,
+        "tour": float(config.tour) if facts.tour_done and not facts.collided else 0.0,
+        **_further_terms(facts, config),
     }
 
 
-def exploration_terms(facts: StepFacts, goal: float) -> dict[str, float]:
+def exploration_terms(facts: StepFacts, goal: float, config: RewardConfig) -> dict[str, float]:
     """Return each term of an episode without a leader by name; `goal` is the share of the floor to be seen."""
     share = facts.step_s * 10.0
     return {
-        "coverage": 100.0 * facts.newly_covered,
-        "personal_space": -share * intrusion(facts.bystander_space),
-        "smoothness": -0.1 * facts.action_change,
-        "collision": -20.0 if facts.collided else 0.0,
-        "covered": 20.0 if facts.coverage >= goal and not facts.collided else 0.0,
+        "coverage": config.coverage * facts.newly_covered,
+        "personal_space": -share * config.personal_space * intrusion(facts.bystander_space, config.space),
+        "smoothness": -config.smoothness * facts.action_change,
+        "collision": -float(config.collision) if facts.collided else 0.0,
+        "covered": float(config.covered) if facts.coverage >= goal and not facts.collided else 0.0,
+        **_further_terms(facts, config),
     }
+
+
+def _further_terms(facts: StepFacts, config: RewardConfig) -> dict[str, float]:
+    return {name: _finite(name, function(facts)) for name, function in config.terms.items()}
+
+
+def _finite(name: str, value: Any) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        number = math.nan
+    if not math.isfinite(number):
+        raise InputError(f"`reward.terms[{name!r}]` must return a finite number, got {shown(value)}")
+    return number
 
 
 def tolerance(value: float, *, bound: float, margin: float) -> float:
@@ -73,6 +156,6 @@ def tolerance(value: float, *, bound: float, margin: float) -> float:
     return 1.0 if beyond <= 0.0 else math.exp(math.log(0.1) * (beyond / margin) ** 2)
 
 
-def intrusion(space: float) -> float:
-    """Return how deep the robot is in a bystander's personal space: 0 at 0.45 m or more, 1 in contact."""
-    return min(max(1.0 - space / PERSONAL_SPACE_M, 0.0), 1.0)
+def intrusion(space: float, wanted: float = PERSONAL_SPACE_M) -> float:
+    """Return how deep the robot is in a bystander's personal space: 0 at `wanted` [m] or more, 1 in contact."""
+    return min(max(1.0 - space / wanted, 0.0), 1.0)

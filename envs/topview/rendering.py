@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from ...slam.errors import InputError, unknown_name
 from ...slam.geometry import compose, inverse, transform_points
 from ..onboard.stack import Belief
+from ..physics.mj import mujoco
 from ..sensors.camera.opengl import open_renderer
-from ..world.mj import mujoco
 from ..world.truth import TrueState
 from ..world.world import World
 from . import Snapshot, TopView, Tracks

@@ -24,9 +24,9 @@ from ...slam.errors import InputError, WorkerError, shown
 from ...slam.processes.crew import require_workers
 from ...slam.processes.inside import answered
 from ...slam.processes.supervised import SILENT_S, Worker, end_all
-from ..episode_setup import interface
-from ..field_checks import finite_numbers
 from ..follow_env import FollowEnv
+from ..limits.field_checks import finite_numbers
+from ..task import interface
 from .worker import Rows, WorkerShare, asked, joined, split, stacked, worker_share
 
 Flags = NDArray[np.bool_]

@@ -5,16 +5,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..appearance.outfit import add_outfit
+from ..appearance.wardrobe import Outfit
 from ..people.body import PARTS, Physique, add_person
-from ..people.outfit import add_outfit
-from ..people.wardrobe import Outfit
+from ..physics.groups import GROUP_ABOVE, GROUP_CEILING, GROUP_HIDDEN, GROUP_SEEN
+from ..physics.mj import MjModel, MjSpec, mujoco
 from ..robot.robot import RobotConfig, add_robot
 from ..scenes.scene import Scene
 from ..scenes.solids import Solid
 from ..sensors.lidar import LidarConfig
 from .doors import add_door
-from .groups import GROUP_ABOVE, GROUP_CEILING, GROUP_HIDDEN, GROUP_SEEN
-from .mj import MjModel, MjSpec, mujoco
 
 ARENA_BYTES = 1 << 20
 """Room for contacts and their equations [bytes]; the most that an episode was seen to use is 18 kB. MuJoCo's own choice

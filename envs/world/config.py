@@ -6,13 +6,14 @@ from typing import Annotated
 
 from ...slam.bounds import Within
 from ...slam.errors import InputError, unknown_name
-from ..field_checks import People, Rate, check_fields
-from ..people.leader import STYLES
-from ..people.social_force import SocialForceConfig
+from ..limits.field_checks import People, Rate, check_fields
+from ..people.behaviours.behaviour import Behaviour, checked_behaviours
+from ..people.behaviours.leader import STYLES
+from ..people.movement.social_force import SocialForceConfig
 from ..robot.odometry import QUALITIES, OdometryConfig
 from ..robot.robot import RobotConfig
-from ..scenes.catalogue import SCENES
-from ..scenes.request import SceneRequest
+from ..scenes.catalogue import check_scene_name
+from ..scenes.request import SceneMaker, SceneRequest
 from ..sensors.camera.config import RgbdConfig
 from ..sensors.lidar import LidarConfig
 
@@ -25,7 +26,7 @@ class WorldConfig:
     """What to simulate.
 
     Attributes:
-        scene: Name of the building, see `SCENES`.
+        scene: Kind of the building, see `tagalong.envs.scenes.SCENES`, or a function that draws one of one's own.
         route: Name of the tour, None draws one.
         split: Of which half offices are drawn: "train" or "test".
         floor_plan: File `map.yaml` for the scene "floor_plan"; None takes the built-in plan.
@@ -38,6 +39,8 @@ class WorldConfig:
         leader_style: "steady", "hurried" or "waits" (when the robot lags); None draws one.
         standing: Number of further people who walk to and fro beside the route and stand still for 25 s once the
             robot has come near.
+        behaviours: Further people, one for each behaviour, see `tagalong.envs.people.behaviours`. Each begins with a
+            copy of the object that stands here, where it says, or at a drawn place of the route.
         odometry: Name of a quality, see `QUALITIES`, or a configuration.
         lidar: The laser scanner.
         camera: The RGB-D camera; None for none. With one, clothing, paint and light are drawn too.
@@ -47,7 +50,7 @@ class WorldConfig:
         physics_dt: Time step of the physics [s].
     """
 
-    scene: str = "corridor"
+    scene: str | SceneMaker = "corridor"
     route: str | None = None
     split: str = "train"
     floor_plan: str | os.PathLike[str] | None = None
@@ -56,6 +59,7 @@ class WorldConfig:
     leader: bool = True
     leader_style: str | None = None
     standing: People = 0
+    behaviours: tuple[Behaviour, ...] = ()
     odometry: str | OdometryConfig = "typical"
     lidar: LidarConfig = field(default_factory=LidarConfig)
     camera: RgbdConfig | None = None
@@ -66,8 +70,8 @@ class WorldConfig:
 
     def __post_init__(self) -> None:
         check_fields(self)
-        if self.scene not in SCENES:
-            raise unknown_name("scene", self.scene, tuple(SCENES))
+        object.__setattr__(self, "behaviours", checked_behaviours(self.behaviours))
+        check_scene_name(self.scene)
         if self.leader_style is not None and self.leader_style not in STYLES:
             raise unknown_name("leader style", self.leader_style, tuple(STYLES))
         if isinstance(self.odometry, str) and self.odometry not in QUALITIES:

@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from ..physics.groups import GROUP_SEEN
+from ..physics.mj import MjSpec, mujoco
 from ..scenes.scene import Door
-from .groups import GROUP_SEEN
-from .mj import MjSpec, mujoco
 
 Array = NDArray[np.float64]
 

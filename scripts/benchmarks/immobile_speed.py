@@ -4,7 +4,7 @@ from time import process_time
 
 import numpy as np
 
-from ...envs.robot.operator import Operator
+from ...envs.recording.operator import Operator
 from ...envs.sensors.camera.config import RgbdConfig
 from ...envs.sensors.lidar import LidarConfig
 from ...envs.world.world import World, WorldConfig

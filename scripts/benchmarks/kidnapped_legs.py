@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ...envs.world.mj import mujoco
+from ...envs.physics.mj import mujoco
 from ...envs.world.world import World, WorldConfig
 from ...slam.geometry import between, compose, inverse, transform_points
 from ...slam.logs.drive import RecordedDrive

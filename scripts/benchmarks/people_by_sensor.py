@@ -1,7 +1,7 @@
 """People tracked by the laser, by the camera, and by both: MOTA, and returns kept out of the map.
 
 The operator drives through the scene "lab" for five minutes; of its four people two never move. Three minds of the
-environment, as `FollowEnv` makes them, get the same scans and frames: `laser` has `sensors={"lidar"}`, `camera` has the
+environment, as `FollowEnv` makes them, get the same scans and frames: `laser` has no camera, `camera` has the
 camera too and `people="camera"`, `both` has the camera and `people="tracker"`. What the camera sees is known 0.3 s
 after the exposure.
 
@@ -34,10 +34,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...envs.episode_setup import OnboardStackFactory, camera_config, world_config
-from ...envs.follow_config import FollowConfig
+from ...envs.episode_setup import OnboardStackFactory, world_config
+from ...envs.follow_config import make_config
 from ...envs.onboard.stack import Belief
-from ...envs.robot.operator import Operator
+from ...envs.recording.operator import Operator
 from ...envs.world.truth import TrueState
 from ...envs.world.world import World
 from ...perception.metrics.clear_mot import ClearMot
@@ -53,9 +53,9 @@ from .results import write_results
 Array = NDArray[np.float64]
 
 MINDS: dict[str, dict[str, Any]] = {
-    "laser": {"sensors": ("lidar",)},
-    "camera": {"sensors": ("lidar", "rgbd"), "people": "camera"},
-    "both": {"sensors": ("lidar", "rgbd")},
+    "laser": {},
+    "camera": {"camera": "kinect-v2", "people": "camera"},
+    "both": {"camera": "kinect-v2"},
 }
 """By what people are known -> arguments of the environment."""
 COLUMNS = (
@@ -120,10 +120,12 @@ def _near(truth: TrueState, places: Array, half_view: float) -> NDArray[np.bool_
 
 def drive(seed: int, seconds: float) -> dict[str, SensorJudge]:
     """Drive through one lab with three minds."""
-    configs = {name: FollowConfig(scene="lab", leader=False, slam=None, **given) for name, given in MINDS.items()}
-    camera = camera_config(configs["both"])
+    configs = {
+        name: make_config({"scene": "lab", "leader": False, "slam": None, **given}) for name, given in MINDS.items()
+    }
+    camera = configs["both"].sensors.camera
     if camera is None:
-        raise InputError('`sensors` of "both" must hold the camera')
+        raise InputError('"both" must have a camera')
     world = World(world_config(configs["both"], {"route": "operator", "people": 0}), np.random.default_rng(seed))
     minds = {
         name: OnboardStackFactory(config).make(world, np.random.default_rng(seed)) for name, config in configs.items()

@@ -22,7 +22,7 @@ import argparse
 import numpy as np
 from numpy.typing import NDArray
 
-from ...envs.robot.operator import Operator
+from ...envs.recording.operator import Operator
 from ...envs.sensors.camera.config import RgbdConfig
 from ...envs.sensors.lidar import LidarConfig
 from ...envs.world.config import WorldConfig

@@ -67,7 +67,7 @@ def environment_speed(steps: int, **fields: Any) -> dict[str, float]:
     rate = 1e3 / stage.mean_ms
     return {
         "steps_per_s": rate,
-        "real_time_factor": rate / inner.config.control_hz,
+        "real_time_factor": rate / inner.config.task.control_hz,
         "mean_ms": stage.mean_ms,
         "p95_ms": stage.p95_ms,
     }

@@ -95,7 +95,7 @@ def _record(options: argparse.Namespace) -> JoystickLog:
             options.env,
             arguments,
             options.seed,
-            operator=lambda env, seed: stick(read, 1.0 / env.config.control_hz),  # pyright: ignore[reportArgumentType]
+            operator=lambda env, seed: stick(read, 1.0 / env.config.task.control_hz),  # pyright: ignore[reportArgumentType]
             made_by=options.operator,
             watch=_status,
             render_mode=mode,

@@ -82,7 +82,7 @@ def run_demo(tour_config: TourConfig, mapping: MappingConfig, watch: Stopwatch) 
     frames: list[NDArray[np.uint8]] = []
 
     def film(env: FollowEnv) -> None:
-        if round(env.truth.time_s * env.config.control_hz) % FRAME_EVERY == 0:
+        if round(env.truth.time_s * env.config.task.control_hz) % FRAME_EVERY == 0:
             picture = env.render()
             assert picture is not None
             frames.append(picture)

@@ -7,18 +7,18 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
+from ...envs.appearance.looks import dress
+from ...envs.appearance.wardrobe import draw_outfit, wardrobe
 from ...envs.people.body import PARTS, Physique, draw_physique
 from ...envs.people.gait import pose_bodies
-from ...envs.people.wardrobe import draw_outfit, wardrobe
+from ...envs.physics.mj import MjData, mujoco
 from ...envs.robot.robot import RobotConfig
 from ...envs.scenes.catalogue import make_scene
 from ...envs.scenes.scene import Scene
 from ...envs.sensors.camera.config import RgbdConfig
-from ...envs.sensors.camera.looks import dress
 from ...envs.sensors.camera.rgbd import RgbdCamera
 from ...envs.sensors.lidar import LidarConfig
 from ...envs.world.building import build
-from ...envs.world.mj import MjData, mujoco
 from ...perception.rgbd.frame import RgbdFrame
 from ...slam.geometry import inverse, transform_points
 from .rgbd_props import before, draw_props

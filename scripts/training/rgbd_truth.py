@@ -4,10 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...envs.people.body import PARTS
+from ...envs.physics.groups import GROUP_ABOVE, GROUP_SEEN
+from ...envs.physics.mj import MjData, MjModel, mujoco
 from ...envs.sensors.camera.config import RgbdConfig
 from ...envs.sensors.camera.rays import FARTHEST
-from ...envs.world.groups import GROUP_ABOVE, GROUP_SEEN
-from ...envs.world.mj import MjData, MjModel, mujoco
 
 Array = NDArray[np.float64]
 _HIDDEN = 5

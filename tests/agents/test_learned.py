@@ -17,8 +17,8 @@ from tagalong.agents.learned.network import Network
 from tagalong.agents.learned.pilot import PilotConfig
 from tagalong.agents.learned.steering import REST, SteeringConfig, steer, steer_many
 from tagalong.agents.learned.trail import Trail
-from tagalong.envs.interface import FollowInterface
 from tagalong.envs.recording.rollout import rollout
+from tagalong.envs.task.interface import FollowInterface
 from tagalong.slam.errors import InputError
 from tagalong.slam.files.output import read_arrays
 

@@ -4,9 +4,11 @@ import gymnasium as gym
 import numpy as np
 import pytest
 import tagalong  # noqa: F401 (registers the ids)
+from tagalong.envs.sensors.camera.config import RgbdConfig
 from tagalong.slam.errors import InputError
 
-SMALL = {"camera_pixels": (64, 53), "camera_hz": 5.0, "beams": 541, "people_count": 0, "leader": False}
+SMALL = {"beams": 541, "people_count": 0, "leader": False}
+CAMERA = RgbdConfig(width=64, height=53, rate_hz=5.0)
 
 
 def maps_after(steps, **options):
@@ -24,7 +26,7 @@ def test_the_camera_puts_more_into_the_map_than_the_laser_and_people_not():
     for name, options in {
         "occupancy": {"mapping": "occupancy"},
         "laser": {"mapping": "immobile"},
-        "camera": {"mapping": "immobile", "sensors": {"lidar", "rgbd"}},
+        "camera": {"mapping": "immobile", "camera": CAMERA},
     }.items():
         _, grid, _ = maps_after(60, slam="truth", people="truth", **options)
         occupied[name], known[name] = int(grid.occupied.sum()), int(grid.known.sum())
@@ -33,13 +35,13 @@ def test_the_camera_puts_more_into_the_map_than_the_laser_and_people_not():
 
 
 def test_it_works_on_the_poses_of_an_engine_with_found_people():
-    patch, grid, _ = maps_after(12, slam="gmapping", people="tracker", mapping="immobile", sensors={"lidar", "rgbd"})
+    patch, grid, _ = maps_after(12, slam="gmapping", people="tracker", mapping="immobile", camera=CAMERA)
     assert grid.occupied.sum() > 100
     assert 0.0 <= patch.min() < patch.max() <= 1.0
 
 
 def test_a_snapshot_goes_on_with_the_same_bytes():
-    _, _, env = maps_after(4, slam="truth", people="truth", mapping="immobile", sensors={"lidar", "rgbd"})
+    _, _, env = maps_after(4, slam="truth", people="truth", mapping="immobile", camera=CAMERA)
     env = env.unwrapped
     state = env.save_state()
     runs = []

@@ -4,7 +4,8 @@ import gymnasium as gym
 import numpy as np
 import pytest
 import tagalong  # noqa: F401 (registers the ids)
-from tagalong.envs.robot.operator import Operator
+from tagalong.envs.recording.operator import Operator
+from tagalong.envs.sensors.camera.config import RgbdConfig
 from tagalong.envs.sensors.lidar import LidarConfig
 from tagalong.envs.world.world import World, WorldConfig
 from tagalong.slam.errors import InputError
@@ -75,7 +76,8 @@ def test_a_closed_door_stops_laser_and_robot_and_an_open_one_does_not():
         world.step([0.4, 0.0])
     assert world.truth.contact_static
     state = world.save_state()
-    world.restore_state(type(state)(**{**vars(state), "doors": np.ones(1)}))
+    state.changing.doors.angle[:] = 1.0
+    world.restore_state(state)
     world.data.qpos[:3] = (x, y + 1.5, -np.pi / 2.0)
     world.step([0.0, 0.0])
     assert world.scan().ranges[ahead] > 3.0
@@ -113,9 +115,7 @@ def test_a_robot_can_follow_somebody_out_of_the_lab():
 
 
 def test_the_camera_is_an_option_of_the_environment():
-    env = gym.make(
-        "tagalong/Lab-v0", sensors={"lidar", "rgbd"}, camera_pixels=(32, 24), beams=91, slam=None, people="truth"
-    )
+    env = gym.make("tagalong/Lab-v0", camera=RgbdConfig(width=32, height=24), beams=91, slam=None, people="truth")
     observation, _ = env.reset(seed=0)
     again = env.step(np.zeros(2))[0]
     assert env.observation_space.contains(observation)
@@ -124,8 +124,8 @@ def test_the_camera_is_an_option_of_the_environment():
     assert observation["rgb"].std() > 5.0
     assert (observation["depth"] != again["depth"]).any()
     assert not np.shares_memory(observation["rgb"], again["rgb"])
-    with pytest.raises(InputError, match="lidar, rgbd"):
-        gym.make("tagalong/Lab-v0", sensors={"lidar", "sonar"})
+    with pytest.raises(InputError, match="unknown camera 'sonar'; cameras: None, kinect-v2"):
+        gym.make("tagalong/Lab-v0", camera="sonar")
 
 
 @pytest.mark.parametrize("seed", [100018, 100045, 100114, 100116, 100159, 100201])

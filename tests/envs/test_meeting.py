@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from tagalong.envs.people.meeting import first_coming, group_comes
+from tagalong.envs.people.movement.meeting import first_coming, group_comes
 
 FAR_ROBOT = np.array([-50.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.3, 0.25])
 AHEAD = np.array([[1.0, 0.0]] * 3)

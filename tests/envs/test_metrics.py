@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from tagalong.envs.metrics import episode_metrics
 from tagalong.envs.metrics.following import leader_is_right, steady_steps
+from tagalong.envs.metrics.history import History, run_lengths
 from tagalong.envs.metrics.safety import time_to_collision
 from tagalong.envs.metrics.smoothness import WINDOW_S, ldlj, sparc
-from tagalong.envs.recording.history import History, run_lengths
 
 
 def straight_drive(seconds=20.0, gap=1.3, rate=10.0, **changes):

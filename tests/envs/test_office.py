@@ -4,7 +4,10 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from tagalong.envs.people.crowd import Role
+from tagalong.envs.people.behaviours.view import Ground, PersonView, Surroundings
+from tagalong.envs.people.behaviours.wanderer import Wanderer
+from tagalong.envs.people.movement.bodies import Start, standing_bodies
+from tagalong.envs.people.movement.terrain import Terrain
 from tagalong.envs.scenes.catalogue import make_scene
 from tagalong.envs.scenes.office_layout import TESTING, TRAINING
 from tagalong.envs.scenes.request import SceneRequest
@@ -71,12 +74,12 @@ def test_the_number_of_bystanders_is_drawn_between_0_and_12():
 
 
 def test_bystanders_are_of_several_temperaments():
-    casting = world(0, people=13)._crowd.casting
-    wanderers = casting.roles == Role.WANDERER
-    assert wanderers.sum() >= 11
-    assert np.ptp(casting.pace[wanderers]) > 0.4
-    assert set(casting.gives_way[wanderers]) == {False, True}
-    assert len(set(casting.path[wanderers])) > 5
+    people = world(0, people=13)._plan.casting.people
+    wanderers = [person for person in people if isinstance(person.behaviour, Wanderer)]
+    assert len(wanderers) >= 11
+    assert np.ptp([person.behaviour.pace for person in wanderers]) > 0.4
+    assert {person.behaviour.gives_way for person in wanderers} == {False, True}
+    assert len({person.path for person in wanderers}) > 5
 
 
 def follow(simulator):
@@ -107,19 +110,31 @@ def test_in_a_crowd_no_two_bodies_overlap_and_everybody_keeps_walking(seed, spli
 
 
 def test_who_is_held_up_turns_round():
-    simulator = world(5, people=2)
-    crowd = simulator._crowd
-    state = crowd.state
-    person = int(np.flatnonzero(crowd.casting.roles != Role.LEADER)[0])
-    crowd._roles[person] = Role.WANDERER
-    crowd.casting.patience[person] = 1.0
-    state.wish[person], state.timer[person], state.arc[person] = 1.0, 0.0, 2.0
-    before = state.sense[person]
-    robot = np.zeros(8)
+    wanderer = Wanderer(pace=1.0, side=0.3, patience=1.0, rest=5.0, gives_way=False)
+    terrain = Terrain(office(5))
+    bodies = standing_bodies([Start(0.0, 0.0, 0.0, arc=2.0)], np.array([0.1]))
+    bodies.wish[0] = 1.0
+    senses = []
     for _ in range(12):
-        state.velocity[person] = 0.0
-        crowd._wander(person, 0.1, robot)
-    assert state.sense[person] == -before
+        view = PersonView(0, alone_in(terrain, bodies, path=1))
+        bodies.sense[0] = wanderer.wish(view, 0.1).sense
+        senses.append(float(bodies.sense[0]))
+    assert senses == [1.0] * 10 + [-1.0] * 2
+
+
+def alone_in(terrain, bodies, path):
+    """What somebody sees who is alone in a building."""
+    return Surroundings(
+        bodies=bodies,
+        terrain=terrain,
+        path=np.array([path]),
+        ground=np.array([Ground.ELSEWHERE]),
+        group=0,
+        robot=np.zeros(8),
+        robot_arc=0.0,
+        robot_distance=np.array([9.0]),
+        rng=np.random.default_rng(0),
+    )
 
 
 def test_without_a_leader_the_same_people_walk_in_the_same_places():

@@ -1,7 +1,7 @@
 """Planes of the simulated camera's frames against the true surfaces."""
 
 import numpy as np
-from tagalong.envs.robot.operator import Operator
+from tagalong.envs.recording.operator import Operator
 from tagalong.envs.sensors.camera.config import RgbdConfig
 from tagalong.envs.sensors.lidar import LidarConfig
 from tagalong.envs.world.world import World, WorldConfig

@@ -8,14 +8,14 @@ import sys
 
 import numpy as np
 import pytest
+from tagalong.envs.appearance.looks import dress
+from tagalong.envs.appearance.pattern import SurfacePattern
+from tagalong.envs.physics.mj import mujoco
 from tagalong.envs.scenes.lab import CEILING
 from tagalong.envs.sensors.camera.config import RgbdConfig
-from tagalong.envs.sensors.camera.looks import dress
 from tagalong.envs.sensors.camera.noise import depth_sigma, measure_depth, on_edge
 from tagalong.envs.sensors.camera.opengl import open_renderer
-from tagalong.envs.sensors.camera.pattern import ProjectorPattern
 from tagalong.envs.sensors.lidar import LidarConfig
-from tagalong.envs.world.mj import mujoco
 from tagalong.envs.world.world import World, WorldConfig
 from tagalong.slam.errors import InputError
 
@@ -110,7 +110,7 @@ def test_people_wear_different_clothes_on_different_seeds_and_faces_have_hair():
     torsos = [w.model.geom_rgba[w.model.geom_bodyid == w.model.body("person 0 torso").id][0] for w in (world, other)]
     assert np.abs(torsos[0] - torsos[1]).max() > 0.05
     looks = dress(world.model, rng(4))
-    heads = np.flatnonzero(looks.pattern == ProjectorPattern.HEAD)
+    heads = np.flatnonzero(looks.pattern == SurfacePattern.HEAD)
     assert len(heads) == 4
     assert np.abs(looks.first[heads] - looks.second[heads]).max() > 0.1
 
@@ -130,17 +130,17 @@ def test_pictures_tell_people_from_walls_by_their_true_labels():
 BOTH = """
 import json
 import numpy as np
-from tagalong.envs.camera.config import RgbdConfig
-from tagalong.envs.camera.looks import dress
-from tagalong.envs.camera.pattern import ProjectorPattern
-from tagalong.envs.camera.opengl import OpenGlCamera
-from tagalong.envs.camera.rays import RayCamera
-from tagalong.envs.mj import mujoco
-from tagalong.envs.world import World, WorldConfig
+from tagalong.envs.appearance.looks import dress
+from tagalong.envs.appearance.pattern import SurfacePattern
+from tagalong.envs.physics.mj import mujoco
+from tagalong.envs.sensors.camera.config import RgbdConfig
+from tagalong.envs.sensors.camera.opengl import OpenGlCamera
+from tagalong.envs.sensors.camera.rays import RayCamera
+from tagalong.envs.world.world import World, WorldConfig
 
 world = World(WorldConfig(scene="lab", route="operator", people=0, leader=False), np.random.default_rng(0))
 looks = dress(world.model, np.random.default_rng(5))
-looks.pattern[:] = ProjectorPattern.PLAIN
+looks.pattern[:] = SurfacePattern.PLAIN
 mujoco.mj_forward(world.model, world.data)
 camera = RgbdConfig().pinhole
 opengl = OpenGlCamera(camera, world.model)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import tagalong  # noqa: F401 (registers the ids)
 from tagalong.envs.episode_setup import OnboardStackFactory
-from tagalong.envs.follow_config import FollowConfig
+from tagalong.envs.follow_config import make_config
 from tagalong.envs.onboard.camera_pipeline import SIGHT_DELAY_S, NoCamera, RgbdPipeline
 from tagalong.envs.sensors.camera.config import RgbdConfig
 from tagalong.envs.world.config import WorldConfig
@@ -58,7 +58,7 @@ def test_without_a_camera_nothing_is_seen():
 
 def watched(world, seconds=3.0, **given):
     """The mind's last belief after standing still in the lab before people who stand still."""
-    config = FollowConfig(scene="lab", leader=False, slam=None, **given)
+    config = make_config({"scene": "lab", "leader": False, "slam": None, **given})
     mind = OnboardStackFactory(config).make(world, np.random.default_rng(0))
     believed = mind.update(world.scan(), world.odometry)
     mind.look(world.frames)
@@ -86,9 +86,9 @@ def test_somebody_who_never_moves_is_tracked_and_kept_out_of_the_scan_by_the_cam
     state = world.save_state()
     seen, beams = {}, {}
     for name, given in {
-        "laser": {"sensors": ("lidar",)},
-        "camera": {"sensors": ("lidar", "rgbd"), "people": "camera"},
-        "both": {"sensors": ("lidar", "rgbd")},
+        "laser": {},
+        "camera": {"camera": "kinect-v2", "people": "camera"},
+        "both": {"camera": "kinect-v2"},
     }.items():
         world.restore_state(copy.deepcopy(state))
         believed = watched(world, **given)
@@ -107,8 +107,8 @@ def test_somebody_who_never_moves_is_tracked_and_kept_out_of_the_scan_by_the_cam
 
 def test_the_environment_gives_its_tracker_what_the_camera_saw():
     tracked = {}
-    for name, sensors in {"laser": {"lidar"}, "both": {"lidar", "rgbd"}}.items():
-        env = gym.make("tagalong/Lab-v0", sensors=sensors, leader=False, people_count=0, slam=None)
+    for name, camera in {"laser": None, "both": "kinect-v2"}.items():
+        env = gym.make("tagalong/Lab-v0", camera=camera, leader=False, people_count=0, slam=None)
         env.reset(seed=3, options={"route": "operator"})
         for _ in range(20):
             *_, info = env.step(np.zeros(2))
@@ -117,5 +117,5 @@ def test_the_environment_gives_its_tracker_what_the_camera_saw():
 
 
 def test_people_by_the_camera_alone_need_a_camera():
-    with pytest.raises(InputError, match="rgbd"):
-        FollowConfig(people="camera")
+    with pytest.raises(InputError, match="camera"):
+        make_config({"people": "camera"})

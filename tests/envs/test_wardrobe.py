@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from tagalong.envs.people.wardrobe import ARMS, WARDROBES, draw_outfit, wardrobe
+from tagalong.envs.appearance.pattern import SurfacePattern
+from tagalong.envs.appearance.wardrobe import ARMS, WARDROBES, draw_outfit, wardrobe
 from tagalong.envs.sensors.camera.config import RgbdConfig
-from tagalong.envs.sensors.camera.pattern import ProjectorPattern
 from tagalong.envs.sensors.lidar import LidarConfig
 from tagalong.envs.world.world import World, WorldConfig
 from tagalong.slam.errors import InputError
@@ -20,7 +20,7 @@ def test_the_wardrobes_share_no_pose_pattern_extra_or_hue():
     first, second = WARDROBES["everyday"], WARDROBES["training"]
     assert not set(first.arms) & set(second.arms)
     assert set(first.arms) | set(second.arms) == set(ARMS)
-    assert set(first.patterns) & set(second.patterns) == {ProjectorPattern.PLAIN}
+    assert set(first.patterns) & set(second.patterns) == {SurfacePattern.PLAIN}
     assert set(first.extras) & set(second.extras) == {"none"}
     assert set(first.garments) & set(second.garments) == {"trousers"}
     for low, high in first.hues:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import ttest_rel
 from tagalong.envs.episode_setup import OnboardStackFactory
-from tagalong.envs.follow_config import FollowConfig
+from tagalong.envs.follow_config import make_config
 from tagalong.envs.world.world import World, WorldConfig
 from tagalong.scripts.lab.cells import files_of, run_cells
 from tagalong.scripts.lab.drive_files import limited, load_input
@@ -79,7 +79,7 @@ def test_one_of_many_verdicts_is_sure_only_where_it_stands_their_number():
 def test_filtered_scans_of_a_drive_alone_are_those_of_the_environments_robot():
     rng = np.random.default_rng(1)
     world = World(WorldConfig(scene="corridor", people=4, leader=False), rng)
-    mind = OnboardStackFactory(FollowConfig(slam=None, leader=False)).make(world, rng)
+    mind = OnboardStackFactory(make_config({"slam": None, "leader": False})).make(world, rng)
     scans, odometry, filtered = [], [], []
     for _ in range(30):
         world.step(np.array([0.5, 0.05]))

@@ -8,8 +8,8 @@ import numpy as np
 from ....perception.rgbd.frame import Pinhole
 from ....slam.bounds import FARTHEST_MOUNT_M, Share, Within
 from ....slam.errors import InputError, unknown_name
-from ...field_checks import PIXELS, Rate, check_fields
-from ...people.wardrobe import wardrobe
+from ...appearance.wardrobe import wardrobe
+from ...limits.field_checks import PIXELS, Rate, check_fields
 
 BACKENDS = ("rays", "opengl")
 _View = Annotated[float, Within(0.01, np.pi - 0.01)]
@@ -38,7 +38,7 @@ class RgbdConfig:
         edge_missing: Probability that a pixel whose neighbour is much farther or nearer measures nothing.
         missing: Probability that any other pixel measures nothing.
         vibration: Standard deviation of pitch and of roll, drawn anew for each frame [rad].
-        wardrobe: What people wear, see `envs/people/wardrobe.py`: "everyday", or "training" for frames to train on.
+        wardrobe: What people wear, see `envs/appearance/wardrobe.py`: "everyday", or "training" for frames to train on.
         backend: "rays", or "opengl" for MuJoCo's renderer.
     """
 

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from ....perception.rgbd.frame import Pinhole
 from ....slam.errors import InputError
-from ...world.groups import GROUP_ABOVE, GROUP_CEILING, GROUP_SEEN
-from ...world.mj import MjData, MjModel, mujoco
+from ...physics.groups import GROUP_ABOVE, GROUP_CEILING, GROUP_SEEN
+from ...physics.mj import MjData, MjModel, mujoco
 from .rays import Exact
 
 Array = NDArray[np.float64]

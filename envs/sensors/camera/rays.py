@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....perception.rgbd.frame import Pinhole
-from ...world.groups import GROUP_ABOVE, GROUP_CEILING, GROUP_SEEN
-from ...world.mj import MjData, MjModel, mujoco
-from .looks import Looks, colours
+from ...appearance.looks import Looks, colours
+from ...physics.groups import GROUP_ABOVE, GROUP_CEILING, GROUP_SEEN
+from ...physics.mj import MjData, MjModel, mujoco
 
 Array = NDArray[np.float64]
 

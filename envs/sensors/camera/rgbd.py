@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....perception.rgbd.frame import RgbdFrame
-from ...world.mj import MjData, MjModel
+from ...appearance.looks import Looks
+from ...physics.mj import MjData, MjModel
 from .config import RgbdConfig
-from .looks import Looks
 from .noise import measure_depth
 from .opengl import OpenGlCamera
 from .rays import Exact, RayCamera

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ....envs.robot.operator import Operator
+from ....envs.recording.operator import Operator
 from ....envs.scenes.polyline import arc_lengths
 from ....envs.sensors.lidar import LidarConfig
 from ....envs.world.world import World, WorldConfig

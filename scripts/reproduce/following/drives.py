@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ....agents.tour import TourConfig, following_tour
-from ....envs.episode_setup import PERCEPTION
+from ....envs.onboard.config import PERCEPTION
 from ....envs.recording.slow_tour import SlowTourConfig, slow_tour
 from ....envs.scenes.occupancy import true_map
 from ....envs.world.world import World, WorldConfig

@@ -63,7 +63,11 @@ class _Watch:
     def __call__(self, env: FollowEnv) -> None:
         if self._calls % 5 == 0:
             self.legs.append(env.truth.people.legs.reshape(-1, 2))
-        if self._wants and len(self.frames) < _FRAMES and self._calls % round(_FRAME_S * env.config.control_hz) == 0:
+        if (
+            self._wants
+            and len(self.frames) < _FRAMES
+            and self._calls % round(_FRAME_S * env.config.task.control_hz) == 0
+        ):
             picture = env.render()
             assert picture is not None
             self.frames.append(picture)

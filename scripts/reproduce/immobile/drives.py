@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....envs.oracle import TrueRgbdPeopleFinder
-from ....envs.robot.operator import Operator
+from ....envs.recording.operator import Operator
 from ....envs.sensors.camera.config import RgbdConfig
 from ....envs.sensors.lidar import LidarConfig
 from ....envs.world.world import World, WorldConfig

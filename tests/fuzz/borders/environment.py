@@ -1,6 +1,5 @@
 """The environment: its arguments, the options of `reset`, actions, files that a scene is made of, followers."""
 
-from dataclasses import fields
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -17,9 +16,9 @@ from fuzzer.values import hostile_value
 from numpy.random import Generator
 from tagalong.agents import EXPLORERS, FOLLOWERS, make_follower
 from tagalong.envs.episode_setup import OPTIONS
-from tagalong.envs.follow_config import FollowConfig
+from tagalong.envs.follow_config import ARGUMENTS, FollowConfig
 from tagalong.envs.follow_env import FollowEnv
-from tagalong.envs.interface import FollowInterface
+from tagalong.envs.task.interface import FollowInterface
 from tagalong.envs.vector.vector_env import FollowVectorEnv
 
 CHEAP: dict[str, Any] = {"scene": "plain_corridor", "slam": None, "people": "truth", "beams": 16, "people_count": 1}
@@ -27,7 +26,7 @@ _WORDS = {
     "scene": ["corridor", "meeting_room", "landmarks", "doorway", "clutter", "nowhere"], "split": ["train", "test"],
     "slam": ["ekf", "truth", None], "people": ["truth", "tracker", "camera"], "drive": ["holonomic", "differential"],
     "odometry": ["perfect", "slipping"], "leader_style": ["steady", "hurried", "waits"], "mapping": ["immobile"],
-    "sensors": [["lidar"], ["lidar", "rgbd"], "lidar", []], "route": ["there", "0"], "leader": [False, True],
+    "camera": ["kinect-v2", None], "robot": ["dingo-o", "pioneer"], "route": ["there", "0"], "leader": [False, True],
 }  # fmt: skip
 MOST_NUMBERS = 5e7
 """Of an observation: two hundred megabytes a step are none."""
@@ -41,8 +40,16 @@ def _field(rng: Generator, name: str, usual: Any) -> list[Any]:
     return [name, hostile_value(rng, usual)]
 
 
+def _usual(name: str) -> Any:
+    """Return the default of an argument; None where it belongs to a branch that is off."""
+    value: Any = FollowConfig()
+    for part in name.split("."):
+        value = getattr(value, part, None)
+    return value
+
+
 def _arguments(rng: Generator) -> Input:
-    every = [(field.name, getattr(FollowConfig(), field.name)) for field in fields(FollowConfig)]
+    every = [*((name, _usual(name)) for name in ARGUMENTS), *((name, None) for name in _WORDS if name != "route")]
     chosen = [every[int(k)] for k in rng.integers(0, len(every), int(rng.integers(1, 4)))]
     extra = (
         [[["unheard_of", "render_mode", "render_backend"][int(rng.integers(3))], "x"]] if rng.random() < 0.05 else []

@@ -17,7 +17,7 @@ from fuzzer.values import hostile_value
 from numpy.random import Generator
 from tagalong.agents.learned.follower import SHIPPED, LearnedFollower
 from tagalong.agents.teleop.joystick import JoystickReplay, read_joystick_log
-from tagalong.envs.interface import FollowInterface
+from tagalong.envs.task.interface import FollowInterface
 from tagalong.perception.legs.features import FEATURE_NAMES
 from tagalong.perception.legs.forest import MODELS, LegForest
 from tagalong.perception.rgbd.person_svm import LENGTH, PersonSvm

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...slam.errors import unknown_name
-from ..sensors.camera.pattern import ProjectorPattern
+from .pattern import SurfacePattern
 
 Array = NDArray[np.float64]
 
@@ -46,7 +46,7 @@ class Wardrobe:
     arms: tuple[str, ...]
     garments: tuple[str, ...]
     extras: tuple[str, ...]
-    patterns: tuple[ProjectorPattern, ...]
+    patterns: tuple[SurfacePattern, ...]
     hues: tuple[tuple[float, float], ...]
 
 
@@ -55,14 +55,14 @@ WARDROBES: dict[str, Wardrobe] = {
         arms=("relaxed", "pockets", "hips", "crossed", "calls", "cup"),
         garments=("trousers", "shorts", "coat"),
         extras=("none", "none", "backpack", "hat", "bun"),
-        patterns=(ProjectorPattern.PLAIN, ProjectorPattern.CHECKS, ProjectorPattern.PANEL),
+        patterns=(SurfacePattern.PLAIN, SurfacePattern.CHECKS, SurfacePattern.PANEL),
         hues=((0.0, 1.0 / 6.0), (1.0 / 3.0, 0.5), (2.0 / 3.0, 5.0 / 6.0)),
     ),
     "training": Wardrobe(
         arms=("hanging", "swinging", "reads", "behind", "waves", "carries"),
         garments=("trousers", "skirt"),
         extras=("none", "none", "cap", "long hair", "bag"),
-        patterns=(ProjectorPattern.PLAIN, ProjectorPattern.STRIPES, ProjectorPattern.GRAIN),
+        patterns=(SurfacePattern.PLAIN, SurfacePattern.STRIPES, SurfacePattern.GRAIN),
         hues=((1.0 / 6.0, 1.0 / 3.0), (0.5, 2.0 / 3.0), (5.0 / 6.0, 1.0)),
     ),
 }
@@ -96,7 +96,7 @@ class Outfit:
     extra: str
     shoulders: float
     depth: float
-    pattern: ProjectorPattern
+    pattern: SurfacePattern
     period: float
     shirt: Array
     second: Array

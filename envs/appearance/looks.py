@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...people.body import PARTS
-from ...people.wardrobe import Outfit, draw_outfit, wardrobe
-from ...world.mj import MjModel
-from .pattern import ProjectorPattern
+from ..people.body import PARTS
+from ..physics.mj import MjModel
+from .pattern import SurfacePattern
+from .wardrobe import Outfit, draw_outfit, wardrobe
 
 Array = NDArray[np.float64]
 
@@ -24,7 +24,7 @@ class Looks:
     Attributes:
         first: (g, 3) colour.
         second: (g, 3) the other colour of a pattern.
-        pattern: (g,) `ProjectorPattern`.
+        pattern: (g,) `SurfacePattern`.
         period: (g,) how often the pattern repeats [m].
     """
 
@@ -53,7 +53,7 @@ def dress(model: MjModel, rng: np.random.Generator, outfits: tuple[Outfit, ...] 
     first = np.clip(first * rng.uniform(0.8, 1.15, (count, 1)) + rng.normal(0.0, 0.03, (count, 3)), 0.03, 0.97)
     looks = Looks(first, first.copy(), np.zeros(count, dtype=np.int64), np.full(count, 0.3))
     for geom in np.flatnonzero(rng.random(count) < 0.4).tolist():
-        _pattern(looks, geom, ProjectorPattern.GRAIN, first[geom] * rng.uniform(0.7, 0.9), rng.uniform(0.3, 0.9))
+        _pattern(looks, geom, SurfacePattern.GRAIN, first[geom] * rng.uniform(0.7, 0.9), rng.uniform(0.3, 0.9))
     people = [body for body in range(model.nbody) if model.body(body).name.startswith("person")]
     for person in range(len(people) // len(PARTS)):
         outfit = outfits[person] if outfits is not None else draw_outfit(rng, wardrobe("everyday"))
@@ -63,7 +63,7 @@ def dress(model: MjModel, rng: np.random.Generator, outfits: tuple[Outfit, ...] 
     return looks
 
 
-def _pattern(looks: Looks, geom: int, pattern: ProjectorPattern, second: Array, period: float) -> None:
+def _pattern(looks: Looks, geom: int, pattern: SurfacePattern, second: Array, period: float) -> None:
     looks.pattern[geom], looks.second[geom], looks.period[geom] = pattern, second, period
 
 
@@ -77,10 +77,10 @@ def _dress_person(model: MjModel, bodies: list[int], looks: Looks, outfit: Outfi
         geoms = np.arange(model.ngeom)[model.geom_bodyid == body]
         for number, geom in enumerate(geoms.tolist()):
             cloth = _cloth(model.geom(geom).name, part, number, outfit)
-            looks.pattern[geom] = ProjectorPattern.PLAIN
+            looks.pattern[geom] = SurfacePattern.PLAIN
             if cloth == "head":
                 looks.first[geom] = skin
-                _pattern(looks, geom, ProjectorPattern.HEAD, hair, 1.0)
+                _pattern(looks, geom, SurfacePattern.HEAD, hair, 1.0)
             elif cloth == "shirt":
                 looks.first[geom] = outfit.shirt
                 _pattern(looks, geom, outfit.pattern, outfit.second, outfit.period)
@@ -126,12 +126,12 @@ def colours(looks: Looks, geom: NDArray[np.int32], local: Array) -> Array:
     pattern, period = looks.pattern[geom], looks.period[geom]
     share = np.zeros(len(geom))
     cells = np.floor(local / period[:, None] * 2.0).astype(np.int64)
-    share = np.where(pattern == ProjectorPattern.STRIPES, cells[:, 2] % 2, share)
-    share = np.where(pattern == ProjectorPattern.CHECKS, cells.sum(axis=1) % 2, share)
+    share = np.where(pattern == SurfacePattern.STRIPES, cells[:, 2] % 2, share)
+    share = np.where(pattern == SurfacePattern.CHECKS, cells.sum(axis=1) % 2, share)
     scaled = local / period[:, None]
     grain = np.sin(9.0 * scaled[:, 0] + 4.0 * np.sin(5.0 * scaled[:, 1])) * np.sin(7.0 * scaled[:, 2] + scaled[:, 1])
-    share = np.where(pattern == ProjectorPattern.GRAIN, 0.5 + 0.5 * grain, share)
+    share = np.where(pattern == SurfacePattern.GRAIN, 0.5 + 0.5 * grain, share)
     haired = (local[:, 2] > 0.05) | (local[:, 0] < 0.02 * np.sign(local[:, 2]))
-    share = np.where(pattern == ProjectorPattern.PANEL, (local[:, 0] > 0.0) & (np.abs(local[:, 1]) < 0.05), share)
-    share = np.where(pattern == ProjectorPattern.HEAD, haired & (local[:, 2] > -0.06), share)
+    share = np.where(pattern == SurfacePattern.PANEL, (local[:, 0] > 0.0) & (np.abs(local[:, 1]) < 0.05), share)
+    share = np.where(pattern == SurfacePattern.HEAD, haired & (local[:, 2] > -0.06), share)
     return looks.first[geom] + share[:, None] * (looks.second[geom] - looks.first[geom])

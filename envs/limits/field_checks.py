@@ -14,8 +14,8 @@ from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..slam.bounds import MOST_BEAMS, Within, check_numbers
-from ..slam.errors import InputError, shown
+from ...slam.bounds import MOST_BEAMS, Within, check_numbers
+from ...slam.errors import InputError, shown
 
 People = Annotated[int, Within(0, 200)]
 """People in a building: the forces between them are as many as their pairs."""

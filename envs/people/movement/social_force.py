@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ...slam.bounds import Within, check_numbers
+from ....slam.bounds import Within, check_numbers
 
 Array = NDArray[np.float64]
 _Number = Annotated[float, Within(1e-3, 1e3)]  # a force of 1e3 m/s^2 throws people about; below 1e-3 there is none

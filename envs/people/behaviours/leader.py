@@ -1,11 +1,12 @@
-"""The leader's mind: walks the route, pauses, turns round, and has a style."""
+"""Who leads the robot: walks the route, pauses, turns round, and has a style."""
 
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from .behaviour import Behaviour, Wish
+from .making_room import group_offset
+from .view import PersonView
 
 STYLES = {"steady": (0.75, 1.0), "hurried": (1.0, 1.15), "waits": (0.8, 1.05)}
 """Style -> range of the walking speed [m/s]. Who "waits" stops when the robot lags behind."""
@@ -14,15 +15,16 @@ _PAUSE_TIME = (1.5, 4.0)
 _LAG_STOP, _LAG_GO = 2.6, 1.9
 
 
-@dataclass
-class LeadingPedestrian:
-    """Decides, ten times a second or so, how fast the leader wants to walk and where they look.
+@dataclass(kw_only=True)
+class Leader(Behaviour):
+    """Leads the robot along its route to the end of the tour.
 
     Attributes:
         style: One of `STYLES`.
-        speed: Walking speed [m/s].
+        pace: Walking speed [m/s].
+        side: Preferred offset from the route [m].
         stop_at: Arc length of the end of the tour [m].
-        pauses: (k, 3) arc length [m], duration [s], whether they turn to the robot (1) or not (0); the next one first.
+        pauses: Arc length [m], duration [s], and whether they turn to the robot, of each pause; the next one first.
         pause_left: Rest of the present pause [s].
         looks_back: Whether they turn to the robot in the present pause.
         waiting: Whether they wait for the robot.
@@ -30,16 +32,22 @@ class LeadingPedestrian:
     """
 
     style: str
-    speed: float
+    pace: float
     stop_at: float
+    side: float = 0.0
     pauses: list[tuple[float, float, bool]] = field(default_factory=list)
     pause_left: float = 0.0
     looks_back: bool = False
     waiting: bool = False
     done: bool = False
 
-    def decide(self, dt: float, arc: float, robot_distance: float) -> float:
-        """Return the wanted speed [m/s] for the next `dt` seconds at `arc` [m], the robot `robot_distance` m away."""
+    def wish(self, view: PersonView, dt: float) -> Wish:
+        """Return the pace, or 0 in a pause, while waiting for the robot, and at the end of the tour."""
+        speed = self._speed(dt, view.arc, view.robot_distance)
+        face = view.robot_direction if self.looks_back else view.way.heading
+        return Wish(speed, group_offset(view, self.side), face=face)
+
+    def _speed(self, dt: float, arc: float, robot_distance: float) -> float:
         self.done = self.done or arc >= self.stop_at
         if self.done:
             return 0.0
@@ -52,14 +60,14 @@ class LeadingPedestrian:
         if self.pauses and arc >= self.pauses[0][0]:
             _, self.pause_left, self.looks_back = self.pauses.pop(0)
             return 0.0
-        return 0.0 if self.waiting else self.speed
+        return 0.0 if self.waiting else self.pace
 
 
-def draw_leader(rng: np.random.Generator, style: str | None, start: float, stop_at: float) -> LeadingPedestrian:
+def draw_leader(rng: np.random.Generator, style: str | None, start: float, stop_at: float) -> Leader:
     """Return a leader who starts at arc `start` and ends the tour at `stop_at` [m]; a `style` of None is drawn."""
     drawn = str(rng.choice(sorted(STYLES)))
     low, high = STYLES[style or drawn]
-    leader = LeadingPedestrian(style=style or drawn, speed=float(rng.uniform(low, high)), stop_at=stop_at)
+    leader = Leader(style=style or drawn, pace=float(rng.uniform(low, high)), stop_at=stop_at)
     leader.pauses.append((0.0, float(rng.uniform(0.5, 1.5)), False))
     arc = start + rng.uniform(*_PAUSE_EVERY)
     while arc < stop_at - 3.0:

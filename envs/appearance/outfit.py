@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from ..world.groups import GROUP_ABOVE
-from ..world.mj import MjsBody, MjSpec, mujoco
+from ..physics.groups import GROUP_ABOVE
+from ..physics.mj import MjsBody, MjSpec, mujoco
 from .wardrobe import ARMS, Outfit
 
 SHOULDER = 0.53

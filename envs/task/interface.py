@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from ..slam.occupancy_map import OccupancyMap
+from ...slam.occupancy_map import OccupancyMap
 
 LEADER_COLUMNS = ("x", "y", "vx", "vy", "confidence", "visible")
 """Entries of observation `leader` [m, m, m/s, m/s, -, -], in the robot frame; velocities over ground."""

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scenes.polyline import resample, tangents
-from ..scenes.scene import Scene
+from ...scenes.polyline import resample, tangents
+from ...scenes.scene import Scene
 from .walking import SPACING, free_sides
 
 Array = NDArray[np.float64]
@@ -60,6 +60,10 @@ class Terrain:
         """Return the offset nearest to `lateral` [m] at which nothing stands beside a path at `arc` [m]."""
         left, right = self._free[self._row(arc, path)]
         return float(min(max(lateral, -right), left))
+
+    def length_of(self, path: int) -> float:
+        """Return the length of a path [m]."""
+        return float(self.count[path] - 1) * SPACING
 
     def ahead(self, arc: float, path: int = 0) -> float:
         """Return the direction of a path at `arc` [m], in radians."""

@@ -3,7 +3,7 @@
 from enum import IntEnum
 
 
-class ProjectorPattern(IntEnum):
+class SurfacePattern(IntEnum):
     """How the two colours of a geom alternate."""
 
     PLAIN = 0
