@@ -12,13 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..slam.errors import InputError, shown
 from ..slam.processes.stages import Stages, completed
-from .episode_setup import OnboardStackFactory, check_options, checked_seed, observed, world_config
+from .episode_setup import OnboardStackFactory, check_options, checked_seed, interface, observed, world_config
 from .follow_config import make_config
 from .limits.field_checks import finite_numbers
 from .onboard.stack import Belief, OnboardStack
 from .oracle import step_facts
 from .sensors.sweeps import timed_odometry
-from .task import interface
 from .task.coverage import Coverage, NoCoverage
 from .task.endings import Ending, EndingRule
 from .task.interface import OwnMap
