@@ -21,7 +21,8 @@ from .loops.constraints import Constraint
 from .loops.drive_record import DriveRecord
 from .loops.global_config import GlobalSlamConfig
 from .loops.global_slam import GlobalSlam
-from .recovery.recovery import KidnapRecovery, NoRecovery, Recovery
+from .recovery.kidnap_recovery import KidnapRecovery
+from .recovery.recovery import NoRecovery, Recovery
 from .recovery.scan_consistency import ScanConsistency, ScanConsistencyConfig
 
 Array = NDArray[np.float64]

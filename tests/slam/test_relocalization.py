@@ -10,7 +10,7 @@ from tagalong.slam.graph.engine import Cartographer, CartographerConfig
 from tagalong.slam.graph.local.match_monitor import MatchMonitor, MatchMonitorConfig, contradictions
 from tagalong.slam.graph.local.submap import Submap, SubmapConfig
 from tagalong.slam.graph.local.sweep import Sweep
-from tagalong.slam.graph.recovery import recovery as recovery_module
+from tagalong.slam.graph.recovery import kidnap_recovery
 from tagalong.slam.graph.recovery.kidnap_hypothesis import KidnapHypothesis, Verdict
 from tagalong.slam.graph.recovery.node_map import searchable
 from tagalong.slam.graph.recovery.place_comparison import compare_places
@@ -299,9 +299,9 @@ def test_a_scan_that_fits_badly_is_believed_only_near_the_odometry(mapped, monke
 def test_what_was_mapped_since_an_inconsistency_is_not_asked_where_the_robot_is(mapped, monkeypatch):
     engine, odometry, _, rng = mapped
     nodes, asked = len(engine.node_scans), []
-    compare = recovery_module.compare_places
-    monkeypatch.setattr(recovery_module, "compare_places", lambda *a, **k: asked.append(a[0]) or compare(*a, **k))
-    monkeypatch.setattr(recovery_module, "verdict", lambda *_: Verdict.UNSURE)
+    compare = kidnap_recovery.compare_places
+    monkeypatch.setattr(kidnap_recovery, "compare_places", lambda *a, **k: asked.append(a[0]) or compare(*a, **k))
+    monkeypatch.setattr(kidnap_recovery, "verdict", lambda *_: Verdict.UNSURE)
     fed(engine, ahead((-3.8, 0.9, -1.2), (0.1, 0.0, 0.03), 60), odometry, rng)
     assert len(engine.node_scans) >= nodes + 20
     assert len(asked) >= 4

@@ -97,8 +97,6 @@ class DriveSegments:
     def related(self, node: int) -> Flags:
         """Return (s,) of which submaps it is known how they lie to a node: of its own segment, or both placed."""
         segment = self._of_node[node]
-        if len(self._placed) == 1:
-            return np.ones(len(self._of_submap), dtype=np.bool_)
         segments, placed = np.array(self._of_submap), np.array(self._placed)
         return (segments == segment) | (placed[segments] & placed[segment])
 

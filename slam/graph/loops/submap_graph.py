@@ -77,7 +77,8 @@ class SubmapGraph:
             wanted = distance <= max_distance
             for row, k in enumerate(some):
                 wanted[row, [s for s in self.nodes[k].submaps if s < len(centres)]] = False
-                wanted[row] &= self.segments.related(k)[: len(centres)]
+                if self.segments.current:  # in a drive of one segment all are related
+                    wanted[row] &= self.segments.related(k)[: len(centres)]
             order = np.argsort(distance, axis=1, kind="stable")
             wanted = np.take_along_axis(wanted, order, axis=1)
             near += [row[keep].tolist() for row, keep in zip(order, wanted, strict=True)]
