@@ -2,7 +2,7 @@
 
 import time
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,6 +21,11 @@ class DriveLocalizer(Protocol):
     """
 
     lost: int
+
+    @property
+    def config(self) -> Any:
+        """The resolved configuration, a frozen dataclass."""
+        ...
 
     def update(self, odometry: ArrayLike, scan: LaserScan) -> LocalizationUpdate:
         """Take one scan and the robot's odometry pose T_odom_robot (3,) at that time."""
