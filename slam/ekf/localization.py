@@ -159,7 +159,8 @@ class ObjectLocalizer:
         near = near[away[near] <= farthest]
         H = measure_jacobian(self.filter.x, self.objects[near])
         flat = H.reshape(-1, 3)
-        HPH = flat @ self.filter.P @ flat.T + block_diag(*self._of_places(H, self.covariances[near]), np.empty((0, 0)))
+        places = block_diag(*self._of_places(H, self.covariances[near]), np.empty((0, 0)))
+        HPH = flat @ self.filter.P @ flat.T + np.asarray(places, dtype=np.float64)
         pairs = compare(z, R, measure(self.filter.x, self.objects[near]), HPH)
         return [(i, int(near[j])) for i, j in joint_compatibility(pairs, self.config.gate)]
 
