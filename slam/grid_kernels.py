@@ -1,10 +1,9 @@
-"""Kernel of the grids of log-odds, and its plain numpy reference. Lengths are in cells."""
+"""Kernel of the grids of log-odds. Lengths are in cells."""
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-from .rays import ray_cells, ray_start, ray_step
+from .rays import ray_start, ray_step
 from .rigid_kernel import move_points
 
 
@@ -82,28 +81,3 @@ def write_observations(starts, ends, firsts, corners, log_beta, miss, limit, sta
             starts[k, 0] - x, starts[k, 1] - y, rays, log_beta[firsts[k] : firsts[k + 1]], miss, limit, stamp + k,
             log_odds[row:, col:], stamps[row:, col:],
         )  # fmt: skip
-
-
-def write_observation_reference(
-    x0: float,
-    y0: float,
-    ends: NDArray[np.float64],
-    log_beta: NDArray[np.float64],
-    miss: float,
-    limit: float,
-    stamp: int,
-    log_odds: NDArray[np.float32],
-    stamps: NDArray[np.int32],
-) -> None:
-    """Do what `write_observation` does, in numpy."""
-    change = np.full(log_odds.shape, np.nan)
-    for (x, y), value in zip(np.floor(ends).astype(int), log_beta, strict=True):
-        if np.isnan(change[y, x]):
-            change[y, x] = value
-    for x, y in ends:
-        rows, cols = ray_cells(x0, y0, x, y)[:-1].T
-        free = np.isnan(change[rows, cols])
-        change[rows[free], cols[free]] = miss
-    met = ~np.isnan(change)
-    log_odds[met] = np.clip(log_odds[met] + change[met], -limit, limit)
-    stamps[met] = stamp

@@ -3,17 +3,31 @@
 import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .engine import SlamEngine
-from .logs.drive import RecordedDrive
 from .occupancy_map import OccupancyMap
 from .scan import LaserScan
 
 Progress = Callable[[list[LaserScan]], Iterable[LaserScan]]
 """Wraps the scans of a drive so that somebody sees how far it is; `tqdm.tqdm` is one."""
+
+
+class Drive(Protocol):
+    """Scans in the order of a drive and the odometry at each: `RecordedDrive`, or any other class that has both."""
+
+    @property
+    def odometry(self) -> NDArray[np.float64]:
+        """(n, 3) T_odom_robot of each scan [m, m, rad]."""
+        ...
+
+    @property
+    def scans(self) -> list[LaserScan]:
+        """The n scans."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +57,7 @@ class SlamRun:
 
 def run_slam(
     engine: SlamEngine,
-    drive: RecordedDrive,
+    drive: Drive,
     *,
     progress: Progress | None = None,
     clock: Callable[[], float] = time.perf_counter,
@@ -58,7 +72,7 @@ def run_slam(
         progress: Wraps the scans, to show how far it is; None: nothing is shown.
         clock: Tells the time [s]: the wall's, or the processor's (`time.process_time`).
     """
-    n = len(drive)
+    n = len(drive.scans)
     online, seconds = np.zeros((n, 3)), np.zeros(n)
     integrated, located = np.zeros(n, dtype=np.bool_), np.zeros(n, dtype=np.bool_)
     scans = drive.scans if progress is None else progress(drive.scans)

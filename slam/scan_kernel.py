@@ -29,9 +29,3 @@ def returns(ranges, directions, range_min, range_max):
             beams[count] = i
             count += 1
     return points[:count], beams[:count]
-
-
-def fill_beam_points_reference(ranges, directions, range_min, range_max, points):
-    """Write what `fill_beam_points` writes, in plain numpy."""
-    away = np.where((ranges >= range_min) & (ranges <= range_max), ranges, np.nan)
-    points[:] = away[:, None] * directions

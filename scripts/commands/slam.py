@@ -25,6 +25,7 @@ writes into DIR:
                          (t: the number of the scan where the log has no usable times)
   map.pgm, map.yaml      the map, as ROS map_server reads it
   map.png                the map with the trajectory, to look at
+  landmarks.json         with --method ekf: the landmarks, for tagalong localize --method landmarks
   metrics.json           configuration and results; how often it was not sure where it is;
                          errors where the log has reference poses
                          (its own corrected poses, or NAME.gt.tum beside NAME.log.gz)

@@ -16,6 +16,7 @@ from ... import __version__
 from ...slam.errors import InputError
 from ...slam.files.output import write_json
 from ...slam.geometry import compose
+from ...slam.landmarks.landmark_map import LandmarkMapper, write_landmark_map
 from ...slam.logs.drive import RecordedDrive
 from ...slam.logs.ros_map import write_ros_map
 from ...slam.logs.tum import Trajectory, write_tum
@@ -58,6 +59,8 @@ def write_run(
 ) -> dict[str, Any]:
     """Write trajectory.tum, map.pgm, map.yaml, map.png, metrics.json and timing.json; return the metrics.
 
+    An engine whose map is made of landmarks gives landmarks.json, too, unless it is sure of none.
+
     Equal runs give equal bytes in all of them but timing.json.
 
     Args:
@@ -75,6 +78,9 @@ def write_run(
         lines["reference"] = compose(absolute_error(reference, run.trajectory).T_ref_est, reference)
     write_tum(folder / "trajectory.tum", Trajectory(usable_times(drive), run.trajectory))
     write_ros_map(folder / "map", grid)
+    landmarks = run.engine.landmark_map() if isinstance(run.engine, LandmarkMapper) else None
+    if landmarks is not None:
+        write_landmark_map(folder / "landmarks.json", landmarks)
     save_png(folder / "map.png", trajectory_picture(grid, lines, f"{drive.name}, {settings['method']}"))
     write_json(folder / "metrics.json", metrics)
     write_json(folder / "timing.json", run_timing(drive, run))

@@ -14,7 +14,8 @@ from ..errors import InputError
 from ..geometry import between, compose, wrap_angle
 from ..grid import GridConfig, render_map
 from ..growing_map import GrowingMap
-from ..landmarks.clustering import Clusterer, make_clusterer
+from ..landmarks.clustering import Clusterer, clusterer_of_scans
+from ..landmarks.landmark_map import LandmarkMap
 from ..landmarks.objects import LandmarkSightings, SightingConfig, see_landmarks
 from ..occupancy_map import OccupancyMap
 from ..pose_log import PoseLog
@@ -24,7 +25,7 @@ from ..settings import with_settings
 from .association import Innovations, Pairs, compare, joint_compatibility, nearest_neighbour
 from .calibrated_motion import OdometryNoise
 from .config import EkfSlamConfig
-from .filter import LandmarkFilter
+from .filter import FIXED, LandmarkFilter
 from .slip import Slip, find_slip
 
 Array = NDArray[np.float64]
@@ -50,8 +51,10 @@ class EkfSlam:
     """
 
     def __init__(self, config: EkfSlamConfig | None = None, clusterer: Clusterer | None = None) -> None:
-        self._config = config or EkfSlamConfig()
-        self._clusterer = clusterer or _clusterer(self._config)
+        self._config = config = config or EkfSlamConfig()
+        self._clusterer = clusterer or clusterer_of_scans(
+            config.clustering, config.cluster_distance, config.cluster_points
+        )
         self.filter: LandmarkFilter | None = None
         self.times_seen = np.zeros(0, dtype=np.int64)
         self._missed = np.zeros(0, dtype=np.int64)
@@ -116,6 +119,18 @@ class EkfSlam:
 
     def finish(self) -> None:
         """Do nothing: the filter has no further work after the last scan."""
+
+    def landmark_map(self) -> LandmarkMap | None:
+        """Return the landmarks that were seen often enough to last, as localization takes them; None: there is none.
+
+        The covariances are those of the places in the frame of the first pose.
+        """
+        lasting = np.flatnonzero(self.times_seen >= self._config.sure)
+        if self.filter is None or not len(lasting):
+            return None
+        states = FIXED + 2 * lasting[:, None] + np.arange(2)
+        covariances = self.filter.P[states[:, :, None], states[:, None, :]]
+        return LandmarkMap(self.filter.landmarks[lasting], covariances, self.times_seen[lasting])
 
     def update(self, odometry: ArrayLike, scan: LaserScan) -> SlamUpdate:
         """Take one scan and its odometry pose T_odom_robot (3,)."""
@@ -254,12 +269,3 @@ class EkfSlam:
         ekf.keep(kept)
         self.times_seen, self._missed = self.times_seen[kept], self._missed[kept]
         self._known = int(kept[: self._known].sum())
-
-
-def _clusterer(config: EkfSlamConfig) -> Clusterer:
-    settings: dict[str, float | int] = {}
-    if config.clustering == "dbscan":
-        settings = {"epsilon": config.cluster_distance, "min_points": config.cluster_points}
-    if config.clustering == "heuristic":
-        settings = {"distance": config.cluster_distance, "min_points": config.cluster_points}
-    return make_clusterer(config.clustering, **settings)

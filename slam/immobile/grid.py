@@ -12,9 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..bounds import Reach, check_numbers
 from ..errors import InputError
 from ..geometry import compose
-from ..grid import GridConfig, OccupancyGrid, scan_rays
-from ..occupancy_map import OccupancyMap
-from ..scan import LaserScan
+from ..grid import GridConfig
 
 Array = NDArray[np.float64]
 
@@ -45,7 +43,7 @@ def _checked(likelihood: ArrayLike) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class ImmobileConfig(GridConfig):
-    """Parameters of `ImmobileGrid`; those of `GridConfig` and two more. `hit` and `miss` are P(O).
+    """Parameters of a grid of immobile area; those of `GridConfig` and these. `hit` and `miss` are P(O).
 
     Attributes:
         miss: P(O) of a cell through which a ray passed.
@@ -64,76 +62,6 @@ class ImmobileConfig(GridConfig):
         super().__post_init__()
         if not self.gone < 0.0 < self.firm <= self.limit:
             raise InputError(f"need `gone` < 0 < `firm` <= `limit`, got {self.gone}, {self.firm} and {self.limit}")
-
-
-class ImmobileGrid(OccupancyGrid):
-    """Log-odds of immobile area; each observation updates each cell it met once, a hit before a miss.
-
-    The conventional grid to compare with is `OccupancyGrid`, written with the same scans at the same poses.
-
-    Args:
-        config: Parameters.
-    """
-
-    config: ImmobileConfig
-    _layers = ("_log_odds", "_stamps", "_firm")
-
-    def __init__(self, config: ImmobileConfig | None = None) -> None:
-        super().__init__(config or ImmobileConfig())
-        self._firm = np.zeros((0, 0), dtype=np.bool_)
-
-    def write(self, T_map_robot: ArrayLike, scan: LaserScan, lambdas: ArrayLike = UNKNOWN) -> None:
-        """Write one scan, taken at the pose `T_map_robot` (3,).
-
-        Args:
-            T_map_robot: Pose of the robot when the scan was taken.
-            scan: The scan.
-            lambdas: Lambda of each beam's return (N,), or one for all; see `still_lambda` and `moving_lambda`.
-        """
-        each = np.broadcast_to(np.asarray(lambdas, dtype=np.float64), scan.ranges.shape)
-        chosen = scan.is_return | (scan.is_no_return & self.config.clear_no_return)
-        points, is_hit = scan_rays(scan, self.config.max_range, self.config.clear_no_return)
-        T_map_lidar = compose(T_map_robot, scan.T_robot_lidar)
-        self._write(T_map_lidar, points, np.where(is_hit, each[chosen], np.nan))
-
-    def write_points(self, T_map_sensor: ArrayLike, points: ArrayLike, lambdas: ArrayLike, is_hit: ArrayLike) -> None:
-        """Write what another sensor saw, projected to the plane.
-
-        Args:
-            T_map_sensor: (3,) pose of the sensor when it was exposed, see `PoseHistory`.
-            points: (n, 2) ends of its rays in its own frame [m].
-            lambdas: (n,) lambda of what is there.
-            is_hit: (n,) whether something is there; else the ray ends in the open.
-
-        Raises:
-            InputError: If the shapes differ or a lambda is not positive.
-        """
-        ends, each = np.asarray(points, dtype=np.float64), np.asarray(lambdas, dtype=np.float64)
-        hits = np.asarray(is_hit, dtype=np.bool_)
-        if ends.shape != (len(each), 2) or hits.shape != each.shape:
-            raise InputError(f"points, lambdas and is_hit differ in length: {ends.shape}, {each.shape}, {hits.shape}")
-        self._write(np.asarray(T_map_sensor, dtype=np.float64), ends, np.where(hits, each, np.nan))
-
-    def movable(self) -> OccupancyMap:
-        """Return the layer of movable things: 1 where something stood firmly and has left, 0 elsewhere.
-
-        The paper's discussion asks for it: a door that was opened leaves the map, but may be closed again.
-        """
-        left = self._firm & (self._log_odds < self.config.gone)
-        return self._cut(left.astype(np.float32))
-
-    def _write(self, T_map_sensor: Array, points: Array, lambdas: Array) -> None:
-        """Write rays to `points` (n, 2), sensor frame, with `lambdas` (n,); NaN: nothing is there.
-
-        Where several returns fall into one cell, the smallest lambda counts: whoever stands before a wall keeps the
-        cell from being written.
-        """
-        if not np.all(np.isnan(lambdas) | (lambdas > 0.0)):
-            raise InputError(f"lambda must be positive, got {np.nanmin(lambdas)}")
-        order = np.argsort(lambdas, kind="stable")
-        hits = np.log(lambdas[order] * self.config.hit)
-        self._observe(T_map_sensor, points[order], hits, float(np.log(UNKNOWN * self.config.miss)))
-        self._firm |= self._log_odds >= self.config.firm
 
 
 class PoseHistory:

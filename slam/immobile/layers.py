@@ -106,7 +106,13 @@ class ImmobileLayers(OccupancyGrid):
         self._left = np.zeros((0, 0), dtype=np.int8)  # 1: left by itself; k: with what is k - 1 cells away; 0: not
 
     def write(self, T_map_robot: ArrayLike, scan: LaserScan, lambdas: ArrayLike = UNKNOWN) -> None:
-        """Write one scan into the laser's layer; see `ImmobileGrid.write`."""
+        """Write one scan, taken at the pose `T_map_robot` (3,), into the laser's layer.
+
+        Args:
+            T_map_robot: Pose of the robot when the scan was taken.
+            scan: The scan.
+            lambdas: Lambda of each beam's return (N,), or one for all; see `still_lambda` and `moving_lambda`.
+        """
         each = np.broadcast_to(np.asarray(lambdas, dtype=np.float64), scan.ranges.shape)
         chosen = scan.is_return | (scan.is_no_return & self.config.clear_no_return)
         points, is_hit = scan_rays(scan, self.config.max_range, self.config.clear_no_return)

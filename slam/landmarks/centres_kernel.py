@@ -27,7 +27,7 @@ def _fit(ranges, bearings, label, m, beta, distance, radius):
 def posterior_of_centres(ranges, bearings, label, count, spacing, radius, sigma, least, nodes, weights, polar, P):
     """Write distance and bearing (count, 2) into `polar` and their covariances (count, 2, 2) into `P`.
 
-    As `round_centres_reference`, object by object; `label` (k,) belongs to `ranges` and `bearings` (k,).
+    See `round_centres`; this goes object by object. `label` (k,) belongs to `ranges` and `bearings` (k,).
     """
     means, betas = np.empty(len(nodes)), np.empty(len(nodes))
     misfits = np.empty(len(nodes))

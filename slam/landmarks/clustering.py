@@ -1,4 +1,7 @@
-"""Four ways to say which points of a scan belong to one object, by scikit-learn's `fit_predict` (Urvina et al. 2023).
+"""Four ways to say which points of a scan belong to one object, behind one verb `fit_predict` (Urvina et al. 2023).
+
+K-Means and the Gaussian mixture are scikit-learn's; the heuristic cut and DBSCAN are compiled here, with numpy and
+scikit-learn as oracles in the tests. A comparison of their times is one of these implementations, not of the methods.
 
 Equations of the paper that are printed wrongly, and what is meant: eq. 1 prints the distance between an object and the
 robot, where the text compares consecutive points; eq. 2 and 4 have p_1 for p_i; eq. 12 is a scalar variance, where the
@@ -6,18 +9,19 @@ mixture needs a full covariance matrix: sum of gamma (x - mu)(x - mu)^T over sum
 """
 
 from dataclasses import dataclass
-from typing import Annotated, Protocol
+from typing import TYPE_CHECKING, Annotated, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from sklearn.cluster import KMeans
-from sklearn.metrics import silhouette_score
-from sklearn.mixture import GaussianMixture
 
 from ..bounds import Reach, Seed, Within, check_numbers
 from ..errors import InputError, unknown_name
 from .dbscan_kernel import dbscan_labels
 from .heuristic_kernel import heuristic_labels
+
+if TYPE_CHECKING:  # scikit-learn takes seconds to load: only the methods that need it do
+    from sklearn.cluster import KMeans
+    from sklearn.mixture import GaussianMixture
 
 Labels = NDArray[np.int64]
 
@@ -96,12 +100,12 @@ class KMeansObjects:
         models = self.candidates(array)
         return self.chosen(array, models) if models else np.zeros(len(array), dtype=np.int64)
 
-    def candidates(self, points: NDArray[np.float64]) -> list[KMeans]:
+    def candidates(self, points: NDArray[np.float64]) -> "list[KMeans]":
         """Return a fit to `points` (n, 2) for each number of objects from 1 on; none where points do not differ."""
         most = min(self.most, len(np.unique(points, axis=0)))
         return [] if most <= 1 else [self._fit(points, k) for k in range(1, most + 1)]
 
-    def chosen(self, points: NDArray[np.float64], models: list[KMeans]) -> Labels:
+    def chosen(self, points: NDArray[np.float64], models: "list[KMeans]") -> Labels:
         """Return the labels (n,) of that of `models` which `choice` takes."""
         if self.choice == "elbow":
             best = elbow(np.array([model.inertia_ for model in models], dtype=np.float64))
@@ -109,8 +113,27 @@ class KMeansObjects:
             best = _best_silhouette(points, [np.asarray(model.labels_) for model in models])
         return np.asarray(models[best].labels_, dtype=np.int64)
 
-    def _fit(self, points: NDArray[np.float64], k: int) -> KMeans:
+    def _fit(self, points: NDArray[np.float64], k: int) -> "KMeans":
+        from sklearn.cluster import KMeans
+
         return KMeans(k, n_init="auto", random_state=self.seed).fit(points)
+
+
+@dataclass(frozen=True, eq=False)
+class Mixture:
+    """A Gaussian mixture that was fitted to points.
+
+    Attributes:
+        weights: (k,) of the components; they sum to 1.
+        means: (k, 2) [m].
+        covariances: (k, 2, 2) [m^2].
+        labels: (n,) the likeliest component of each point.
+    """
+
+    weights: NDArray[np.float64]
+    means: NDArray[np.float64]
+    covariances: NDArray[np.float64]
+    labels: Labels
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -136,25 +159,46 @@ class GaussianMixtureObjects:
             raise InputError(f"`floor` must be positive [m^2], got {self.floor}")
 
     def fit_predict(self, points: ArrayLike) -> Labels:
-        """Return (n,) the likeliest component of each of `points` (n, 2) [m]."""
+        """Return (n,) the likeliest component of each of `points` (n, 2) [m].
+
+        The mixture's own means and covariances are not used for the objects: `describe_objects` takes those of the
+        points, as for the other methods, so that only the grouping differs. `fit` returns them.
+        """
         array = _points(points)
         models = self.candidates(array)
         return self.chosen(array, models) if models else np.zeros(len(array), dtype=np.int64)
 
-    def candidates(self, points: NDArray[np.float64]) -> list[GaussianMixture]:
+    def fit(self, points: ArrayLike) -> Mixture:
+        """Return the mixture that `choice` takes for `points` (n, 2) [m] (eq. 5-12).
+
+        Raises:
+            InputError: If no two of the points differ.
+        """
+        array = _points(points)
+        models = self.candidates(array)
+        if not models:
+            raise InputError("a mixture needs two points that differ")
+        model = models[self._best(array, models)]
+        kinds = (np.asarray(value, dtype=np.float64) for value in (model.weights_, model.means_, model.covariances_))
+        return Mixture(*kinds, labels=np.asarray(model.predict(array), dtype=np.int64))
+
+    def candidates(self, points: NDArray[np.float64]) -> "list[GaussianMixture]":
         """Return a fit to `points` (n, 2) for each number of objects from 1 on; none where points do not differ."""
         most = min(self.most, len(np.unique(points, axis=0)))
         return [] if most <= 1 else [self._fit(points, k) for k in range(1, most + 1)]
 
-    def chosen(self, points: NDArray[np.float64], models: list[GaussianMixture]) -> Labels:
+    def chosen(self, points: NDArray[np.float64], models: "list[GaussianMixture]") -> Labels:
         """Return the labels (n,) of that of `models` which `choice` takes."""
-        if self.choice == "elbow":
-            best = elbow(np.array([-model.score(points) for model in models]))
-        else:
-            best = int(np.argmin([model.bic(points) for model in models]))
-        return np.asarray(models[best].predict(points), dtype=np.int64)
+        return np.asarray(models[self._best(points, models)].predict(points), dtype=np.int64)
 
-    def _fit(self, points: NDArray[np.float64], k: int) -> GaussianMixture:
+    def _best(self, points: NDArray[np.float64], models: "list[GaussianMixture]") -> int:
+        if self.choice == "elbow":
+            return elbow(np.array([-model.score(points) for model in models]))
+        return int(np.argmin([model.bic(points) for model in models]))
+
+    def _fit(self, points: NDArray[np.float64], k: int) -> "GaussianMixture":
+        from sklearn.mixture import GaussianMixture
+
         return GaussianMixture(k, reg_covar=self.floor, random_state=self.seed).fit(points)
 
 
@@ -186,7 +230,27 @@ def make_clusterer(name: str, **settings: float | int | str) -> Clusterer:
         raise InputError(f"clustering method {name!r}: {error}") from error
 
 
+def clusterer_of_scans(name: str, distance: float, points: int) -> Clusterer:
+    """Return the method `name` as localization and SLAM use it.
+
+    Args:
+        name: "heuristic", "kmeans", "gmm" or "dbscan".
+        distance: Largest distance within an object [m]; K-Means and the Gaussian mixture have no use for it.
+        points: Fewest points of an object; likewise.
+
+    Raises:
+        InputError: If the name is unknown, or a value is out of its range.
+    """
+    settings: dict[str, dict[str, float | int]] = {
+        "heuristic": {"distance": distance, "min_points": points},
+        "dbscan": {"epsilon": distance, "min_points": points},
+    }
+    return make_clusterer(name, **settings.get(name, {}))
+
+
 def _best_silhouette(points: NDArray[np.float64], labels: list[NDArray[np.int32]]) -> int:
+    from sklearn.metrics import silhouette_score
+
     scores = [silhouette_score(points, those) if 2 <= len(np.unique(those)) < len(points) else -1.0 for those in labels]
     return int(np.argmax(scores))
 

@@ -1,4 +1,4 @@
-"""The cut of a sweep where consecutive points are far apart, compiled, and its plain numpy reference."""
+"""The cut of a sweep where consecutive points are far apart, compiled."""
 
 import numpy as np
 from numba import njit
@@ -21,11 +21,3 @@ def heuristic_labels(points: NDArray[np.float64], distance: float, min_points: i
             cluster += 1
         start = i
     return labels
-
-
-def heuristic_labels_reference(points: NDArray[np.float64], distance: float, min_points: int) -> NDArray[np.int64]:
-    """Do what `heuristic_labels` does, in numpy."""
-    cuts = (np.diff(points, axis=0) ** 2).sum(axis=1) > distance * distance
-    runs = np.concatenate(([0], np.cumsum(cuts)))[: len(points)]
-    big = np.bincount(runs) >= min_points
-    return np.where(big, np.cumsum(big) - 1, -1)[runs]

@@ -2,13 +2,12 @@
 
 import time
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..logs.drive import RecordedDrive
-from ..runner import Progress
+from ..runner import Drive, Progress
 from ..scan import LaserScan
 from .localizer import LocalizationUpdate
 
@@ -21,6 +20,11 @@ class DriveLocalizer(Protocol):
     """
 
     lost: int
+
+    @property
+    def config(self) -> Any:
+        """The resolved configuration, a frozen dataclass."""
+        ...
 
     def update(self, odometry: ArrayLike, scan: LaserScan) -> LocalizationUpdate:
         """Take one scan and the robot's odometry pose T_odom_robot (3,) at that time."""
@@ -52,7 +56,7 @@ class LocalizerRun:
         return np.isfinite(self.trajectory[:, 0])
 
 
-def run_localizer(localizer: DriveLocalizer, drive: RecordedDrive, *, progress: Progress | None = None) -> LocalizerRun:
+def run_localizer(localizer: DriveLocalizer, drive: Drive, *, progress: Progress | None = None) -> LocalizerRun:
     """Feed a whole drive to a localizer, scan by scan.
 
     Args:
@@ -60,9 +64,9 @@ def run_localizer(localizer: DriveLocalizer, drive: RecordedDrive, *, progress: 
         drive: The drive.
         progress: Wraps the scans, to show how far it is; None: nothing is shown.
     """
-    matched = np.zeros(len(drive), dtype=np.bool_)
-    trajectory, explained = np.full((len(drive), 3), np.nan), np.full(len(drive), np.nan)
-    seconds, lost = np.zeros(len(drive)), localizer.lost
+    n, lost = len(drive.scans), localizer.lost
+    trajectory, explained = np.full((n, 3), np.nan), np.full(n, np.nan)
+    matched, seconds = np.zeros(n, dtype=np.bool_), np.zeros(n)
     scans = drive.scans if progress is None else progress(drive.scans)
     for i, (odometry, scan) in enumerate(zip(drive.odometry, scans, strict=True)):
         start = time.perf_counter()

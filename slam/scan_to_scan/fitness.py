@@ -1,11 +1,7 @@
-"""What the genetic matchers score a pose by, for a whole population in one call; numpy references beside."""
+"""What the genetic matchers score a pose by, for a whole population in one call."""
 
 import numba
 import numpy as np
-from numpy.typing import NDArray
-
-from ..geometry import transform_points
-from ..search.score_pyramid import ScoreGrid
 
 
 @numba.njit(cache=True, nogil=True)
@@ -29,20 +25,6 @@ def lookup_fitness(poses, points, values, x0, y0, cell, fitness):  # pragma: no 
         fitness[p] = total / (255.0 * len(points))
 
 
-def lookup_fitness_reference(
-    poses: NDArray[np.float64], points: NDArray[np.float64], grid: ScoreGrid
-) -> NDArray[np.float64]:
-    """Return (P,) what `lookup_fitness` writes."""
-    moved = (transform_points(poses, np.broadcast_to(points, (len(poses), *points.shape))) - grid.origin) / (
-        grid.resolution
-    )
-    col, row = np.floor(moved[..., 0]).astype(int), np.floor(moved[..., 1]).astype(int)
-    rows, cols = grid.values.shape
-    inside = (row >= 0) & (row < rows) & (col >= 0) & (col < cols)
-    worth = grid.values[np.clip(row, 0, rows - 1), np.clip(col, 0, cols - 1)]
-    return np.where(inside, worth, 0).mean(axis=-1) / 255.0
-
-
 @numba.njit(cache=True, nogil=True)
 def polar_fitness(poses, points, ranges, start, step, threshold, fitness):  # pragma: no cover
     """Write the polar fitness of `points` (N, 2) at each of `poses` (P, 3) into `fitness` (P,), in [0, 1].
@@ -64,20 +46,3 @@ def polar_fitness(poses, points, ranges, start, step, threshold, fitness):  # pr
                 if error < threshold:
                     total += 1.0 - error / threshold
         fitness[p] = total / len(points)
-
-
-def polar_fitness_reference(
-    poses: NDArray[np.float64],
-    points: NDArray[np.float64],
-    ranges: NDArray[np.float64],
-    start: float,
-    step: float,
-    threshold: float,
-) -> NDArray[np.float64]:
-    """Return (P,) what `polar_fitness` writes."""
-    moved = transform_points(poses, np.broadcast_to(points, (len(poses), *points.shape)))
-    bearing = np.arctan2(moved[..., 1], moved[..., 0])
-    beam = np.floor(((bearing - start) / step) % (2.0 * np.pi / step) + 0.5).astype(int)
-    known = np.append(ranges, np.nan)[np.minimum(beam, len(ranges))]
-    error = np.abs(np.hypot(moved[..., 0], moved[..., 1]) - known)
-    return np.where(error < threshold, 1.0 - error / threshold, 0.0).mean(axis=-1)

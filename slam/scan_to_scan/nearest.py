@@ -8,7 +8,6 @@ r^2 k sin^2(a) / (cos^2(a) + k sin^2(a)) with k = L^2 / (r^2 + L^2); k = 1 is th
 
 import numba
 import numpy as np
-from numpy.typing import NDArray
 
 _BINS_PER_RADIAN = 1024 / (2.0 * np.pi)
 
@@ -79,16 +78,3 @@ def nearest_point(x, y, k, points, rays, first, limit, hint=-1):  # pragma: no c
                 best, square = index, value
             index += direction
     return best, square
-
-
-def nearest_point_reference(
-    x: float, y: float, k: float, points: NDArray[np.float64], limit: float
-) -> tuple[int, float]:
-    """Return what `nearest_point` returns, by looking at all `points` (M, 2)."""
-    if len(points) == 0:
-        return -1, limit
-    difference = points - [x, y]
-    cross = x * difference[:, 1] - y * difference[:, 0]
-    square = (difference**2).sum(axis=1) - (1.0 - k) * cross**2 / max(x * x + y * y, 1e-12)
-    index = int(np.argmin(square))
-    return (index, float(square[index])) if square[index] < limit else (-1, limit)

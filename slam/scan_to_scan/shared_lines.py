@@ -180,26 +180,6 @@ def log_evidence(points, apart, noise, costs, longest):  # pragma: no cover
     return highest[count] + np.log(above[count]), before
 
 
-def log_evidence_reference(
-    points: NDArray[np.float64],
-    apart: NDArray[np.bool_],
-    noise: float,
-    costs: tuple[float, float, float],
-    longest: int,
-) -> float:
-    """Return what `log_evidence` returns first, by singular values."""
-    logs = np.full(len(points) + 1, -np.inf)
-    logs[0] = 0.0
-    for end in range(1, len(points) + 1):
-        for start in range(max(0, end - longest), end):
-            piece = points[start:end]
-            if not apart[start : end - 1].any():
-                least = np.linalg.svd(piece - piece.mean(axis=0), compute_uv=False)[-1] if len(piece) > 2 else 0.0
-                cost = costs[min(len(piece), 3) - 1] + 0.5 * (least / noise) ** 2
-                logs[end] = np.logaddexp(logs[end], logs[start] - cost)
-    return float(logs[-1])
-
-
 @numba.njit(cache=True, nogil=True)
 def evidences(points, velocities, steps, apart, noise, costs, longest):  # pragma: no cover
     """Return (S,) the log evidence of the chain with each point moved by each of `steps` (S,) times its velocity."""

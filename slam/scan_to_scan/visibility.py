@@ -2,7 +2,6 @@
 
 import numba
 import numpy as np
-from numpy.typing import NDArray
 
 from .nearest import nearest_point
 
@@ -98,17 +97,3 @@ def mark_unseen(points, rays, x0, y0, cell, margin, worth, values):  # pragma: n
                 after -= 1
             if range_between(x, y, after % count, points, rays) <= np.sqrt(x * x + y * y) + margin:
                 values[row, col] = worth
-
-
-def mark_unseen_reference(
-    points: NDArray[np.float64], x0: float, y0: float, cell: float, margin: float, worth: int, values: NDArray[np.uint8]
-) -> None:
-    """Do what `mark_unseen` does, by looking at the bearings of all `points` (M, 2) from each cell's centre."""
-    bearings, ranges = np.arctan2(points[:, 1], points[:, 0]), np.hypot(points[:, 0], points[:, 1])
-    for row, col in np.ndindex(values.shape):
-        x, y = x0 + (col + 0.5) * cell, y0 + (row + 0.5) * cell
-        apart = (bearings - np.arctan2(y, x)) % (2.0 * np.pi)
-        sides = [np.argmin(np.where(apart > 0.0, apart, 7.0)), np.argmax(apart)]
-        ahead = [ranges[k] for k in sides if min(apart[k], 2.0 * np.pi - apart[k]) < np.arcsin(0.087)]
-        if not ahead or min(ahead) <= np.hypot(x, y) + margin:
-            values[row, col] = max(values[row, col], worth)

@@ -1,11 +1,9 @@
 """Sixteen sums at once, kept in a register: the compiler does not find this by itself, the arrays might overlap."""
 
-import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
-from numpy.typing import NDArray
 
 LANES = 16  # sums in one addition
 
@@ -14,7 +12,7 @@ LANES = 16  # sums in one addition
 def add_lanes(typingctx, sums, at, values, starts, count, offset):
     """In a kernel: `sums[at : at + 16] += values[s + offset : s + offset + 16]` for s in `starts[:count]`.
 
-    uint16, uint8 and int64 arrays, without bounds checks. `add_lanes_reference` is the same in numpy.
+    uint16, uint8 and int64 arrays, without bounds checks.
     """
 
     def codegen(context, builder, signature, arguments):
@@ -33,11 +31,3 @@ def add_lanes(typingctx, sums, at, values, starts, count, offset):
         return context.get_dummy_value()
 
     return types.void(sums, types.intp, values, starts, types.intp, types.intp), codegen
-
-
-def add_lanes_reference(
-    sums: NDArray[np.uint16], at: int, values: NDArray[np.uint8], starts: NDArray[np.int64], count: int, offset: int
-) -> None:
-    """Do what `add_lanes` does."""
-    for start in starts[:count] + offset:
-        sums[at : at + LANES] += values[start : start + LANES]

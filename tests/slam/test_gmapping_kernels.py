@@ -3,6 +3,7 @@
 import gmapping_reference as reference
 import numpy as np
 import pytest
+from grid_reference import write_observation_reference
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from tagalong.slam.errors import InputError
@@ -13,7 +14,7 @@ from tagalong.slam.gmapping.search_kernels import count_missed, search
 from tagalong.slam.gmapping.tile_kernels import SIDE
 from tagalong.slam.gmapping.tile_maps import TileMaps
 from tagalong.slam.grid import GridConfig, OccupancyGrid, render_map
-from tagalong.slam.grid_kernels import write_observation, write_observation_reference
+from tagalong.slam.grid_kernels import write_observation
 from tagalong.slam.processes.threads import Workers
 from tagalong.slam.rays import ray_cells
 from tagalong.slam.scan import LaserScan

@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+from immobile_reference import write_view_reference
 from tagalong.slam.errors import InputError
-from tagalong.slam.immobile.layer_kernels import write_view, write_view_reference
+from tagalong.slam.immobile.layer_kernels import write_view
 from tagalong.slam.immobile.layers import ImmobileLayers, LayersConfig
 from tagalong.slam.scan import LaserScan
 

@@ -4,18 +4,19 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from landmarks_reference import heuristic_labels_reference, round_centres_reference
 from sklearn.cluster import DBSCAN
 from sklearn.metrics import adjusted_rand_score
 from tagalong.slam.errors import InputError
 from tagalong.slam.landmarks.clustering import METHODS, Dbscan, make_clusterer
-from tagalong.slam.landmarks.heuristic_kernel import heuristic_labels, heuristic_labels_reference
+from tagalong.slam.landmarks.heuristic_kernel import heuristic_labels
 from tagalong.slam.landmarks.objects import (
     SightingConfig,
     covariance_ellipse,
     describe_objects,
     see_landmarks,
 )
-from tagalong.slam.landmarks.round_centres import round_centres, round_centres_reference
+from tagalong.slam.landmarks.round_centres import round_centres
 from tagalong.slam.scan import LaserScan
 
 CENTRES = np.array([(2.0, 0.0), (0.0, 3.0), (-3.0, -2.0), (4.0, 4.0)])

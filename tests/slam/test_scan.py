@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from scan_reference import fill_beam_points_reference
 from tagalong.slam.errors import InputError
 from tagalong.slam.scan import LaserScan
-from tagalong.slam.scan_kernel import fill_beam_points, fill_beam_points_reference
+from tagalong.slam.scan_kernel import fill_beam_points
 
 
 def test_ends_of_beams_are_those_of_plain_numpy():

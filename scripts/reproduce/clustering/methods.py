@@ -81,6 +81,7 @@ def cluster_by_number(method: str, scans: Sequence[LaserScan]) -> dict[str, Clus
     labels: dict[str, list[Labels]] = {key: [] for key in ways}
     seconds: dict[str, list[float]] = {key: [] for key in ways}
     with threadpool_limits(1):
+        ways[method].fit_predict(scans[0].points)  # scikit-learn is loaded now
         for scan in scans:
             points, start = scan.points, time.process_time()
             models = ways[method].candidates(points)

@@ -2,20 +2,21 @@
 
 import numpy as np
 import pytest
-from tagalong.slam.geometry import compose, inverse, transform_points
-from tagalong.slam.scan import LaserScan
-from tagalong.slam.scan_to_scan.fitness import (
-    lookup_fitness,
+from scan_to_scan_reference import (
     lookup_fitness_reference,
-    polar_fitness,
+    mark_unseen_reference,
+    nearest_point_reference,
     polar_fitness_reference,
 )
+from tagalong.slam.geometry import compose, inverse, transform_points
+from tagalong.slam.scan import LaserScan
+from tagalong.slam.scan_to_scan.fitness import lookup_fitness, polar_fitness
 from tagalong.slam.scan_to_scan.lookup import LookupConfig, build_lookup
-from tagalong.slam.scan_to_scan.nearest import bin_near, metric_square, nearest_point, nearest_point_reference
+from tagalong.slam.scan_to_scan.nearest import bin_near, metric_square, nearest_point
 from tagalong.slam.scan_to_scan.registration import LINE, METRIC, POINT, correspond, normal_equations, segment_target
 from tagalong.slam.scan_to_scan.surfaces import SurfaceConfig, find_surfaces, fit_lines, noise_of, relined
 from tagalong.slam.scan_to_scan.symmetric import inverse_pose
-from tagalong.slam.scan_to_scan.visibility import agreement, mark_unseen, mark_unseen_reference
+from tagalong.slam.scan_to_scan.visibility import agreement, mark_unseen
 
 
 def random_surfaces(rng, fov):

@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scan_to_scan_reference import log_evidence_reference
 from tagalong.slam.errors import InputError
 from tagalong.slam.scan_to_scan.shared_lines import (
     SharedLinesConfig,
     information,
     least_sure,
     log_evidence,
-    log_evidence_reference,
     merge,
     refine_by_shared_lines,
 )

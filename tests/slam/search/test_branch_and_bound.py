@@ -3,11 +3,12 @@
 import numba
 import numpy as np
 import pytest
+from search_reference import add_lanes_reference
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import inverse, transform_points, wrap_angle
 from tagalong.slam.search.branch_and_bound import SearchWindow, Separation, branch_and_bound
 from tagalong.slam.search.exhaustive import exhaustive_search, scores_at
-from tagalong.slam.search.lanes import add_lanes, add_lanes_reference
+from tagalong.slam.search.lanes import add_lanes
 from tagalong.slam.search.score_pyramid import ScoreGrid, build_pyramid
 
 
