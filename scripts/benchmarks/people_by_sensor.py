@@ -24,8 +24,9 @@ It gave (five drives of about 280 s):
 
 By the laser hardly anybody is known who has not moved; that most of their returns are removed all the same is the
 suspicion of the onboard stack: whatever looks like a leg is kept out of the map until it is known (without it 0.23
-were removed). The camera alone forgets who is out of its sight; both together start a person by the camera and keep it by its legs. What
-is missed are people beside and behind the robot whom the camera has not seen yet, or whose legs were hidden since.
+were removed). The camera alone forgets who is out of its sight; both together start a person by the camera and keep it
+by its legs. What is missed are people beside and behind the robot whom the camera has not seen yet, or whose legs were
+hidden since.
 """
 
 import argparse
