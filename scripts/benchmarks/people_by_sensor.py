@@ -1,13 +1,13 @@
 """People tracked by the laser, by the camera, and by both: MOTA, and returns kept out of the map.
 
-The operator drives through the scene "lab" for five minutes; of its four people two never move. Three minds of the
+The operator drives through the scene "lab" for five minutes; of its four people two never move. Three onboard stacks of the
 environment, as `FollowEnv` makes them, get the same scans and frames: `laser` has no camera, `camera` has the
 camera too and `people="camera"`, `both` has the camera and `people="tracker"`. What the camera sees is known 0.3 s
 after the exposure.
 
 People count within 6 m where the laser has at least 3 returns on one of their legs, or the camera sees at least half of
 what the picture would show of them. `in view` are the people within the camera's angle of view, `all round` all.
-Removed are returns that the mind keeps out of its map: of those on people within 6 m, of those on people who never
+Removed are returns that the robot keeps out of its map: of those on people within 6 m, of those on people who never
 move, and of all others (which should stay). Counts are added up over the drives; the intervals (95 %) are Student's, of
 the drives' own figures.
 
@@ -23,9 +23,10 @@ It gave (five drives of about 280 s):
     both         0.988 [0.986, 0.990]  0.764 [0.758, 0.769]  0.989 [0.986, 0.991]  0.987 [0.983, 0.991]  0.003
 
 By the laser hardly anybody is known who has not moved; that most of their returns are removed all the same is the
-mind's suspicion: whatever looks like a leg is kept out of the map until it is known (without it 0.23 were removed). The
-camera alone forgets who is out of its sight; both together start a person by the camera and keep it by its legs. What
-is missed are people beside and behind the robot whom the camera has not seen yet, or whose legs were hidden since.
+suspicion of the onboard stack: whatever looks like a leg is kept out of the map until it is known (without it 0.23
+were removed). The camera alone forgets who is out of its sight; both together start a person by the camera and keep it
+by its legs. What is missed are people beside and behind the robot whom the camera has not seen yet, or whose legs were
+hidden since.
 """
 
 import argparse
@@ -52,7 +53,7 @@ from .results import write_results
 
 Array = NDArray[np.float64]
 
-MINDS: dict[str, dict[str, Any]] = {
+STACKS: dict[str, dict[str, Any]] = {
     "laser": {},
     "camera": {"camera": "kinect-v2", "people": "camera"},
     "both": {"camera": "kinect-v2"},
@@ -74,7 +75,7 @@ _NEVER = 0.3
 
 
 class SensorJudge:
-    """Counts for one mind."""
+    """Counts for one onboard stack."""
 
     def __init__(self) -> None:
         self.in_view, self.all_round = ClearMot(), ClearMot()
@@ -119,18 +120,18 @@ def _near(truth: TrueState, places: Array, half_view: float) -> NDArray[np.bool_
 
 
 def drive(seed: int, seconds: float) -> dict[str, SensorJudge]:
-    """Drive through one lab with three minds."""
+    """Drive through one lab with three onboard stacks."""
     configs = {
-        name: make_config({"scene": "lab", "leader": False, "slam": None, **given}) for name, given in MINDS.items()
+        name: make_config({"scene": "lab", "leader": False, "slam": None, **given}) for name, given in STACKS.items()
     }
     camera = configs["both"].sensors.camera
     if camera is None:
         raise InputError('"both" must have a camera')
     world = World(world_config(configs["both"], {"route": "operator", "people": 0}), np.random.default_rng(seed))
-    minds = {
+    stacks = {
         name: OnboardStackFactory(config).make(world, np.random.default_rng(seed)) for name, config in configs.items()
     }
-    judges = {name: SensorJudge() for name in MINDS}
+    judges = {name: SensorJudge() for name in STACKS}
     operator, whole = Operator(world.scene), WholeBodies(camera, world.model, len(world.truth.people))
     never_move = _who_never_moves(world)
     while world.time_s < seconds and not world.truth.tour_done:
@@ -140,9 +141,9 @@ def drive(seed: int, seconds: float) -> dict[str, SensorJudge]:
         pixels = world.people_of(world.frame_geoms())
         counts = np.bincount(pixels[pixels >= 0], minlength=len(seen))
         seen |= (counts >= 40) & (counts >= 0.5 * whole.count(world.data, truth.robot_pose))
-        for name, mind in minds.items():
-            belief = mind.update(scan, world.odometry)
-            mind.look(world.frames)
+        for name, stack in stacks.items():
+            belief = stack.update(scan, world.odometry)
+            stack.look(world.frames)
             judges[name].add(truth, belief, labels, seen, camera.horizontal_fov / 2.0, never_move)
     return judges
 
@@ -163,8 +164,10 @@ def run(options: argparse.Namespace) -> int:
     drives = []
     for seed in range(options.first_seed, options.first_seed + options.seeds):
         drives.append(drive(seed, options.seconds))
-        print(f"seed {seed}: " + "  ".join(f"{name} {drives[-1][name].in_view.mota:.3f}" for name in MINDS), flush=True)
-    rows = {name: figures([judges[name] for judges in drives]) for name in MINDS}
+        print(
+            f"seed {seed}: " + "  ".join(f"{name} {drives[-1][name].in_view.mota:.3f}" for name in STACKS), flush=True
+        )
+    rows = {name: figures([judges[name] for judges in drives]) for name in STACKS}
     print(
         format_table(COLUMNS, [[name, *(value.text(digits=3) for value in row.values())] for name, row in rows.items()])
     )

@@ -117,8 +117,8 @@ def test_the_fingerprint_of_the_code_is_the_same_every_time():
 _KILLED = """
 import sys, time
 from pathlib import Path
-from tagalong.scripts.experiments.cells import Cell, files_of, run_cells
-from tagalong.scripts.experiments.hardware import code_fingerprint
+from tagalong.scripts.lab.cells import Cell, files_of, run_cells
+from tagalong.scripts.lab.hardware import code_fingerprint
 from tagalong.slam.errors import MissingExtraError
 
 def slow(value):

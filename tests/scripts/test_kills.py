@@ -22,7 +22,7 @@ CELLS = """
 import operator, sys, time
 from pathlib import Path
 from tagalong.scripts.console.last_words import told
-from tagalong.scripts.experiments.cells import Cell, run_cells
+from tagalong.scripts.lab.cells import Cell, run_cells
 
 def slow(value):
     time.sleep(value)

@@ -1,4 +1,4 @@
-"""People by laser, camera and both, in the environment's own minds."""
+"""People by laser, camera and both, by the environment's own onboard stack."""
 
 import pytest
 from tagalong.scripts.benchmarks import people_by_sensor
