@@ -17,8 +17,8 @@ def test_every_public_name_can_be_imported_and_lives_where_type_checkers_look():
 def test_the_surface_is_this():
     assert " ".join(door.__all__) == (
         "BodyLeaderSelector Detections FilteredScan ImmobileMapper LeaderSelector LegDetector LegDetectorConfig "
-        "LegForest People PeopleFilter PeopleFilterConfig PeopleFinder PeopleTracker PerceptionConfig PlaneFinder TrackerConfig "
-        "filtered_scans perception_preset table_ii"
+        "LegForest People PeopleFilter PeopleFilterConfig PeopleFinder PeopleTracker PerceptionConfig PlaneFinder "
+        "TrackerConfig filtered_scans perception_preset table_ii"
     )
 
 
