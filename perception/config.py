@@ -7,7 +7,7 @@ from types import MappingProxyType
 
 from ..slam.errors import unknown_name
 from .leader.body_selector import BodyConfig
-from .leader.selector import LeaderConfig
+from .leader.onset import LeaderConfig
 from .legs.detector import LegDetectorConfig
 from .people_filter import PeopleFilterConfig
 from .tracking.config import (
