@@ -1,12 +1,8 @@
 import numpy as np
 import pytest
+from pairing_reference import better_pairs_reference, mutual_pairs_reference
 from tagalong.perception.tracking.config import TrackerConfig
-from tagalong.perception.tracking.pairing import (
-    better_pairs,
-    better_pairs_reference,
-    mutual_pairs,
-    mutual_pairs_reference,
-)
+from tagalong.perception.tracking.pairing import better_pairs, mutual_pairs
 from tagalong.perception.tracking.person_tracks import PERSON
 from tagalong.perception.tracking.reidentification import Reidentification
 
