@@ -144,7 +144,7 @@ class OnboardStackFactory:
         p = self._perception
         if self._forest is None:  # known by truth, by one number for ever, or without any legs
             return LeaderSelector(p.leader, p.tracker.motion)
-        return BodyLeaderSelector(np.random.default_rng(seed), p.body, p.leader, p.tracker.motion)
+        return BodyLeaderSelector(np.random.default_rng(seed), p.body, p.leader)
 
     def _drawing(self, world: World) -> Drawing:
         return OwnDrawing() if self._config.mapping.map == "occupancy" else ImmobileDrawing(world.config.lidar.height)

@@ -1,1 +1,96 @@
-"""People seen by the robot's sensors: legs, tracks, and the filter that keeps people out of maps."""
+"""People and planes seen by a robot's laser and camera, and the filter that keeps people out of maps.
+
+Most users need one class. It detects legs, tracks people, and drops their returns, scan by scan:
+
+>>> import numpy as np
+>>> from tagalong.perception import PeopleFilter
+>>> from tagalong.slam.scan import LaserScan
+>>> people_filter = PeopleFilter()
+>>> scan = LaserScan(np.full(361, 4.0), np.linspace(-np.pi / 2, np.pi / 2, 361), range_min=0.1, range_max=30.0)
+>>> filtered = people_filter.update(scan, odometry=(0.0, 0.0, 0.0))
+>>> len(filtered.people), int(filtered.removed.sum()), len(filtered.without_people)
+(0, 0, 361)
+
+The same for a whole recorded drive, of a bag, say, before it is mapped:
+
+    drive = read_log(Path("lobby.bag"))
+    for filtered in filtered_scans(drive):
+        slam.update(filtered.odometry, filtered.without_people)
+
+Filtering    PeopleFilter (PeopleFilterConfig) returns a FilteredScan; `filtered_scans` takes a whole drive.
+Detection    LegDetector (LegDetectorConfig) finds legs in one scan, by a LegForest. Your own detector is a class with
+             `detect(scan) -> Detections`: PeopleFilter(detector=...).
+Tracking     PeopleTracker (TrackerConfig, a node for each stage) turns legs into People, with identities.
+Leader       LeaderSelector keeps to the person chosen first; BodyLeaderSelector by its body, in a crowd.
+Camera       PlaneFinder and PeopleFinder read RGB-D frames; ImmobileMapper maps what stays.
+Numbers      PerceptionConfig is the tree of all of them; `perception_preset` has named ones; `table_ii` the paper's.
+
+What is listed here is public; everything else may change. Names are imported when they are first used.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .config import PerceptionConfig, perception_preset, table_ii
+    from .immobile.mapper import ImmobileMapper
+    from .leader.body_selector import BodyLeaderSelector
+    from .leader.selector import LeaderSelector
+    from .legs.detector import Detections, LegDetector, LegDetectorConfig
+    from .legs.forest import LegForest
+    from .people_filter import FilteredScan, PeopleFilter, PeopleFilterConfig, filtered_scans
+    from .rgbd.people_finder import PeopleFinder
+    from .rgbd.planes import PlaneFinder
+    from .tracking.config import TrackerConfig
+    from .tracking.people import People
+    from .tracking.tracker import PeopleTracker
+
+__all__ = [
+    "BodyLeaderSelector",
+    "Detections",
+    "FilteredScan",
+    "ImmobileMapper",
+    "LeaderSelector",
+    "LegDetector",
+    "LegDetectorConfig",
+    "LegForest",
+    "People",
+    "PeopleFilter",
+    "PeopleFilterConfig",
+    "PeopleFinder",
+    "PeopleTracker",
+    "PerceptionConfig",
+    "PlaneFinder",
+    "TrackerConfig",
+    "filtered_scans",
+    "perception_preset",
+    "table_ii",
+]
+
+_MODULES = {
+    "config": ("PerceptionConfig", "perception_preset", "table_ii"),
+    "immobile.mapper": ("ImmobileMapper",),
+    "leader.body_selector": ("BodyLeaderSelector",),
+    "leader.selector": ("LeaderSelector",),
+    "legs.detector": ("Detections", "LegDetector", "LegDetectorConfig"),
+    "legs.forest": ("LegForest",),
+    "people_filter": ("FilteredScan", "PeopleFilter", "PeopleFilterConfig", "filtered_scans"),
+    "rgbd.people_finder": ("PeopleFinder",),
+    "rgbd.planes": ("PlaneFinder",),
+    "tracking.config": ("TrackerConfig",),
+    "tracking.people": ("People",),
+    "tracking.tracker": ("PeopleTracker",),
+}
+_HOME = {name: module for module, names in _MODULES.items() for name in names}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(f".{_HOME[name]}", __name__), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *__all__])

@@ -7,7 +7,7 @@ from types import MappingProxyType
 
 from ..slam.errors import unknown_name
 from .leader.body_selector import BodyConfig
-from .leader.selector import LeaderConfig
+from .leader.onset import LeaderConfig
 from .legs.detector import LegDetectorConfig
 from .people_filter import PeopleFilterConfig
 from .tracking.config import (
@@ -59,7 +59,7 @@ PRESETS: dict[str, PerceptionConfig] = {
         tracker=TrackerConfig(
             confirmation=ConfirmationConfig(gamma=0.35),
             termination=TerminationConfig(epsilon=2.0),
-            reidentification=ReidentificationConfig(memory_s=60.0, distance=6.0),
+            reidentification=ReidentificationConfig(max_age_s=60.0, distance=6.0),
         ),
     ),
 }
@@ -68,7 +68,7 @@ PRESETS: dict[str, PerceptionConfig] = {
 `table2`: the paper's numbers.
 `outdoor`: a robot without odometry that follows one person. Its frame moves with it, so that what stands moves too, and
 more confidence is asked of a leg (`gamma`); a turn of the robot throws the person across the view
-(`reidentification.distance`) and out of it (`memory_s`); thin legs in coarse beams are missed for longer (`epsilon`).
+(`reidentification.distance`) and out of it (`max_age_s`); thin legs in coarse beams are missed for longer (`epsilon`).
 """
 
 

@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ...perception.leader.selector import LeaderEstimate
+from ...perception.leader.estimate import LeaderEstimate
 from ...perception.people_filter import FilteredScan
 from ...perception.rgbd.frame import RgbdFrame
 from ...perception.tracking.camera import SeenPeople

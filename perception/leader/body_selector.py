@@ -13,14 +13,14 @@ from numpy.typing import ArrayLike, NDArray
 from ...slam.bounds import Endless, check_numbers
 from ...slam.errors import InputError
 from ...slam.scan import LaserScan
-from ..tracking.config import MotionConfig
 from ..tracking.data_association import distances
-from ..tracking.duplicate_tracks import DuplicateTracks
-from ..tracking.legs_of_others import LegsOfOthers
 from ..tracking.people import People, SeenLegs
 from . import cloud_kernels as kernels
 from .cloud import BodyCloud, CloudConfig, LeaderView
-from .selector import LeaderConfig, LeaderEstimate, LeaderSelector, as_leader
+from .duplicate_tracks import DuplicateTracks
+from .estimate import LeaderEstimate, as_leader
+from .legs_of_others import LegsOfOthers
+from .onset import LeaderConfig, LeaderOnset
 
 Array = NDArray[np.float64]
 _NOBODY = -2
@@ -44,8 +44,9 @@ class BodyConfig:
         newborn_s: Who appears while the leader is out of sight may be it, and has no right to legs for so long [s].
         known_again: A leg this near to where a leg was that was not the leader's is none of the leader's either [m].
         known_apart: A leg that is nobody's, this far from the leader in view, is not the leader's [m].
-        foreign: The same while that leg is followed from scan to scan, though the leader's track may take it [m].
-        double_s: Somebody tracked at the leader's own place for longer than this is a second track of the leader,
+        followed_apart: The same while that leg is followed from scan to scan, though the leader's track may take it
+            [m].
+        duplicate_s: Somebody tracked at the leader's own place for longer than this is a second track of the leader,
             and has no right to legs of its own [s].
         radius: A track this near to bodies is theirs [m].
         take: A track takes over as the leader when more than this share of the cloud is at it.
@@ -69,8 +70,8 @@ class BodyConfig:
     newborn_s: float = 1.0
     known_again: float = 0.3
     known_apart: float = 1.0
-    foreign: Endless = 0.7
-    double_s: Endless = 0.8
+    followed_apart: Endless = 0.7
+    duplicate_s: Endless = 0.8
     radius: float = 0.5
     take: float = 0.5
     keep: float = 0.25
@@ -87,14 +88,13 @@ class BodyConfig:
                 raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
 
 
-class BodyLeaderSelector(LeaderSelector):
+class BodyLeaderSelector:
     """Chooses the person closest to the robot at onset, and keeps to that person's body.
 
     Args:
         rng: Of the cloud's draws.
         body: Which legs count, and when the cloud decides.
         leader: How the leader is chosen at onset.
-        motion: How people walk on unseen.
     """
 
     def __init__(
@@ -102,21 +102,23 @@ class BodyLeaderSelector(LeaderSelector):
         rng: np.random.Generator,
         body: BodyConfig | None = None,
         leader: LeaderConfig | None = None,
-        motion: MotionConfig | None = None,
     ) -> None:
-        self._rng, self._body = rng, body or BodyConfig()
-        super().__init__(leader, motion)
+        self._rng, self._body, self._config = rng, body or BodyConfig(), leader or LeaderConfig()
+        self.reset()
 
     def reset(self) -> None:
         """Forget the leader."""
-        super().reset()
+        self._leader: LeaderEstimate | None = None
+        self._time_s = 0.0
+        self._onset = LeaderOnset(self._config)
         self._cloud: BodyCloud | None = None
         self._before: People | None = None
         self._own = -1
         self._others = np.zeros((0, 2))
         self._met_s: dict[int, float] = {}
-        self._foreign = LegsOfOthers()
-        self._doubles = DuplicateTracks(self._leader_config.twin_distance, self._body.double_s)
+        self._others_legs = LegsOfOthers()
+        apart = self._config.duplicate_distance
+        self._duplicates = DuplicateTracks(apart, self._body.duplicate_s, separation=2.0 * apart)
 
     def update(self, people: People, robot_pose: ArrayLike, scan: LaserScan | None = None) -> LeaderEstimate | None:
         """Return the leader among `people` with the robot at `robot_pose` (3,), both in the odometry frame.
@@ -135,18 +137,22 @@ class BodyLeaderSelector(LeaderSelector):
             raise InputError("a leader is known by its body only with the scan at hand, got None")
         dt, self._time_s = people.time_s - self._time_s, people.time_s
         before = self._leader
-        self._foreign.look(people.seen_legs.positions, dt)
-        if self._choose(people, np.asarray(robot_pose, dtype=np.float64)[:2]) and self._leader is not None:
-            self._own, self._cloud = self._leader.track_id, None
+        self._others_legs.update(people.seen_legs.positions, dt)
+        chosen = self._onset.choose(people, np.asarray(robot_pose, dtype=np.float64)[:2], before)
+        if chosen is not None:
+            self._leader, self._own, self._cloud = chosen, chosen.track_id, None
         elif before is not None:
             own = int(np.argmax(people.ids == self._own)) if self._own in people.ids else _NOBODY
             if before.track_id == self._own and self._is_alone(people, own):
                 self._cloud, self._leader = None, as_leader(people, own, before.id)
             else:
                 self._leader = self._find(people, own, before, dt, LeaderView.of(scan, robot_pose))
-            self._remember_others(people.seen_legs, self._leader)
-        self._meet(people)
-        self._doubles.watch(people, self._leader, dt)
+            self._keep_others(people.seen_legs, self._leader)
+        self._note_people(people)
+        leader = self._leader
+        if leader is not None and leader.track_id >= 0 and leader.visible:
+            others = (people.ids != leader.track_id) & (people.unseen_s == 0.0)
+            self._duplicates.update(people, leader.position, others, dt)
         self._before = people
         return self._leader
 
@@ -156,7 +162,7 @@ class BodyLeaderSelector(LeaderSelector):
             return False
         place, legs = people.positions[own], people.seen_legs
         bodies = people.positions[:own], people.positions[own + 1 :]
-        others = np.concatenate((legs.positions[legs.owner != own], *bodies, self._foreign.places))
+        others = np.concatenate((legs.positions[legs.owner != own], *bodies, self._others_legs.places))
         apart = others - place
         return bool(((apart * apart).sum(axis=1) > self._body.alone**2).all())
 
@@ -180,7 +186,7 @@ class BodyLeaderSelector(LeaderSelector):
         c, before = self._body, self._before
         claim = np.zeros(len(legs))
         if before is not None and len(legs):
-            others = (before.ids != self._own) & ~self._doubles.among(before)
+            others = (before.ids != self._own) & ~self._duplicates.among(before)
             places = before.positions[others] + dt * before.velocities[others]
             known = np.array([self._time_s - self._met_s[int(number)] > c.newborn_s for number in before.ids[others]])
             seen = np.exp(-before.unseen_s[others] / c.forget_s) * known
@@ -190,7 +196,7 @@ class BodyLeaderSelector(LeaderSelector):
             apart = distances(legs.positions[loose], self._others).min(axis=1, initial=np.inf)
             claim[loose] = apart < c.known_again
         explained = cloud.explained(legs.positions) + 1e-6
-        claim[self._foreign.doubted(legs.owner == own, explained, dt)] = c.other_claim
+        claim[self._others_legs.among(legs.owner == own, explained, dt)] = c.other_claim
         return explained / (explained + claim)
 
     def _decide(
@@ -214,18 +220,20 @@ class BodyLeaderSelector(LeaderSelector):
         confidence, unseen_s = (c.loose_confidence, 0.0) if gathered else (0.0, before.unseen_s + dt)
         return LeaderEstimate(before.id, -1, mean[:2], mean[2:], gathered, confidence, unseen_s)
 
-    def _meet(self, people: People) -> None:
+    def _note_people(self, people: People) -> None:
         """Note when each person was first seen; who is there while the leader is in view is somebody else for good."""
         in_view = self._leader is not None and self._leader.visible
         for number in people.ids.tolist():
             if in_view or number not in self._met_s:
                 self._met_s[number] = -np.inf if in_view else people.time_s
 
-    def _remember_others(self, legs: SeenLegs, leader: LeaderEstimate) -> None:
+    def _keep_others(self, legs: SeenLegs, leader: LeaderEstimate) -> None:
         """Keep the places of legs that are nobody's and not the leader's, while it is in view; follow them later."""
         c, loose = self._body, legs.positions[legs.owner < 0]
         if leader.visible:
-            self._foreign.note((legs.owner < 0) & (np.hypot(*(legs.positions - leader.position).T) > c.foreign))
+            self._others_legs.observe(
+                (legs.owner < 0) & (np.hypot(*(legs.positions - leader.position).T) > c.followed_apart)
+            )
             self._others = loose[np.hypot(*(loose - leader.position).T) > c.known_apart]
         elif len(self._others) and len(loose):
             apart = distances(loose, self._others)

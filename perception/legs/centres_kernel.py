@@ -23,14 +23,3 @@ def move_to_centres(points, start, end, widest, depth_per_width, centres):
         deeper = depth_per_width * min(abs(u * sight_y - v * sight_x), widest)
         centres[c, 0] = x + deeper * sight_x
         centres[c, 1] = y + deeper * sight_y
-
-
-def move_to_centres_reference(points, start, end, widest, depth_per_width, centres):
-    """Write what `move_to_centres` writes, in plain numpy."""
-    sums = np.concatenate((np.zeros((1, 2)), np.cumsum(points, axis=0)))
-    means = (sums[end] - sums[start]) / np.maximum(end - start, 1)[:, None]
-    ends = points[end - 1] - points[start]
-    distance = np.maximum(np.hypot(means[:, 0], means[:, 1]), 1e-6)
-    sight = means / distance[:, None]
-    across = np.abs(ends[:, 0] * sight[:, 1] - ends[:, 1] * sight[:, 0])
-    centres[:] = means + (depth_per_width * np.minimum(across, widest))[:, None] * sight

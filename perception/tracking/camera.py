@@ -13,6 +13,8 @@ from ..rgbd.people import RgbdPeople
 from . import kalman
 from .config import TrackerConfig
 from .data_association import assign, distances
+from .identities import Identities
+from .tracks import Tracks
 
 Array = NDArray[np.float64]
 
@@ -49,15 +51,38 @@ class NoLegs:
         return no_detections()
 
 
-class CameraSightings:
-    """Corrects people by what a camera saw, and says where it has seen somebody who is not known yet."""
+class CameraTracking:
+    """Corrects people by what a camera saw, and confirms those whom only it knows: they need not have moved.
 
-    def __init__(self, config: TrackerConfig) -> None:
-        self._config = config
+    Args:
+        config: Of the tracker.
+        identities: Who numbers the people.
+    """
+
+    def __init__(self, config: TrackerConfig, identities: Identities) -> None:
+        self._config, self._identities = config, identities
         self._places, self._counts = np.empty((0, 2)), np.empty(0, dtype=np.int64)
         self._times = np.empty(0)
 
-    def correct(self, people: NDArray[np.void], seen: SeenPeople, time_s: float, dt: float) -> NDArray[np.intp]:
+    def update(self, tracks: Tracks, seen: SeenPeople, time_s: float, dt: float) -> None:
+        """Correct the people of `tracks` at `time_s`, `dt` seconds after the last scan, by whom the camera has `seen`.
+
+        Tentative leg tracks near somebody new are its legs; those not seen yet stand where the camera saw it.
+        """
+        legs = tracks.legs
+        unknown = self._correct(tracks.people, seen, time_s, dt)
+        for k in self._new_people(seen, unknown):
+            place, rows = seen.positions[k], tracks.tentative
+            away = distances(place[None], legs.positions[rows])[0]
+            own = rows[np.argsort(away, kind="stable")[:2]]
+            own = own[np.sort(away)[:2] <= self._config.pairing.distance / 2.0]
+            hidden = np.arange(len(legs), len(legs) + 2 - len(own))
+            legs.begin(np.repeat(place[None], len(hidden), axis=0), np.full(len(hidden), seen.likelihood[k]))
+            self._identities.confirm(tracks, np.concatenate((own, hidden))[None])
+            tracks.people["x"][-1, :2], tracks.people["confidence"][-1] = place, seen.likelihood[k]
+            tracks.people["camera_s"][-1] = 0.0
+
+    def _correct(self, people: NDArray[np.void], seen: SeenPeople, time_s: float, dt: float) -> NDArray[np.intp]:
         """Correct `people` (n,) in place; return the rows of `seen` that are nobody of them.
 
         A person is compared where it was at the exposure; that the camera saw it counts for now.
@@ -76,14 +101,14 @@ class CameraSightings:
         near[columns] = True
         return np.flatnonzero(~near & (seen.likelihood >= config.camera.sure))
 
-    def newcomers(self, seen: SeenPeople, rows: NDArray[np.intp]) -> NDArray[np.intp]:
+    def _new_people(self, seen: SeenPeople, rows: NDArray[np.intp]) -> NDArray[np.intp]:
         """Return those of `rows` of `seen`, nobody known, that were seen in enough frames at about their place."""
         config = self._config
         fresh = seen.time_s - self._times <= config.camera.wait_s
         places, counts, times = self._places[fresh], self._counts[fresh], self._times[fresh]
-        found, old = assign(distances(seen.positions[rows], places), config.camera.gate)
+        again, old = assign(distances(seen.positions[rows], places), config.camera.gate)
         count = np.ones(len(rows), dtype=np.int64)
-        count[found] += counts[old]
+        count[again] += counts[old]
         sure = count >= config.camera.frames
         rest = np.setdiff1d(np.arange(len(places)), old)
         self._places = np.concatenate((places[rest], seen.positions[rows[~sure]]))

@@ -178,7 +178,7 @@ class ReidentificationConfig:
     """Re-identification: people whose track ended get their number back when they are seen again.
 
     Attributes:
-        memory_s: How long somebody whose track ended can be re-identified [s].
+        max_age_s: How long somebody whose track ended can be re-identified [s].
         known_s: Whoever was tracked for less than this is not remembered [s].
         distance: Largest distance from the prediction at which somebody is re-identified [m].
         overlap_s: How long the legs of somebody may have been tracked anew before the old track was last seen: tracks
@@ -190,7 +190,7 @@ class ReidentificationConfig:
             slid off to something else [s].
     """
 
-    memory_s: float = 10.0
+    max_age_s: float = 10.0
     known_s: float = 5.0
     distance: float = 3.0
     overlap_s: float = 0.5

@@ -1,4 +1,4 @@
-"""Numba kernels that ask all leg tracks one question; `leg_reference.py` says the same in numpy.
+"""Numba kernels that ask all leg tracks one question; `tests/reference/leg_tracks_reference.py` says the same in numpy.
 
 `legs` (n,) are of `LEG`, `people` (k,) of `PERSON`; the first 2 k legs are theirs. `match` (n,) is the detection of
 each track in this scan, or -1.

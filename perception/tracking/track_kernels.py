@@ -1,4 +1,4 @@
-"""Numba kernels of the tracks; `reference.py` says the same in numpy.
+"""Numba kernels of the tracks; `tests/reference/tracking_reference.py` says the same in numpy.
 
 One scan touches a dozen tracks: what costs is not the sums but the calls, and the code that they drag through the
 caches. Arrays are written in place; columns of `x` and `p` are those of kalman.py.

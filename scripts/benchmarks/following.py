@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...perception.config import PRESETS, perception_preset
-from ...perception.leader.selector import LeaderEstimate, LeaderSelector, numbered_by_leader
+from ...perception.leader.estimate import LeaderEstimate
+from ...perception.leader.selector import LeaderSelector, numbered_by_leader
 from ...perception.people_filter import PeopleFilter
 from ...perception.tracking.people import People
 from ...slam.errors import InputError

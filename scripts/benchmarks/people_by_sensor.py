@@ -1,7 +1,7 @@
 """People tracked by the laser, by the camera, and by both: MOTA, and returns kept out of the map.
 
-The operator drives through the scene "lab" for five minutes; of its four people two never move. Three onboard stacks of the
-environment, as `FollowEnv` makes them, get the same scans and frames: `laser` has no camera, `camera` has the
+The operator drives through the scene "lab" for five minutes; of its four people two never move. Three onboard stacks of
+the environment, as `FollowEnv` makes them, get the same scans and frames: `laser` has no camera, `camera` has the
 camera too and `people="camera"`, `both` has the camera and `people="tracker"`. What the camera sees is known 0.3 s
 after the exposure.
 

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from clusters_reference import split_by_distance_reference
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from tagalong.perception.legs.clusters import cluster_scan, split_by_distance, split_by_distance_reference
+from tagalong.perception.legs.clusters import cluster_scan, split_by_distance
 from tagalong.slam.errors import InputError
 from tagalong.slam.scan import LaserScan
 

@@ -152,7 +152,7 @@ def test_legs_of_somebody_who_stood_there_before_do_not_become_the_leaders_with_
     leader, found = sliding(seed, hidden)
     assert found.visible
     assert np.hypot(*(found.position - leader)) < 0.4
-    leader, found = sliding(seed, hidden, foreign=np.inf)
+    leader, found = sliding(seed, hidden, followed_apart=np.inf)
     assert np.hypot(*(found.position - leader)) > 1.0
 
 
@@ -173,7 +173,7 @@ def doubled(seed, **body):
 
 
 def test_a_second_track_of_the_leader_carries_it_on():
-    carried = [[doubled(seed, **fields).track_id == 1 for seed in range(6)] for fields in ({}, {"double_s": np.inf})]
+    carried = [[doubled(seed, **fields).track_id == 1 for seed in range(6)] for fields in ({}, {"duplicate_s": np.inf})]
     assert sum(carried[0]) == 6
     assert sum(carried[1]) <= 2  # somebody else's legs
 

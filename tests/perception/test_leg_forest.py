@@ -6,12 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from forest_reference import vote_reference
 from sklearn.ensemble import RandomForestClassifier
 from tagalong.perception.legs.clusters import cluster_scan
 from tagalong.perception.legs.detector import LegDetector, LegDetectorConfig
 from tagalong.perception.legs.features import FEATURE_NAMES
 from tagalong.perception.legs.forest import SHIPPED, LegForest, read_card
-from tagalong.perception.legs.forest_kernel import MOST_DEPTH, is_sound, vote_reference
+from tagalong.perception.legs.forest_kernel import MOST_DEPTH, is_sound
 from tagalong.scripts.training.train_legs import flatten_forest
 from tagalong.slam.errors import InputError
 from tagalong.slam.scan import LaserScan

@@ -1,14 +1,10 @@
 import numpy as np
 import pytest
+from pairing_reference import better_pairs_reference, mutual_pairs_reference
 from tagalong.perception.tracking.config import TrackerConfig
-from tagalong.perception.tracking.pairing import (
-    better_pairs,
-    better_pairs_reference,
-    mutual_pairs,
-    mutual_pairs_reference,
-)
+from tagalong.perception.tracking.pairing import better_pairs, mutual_pairs
 from tagalong.perception.tracking.person_tracks import PERSON
-from tagalong.perception.tracking.reidentification import ReidentificationMemory
+from tagalong.perception.tracking.reidentification import Reidentification
 
 
 def spread_of(places):
@@ -52,8 +48,8 @@ def lost_person(config, seconds):
     person = np.zeros(1, dtype=PERSON)
     person["id"], person["x"], person["p"], person["unseen_s"] = 7, (1.0, 0.0, 0.5, 0.0), (0.05, 0.0, 0.05), 0.5
     person["age_s"] = 20.0
-    memory = ReidentificationMemory(config)
-    memory.remember(person)
+    memory = Reidentification(config)
+    memory.add(person)
     for _ in range(round(10 * seconds)):
         memory.predict(0.1)
     return memory
@@ -62,10 +58,10 @@ def lost_person(config, seconds):
 def test_a_lost_person_is_met_again_where_it_went_but_not_elsewhere_nor_if_it_was_there_before():
     config, nobody = TrackerConfig(), np.zeros(0, dtype=PERSON)
     near, far, young, old = np.array([[1.6, 0.1]]), np.array([[6.0, 0.0]]), np.array([1.0]), np.array([9.0])
-    assert lost_person(config, 2.0).recognise(near, young, nobody).tolist() == [7]
-    assert lost_person(config, 2.0).recognise(far, young, nobody).tolist() == [-1]
-    assert lost_person(config, 2.0).recognise(near, old, nobody).tolist() == [-1]
-    assert lost_person(config, config.reidentification.memory_s).recognise(near, young, nobody).tolist() == [-1]
+    assert lost_person(config, 2.0).identify(near, young, nobody).tolist() == [7]
+    assert lost_person(config, 2.0).identify(far, young, nobody).tolist() == [-1]
+    assert lost_person(config, 2.0).identify(near, old, nobody).tolist() == [-1]
+    assert lost_person(config, config.reidentification.max_age_s).identify(near, young, nobody).tolist() == [-1]
     memory = lost_person(config, 2.0)
-    memory.recognise(near, young, nobody)
-    assert memory.recognise(near, young, nobody).tolist() == [-1]  # met once, lost no more
+    memory.identify(near, young, nobody)
+    assert memory.identify(near, young, nobody).tolist() == [-1]  # met once, lost no more

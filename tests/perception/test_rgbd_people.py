@@ -2,16 +2,17 @@
 
 import numpy as np
 import pytest
+from hog_rgbd_reference import hog_reference
+from measures_rgbd_reference import count_borders_reference
 from tagalong.perception.rgbd.frame import Pinhole, RgbdFrame
 from tagalong.perception.rgbd.heads import HeadConfig, find_candidates, with_neighbours
-from tagalong.perception.rgbd.hog import hog, hog_length, hog_reference
+from tagalong.perception.rgbd.hog import hog, hog_length
 from tagalong.perception.rgbd.measures import (
     BORDER_STEP,
     MEASURES,
     Border,
     candidate_measures,
     count_borders,
-    count_borders_reference,
     soft_bins,
 )
 from tagalong.perception.rgbd.people_finder import PeopleFinder, PeopleFinderConfig, spread

@@ -2,10 +2,13 @@
 
 import numpy as np
 import pytest
-from tagalong.perception.rgbd.cloud import cloud, surface_normals, surface_normals_reference
-from tagalong.perception.rgbd.clusters import ClusterConfig, connect, connect_reference, find_clusters
+from cloud_rgbd_reference import surface_normals_reference
+from clusters_rgbd_reference import connect_reference
+from growing_rgbd_reference import settle_reference
+from tagalong.perception.rgbd.cloud import cloud, surface_normals
+from tagalong.perception.rgbd.clusters import ClusterConfig, connect, find_clusters
 from tagalong.perception.rgbd.frame import Pinhole, RgbdFrame
-from tagalong.perception.rgbd.growing import settle, settle_reference
+from tagalong.perception.rgbd.growing import settle
 from tagalong.perception.rgbd.planes import PlaneConfig, PlaneFinder, Surface
 from tagalong.slam.errors import InputError
 

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 import tracking_reference as reference
-from tagalong.perception.legs.centres_kernel import move_to_centres, move_to_centres_reference
+from centres_reference import move_to_centres_reference
+from tagalong.perception.legs.centres_kernel import move_to_centres
 from tagalong.perception.tracking import track_kernels
 from tagalong.perception.tracking.leg_tracks import LEG
 from tagalong.perception.tracking.person_tracks import PERSON

@@ -8,7 +8,7 @@ where it is.
 import numpy as np
 from numpy.typing import NDArray
 
-from .data_association import distances
+from ..tracking.data_association import distances
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -16,25 +16,25 @@ Mask = NDArray[np.bool_]
 STEP_M = 0.25
 """No leg moves farther than this from one scan to the next [m]."""
 SCANS = 3
-"""In so many scans in a row a leg is seen apart from the leader until it is foreign."""
+"""In so many scans in a row a leg must be seen apart from the leader to count as somebody else's."""
 UNSEEN_S = 0.5
-"""A foreign leg is known again for this long after it was seen [s]."""
+"""A leg of somebody else is recognised for this long after it was seen [s]."""
 EXPLAINED = 0.1
 """A leg that the leader's body explains so well may be the leader's."""
-STARVED_S = 0.4
-"""If there is none but foreign ones of its own track for so long, those are the leader's after all [s]."""
+UNEXPLAINED_S = 0.4
+"""If the leader's own track has had nothing but legs of others for so long, those are the leader's after all [s]."""
 
 
 class LegsOfOthers:
-    """Remembers which legs are foreign."""
+    """Follows, from scan to scan, the legs that were seen apart from the leader: they are somebody else's."""
 
     def __init__(self) -> None:
         self._legs, self._unseen_s = np.zeros((0, 2)), np.zeros(0)
-        self._apart = np.zeros(0, dtype=np.int64)  # scans in a row; foreign from `SCANS` on
+        self._apart = np.zeros(0, dtype=np.int64)  # scans in a row; somebody else's from `SCANS` on
         self._now = 0
-        self._starved_s = 0.0
+        self._unexplained_s = 0.0
 
-    def look(self, legs: Array, dt: float) -> None:
+    def update(self, legs: Array, dt: float) -> None:
         """Take the `legs` (k, 2) of a scan, `dt` [s] after the last one, in the odometry frame."""
         apart, gone = np.zeros(len(legs), dtype=np.int64), np.zeros(len(self._legs), dtype=bool)
         if self._apart.any():
@@ -50,26 +50,26 @@ class LegsOfOthers:
 
     @property
     def places(self) -> Array:
-        """(n, 2) where foreign legs are, or were a moment ago [m]."""
+        """(n, 2) where legs of others are, or were a moment ago [m]."""
         return self._legs[self._apart >= SCANS]
 
-    def doubted(self, own: Mask, explained: Array, dt: float) -> Mask:
-        """Return (k,) which of the last legs are foreign.
+    def among(self, own: Mask, explained: Array, dt: float) -> Mask:
+        """Return (k,) which of the last legs are somebody else's.
 
         Args:
             own: (k,) which are of the track that carries the leader.
             explained: (k,) how well the leader's body explains each, in [0, 1].
             dt: Since this was last asked [s].
         """
-        foreign = self._apart[: self._now] >= SCANS
-        starves = bool((foreign & own).any()) and not bool((~foreign & (explained > EXPLAINED)).any())
-        self._starved_s = self._starved_s + dt if starves else 0.0
-        if self._starved_s > STARVED_S:
+        others = self._apart[: self._now] >= SCANS
+        unexplained = bool((others & own).any()) and not bool((~others & (explained > EXPLAINED)).any())
+        self._unexplained_s = self._unexplained_s + dt if unexplained else 0.0
+        if self._unexplained_s > UNEXPLAINED_S:
             self._apart[: self._now][own] = 0
-            foreign = foreign & ~own
-        return foreign
+            others = others & ~own
+        return others
 
-    def note(self, apart: Mask) -> None:
+    def observe(self, apart: Mask) -> None:
         """Take which of the last legs, (k,), are nobody's and apart from a leader in view."""
         now = self._apart[: self._now]
         now[:] = np.where(now >= SCANS, now, np.where(apart, now + 1, 0))

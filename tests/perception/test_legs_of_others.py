@@ -1,43 +1,42 @@
-"""Legs seen apart from the leader stay foreign, whoever takes them; second tracks of the leader are no other people."""
+"""Legs seen apart from the leader stay somebody else's; duplicate tracks of the leader are no other people."""
 
 import numpy as np
 import pytest
-from tagalong.perception.leader.selector import LeaderEstimate
-from tagalong.perception.tracking.duplicate_tracks import DuplicateTracks
-from tagalong.perception.tracking.legs_of_others import LegsOfOthers
+from tagalong.perception.leader.duplicate_tracks import DuplicateTracks
+from tagalong.perception.leader.legs_of_others import LegsOfOthers
 from tagalong.perception.tracking.people import People, SeenLegs
 
 DT = 0.1
 
 
 def asked(legs, places, own=(), explained=1.0):
-    """Show legs at `places`, those of rows `own` carried by the leader's track; return which are foreign."""
-    legs.look(np.asarray(places, dtype=np.float64).reshape(-1, 2), DT)
+    """Show legs at `places`, those of rows `own` carried by the leader's track; return which are others'."""
+    legs.update(np.asarray(places, dtype=np.float64).reshape(-1, 2), DT)
     mine = np.isin(np.arange(len(places)), own)
-    return legs.doubted(mine, np.where(mine, 1.0, explained), DT).tolist()
+    return legs.among(mine, np.where(mine, 1.0, explained), DT).tolist()
 
 
 def seen_apart(times, place=(1.0, 0.0)):
     legs = LegsOfOthers()
     for _ in range(times):
         asked(legs, [place, (0.0, 0.0)])
-        legs.note(np.array([True, False]))
+        legs.observe(np.array([True, False]))
     return legs
 
 
-def test_a_leg_is_foreign_after_three_scans_in_a_row_apart_from_the_leader():
+def test_a_leg_is_somebody_elses_after_three_scans_in_a_row_apart_from_the_leader():
     assert asked(seen_apart(2), [(1.0, 0.0), (0.0, 0.0)]) == [False, False]
     assert asked(seen_apart(3), [(1.0, 0.0), (0.0, 0.0)]) == [True, False]
     interrupted = seen_apart(2)
     asked(interrupted, [(1.0, 0.0), (0.0, 0.0)])
-    interrupted.note(np.array([False, False]))
+    interrupted.observe(np.array([False, False]))
     for _ in range(2):
         asked(interrupted, [(1.0, 0.0), (0.0, 0.0)])
-        interrupted.note(np.array([True, False]))
+        interrupted.observe(np.array([True, False]))
     assert asked(interrupted, [(1.0, 0.0), (0.0, 0.0)]) == [False, False]
 
 
-def test_a_foreign_leg_is_followed_in_steps_that_a_leg_can_make():
+def test_a_leg_of_somebody_else_is_followed_in_steps_that_a_leg_can_make():
     legs = seen_apart(3)
     assert asked(legs, [(0.8, 0.0), (0.0, 0.0)], own=[0]) == [True, False]
     assert asked(legs, [(0.6, 0.0), (0.0, 0.0)], own=[0]) == [True, False]
@@ -45,7 +44,7 @@ def test_a_foreign_leg_is_followed_in_steps_that_a_leg_can_make():
 
 
 @pytest.mark.parametrize(("hidden", "known"), [(3, True), (6, False)])
-def test_a_foreign_leg_is_known_again_if_it_was_hidden_for_less_than_half_a_second(hidden, known):
+def test_a_leg_of_somebody_else_is_recognised_if_it_was_hidden_for_less_than_half_a_second(hidden, known):
     legs = seen_apart(3)
     for _ in range(hidden):
         asked(legs, [(0.0, 0.0)])
@@ -79,27 +78,32 @@ def people_at(places, unseen_s=0.0):
 
 
 def watched(place, steps, **fields):
-    doubles, leader = DuplicateTracks(0.4, 0.8), LeaderEstimate(0, 0, np.zeros(2), np.zeros(2), True, 0.9, 0.0)
+    duplicates = DuplicateTracks(0.4, 0.8, separation=0.8)
     for _ in range(steps):
-        doubles.watch(people_at([(0.0, 0.0), place], **fields), leader, DT)
-    return doubles, leader
+        update(duplicates, people_at([(0.0, 0.0), place], **fields))
+    return duplicates
 
 
-def test_who_is_tracked_at_the_leaders_place_for_long_is_its_double():
+def update(duplicates, people):
+    """Compare those who are seen with the leader, who is the first."""
+    duplicates.update(people, np.zeros(2), (people.ids != 0) & (people.unseen_s == 0.0), DT)
+
+
+def test_who_is_tracked_at_the_leaders_place_for_long_is_a_duplicate():
     pair = people_at([(0.0, 0.0), (0.3, 0.0)])
-    assert watched((0.3, 0.0), 10)[0].among(pair).tolist() == [False, True]
-    doubles, leader = watched((0.3, 0.0), 0)
+    assert watched((0.3, 0.0), 10).among(pair).tolist() == [False, True]
+    duplicates = watched((0.3, 0.0), 0)
     for _ in range(10):
-        doubles.watch(people_at([(0.0, 0.0), (0.3, 0.0), (3.0, 0.0)]), leader, DT)
-    assert doubles.among(people_at([(0.0, 0.0), (0.3, 0.0), (3.0, 0.0)])).tolist() == [False, True, False]
-    assert watched((0.3, 0.0), 7)[0].among(pair).tolist() == [False, False]
-    assert watched((0.5, 0.0), 10)[0].among(pair).tolist() == [False, False]
-    assert watched((0.3, 0.0), 10, unseen_s=0.2)[0].among(pair).tolist() == [False, False]
+        update(duplicates, people_at([(0.0, 0.0), (0.3, 0.0), (3.0, 0.0)]))
+    assert duplicates.among(people_at([(0.0, 0.0), (0.3, 0.0), (3.0, 0.0)])).tolist() == [False, True, False]
+    assert watched((0.3, 0.0), 7).among(pair).tolist() == [False, False]
+    assert watched((0.5, 0.0), 10).among(pair).tolist() == [False, False]
+    assert watched((0.3, 0.0), 10, unseen_s=0.2).among(pair).tolist() == [False, False]
 
 
-def test_a_double_seen_somewhere_else_is_somebody_else():
-    doubles, leader = watched((0.3, 0.0), 10)
-    doubles.watch(people_at([(0.0, 0.0), (0.6, 0.0)]), leader, DT)
-    assert doubles.among(people_at([(0.0, 0.0), (0.6, 0.0)])).tolist() == [False, True]
-    doubles.watch(people_at([(0.0, 0.0), (0.9, 0.0)]), leader, DT)
-    assert doubles.among(people_at([(0.0, 0.0), (0.9, 0.0)])).tolist() == [False, False]
+def test_a_duplicate_seen_somewhere_else_is_somebody_else():
+    duplicates = watched((0.3, 0.0), 10)
+    update(duplicates, people_at([(0.0, 0.0), (0.6, 0.0)]))
+    assert duplicates.among(people_at([(0.0, 0.0), (0.6, 0.0)])).tolist() == [False, True]
+    update(duplicates, people_at([(0.0, 0.0), (0.9, 0.0)]))
+    assert duplicates.among(people_at([(0.0, 0.0), (0.9, 0.0)])).tolist() == [False, False]
