@@ -1,5 +1,6 @@
 """From a configuration and reset options to a world and a mind."""
 
+import math
 from collections.abc import Mapping
 from numbers import Integral
 from typing import Any
@@ -98,6 +99,8 @@ def interface(config: FollowConfig) -> FollowInterface:
         bearings=lidar.bearings,
         range_max=lidar.range_max,
         T_robot_lidar=lidar.mount,
+        half_length=math.ceil(500.0 * robot.size[0]) / 1000.0,
+        half_width=math.ceil(500.0 * robot.size[1]) / 1000.0,
     )
 
 

@@ -9,10 +9,13 @@ of two processes beside it. A process steps its environments in stages (`percept
 thirds of the time of one after the other.
 """
 
+import multiprocessing as mp
 import os
 from collections.abc import Sequence
 from functools import partial
+from multiprocessing.reduction import ForkingPickler
 from numbers import Integral
+from pickle import PicklingError
 from typing import Any
 
 import numpy as np
@@ -47,7 +50,8 @@ class FollowVectorEnv(VectorEnv[Any, Any, Any]):
         autoreset_mode: When an ended episode is followed by the next: "NextStep" (the step after returns the first
             observation of the next, its action is ignored), "SameStep" (`final_obs` and `final_info` in `info` hold
             the end), "Disabled".
-        context: How processes start: "fork", "forkserver", "spawn"; None takes the platform's way.
+        context: How processes start: "fork", "forkserver", "spawn"; None takes the platform's way. Functions among the
+            arguments reach forks whatever they are; the other ways need functions of a module that can be imported.
         silent_s: Time without a sign of life after which a process counts as lost [s]; they give one every second.
         fields: Keyword arguments of `FollowEnv`.
 
@@ -76,6 +80,8 @@ class FollowVectorEnv(VectorEnv[Any, Any, Any]):
         if not 2.0 <= silent_s <= 86_400.0:
             raise InputError(f"`silent_s` must lie in [2, 86400] s: signs of life come every second; got {silent_s}")
         single = FollowEnv(**fields)
+        if workers > 1:
+            _require_passing(fields, context)
         self.config = single.config
         self.interface = interface(single.config)
         self.num_envs = num_envs
@@ -211,6 +217,23 @@ class FollowVectorEnv(VectorEnv[Any, Any, Any]):
         placed = old.copy()
         placed[mask] = fresh
         return placed
+
+
+def _require_passing(fields: dict[str, Any], context: str | None) -> None:
+    """Raise InputError unless arguments of `FollowEnv` reach processes that start in the way `context`.
+
+    What a fork needs is there already. The other ways send the arguments through a pipe, which takes functions of a
+    module that the processes can import, but no lambda and no function within a function.
+    """
+    method = mp.get_context(context).get_start_method()
+    if method == "fork":
+        return
+    for name, value in fields.items():
+        try:
+            ForkingPickler.dumps(value)
+        except (TypeError, AttributeError, PicklingError):
+            rule = f'must reach processes that start by "{method}": functions of a module do, lambdas do not'
+            raise InputError(f"`{name}` {rule}; got {shown(value)}") from None
 
 
 def _is_whole(value: Any) -> bool:

@@ -1,7 +1,6 @@
 """`tagalong slam`: maps a recorded drive."""
 
 import argparse
-import ast
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -14,6 +13,7 @@ from ...slam.errors import InputError
 from ...slam.logs.drive import RecordedDrive
 from ...slam.logs.tum import read_tum
 from ..log_options import add_topics, read_with_odometry
+from ..setting_options import add_settings, read_settings
 from ..slam_run import prepare_folder, run_slam, write_run
 from ..tables import format_table
 
@@ -53,14 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--seed", type=int, default=0, help="seed of all random draws (default: %(default)s)")
     parser.add_argument("--resolution", type=float, metavar="M", help="side of a map cell [m] (default: the engine's)")
-    parser.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="NAME=VALUE",
-        dest="settings",
-        help="a field of the engine's configuration, e.g. particles=50 or local.insertion_voxel=0.1; may be repeated",
-    )
+    add_settings(parser, "a field of the engine's configuration, e.g. particles=50 or local.insertion_voxel=0.1")
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
 
 
@@ -68,7 +61,7 @@ def run(options: argparse.Namespace) -> int:
     """Map the log, write the results, print a table."""
     if options.resolution is not None and not 0.001 <= options.resolution <= 10.0:
         raise InputError(f"--resolution must lie in [0.001, 10] m, got {options.resolution}")
-    engine = make_slam(options.method, seed=options.seed, **_settings(options.settings))
+    engine = make_slam(options.method, seed=options.seed, **read_settings(options.settings))
     drive = read_with_odometry(options.log, options.scan_topic, options.odometry_topic)
     reference = _reference(options.log, drive)
     prepare_folder(options.out)
@@ -78,21 +71,6 @@ def run(options: argparse.Namespace) -> int:
     print(format_table(("quantity", "value", "unit"), _rows(metrics, result.wall_s)))
     print(f"written to {options.out}")
     return 0
-
-
-def _settings(words: list[str]) -> dict[str, Any]:
-    settings: dict[str, Any] = {}
-    for word in words:
-        name, equals, value = word.partition("=")
-        if not equals or not all(part.isidentifier() for part in name.split(".")):
-            raise InputError(f"--set needs NAME=VALUE, got {word!r}")
-        if name == "seed":
-            raise InputError("the seed has an option of its own: --seed")
-        try:
-            settings[name] = ast.literal_eval(value)
-        except (ValueError, SyntaxError):
-            settings[name] = value
-    return settings
 
 
 def _reference(log: Path, drive: RecordedDrive) -> NDArray[np.float64] | None:
