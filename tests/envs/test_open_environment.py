@@ -8,6 +8,7 @@ from gymnasium import spaces
 from gymnasium.envs.registration import EnvSpec
 from tagalong.agents import make_follower
 from tagalong.envs.follow_config import ARGUMENTS, FollowConfig, make_config
+from tagalong.envs.follow_env import FollowEnv
 from tagalong.envs.robot.robot import ROBOTS, RobotConfig
 from tagalong.slam.errors import InputError
 from tagalong.slam.gmapping.config import GMappingConfig
@@ -221,3 +222,9 @@ def test_a_function_that_reaches_no_process_is_told_before_one_starts():
     many = {"vectorization_mode": "vector_entry_point", "workers": 2, "context": "spawn"}
     with pytest.raises(InputError, match=r'`reward\.terms` must reach processes that start by "spawn"'):
         gym.make_vec(CORRIDOR, num_envs=2, **many, slam=None, **{"reward.terms": {"alive": lambda facts: 1.0}})
+
+
+def test_the_manual_names_every_branch():
+    manual = FollowEnv.__doc__ or ""
+    for name in {name.rpartition(".")[0] or name for name in ARGUMENTS}:
+        assert f"| `{name}` |" in manual
