@@ -175,14 +175,13 @@ class FollowEnv(gym.Env[Any, Any]):
     | `sensors.odometry` | "perfect", "good", "typical", "slipping" | `scale_limit`, `alpha1` ... |
     | `people` | "tracker", "camera", "truth" | `source`, `people_count`, `standing`, `leader_style` |
     | `perception` | | `perception.zeta` and all others of leg detector, tracker and people filter |
-    | `slam` | "gmapping", "cartographer", "ekf", "truth", None | the engine's, `slam.particles` ...; or `function(seed)` |
+    | `slam` | "gmapping", "cartographer", "ekf", "truth", None | `slam.particles` ...; or a `function(seed)` |
     | `mapping` | "occupancy", "immobile" | `map`, `filter_people` (False: raw scans into SLAM and map) |
     | `reward` | | weight of each term by its name, `following_distance` ...; `terms`: name -> `function(StepFacts)` |
     | `observation` | | `people_slots`, `map_cells`, `map_resolution`; `entries`: name -> (space, `function(Belief)`) |
     | `task` | | `leader`, `control_hz`, `top_turn_rate`, `lost_limit_s`, `coverage`, `ends_on_contact` ... |
 
-    `tagalong.envs.follow_config` has them all, with what each means: also for an engine, a reward term or an entry of
-    the observation of one's own. Besides:
+    `tagalong.envs.follow_config` has them all, with what each means. Besides:
 
     - `render_mode`: None, "rgb_array", "human" (MuJoCo's viewer; needs a display).
     - `render_backend`: of "rgb_array": "topview" (needs no OpenGL), "mujoco" (camera; needs OpenGL).
