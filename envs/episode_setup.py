@@ -21,7 +21,7 @@ from .follow_config import FollowConfig
 from .onboard.camera_pipeline import CameraPipeline, NoCamera, RgbdPipeline
 from .onboard.engines import TRUE_POSES, make_engine
 from .onboard.immobile_map import Drawing, ImmobileDrawing, OwnDrawing
-from .onboard.mappers import EngineMapper, GraphMapper, Mapper, NoMapper
+from .onboard.mappers import Mapper, NoMapper, SlamMapper
 from .onboard.stack import NobodyLeads, OnboardStack, PeopleSource, Selector, TrackedPeopleSource
 from .oracle import TrueMapper, TruePeopleSource, TrueRgbdPeopleFinder
 from .task.interface import FollowInterface
@@ -167,8 +167,4 @@ class OnboardStackFactory:
             return NoMapper()
         if self._config.slam == TRUE_POSES:
             return TrueMapper(world)
-        return _mapper_of(make_engine(self._config.slam, seed))
-
-
-def _mapper_of(engine: Any) -> Mapper:
-    return GraphMapper(engine) if hasattr(engine, "node_poses") else EngineMapper(engine)
+        return SlamMapper(make_engine(self._config.slam, seed))

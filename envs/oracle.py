@@ -15,9 +15,9 @@ from ..perception.stages import Stages
 from ..perception.tracking.camera import SeenPeople
 from ..perception.tracking.people import People
 from ..slam.geometry import between, compose, inverse, transform_points
+from ..slam.growing_map import GrowingMap
 from ..slam.occupancy_map import OccupancyMap
 from ..slam.scan import LaserScan
-from .onboard.mappers import GrowingMap
 from .onboard.stack import Belief
 from .task.rewards import StepFacts
 from .world.truth import TrueState

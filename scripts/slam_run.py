@@ -81,6 +81,7 @@ def run_slam(
         integrated[i], located[i] = update.integrated, update.located
         wall += took
         first += took if integrated.sum() <= 2 else 0.0
+    engine.finish()
     final = engine.map() if resolution is None else engine.map_at(resolution)
     return SlamRun(engine.trajectory(), integrated, located, final, wall, first)
 

@@ -35,10 +35,22 @@ class SlamEngine(Protocol):
     """Turns odometry and scans into a pose, a trajectory and a map.
 
     The map frame is the frame of the first odometry pose, so the first estimate equals the first odometry.
+
+    Only `update` and `finish` change what the engine believes. All the others are queries: they tell what is known now,
+    and a run in which they are asked ends with the same poses and maps, to the byte, as one in which they are not.
     """
 
     def update(self, odometry: ArrayLike, scan: LaserScan) -> SlamUpdate:
         """Take one scan and the robot's odometry pose T_odom_robot (3,) at that time."""
+        ...
+
+    def finish(self) -> None:
+        """Improve the poses as far as the engine can once a drive, or a part of it, is over.
+
+        Graph SLAM matches each scan with all submaps around it and optimises its graph, which takes seconds. Engines
+        that do all their work scan by scan (GMapping, EKF) do nothing. A second call without a scan in between does
+        nothing, too, and the drive may go on afterwards.
+        """
         ...
 
     @property
@@ -52,7 +64,7 @@ class SlamEngine(Protocol):
         ...
 
     def trajectory(self) -> NDArray[np.float64]:
-        """Return (n, 3) T_map_robot for every scan so far, by the best knowledge now."""
+        """Return (n, 3) T_map_robot for every scan so far, by what is known now; after a drive, `finish` first."""
         ...
 
     def map(self) -> OccupancyMap:
@@ -61,6 +73,15 @@ class SlamEngine(Protocol):
 
     def map_at(self, resolution: float) -> OccupancyMap:
         """Return the map as it is now with cells of `resolution` [m] instead of the engine's own."""
+        ...
+
+    def live_map(self) -> OccupancyMap:
+        """Return the map that a robot uses while it drives: cheap enough to be asked for at every scan.
+
+        It may be coarser than `map`: earlier scans may stand up to a cell from where they are believed to be now. From
+        the first call on the engine keeps it up to date; one that is never asked spends no time on it. It must not be
+        written to.
+        """
         ...
 
 

@@ -8,9 +8,10 @@ import numpy as np
 from ...perception.immobile.mapper import ImmobileMapper, ImmobileMapperConfig
 from ...perception.immobile.view import CameraView
 from ...perception.people_filter import FilteredScan
+from ...slam.growing_map import LONGEST_RAY_M
 from ...slam.immobile.layers import LayersConfig
 from ...slam.occupancy_map import OccupancyMap
-from .mappers import LONGEST_RAY_M, Mapper
+from .mappers import Mapper
 
 _PERSON = 0.9
 _REDRAW_S = 0.45

@@ -50,6 +50,7 @@ def world(kind: str, seed: int, engine: str) -> dict[str, Any]:
         "scans": len(drive.recording), "traits": asdict(drive.traits), "area_m2": drive.plan.planner.area
     }  # fmt: skip
     start = time.process_time()
+    robot.finish()
     result["final"] = _error(robot.trajectory(), drive.truth)
     final_s = time.process_time() - start
     result["odometry"] = _error(drive.recording.odometry, drive.truth)

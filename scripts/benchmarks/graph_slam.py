@@ -245,7 +245,7 @@ def _driven(drive: RecordedDrive, engine: Cartographer | None = None) -> tuple[C
         robot.update(odometry, scan)
         took[k] = time.process_time() - start
     start, waited = time.process_time(), time.perf_counter()
-    robot.trajectory()
+    robot.finish()
     final, waited, kernel = time.process_time() - start, time.perf_counter() - waited, reference_kernel_s()
     timing = {
         "scans_per_s": len(drive) / float(took.sum()),
@@ -266,7 +266,7 @@ def _warm_up(drive: RecordedDrive) -> None:
     engine = Cartographer()
     for k in range(min(60, len(drive))):
         engine.update(drive.odometry[k], replace(drive.scans[k]))
-    engine.trajectory()
+    engine.finish()
 
 
 def _fresh(drive: RecordedDrive) -> RecordedDrive:

@@ -116,7 +116,6 @@ def carried_while_mapping(
         drive = read_carmen(Path(folder) / LOGS[building])
         legs = RecordedLegs(drive, kept["truth"], np.ones(len(drive), dtype=np.bool_))
     engine = _mapped(drive)
-    engine.trajectory()  # the graph is adjusted now, not in each trial
     result: dict[str, Any] = {"found_at": [], "error_m": [], "error_deg": [], "wrong": [], "noticed_at": []}
     last = Leg(drive.odometry[-1:], drive.scans[-1:], drive.odometry[-1:])
     for trial in range(first, first + trials):
@@ -220,6 +219,7 @@ def _mapped(drive: RecordedDrive) -> SlamEngine:
     engine = make_slam("cartographer")
     for odometry, scan in zip(drive.odometry, drive.scans, strict=True):
         engine.update(odometry, scan)
+    engine.finish()
     return engine
 
 

@@ -41,4 +41,5 @@ def map_drive(
     poses: Iterable[NDArray[np.float64]] = np.asarray(odometry, dtype=np.float64)
     for pose, scan in zip(poses, scans, strict=True):
         engine.update(pose, scan)
+    engine.finish()
     return MappedDrive(engine.map_at(resolution), engine.trajectory())

@@ -13,6 +13,7 @@ from ..engine import SlamUpdate
 from ..errors import InputError
 from ..geometry import between, compose, wrap_angle
 from ..grid import GridConfig, render_map
+from ..growing_map import GrowingMap
 from ..landmarks.clustering import Clusterer, make_clusterer
 from ..landmarks.objects import LandmarkSightings, SightingConfig, see_landmarks
 from ..occupancy_map import OccupancyMap
@@ -58,6 +59,7 @@ class EkfSlam:
         self._odometry = self._used_at = np.zeros(3)
         self._poses = PoseLog()
         self._kept = KeptScans()  # integrated scans, from which the map is drawn
+        self._live: GrowingMap | None = None  # only once `live_map` has been asked for
 
     @classmethod
     def from_options(cls, seed: int = 0, **options: Any) -> "EkfSlam":
@@ -105,6 +107,16 @@ class EkfSlam:
         """Return the same with cells of `resolution` [m]."""
         return render_map(self.node_poses, self._kept.scans, GridConfig(resolution=resolution))
 
+    def live_map(self) -> OccupancyMap:
+        """Return the map to which each integrated scan is added at once, with cells of 5 cm; not to be written to."""
+        if self._live is None:
+            self._live = GrowingMap()
+            self._live.follow(self.node_poses, self._kept.numbers, self._kept.scans)
+        return self._live.map
+
+    def finish(self) -> None:
+        """Do nothing: the filter has no further work after the last scan."""
+
     def update(self, odometry: ArrayLike, scan: LaserScan) -> SlamUpdate:
         """Take one scan and its odometry pose T_odom_robot (3,)."""
         ekf = self.filter
@@ -126,6 +138,8 @@ class EkfSlam:
         self._poses.append(ekf.x[:3])
         if self._kept.due:
             self._kept.thin(self.node_poses)
+        if self._live and integrated:
+            self._live.follow(self.node_poses, self._kept.numbers, self._kept.scans)
         a, b, c = float(ekf.P[0, 0]), float(ekf.P[0, 1]), float(ekf.P[1, 1])
         sigma = math.sqrt(0.5 * (a + c) + math.hypot(0.5 * (a - c), b))  # of the larger eigenvalue
         diagnostics |= {"landmarks": float(len(self.times_seen)), "sigma_position": sigma}

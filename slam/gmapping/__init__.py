@@ -21,5 +21,5 @@ Where it leaves the original, and what that gave (relation error on Intel every 
     - Scans are matched every 0.5 m or 0.3 rad (ROS: 1.0 m, 0.5 rad); points are thinned to one a cell, so that a wall
       beside the robot does not outvote one far ahead.
     - `map()` draws a log-odds map anew from the best path and its scans: at any resolution (`map_at`), each cell
-      updated once a scan. `particle_map()` is the original's counted map.
+      updated once a scan. `live_map()` is the original's counted map.
 """

@@ -89,6 +89,9 @@ class GMapping:
         self._online.append(self.pose)
         return SlamUpdate(self.pose, integrated, diagnostics)
 
+    def finish(self) -> None:
+        """Do nothing: the filter has no further work after the last scan."""
+
     @property
     def pose(self) -> Array:
         """(3,) T_map_robot of the best particle now."""
@@ -119,7 +122,7 @@ class GMapping:
         path = self._paths.path(self.best_particle)[self._kept.numbers]
         return render_map(path, self._kept.scans, GridConfig(resolution=resolution, max_range=self.config.max_urange))
 
-    def particle_map(self) -> OccupancyMap:
+    def live_map(self) -> OccupancyMap:
         """Return the best particle's own map, with cells of `delta`: ready at any time, in a few milliseconds.
 
         `probability` is the share of hits among a cell's visits; the map of `map_at` is crisper.

@@ -1,4 +1,4 @@
-"""How well views fit a map at given poses: what hypotheses are weighed by and what tracking is judged by."""
+"""How well scans fit a map at given poses: what hypotheses are weighed by and what tracking is judged by."""
 
 from dataclasses import dataclass
 from typing import Annotated
@@ -17,7 +17,7 @@ from .prepared_scan import PreparedScan
 Array = NDArray[np.float64]
 
 _CELLS = 1.6  # no wall is thought to be known better than to so many cells
-_HOLD = np.diag([0.05**-2, 0.05**-2, 0.02**-2])  # [1/m^2, 1/rad^2] how the odometry holds a pose between two views
+_HOLD = np.diag([0.05**-2, 0.05**-2, 0.02**-2])  # [1/m^2, 1/rad^2] how the odometry holds a pose between two scans
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,29 +57,29 @@ class Evidence:
         self._place, self._config = place, config
         self._sigma = max(config.sigma, _CELLS * place.resolution)
 
-    def judge(self, view: PreparedScan, poses: Array) -> tuple[Array, Array]:
-        """Return (k,) mean log-likelihoods of the beams of a view at `poses` (k, 3), and (k,) shares explained.
+    def judge(self, scan: PreparedScan, poses: Array) -> tuple[Array, Array]:
+        """Return (k,) mean log-likelihoods of the beams of a scan at `poses` (k, 3), and (k,) shares explained.
 
         A beam that ends where the map knows nothing counts as half explained.
         """
-        likelihoods = np.empty((len(poses), len(view.points)), np.float32)
+        likelihoods = np.empty((len(poses), len(scan.points)), np.float32)
         place = self._place
         beam_likelihoods(
-            place.states, place.distances, place.outer_corner, place.resolution, view.foot, view.points,
+            place.states, place.distances, place.outer_corner, place.resolution, scan.sensor, scan.points,
             np.ascontiguousarray(poses), self._sigma, self._config.slack, likelihoods,
         )  # fmt: skip
-        if not len(view.points):
+        if not len(scan.points):
             return np.zeros(len(poses)), np.zeros(len(poses))
         unseen = np.float32(UNSEEN)
         explained = 0.5 * ((likelihoods > unseen).mean(axis=1) + (likelihoods >= unseen).mean(axis=1))
         return np.log(likelihoods).mean(axis=1, dtype=np.float64), explained
 
-    def blocked(self, view: PreparedScan, pose: Array) -> float:
-        """Return the share of the beams of a view that come through walls, the robot at `pose` (3,)."""
+    def blocked(self, scan: PreparedScan, pose: Array) -> float:
+        """Return the share of the beams of a scan that come through walls, the robot at `pose` (3,)."""
         place, slack = self._place, self._config.slack
-        rays = np.concatenate((view.foot[None], view.points))
+        rays = np.concatenate((scan.sensor[None], scan.points))
         cells = (transform_points(pose, rays) - place.outer_corner) / place.resolution
-        return count_blocked(place.states, cells[0], cells[1:], slack / place.resolution) / max(len(view.points), 1)
+        return count_blocked(place.states, cells[0], cells[1:], slack / place.resolution) / max(len(scan.points), 1)
 
     def refine(self, points: Array, poses: Array, coarse: bool = False) -> Array:
         """Return `poses` (k, 3), each moved to where `points` (N, 2) of the robot frame fit the walls best nearby.
@@ -91,16 +91,16 @@ class Evidence:
         """
         return np.array([self._refined(points, pose, coarse)[0] for pose in poses]).reshape(-1, 3)
 
-    def carry(self, points: Array, poses: Array, motion: Array) -> Array:
-        """Return `poses` (k, 3), carried on by a `motion` (3,) of the odometry to where `points` (N, 2) were seen.
+    def follow(self, points: Array, poses: Array, motion: Array) -> Array:
+        """Return `poses` (k, 3), moved on by a `motion` (3,) of the odometry to where `points` (N, 2) were seen.
 
         They are refined there, but held by the odometry: two places a step apart must not slide into each other.
         """
         moved = compose(poses, motion)
         return np.array([self._refined(points, pose, False, _HOLD)[0] for pose in moved]).reshape(-1, 3)
 
-    def blind_direction(self, points: Array, pose: Array) -> Array:
-        """Return (2,) the unit vector, map frame, along which `points` (N, 2) hold a pose (3,) least."""
+    def degenerate_direction(self, points: Array, pose: Array) -> Array:
+        """Return (2,) the unit vector, map frame, along which `points` (N, 2) constrain a pose (3,) least."""
         _, curvature = self._refined(points, pose, False)
         # What is left of the translation's information when the heading is free, too.
         across = curvature[:2, 2:] @ curvature[2:, :2] / (curvature[2, 2] + 1e-9)

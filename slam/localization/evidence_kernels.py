@@ -65,7 +65,7 @@ def beam_likelihoods(
     distances: NDArray[np.float32],
     corner: Array,
     resolution: float,
-    foot: Array,
+    sensor: Array,
     points: Array,
     poses: Array,
     sigma: float,
@@ -82,7 +82,7 @@ def beam_likelihoods(
         distances: (rows, cols) from each cell's centre to the nearest occupied cell's centre [m].
         corner: (2,) outer corner of cell [0, 0] [m].
         resolution: Side of a cell [m].
-        foot: (2,) place of the laser in the robot frame [m].
+        sensor: (2,) place of the laser in the robot frame [m].
         points: (N, 2) ends of the beams in the robot frame [m].
         poses: (k, 3) T_map_robot.
         sigma: How far from a wall an end may lie [m].
@@ -92,8 +92,8 @@ def beam_likelihoods(
     rows, cols = states.shape
     for k in range(len(poses)):
         c, s = np.cos(poses[k, 2]), np.sin(poses[k, 2])
-        x0 = (poses[k, 0] + c * foot[0] - s * foot[1] - corner[0]) / resolution
-        y0 = (poses[k, 1] + s * foot[0] + c * foot[1] - corner[1]) / resolution
+        x0 = (poses[k, 0] + c * sensor[0] - s * sensor[1] - corner[0]) / resolution
+        y0 = (poses[k, 1] + s * sensor[0] + c * sensor[1] - corner[1]) / resolution
         for n in range(len(points)):
             x1 = (poses[k, 0] + c * points[n, 0] - s * points[n, 1] - corner[0]) / resolution
             y1 = (poses[k, 1] + s * points[n, 0] + c * points[n, 1] - corner[1]) / resolution

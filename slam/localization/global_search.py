@@ -17,7 +17,7 @@ from .prepared_scan import PreparedScan
 
 Array = NDArray[np.float64]
 
-_FINE = 0.05  # [m] side of cells from which a view counts in full
+_FINE = 0.05  # [m] side of cells from which a scan counts in full
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,13 +30,13 @@ class GlobalSearchConfig:
         separation: When two maxima are distinct, and how much worse than the best a maximum may score.
         least_score: Mean worth of a point, in [0, 1], below which nothing is found.
         points: A search uses about so many points ...
-        voxel: ... of the last views together, one in each voxel of this side [m].
-        views: So many views are remembered.
+        voxel: ... of the last scans together, one in each voxel of this side [m].
+        scans: So many scans are remembered.
         search_every: A search for each so many metres, or half as many radians, of motion.
-        fresh: Views are independent when the robot moves so far between them, or turns by as many radians [m, rad].
-        independent_beams: A view counts as so many independent beams, however many it has; fewer where the cells of
+        fresh: Scans are independent when the robot moves so far between them, or turns by as many radians [m, rad].
+        independent_beams: A scan counts as so many independent beams, however many it has; fewer where the cells of
             the map are larger than 5 cm, as they tell places apart less well.
-        independent_views: All remembered views count as no more independent ones than this: what is wrong about the
+        independent_scans: All remembered scans count as no more independent ones than this: what is wrong about the
             map is so in all of them.
         sure_ratio: The best hypothesis must be so many times as likely as the best distinct rival.
         well_explained: That suffices where so large a share of the beams ends at walls of the map; for each tenth
@@ -52,11 +52,11 @@ class GlobalSearchConfig:
     least_score: Share = 0.5
     points: Annotated[int, Within(1, 10_000)] = 120
     voxel: Cell = 0.15
-    views: Annotated[int, Within(1, 1000)] = 20
+    scans: Annotated[int, Within(1, 1000)] = 20
     search_every: float = 0.25
     fresh: float = 0.5
     independent_beams: float = 12.0
-    independent_views: float = 3.0
+    independent_scans: float = 3.0
     sure_ratio: float = 10.0
     well_explained: Share = 0.85
     least_explained: Share = 0.5
@@ -65,7 +65,7 @@ class GlobalSearchConfig:
 
     def __post_init__(self) -> None:
         check_numbers(self)
-        for name in ("maxima", "points", "voxel", "views", "search_every", "fresh", "independent_beams"):
+        for name in ("maxima", "points", "voxel", "scans", "search_every", "fresh", "independent_beams"):
             if not getattr(self, name) > 0:
                 raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
         if not self.hopeless > self.sure_ratio > 1.0:
@@ -100,11 +100,11 @@ _NOTHING = PlaceBelief(np.empty((0, 3)), np.empty(0), np.empty(0), False)
 
 
 class GlobalSearch:
-    """Searches the whole map and weighs what it finds over the last views.
+    """Searches the whole map and weighs what it finds over the last scans.
 
-    Each view adds to the logarithm of a hypothesis' likelihood the mean of its beams, times `independent_beams` and how
-    fresh the view is. A hypothesis that is found late is carried back through the remembered views, so that all are
-    judged by the same.
+    Each scan adds to the logarithm of a hypothesis' likelihood the mean of its beams, times `independent_beams` and how
+    fresh the scan is. A hypothesis that is found late is followed back through the remembered scans, so that all are
+    judged by the same ones.
 
     Args:
         place: The map.
@@ -117,68 +117,68 @@ class GlobalSearch:
         self.forget()
 
     def forget(self) -> None:
-        """Drop all views and hypotheses."""
-        self._views: list[PreparedScan] = []
+        """Drop all scans and hypotheses."""
+        self._scans: list[PreparedScan] = []
         self._freshness: list[float] = []
         self._poses = np.empty((0, 3))
-        self._priors = np.empty(0)  # log-likelihoods before any view
-        self._tables = np.empty((0, 0, 2))  # hypotheses x views x (mean log-likelihood, share explained)
+        self._priors = np.empty(0)  # log-likelihoods before any scan
+        self._tables = np.empty((0, 0, 2))  # hypotheses x scans x (mean log-likelihood, share explained)
         self._since_search = np.inf
 
-    def remember(self, view: PreparedScan) -> None:
-        """Take a view without a search; hypotheses are carried on by the odometry and judged."""
+    def remember(self, scan: PreparedScan) -> None:
+        """Take a scan without a search; hypotheses follow the odometry and are judged."""
         freshness = 1.0
-        if self._views:
-            motion = between(self._views[-1].odometry, view.odometry)
+        if self._scans:
+            motion = between(self._scans[-1].odometry, scan.odometry)
             moved = float(np.hypot(motion[0], motion[1])) + abs(float(motion[2]))
             freshness = min(1.0, moved / self._config.fresh)
             self._since_search += float(np.hypot(motion[0], motion[1])) + 0.5 * abs(float(motion[2]))
-            self._poses = self._evidence.carry(view.points, self._poses, motion)
-        self._views.append(view)
+            self._poses = self._evidence.follow(scan.points, self._poses, motion)
+        self._scans.append(scan)
         self._freshness.append(freshness)
-        judged = np.stack(self._evidence.judge(view, self._poses), axis=-1)
+        judged = np.stack(self._evidence.judge(scan, self._poses), axis=-1)
         self._tables = np.concatenate((self._tables, judged[:, None]), axis=1)
-        if len(self._views) > self._config.views:
-            del self._views[0], self._freshness[0]
+        if len(self._scans) > self._config.scans:
+            del self._scans[0], self._freshness[0]
             self._freshness[0] = 1.0
             self._tables = self._tables[:, 1:]
 
     def propose(self, poses: Array, prior: float = 1.0) -> None:
-        """Add hypotheses T_map_robot (k, 3), carried back through the remembered views.
+        """Add hypotheses T_map_robot (k, 3), followed back through the remembered scans.
 
         Args:
             poses: The hypotheses.
-            prior: How many times likelier each is than any other place before the views are looked at.
+            prior: How many times likelier each is than any other place before the scans are looked at.
         """
         poses = poses[~self._known(poses)]
         if not len(poses):
             return
-        table = np.empty((len(poses), len(self._views), 2))
-        now, then = self._views[-1], poses
-        for k in range(len(self._views) - 1, -1, -1):
-            view = self._views[k]
-            if view is not now:
-                then = self._evidence.carry(view.points, then, between(now.odometry, view.odometry))
-                now = view
-            table[:, k] = np.stack(self._evidence.judge(view, then), axis=-1)
+        table = np.empty((len(poses), len(self._scans), 2))
+        now, then = self._scans[-1], poses
+        for k in range(len(self._scans) - 1, -1, -1):
+            scan = self._scans[k]
+            if scan is not now:
+                then = self._evidence.follow(scan.points, then, between(now.odometry, scan.odometry))
+                now = scan
+            table[:, k] = np.stack(self._evidence.judge(scan, then), axis=-1)
         self._poses = np.concatenate((self._poses, poses))
         self._priors = np.concatenate((self._priors, np.full(len(poses), np.log(prior))))
         self._tables = np.concatenate((self._tables, table))
-        self._settle()
+        self._merge()
 
-    def update(self, view: PreparedScan) -> PlaceBelief:
-        """Take a view, search the map if the robot has moved, and return what is believed now."""
-        self.remember(view)
-        return self.look()
+    def update(self, scan: PreparedScan) -> PlaceBelief:
+        """Take a scan, search the map if the robot has moved, and return what is believed now."""
+        self.remember(scan)
+        return self.search()
 
-    def look(self) -> PlaceBelief:
+    def search(self) -> PlaceBelief:
         """Search the map if the robot has moved since the last search, and return what is believed now."""
-        self._settle()
+        self._merge()
         if self._since_search >= self._config.search_every:
             self._since_search = 0.0
-            self.propose(self._search())
+            self.propose(self._found())
         if len(self._poses):
-            self.propose(self._slid(self._poses[0]))
+            self.propose(self._moved_along(self._poses[0]))
         return self.belief()
 
     def belief(self) -> PlaceBelief:
@@ -194,13 +194,13 @@ class GlobalSearch:
         sure = bool(clear and explained[0] >= config.least_explained)
         return PlaceBelief(self._poses.copy(), ratios, explained, sure)
 
-    def _search(self) -> Array:
-        """Return (k, 3) refined maxima of the whole map for the last views together."""
+    def _found(self) -> Array:
+        """Return (k, 3) refined maxima of a search of the whole map, for the last scans together."""
         place, config = self._place, self._config
-        last = self._views[-1]
+        last = self._scans[-1]
         points = np.concatenate(
             [last.points]
-            + [transform_points(between(last.odometry, v.odometry), v.points) for v in self._views[-2::-1]]
+            + [transform_points(between(last.odometry, s.odometry), s.points) for s in self._scans[-2::-1]]
         )
         points = points[voxel_first(points, config.voxel)]
         thinned = points[np.linspace(0, len(points) - 1, min(config.points, len(points))).astype(np.int64)]
@@ -214,22 +214,22 @@ class GlobalSearch:
         poses = self._evidence.refine(points, poses, coarse=True)
         return self._evidence.refine(last.points, poses)
 
-    def _slid(self, pose: Array) -> Array:
-        """Return (2, 3) `pose` moved to both sides along what the view holds least: a corridor shows as rivals."""
-        points = self._views[-1].points
-        way = 1.5 * self._config.same[0] * self._evidence.blind_direction(points, pose)
+    def _moved_along(self, pose: Array) -> Array:
+        """Return (2, 3) `pose` moved both ways along its degenerate direction: in a corridor, rivals are there."""
+        points = self._scans[-1].points
+        way = 1.5 * self._config.same[0] * self._evidence.degenerate_direction(points, pose)
         moved = pose + np.array([[*way, 0.0], [*-way, 0.0]])
         return self._evidence.refine(points, moved, coarse=True)
 
     def _totals(self) -> tuple[Array, Array]:
-        """Return (k,) log-likelihoods and (k,) shares explained, over the remembered views."""
+        """Return (k,) log-likelihoods and (k,) shares explained, over the remembered scans."""
         weights = np.array(self._freshness)
-        means = np.einsum("kvc,v->kc", self._tables, weights / weights.sum())
+        means = np.einsum("ksc,s->kc", self._tables, weights / weights.sum())
         beams = self._config.independent_beams * min(1.0, _FINE / self._place.resolution)
-        count = beams * min(float(weights.sum()), self._config.independent_views)
+        count = beams * min(float(weights.sum()), self._config.independent_scans)
         return self._priors + count * means[:, 0], means[:, 1]
 
-    def _settle(self) -> None:
+    def _merge(self) -> None:
         """Sort the hypotheses, join equal ones, drop hopeless ones and those that stand in walls or the unknown."""
         stand = self._place.is_free(self._poses[:, :2])
         self._poses, self._priors, self._tables = self._poses[stand], self._priors[stand], self._tables[stand]

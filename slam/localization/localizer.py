@@ -45,12 +45,12 @@ class LocalizerConfig:
         extrapolator: Error model of the odometry.
         matcher: How scans are matched while tracking.
         min_points: A scan with fewer points says nothing.
-        doubt: A scan is doubtful when it explains less of its beams than so much of what is usual ...
-        doubt_below: ... or less than this.
-        patience: After so many doubtful scans in a row the robot counts as lost.
+        least_of_usual: A match is rejected when it explains less of its beams than so much of what is usual ...
+        least_explained: ... or less than this.
+        patience: After so many rejected matches in a row the robot counts as lost.
         trust: Then the tracked pose still counts as so many times likelier than any other before the map is searched,
             where the odometry may have led to it; one that it cannot have led to is given up at once.
-        blind_way: After so many metres without a scan that says anything it counts as lost, too [m].
+        blind_distance: After so many metres without a scan that says anything it counts as lost, too [m].
     """
 
     place: PlaceMapConfig = field(default_factory=PlaceMapConfig)
@@ -60,15 +60,15 @@ class LocalizerConfig:
     extrapolator: ExtrapolatorConfig = field(default_factory=ExtrapolatorConfig)
     matcher: GridScanMatcherConfig = field(default_factory=GridScanMatcherConfig)
     min_points: int = 20
-    doubt: float = 0.85
-    doubt_below: float = 0.5
+    least_of_usual: float = 0.85
+    least_explained: float = 0.5
     patience: int = 3
     trust: float = 150.0
-    blind_way: float = 5.0
+    blind_distance: float = 5.0
 
     def __post_init__(self) -> None:
         check_numbers(self)
-        for name in ("min_points", "doubt", "doubt_below", "patience", "trust", "blind_way"):
+        for name in ("min_points", "least_of_usual", "least_explained", "patience", "trust", "blind_distance"):
             if not getattr(self, name) > 0:
                 raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
 
@@ -80,7 +80,7 @@ class LocalizationUpdate:
     Attributes:
         pose: (3,) T_map_robot [m, m, rad]; None: not sure where the robot is (never a guess among several).
         state: SEARCHING exactly where `pose` is None.
-        matched: Whether this scan was matched on the map; if not, a pose is carried on by the odometry.
+        matched: Whether this scan was matched on the map; if not, a pose follows the odometry.
         explained: Share of the scan's beams that end at walls of the map, at the pose or the best hypothesis; None
             where the scan has too few returns to say, or no hypothesis is left.
         belief: The hypotheses while the robot is searched for, and at the scan that found it; None while tracking.
@@ -115,7 +115,7 @@ class Localizer:
         self.place = grid if isinstance(grid, PlaceMap) else PlaceMap(grid, self.config.place)
         self._evidence = Evidence(self.place, self.config.evidence)
         self._search = GlobalSearch(self.place, self._evidence, self.config.search)
-        self._views = ScanPreparation(self.config.voxel_filter)
+        self._preparation = ScanPreparation(self.config.voxel_filter)
         self._start = None if start is None else self._checked(checked_pose(start, "start"))
         self._tracker: OdometryExtrapolator | None = None
         self._odometry: Array | None = None
@@ -146,75 +146,75 @@ class Localizer:
     def update(self, odometry: ArrayLike, scan: LaserScan) -> LocalizationUpdate:
         """Take one scan and the robot's odometry pose T_odom_robot (3,) at that time."""
         self._odometry = checked_pose(odometry, before=self._odometry)
-        view = self._views.view(self._odometry, scan)
+        prepared = self._preparation.prepare(self._odometry, scan)
         if self._start is not None:
-            self._track_from(view.odometry, self._start)
-        result = self._search_for(view) if self._tracker is None else self._track(self._tracker, view)
+            self._track_from(prepared.odometry, self._start)
+        result = self._search_for(prepared) if self._tracker is None else self._track(self._tracker, prepared)
         self._start = None
         self._updates.append(result.pose)
         return result
 
-    def _search_for(self, view: PreparedScan) -> LocalizationUpdate:
-        if len(view.points) < self.config.min_points:
+    def _search_for(self, scan: PreparedScan) -> LocalizationUpdate:
+        if len(scan.points) < self.config.min_points:
             return LocalizationUpdate(None, State.SEARCHING, False, None, None)
-        return self._concluded(self._search.update(view), view)
+        return self._concluded(self._search.update(scan), scan)
 
-    def _concluded(self, belief: PlaceBelief, view: PreparedScan) -> LocalizationUpdate:
+    def _concluded(self, belief: PlaceBelief, scan: PreparedScan) -> LocalizationUpdate:
         """Return what a belief means; if it is sure, tracking begins."""
         explained = float(belief.explained[0]) if len(belief.explained) else None
         if not belief.sure:
             return LocalizationUpdate(None, State.SEARCHING, False, explained, belief)
         self._search.forget()
-        self._track_from(view.odometry, belief.poses[0])
+        self._track_from(scan.odometry, belief.poses[0])
         return LocalizationUpdate(belief.poses[0], State.TRACKING, True, explained, belief)
 
     def _track_from(self, odometry: Array, pose: Array) -> None:
         self._tracker = OdometryExtrapolator(self.config.extrapolator, odometry)
         self._tracker.correct(odometry, pose)
         self._matcher = GridScanMatcher(self.config.matcher)
-        self._doubtful, self._usual, self._blind_from = 0, 0.0, pose
+        self._rejected, self._usual, self._blind_from = 0, 0.0, pose
 
-    def _track(self, tracker: OdometryExtrapolator, view: PreparedScan) -> LocalizationUpdate:
-        prediction = tracker.predict(view.odometry)
+    def _track(self, tracker: OdometryExtrapolator, scan: PreparedScan) -> LocalizationUpdate:
+        prediction = tracker.predict(scan.odometry)
         if self._start is not None:
             prediction = Prediction(self._start, _START_SIGMA)
-        way = float(np.hypot(*(prediction.pose[:2] - self._blind_from[:2])))
-        if len(view.points) < self.config.min_points:
-            if way > self.config.blind_way:
-                return self._give_up(view, prediction, prediction.pose)
+        distance = float(np.hypot(*(prediction.pose[:2] - self._blind_from[:2])))
+        if len(scan.points) < self.config.min_points:
+            if distance > self.config.blind_distance:
+                return self._give_up(scan, prediction, prediction.pose)
             return LocalizationUpdate(prediction.pose, State.TRACKING, False, None, None)
-        match = self._matcher.match(self.place, view.points, prediction)
+        match = self._matcher.match(self.place, scan.points, prediction)
         assert match is not None  # there are enough points
-        explained = float(self._evidence.judge(view, match.pose[None])[1][0])
-        if explained < max(self.config.doubt * self._usual, self.config.doubt_below):
-            self._search.remember(view)
-            self._doubtful += 1
-            if self._doubtful >= self.config.patience:
-                return self._give_up(view, prediction, match.pose)
+        explained = float(self._evidence.judge(scan, match.pose[None])[1][0])
+        if explained < max(self.config.least_of_usual * self._usual, self.config.least_explained):
+            self._search.remember(scan)
+            self._rejected += 1
+            if self._rejected >= self.config.patience:
+                return self._give_up(scan, prediction, match.pose)
             return LocalizationUpdate(prediction.pose, State.TRACKING, False, explained, None)
         if not self._reaches(prediction, match.pose):
-            self._search.remember(view)
-            return self._give_up(view, prediction, match.pose)
-        if self._doubtful:
+            self._search.remember(scan)
+            return self._give_up(scan, prediction, match.pose)
+        if self._rejected:
             self._search.forget()
         self._usual = explained if self._usual == 0.0 else self._usual + _MEMORY * (explained - self._usual)
-        self._doubtful, self._blind_from = 0, match.pose
-        tracker.correct(view.odometry, match.pose)
+        self._rejected, self._blind_from = 0, match.pose
+        tracker.correct(scan.odometry, match.pose)
         return LocalizationUpdate(match.pose, State.TRACKING, True, explained, None)
 
-    def _give_up(self, view: PreparedScan, prediction: Prediction, pose: Array) -> LocalizationUpdate:
-        """Stop tracking; the map is searched, and where the view fits best beside `pose` (3,) is one place of many.
+    def _give_up(self, scan: PreparedScan, prediction: Prediction, pose: Array) -> LocalizationUpdate:
+        """Stop tracking; the map is searched, and where the scan fits best beside `pose` (3,) is one place of many.
 
-        It is trusted only where the odometry may have led. Unrefined it would be judged worse by this view than by the
+        It is trusted only where the odometry may have led. Unrefined it would be judged worse by this scan than by the
         earlier ones, on which it is refined.
         """
         self._tracker = None
         self.lost += 1
-        if len(view.points) < self.config.min_points:
+        if len(scan.points) < self.config.min_points:
             return LocalizationUpdate(None, State.SEARCHING, False, None, None)
-        beside = self._evidence.refine(view.points, pose[None], coarse=True)
+        beside = self._evidence.refine(scan.points, pose[None], coarse=True)
         self._search.propose(beside, self.config.trust if self._reaches(prediction, beside[0]) else 1.0)
-        return self._concluded(self._search.look(), view)
+        return self._concluded(self._search.search(), scan)
 
     def _reaches(self, prediction: Prediction, pose: Array) -> bool:
         """Return whether the odometry may have led to `pose` (3,): a search would not tell it from where it predicts.

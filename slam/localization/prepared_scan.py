@@ -13,17 +13,17 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class PreparedScan:
-    """What one scan saw.
+    """A scan made ready for localization.
 
     Attributes:
         odometry: (3,) T_odom_robot at its time.
         points: (N, 2) thinned returns, robot frame [m].
-        foot: (2,) place of the laser, robot frame [m].
+        sensor: (2,) place of the laser, robot frame [m].
     """
 
     odometry: Array
     points: Array
-    foot: Array
+    sensor: Array
 
 
 class ScanPreparation:
@@ -36,8 +36,8 @@ class ScanPreparation:
     def __init__(self, config: AdaptiveVoxelConfig) -> None:
         self._filter = AdaptiveVoxelFilter(config)
 
-    def view(self, odometry: Array, scan: LaserScan) -> PreparedScan:
-        """Return the view of `scan`, taken at the odometry pose T_odom_robot (3,)."""
+    def prepare(self, odometry: Array, scan: LaserScan) -> PreparedScan:
+        """Return `scan`, taken at the odometry pose T_odom_robot (3,), thinned."""
         return PreparedScan(
             odometry, self._filter.apply(scan.points_robot), np.array(scan.T_robot_lidar[:2], np.float64)
         )

@@ -1,8 +1,8 @@
-"""Along a smooth corridor whose end is out of the laser's reach a scan tells nothing of the way: odometry does.
+"""Degenerate directions: those along which the walls of a scan do not constrain the pose (Zhang, Kaess, Singh 2016).
 
-Such a scan fits best where the walls were seen most often, which is behind the robot: scan after scan is drawn back a
-little, and the corridor comes out too short, or the robot seems to stand (degenerate directions: Zhang, Kaess, Singh
-2016). Where the end of the corridor is seen, scans hold the way well enough.
+In a smooth corridor whose end is out of the laser's reach only the odometry tells how far the robot has driven. Such a
+scan fits best where the walls were seen most often, which is behind the robot: scan after scan would be drawn back a
+little, and the corridor come out too short. Where the end of the corridor is seen, scans constrain the pose well.
 """
 
 import math
@@ -15,17 +15,17 @@ from ..scan import LaserScan
 
 Array = NDArray[np.float64]
 
-_RUN = 9  # neighbouring points to which a piece of wall is fitted
-_LONGEST_RUN = 3.0  # [m] between its ends; longer ones are no piece of wall
+_RUN = 9  # neighbouring points to which a line along a wall is fitted
+_LONGEST_RUN = 3.0  # [m] between its ends; longer ones are no single wall
 _LEAST_RUNS = 5
-_BLIND = 0.08  # mean square of the walls' normals along a direction below which it is blind
+_DEGENERATE = 0.08  # mean square of the walls' normals along a direction below which it is degenerate
 _ASIDE = float(np.cos(np.radians(6.0)))  # beams within 6 degrees look along a direction
 _LEAST_OPEN = 3  # beams along it without a return ...
 _OPEN_RATIO = 2.0  # ... and more than so many for each that returns
 
 
-def open_way(scan: LaserScan, points: Array) -> Array:
-    """Return (2,) the direction along which a scan is blind and sees no end, robot frame; its length says how blind.
+def degenerate_direction(scan: LaserScan, points: Array) -> Array:
+    """Return (2,) the degenerate direction of a scan, robot frame; its length says how degenerate it is.
 
     The square of the length is 1 where no wall stands across that direction, and 0 where enough do, or where the scan
     sees an end.
@@ -41,9 +41,9 @@ def open_way(scan: LaserScan, points: Array) -> Array:
         return np.zeros(2)
     share, angle = 0.5 * (1.0 - math.hypot(cos, sin) / runs), 0.5 * math.atan2(sin, cos)
     direction = np.array((math.cos(angle), math.sin(angle)))
-    if share >= _BLIND or not _sees_no_end(scan, direction):
+    if share >= _DEGENERATE or not _sees_no_end(scan, direction):
         return np.zeros(2)
-    return direction * math.sqrt(1.0 - max(share, 0.0) / _BLIND)
+    return direction * math.sqrt(1.0 - max(share, 0.0) / _DEGENERATE)
 
 
 @njit(cache=True, nogil=True)

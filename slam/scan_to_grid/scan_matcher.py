@@ -18,7 +18,7 @@ from .refine_kernels import refine_pose
 Array = NDArray[np.float64]
 
 _SCORE_MEMORY = 0.1  # share of the newest score in the typical one
-_TRUSTED = 100.0  # times more than elsewhere odometry counts along a way that scans are blind along
+_TRUSTED = 100.0  # times more than elsewhere the odometry counts along a degenerate direction
 _MOST_POSES = 50_000_000  # of a correlative search, of each of its points: seconds; by default it has 10^5
 _SLIP = np.array([0.05, 0.1])  # [m, rad] what a wheel may slip at no motion
 
@@ -109,7 +109,7 @@ class GridScanMatcher:
         self._typical_score = 0.0
 
     def match(
-        self, submap: Walls, points: Array, prediction: Prediction, blind: Array | None = None
+        self, submap: Walls, points: Array, prediction: Prediction, degenerate: Array | None = None
     ) -> GridMatch | None:
         """Return the match of a scan; None: there are too few points.
 
@@ -117,27 +117,27 @@ class GridScanMatcher:
             submap: What it is matched on.
             points: (N, 2) robot frame [m].
             prediction: Where the odometry expects it.
-            blind: (2,) direction that is left to the odometry, robot frame, as `open_way` returns it.
+            degenerate: (2,) direction that is left to the odometry, robot frame, as `degenerate_direction` returns it.
         """
         config = self._config
         if len(points) < config.min_points:
             return None
-        match = self._match(submap, points, prediction, blind)
+        match = self._match(submap, points, prediction, degenerate)
         if match.score < config.retry_below * self._typical_score:
             wide = Prediction(prediction.pose, config.retry_sigmas * prediction.sigma + _SLIP)
-            retried = self._match(submap, points, wide, blind)
+            retried = self._match(submap, points, wide, degenerate)
             if retried.score > match.score + config.retry_gain * self._typical_score:
                 match = retried
         self._typical_score += _SCORE_MEMORY * (match.score - self._typical_score)
         return match
 
-    def _match(self, submap: Walls, points: Array, prediction: Prediction, blind: Array | None) -> GridMatch:
+    def _match(self, submap: Walls, points: Array, prediction: Prediction, degenerate: Array | None) -> GridMatch:
         config = self._config
         reach, angles, step = self._window(submap.resolution, points, prediction)
         prior, information = prediction.pose, prediction.information
-        if blind is not None and blind.any():
-            way = transform_points((0.0, 0.0, prior[2]), blind[None])[0]
-            information[:2, :2] += _TRUSTED * information[0, 0] * np.outer(way, way)
+        if degenerate is not None and degenerate.any():
+            direction = transform_points((0.0, 0.0, prior[2]), degenerate[None])[0]
+            information[:2, :2] += _TRUSTED * information[0, 0] * np.outer(direction, direction)
         place = (submap.field, submap.corner, submap.resolution)
         start = prior
         if reach or angles:

@@ -98,7 +98,7 @@ def test_an_environment_takes_the_file(tmp_path):
 
 @pytest.mark.skipif(DATA is None, reason="needs TAGALONG_DATA with recorded logs")
 def test_a_map_of_a_recorded_log_becomes_a_building(tmp_path):
-    from tagalong.envs.onboard.mappers import GrowingMap
+    from tagalong.slam.growing_map import GrowingMap
 
     drive = read_carmen(Path(DATA or "") / "slam_logs" / "intel.gfs.log.gz")
     growing = GrowingMap()

@@ -43,6 +43,9 @@ class OdometryEngine:
         self._points.append(np.asarray(compose(odometry, (1.0, 0.0, 0.0)))[:2])
         return SlamUpdate(self._poses[-1], len(self._poses) % 2 == 1, {})
 
+    def finish(self):
+        pass
+
     def trajectory(self):
         return np.array(self._poses)
 

@@ -40,9 +40,9 @@ def engine():
 def test_submaps_of_before_a_gap_do_not_count_as_tied(engine, gap_m):
     """Without a gap, scans are matched with the submaps before theirs as soon as these are finished, unsearched."""
     drive(engine, np.arange(2.0, 6.0, 0.1), np.zeros(3))
-    graph, begun, tracked = engine._global, len(engine._local.submaps), []
-    track = graph._track
-    graph._track = lambda s, nodes, wide: tracked.append(s) or track(s, nodes, wide)
+    matching, begun, tracked = engine._global._matching, len(engine._local.submaps), []
+    track = matching.track
+    matching.track = lambda s, nodes: tracked.append(s) or track(s, nodes)
     drive(engine, np.arange(6.0, 11.0, 0.1) + gap_m, np.array([0.0, 0.3, 0.05]) * (gap_m > 0.0))
     assert engine.losses == 0
     assert len(engine._local.submaps) >= begun + 3

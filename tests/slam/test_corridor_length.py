@@ -35,6 +35,7 @@ def drawn_too_long(engine, **options):
         exact = cast(lines, pose, rng, 30.0, 0.0, BEARINGS)
         noise = np.where(exact.ranges > 10.0, 0.03, 0.01) * rng.standard_normal(len(exact))
         slam.update(pose * [1.01, 1.0, 1.0], LaserScan(exact.ranges + noise, exact.bearings, 0.1, 30.0))
+    slam.finish()
     return slam.trajectory()[-1, 0] - truth[-1, 0]
 
 

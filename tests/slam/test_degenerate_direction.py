@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tagalong.slam.geometry import compose
 from tagalong.slam.scan import LaserScan
-from tagalong.slam.scan_to_grid.degenerate_direction import open_way
+from tagalong.slam.scan_to_grid.degenerate_direction import degenerate_direction
 from tagalong.slam.scan_to_grid.extrapolator import Prediction
 from tagalong.slam.scan_to_grid.scan_matcher import GridScanMatcher, GridScanMatcherConfig
 from tagalong.slam.scan_to_grid.voxel_filter import AdaptiveVoxelConfig, AdaptiveVoxelFilter
@@ -20,7 +20,7 @@ def way(lines, heading, mount=(0.0, 0.0, 0.0), reach=5.0):
     foot = compose(np.array([0.0, 0.0, heading]), np.array(mount))
     seen = cast(np.array(lines), foot, np.random.default_rng(0), reach, 0.01, BEARINGS)
     scan = LaserScan(seen.ranges, seen.bearings, 0.1, reach, T_robot_lidar=mount)
-    return open_way(scan, AdaptiveVoxelFilter(AdaptiveVoxelConfig()).apply(scan.points_robot))
+    return degenerate_direction(scan, AdaptiveVoxelFilter(AdaptiveVoxelConfig()).apply(scan.points_robot))
 
 
 @pytest.mark.parametrize("mount", [(0.0, 0.0, 0.0), (-0.2, 0.1, np.pi), (0.1, 0.0, 0.3)])

@@ -74,7 +74,7 @@ def test_one_seed_gives_the_same_bytes_with_any_number_of_threads_and_another_se
 def test_the_particles_own_map_agrees_with_the_rendered_one_and_copies_go_their_own_way():
     _, odometry, scans = drive(steps=40)
     slam = run(make_slam("gmapping", particles=4), odometry[:20], scans[:20])
-    own, drawn = slam.particle_map().occupied_points, slam.map().occupied_points
+    own, drawn = slam.live_map().occupied_points, slam.map().occupied_points
     assert np.linalg.norm(own[:, None] - drawn, axis=-1).min(axis=0).max() < 0.11
     twin = pickle.loads(pickle.dumps(slam))
     before = slam.trajectory().tobytes()
@@ -82,7 +82,7 @@ def test_the_particles_own_map_agrees_with_the_rendered_one_and_copies_go_their_
     assert slam.trajectory().tobytes() == before
     run(slam, odometry[20:], scans[20:])
     assert slam.trajectory().tobytes() == twin.trajectory().tobytes()
-    assert slam.particle_map().probability.tobytes() == twin.particle_map().probability.tobytes()
+    assert slam.live_map().probability.tobytes() == twin.live_map().probability.tobytes()
 
 
 def test_every_scan_has_a_pose_and_the_first_is_the_first_odometry():
@@ -133,7 +133,7 @@ def test_odometry_may_begin_anywhere_as_in_a_map_of_the_country():
     run(near, odometry, scans)
     run(far, odometry + corner, scans)
     np.testing.assert_allclose(far.trajectory() - corner, near.trajectory(), atol=1e-4)
-    assert far.particle_map().probability.shape == near.particle_map().probability.shape
+    assert far.live_map().probability.shape == near.live_map().probability.shape
 
 
 def test_a_minimum_score_that_none_reaches_leaves_the_pose_to_odometry():

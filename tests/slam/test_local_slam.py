@@ -39,6 +39,7 @@ def test_a_drifting_odometry_is_corrected_to_centimetres():
     rng = np.random.default_rng(0)
     truth, odometry = drive(rng)
     engine = run(make_slam("cartographer"), odometry, [cast(WALLS, pose, rng, bearings=BEARINGS) for pose in truth])
+    engine.finish()
     error = between(truth, engine.trajectory())
     assert np.hypot(error[:, 0], error[:, 1]).max() < 0.04
     assert np.abs(error[:, 2]).max() < np.deg2rad(0.8)
@@ -81,6 +82,7 @@ def test_a_second_round_is_tied_to_the_submaps_of_the_first():
     options = {"local": LocalSlamConfig(submaps=ActiveSubmapsConfig(scans=15))}
     engine = run(make_slam("cartographer", **options), np.concatenate((odometry, closed)), scans)
     assert isinstance(engine, Cartographer)
+    engine.finish()
     error = between(second, engine.trajectory())
     assert np.hypot(error[:, 0], error[:, 1]).max() < 0.02
     half = len(truth)

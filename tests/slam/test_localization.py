@@ -185,10 +185,10 @@ def test_two_runs_are_equal_to_the_byte(room):
 def test_the_kernel_of_the_evidence_equals_its_reference(room):
     rng = np.random.default_rng(0)
     place = PlaceMap(room)
-    points, foot = rng.uniform(-5.0, 5.0, (60, 2)), np.array([0.2, 0.05])
+    points, sensor = rng.uniform(-5.0, 5.0, (60, 2)), np.array([0.2, 0.05])
     poses = np.column_stack((rng.uniform(-5.0, 5.0, (20, 2)), rng.uniform(-3.0, 3.0, 20)))
     fast = np.empty((20, 60), np.float32)
-    setting = (place.states, place.distances, place.outer_corner, place.resolution, foot, points, poses, 0.12, 0.4)
+    setting = (place.states, place.distances, place.outer_corner, place.resolution, sensor, points, poses, 0.12, 0.4)
     beam_likelihoods(*setting, fast)
     slow = reference.beam_likelihoods(*setting)
     assert (np.abs(fast - slow) > 1e-5).mean() < 0.002  # a beam through a corner may pass on either side
@@ -198,25 +198,25 @@ def test_the_kernel_of_the_evidence_equals_its_reference(room):
 def test_blocked_beams_are_among_those_that_contradict_the_map(room):
     rng = np.random.default_rng(0)
     place = PlaceMap(room)
-    evidence, foot = Evidence(place, EvidenceConfig()), np.array([0.2, 0.05])
+    evidence, sensor = Evidence(place, EvidenceConfig()), np.array([0.2, 0.05])
     points, total = rng.uniform(-5.0, 5.0, (60, 2)), 0.0
     for pose in np.column_stack((rng.uniform(-5.0, 5.0, (20, 2)), rng.uniform(-3.0, 3.0, 20))):
         likely = np.empty((1, 60), np.float32)
-        setting = place.states, place.distances, place.outer_corner, place.resolution, foot, points, pose[None]
+        setting = place.states, place.distances, place.outer_corner, place.resolution, sensor, points, pose[None]
         beam_likelihoods(*setting, 0.12, 0.4, likely)
-        stopped = [evidence.blocked(PreparedScan(np.zeros(3), point[None], foot), pose) for point in points]
+        stopped = [evidence.blocked(PreparedScan(np.zeros(3), point[None], sensor), pose) for point in points]
         total += sum(stopped)
         assert (likely[0][np.array(stopped) == 1.0] < 0.051).all()
-        assert 60 * evidence.blocked(PreparedScan(np.zeros(3), points, foot), pose) == pytest.approx(sum(stopped))
+        assert 60 * evidence.blocked(PreparedScan(np.zeros(3), points, sensor), pose) == pytest.approx(sum(stopped))
     assert 60 < total < 1140
 
 
-def likelihood(states, foot, point):
+def likelihood(states, sensor, point):
     """Return how likely a beam is on `states` of 5 cm cells, whose end, far from its way, is explained."""
     result = np.empty((1, 1), np.float32)
     near = np.zeros(states.shape, np.float32)
     beam_likelihoods(
-        states, near, np.zeros(2), 0.05, np.array(foot), np.array([point]), np.zeros((1, 3)), 0.08, 0.4, result
+        states, near, np.zeros(2), 0.05, np.array(sensor), np.array([point]), np.zeros((1, 3)), 0.08, 0.4, result
     )
     return float(result[0, 0])
 
@@ -230,11 +230,11 @@ def test_a_beam_may_have_passed_next_to_a_leg_of_a_chair_but_not_through_a_wall(
         for shift in (-0.02, 0.0, 0.02):
             way = np.array([np.cos(turn), np.sin(turn)])
             middle = np.array([2.025, 2.025]) + shift * np.array([-way[1], way[0]])
-            foot, point = middle - 1.0 * way, middle + 1.0 * way
-            assert likelihood(leg, foot, point) == 1.0
-            assert likelihood(wall, foot, point) == pytest.approx(0.05)
+            sensor, point = middle - 1.0 * way, middle + 1.0 * way
+            assert likelihood(leg, sensor, point) == 1.0
+            assert likelihood(wall, sensor, point) == pytest.approx(0.05)
             short = middle + 0.2 * way  # a wall so near the end does not contradict it
-            assert likelihood(wall, foot, short) == 1.0
+            assert likelihood(wall, sensor, short) == 1.0
     assert likelihood(gap, (1.0, 2.02), (3.0, 2.02)) == 1.0
     assert likelihood(gap, (1.0, 1.98), (3.0, 1.98)) == 1.0  # the end of the wall
     assert likelihood(gap, (1.0, 1.88), (3.0, 1.88)) == pytest.approx(0.05)
@@ -254,7 +254,7 @@ def test_a_robot_that_was_pushed_aside_is_not_sure_of_where_it_was_before(room):
             assert error(update, pose)[0] < 0.1
 
 
-def test_a_robot_that_was_carried_to_where_it_looks_almost_as_where_it_was_is_not_sure():
+def test_a_robot_that_was_kidnapped_to_where_it_looks_almost_as_where_it_was_is_not_sure():
     grid = drawn(SYMMETRIC, PLACES)
     cases = [
         ((-2.0, 0.0, 0.3), (0.2, 0.0, 0.45)),

@@ -49,6 +49,7 @@ def test_closures_one_bay_off_are_rejected_and_counted(seed):
     )
     for pose, place in zip(odometry, truth, strict=True):
         engine.update(pose, cast(lines, place, rng, REACH))
+    engine.finish()
     error = between(truth, engine.trajectory())
     assert np.hypot(error[:, 0], error[:, 1]).max() < 0.3  # a bay is 3 m
     assert engine.rejected >= 5

@@ -1,7 +1,7 @@
 """Where the robot is held against the other places that are believed in."""
 
 import numpy as np
-from tagalong.slam.graph.recovery.place_comparison import weigh
+from tagalong.slam.graph.recovery.place_comparison import judge_belief
 from tagalong.slam.localization.global_search import GlobalSearchConfig, PlaceBelief
 
 
@@ -24,16 +24,16 @@ def test_a_place_that_explains_half_and_is_likelier_than_any_other_is_a_rival_an
         ([(here, 0.0, 0.9), (there, -2.0, 0.86)], True, False),
         ([(here, 0.0, 0.9), (there, -9.0, 0.86)], False, False),
     ):
-        outcome = weigh(np.array(here), believed(*places), config, 1.0, 0.0)
-        assert (outcome.rivalled, outcome.surpassed) == (rivalled, surpassed), places
-        assert not outcome.moved
+        outcome = judge_belief(np.array(here), believed(*places), config, 1.0, 0.0)
+        assert (outcome.has_rival, outcome.other_is_sure) == (rivalled, surpassed), places
+        assert not outcome.other_explains_well
 
 
 def test_a_place_as_near_as_drift_leads_is_beside():
     belief = believed(((0.9, 0.0, 0.1), 0.0, 0.9))
-    assert [weigh(np.zeros(3), belief, GlobalSearchConfig(), 1.0, drift).beside for drift in (0.0, 0.8, 1.0)] == [
-        False, False, True,
-    ]  # fmt: skip
+    config = GlobalSearchConfig()
+    near = [judge_belief(np.zeros(3), belief, config, 1.0, drift).best_is_near for drift in (0.0, 0.8, 1.0)]
+    assert near == [False, False, True]
 
 
 def test_a_place_that_only_trust_keeps_first_is_outweighed_by_what_was_seen():
@@ -46,5 +46,5 @@ def test_a_place_that_only_trust_keeps_first_is_outweighed_by_what_was_seen():
         ([(here, 0.0, 0.9)], 5000.0, False),
         ([(there, 0.0, 0.9)], 1.0, True),
     ):
-        outcome = weigh(np.array(here), believed(*places), GlobalSearchConfig(), trust, 0.0)
-        assert outcome.outweighed == outweighed, (places, trust)
+        outcome = judge_belief(np.array(here), believed(*places), GlobalSearchConfig(), trust, 0.0)
+        assert outcome.scans_favour_other == outweighed, (places, trust)

@@ -1,4 +1,4 @@
-"""A robot that is carried away while it maps: SLAM notices, says so, and joins the rest of the drive to its map."""
+"""A robot that is kidnapped while it maps: SLAM notices, says so, and joins the rest of the drive to its map."""
 
 from dataclasses import replace
 
@@ -10,9 +10,10 @@ from tagalong.slam.graph.engine import Cartographer, CartographerConfig
 from tagalong.slam.graph.local.match_monitor import MatchMonitor, MatchMonitorConfig, contradictions
 from tagalong.slam.graph.local.submap import Submap, SubmapConfig
 from tagalong.slam.graph.local.sweep import Sweep
+from tagalong.slam.graph.recovery import recovery as recovery_module
 from tagalong.slam.graph.recovery.kidnap_hypothesis import KidnapHypothesis, Verdict
+from tagalong.slam.graph.recovery.node_map import searchable
 from tagalong.slam.graph.recovery.place_comparison import compare_places
-from tagalong.slam.graph.recovery.relocalization import searchable
 from tagalong.slam.scan_to_scan import make_matcher
 from walls import cast
 
@@ -79,16 +80,17 @@ def distance(a, b):
     return float(np.hypot(*between(a, b)[:2]))
 
 
-def test_slam_finds_a_carried_robot_on_its_map_within_ten_scans(mapped):
+def test_slam_finds_a_kidnapped_robot_on_its_map_within_ten_scans(mapped):
     engine, odometry, _, rng = mapped
     after = ahead((-3.8, 0.9, -1.2), (0.1, 0.0, 0.03), 40)
     updates, _ = fed(engine, after, odometry, rng)
     located = [update.located for update in updates]
     assert (engine.losses, engine.relocalizations) == (1, 1)
-    assert not any(located[:2])  # doubtful from the first scan on
-    assert sum(located[9:]) >= 30  # a scan of what the young submap has not seen may be doubtful, too
+    assert not any(located[:2])  # inconsistent from the first scan on
+    assert sum(located[9:]) >= 30  # a scan of what the young submap has not seen may be inconsistent, too
     for update, pose in zip(updates[9:], after[9:], strict=True):
         assert distance(update.pose, pose) < 0.1
+    engine.finish()
     final = engine.trajectory()
     assert max(distance(a, b) for a, b in zip(final[-40:], after, strict=True)) < 0.1
     assert max(distance(a, b) for a, b in zip(final[:90], tour(), strict=True)) < 0.1
@@ -106,8 +108,10 @@ def test_where_slam_recovers_icp_from_the_last_scan_does_not(mapped):
 
 def test_the_map_stays_clean_of_what_was_seen_before_the_robot_was_found(mapped):
     engine, odometry, _, rng = mapped
+    engine.finish()
     before = engine.map().occupied.sum()
     fed(engine, ahead((-3.8, 0.9, -1.2), (0.1, 0.0, 0.03), 30), odometry, rng)
+    engine.finish()
     occupied = engine.map().occupied_points
     a, e = WALLS[:, :2], WALLS[:, 2:] - WALLS[:, :2]
     share = np.clip(((occupied[:, None] - a) * e).sum(-1) / (e**2).sum(-1), 0.0, 1.0)
@@ -116,17 +120,19 @@ def test_the_map_stays_clean_of_what_was_seen_before_the_robot_was_found(mapped)
     assert len(occupied) >= before
 
 
-def test_carried_into_another_building_it_is_not_located_and_its_map_stays(mapped):
+def test_kidnapped_into_another_building_it_is_not_located_and_its_map_stays(mapped):
     engine, odometry, _, rng = mapped
+    engine.finish()
     before = engine.map().occupied.sum()
     updates, _ = fed(engine, ahead((-4.0, 0.0, 0.0), (0.15, 0.0, 0.0), 25), odometry, rng, ELSEWHERE)
     assert not any(update.located for update in updates[5:])
     assert engine.relocalizations == 0
+    engine.finish()
     assert abs(engine.map().occupied.sum() - before) < 20
     assert len(engine.trajectory()) == 115
 
 
-def test_while_scans_are_doubtful_the_odometry_carries_the_pose_on(mapped):
+def test_while_scans_are_inconsistent_the_pose_follows_the_odometry(mapped):
     engine, odometry, _, rng = mapped
     after = ahead((-3.8, 0.9, -1.2), (0.1, 0.0, 0.03), 2)
     last = engine.pose
@@ -140,10 +146,12 @@ def test_while_scans_are_doubtful_the_odometry_carries_the_pose_on(mapped):
 
 def test_what_a_lost_robot_sees_is_not_drawn_until_it_is_found(mapped):
     engine, odometry, _, rng = mapped
+    engine.finish()
     before = engine.map().occupied_points
     updates, _ = fed(engine, ahead((-4.0, 0.0, 0.0), (0.15, 0.0, 0.0), 25), odometry, rng, ELSEWHERE)
     assert engine.losses == 1
     assert sum(update.integrated for update in updates) >= 10  # it maps on, apart from the map
+    engine.finish()
     drawn = engine.map().occupied_points
     new = np.linalg.norm(drawn[:, None] - before[None], axis=-1).min(axis=1) > 0.1
     assert not new.any()
@@ -161,7 +169,7 @@ def test_people_all_around_do_not_make_the_robot_lost(mapped):
     assert located == [False, False, True] * 6 + [False, False]  # nothing on the map fits better: the third is believed
 
 
-def test_once_a_doubt_is_over_the_doubtful_scans_lie_where_they_fitted_not_where_bad_odometry_put_them(mapped):
+def test_once_scans_are_consistent_again_those_before_lie_where_they_fitted_not_where_bad_odometry_put_them(mapped):
     engine, odometry, last, rng = mapped
     after, online = ahead(last, (0.1, 0.0, 0.05), 12), []
     for k, pose in enumerate(after):
@@ -173,6 +181,7 @@ def test_once_a_doubt_is_over_the_doubtful_scans_lie_where_they_fitted_not_where
         online.append(update.pose)
         assert update.located != crowded
     assert abs(between(after[4], online[4])[2]) > 0.1
+    engine.finish()
     final = engine.trajectory()[-12:]
     assert np.abs(between(np.array(after), final)[:, 2]).max() < np.radians(0.5)
 
@@ -185,18 +194,18 @@ def test_what_score_is_usual_follows_the_scores_up_and_down():
     odd = circle.copy()
     odd[:50] *= 0.5  # a quarter of the beams end where the others went through
 
-    def doubtful(usual, score):
-        watch = MatchMonitor(MatchMonitorConfig())
+    def rejected(usual, score):
+        monitor = MatchMonitor(MatchMonitorConfig())
         for old in usual:
-            assert not watch.doubts(submap, circle, np.zeros(2), np.zeros(3), old)
-        return watch.doubts(submap, odd, np.zeros(2), np.zeros(3), score)
+            assert not monitor.rejects(submap, circle, np.zeros(2), np.zeros(3), old)
+        return monitor.rejects(submap, odd, np.zeros(2), np.zeros(3), score)
 
     high, low = [0.8] * 100, [0.4] * 100
-    assert [doubtful(low, score) for score in (0.28, 0.32, 0.58)] == [True, False, False]
-    assert [doubtful(low + high, score) for score in (0.32, 0.58, 0.62)] == [True, True, False]
-    assert [doubtful(high + low, score) for score in (0.28, 0.32, 0.58)] == [True, False, False]
-    assert doubtful([0.8, 0.4], 0.58)  # one scan says little
-    assert not doubtful([0.8, 0.4], 0.595)  # 0.75 of 0.78
+    assert [rejected(low, score) for score in (0.28, 0.32, 0.58)] == [True, False, False]
+    assert [rejected(low + high, score) for score in (0.32, 0.58, 0.62)] == [True, True, False]
+    assert [rejected(high + low, score) for score in (0.28, 0.32, 0.58)] == [True, False, False]
+    assert rejected([0.8, 0.4], 0.58)  # one scan says little
+    assert not rejected([0.8, 0.4], 0.595)  # 0.75 of 0.78
 
 
 def test_where_another_place_looks_almost_the_same_it_does_not_stay_sure_of_the_wrong_one():
@@ -211,7 +220,7 @@ def test_where_another_place_looks_almost_the_same_it_does_not_stay_sure_of_the_
     assert not any(wrong[4:])
 
 
-def test_carried_along_a_corridor_that_looks_alike_everywhere_it_is_found_and_not_sure_before():
+def test_kidnapped_along_a_corridor_that_looks_alike_everywhere_it_is_found_and_not_sure_before():
     niches = [(1.0, 0.9), (4.5, 0.9), (6.0, 1.4), (11.0, 0.9), (15.5, 2.0), (19.0, 0.9), (21.0, 0.9), (26.0, 1.4)]
     outline = [(0.0, -1.2), (30.0, -1.2), (30.0, 1.2)]
     for start, width in reversed(niches):
@@ -235,7 +244,8 @@ def test_a_submap_that_was_begun_by_the_very_scan_that_shows_the_robot_lost_is_t
     submaps = engine._local.submaps  # pyright: ignore[reportPrivateUsage]
     known, weighed = len(submaps), []
     monkeypatch.setattr(KidnapHypothesis, "due", property(lambda _: len(submaps) > known and not weighed))
-    monkeypatch.setattr(engine, "_verdict", lambda *_: weighed.append(len(submaps)) or Verdict.KIDNAPPED)
+    recovery = engine._recovery  # pyright: ignore[reportPrivateUsage]
+    monkeypatch.setattr(recovery, "_verdict", lambda *_: weighed.append(len(submaps)) or Verdict.KIDNAPPED)
     fed(engine, ahead(last, (0.1, 0.0, 0.05), 120), odometry, rng)
     assert weighed == [known + 1]
     assert engine.losses == 1
@@ -244,55 +254,58 @@ def test_a_submap_that_was_begun_by_the_very_scan_that_shows_the_robot_lost_is_t
     assert all(engine.submap_nodes)  # in each stands a node
 
 
-def test_a_leap_while_a_tear_is_open_does_not_end_the_doubt(mapped, monkeypatch):
+def test_a_gap_while_an_inconsistency_is_open_does_not_drop_the_hypothesis(mapped, monkeypatch):
     engine, odometry, _, rng = mapped
     after, local = ahead((-3.8, 0.9, -1.2), (0.1, 0.0, 0.03), 2), engine._local  # pyright: ignore[reportPrivateUsage]
     fed(engine, after[:1], odometry, rng)
-    torn, update = engine._doubt.torn, local.update  # pyright: ignore[reportPrivateUsage]
-    assert torn > 0.3
+    recovery, update = engine._recovery, local.update  # pyright: ignore[reportPrivateUsage]
+    inconsistency = recovery._hypothesis.inconsistency  # pyright: ignore[reportPrivateUsage]
+    assert inconsistency > 0.3
 
-    def sees_nothing(odometry, scan):
+    def without_overlap(odometry, scan):
         monkeypatch.undo()
-        return replace(update(odometry, scan), sigma=np.array([0.03, 0.005]), apart=True, insertion=None)
+        return replace(update(odometry, scan), sigma=np.array([0.03, 0.005]), no_overlap=True, insertion=None)
 
-    monkeypatch.setattr(local, "update", sees_nothing)
+    monkeypatch.setattr(local, "update", without_overlap)
     updates, _ = fed(engine, after[1:], odometry, rng)
-    assert (engine._doubt.torn, engine._doubt.count) == (torn, 2)  # pyright: ignore[reportPrivateUsage]
+    hypothesis = recovery._hypothesis  # pyright: ignore[reportPrivateUsage]
+    assert (hypothesis.inconsistency, hypothesis.count) == (inconsistency, 2)
     assert not updates[0].located
 
 
 @pytest.mark.parametrize(("off", "believed"), [(0.1, True), (0.6, False)])
 def test_a_scan_that_fits_badly_is_believed_only_near_the_odometry(mapped, monkeypatch, off, believed):
     engine, odometry, last, rng = mapped
-    local, watch = engine._local, engine._watch  # pyright: ignore[reportPrivateUsage]
+    local, recovery = engine._local, engine._recovery  # pyright: ignore[reportPrivateUsage]
+    monitor = recovery._monitor  # pyright: ignore[reportPrivateUsage]
     update, submaps, found = local.update, len(engine.submap_nodes), []
 
-    def doubtful(odometry, scan):
+    def inconsistent(odometry, scan):
         found.append(update(odometry, scan))
         if len(found) > 1:
             return found[-1]
-        watch.in_doubt = watch._config.patience  # pyright: ignore[reportPrivateUsage]
+        monitor.rejected = monitor._config.patience  # pyright: ignore[reportPrivateUsage]
         away = replace(found[0].match, pose=compose(found[0].pose, np.array([off, 0.0, 0.0])))
-        return replace(found[0], match=away, insertion=None, doubtful=True, sigma=np.array([0.3, 0.2]))
+        return replace(found[0], match=away, insertion=None, inconsistent=True, sigma=np.array([0.3, 0.2]))
 
-    monkeypatch.setattr(engine, "_verdict", lambda *_: Verdict.UNSURE)
-    monkeypatch.setattr(local, "update", doubtful)
+    monkeypatch.setattr(recovery, "_verdict", lambda *_: Verdict.UNSURE)
+    monkeypatch.setattr(local, "update", inconsistent)
     fed(engine, ahead(last, (0.1, 0.0, 0.0), 1), odometry, rng)
     assert len(found) == 2
     assert engine.losses == 0
     assert (len(engine.submap_nodes) == submaps) == believed
 
 
-def test_what_was_mapped_since_a_tear_is_not_asked_where_the_robot_is(mapped, monkeypatch):
+def test_what_was_mapped_since_an_inconsistency_is_not_asked_where_the_robot_is(mapped, monkeypatch):
     engine, odometry, _, rng = mapped
     nodes, asked = len(engine.node_scans), []
-    place = engine._relocalization  # pyright: ignore[reportPrivateUsage]
-    monkeypatch.setattr(engine, "_relocalization", lambda graph: asked.append(place(graph)) or asked[-1])
-    monkeypatch.setattr(engine, "_verdict", lambda *_: Verdict.UNSURE)
+    compare = recovery_module.compare_places
+    monkeypatch.setattr(recovery_module, "compare_places", lambda *a, **k: asked.append(a[0]) or compare(*a, **k))
+    monkeypatch.setattr(recovery_module, "verdict", lambda *_: Verdict.UNSURE)
     fed(engine, ahead((-3.8, 0.9, -1.2), (0.1, 0.0, 0.03), 60), odometry, rng)
     assert len(engine.node_scans) >= nodes + 20
     assert len(asked) >= 4
-    maps = {id(search._place) for search in asked}  # pyright: ignore[reportPrivateUsage]
+    maps = {id(place) for place in asked}
     assert len(maps) == 1
     monkeypatch.undo()
     updates, _ = fed(engine, ahead((-3.8, 0.9, -1.2), (0.15, 0.0, 0.0), 1), odometry, rng)
@@ -303,16 +316,17 @@ def test_drift_is_that_since_the_graph_was_last_tied_to_old_submaps(mapped):
     engine, odometry, _, rng = mapped
     graph = engine._global  # pyright: ignore[reportPrivateUsage]
     assert graph is not None
-    steps = np.array([node.motion.sigma[0] for node in graph.nodes])
+    steps = np.array([node.motion.sigma[0] for node in graph.graph.nodes])
     assert graph.drift == pytest.approx(np.sqrt((steps**2).sum()), rel=1e-9)  # one tour: never back at old submaps
     fed(engine, np.concatenate((tour()[1:], tour()[1:30])), odometry, rng)
-    engine.trajectory()
-    steps = np.array([node.motion.sigma[0] for node in graph.nodes[-20:]])
+    engine.finish()
+    steps = np.array([node.motion.sigma[0] for node in graph.graph.nodes[-20:]])
     assert graph.drift == pytest.approx(np.sqrt((steps**2).sum()), rel=1e-9)  # as many as a tie is good for
 
 
-def test_a_contest_tells_a_place_beside_from_one_elsewhere(mapped):
+def test_a_comparison_tells_a_place_nearby_from_one_elsewhere(mapped):
     engine, odometry, last, rng = mapped
+    engine.finish()
     place, scans = searchable(engine.map_at(0.05)), [(odometry, cast(WALLS, last, rng))]
     for away, beside in (
         ((0.0, 0.0, 0.0), True),
@@ -323,19 +337,21 @@ def test_a_contest_tells_a_place_beside_from_one_elsewhere(mapped):
         here = compose(last, np.array(away))
         outcome = compare_places(place, scans, here)
         assert distance(outcome.belief.poses[0], last) < 0.1
-        assert outcome.beside == beside
-        assert outcome.stays == (away == (0.0, 0.0, 0.0))
+        assert outcome.best_is_near == beside
+        assert outcome.here_is_best == (away == (0.0, 0.0, 0.0))
 
 
-def test_a_contest_says_what_is_explained_where_the_robot_is_and_nothing_where_it_surely_is_not(mapped):
+def test_a_comparison_says_what_is_explained_where_the_robot_is_and_nothing_where_it_surely_is_not(mapped):
     engine, odometry, last, rng = mapped
+    engine.finish()
     place, scans = searchable(engine.map_at(0.05)), [(odometry, cast(WALLS, last, rng))]
-    assert compare_places(place, scans, last).explained > 0.8
-    assert compare_places(place, scans, np.array([-3.8, 0.9, -1.2])).explained == 0.0
+    assert compare_places(place, scans, last).explained_if_likely > 0.8
+    assert compare_places(place, scans, np.array([-3.8, 0.9, -1.2])).explained_if_likely == 0.0
 
 
-def test_a_contest_counts_the_beams_that_walls_would_stop(mapped):
+def test_a_comparison_counts_the_beams_that_walls_would_stop(mapped):
     engine, odometry, last, rng = mapped
+    engine.finish()
     place, back = searchable(engine.map_at(0.05)), np.array([-0.1, 0.0, 0.0])
     scans = [(odometry, cast(WALLS, last, rng)), (compose(odometry, back), cast(WALLS, compose(last, back), rng))]
     assert compare_places(place, scans[:1], last).blocked < 0.02
@@ -343,8 +359,8 @@ def test_a_contest_counts_the_beams_that_walls_would_stop(mapped):
     assert compare_places(place, scans, np.array([-3.8, 0.9, -1.2])).blocked > 0.2
 
 
-def test_without_a_watch_or_a_graph_nobody_notices():
-    for settings in ({"watch": None}, {"global_": None}):
+def test_without_a_monitor_or_a_graph_nobody_notices():
+    for settings in ({"monitor": None}, {"global_": None}):
         engine = Cartographer(CartographerConfig(**settings))
         rng, poses = np.random.default_rng(0), tour()
         _, odometry = fed(engine, poses, poses[0], rng)
@@ -353,13 +369,13 @@ def test_without_a_watch_or_a_graph_nobody_notices():
         assert engine.losses == 0
 
 
-def test_the_kernel_of_the_watch_counts_beams_through_walls_and_ends_in_seen_free_space():
+def test_the_kernel_of_the_monitor_counts_beams_through_walls_and_ends_in_seen_free_space():
     rng = np.random.default_rng(0)
     field = np.where(rng.random((60, 80)) < 0.03, rng.uniform(0.3, 1.0, (60, 80)), 0.0).astype(np.float32)
-    known, corner, foot = rng.random((60, 80)) < 0.8, np.array([-2.0, -1.5]), np.array([0.1, 0.0])
+    known, corner, sensor = rng.random((60, 80)) < 0.8, np.array([-2.0, -1.5]), np.array([0.1, 0.0])
     for _ in range(20):
         points, pose = rng.uniform(-2.5, 2.5, (30, 2)), rng.uniform(-1.0, 1.0, 3)
-        start = (transform_points(pose, foot[None])[0] - corner) / 0.05 + 0.5
+        start = (transform_points(pose, sensor[None])[0] - corner) / 0.05 + 0.5
         expected = 0
         for end in (transform_points(pose, points) - corner) / 0.05 + 0.5:
             length = np.hypot(*(end - start))
@@ -371,9 +387,9 @@ def test_the_kernel_of_the_watch_counts_beams_through_walls_and_ends_in_seen_fre
             if not blocked and 0 <= i < 60 and 0 <= j < 80 and known[i, j]:
                 blocked = bool(field[max(i - 3, 0) : i + 4, max(j - 3, 0) : j + 4].max() < 0.15)
             expected += blocked
-        assert contradictions(field, known.astype(np.float32), corner, 0.05, foot, points, pose, 0.4) == expected
+        assert contradictions(field, known.astype(np.float32), corner, 0.05, sensor, points, pose, 0.4) == expected
 
 
-def test_a_watch_without_sense_is_refused():
+def test_a_monitor_without_sense_is_refused():
     with pytest.raises(ValueError, match="patience"):
         MatchMonitorConfig(patience=0)

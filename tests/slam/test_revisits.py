@@ -49,13 +49,14 @@ def lapped():
 def test_laps_of_one_room_leave_a_graph_that_grows_no_more(lapped):
     engine, nodes, _ = lapped
     assert max(nodes[len(nodes) // 2 :]) <= 1.1 * max(nodes[: len(nodes) // 2])
-    assert nodes[-1] < 0.8 * engine._poses_local.__len__()
-    assert len(engine._scans) == len(engine.node_scans) == len(engine.node_poses)
+    assert nodes[-1] < 0.8 * len(engine._record)
+    assert len(engine._record.scans) == len(engine.node_scans) == len(engine.node_poses)
     assert len(engine.submap_nodes) == len(engine._local.submaps)
 
 
 def test_the_trajectory_keeps_every_scan_of_what_has_left_the_graph(lapped):
     engine, _, truth = lapped
+    engine.finish()
     error = between(truth, engine.trajectory())
     assert len(error) == len(truth)
     assert np.hypot(error[:, 0], error[:, 1]).max() < 0.06
@@ -65,7 +66,7 @@ def test_the_trajectory_keeps_every_scan_of_what_has_left_the_graph(lapped):
 
 def test_what_is_left_of_a_graph_hangs_together(lapped):
     engine, _, _ = lapped
-    graph = engine._global
+    graph = engine._global.graph
     for s, nodes in enumerate(graph.drawn):
         assert all(s in graph.nodes[k].submaps for k in nodes)
     for tie in graph.constraints:
@@ -74,7 +75,7 @@ def test_what_is_left_of_a_graph_hangs_together(lapped):
         assert (tie.kind is Kind.INTRA) == (tie.node in graph.drawn[tie.submap])
     inserted = np.array(engine.node_scans)
     assert (np.diff(inserted) > 0).all()
-    assert not set(engine._trimmed) & set(inserted.tolist())
+    assert not set(engine._record._trimmed) & set(inserted.tolist())
 
 
 def test_a_pose_is_superseded_by_later_ones_of_the_same_view_only():

@@ -1,4 +1,4 @@
-"""A drive goes on from scan to scan; a robot that is carried tears it, people who walk hardly do."""
+"""Scans of a drive are consistent from one to the next; a kidnapping breaks that, people who walk hardly do."""
 
 import numpy as np
 import pytest
@@ -18,38 +18,42 @@ ROOM = np.array([(-5, -3, 5, -3), (5, -3, 5, 3), (5, 3, -5, 3), (-5, 3, -5, -3),
 CIRCLE = np.deg2rad(np.arange(-180.0, 180.0, 1.0))
 
 
-def test_of_a_drive_through_a_still_room_no_scan_is_torn_off_the_one_before():
-    rng, continuity = np.random.default_rng(0), ScanConsistency(ScanConsistencyConfig(), ExtrapolatorConfig())
+def test_of_a_drive_through_a_still_room_all_scans_are_consistent():
+    rng, consistency = np.random.default_rng(0), ScanConsistency(ScanConsistencyConfig(), ExtrapolatorConfig())
     poses = [np.array([-4.0 + 0.08 * k, -2.0 + 0.3 * np.sin(0.1 * k), 0.3 * np.cos(0.1 * k)]) for k in range(100)]
-    assert [continuity.tears(cast(ROOM, pose, rng), pose, pose) for pose in poses] == [0.0] * 100
+    assert [consistency.inconsistency(cast(ROOM, pose, rng), pose, pose) for pose in poses] == [0.0] * 100
 
 
 TURN, AWAY = np.array([0.0, 0.0, 0.1]), np.array([2.0, 1.5, 0.8])
 
 
 @pytest.mark.parametrize(
-    ("odometry_off", "match_off", "torn"),
+    ("odometry_off", "match_off", "inconsistent"),
     [(0.0 * TURN, AWAY, 0), (TURN, 0.0 * TURN, 0), (TURN, AWAY, 1), (AWAY, 0.0 * TURN, 1), (AWAY, AWAY, 1)],
 )
-def test_a_scan_goes_on_by_the_odometry_or_by_a_match_that_the_odometry_may_have_led_to(odometry_off, match_off, torn):
-    rng, continuity = np.random.default_rng(0), ScanConsistency(ScanConsistencyConfig(), ExtrapolatorConfig())
+def test_a_scan_is_consistent_by_the_odometry_or_by_a_match_that_the_odometry_may_have_led_to(
+    odometry_off, match_off, inconsistent
+):
+    rng, consistency = np.random.default_rng(0), ScanConsistency(ScanConsistencyConfig(), ExtrapolatorConfig())
     poses = [np.array([-3.0, -2.0, 0.0]), np.array([-2.9, -2.0, 0.1])]
-    assert continuity.tears(cast(ROOM, poses[0], rng), poses[0], poses[0]) == 0.0
-    share = continuity.tears(cast(ROOM, poses[1], rng), poses[1] + odometry_off, poses[1] + match_off)
-    assert (share > 0.0) == bool(torn)
+    assert consistency.inconsistency(cast(ROOM, poses[0], rng), poses[0], poses[0]) == 0.0
+    share = consistency.inconsistency(cast(ROOM, poses[1], rng), poses[1] + odometry_off, poses[1] + match_off)
+    assert (share > 0.0) == bool(inconsistent)
 
 
-def test_who_is_carried_tears_the_drive_once_by_the_share_that_contradicts():
-    rng, continuity = np.random.default_rng(0), ScanConsistency(ScanConsistencyConfig(), ExtrapolatorConfig())
+def test_a_kidnapping_is_one_inconsistency_by_the_share_that_contradicts():
+    rng, consistency = np.random.default_rng(0), ScanConsistency(ScanConsistencyConfig(), ExtrapolatorConfig())
     here, there = np.array([-4.0, -2.0, 0.0]), np.array([3.0, 2.0, 2.0])
-    shares = [continuity.tears(cast(ROOM, true, rng), here, here) for true in (here, here, there, there, there)]
+    shares = [
+        consistency.inconsistency(cast(ROOM, true, rng), here, here) for true in (here, here, there, there, there)
+    ]
     scans = [cast(ROOM, true, np.random.default_rng(0)) for true in (here, there)]
     assert shares[2] == pytest.approx(contradiction(*scans, np.zeros(3), 0.4), abs=0.03)
     assert shares[2] > 0.3
     assert shares[:2] + shares[3:] == [0.0] * 4
 
 
-def test_what_always_contradicts_is_usual_and_a_doubtful_scan_needs_half_as_much():
+def test_what_always_contradicts_is_usual_and_a_suspect_scan_needs_half_as_much():
     rng, config = np.random.default_rng(0), ScanConsistencyConfig()
     still = cast(ROOM, np.zeros(3), rng)
 
@@ -57,15 +61,15 @@ def test_what_always_contradicts_is_usual_and_a_doubtful_scan_needs_half_as_much
         near = rng.permutation(len(still))[: round(share * len(still))]
         return LaserScan(np.where(np.isin(np.arange(len(still)), near), 0.3, still.ranges), still.bearings, 0.05, 20.0)
 
-    continuity, pose = ScanConsistency(config, ExtrapolatorConfig()), np.zeros(3)
+    consistency, pose = ScanConsistency(config, ExtrapolatorConfig()), np.zeros(3)
     for _ in range(200):
-        continuity.tears(flickering(0.1), pose, pose)
-    assert continuity.tears(flickering(0.1), pose, pose) == 0.0
-    assert continuity.tears(flickering(0.4), pose, pose) > 0.1
-    for doubtful in (False, True):
+        consistency.inconsistency(flickering(0.1), pose, pose)
+    assert consistency.inconsistency(flickering(0.1), pose, pose) == 0.0
+    assert consistency.inconsistency(flickering(0.4), pose, pose) > 0.1
+    for suspect in (False, True):
         fresh = ScanConsistency(config, ExtrapolatorConfig())
-        fresh.tears(still, pose, pose)
-        assert (fresh.tears(flickering(0.03), pose, pose, doubtful=doubtful) > 0.0) == doubtful
+        fresh.inconsistency(still, pose, pose)
+        assert (fresh.inconsistency(flickering(0.03), pose, pose, suspect=suspect) > 0.0) == suspect
 
 
 def test_a_person_beside_the_robot_contradicts_little_and_beams_without_a_return_nothing():

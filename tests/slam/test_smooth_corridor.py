@@ -17,6 +17,7 @@ def way_gone(length, reach, heading=0.0):
     for x in np.arange(0.0, 9.01, 0.03):
         pose = np.array([x * np.cos(heading), x * np.sin(heading), heading])
         slam.update(pose, cast(lines, pose, rng, reach, 0.01, BEARINGS))
+    slam.finish()
     return np.hypot(*slam.trajectory()[-1, :2])
 
 

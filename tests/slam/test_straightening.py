@@ -49,12 +49,12 @@ def test_a_submap_drawn_anew_from_the_same_sweeps_is_the_same():
 def test_a_sweep_holds_the_feet_and_ends_of_a_mounted_laser():
     scan = replace(cast(ROOM, PLACES[0], np.random.default_rng(1), reach=3.0), T_robot_lidar=(0.2, 0.1, np.pi / 2))
     sweep = Sweep.of(scan, 0.05, 2.0).at(np.array([5.0, 6.0, 0.0]))
-    np.testing.assert_allclose(sweep.foot, [5.2, 6.1])
+    np.testing.assert_allclose(sweep.sensor, [5.2, 6.1])
     assert sweep.returns <= len(sweep.surface)
-    np.testing.assert_allclose(np.hypot(*(sweep.free_ends - sweep.foot).T), 2.0)  # the shorter of length and range
+    np.testing.assert_allclose(np.hypot(*(sweep.free_ends - sweep.sensor).T), 2.0)  # the shorter of length and range
     ahead = 0.5 * np.pi + scan.bearings[scan.is_no_return]
     free = 2.0 * np.stack((np.cos(ahead), np.sin(ahead)), axis=-1)
-    np.testing.assert_allclose(sweep.free_ends - sweep.foot, free, atol=1e-9)
+    np.testing.assert_allclose(sweep.free_ends - sweep.sensor, free, atol=1e-9)
     near = scan.points_robot + np.array([5.0, 6.0])
     away = np.hypot(*(sweep.surface[: sweep.returns, None] - near[None]).transpose(2, 0, 1)).min(axis=1)
     assert away.max() < 0.05
@@ -65,9 +65,9 @@ def test_a_closure_turns_with_the_submap_that_was_straightened(turn):
     builder, place = ConstraintBuilder(ConstraintConfig()), np.array([3.0, 1.2, 0.5])
     points = cast(ROOM, place, np.random.default_rng(2)).points_robot
     builder.typical_score = 0.6
-    bent = builder.again(Constraint(3, 7, place, np.eye(3), Kind.INTER, searched=True), drawn(), points)
+    bent = builder.rematch(Constraint(3, 7, place, np.eye(3), Kind.INTER, searched=True), drawn(), points)
     assert bent is not None
-    straight = builder.again(bent, drawn(turn), points)
+    straight = builder.rematch(bent, drawn(turn), points)
     assert straight is not None
     assert np.all(np.abs(between(place, bent.pose)) < [0.01, 0.01, 0.003])
     assert np.all(np.abs(between(compose([0.0, 0.0, turn], place), straight.pose)) < [0.01, 0.01, 0.003])
@@ -89,7 +89,7 @@ def test_a_closure_that_fits_no_more_is_dropped():
     points = cast(ROOM, place, np.random.default_rng(2)).points_robot
     builder.typical_score = 0.6
     tie = Constraint(0, 0, place, np.eye(3), Kind.INTER, searched=True)
-    assert builder.again(tie, drawn(1.0), points) is None
+    assert builder.rematch(tie, drawn(1.0), points) is None
 
 
 def twice_around(threads=2):
@@ -110,10 +110,10 @@ def test_closures_that_fit_no_more_count_as_rejected(monkeypatch):
     engine = twice_around()
     graph = engine._global  # pyright: ignore[reportPrivateUsage]
     assert graph is not None
-    graph.constraints = [replace(tie, searched=tie.kind is Kind.INTER) for tie in graph.constraints]
-    found, before = sum(tie.searched for tie in graph.constraints), engine.rejected
-    monkeypatch.setattr(ConstraintBuilder, "again", lambda *_: None)
-    engine.trajectory()
+    graph.graph.constraints = [replace(tie, searched=tie.kind is Kind.INTER) for tie in graph.graph.constraints]
+    found, before = sum(tie.searched for tie in graph.graph.constraints), engine.rejected
+    monkeypatch.setattr(ConstraintBuilder, "rematch", lambda *_: None)
+    engine.finish()
     assert found > 0
     assert engine.rejected - before >= found
     assert not any(tie.searched for tie in engine.constraints)
@@ -122,7 +122,7 @@ def test_closures_that_fit_no_more_count_as_rejected(monkeypatch):
 def test_finished_submaps_get_the_shape_that_the_graph_gives_them():
     engine = twice_around()
     before = [dict(nodes) for nodes in engine.submap_nodes]
-    engine.trajectory()
+    engine.finish()
     after = engine.submap_nodes
     assert [list(nodes) for nodes in after] == [list(nodes) for nodes in before]
     for was, now in list(zip(before, after, strict=True))[-2:]:  # local SLAM still matches on these
@@ -133,6 +133,8 @@ def test_finished_submaps_get_the_shape_that_the_graph_gives_them():
 
 def test_the_final_optimisation_does_not_depend_on_the_threads():
     one, three = twice_around(1), twice_around(3)
+    for engine in (one, three):
+        engine.finish()
     np.testing.assert_array_equal(one.trajectory(), three.trajectory())
     ties = [[(c.submap, c.node, *c.pose, c.score) for c in engine.constraints] for engine in (one, three)]
     assert ties[0] == ties[1]
@@ -141,7 +143,7 @@ def test_the_final_optimisation_does_not_depend_on_the_threads():
 
 def test_no_node_is_matched_with_a_submap_that_it_stands_in():
     engine = twice_around()
-    engine.trajectory()
+    engine.finish()
     ties = [tie for tie in engine.constraints if tie.kind is Kind.INTER]
     assert ties
     assert not any(tie.node in engine.submap_nodes[tie.submap] for tie in ties)
@@ -150,19 +152,19 @@ def test_no_node_is_matched_with_a_submap_that_it_stands_in():
 def test_a_wrong_tie_is_dropped_and_leaves_no_trace_but_a_slip_of_the_wheels_is_kept():
     engines, dropped = (twice_around(), twice_around()), []
     for engine in engines:
-        engine.trajectory()
+        engine.finish()
         graph = engine._global  # pyright: ignore[reportPrivateUsage]
         assert graph is not None
-        slip = Prediction(compose(graph.nodes[30].motion.pose, [1.0, 0.5, 0.4]), np.array([0.001, 0.001]))
-        graph.nodes[30] = replace(graph.nodes[30], motion=slip)
+        slip = Prediction(compose(graph.graph.nodes[30].motion.pose, [1.0, 0.5, 0.4]), np.array([0.001, 0.001]))
+        graph.graph.nodes[30] = replace(graph.graph.nodes[30], motion=slip)
         if engine is engines[1]:
             wrong = Constraint(0, 90, np.array([1.0, 2.0, 0.5]), 1e4 * np.eye(3), Kind.INTER)
-            graph.constraints.insert(3, wrong)
-        before, ties = graph.rejected, len(graph.constraints)
-        graph._adjust(final=True)  # pyright: ignore[reportPrivateUsage]
-        dropped.append(ties - len(graph.constraints))
+            graph.graph.constraints.insert(3, wrong)
+        before, ties = graph.rejected, len(graph.graph.constraints)
+        graph.optimise(final=True)
+        dropped.append(ties - len(graph.graph.constraints))
         assert graph.rejected - before == dropped[-1]
-        assert all(tie.information[0, 0] != 1e4 for tie in graph.constraints)
+        assert all(tie.information[0, 0] != 1e4 for tie in graph.graph.constraints)
     assert dropped[1] == dropped[0] + 1
     np.testing.assert_allclose(engines[1].node_poses, engines[0].node_poses, atol=2e-3)
 

@@ -93,6 +93,7 @@ def log_cell(data: str, log: str, engine: str) -> Mapping[str, Any]:
         sightings += update.diagnostics.get("sightings", 0.0)
         matched += update.diagnostics.get("matched", 0.0)
     seconds = time.process_time() - start
+    slam.finish()
     error = absolute_error(slam.trajectory(), drive.reference)
     result: dict[str, Any] = {
         "ate_m": error.translation.rmse,

@@ -107,6 +107,7 @@ def _mapped(variant: str, seed: int, tour: MappingInput, scans: list[LaserScan])
     start = perf_counter()
     for odometry, scan in zip(tour.drive.recording.odometry, scans, strict=True):
         engine.update(odometry, scan)
+    engine.finish()
     return engine.map_at(RESOLUTION), engine.trajectory(), perf_counter() - start
 
 

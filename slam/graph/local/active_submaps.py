@@ -50,7 +50,7 @@ class ActiveSubmaps:
     def __init__(self, config: ActiveSubmapsConfig) -> None:
         self._config = config
         self.submaps: list[Submap] = []
-        self._first = 0  # of the submaps of this piece of the drive
+        self._first = 0  # of the submaps of this drive segment
         self._travelled = 0.0
         self._last: Array | None = None
 

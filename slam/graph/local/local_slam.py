@@ -9,7 +9,7 @@ from ...bounds import Cell, check_numbers
 from ...errors import InputError
 from ...geometry import between
 from ...scan import LaserScan
-from ...scan_to_grid.degenerate_direction import open_way
+from ...scan_to_grid.degenerate_direction import degenerate_direction
 from ...scan_to_grid.extrapolator import ExtrapolatorConfig, OdometryExtrapolator, Prediction
 from ...scan_to_grid.scan_matcher import GridMatch, GridScanMatcher, GridScanMatcherConfig
 from ...scan_to_grid.voxel_filter import AdaptiveVoxelConfig, AdaptiveVoxelFilter
@@ -74,18 +74,23 @@ class LocalResult:
     Attributes:
         pose: (3,) T_local_robot [m, m, rad].
         match: How the scan fits on the submap; None: it was not matched, the pose is that of the odometry.
-        insertion: What was inserted; None: the motion filter dropped the scan, or it is doubtful.
-        doubtful: Whether the scan contradicts the submap: the pose is that of the odometry.
-        sigma: (2,) standard deviations of that pose where it is doubtful [m, rad]; else None.
-        apart: Whether the scan sees nothing of what the submap knows, as the first one after a gap does not.
+        insertion: What was inserted; None: the motion filter dropped the scan, or it is inconsistent.
+        inconsistent: Whether the scan contradicts the submap: then the pose is that of the odometry.
+        sigma: (2,) standard deviations of that pose where the scan is inconsistent [m, rad]; else None.
+        no_overlap: Whether the scan sees nothing of what the submap knows, as the first one after a gap in a log.
     """
 
     pose: Array
     match: GridMatch | None
     insertion: Insertion | None
-    doubtful: bool = False
+    inconsistent: bool = False
     sigma: Array | None = None
-    apart: bool = False
+    no_overlap: bool = False
+
+    @property
+    def matched_pose(self) -> Array:
+        """(3,) T_local_robot where the scan fits best, believed or not; by the odometry where it was not matched."""
+        return self.match.pose if self.match else self.pose
 
 
 class LocalSlam:
@@ -93,12 +98,12 @@ class LocalSlam:
 
     Args:
         config: Settings.
-        watch: Who notices that matching has failed; None: nobody does, every match is believed.
+        monitor: Notices that matching has failed; None: every match is believed.
     """
 
-    def __init__(self, config: LocalSlamConfig, watch: MatchMonitor | None = None) -> None:
+    def __init__(self, config: LocalSlamConfig, monitor: MatchMonitor | None = None) -> None:
         self._config = config
-        self._watch = watch
+        self._monitor = monitor
         self._extrapolator: OdometryExtrapolator | None = None
         self._inserted_at: Array | None = None
         self._motion_filter = MotionFilter(config.motion_filter)
@@ -112,7 +117,7 @@ class LocalSlam:
         return self._active.submaps
 
     def restart(self, known: int | None = None) -> None:
-        """Begin a new piece of the drive: submaps anew, from where the odometry says the robot is.
+        """Begin a new drive segment: submaps anew, from where the odometry says the robot is.
 
         Args:
             known: So many submaps stay, as the last scan, which may have begun one, is taken anew; None: all.
@@ -120,38 +125,47 @@ class LocalSlam:
         self._active.restart(known)
         self._motion_filter = MotionFilter(self._config.motion_filter)
         self._matcher = GridScanMatcher(self._config.matcher)
-        if self._watch:
-            self._watch.restart()
+        if self._monitor:
+            self._monitor.restart()
 
     def trim(self, stay: NDArray[np.bool_]) -> None:
         """Drop the finished submaps where `stay` (one for each submap) is false."""
         self._active.trim(stay)
 
     def update(self, odometry: Array, scan: LaserScan) -> LocalResult:
-        """Take one scan and the odometry pose T_odom_robot (3,) at that time."""
-        if self._extrapolator is None:
-            self._extrapolator = OdometryExtrapolator(self._config.extrapolator, odometry)
-        prediction = self._extrapolator.predict(odometry)
+        """Take one scan and the odometry pose T_odom_robot (3,) at that time: predict, match, insert."""
+        extrapolator = self._extrapolator = self._extrapolator or OdometryExtrapolator(
+            self._config.extrapolator, odometry
+        )
+        prediction = extrapolator.predict(odometry)
         points = self._voxel_filter.apply(scan.points_robot)
-        match = None
-        if self._active.begun:
-            match = self._matcher.match(self._active.front, points, prediction, open_way(scan, points))
-        if match and self._watch:
-            submap, foot = self._active.front, np.array(scan.T_robot_lidar[:2], dtype=np.float64)
-            if self._watch.sees_nothing(submap, points, prediction.pose, match.pose, match.score):
+        match = self._match(scan, points, prediction)
+        if match and self._monitor:
+            submap, sensor = self._active.front, np.array(scan.T_robot_lidar[:2], dtype=np.float64)
+            if self._monitor.has_no_overlap(submap, points, prediction.pose, match.pose, match.score):
                 return LocalResult(prediction.pose, match, None, True, prediction.sigma, True)
-            if self._watch.doubts(submap, points, foot, match.pose, match.score):
+            if self._monitor.rejects(submap, points, sensor, match.pose, match.score):
                 return LocalResult(prediction.pose, match, None, True, prediction.sigma)
         pose = match.pose if match else prediction.pose
         if match or not self._active.begun:
-            self._extrapolator.correct(odometry, pose)
-        insertion = None
-        if len(points) >= self._config.matcher.min_points and self._motion_filter.passes(pose):
-            since = between(odometry if self._inserted_at is None else self._inserted_at, odometry)
-            motion = Prediction(since, self._config.extrapolator.sigma(since))
-            insertion = Insertion(self._active.insert(pose, self.sweep(scan)), points, match, motion, replace(scan))
-            self._inserted_at = odometry
-        return LocalResult(pose, match, insertion)
+            extrapolator.correct(odometry, pose)
+        return LocalResult(pose, match, self._insert(odometry, scan, points, pose, match))
+
+    def _match(self, scan: LaserScan, points: Array, prediction: Prediction) -> GridMatch | None:
+        if not self._active.begun:
+            return None
+        return self._matcher.match(self._active.front, points, prediction, degenerate_direction(scan, points))
+
+    def _insert(
+        self, odometry: Array, scan: LaserScan, points: Array, pose: Array, match: GridMatch | None
+    ) -> Insertion | None:
+        """Insert a scan at `pose` (3,) if it has enough points, and the robot has moved since the last one."""
+        if len(points) < self._config.matcher.min_points or not self._motion_filter.passes(pose):
+            return None
+        since = between(odometry if self._inserted_at is None else self._inserted_at, odometry)
+        motion = Prediction(since, self._config.extrapolator.sigma(since))
+        self._inserted_at = odometry
+        return Insertion(self._active.insert(pose, self.sweep(scan)), points, match, motion, replace(scan))
 
     def sweep(self, scan: LaserScan) -> Sweep:
         """Return what a scan draws into a submap, robot frame."""

@@ -28,31 +28,31 @@ class MatchMonitorConfig:
     """Settings of `MatchMonitor`.
 
     Attributes:
-        poor: A score below so much of the usual one makes it look closer ...
-        contradicted: ... and if more than this share of the beams contradicts the submap, the scan is doubtful.
-        settled_poor: Once in doubt, it stays so until the score is no longer below so much of the usual one ...
-        settled_contradicted: ... or no more than this share of the beams contradicts the submap.
-        plain_poor: As `poor`, for a scan that cannot belong there at all ...
-        plain_contradicted: ... as `contradicted`.
+        poor: A scan is rejected if its score is below so much of the usual one ...
+        contradicted: ... and more than this share of its beams contradicts the submap.
+        poor_after: Once one was rejected, the next ones are, too, if the score is below so much of the usual one ...
+        contradicted_after: ... and more than this share of the beams contradicts the submap.
+        poor_lost: As `poor`, for a scan that cannot belong there at all ...
+        contradicted_lost: ... as `contradicted`.
         slack: A wall must stand so far before the end of a beam to contradict it [m].
-        patience: After so many doubtful scans in a row something has to be done.
-        nothing: A score below so much of the usual one, and no larger a share of the points where the submap was seen,
-            say that the scan sees nothing of it [score, share].
+        patience: After so many rejected scans in a row something has to be done.
+        no_overlap: A score below so much of the usual one, and no larger a share of the points where the submap was
+            seen, say that the scan has no overlap with it [score, share].
         far: A match is far off that lies farther from where the odometry has the robot [m, rad].
-        nothing_far: As `nothing`, of such a match: after a gap some place nearby fits by chance.
+        no_overlap_far: As `no_overlap`, of such a match: after a gap some place nearby fits by chance.
     """
 
     poor: float = 0.75
     contradicted: float = 0.1
-    settled_poor: float = 0.9
-    settled_contradicted: float = 0.05
-    plain_poor: float = 0.6
-    plain_contradicted: float = 0.2
+    poor_after: float = 0.9
+    contradicted_after: float = 0.05
+    poor_lost: float = 0.6
+    contradicted_lost: float = 0.2
     slack: float = 0.4
     patience: int = 3
-    nothing: tuple[float, float] = (0.1, 0.3)
+    no_overlap: tuple[float, float] = (0.1, 0.3)
     far: tuple[float, float] = (0.25, 0.1)
-    nothing_far: tuple[float, float] = (0.3, 0.45)
+    no_overlap_far: tuple[float, float] = (0.3, 0.45)
 
     def __post_init__(self) -> None:
         check_numbers(self)
@@ -68,41 +68,41 @@ class MatchMonitor:
         config: Settings.
 
     Attributes:
-        in_doubt: How many scans in a row were doubtful.
+        rejected: How many scans in a row were rejected.
     """
 
     def __init__(self, config: MatchMonitorConfig) -> None:
         self._config = config
-        self._usual = 0.0
-        self._pardoned = False
-        self._plain = 0
-        self.in_doubt = 0
+        self._usual = 0.0  # score
+        self._accepts_next = False
+        self._lost = 0  # of the rejected scans, those that cannot belong to the submap at all
+        self.rejected = 0
 
     @property
     def alarmed(self) -> bool:
-        """Whether so many scans in a row were doubtful that something has to be done."""
-        return self.in_doubt >= self._config.patience
+        """Whether so many scans in a row were rejected that something has to be done."""
+        return self.rejected >= self._config.patience
 
     @property
-    def plainly_lost(self) -> bool:
-        """Whether none of the doubtful scans can belong to the submap."""
-        return self.alarmed and self._plain == self.in_doubt
+    def clearly_lost(self) -> bool:
+        """Whether none of the rejected scans can belong to the submap."""
+        return self.alarmed and self._lost == self.rejected
 
     def restart(self) -> None:
-        """Begin anew with another submap; what is usual stays."""
-        self.in_doubt = self._plain = 0
+        """Begin anew with another submap; what score is usual stays known."""
+        self.rejected = self._lost = 0
 
-    def pardon(self) -> None:
-        """Nothing better is known than where the robot was thought to be: the next scan is believed."""
-        self.in_doubt = self._plain = 0
-        self._pardoned = True
+    def accept_next(self) -> None:
+        """Believe the next scan in any case: nothing better is known than where the robot was thought to be."""
+        self.rejected = self._lost = 0
+        self._accepts_next = True
 
     def far_off(self, predicted: Array, pose: Array) -> bool:
         """Return whether a match at `pose` (3,) lies far from where the odometry has `predicted` (3,) the robot."""
         off, most = between(predicted, pose), self._config.far
         return bool(np.hypot(off[0], off[1]) > most[0] or abs(off[2]) > most[1])
 
-    def sees_nothing(self, submap: Submap, points: Array, predicted: Array, pose: Array, score: float) -> bool:
+    def has_no_overlap(self, submap: Submap, points: Array, predicted: Array, pose: Array, score: float) -> bool:
         """Return whether a scan lies beside all that a submap knows where it fits best.
 
         That match then says nothing: the odometry alone knows how the two lie to each other, if anything does.
@@ -115,9 +115,9 @@ class MatchMonitor:
             score: Of the match.
         """
         config = self._config
-        if score >= max(config.nothing[0], config.nothing_far[0]) * self._usual:
+        if score >= max(config.no_overlap[0], config.no_overlap_far[0]) * self._usual:
             return False
-        least, known = config.nothing_far if self.far_off(predicted, pose) else config.nothing
+        least, known = config.no_overlap_far if self.far_off(predicted, pose) else config.no_overlap
         if score >= least * self._usual:
             return False
         cells = np.floor((transform_points(pose, points) - submap.corner) / submap.resolution + 0.5).astype(np.int64)
@@ -126,29 +126,29 @@ class MatchMonitor:
         seen = submap.visits[cells[inside, 1], cells[inside, 0]] > 0
         return bool(seen.sum() <= known * len(points))
 
-    def doubts(self, submap: Submap, points: Array, foot: Array, pose: Array, score: float) -> bool:
-        """Return whether a match is doubtful.
+    def rejects(self, submap: Submap, points: Array, sensor: Array, pose: Array, score: float) -> bool:
+        """Return whether a match is rejected, since it is poor and the scan contradicts the submap there.
 
         Args:
             submap: What the scan was matched on.
             points: (N, 2) its thinned returns, robot frame [m].
-            foot: (2,) the laser, robot frame [m].
+            sensor: (2,) place of the laser, robot frame [m].
             pose: (3,) T_local_robot of the match.
             score: Of the match.
         """
         config = self._config
         poor, contradicted = config.poor, config.contradicted
-        if self.in_doubt:
-            poor, contradicted = config.settled_poor, config.settled_contradicted
+        if self.rejected:
+            poor, contradicted = config.poor_after, config.contradicted_after
         place = submap.field, submap.visits, submap.corner, submap.resolution
-        share = contradictions(*place, foot, points, pose, config.slack) / len(points)
-        if score < poor * self._usual and not self._pardoned and share > contradicted:
-            self.in_doubt += 1
-            self._plain += score < config.plain_poor * self._usual and share > config.plain_contradicted
+        share = contradictions(*place, sensor, points, pose, config.slack) / len(points)
+        if score < poor * self._usual and not self._accepts_next and share > contradicted:
+            self.rejected += 1
+            self._lost += score < config.poor_lost * self._usual and share > config.contradicted_lost
             return True
         self._usual = score if self._usual == 0.0 else self._usual + _MEMORY * (score - self._usual)
-        self._pardoned = False
-        self.in_doubt = self._plain = 0
+        self._accepts_next = False
+        self.rejected = self._lost = 0
         return False
 
 
@@ -158,7 +158,7 @@ def contradictions(
     visits: NDArray[np.float32],
     corner: Array,
     resolution: float,
-    foot: Array,
+    sensor: Array,
     points: Array,
     pose: Array,
     slack: float,
@@ -170,8 +170,8 @@ def contradictions(
     """
     rows, cols = field.shape
     c, s = np.cos(pose[2]), np.sin(pose[2])
-    x0 = (pose[0] + c * foot[0] - s * foot[1] - corner[0]) / resolution + 0.5
-    y0 = (pose[1] + s * foot[0] + c * foot[1] - corner[1]) / resolution + 0.5
+    x0 = (pose[0] + c * sensor[0] - s * sensor[1] - corner[0]) / resolution + 0.5
+    y0 = (pose[1] + s * sensor[0] + c * sensor[1] - corner[1]) / resolution + 0.5
     count = 0
     for n in range(len(points)):
         x1 = (pose[0] + c * points[n, 0] - s * points[n, 1] - corner[0]) / resolution + 0.5

@@ -92,7 +92,7 @@ class Submap:
         )
         for sweep in sweeps:
             self.scans += 1
-            self.centre += (sweep.foot - self.pose_local[:2] - self.centre) / self.scans
+            self.centre += (sweep.sensor - self.pose_local[:2] - self.centre) / self.scans
 
     def finish(self) -> None:
         """Drop what only further scans would need, almost half of the memory: there will be none."""

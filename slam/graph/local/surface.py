@@ -33,9 +33,9 @@ def surface_points(beam_points: Points, spacing: float) -> tuple[Points, int]:
         if ends[k] or not _straight(means, ends, k):
             continue
         gap = np.hypot(means[k + 1, 0] - means[k, 0], means[k + 1, 1] - means[k, 1])
-        pieces = int(np.ceil(gap / spacing - 0.5))
-        for piece in range(1, pieces):
-            share = piece / pieces
+        steps = int(np.ceil(gap / spacing - 0.5))
+        for step in range(1, steps):
+            share = step / steps
             filled[total, 0] = means[k, 0] + share * (means[k + 1, 0] - means[k, 0])
             filled[total, 1] = means[k, 1] + share * (means[k + 1, 1] - means[k, 1])
             total += 1

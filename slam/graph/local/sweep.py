@@ -28,7 +28,7 @@ class Sweep:
     between: int
 
     @property
-    def foot(self) -> Array:
+    def sensor(self) -> Array:
         """(2,) the laser."""
         return self.points[0]
 

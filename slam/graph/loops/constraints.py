@@ -20,7 +20,7 @@ from .blur_kernels import blurred_scores
 
 Array = NDArray[np.float64]
 
-_LEAST_INFORMATION = 1e-3  # [1/m^2, 1/rad^2] keeps blind directions invertible
+_LEAST_INFORMATION = 1e-3  # [1/m^2, 1/rad^2] keeps degenerate directions invertible
 _TRACK_ANGLES = 4  # steps of heading to each side
 _INDEPENDENT = 0.02  # share of a scan's points that count as independent of each other
 _CERTAIN = 1e9  # [1/m^2, 1/rad^2] of a node that defines its submap
@@ -172,11 +172,11 @@ class ConstraintBuilder:
             return None
         return self._closure(index, submap, node, points, np.array(found.pose), config.search_min_score)
 
-    def again(self, constraint: Constraint, submap: Submap, points: Array) -> Constraint | None:
-        """Return what a global search found once, matched anew on the `submap` as it is drawn now; None: it is no more.
+    def rematch(self, constraint: Constraint, submap: Submap, points: Array) -> Constraint | None:
+        """Return a loop closure matched anew on the `submap` as it is drawn now; None: it does not fit any more.
 
         Args:
-            constraint: What was found.
+            constraint: The loop closure.
             submap: Its submap.
             points: (N, 2) points of its node, robot frame [m].
         """

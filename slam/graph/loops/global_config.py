@@ -22,7 +22,7 @@ class GlobalSlamConfig:
         kernel_width: Of INTER constraints, in standard deviations.
         odometry_share: Share of its information with which odometry ties a node to the one before.
         reject_beyond: INTER constraints that the adjusted graph contradicts by more standard deviations are dropped.
-        settled: A match that the adjusted graph meets as well as this is not made anew [m, rad].
+        converged: A match that the adjusted graph meets as well as this is not made anew [m, rad].
         nearest: A node is matched with at most so many known submaps; in the end with twice as many.
         search_every: One global search for each so many metres travelled [m].
         final_residual: INTER constraints that the finished graph misses by more are dropped [m, rad].
@@ -39,7 +39,7 @@ class GlobalSlamConfig:
     odometry_share: float = 0.02
     reject_beyond: float = 12.0
     final_residual: tuple[float, float] = (0.1, 0.0175)
-    settled: tuple[float, float] = (0.05, 0.02)
+    converged: tuple[float, float] = (0.05, 0.02)
     nearest: int = 4
     search_every: float = 0.4
     revisits: RevisitConfig = field(default_factory=RevisitConfig)

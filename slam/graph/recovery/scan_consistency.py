@@ -1,8 +1,7 @@
-"""Whether a scan goes on from the one before: a robot that drives sees almost the same again, one that is carried not.
+"""Scan-to-scan consistency: a robot that drives sees almost the same again in the next scan, a kidnapped one does not.
 
-What local SLAM makes of a drive goes astray little by little, and in a building that repeats itself another place then
-explains the scans better than the one where the robot is. Only a tear between two scans tells that from a robot that
-was carried.
+Local SLAM drifts little by little, and in a building that repeats itself another place may then explain the scans
+better than the one where the robot is. Only an inconsistency between two scans tells that from a kidnapping.
 """
 
 from dataclasses import dataclass
@@ -20,7 +19,7 @@ from ...scan_to_grid.extrapolator import ExtrapolatorConfig
 Array = NDArray[np.float64]
 
 _ENOUGH = 180  # returns of a scan that are compared, about
-_MEMORY = 0.05  # share of the newest scan in what is usual
+_MEMORY = 0.05  # weight of the newest scan in the usual share of contradictions
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,17 +28,17 @@ class ScanConsistencyConfig:
 
     Attributes:
         slack: A return must lie so far before the end of the other scan's beams to contradict them [m].
-        least: A scan is torn off the one before if so much more than the usual share of their returns contradicts ...
+        least: Two scans are inconsistent if so much more than the usual share of returns contradicts the other ...
         deviations: ... and so many usual deviations more.
-        doubtful: Such a share of that is enough for a scan that is the first not to fit what was mapped.
-        sigmas: By so many standard deviations may the odometry err where a match is believed instead ...
-        near: ... or by so little [m, rad].
+        suspect: Such a share of that is enough for a scan that is the first to contradict what was mapped.
+        sigmas: A match is believed if it differs from the odometry by no more than so many standard deviations ...
+        near: ... or by no more than this [m, rad].
     """
 
     slack: float = 0.4
     least: float = 0.02
     deviations: float = 4.0
-    doubtful: float = 0.5
+    suspect: float = 0.5
     sigmas: float = 4.0
     near: tuple[float, float] = (0.1, 0.1)
 
@@ -63,30 +62,30 @@ class ScanConsistency:
         self._before: tuple[LaserScan, Array, Array] | None = None
         self._usual = self._deviation = 0.0
 
-    def tears(self, scan: LaserScan, odometry: Array, pose: Array, doubtful: bool = False) -> float:
-        """Take a scan; return the share of returns by which it is torn off the one before, 0 where it goes on from it.
+    def inconsistency(self, scan: LaserScan, odometry: Array, pose: Array, suspect: bool = False) -> float:
+        """Take a scan; return the share of returns that contradict it and the one before, 0 where they are consistent.
 
-        It goes on if it does by how both were matched, or by the odometry. A match on what only looks alike leads
-        where the odometry cannot have led: that one is not asked.
+        They are consistent if they are by the motion between their matches, or by the odometry. A match on what only
+        looks alike leads where the odometry cannot have led: that one is not believed.
 
         Args:
             scan: The scan.
             odometry: (3,) T_odom_robot.
             pose: (3,) T_local_robot, where it fits best on what was mapped before.
-            doubtful: Whether it does not fit that well, other than the one before.
+            suspect: Whether it is the first to contradict that.
         """
         before, self._before = self._before, (scan, odometry, pose)
         if before is None:
             return 0.0
         bar = self._config.least + self._config.deviations * self._deviation
-        bar *= self._config.doubtful if doubtful else 1.0
+        bar *= self._config.suspect if suspect else 1.0
         moved, matched = between(before[1], odometry), between(before[2], pose)
         likely, other = (matched, moved) if self._led(moved, matched) else (moved, moved)
         share = contradiction(before[0], scan, likely, self._config.slack)
         if share > self._usual + bar and other is not likely:
             share = min(share, contradiction(before[0], scan, other, self._config.slack))
         above = share - self._usual
-        usual = min(above, bar)  # a tear says little of what is usual, but if all scans are torn that is
+        usual = min(above, bar)  # one inconsistent scan says little of what is usual, but many in a row do
         self._usual += _MEMORY * usual
         self._deviation += _MEMORY * (abs(usual) - self._deviation)
         return share if above > bar else 0.0

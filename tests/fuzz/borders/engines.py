@@ -34,6 +34,7 @@ def driven(name: str) -> Call:
 
 def _driven(engine: Any, frames: Input) -> Any:
     updates = [engine.update(frame["odometry"], scan_of(frame)) for frame in frames]
+    engine.finish()
     return updates, engine.trajectory(), engine.map()
 
 

@@ -1,0 +1,58 @@
+"""Nodes are matched against submaps near where the graph has them; what is found becomes a constraint."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...geometry import between
+from .constraints import Constraint, ConstraintBuilder
+from .loop_schedule import LoopSchedule
+from .submap_graph import SubmapGraph
+
+
+class NodeMatching:
+    """Matches nodes of a graph and adds the constraints.
+
+    Args:
+        graph: The graph.
+        builder: Makes the constraints.
+        schedule: Is told of them.
+
+    Attributes:
+        news: Whether a constraint was added since this was last set to false.
+    """
+
+    def __init__(self, graph: SubmapGraph, builder: ConstraintBuilder, schedule: LoopSchedule) -> None:
+        self._graph, self._builder, self._schedule = graph, builder, schedule
+        self.news = False
+
+    def match(self, submap: int, nodes: list[int], wide: bool) -> list[Constraint]:
+        """Return the constraints of those `nodes` that match a submap near where the graph has them.
+
+        Args:
+            submap: Index of the submap.
+            nodes: Indices of the nodes.
+            wide: Whether the surroundings are searched first; otherwise the graph must be right to a cell.
+        """
+        graph = self._graph
+        guesses = between(graph.submap_poses[submap], np.array([graph.node_poses[k] for k in nodes]))
+        points = [graph.nodes[k].points for k in nodes]
+        return self._builder.track(submap, graph.submaps[submap], nodes, points, guesses, wide)
+
+    def add(self, constraints: Sequence[Constraint]) -> None:
+        """Add constraints to the graph."""
+        for constraint in constraints:
+            self._graph.constraints.append(constraint)
+            self._schedule.note(constraint, next(reversed(self._graph.drawn[constraint.submap]), 0))
+            self.news = True
+
+    def track(self, submap: int, nodes: list[int]) -> None:
+        """Match some nodes against a submap and their surroundings there, and add what is found."""
+        self.add(self.match(submap, nodes, True))
+
+    def search(self, submap: int, node: int) -> None:
+        """Search for a node on a submap, farther around than `track`, and add the loop closure if there is one."""
+        graph = self._graph
+        guess, points = graph.guess(submap, node), graph.nodes[node].points
+        found = self._builder.search(submap, graph.submaps[submap], node, points, guess)
+        self.add([found] if found else [])

@@ -1,0 +1,40 @@
+"""The optimisation of the graph: all poses are adjusted to the constraints, and wrong constraints are dropped."""
+
+import numpy as np
+
+from ...pose_graph.adjustment import adjust
+from .assembly import assemble
+from .constraints import Kind
+from .global_config import GlobalSlamConfig
+from .submap_graph import SubmapGraph
+
+
+def optimise(graph: SubmapGraph, config: GlobalSlamConfig, final: bool = False) -> int:
+    """Adjust all poses of a graph; return how many INTER constraints were dropped.
+
+    An INTER constraint that the adjusted graph contradicts is dropped, and the graph is adjusted again, until none is.
+
+    Args:
+        graph: The graph; its poses and constraints are changed.
+        config: Settings.
+        final: Whether the drive is over: then constraints must agree with the graph within `final_residual`, too.
+    """
+    share, width, rejected = config.odometry_share, config.kernel_width, 0
+    poses = assemble(graph.submap_poses, graph.node_poses, graph.nodes, graph.constraints, share, width)
+    while True:
+        poses = poses.with_poses(adjust(poses, config.adjustment).poses)
+        error, count = poses.errors(), len(graph.constraints)
+        bad = np.sqrt(poses.squared_distances(error)) > config.reject_beyond
+        if final:
+            bad |= np.hypot(error[:, 0], error[:, 1]) > config.final_residual[0]
+            bad |= np.abs(error[:, 2]) > config.final_residual[1]
+        bad[:count] &= np.array([c.kind is Kind.INTER for c in graph.constraints])
+        bad[count:] = False  # the odometry between nodes stays: wheels slip, but it is all that ties some of them
+        graph.constraints = [c for c, wrong in zip(graph.constraints, bad[:count], strict=True) if not wrong]
+        rejected += int(bad.sum())
+        if not bad.any():
+            break
+        poses = poses.with_edges(~bad)
+    submaps = len(graph.submap_poses)
+    graph.submap_poses, graph.node_poses = list(poses.poses[:submaps]), list(poses.poses[submaps:])
+    return rejected

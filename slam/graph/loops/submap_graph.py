@@ -1,0 +1,100 @@
+"""The state of global SLAM: nodes, submaps, the constraints between them, and where they stand."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry import between, compose
+from ..local.submap import Submap
+from .constraints import Constraint
+from .drive_segments import DriveSegments
+from .node import Node
+from .trimming import Renumbering
+
+Array = NDArray[np.float64]
+
+_AT_ONCE = 256  # nodes whose distances to all submaps are held in memory at once
+
+
+class SubmapGraph:
+    """Nodes and submaps with their poses in the global frame.
+
+    Args:
+        submaps: The growing list of submaps of local SLAM; the last two still grow.
+
+    Attributes:
+        submaps: That list.
+        nodes: All nodes.
+        constraints: All constraints in force.
+        drawn: Of each submap, its nodes and where they stand in its drawing: (3,) T_submap_node.
+        node_poses: (3,) T_global_node of each node.
+        submap_poses: (3,) T_global_submap of each submap in which a node stands.
+        segments: The drive segments that nodes and submaps belong to.
+    """
+
+    def __init__(self, submaps: list[Submap]) -> None:
+        self.submaps = submaps
+        self.nodes: list[Node] = []
+        self.constraints: list[Constraint] = []
+        self.drawn: list[dict[int, Array]] = []
+        self.node_poses: list[Array] = []
+        self.submap_poses: list[Array] = []
+        self.segments = DriveSegments()
+
+    def add_submaps(self, T_global_local: Array) -> None:
+        """Take in the submaps that local SLAM has begun since the last node."""
+        for submap in self.submaps[len(self.submap_poses) :]:
+            self.submap_poses.append(compose(T_global_local, submap.pose_local))
+            self.segments.add_submap()
+            self.drawn.append({})
+
+    def add_node(self, node: Node, pose: Array) -> int:
+        """Add a node at `pose` (3,) T_global_node and return its index."""
+        self.segments.add_node()
+        self.nodes.append(node)
+        self.node_poses.append(pose)
+        return len(self.nodes) - 1
+
+    def guess(self, submap: int, node: int) -> Array:
+        """Return (3,) T_submap_node by the poses that both have now."""
+        return between(self.submap_poses[submap], self.node_poses[node])
+
+    def near(self, indices: Sequence[int], max_distance: float) -> list[list[int]]:
+        """Return the finished submaps near each of some nodes, nearest first.
+
+        Submaps in which the node stands, and those of segments whose place is not known, are left out.
+
+        Args:
+            indices: The nodes.
+            max_distance: From a node to the mean place of the laser in the submap [m].
+        """
+        centres, near = self._centres(), list[list[int]]()
+        for first in range(0, len(indices), _AT_ONCE):
+            some = indices[first : first + _AT_ONCE]
+            x, y, _ = np.array([self.node_poses[k] for k in some]).T[..., None]
+            distance = np.hypot(centres[:, 0] - x, centres[:, 1] - y)
+            wanted = distance <= max_distance
+            for row, k in enumerate(some):
+                wanted[row, [s for s in self.nodes[k].submaps if s < len(centres)]] = False
+                wanted[row] &= self.segments.related(k)[: len(centres)]
+            order = np.argsort(distance, axis=1, kind="stable")
+            wanted = np.take_along_axis(wanted, order, axis=1)
+            near += [row[keep].tolist() for row, keep in zip(order, wanted, strict=True)]
+        return near
+
+    def _centres(self) -> Array:
+        """Return (n, 2) the mean places of the laser in the finished submaps, global frame [m]."""
+        count = max(0, min(len(self.submaps) - 2, len(self.submap_poses)))
+        offsets = np.array([(*submap.centre, 0.0) for submap in self.submaps[:count]]).reshape(-1, 3)
+        return compose(np.array(self.submap_poses[:count]).reshape(-1, 3), offsets)[:, :2]
+
+    def renumber(self, stay: Renumbering) -> None:
+        """Drop the nodes and submaps that do not stay; the list of submaps itself is local SLAM's to shorten."""
+        nodes, submaps = np.flatnonzero(stay.nodes).tolist(), np.flatnonzero(stay.submaps[: len(self.drawn)]).tolist()
+        self.drawn = [{stay.node(k): pose for k, pose in self.drawn[s].items()} for s in submaps]
+        self.submap_poses = [self.submap_poses[s] for s in submaps]
+        self.segments.renumber(stay)
+        self.nodes = stay.chain(self.nodes)
+        self.node_poses = [self.node_poses[k] for k in nodes]
+        self.constraints = stay.constraints(self.constraints)
