@@ -12,17 +12,17 @@ from ..perception.leader.body_selector import BodyLeaderSelector
 from ..perception.leader.selector import LeaderSelector
 from ..perception.legs.detector import LegDetector
 from ..perception.legs.forest import LegForest
+from ..perception.people_filter import PeopleFilter
 from ..perception.rgbd.people import NoPeopleFinder, RgbdPeopleFinder
 from ..perception.rgbd.people_finder import PeopleFinder
 from ..perception.tracking.camera import NoLegs
-from ..perception.tracking.tracker import PeopleTracker
 from ..slam.errors import InputError, shown, unknown_name
 from .follow_config import FollowConfig
 from .onboard.camera_pipeline import CameraPipeline, NoCamera, RgbdPipeline
 from .onboard.engines import TRUE_POSES, make_engine
 from .onboard.immobile_map import Drawing, ImmobileDrawing, OwnDrawing
 from .onboard.mappers import Mapper, NoMapper, SlamMapper
-from .onboard.stack import NobodyLeads, OnboardStack, PeopleSource, Selector, TrackedPeopleSource
+from .onboard.stack import NobodyLeads, OnboardStack, PeopleSource, Selector
 from .oracle import TrueMapper, TruePeopleSource, TrueRgbdPeopleFinder
 from .task.interface import FollowInterface
 from .task.observation import Observed
@@ -122,7 +122,7 @@ class OnboardStackFactory:
     def __init__(self, config: FollowConfig) -> None:
         self._config, self._source = config, config.people.source
         self._perception = config.perception
-        self._forest = LegForest.load("simulation") if self._source == "tracker" else None
+        self._forest = LegForest.load(config.perception.forest) if self._source == "tracker" else None
         found = config.sensors.camera is not None and self._source != "truth"
         self._looks = found or (config.sensors.camera is not None and config.mapping.map == "immobile")
         self._finder: RgbdPeopleFinder = PeopleFinder.load() if found else NoPeopleFinder()
@@ -138,14 +138,15 @@ class OnboardStackFactory:
         (mapping,) = leading.spawn(1)
         mapper, drawing, sight = self._mapper(world, mapping), self._drawing(world), self._sight(world)
         people, selector, filters = self._people(world), self._selector(leading), self._config.mapping.filter_people
-        return OnboardStack(people, selector, mapper, drawing, sight, self._perception, filters)
+        return OnboardStack(people, selector, mapper, drawing, sight, filters)
 
     def _selector(self, seed: np.random.SeedSequence) -> Selector:
         if not self._config.task.leader:
             return NobodyLeads()
+        p = self._perception
         if self._forest is None:  # known by truth, by one number for ever, or without any legs
-            return LeaderSelector(self._perception)
-        return BodyLeaderSelector(self._perception, np.random.default_rng(seed))
+            return LeaderSelector(p.leader, p.tracker.motion)
+        return BodyLeaderSelector(np.random.default_rng(seed), p.body, p.leader, p.tracker.motion)
 
     def _drawing(self, world: World) -> Drawing:
         return OwnDrawing() if self._config.mapping.map == "occupancy" else ImmobileDrawing(world.config.lidar.height)
@@ -157,10 +158,10 @@ class OnboardStackFactory:
 
     def _people(self, world: World) -> PeopleSource:
         if self._source == "truth":
-            return TruePeopleSource(world)
+            return TruePeopleSource(world, self._perception.removal)
         p = self._perception
-        detector = NoLegs() if self._forest is None else LegDetector(self._forest, p.detector())
-        return TrackedPeopleSource(PeopleTracker(p, detector))
+        detector = NoLegs() if self._forest is None else LegDetector(self._forest, p.detector)
+        return PeopleFilter(p, detector)
 
     def _mapper(self, world: World, seed: np.random.SeedSequence) -> Mapper:
         if self._config.slam is None:

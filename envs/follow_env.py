@@ -10,8 +10,8 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import ArrayLike, NDArray
 
-from ..perception.stages import Stages, completed
 from ..slam.errors import InputError, shown
+from ..slam.processes.stages import Stages, completed
 from .episode_setup import OnboardStackFactory, check_options, checked_seed, interface, observed, world_config
 from .follow_config import make_config
 from .limits.field_checks import finite_numbers
@@ -174,7 +174,7 @@ class FollowEnv(gym.Env[Any, Any]):
     | `sensors.camera` | "kinect-v2", None | `width`, `height`, `rate_hz` ... |
     | `sensors.odometry` | "perfect", "good", "typical", "slipping" | `scale_limit`, `alpha1` ... |
     | `people` | "tracker", "camera", "truth" | `source`, `people_count`, `standing`, `leader_style` |
-    | `perception` | | `perception.zeta` and all others of leg detector, tracker and people filter |
+    | `perception` | | `perception.removal.zeta` and all others of leg detector, tracker and people filter |
     | `slam` | "gmapping", "cartographer", "ekf", "truth", None | `slam.particles` ...; or a `function(seed)` |
     | `mapping` | "occupancy", "immobile" | `map`, `filter_people` (False: raw scans into SLAM and map) |
     | `reward` | | weight of each term by its name, `following_distance` ...; `terms`: name -> `function(StepFacts)` |

@@ -6,12 +6,11 @@ No other module of the robot's mind reads the true state.
 import numpy as np
 from numpy.typing import NDArray
 
-from ..perception.legs.detector import Detections, no_detections
-from ..perception.people_filter import FilteredScan
+from ..perception.legs.detector import no_detections
+from ..perception.people_filter import FilteredScan, RemovalConfig
 from ..perception.rgbd.frame import RgbdFrame
 from ..perception.rgbd.people import RgbdPeople
 from ..perception.rgbd.planes import Planes
-from ..perception.stages import Stages
 from ..perception.tracking.camera import SeenPeople
 from ..perception.tracking.people import People
 from ..slam.geometry import between, compose, inverse, transform_points
@@ -34,14 +33,21 @@ MAP_STEP_M = 0.25
 
 
 class TruePeopleSource:
-    """Everybody within 10 m, without error or delay, as a perfect tracker would report them."""
+    """Everybody within 10 m, without error or delay, as a perfect tracker would report them.
 
-    def __init__(self, world: World) -> None:
-        self._world = world
+    Args:
+        world: The simulator.
+        removal: How near to people returns are dropped.
+    """
 
-    def update_in_stages(self, scan: LaserScan, odometry: Array, seen: SeenPeople | None) -> Stages[People]:
-        """Return the people in the odometry frame; ids are their true numbers."""
-        yield
+    def __init__(self, world: World, removal: RemovalConfig) -> None:
+        self._world, self._removal = world, removal
+
+    def update(self, scan: LaserScan, odometry: Array, seen: SeenPeople | None) -> FilteredScan:
+        """Return the scan with the people, whose ids are their true numbers, and without them."""
+        return FilteredScan(scan, odometry, self._people(scan.time_s), no_detections(), self._removal)
+
+    def _people(self, time_s: float) -> People:
         truth = self._world.truth
         T_odom_world = compose(self._world.odometry, inverse(truth.robot_pose))
         turn = np.array([0.0, 0.0, T_odom_world[2]])
@@ -49,7 +55,7 @@ class TruePeopleSource:
         near = np.flatnonzero(np.hypot(offset[:, 0], offset[:, 1]) < FARTHEST_M)
         legs = truth.people.legs[near]
         return People(
-            time_s=scan.time_s,
+            time_s=time_s,
             ids=near.astype(np.int64),
             positions=transform_points(T_odom_world, truth.people.positions[near]),
             velocities=transform_points(turn, truth.people.velocities[near]),
@@ -59,11 +65,6 @@ class TruePeopleSource:
             unseen_s=np.zeros(len(near)),
             age_s=np.full(len(near), truth.time_s),
         )
-
-    @property
-    def detections(self) -> Detections:
-        """None: everybody is known."""
-        return no_detections()
 
 
 class TrueRgbdPeopleFinder:

@@ -1,80 +1,171 @@
 """Keeps people out of scans before they reach a map (Ye 2021, section II.B)."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..slam.geometry import inverse, transform_points
+from ..slam.logs.drive import RecordedDrive
 from ..slam.scan import LaserScan
-from .config import PerceptionConfig
-from .legs.detector import Detections
+from .legs.detector import Detections, Detector, LegDetector, LegDetectorConfig
+from .legs.forest import LegForest
 from .nearness_kernel import near_any
+from .tracking.camera import SeenPeople
+from .tracking.config import TrackerConfig, check_positive
 from .tracking.people import People
+from .tracking.tracker import PeopleTracker
 
 
-def near_points(scan: LaserScan, people_points_lidar: ArrayLike, zeta: float) -> NDArray[np.bool_]:
-    """Return (N,) the beams whose return is within `zeta` [m] of any of the points (n, 2) in the laser frame."""
-    points = np.ascontiguousarray(people_points_lidar, dtype=np.float64).reshape(-1, 2)
-    return near_any(scan.beam_points, points, zeta)
+@dataclass(frozen=True, kw_only=True)
+class RemovalConfig:
+    """Which returns are dropped from a scan.
 
-
-def filter_people(scan: LaserScan, people_points_lidar: ArrayLike, zeta: float) -> LaserScan:
-    """Return `scan` without the returns near people: dropped beams are NaN, neither a hit nor a free ray.
-
-    Args:
-        scan: One sweep.
-        people_points_lidar: (n, 2) centres of people and of their legs in the laser frame [m].
-        zeta: Distance within which a return is a person's [m].
+    Attributes:
+        zeta: Returns this close to a tracked person or one of its legs (Table II) [m].
+        unconfirmed_radius: So are returns this close to what looks like a leg and may be that of somebody who has not
+            moved enough to be tracked yet; 0 keeps them in the scan, as the paper does [m].
+        unconfirmed_confidence: From this confidence on a cluster looks like a leg for that, in [0, 1].
     """
-    return scan.without(near_points(scan, people_points_lidar, zeta))
+
+    zeta: float = 0.35
+    unconfirmed_radius: float = 0.1
+    unconfirmed_confidence: float = 0.5
+
+    def __post_init__(self) -> None:
+        check_positive(self, "unconfirmed_radius")
 
 
-def suspect_points_lidar(detections: Detections, scan: LaserScan, confidence: float) -> NDArray[np.float64]:
-    """Return (n, 2) the centres of all clusters of at least `confidence`, in the laser frame [m].
+@dataclass(frozen=True, kw_only=True)
+class PeopleFilterConfig:
+    """Numbers of the people filter and of all that it consists of.
 
-    A person counts as one only after moving; until then these keep their legs out of a map, at the price of a chair leg
-    now and then, which other scans draw.
+    Attributes:
+        forest: Leg forest: "real" for recorded scans, "simulation" for those of the environments, or a file that
+            `tagalong train legs` wrote.
+        detector: Of legs in single scans.
+        tracker: Of people.
+        removal: Which returns are dropped.
     """
-    return transform_points(inverse(scan.T_robot_lidar), detections.positions[detections.confidence >= confidence])
 
-
-def people_points_lidar(people: People, odometry: ArrayLike, scan: LaserScan) -> NDArray[np.float64]:
-    """Return (3 n, 2) centres and legs of `people` (odometry frame) in the frame of the laser that took `scan`."""
-    points_robot = transform_points(inverse(odometry), people.points)
-    return transform_points(inverse(np.asarray(scan.T_robot_lidar)), points_robot)
+    forest: str = "real"
+    detector: LegDetectorConfig = field(default_factory=LegDetectorConfig)
+    tracker: TrackerConfig = field(default_factory=TrackerConfig)
+    removal: RemovalConfig = field(default_factory=RemovalConfig)
 
 
 @dataclass(frozen=True, eq=False)
 class FilteredScan:
-    """A scan that people can be taken out of; that is done when somebody asks, once.
+    """A scan, the people in it, and the scan without them, which is computed when it is first asked for.
 
     Attributes:
         scan: As measured.
         odometry: (3,) T_odom_robot at its time.
-        people: Who is known, odometry frame.
-        detections: What the leg detector said about the scan.
-        config: How near to people, and to what may be people, returns are dropped.
+        people: Who is tracked, in the odometry frame.
+        detections: Every cluster of the scan and how much it looks like a leg, in the robot frame.
+        config: Which returns are dropped.
     """
 
     scan: LaserScan
     odometry: NDArray[np.float64]
     people: People
     detections: Detections
-    config: PerceptionConfig
+    config: RemovalConfig = field(default_factory=RemovalConfig)
+
+    @property
+    def unconfirmed_legs(self) -> NDArray[np.float64]:
+        """(n, 2) centres of the clusters that look like legs, of tracked people or not, in the robot frame [m].
+
+        A person is tracked only after moving; until then these keep its legs out of a map, at the price of a chair leg
+        now and then, which other scans draw.
+        """
+        return self.detections.positions[self.detections.confidence >= self.config.unconfirmed_confidence]
 
     @cached_property
-    def near_people(self) -> NDArray[np.bool_]:
+    def removed(self) -> NDArray[np.bool_]:
         """(N,) the beams whose return is near somebody, or near what may become somebody."""
         config, scan = self.config, self.scan
-        near = near_points(scan, people_points_lidar(self.people, self.odometry, scan), config.zeta)
-        if config.suspect_radius == 0.0:
+        near = near_points(scan, points_lidar(scan, self.people.points, self.odometry), config.zeta)
+        if config.unconfirmed_radius == 0.0:
             return near
-        suspects = suspect_points_lidar(self.detections, scan, config.suspect_confidence)
-        return near | near_points(scan, suspects, config.suspect_radius)
+        return near | near_points(scan, points_lidar(scan, self.unconfirmed_legs), config.unconfirmed_radius)
 
     @cached_property
     def without_people(self) -> LaserScan:
-        """The scan with these beams dropped: neither a hit nor a free ray."""
-        return self.scan.without(self.near_people)
+        """The scan with these beams dropped: they are NaN, neither a hit nor a free ray."""
+        return self.scan.without(self.removed)
+
+
+class PeopleFilter:
+    """Takes people out of the scans of a drive, one after the other: detects legs, tracks people, drops their returns.
+
+    Args:
+        config: Its numbers, the leg forest among them.
+        detector: Finds legs, in place of the configured one.
+
+    Raises:
+        InputError: If there is no such forest.
+    """
+
+    def __init__(self, config: PeopleFilterConfig | None = None, detector: Detector | None = None) -> None:
+        self.config = config or PeopleFilterConfig()
+        detector = detector or LegDetector(LegForest.load(self.config.forest), self.config.detector)
+        self._tracker = PeopleTracker(self.config.tracker, detector)
+
+    def update(self, scan: LaserScan, odometry: ArrayLike, seen: SeenPeople | None = None) -> FilteredScan:
+        """Take the next scan of a drive; return it with the people in it and without them.
+
+        Args:
+            scan: One sweep, later than the one before.
+            odometry: (3,) T_odom_robot at its time [m, m, rad].
+            seen: Whom a camera saw, if there is one.
+
+        Raises:
+            InputError: If the scan is not later than the one before, or the pose is none.
+        """
+        update = self._tracker.update(scan, odometry, seen)
+        return FilteredScan(scan, update.odometry, update.people, update.detections, self.config.removal)
+
+
+def filtered_scans(drive: RecordedDrive, config: PeopleFilterConfig | None = None) -> Iterator[FilteredScan]:
+    """Yield each scan of `drive` as a fresh `PeopleFilter` leaves it.
+
+    Stamps of a log may be rounded, go back, or stand still; people are tracked by times that increase all the same.
+    """
+    people_filter = PeopleFilter(config)
+    times_s = _increasing(drive.times_s, people_filter.config.tracker.motion.reference_rate_hz)
+    for odometry, scan, time_s in zip(drive.odometry, drive.scans, times_s.tolist(), strict=True):
+        timed = scan if scan.time_s == time_s else replace(scan, time_s=time_s)
+        yield replace(people_filter.update(timed, odometry), scan=scan)
+
+
+def _increasing(times_s: NDArray[np.float64], rate_hz: float) -> NDArray[np.float64]:
+    """Return stamps (n,) that increase: a step that does not is the median of those that do, or one at `rate_hz`."""
+    steps = np.diff(times_s)
+    forward = steps > 0.0
+    if forward.all():
+        return times_s
+    usual = float(np.median(steps[forward])) if 2 * forward.sum() > len(steps) else 1.0 / rate_hz
+    return times_s[0] + np.concatenate(([0.0], np.cumsum(np.where(forward, steps, usual))))
+
+
+def near_points(scan: LaserScan, points_lidar: ArrayLike, distance: float) -> NDArray[np.bool_]:
+    """Return (N,) the beams whose return is within `distance` [m] of any of the points (n, 2) in the laser frame."""
+    points = np.ascontiguousarray(points_lidar, dtype=np.float64).reshape(-1, 2)
+    return near_any(scan.beam_points, points, distance)
+
+
+def points_lidar(
+    scan: LaserScan, points: NDArray[np.float64], odometry: ArrayLike | None = None
+) -> NDArray[np.float64]:
+    """Return `points` (n, 2) in the frame of the laser that took `scan`.
+
+    Args:
+        scan: One sweep.
+        points: In the odometry frame with the robot at `odometry` (3,); without it, in the robot frame [m].
+        odometry: T_odom_robot.
+    """
+    points_robot = points if odometry is None else transform_points(inverse(odometry), points)
+    return transform_points(inverse(np.asarray(scan.T_robot_lidar)), points_robot)

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from ...perception.config import PerceptionConfig
+from ...perception.legs.detector import LegDetectorConfig
 from ...slam.errors import unknown_name
 from ..limits.field_checks import check_fields
 
@@ -10,7 +11,7 @@ FAR_WIDTH_M = 0.12
 """A cluster needs as many points as a leg of this width gets beams, 2 or 3, by distance and spacing of the beams: 2
 from 3.1 m on with 360 beams, from 9.2 m on with 1081. What that gains: `scripts/experiments/recall_by_distance.py`."""
 
-PERCEPTION = PerceptionConfig(far_width=FAR_WIDTH_M)
+PERCEPTION = PerceptionConfig(forest="simulation", detector=LegDetectorConfig(far_width=FAR_WIDTH_M))
 """How the robot of the environments perceives people."""
 
 MAPS = ("occupancy", "immobile")

@@ -52,7 +52,7 @@ class ImmobileDrawing:
 
     def update(self, mapper: Mapper, sifted: FilteredScan, views: Sequence[CameraView]) -> OccupancyMap:
         """Write the scan, and the views; return the map, drawn anew about twice a second."""
-        self.mapper.add_scan(mapper.pose, sifted.scan, np.where(sifted.near_people, _PERSON, 0.0))
+        self.mapper.add_scan(mapper.pose, sifted.scan, np.where(sifted.removed, _PERSON, 0.0))
         for view in views:
             self.mapper.add_view(view)
         if sifted.scan.time_s - self._drawn_s > _REDRAW_S:

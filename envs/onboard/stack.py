@@ -6,17 +6,14 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ...perception.config import PerceptionConfig
 from ...perception.leader.selector import LeaderEstimate
-from ...perception.legs.detector import Detections, no_detections
 from ...perception.people_filter import FilteredScan
 from ...perception.rgbd.frame import RgbdFrame
-from ...perception.stages import Stages, completed
 from ...perception.tracking.camera import SeenPeople
 from ...perception.tracking.people import People
-from ...perception.tracking.tracker import PeopleTracker
 from ...slam.geometry import between, inverse, transform_points
 from ...slam.occupancy_map import OccupancyMap
+from ...slam.processes.stages import Stages, completed
 from ...slam.scan import LaserScan
 from .camera_pipeline import CameraPipeline
 from .immobile_map import Drawing
@@ -26,39 +23,15 @@ Array = NDArray[np.float64]
 
 
 class PeopleSource(Protocol):
-    """Where the robot's knowledge of people comes from."""
+    """Where the robot's knowledge of people comes from: `PeopleFilter`, or the truth."""
 
-    def update_in_stages(self, scan: LaserScan, odometry: Array, seen: SeenPeople | None) -> Stages[People]:
+    def update(self, scan: LaserScan, odometry: Array, seen: SeenPeople | None) -> FilteredScan:
         """Take one scan with its odometry pose (3,), and whom a camera saw, if it did.
 
         Returns:
-            The people in the odometry frame.
+            The scan with the people in it, and without them.
         """
         ...
-
-    @property
-    def detections(self) -> Detections:
-        """What was found in the last scan: legs, some of people not known yet."""
-        ...
-
-
-class TrackedPeopleSource:
-    """People found by the tracker, in the scans and in what a camera saw."""
-
-    def __init__(self, tracker: PeopleTracker) -> None:
-        self._tracker = tracker
-        self._detections = no_detections()
-
-    def update_in_stages(self, scan: LaserScan, odometry: Array, seen: SeenPeople | None) -> Stages[People]:
-        """Take one scan with its odometry pose (3,), and whom a camera saw; return the people, odometry frame."""
-        update = yield from self._tracker.update_in_stages(scan, odometry, seen)
-        self._detections = update.detections
-        return update.people
-
-    @property
-    def detections(self) -> Detections:
-        """What the tracker's detector found in the last scan."""
-        return self._detections
 
 
 class Selector(Protocol):
@@ -125,7 +98,7 @@ class RawScan(FilteredScan):
     """A scan from which nobody is taken out, for who maps what was measured."""
 
     @property
-    def near_people(self) -> NDArray[np.bool_]:  # pyright: ignore[reportIncompatibleVariableOverride]
+    def removed(self) -> NDArray[np.bool_]:  # pyright: ignore[reportIncompatibleVariableOverride]
         """(N,) no beam."""
         return np.zeros(len(self.scan.ranges), dtype=bool)
 
@@ -147,7 +120,6 @@ class OnboardStack:
         mapper: Builds the map from the scans.
         drawing: The map on the mapper's poses.
         sight: Understands what the camera sees.
-        config: How near to people, and to what may be people, returns are dropped.
         filter_people: Whether people are taken out of the scans before they are mapped.
     """
 
@@ -158,10 +130,9 @@ class OnboardStack:
         mapper: Mapper,
         drawing: Drawing,
         sight: CameraPipeline,
-        config: PerceptionConfig,
         filter_people: bool = True,
     ) -> None:
-        self._people, self._selector, self._mapper, self._config = people, selector, mapper, config
+        self._people, self._selector, self._mapper = people, selector, mapper
         self._drawing, self._sight, self._filters = drawing, sight, filter_people
         self._last: tuple[float, Array] | None = None
         self._velocity = np.zeros(3)
@@ -175,11 +146,10 @@ class OnboardStack:
         self._measure_velocity(scan.time_s, odometry)
         sightings = self._sight.update(scan.time_s, odometry)
         seen = sightings[-1].people if sightings else None
-        people = yield from self._people.update_in_stages(scan, odometry, seen)
+        sifted = self._people.update(scan, odometry, seen)
         yield
-        leader = self._selector.update(people, odometry, scan)
+        leader = self._selector.update(sifted.people, odometry, scan)
         yield
-        sifted = FilteredScan(scan, odometry, people, self._people.detections, self._config)
         mapped = sifted if self._filters else RawScan(**{name: getattr(sifted, name) for name in _FIELDS})
         self._mapper.update(odometry, mapped)
         grid = self._drawing.update(self._mapper, mapped, [sighting.view for sighting in sightings])
@@ -187,8 +157,8 @@ class OnboardStack:
             sifted=sifted,
             odometry=odometry,
             velocity=self._velocity,
-            people=people,
-            people_robot=people.in_frame_of(odometry),
+            people=sifted.people,
+            people_robot=sifted.people.in_frame_of(odometry),
             leader=None if leader is None else _in_robot_frame(leader, odometry),
             map=grid,
             map_pose=self._mapper.pose,

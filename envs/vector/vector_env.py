@@ -5,7 +5,7 @@ own batch (`mujoco.batch.Batch`) was tried for physics and rays and is not used:
 people, `Batch.step` took 5.7 us a step where `mj_step` takes 5.5, and `Batch.ray` 257 us for 360 beams where
 `mj_multiRay` takes 194; physics is 3 % of an environment's step; and it asks for the same number of geoms in every
 building. The calling process, which would only wait, steps a share itself: on two cores that gives 1.15 times the steps
-of two processes beside it. A process steps its environments in stages (`perception.stages`), which takes about two
+of two processes beside it. A process steps its environments in stages (`slam.processes.stages`), which takes about two
 thirds of the time of one after the other.
 """
 

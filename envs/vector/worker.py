@@ -9,8 +9,8 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
-from ...perception.stages import in_turn
 from ...slam.errors import InputError
+from ...slam.processes.stages import in_turn
 from ..follow_env import FollowEnv, StepResult
 
 Row = tuple[Any, float, bool, bool, dict[str, Any], Any, dict[str, Any] | None]

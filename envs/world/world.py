@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...perception.rgbd.frame import RgbdFrame
-from ...perception.stages import Stages, completed
+from ...slam.processes.stages import Stages, completed
 from ...slam.scan import LaserScan
 from ..people.body import PARTS
 from ..people.casting import MOST_ON_ROUTE, cast_people

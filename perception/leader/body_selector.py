@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from ...slam.bounds import Endless, check_numbers
 from ...slam.errors import InputError
 from ...slam.scan import LaserScan
-from ..config import PerceptionConfig
+from ..tracking.config import MotionConfig
 from ..tracking.data_association import distances
 from ..tracking.duplicate_tracks import DuplicateTracks
 from ..tracking.legs_of_others import LegsOfOthers
@@ -91,21 +91,21 @@ class BodyLeaderSelector(LeaderSelector):
     """Chooses the person closest to the robot at onset, and keeps to that person's body.
 
     Args:
-        config: Of the perception.
         rng: Of the cloud's draws.
         body: Which legs count, and when the cloud decides.
         leader: How the leader is chosen at onset.
+        motion: How people walk on unseen.
     """
 
     def __init__(
         self,
-        config: PerceptionConfig,
         rng: np.random.Generator,
         body: BodyConfig | None = None,
         leader: LeaderConfig | None = None,
+        motion: MotionConfig | None = None,
     ) -> None:
         self._rng, self._body = rng, body or BodyConfig()
-        super().__init__(config, leader)
+        super().__init__(leader, motion)
 
     def reset(self) -> None:
         """Forget the leader."""

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from ...slam.bounds import check_numbers, checked_pose
 from ...slam.errors import InputError
 from ...slam.scan import LaserScan
-from ..config import PerceptionConfig
+from ..tracking.config import MotionConfig
 from ..tracking.kalman import predict_single, single_target
 from ..tracking.people import People
 
@@ -81,8 +81,8 @@ class LeaderSelector:
     uncertainty, as a track younger than the loss, is the leader again.
     """
 
-    def __init__(self, config: PerceptionConfig, leader: LeaderConfig | None = None) -> None:
-        self._config, self._leader_config = config, leader or LeaderConfig()
+    def __init__(self, config: LeaderConfig | None = None, motion: MotionConfig | None = None) -> None:
+        self._leader_config, self._motion = config or LeaderConfig(), motion or MotionConfig()
         self.reset()
 
     def reset(self) -> None:
@@ -143,11 +143,11 @@ class LeaderSelector:
     def _look_for(self, people: People, before: LeaderEstimate, dt: float) -> None:
         search, config = self._search, self._leader_config
         if search is None:
-            search = single_target(before.position, self._config.initial_variance, self._config.r)
+            search = single_target(before.position, self._motion.initial_variance, self._motion.r)
             search.x[2:] = before.velocity
             self._search = search
-        search.x[2:] *= np.exp(-dt / self._config.coast_s)
-        predict_single(search, dt, self._config.process_variance(dt))
+        search.x[2:] *= np.exp(-dt / self._motion.coast_s)
+        predict_single(search, dt, self._motion.process_variance(dt))
         unseen_s = before.unseen_s + dt
         gate = min(config.search_distance, config.search_sigmas * float(np.sqrt(search.P[0, 0])))
         apart = np.hypot(*(people.positions - search.x[:2]).T)

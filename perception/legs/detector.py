@@ -10,7 +10,6 @@ from ...slam.bounds import check_numbers
 from ...slam.errors import InputError
 from ...slam.geometry import transform_points
 from ...slam.scan import LaserScan
-from ..stages import Stages, completed
 from .centres_kernel import move_to_centres
 from .clusters import DEFAULT_ALPHA, DEFAULT_BETA, Clusters, cluster_scan
 from .forest import LegForest
@@ -70,7 +69,7 @@ def no_detections() -> Detections:
 class Detector(Protocol):
     """Finds legs in one scan."""
 
-    def detect_in_stages(self, scan: LaserScan) -> Stages[Detections]:
+    def detect(self, scan: LaserScan) -> Detections:
         """Return the clusters of `scan` with their confidence, positions in the robot frame."""
         ...
 
@@ -84,13 +83,8 @@ class LegDetector:
 
     def detect(self, scan: LaserScan) -> Detections:
         """Return the clusters of `scan` with their confidence and leg centres."""
-        return completed(self.detect_in_stages(scan))
-
-    def detect_in_stages(self, scan: LaserScan) -> Stages[Detections]:
-        """Do as `detect`, with pauses."""
         clusters = cluster_scan(scan, self.config.alpha, self.config.beta, self.config.far_width)
-        yield
-        confidence = yield from self.forest.confidence_in_stages(scan, clusters)
+        confidence = self.forest.confidence(scan, clusters)
         positions = transform_points(scan.T_robot_lidar, leg_centres(clusters))
         return Detections(positions, confidence, confidence >= self.config.gamma, clusters)
 

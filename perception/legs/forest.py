@@ -13,7 +13,6 @@ from ...slam.errors import InputError, shown
 from ...slam.files.input import checked_name, named
 from ...slam.files.output import read_arrays, read_json, replacing, write_json
 from ...slam.scan import LaserScan
-from ..stages import Stages, completed
 from .clusters import Clusters
 from .features import FEATURE_NAMES, cluster_features, is_wide
 from .forest_kernel import is_sound, packed, vote
@@ -93,16 +92,10 @@ class LegForest:
 
     def confidence(self, scan: LaserScan, clusters: Clusters) -> NDArray[np.float64]:
         """Return (m,) in [0, 1] how much each cluster of `scan` looks like a leg; 0 for clusters too wide for one."""
-        return completed(self.confidence_in_stages(scan, clusters))
-
-    def confidence_in_stages(self, scan: LaserScan, clusters: Clusters) -> Stages[NDArray[np.float64]]:
-        """Do as `confidence`, with a pause before the vote and after it."""
         confidence = np.zeros(len(clusters))
         narrow = ~is_wide(clusters)
         features = cluster_features(scan, clusters)[narrow]
-        yield
         share = self.vote(features)
-        yield
         confidence[narrow] = self.odds * share / (self.odds * share + 1.0 - share)
         return confidence
 

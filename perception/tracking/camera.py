@@ -8,11 +8,10 @@ from numpy.typing import ArrayLike, NDArray
 from ...slam.bounds import check_points, check_time, checked_pose
 from ...slam.geometry import transform_points
 from ...slam.scan import LaserScan
-from ..config import PerceptionConfig
 from ..legs.detector import Detections, no_detections
 from ..rgbd.people import RgbdPeople
-from ..stages import Stages
 from . import kalman
+from .config import TrackerConfig
 from .data_association import assign, distances
 
 Array = NDArray[np.float64]
@@ -45,16 +44,15 @@ class SeenPeople:
 class NoLegs:
     """A detector that finds no legs: for people by the camera alone."""
 
-    def detect_in_stages(self, scan: LaserScan) -> Stages[Detections]:
+    def detect(self, scan: LaserScan) -> Detections:
         """Return nothing, whatever `scan` shows."""
-        yield
         return no_detections()
 
 
 class CameraSightings:
     """Corrects people by what a camera saw, and says where it has seen somebody who is not known yet."""
 
-    def __init__(self, config: PerceptionConfig) -> None:
+    def __init__(self, config: TrackerConfig) -> None:
         self._config = config
         self._places, self._counts = np.empty((0, 2)), np.empty(0, dtype=np.int64)
         self._times = np.empty(0)
@@ -66,27 +64,27 @@ class CameraSightings:
         """
         config, delay = self._config, max(0.0, time_s - seen.time_s)
         then = people["x"][:, :2] - delay * people["x"][:, 2:]
-        rows, columns = assign(distances(then, seen.positions), config.camera_gate)
+        rows, columns = assign(distances(then, seen.positions), config.camera.gate)
         now = seen.positions[columns] + delay * people["x"][rows, 2:]
-        r = np.full(len(rows), config.camera_r)
+        r = np.full(len(rows), config.camera.r)
         people["x"][rows], people["p"][rows] = kalman.update(people["x"][rows], people["p"][rows], now, r)
-        people["confidence"][rows] += config.confidence_weight(dt) * seen.likelihood[columns]
+        people["confidence"][rows] += config.motion.confidence_weight(dt) * seen.likelihood[columns]
         np.minimum(people["confidence"], 1.0, out=people["confidence"])
         people["unseen_s"][rows] = np.minimum(people["unseen_s"][rows], delay)
         people["camera_s"][rows] = delay
-        near = distances(seen.positions, then).min(axis=1, initial=np.inf) <= config.camera_gate
+        near = distances(seen.positions, then).min(axis=1, initial=np.inf) <= config.camera.gate
         near[columns] = True
-        return np.flatnonzero(~near & (seen.likelihood >= config.camera_sure))
+        return np.flatnonzero(~near & (seen.likelihood >= config.camera.sure))
 
     def newcomers(self, seen: SeenPeople, rows: NDArray[np.intp]) -> NDArray[np.intp]:
         """Return those of `rows` of `seen`, nobody known, that were seen in enough frames at about their place."""
         config = self._config
-        fresh = seen.time_s - self._times <= config.camera_wait_s
+        fresh = seen.time_s - self._times <= config.camera.wait_s
         places, counts, times = self._places[fresh], self._counts[fresh], self._times[fresh]
-        found, old = assign(distances(seen.positions[rows], places), config.camera_gate)
+        found, old = assign(distances(seen.positions[rows], places), config.camera.gate)
         count = np.ones(len(rows), dtype=np.int64)
         count[found] += counts[old]
-        sure = count >= config.camera_frames
+        sure = count >= config.camera.frames
         rest = np.setdiff1d(np.arange(len(places)), old)
         self._places = np.concatenate((places[rest], seen.positions[rows[~sure]]))
         self._counts = np.concatenate((counts[rest], count[~sure]))

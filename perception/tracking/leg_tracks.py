@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ..config import PerceptionConfig
 from . import leg_kernels
 from . import track_kernels as kernels
+from .config import TrackerConfig
 from .people import SeenLegs
 
 Array = NDArray[np.float64]
@@ -35,7 +35,7 @@ class LegTracks:
             other, so their mean is a step's width; legs of two people side by side keep their distance.
     """
 
-    def __init__(self, config: PerceptionConfig) -> None:
+    def __init__(self, config: TrackerConfig) -> None:
         self._config = config
         self.rows = np.zeros(0, dtype=LEG)
         self.apart = np.zeros((0, 0, 2))
@@ -60,7 +60,9 @@ class LegTracks:
     def predict(self, dt: float) -> None:
         """Move all tracks `dt` seconds ahead."""
         rows = self.rows
-        kernels.predict(rows["x"], rows["p"], rows["age_s"], rows["unseen_s"], dt, self._config.process_variance(dt))
+        kernels.predict(
+            rows["x"], rows["p"], rows["age_s"], rows["unseen_s"], dt, self._config.motion.process_variance(dt)
+        )
 
     def cost(self, z: Array, centres: Array) -> tuple[Array, Array]:
         """Return (n, m) distances to detections `z` (m, 2), `inf` where they cannot be, and the gates (n,) [m].
@@ -68,9 +70,11 @@ class LegTracks:
         The first 2 k tracks are legs of people at `centres` (k, 2), who reach no farther than the configuration says.
         """
         config = self._config
-        gates = np.minimum(config.gate + config.gate_speed * self.rows["unseen_s"], config.gate_most)
+        gates = np.minimum(
+            config.gating.gate + config.gating.gate_speed * self.rows["unseen_s"], config.gating.gate_max
+        )
         cost = np.empty((len(self.rows), len(z)))
-        kernels.leg_costs(self.rows, centres, z, config.reach, config.gate_anchor_s, gates, cost)
+        kernels.leg_costs(self.rows, centres, z, config.gating.reach, config.gating.anchor_s, gates, cost)
         return cost, gates
 
     def correct(self, match: NDArray[np.intp], z: Array, d: Array, dt: float) -> None:
@@ -78,7 +82,7 @@ class LegTracks:
 
         Tracks without a detection stay predicted; their scan counts as confidence 0 (eq. 6).
         """
-        kernels.correct_legs(self.rows, match, z, d, self._config.r, self._config.confidence_weight(dt))
+        kernels.correct_legs(self.rows, match, z, d, self._config.motion.r, self._config.motion.confidence_weight(dt))
 
     def seen_now(self, people: int) -> SeenLegs:
         """Return the legs seen in the last scan; the first 2 `people` tracks are those of people."""
@@ -87,7 +91,7 @@ class LegTracks:
 
     def measure_apart(self, dt: float) -> None:
         """Take the present distances into their running means."""
-        kernels.average_apart(self.rows["x"], self.rows["age_s"], self.apart, dt, self._config.stride_time_s)
+        kernels.average_apart(self.rows["x"], self.rows["age_s"], self.apart, dt, self._config.pairing.stride_s)
 
     def begin(self, positions: Array, confidence: Array) -> None:
         """Add tracks at `positions` (k, 2) with zero velocity (eq. 5) and the detections' `confidence` (k,)."""
@@ -96,7 +100,7 @@ class LegTracks:
         fresh = np.zeros(len(positions), dtype=LEG)
         fresh["x"][:, :2] = positions
         fresh["seen"] = fresh["first"] = fresh["low"] = fresh["high"] = positions
-        fresh["p"] = (self._config.initial_variance, 0.0, self._config.initial_variance)
+        fresh["p"] = (self._config.motion.initial_variance, 0.0, self._config.motion.initial_variance)
         fresh["confidence"] = confidence
         self.rows = np.concatenate((self.rows, fresh))
         self.apart = kernels.with_fresh(self.apart, self.rows["x"])

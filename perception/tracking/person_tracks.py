@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..config import PerceptionConfig
 from . import track_kernels as kernels
+from .config import TrackerConfig
 
 Array = NDArray[np.float64]
 
@@ -36,12 +36,12 @@ def new_people(pairs: NDArray[np.void]) -> NDArray[np.void]:
     return people
 
 
-def predict(people: NDArray[np.void], dt: float, config: PerceptionConfig) -> None:
+def predict(people: NDArray[np.void], dt: float, config: TrackerConfig) -> None:
     """Move `people` `dt` seconds ahead; what is believed of their legs' offsets fades."""
     people["camera_s"] += dt
-    people["offset"] *= np.exp(-dt / config.offset_time_s)
+    people["offset"] *= np.exp(-dt / config.pairing.offset_s)
     clocks = people["age_s"], people["unseen_s"]
-    kernels.predict(people["x"], people["p"], *clocks, dt, config.process_variance(dt))
+    kernels.predict(people["x"], people["p"], *clocks, dt, config.motion.process_variance(dt))
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,8 +74,8 @@ def measure(people: NDArray[np.void], match: NDArray[np.intp], z: Array, d: Arra
     return sightings
 
 
-def correct(people: NDArray[np.void], sightings: Sightings, dt: float, config: PerceptionConfig) -> None:
+def correct(people: NDArray[np.void], sightings: Sightings, dt: float, config: TrackerConfig) -> None:
     """Correct `people` (n,) with what was seen of them; the others stay predicted."""
-    variance = np.where(sightings.one_leg, config.r + config.one_leg_variance, config.r)
+    variance = np.where(sightings.one_leg, config.motion.r + config.motion.one_leg_variance, config.motion.r)
     measured = sightings.seen, sightings.centre, sightings.confidence, variance
-    kernels.correct_people(people, *measured, config.confidence_weight(dt))
+    kernels.correct_people(people, *measured, config.motion.confidence_weight(dt))

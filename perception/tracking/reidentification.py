@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ..config import PerceptionConfig
 from . import kalman
+from .config import TrackerConfig
 from .data_association import assign, distances
 from .person_tracks import PERSON
 
@@ -18,7 +18,7 @@ class ReidentificationMemory:
     not yet there when the lost one was last seen, is that person.
     """
 
-    def __init__(self, config: PerceptionConfig) -> None:
+    def __init__(self, config: TrackerConfig) -> None:
         self._config = config
         self._people = np.zeros(0, dtype=PERSON)
 
@@ -30,14 +30,14 @@ class ReidentificationMemory:
         lost, config = self._people, self._config
         if len(lost) == 0:
             return
-        lost["x"][:, 2:] *= np.exp(-dt / config.coast_s)
-        lost["x"], lost["p"] = kalman.predict(lost["x"], lost["p"], dt, config.process_variance(dt))
+        lost["x"][:, 2:] *= np.exp(-dt / config.motion.coast_s)
+        lost["x"], lost["p"] = kalman.predict(lost["x"], lost["p"], dt, config.motion.process_variance(dt))
         lost["unseen_s"] += dt
-        self._people = lost[lost["unseen_s"] <= config.memory_s]
+        self._people = lost[lost["unseen_s"] <= config.reidentification.memory_s]
 
     def remember(self, people: NDArray[np.void]) -> None:
         """Take `people` (k,) whose tracks end now; those who were hardly known are forgotten."""
-        known = people[people["age_s"] >= self._config.memory_least_s]
+        known = people[people["age_s"] >= self._config.reidentification.known_s]
         self._people = np.concatenate((self._people, known))
 
     @property
@@ -54,7 +54,7 @@ class ReidentificationMemory:
         lost = np.concatenate((self._people, doubtful))
         numbers = np.full(len(positions), -1, dtype=np.int64)
         cost = self._cost(lost, positions, age_s)
-        rows, columns = assign(cost, self._config.memory_distance)
+        rows, columns = assign(cost, self._config.reidentification.distance)
         numbers[rows] = lost["id"][columns]
         self._people = np.delete(self._people, columns[columns < len(self._people)])
         return numbers
@@ -67,6 +67,6 @@ class ReidentificationMemory:
 
     def _cost(self, lost: NDArray[np.void], positions: Array, age_s: Array) -> Array:
         cost = distances(positions, lost["x"][:, :2])
-        gate = np.minimum(2.0 * np.sqrt(lost["p"][:, 0]), self._config.memory_distance)
-        cost[(cost > gate) | (age_s[:, None] > lost["unseen_s"] + self._config.memory_overlap_s)] = np.inf
+        gate = np.minimum(2.0 * np.sqrt(lost["p"][:, 0]), self._config.reidentification.distance)
+        cost[(cost > gate) | (age_s[:, None] > lost["unseen_s"] + self._config.reidentification.overlap_s)] = np.inf
         return cost

@@ -9,12 +9,11 @@ from ...slam.bounds import checked_pose
 from ...slam.errors import InputError
 from ...slam.geometry import compose, transform_points
 from ...slam.scan import LaserScan
-from ..config import PerceptionConfig
 from ..legs.clusters import Clusters
 from ..legs.detector import Detections, Detector
-from ..stages import Stages, completed
 from . import leg_kernels, person_tracks
 from .camera import CameraSightings, SeenPeople
+from .config import TrackerConfig
 from .data_association import assign, distances
 from .leg_tracks import LegTracks
 from .local_grid import LocalGrid
@@ -53,7 +52,7 @@ class PeopleTracker:
     Rows 2 i and 2 i + 1 of the leg tracks are the legs of person i; the rows after them are nobody's legs yet.
     """
 
-    def __init__(self, config: PerceptionConfig, detector: Detector) -> None:
+    def __init__(self, config: TrackerConfig, detector: Detector) -> None:
         self._config, self._detector = config, detector
         self.reset()
 
@@ -63,7 +62,7 @@ class PeopleTracker:
         self._legs = LegTracks(config)
         self._people = np.zeros(0, dtype=person_tracks.PERSON)
         self._lost = ReidentificationMemory(config)
-        self._grid = LocalGrid(config.grid_resolution, config.grid_rise_s, config.grid_fade_s)
+        self._grid = LocalGrid(config.grid.resolution, config.grid.rise_s, config.grid.fade_s)
         self._camera = CameraSightings(config)
         self._time_s: float | None = None
         self._next_id = 0
@@ -74,40 +73,29 @@ class PeopleTracker:
         Raises:
             InputError: If the scan is not later than the one before.
         """
-        return completed(self.update_in_stages(scan, odometry, seen))
-
-    def update_in_stages(
-        self, scan: LaserScan, odometry: ArrayLike, seen: SeenPeople | None = None
-    ) -> Stages[TrackerUpdate]:
-        """Do as `update`, with pauses."""
         pose, dt = checked_pose(odometry), self._step(scan.time_s)
-        detections = yield from self._detector.detect_in_stages(scan)
-        yield
+        detections = self._detector.detect(scan)
         z = transform_points(pose, detections.positions[detections.human])
         d = detections.confidence[detections.human]
         self._legs.predict(dt)
         person_tracks.predict(self._people, dt, self._config)
         self._lost.predict(dt)
         match = self._reassign_legs(self._associate(z), z)
-        yield
         self._legs.correct(match, z, d, dt)
         sightings = person_tracks.measure(self._people, match[: 2 * len(self._people)].reshape(-1, 2), z, d)
         sightings = self._see_legs_in_one(sightings, detections, pose, scan.time_s)
         person_tracks.correct(self._people, sightings, dt, self._config)
-        yield
         self._carry_hidden_legs(match)
         self._legs.measure_apart(dt)
         self._count_owned(dt)
         match = self._exchange_legs(match)
         thing = ~detections.human
         thing[detections.human] = self._is_still(match, len(z))
-        yield
         self._end_tracks()
         self._begin_legs(match, z, d)
         T_odom_lidar = compose(pose, scan.T_robot_lidar)
         points = transform_points(T_odom_lidar, detections.clusters.points)
         self._start_people(points, scan.time_s)
-        yield
         if seen is not None:
             self._see_by_camera(seen, scan.time_s, dt)
         self._mark_grid(points, detections.clusters, thing, pose, scan.time_s, dt)
@@ -116,7 +104,7 @@ class PeopleTracker:
     def _step(self, time_s: float) -> float:
         before, self._time_s = self._time_s, time_s
         if before is None:
-            return 1.0 / self._config.reference_rate_hz
+            return 1.0 / self._config.motion.reference_rate_hz
         if not time_s > before:
             self._time_s = before
             raise InputError(f"scan times must increase [s], got {time_s} after {before}")
@@ -138,12 +126,12 @@ class PeopleTracker:
             return match
         candidates = z[match[lone]]
         cost = distances(self._legs.positions[missing], candidates)
-        cost[distances(self._people["x"][missing // 2, :2], candidates) > self._config.reach] = np.inf
+        cost[distances(self._people["x"][missing // 2, :2], candidates) > self._config.gating.reach] = np.inf
         other = missing + 1 - 2 * (missing % 2)
-        known = self._legs.rows["age_s"][lone] > self._config.stride_time_s / 2.0
-        limit = np.where(known, self._config.pair_width, self._config.pair_distance)
+        known = self._legs.rows["age_s"][lone] > self._config.pairing.stride_s / 2.0
+        limit = np.where(known, self._config.pairing.width, self._config.pairing.distance)
         cost[leg_kernels.spread_between(self._legs.apart, other, lone) > limit] = np.inf
-        rows, columns = assign(cost, self._config.reach)
+        rows, columns = assign(cost, self._config.gating.reach)
         slots, taken = missing[rows], lone[columns]
         order = np.arange(len(self._legs))
         order[slots] = taken
@@ -157,15 +145,17 @@ class PeopleTracker:
         It must be wider than a leg, stand where the person was predicted, and on free cells; its confidence counts.
         """
         config = self._config
-        unseen = np.flatnonzero(~sightings.seen & (self._since_leg_s() < config.both_legs_s))
+        unseen = np.flatnonzero(~sightings.seen & (self._since_leg_s() < config.merged_legs.duration_s))
         if len(unseen) == 0:
             return sightings
         ends = found.clusters.points[found.clusters.end - 1] - found.clusters.points[found.clusters.start]
         width = np.hypot(ends[:, 0], ends[:, 1])
-        wide = np.flatnonzero(~found.human & (width > config.both_legs_from) & (width < config.both_legs_to))
+        wide = np.flatnonzero(
+            ~found.human & (width > config.merged_legs.width_min) & (width < config.merged_legs.width_max)
+        )
         positions = transform_points(pose, found.positions[wide])
         free = self._grid.is_free(positions, time_s)
-        rows, columns = assign(distances(self._people["x"][unseen, :2], positions[free]), config.both_legs_gate)
+        rows, columns = assign(distances(self._people["x"][unseen, :2], positions[free]), config.merged_legs.gate)
         seen, centre, confidence = sightings.seen.copy(), sightings.centre.copy(), sightings.confidence.copy()
         seen[unseen[rows]] = True
         centre[unseen[rows]] = positions[free][columns]
@@ -182,11 +172,11 @@ class PeopleTracker:
         if owned == 0:
             return match
         before = np.arange(owned).reshape(-1, 2)
-        if not any_wide(self._legs.apart, before, self._config.pair_margin):
+        if not any_wide(self._legs.apart, before, self._config.pairing.margin):
             return match
         rows = self._legs.rows[owned:]
-        lone = owned + np.flatnonzero((rows["age_s"] > self._config.stride_time_s / 2.0) & (rows["unseen_s"] == 0.0))
-        pairs = better_pairs(self._legs.spread(), before, self._legs.rows["owned_s"], lone, self._config.pair_margin)
+        lone = owned + np.flatnonzero((rows["age_s"] > self._config.pairing.stride_s / 2.0) & (rows["unseen_s"] == 0.0))
+        pairs = better_pairs(self._legs.spread(), before, self._legs.rows["owned_s"], lone, self._config.pairing.margin)
         changed = (pairs != before).any(axis=1)
         if not changed.any():
             return match
@@ -205,11 +195,11 @@ class PeopleTracker:
         """Return (count,) the detections of lone tracks that are old and never moved: things, not people."""
         config = self._config
         return leg_kernels.still(
-            self._legs.rows, 2 * len(self._people), match, config.still_time_s, config.delta, count
+            self._legs.rows, 2 * len(self._people), match, config.grid.still_s, config.confirmation.delta, count
         )
 
     def _end_tracks(self) -> None:
-        bounds = self._config.epsilon, self._config.c_min
+        bounds = self._config.termination.epsilon, self._config.termination.c_min
         alive, keep = surviving(self._people, *bounds), surviving(self._legs.rows, *bounds)
         keep[0 : 2 * len(alive) : 2] = keep[1 : 2 * len(alive) : 2] = alive
         if not alive.all():
@@ -226,18 +216,18 @@ class PeopleTracker:
         """Start a person from each pair of lone tracks that have moved enough, are leg-like (gamma) in the mean over
         time, stand on free cells and belong together: each the other's nearest in the mean over a stride."""
         owned, config = 2 * len(self._people), self._config
-        bounds = config.delta / 2.0, config.c_min, config.start_unseen_s
+        bounds = config.confirmation.delta / 2.0, config.termination.c_min, config.confirmation.unseen_s
         if len(self._lost) == 0 and not any_moved(self._legs.rows, owned, *bounds):
             return
-        alive = leg_kernels.promising(self._legs.rows, owned, config.c_min, config.start_unseen_s)
+        alive = leg_kernels.promising(self._legs.rows, owned, config.termination.c_min, config.confirmation.unseen_s)
         moved, again = self._legs.moved[alive], self._may_be_met_again(alive)
-        if not (again | (moved >= config.delta / 2.0)).any():
+        if not (again | (moved >= config.confirmation.delta / 2.0)).any():
             return
-        spread = spread_among(self._legs.apart, self._legs.rows["x"], alive, config.pair_distance)
-        pairs = mutual_pairs(spread, config.pair_width)
+        spread = spread_among(self._legs.apart, self._legs.rows["x"], alive, config.pairing.distance)
+        pairs = mutual_pairs(spread, config.pairing.width)
         confidence = self._legs.rows["confidence"][alive]
-        pairs = pairs[confidence[pairs].min(axis=1) >= config.gamma]
-        sure = confidence >= config.sure_confidence
+        pairs = pairs[confidence[pairs].min(axis=1) >= config.confirmation.gamma]
+        sure = confidence >= config.confirmation.sure_confidence
         if len(pairs):
             pairs = pairs[self._moved_together(alive, moved, again, sure, pairs, points, time_s)]
             free = self._grid.is_free(self._legs.positions[alive[pairs.ravel()]], time_s).reshape(-1, 2)
@@ -260,10 +250,10 @@ class PeopleTracker:
         half as much, and one of them may stand while the other swings past it. Who is met `again` has moved before.
         """
         config = self._config
-        goes = moved > config.left_behind
-        ways = np.where(again, np.maximum(moved, config.delta), moved)[pairs].sum(axis=1)
+        goes = moved > config.confirmation.origin_radius
+        ways = np.where(again, np.maximum(moved, config.confirmation.delta), moved)[pairs].sum(axis=1)
         both_sure = sure[pairs].all(axis=1)
-        enough = ways >= np.where(both_sure, config.delta, 2.0 * config.delta)
+        enough = ways >= np.where(both_sure, config.confirmation.delta, 2.0 * config.confirmation.delta)
         asked = np.zeros(len(tracks), dtype=bool)
         asked[pairs[enough]] = True
         asked &= goes & ~again
@@ -287,14 +277,20 @@ class PeopleTracker:
         It stands on a free cell; the other leg counts as hidden by it, or by what stands before it.
         """
         config, legs = self._config, self._legs
-        bounds = 2.0 * config.delta, config.sure_confidence, config.meet_alone_s
+        bounds = (
+            2.0 * config.confirmation.delta,
+            config.confirmation.sure_confidence,
+            config.reidentification.one_leg_age_s,
+        )
         if len(self._lost) == 0 and not any_sure_walker(legs.rows, 2 * len(self._people), *bounds):
             return
         lone = np.arange(2 * len(self._people), len(legs))
-        lone = lone[(legs.rows["unseen_s"][lone] == 0.0) & (legs.rows["age_s"][lone] >= config.meet_alone_s)]
+        lone = lone[
+            (legs.rows["unseen_s"][lone] == 0.0) & (legs.rows["age_s"][lone] >= config.reidentification.one_leg_age_s)
+        ]
         fit = self._may_be_met_again(lone)
-        far = ~fit & (legs.moved[lone] >= 2.0 * config.delta)
-        far &= legs.rows["confidence"][lone] >= config.sure_confidence
+        far = ~fit & (legs.moved[lone] >= 2.0 * config.confirmation.delta)
+        far &= legs.rows["confidence"][lone] >= config.confirmation.sure_confidence
         far[far] = self._left_their_place(lone[far], points, time_s)
         lone = lone[fit | far]
         lone = lone[self._grid.is_free(legs.positions[lone], time_s)]
@@ -315,7 +311,7 @@ class PeopleTracker:
             place, lone = seen.positions[k], np.arange(2 * len(self._people), len(legs))
             away = distances(place[None], legs.positions[lone])[0]
             own = lone[np.argsort(away, kind="stable")[:2]]
-            own = own[np.sort(away)[:2] <= self._config.pair_distance / 2.0]
+            own = own[np.sort(away)[:2] <= self._config.pairing.distance / 2.0]
             hidden = np.arange(len(legs), len(legs) + 2 - len(own))
             legs.begin(np.repeat(place[None], len(hidden), axis=0), np.full(len(hidden), seen.likelihood[k]))
             self._confirm_tracks(np.concatenate((own, hidden))[None])
@@ -325,8 +321,8 @@ class PeopleTracker:
     def _may_be_met_again(self, tracks: NDArray[np.intp]) -> NDArray[np.bool_]:
         """Return (k,) whether `tracks` (k,) stand where a lost person, who moved before, must be by now."""
         age_s = self._legs.rows["age_s"][tracks]
-        near = self._lost.may_be(self._legs.positions[tracks], age_s, self._config.meet_distance)
-        return near & (age_s >= self._config.meet_age_s)
+        near = self._lost.may_be(self._legs.positions[tracks], age_s, self._config.reidentification.near)
+        return near & (age_s >= self._config.reidentification.near_age_s)
 
     def _left_their_place(self, tracks: NDArray[np.intp], points: Array, time_s: float) -> NDArray[np.bool_]:
         """Return (k,) whether nothing of the scan stands any more where the `tracks` (k,) began.
@@ -335,14 +331,14 @@ class PeopleTracker:
         that is known to be no human, the track begins anew here.
         """
         first = self._legs.rows["first"][tracks]
-        left = distances(first, points).min(axis=1, initial=np.inf) > self._config.left_behind
+        left = distances(first, points).min(axis=1, initial=np.inf) > self._config.confirmation.origin_radius
         self._legs.restart_moving(tracks[~left & ~self._grid.is_free(first, time_s)])
         return left
 
     def _named(self, pairs: NDArray[np.void]) -> NDArray[np.void]:
         """Return people from pairs of legs (k, 2), with their old number where they are recognised."""
         people = person_tracks.new_people(pairs)
-        doubtful = np.minimum(self._since_leg_s(), self._people["camera_s"]) > self._config.doubt_s
+        doubtful = np.minimum(self._since_leg_s(), self._people["camera_s"]) > self._config.reidentification.unseen_s
         people["id"] = self._lost.recognise(people["x"][:, :2], people["age_s"], self._people[doubtful])
         slid = np.isin(self._people["id"], people["id"])  # off to something else: ends with the next scan
         self._people["confidence"][slid] = self._people["age_s"][slid] = 0.0  # and is not remembered as somebody lost
@@ -361,9 +357,9 @@ class PeopleTracker:
         self, points: Array, clusters: Clusters, thing: NDArray[np.bool_], pose: Array, time_s: float, dt: float
     ) -> None:
         """Mark `points` (k, 2) of the clusters `thing`, but never where a person, or what may become one, stands."""
-        least = self._config.delta / 2.0
+        least = self._config.confirmation.delta / 2.0
         human = leg_kernels.human_places(self._people, self._legs.rows, least, self._lost.positions)
-        kept = points_of_things(points, clusters.start, clusters.end, thing, human, self._config.zeta)
+        kept = points_of_things(points, clusters.start, clusters.end, thing, human, self._config.grid.clearance)
         self._grid.mark(kept, pose[:2], time_s, dt)
 
     def _result(self, time_s: float) -> People:

@@ -9,7 +9,7 @@ off, a scan.
 """
 
 import argparse
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -17,10 +17,8 @@ from numpy.typing import NDArray
 
 from ...perception.config import PRESETS, perception_preset
 from ...perception.leader.selector import LeaderEstimate, LeaderSelector, numbered_by_leader
-from ...perception.legs.detector import LegDetector
-from ...perception.legs.forest import LegForest
+from ...perception.people_filter import PeopleFilter
 from ...perception.tracking.people import People
-from ...perception.tracking.tracker import PeopleTracker
 from ...slam.errors import InputError
 from ...slam.logs.scans_npz import read_scans_npz
 from ..cli import told
@@ -85,11 +83,11 @@ def judge_following(path: Path, preset: str, forest: str) -> dict[str, float]:
         if "gt_xy" not in content or "gt_scan_index" not in content:
             raise InputError(f"{path}: needs clicked positions, the arrays gt_xy and gt_scan_index")
         clicked = dict(zip(content["gt_scan_index"].tolist(), content["gt_xy"], strict=True))
-    config = perception_preset(preset)
-    tracker = PeopleTracker(config, LegDetector(LegForest.load(forest), config.detector()))
-    selector, judge, origin = LeaderSelector(config), FollowingJudge(), np.zeros(3)
+    config = replace(perception_preset(preset), forest=forest)
+    people_filter, selector = PeopleFilter(config), LeaderSelector(config.leader, config.tracker.motion)
+    judge, origin = FollowingJudge(), np.zeros(3)
     for number, scan in enumerate(scans):
-        people = tracker.update(scan, origin).people
+        people = people_filter.update(scan, origin).people
         leader = selector.update(people, origin)
         if number in clicked:
             judge.add(clicked[number], numbered_by_leader(people, leader), leader)

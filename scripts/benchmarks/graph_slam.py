@@ -19,11 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...perception.config import PerceptionConfig
-from ...perception.legs.detector import LegDetector
-from ...perception.legs.forest import LegForest
-from ...perception.people_filter import filter_people, people_points_lidar
-from ...perception.tracking.tracker import PeopleTracker
+from ...perception.people_filter import PeopleFilterConfig, filtered_scans
 from ...slam.files.output import write_json
 from ...slam.geometry import between, compose, inverse
 from ...slam.graph.engine import Cartographer
@@ -34,7 +30,6 @@ from ...slam.logs.relations import read_readings, read_relations
 from ...slam.logs.tum import Trajectory, read_tum
 from ...slam.quality.relations import score_relations
 from ...slam.quality.trajectory import absolute_error
-from ...slam.scan import LaserScan
 from ..cli import told
 from ..lab.acceptance import LOGS
 from ..lab.arguments import at_least
@@ -113,7 +108,8 @@ def simulated(folder: str, name: str) -> dict[str, Any]:
     drive = read_carmen(Path(folder) / f"{case.log}.log.gz")
     truth = read_tum(Path(folder) / f"{case.truth}.gt.tum").poses
     if case.tracked:
-        drive = replace(drive, scans=without_people(drive))
+        filtered = filtered_scans(drive, PeopleFilterConfig(forest="simulation"))
+        drive = replace(drive, scans=[scan.without_people for scan in filtered])
     engine, timing = _driven(drive)
     result = {**_counts(engine), "closures": closures(engine, truth), TIMING: timing}
     for kind, poses in (("final", engine.trajectory()), ("online", engine.online_trajectory())):
@@ -138,17 +134,6 @@ def local_speed(folder: str, name: str, beams: int | None) -> dict[str, Any]:
     runs = [_driven(_fresh(drive), Cartographer.from_options(global_=None))[1] for _ in range(SPEED_REPEATS)]
     best = max(runs, key=lambda timing: timing["scans_per_s"])
     return {"scans": len(drive), "beams": len(drive.scans[0]), TIMING: best}
-
-
-def without_people(drive: RecordedDrive) -> list[LaserScan]:
-    """Return the scans without the returns near people that our tracker has, by the shipped simulation forest."""
-    config = PerceptionConfig()
-    tracker = PeopleTracker(config, LegDetector(LegForest.load("simulation"), config.detector()))
-    scans = []
-    for odometry, scan in zip(drive.odometry, drive.scans, strict=True):
-        people = tracker.update(scan, odometry).people
-        scans.append(filter_people(scan, people_points_lidar(people, odometry, scan), config.zeta))
-    return scans
 
 
 def closures(engine: Cartographer, reference: Array, within: tuple[float, float] = WITHIN) -> dict[str, Any]:

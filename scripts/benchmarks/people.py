@@ -6,7 +6,7 @@ Command: python -m tagalong.scripts.benchmarks.people --scene corridor --seeds 1
 import argparse
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,11 +17,8 @@ from ...envs.world.truth import TrueState
 from ...envs.world.world import World, WorldConfig
 from ...perception.config import PerceptionConfig, perception_preset
 from ...perception.leader.selector import LeaderSelector
-from ...perception.legs.detector import LegDetector
-from ...perception.legs.forest import LegForest
 from ...perception.metrics.clear_mot import ClearMot
-from ...perception.people_filter import near_points, people_points_lidar
-from ...perception.tracking.tracker import PeopleTracker, TrackerUpdate
+from ...perception.people_filter import FilteredScan, PeopleFilter, near_points, points_lidar
 from ...slam.files.output import write_json
 from ...slam.geometry import between, compose, inverse, transform_points, wrap_angle
 from ...slam.scan import LaserScan
@@ -53,14 +50,14 @@ class Shares:
 class DriveJudge:
     """Judges one drive, scan by scan."""
 
-    def __init__(self, config: PerceptionConfig) -> None:
-        self._config = config
+    def __init__(self) -> None:
         self.walking, self.standing, self.shares = ClearMot(), ClearMot(), Shares()
         self._since: dict[tuple[int, int], float] = {}
         self._first: dict[int, float] = {}
 
-    def add(self, world: World, truth: TrueState, update: TrackerUpdate, scan: LaserScan) -> None:
+    def add(self, world: World, truth: TrueState, update: FilteredScan) -> None:
         """Take one scan of `world`."""
+        scan = update.scan
         people, centres = update.people, truth.people.positions
         labels = world.scan_labels()[scan.is_return]
         T_world_odom = compose(truth.robot_pose, inverse(update.odometry))
@@ -72,7 +69,7 @@ class DriveJudge:
         matched = self.walking.add(centres, seen & walks, tracks, people.ids, tracks_near)
         self.standing.add(centres, seen & ~walks, tracks, people.ids, np.zeros(len(tracks), dtype=bool))
         known = self._known(matched, people.ids, truth.time_s)
-        self._count_returns(update, scan, labels, walks, *known)
+        self._count_returns(update, labels, walks, *known)
 
     def _known(
         self, matched: NDArray[np.intp], ids: NDArray[np.int64], time_s: float
@@ -88,15 +85,15 @@ class DriveJudge:
 
     def _count_returns(
         self,
-        update: TrackerUpdate,
-        scan: LaserScan,
+        update: FilteredScan,
         labels: NDArray[np.int32],
         walks: NDArray[np.bool_],
         tracked: NDArray[np.bool_],
         known: NDArray[np.bool_],
     ) -> None:
-        points = people_points_lidar(update.people, update.odometry, scan)
-        removed = near_points(scan, points, self._config.zeta)[scan.is_return]
+        scan = update.scan
+        points = points_lidar(scan, update.people.points, update.odometry)
+        removed = near_points(scan, points, update.config.zeta)[scan.is_return]
         human = labels >= 0
         person = np.where(human, labels, 0)
         walker = human & walks[person] & (scan.ranges[scan.is_return] <= RANGE) if len(walks) else human
@@ -133,25 +130,25 @@ def follow_command(truth: TrueState, distance: float = 1.3) -> Array:
 
 def drives(options: argparse.Namespace) -> Iterator[dict[str, Any]]:
     """Run the drives one by one and yield a row of the table for each."""
-    config = perception_preset(options.preset)
-    detector = LegDetector(LegForest.load(options.forest), config.detector())
+    config = replace(perception_preset(options.preset), forest=str(options.forest))
     for seed in range(options.first_seed, options.first_seed + options.seeds):
         world = World(WorldConfig(scene=options.scene, people=options.people), np.random.default_rng(seed))
-        yield {"seed": seed, **_judge_drive(world, config, detector, options.seconds)}
+        yield {"seed": seed, **_judge_drive(world, config, options.seconds)}
 
 
-def _judge_drive(world: World, config: PerceptionConfig, detector: LegDetector, seconds: float) -> dict[str, Any]:
-    tracker, selector, judge = PeopleTracker(config, detector), LeaderSelector(config), DriveJudge(config)
+def _judge_drive(world: World, config: PerceptionConfig, seconds: float) -> dict[str, Any]:
+    people_filter, judge = PeopleFilter(config), DriveJudge()
+    selector = LeaderSelector(config.leader, config.tracker.motion)
     spent, scans, right, chosen, onset_s = 0.0, 0, None, 0.0, 0.0
     while world.time_s < seconds and not world.truth.tour_done:
         world.step(follow_command(world.truth))
         scan, truth = world.scan(), world.truth
         start = time.perf_counter()
-        update = tracker.update(scan, world.odometry)
+        update = people_filter.update(scan, world.odometry)
         leader = selector.update(update.people, world.odometry)
         spent += time.perf_counter() - start
         scans += 1
-        judge.add(world, truth, update, scan)
+        judge.add(world, truth, update)
         if leader is not None:
             place = transform_points(compose(truth.robot_pose, inverse(update.odometry)), leader.position[None])[0]
             on_leader = bool(np.hypot(*(place - truth.people.positions[truth.leader_index])) < 0.6)

@@ -21,7 +21,6 @@ By spacing, nobody is found less often. Beyond 4.6 m a leg gets fewer than 2 of 
 """
 
 import argparse
-from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -32,10 +31,8 @@ from numpy.typing import NDArray
 from ...envs.sensors.lidar import LidarConfig
 from ...envs.world.config import WorldConfig
 from ...envs.world.world import World
-from ...perception.config import PerceptionConfig
-from ...perception.legs.detector import LegDetector
-from ...perception.legs.forest import LegForest
-from ...perception.tracking.tracker import PeopleTracker
+from ...perception.legs.detector import LegDetectorConfig
+from ...perception.people_filter import PeopleFilter, PeopleFilterConfig
 from ...slam.files.output import write_json
 from ...slam.geometry import compose, inverse, transform_points
 from ..cli import told
@@ -55,15 +52,15 @@ SAME_M, NOBODY_M = 0.75, 1.0
 Counts = NDArray[np.int64]
 
 
-def drive_counts(seed: int, beams: int, far_width: float, seconds: float, forest: LegForest) -> Counts:
+def drive_counts(seed: int, beams: int, far_width: float, seconds: float) -> Counts:
     """Return (3, bins): moments of people who are there, those found, and false tracks, over `EDGES`."""
     world = World(WorldConfig(scene="office", people=6, lidar=LidarConfig(beams=beams)), np.random.default_rng(seed))
-    config = PerceptionConfig()
-    tracker = PeopleTracker(config, LegDetector(forest, replace(config.detector(), far_width=far_width)))
+    config = PeopleFilterConfig(forest="simulation", detector=LegDetectorConfig(far_width=far_width))
+    people_filter = PeopleFilter(config)
     counts = np.zeros((3, len(EDGES) - 1), dtype=np.int64)
     while world.time_s < seconds and not world.truth.tour_done:
         world.step(follow_command(world.truth))
-        update, truth = tracker.update(world.scan(), world.odometry), world.truth
+        update, truth = people_filter.update(world.scan(), world.odometry), world.truth
         T_world_odom = compose(truth.robot_pose, inverse(update.odometry))
         tracks = transform_points(T_world_odom, update.people.positions)
         people = truth.people.positions
@@ -78,10 +75,10 @@ def drive_counts(seed: int, beams: int, far_width: float, seconds: float, forest
 
 def measure(seeds: int, seconds: float) -> list[dict[str, Any]]:
     """Return a row of figures for each resolution, rule and distance."""
-    forest, rows = LegForest.load("simulation"), []
+    rows = []
     for beams in BEAMS:
         for far_width in FAR_WIDTHS:
-            drives = np.array([drive_counts(seed, beams, far_width, seconds, forest) for seed in range(seeds)])
+            drives = np.array([drive_counts(seed, beams, far_width, seconds) for seed in range(seeds)])
             for k, (near, far) in enumerate(pairwise(EDGES)):
                 there, found, false = drives[:, :, k].T
                 shares = (found[there > 0] / there[there > 0]).tolist()

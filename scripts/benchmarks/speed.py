@@ -15,11 +15,9 @@ from ...envs.follow_env import FollowEnv
 from ...envs.recording.slow_tour import slow_tour
 from ...envs.sensors.lidar import LidarConfig
 from ...envs.world.world import World, WorldConfig
-from ...perception.config import PerceptionConfig
-from ...perception.legs.detector import LegDetector, LegDetectorConfig
+from ...perception.legs.detector import LegDetector
 from ...perception.legs.forest import LegForest
-from ...perception.people_filter import filter_people, people_points_lidar
-from ...perception.tracking.tracker import PeopleTracker
+from ...perception.people_filter import PeopleFilter, PeopleFilterConfig
 from ...slam.engine import make_slam
 from ...slam.scan import LaserScan
 
@@ -132,20 +130,16 @@ def stage_latencies(steps: int, beams: int, people: int) -> dict[str, Latency]:
         people: People in the building.
     """
     config = WorldConfig(people=people, lidar=LidarConfig(beams=beams, rate_hz=10.0))
-    world, perception = World(config, np.random.default_rng(0)), PerceptionConfig()
-    parameters = LegDetectorConfig(alpha=perception.alpha, beta=perception.beta, gamma=perception.gamma)
-    detector = LegDetector(LegForest.load("simulation"), parameters)
-    tracker = PeopleTracker(perception, detector)
+    world = World(config, np.random.default_rng(0))
+    people_filter = PeopleFilter(PeopleFilterConfig(forest="simulation"))
+    detector = LegDetector(LegForest.load("simulation"))
     times: dict[str, list[float]] = {name: [] for name in ("world", "legs", "legs + tracker", "filter")}
     for _ in range(steps + WARM_UP):
         _timed(times["world"], lambda: world.step([0.3, 0.0]))
         scan, odometry = world.scan(), world.odometry
         _timed(times["legs"], lambda scan=scan: detector.detect(scan))
-        found = _timed(times["legs + tracker"], lambda s=scan, o=odometry: tracker.update(s, o))
-        _timed(
-            times["filter"],
-            lambda s=scan, o=odometry, f=found: filter_people(s, people_points_lidar(f.people, o, s), perception.zeta),
-        )
+        found = _timed(times["legs + tracker"], lambda s=scan, o=odometry: people_filter.update(s, o))
+        _timed(times["filter"], lambda f=found: f.without_people)
     return {name: latency(values[WARM_UP:]) for name, values in times.items()}
 
 

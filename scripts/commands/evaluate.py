@@ -39,7 +39,7 @@ examples:
   tagalong evaluate pid --env tagalong/Corridor-v0 --episodes 30 --people 2
   tagalong evaluate pid --env tagalong/MeetingRoom-v0 --perception truth --out out/pid-truth
   tagalong evaluate pid --suite office --episodes 100
-  tagalong evaluate pid --set robot=pioneer --set lidar.rate_hz=20 --set perception.zeta=0.5
+  tagalong evaluate pid --set robot=pioneer --set lidar.rate_hz=20 --set perception.removal.zeta=0.5
   tagalong evaluate my_module:Bold --episodes 10
 """.format(followers=", ".join(FOLLOWERS), explorers=", ".join(EXPLORERS))
 

@@ -12,10 +12,8 @@ from tqdm import tqdm
 
 from ...perception.config import PRESETS, perception_preset
 from ...perception.leader.selector import LeaderSelector, numbered_by_leader
-from ...perception.legs.detector import LegDetector
-from ...perception.legs.forest import LegForest
+from ...perception.people_filter import FilteredScan, PeopleFilter
 from ...perception.tracking.people import People
-from ...perception.tracking.tracker import PeopleTracker, TrackerUpdate
 from ...slam.errors import InputError
 from ...slam.files.output import write_json, write_text
 from ...slam.logs.log import read_log
@@ -65,22 +63,21 @@ def run(options: argparse.Namespace) -> int:
     """Read the scans, track people through them, write the tables."""
     if not 0.0 <= options.min_confidence <= 1.0:
         raise InputError(f"--min-confidence must lie in [0, 1], got {options.min_confidence}")
-    config = perception_preset(options.preset)
-    detector = LegDetector(LegForest.load(options.forest), config.detector())
+    config = replace(perception_preset(options.preset), forest=options.forest)
+    people_filter, selector = PeopleFilter(config), LeaderSelector(config.leader, config.tracker.motion)
     scans, odometry = _read(options)
     scans = _timed(scans, options.rate, options.scans)
-    tracker, selector = PeopleTracker(config, detector), LeaderSelector(config)
     legs, people, ids = [LEGS_HEADER], [PEOPLE_HEADER], set[int]()
     progress = tqdm(zip(scans, odometry, strict=True), total=len(scans), unit="scan", disable=not sys.stderr.isatty())
     for number, (scan, pose) in enumerate(progress):
-        update = tracker.update(scan, pose)
+        update = people_filter.update(scan, pose)
         legs += _leg_rows(number, update, options.min_confidence)
         found = numbered_by_leader(update.people, selector.update(update.people, pose))
         people += _people_rows(number, found.in_frame_of(pose) if options.frame == "robot" else found)
         ids |= {int(number) for number in found.ids}
     write_text(options.out / "legs.csv", "\n".join(legs) + "\n")
     write_text(options.out / "people.csv", "\n".join(people) + "\n")
-    settings = {"preset": options.preset, "forest": str(options.forest), "odometry": options.odometry}
+    settings = {"preset": options.preset, "odometry": options.odometry}
     write_json(options.out / "config.json", {**settings, "frame": options.frame, "perception": asdict(config)})
     print(f"{len(scans)} scans, {len(legs) - 1} legs, {len(ids)} people; wrote {options.out}/legs.csv, people.csv")
     return 0
@@ -112,7 +109,7 @@ def _timed(scans: list[LaserScan], rate_hz: float | None, path: Path) -> list[La
     return scans
 
 
-def _leg_rows(number: int, update: TrackerUpdate, least: float) -> list[str]:
+def _leg_rows(number: int, update: FilteredScan, least: float) -> list[str]:
     found = update.detections
     return [
         f"{number},{x:.4f},{y:.4f},{confidence:.4f}"

@@ -13,6 +13,7 @@ from ...slam.errors import InputError
 from ...slam.logs.drive import RecordedDrive
 from ...slam.logs.tum import read_tum
 from ..log_options import add_topics, read_with_odometry
+from ..people_removal import add_people_options, people_filter_config, remove_people
 from ..setting_options import add_settings, read_settings
 from ..slam_run import prepare_folder, run_slam, write_run
 from ..tables import format_table
@@ -27,6 +28,8 @@ writes into DIR:
                          errors where the log has reference poses
                          (its own corrected poses, or NAME.gt.tum beside NAME.log.gz)
   timing.json            speed and memory; the only file that differs between two runs
+  people.json            with --filter-people: who was tracked and where, in the odometry frame;
+                         metrics.json says how many returns were removed
 
 Odometry that says less than 0.8 or more than 1.25 metres or radians for each one that the scans show is complained of,
 in one line on stderr.
@@ -34,6 +37,7 @@ in one line on stderr.
 example:
   tagalong slam aces.log.gz --out out/aces --seed 1 --set particles=50
   tagalong slam drive.bag --out out/drive --method cartographer --scan-topic /front/scan
+  tagalong slam drive.bag --out out/drive --filter-people
 """
 
 
@@ -54,6 +58,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=int, default=0, help="seed of all random draws (default: %(default)s)")
     parser.add_argument("--resolution", type=float, metavar="M", help="side of a map cell [m] (default: the engine's)")
     add_settings(parser, "a field of the engine's configuration, e.g. particles=50 or local.insertion_voxel=0.1")
+    add_people_options(parser)
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
 
 
@@ -61,12 +66,15 @@ def run(options: argparse.Namespace) -> int:
     """Map the log, write the results, print a table."""
     if options.resolution is not None and not 0.001 <= options.resolution <= 10.0:
         raise InputError(f"--resolution must lie in [0.001, 10] m, got {options.resolution}")
+    people = people_filter_config(options.filter_people, options.forest)
     engine = make_slam(options.method, seed=options.seed, **read_settings(options.settings))
     drive = read_with_odometry(options.log, options.scan_topic, options.odometry_topic)
     reference = _reference(options.log, drive)
     prepare_folder(options.out)
+    how: dict[str, Any] = {"method": options.method, "seed": options.seed, "config": asdict(engine.config)}
+    if people is not None:
+        drive, how["people_filter"] = remove_people(drive, people, options.out, not options.quiet)
     result = run_slam(engine, drive, options.resolution, progress=not options.quiet)
-    how = {"method": options.method, "seed": options.seed, "config": asdict(engine.config)}
     metrics = write_run(options.out, drive, result, how, reference)
     print(format_table(("quantity", "value", "unit"), _rows(metrics, result.wall_s)))
     print(f"written to {options.out}")
@@ -93,6 +101,12 @@ def _rows(metrics: dict[str, Any], wall_s: float) -> list[tuple[str, str, str]]:
         ("free area", f"{metrics['map']['free_m2']:.1f}", "m2"),
         ("engine time", f"{wall_s:.2f}", "s"),
     ]
+    if "people_filter" in metrics:
+        removed = metrics["people_filter"]
+        rows.append(("people", str(removed["people"]), ""))
+        rows.append(
+            ("removed", f"{100.0 * removed['removed_returns'] / max(removed['returns'], 1):.2f}", "% of returns")
+        )
     errors = metrics["against_reference"]
     if errors is not None:
         rows += [

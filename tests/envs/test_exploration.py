@@ -11,10 +11,8 @@ from tagalong.envs.scenes.scene import Scene
 from tagalong.envs.scenes.solids import Solid
 from tagalong.envs.task.coverage import CELL_M, FARTHEST_M, Coverage
 from tagalong.envs.task.coverage_kernels import sweep, sweep_reference
-from tagalong.perception.config import PerceptionConfig
-from tagalong.perception.people_filter import FilteredScan
+from tagalong.perception.people_filter import PeopleFilter
 from tagalong.perception.tracking.camera import NoLegs
-from tagalong.perception.tracking.tracker import PeopleTracker
 from tagalong.slam.errors import InputError
 from tagalong.slam.scan import LaserScan
 
@@ -23,8 +21,7 @@ SMALL = {"beams": 361, "slam": None}
 
 def of_nobody(scan):
     """A scan in which nobody is known or suspected."""
-    update = PeopleTracker(PerceptionConfig(), NoLegs()).update(scan, np.zeros(3))
-    return FilteredScan(scan, update.odometry, update.people, update.detections, PerceptionConfig())
+    return PeopleFilter(detector=NoLegs()).update(scan, np.zeros(3))
 
 
 def make(**arguments):

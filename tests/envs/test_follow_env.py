@@ -341,19 +341,18 @@ def test_truly_known_people_stand_still_in_the_odometry_frame_while_a_fast_laser
     env.reset(seed=0)
     inner, places = env.unwrapped, []
     source = inner._mind._people
-    update = source.update_in_stages
-    source.update_in_stages = lambda *given: kept(update(*given), places)
+    update = source.update
+    source.update = lambda *given: kept(update(*given), places)
     for _ in range(3):  # the leader has not set off yet
         env.step([0.0, 1.0])
     assert len(places) == 12
     assert np.ptp(np.array(places)[:, 0], axis=0).max() < 0.03
 
 
-def kept(stages, places):
-    """Do the stages, and keep where the people are in the end."""
-    people = yield from stages
-    places.append(people.positions)
-    return people
+def kept(filtered, places):
+    """Keep where the people of a filtered scan are."""
+    places.append(filtered.people.positions)
+    return filtered
 
 
 class Thrice(gym.Wrapper):

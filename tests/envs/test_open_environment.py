@@ -9,10 +9,14 @@ from gymnasium.envs.registration import EnvSpec
 from tagalong.agents import make_follower
 from tagalong.envs.follow_config import ARGUMENTS, FollowConfig, make_config
 from tagalong.envs.follow_env import FollowEnv
+from tagalong.envs.onboard.config import PERCEPTION
+from tagalong.envs.recording.rollout import rollout
 from tagalong.envs.robot.robot import ROBOTS, RobotConfig
+from tagalong.perception.people_filter import filtered_scans
 from tagalong.slam.errors import InputError
 from tagalong.slam.gmapping.config import GMappingConfig
 from tagalong.slam.gmapping.engine import GMapping
+from tagalong.slam.logs.drive import RecordedDrive
 
 CORRIDOR = "tagalong/Corridor-v0"
 FEW = {"people_count": 2, "beams": 541}
@@ -99,29 +103,28 @@ def test_an_engine_of_ones_own_gets_the_seed_of_the_episode_and_its_filtered_sca
 
 
 @pytest.mark.parametrize("filters", [True, False])
-def test_the_map_of_the_loop_is_what_the_engine_makes_of_the_same_scans_raw_or_filtered(filters):
+def test_the_map_of_the_loop_is_what_the_engine_makes_of_the_recorded_drive_raw_or_filtered(filters):
     """As `tagalong reproduce following` maps a drive from its raw and from its filtered scans."""
-    engines = []
-    env = gym.make(
-        CORRIDOR,
-        slam=lambda seed: engines.append(GMapping(GMappingConfig(particles=5), 7)) or engines[-1],
-        filter_people=filters,
-        **FEW,
-    )
-    alone, inner = GMapping(GMappingConfig(particles=5), 7), env.unwrapped
-    follower = make_follower("pid", inner.interface)
-    observation, _ = env.reset(seed=3)
-    for _ in range(60):
-        belief = inner.belief
-        alone.update(belief.odometry, belief.filtered if filters else belief.scan)
-        observation, *_ = env.step(follower.act(observation))
-    belief = inner.belief
-    alone.update(belief.odometry, belief.filtered if filters else belief.scan)
-    assert belief.filtered.is_return.sum() < belief.scan.is_return.sum() - 10
-    assert np.hypot(*belief.map_pose[:2]) > 1.0
-    assert alone.map().probability.tobytes() == engines[0].map().probability.tobytes()
+    engines, odometry, scans = [], [], []
+    config = GMappingConfig(particles=5)
+    make = lambda seed: engines.append(GMapping(config, 7)) or engines[-1]  # noqa: E731
+    env = gym.make(CORRIDOR, slam=make, filter_people=filters, **FEW)
+
+    def note(inner):
+        odometry.append(inner.belief.odometry)
+        scans.append(inner.belief.scan)
+
+    rollout(env, make_follower("pid", env.unwrapped.interface), seed=3, steps=60, after_step=note)
+    drive = RecordedDrive(np.array(odometry), scans, None, "drive")
+    filtered = [scan.without_people for scan in filtered_scans(drive, PERCEPTION)]
+    alone = GMapping(config, 7)
+    for pose, scan in zip(odometry, filtered if filters else scans, strict=True):
+        alone.update(pose, scan)
+    assert filtered[-1].is_return.sum() < scans[-1].is_return.sum() - 10
+    assert np.hypot(*alone.pose[:2]) > 1.0
     assert alone.trajectory().tobytes() == engines[0].trajectory().tobytes()
-    assert belief.map_pose.tobytes() == alone.pose.tobytes()
+    assert alone.map().probability.tobytes() == engines[0].map().probability.tobytes()
+    assert env.unwrapped.belief.map_pose.tobytes() == alone.pose.tobytes()
 
 
 def test_raw_scans_in_slam_change_the_map_and_nothing_else():
@@ -133,7 +136,7 @@ def test_raw_scans_in_slam_change_the_map_and_nothing_else():
 
 
 def test_the_trackers_and_the_filters_numbers_are_arguments():
-    env = gym.make(CORRIDOR, slam=None, **{"perception.zeta": 2.0}, **FEW)
+    env = gym.make(CORRIDOR, slam=None, **{"perception.removal.zeta": 2.0}, **FEW)
     usual = gym.make(CORRIDOR, slam=None, **FEW)
     driven(env, 40)
     driven(usual, 40)

@@ -4,9 +4,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
-from tagalong.perception.config import PerceptionConfig
 from tagalong.perception.legs.clusters import Clusters
 from tagalong.perception.legs.detector import Detections
+from tagalong.perception.tracking.config import TrackerConfig
 from tagalong.perception.tracking.tracker import PeopleTracker
 from tagalong.slam.scan import LaserScan
 
@@ -31,11 +31,10 @@ class ScriptedDetector:
 
     positions: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
     confidence: np.ndarray = field(default_factory=lambda: np.zeros(0))
-    gamma: float = PerceptionConfig().gamma
+    gamma: float = 0.3
     width: float = 0.1
 
-    def detect_in_stages(self, scan):
-        yield
+    def detect(self, scan):
         corners = self.width * np.array([[-0.5, 0.0], [-0.2, -0.3], [0.2, -0.3], [0.5, 0.0]])
         points = (self.positions[:, None] + corners).reshape(-1, 2)
         start = 4 * np.arange(len(self.positions))
@@ -47,13 +46,13 @@ class ScriptedDetector:
 class Stage:
     """A tracker at the origin that is shown legs and things, scan by scan."""
 
-    config: PerceptionConfig = field(default_factory=PerceptionConfig)
+    config: TrackerConfig = field(default_factory=TrackerConfig)
     rate_hz: float = 10.0
     noise: float = 0.01
     scans: int = 0
 
     def __post_init__(self):
-        self.detector = ScriptedDetector(gamma=self.config.gamma)
+        self.detector = ScriptedDetector(gamma=self.config.confirmation.gamma)
         self.tracker = PeopleTracker(self.config, self.detector)
         self.rng = np.random.default_rng(0)
 

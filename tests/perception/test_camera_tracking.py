@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-from tagalong.perception.people_filter import filter_people, people_points_lidar
+from tagalong.perception.people_filter import near_points, points_lidar
 from tagalong.perception.rgbd.people import RgbdPeople
-from tagalong.perception.stages import completed
 from tagalong.perception.tracking.camera import NoLegs, SeenPeople
 from tagalong.slam.scan import LaserScan
 
@@ -35,7 +34,7 @@ def test_returns_of_somebody_who_never_moves_are_removed_once_the_camera_saw_the
         stage = make_stage()
         for _ in range(6):
             people = stage.show(LEGS, seen=seen(stage, (2.05, 0.0)) if camera else None)
-        kept = filter_people(scan, people_points_lidar(people, np.zeros(3), scan), stage.config.zeta)
+        kept = scan.without(near_points(scan, points_lidar(scan, people.points, np.zeros(3)), 0.35))
         assert np.count_nonzero(np.isnan(kept.ranges)) == pytest.approx(removed, abs=1)
         assert not np.isnan(kept.ranges[ranges == 4.0]).any()
 
@@ -99,7 +98,7 @@ def test_two_people_seen_by_the_camera_alone_are_two_and_keep_their_numbers(stag
 
 def test_without_legs_the_laser_tells_nothing():
     scan = LaserScan(np.ones(5), np.linspace(-0.1, 0.1, 5), 0.1, 10.0)
-    found = completed(NoLegs().detect_in_stages(scan))
+    found = NoLegs().detect(scan)
     assert len(found) == 0
     assert len(found.clusters) == 0
 

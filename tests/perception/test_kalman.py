@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 from scipy import stats
-from tagalong.perception.config import PerceptionConfig
 from tagalong.perception.tracking import kalman
+from tagalong.perception.tracking.config import MotionConfig
 
-CONFIG = PerceptionConfig()
+CONFIG = MotionConfig()
 
 
 def start(n, rng):

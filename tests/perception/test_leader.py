@@ -11,7 +11,7 @@ def leaders_of(selector, history):
 
 
 def test_the_leader_is_the_person_nearest_at_onset(stage):
-    selector = LeaderSelector(stage.config)
+    selector = LeaderSelector()
     history, truth = stage.walk([[3.0, -1.0], [1.3, -1.0]], [[0.0, 1.0], [0.0, 1.0]], 3.0)
     leader = leaders_of(selector, history)[-1]
     assert leader is not None
@@ -20,12 +20,12 @@ def test_the_leader_is_the_person_nearest_at_onset(stage):
 
 
 def test_nobody_is_chosen_before_there_is_somebody(stage):
-    selector = LeaderSelector(stage.config)
+    selector = LeaderSelector()
     assert selector.update(stage.show(np.zeros((0, 2))), ORIGIN) is None
 
 
 def test_a_lost_leader_is_taken_up_again_under_the_same_identity(stage):
-    selector = LeaderSelector(stage.config)
+    selector = LeaderSelector()
     history, _ = stage.walk(
         [[1.5, -3.0], [4.0, -3.0]], [[0.0, 0.8], [0.0, 0.8]], 8.0, hidden=lambda who, t: who == 0 and 2.5 < t < 5.0
     )
@@ -49,7 +49,7 @@ def test_a_lost_leader_is_taken_up_again_under_the_same_identity(stage):
 
 def test_a_leader_found_as_another_track_keeps_its_number_in_the_table(stage):
     people = stage.walk([[1.5, -1.0]], [[0.0, 1.0]], 2.0)[0][-1]
-    leader = LeaderSelector(stage.config).update(people, ORIGIN)
+    leader = LeaderSelector().update(people, ORIGIN)
     assert leader is not None
     again = replace(leader, id=7, track_id=int(people.ids[0]))
     assert numbered_by_leader(people, again).ids.tolist() == [7]
@@ -76,7 +76,7 @@ def people_at(template, time_s, positions, unseen_s):
 def test_a_second_track_on_the_leader_takes_over_when_the_leaders_own_is_unseen(stage):
     template = stage.show(np.zeros((0, 2)))
     for apart, track in ((0.3, 1), (0.6, 0)):  # no two bodies are 0.3 m apart, but two people may be 0.6 m
-        selector = LeaderSelector(stage.config)
+        selector = LeaderSelector()
         places = [[1.5, 0.0], [1.5 + apart, 0.0]]
         for k in range(15):
             leader = selector.update(people_at(template, 0.1 * k, places, [0.0, 0.0]), ORIGIN)
@@ -93,7 +93,7 @@ def test_a_second_track_on_the_leader_takes_over_when_the_leaders_own_is_unseen(
 
 
 def test_a_leader_who_vanishes_within_the_first_second_is_lost_and_known_again(stage):
-    template, selector = stage.show(np.zeros((0, 2))), LeaderSelector(stage.config)
+    template, selector = stage.show(np.zeros((0, 2))), LeaderSelector()
     chosen = selector.update(people_at(template, 0.1, [[1.3, 0.0]], [0.0]), ORIGIN)
     assert chosen is not None
     assert chosen.visible
@@ -114,7 +114,7 @@ def test_a_leader_who_vanishes_within_the_first_second_is_lost_and_known_again(s
 
 
 def test_a_leader_beyond_the_onset_distance_is_followed_from_the_first_second_on(stage):
-    template, selector = stage.show(np.zeros((0, 2))), LeaderSelector(stage.config)
+    template, selector = stage.show(np.zeros((0, 2))), LeaderSelector()
     places = [[2.0 + 0.5 * k, 0.0] for k in range(8)]
     leaders = [selector.update(people_at(template, 0.1 * k, [p], [0.0]), ORIGIN) for k, p in enumerate(places)]
     assert [leader.position[0] for leader in leaders if leader is not None] == [p[0] for p in places]

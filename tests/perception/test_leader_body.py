@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from tagalong.perception.config import PerceptionConfig
 from tagalong.perception.leader.body_selector import BodyConfig, BodyLeaderSelector
 from tagalong.perception.leader.selector import LeaderSelector
 from tagalong.perception.tracking.people import People, SeenLegs
@@ -66,7 +65,7 @@ class Room:
 
 
 def body_selector(seed=0):
-    return BodyLeaderSelector(PerceptionConfig(), np.random.default_rng(seed))
+    return BodyLeaderSelector(np.random.default_rng(seed))
 
 
 def passing(selector):
@@ -88,7 +87,7 @@ def test_the_leader_is_the_body_that_walks_on_when_two_tracks_change_bodies(seed
     assert found.track_id == 1
     assert found.id == 0
     assert found.visible
-    assert passing(LeaderSelector(PerceptionConfig())).track_id == 0  # by number alone the bystander is followed
+    assert passing(LeaderSelector()).track_id == 0  # by number alone the bystander is followed
 
 
 def behind_the_wall(selector, returns):
@@ -136,7 +135,7 @@ def sliding(seed, hidden=0, **body):
 
     `hidden`: for so many scans after that, nothing else is seen of it.
     """
-    room = Room(BodyLeaderSelector(PerceptionConfig(), np.random.default_rng(seed), BodyConfig(**body)))
+    room = Room(BodyLeaderSelector(np.random.default_rng(seed), BodyConfig(**body)))
     stands = np.array([2.4, 0.0])
     for k in range(50):
         leader, walks = np.array([1.6, -1.5 + 0.06 * k]), np.array([0.0, 0.6])
@@ -159,7 +158,7 @@ def test_legs_of_somebody_who_stood_there_before_do_not_become_the_leaders_with_
 
 def doubled(seed, **body):
     """Each leg of a leader who waits has started a person; when it walks on, one stays with what stands there."""
-    room = Room(BodyLeaderSelector(PerceptionConfig(), np.random.default_rng(seed), BodyConfig(**body)))
+    room = Room(BodyLeaderSelector(np.random.default_rng(seed), BodyConfig(**body)))
     still, walks = np.zeros(2), np.array([0.0, 1.1])
     for k in range(60):
         leader = np.array([1.6, -1.0 + 0.11 * max(k - 25, 0)])
@@ -211,7 +210,7 @@ def test_the_same_draws_find_the_same_leader():
 
 
 def test_without_a_scan_no_body_is_known():
-    room = Room(LeaderSelector(PerceptionConfig()))
+    room = Room(LeaderSelector())
     room.show([(0, np.array([1.5, 0.0]), np.zeros(2), True)])
     people = People(*([0.0] + [np.zeros(0)] * 8))
     with pytest.raises(InputError, match="only with the scan at hand"):

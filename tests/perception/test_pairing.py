@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from tagalong.perception.config import PerceptionConfig
+from tagalong.perception.tracking.config import TrackerConfig
 from tagalong.perception.tracking.pairing import (
     better_pairs,
     better_pairs_reference,
@@ -60,12 +60,12 @@ def lost_person(config, seconds):
 
 
 def test_a_lost_person_is_met_again_where_it_went_but_not_elsewhere_nor_if_it_was_there_before():
-    config, nobody = PerceptionConfig(), np.zeros(0, dtype=PERSON)
+    config, nobody = TrackerConfig(), np.zeros(0, dtype=PERSON)
     near, far, young, old = np.array([[1.6, 0.1]]), np.array([[6.0, 0.0]]), np.array([1.0]), np.array([9.0])
     assert lost_person(config, 2.0).recognise(near, young, nobody).tolist() == [7]
     assert lost_person(config, 2.0).recognise(far, young, nobody).tolist() == [-1]
     assert lost_person(config, 2.0).recognise(near, old, nobody).tolist() == [-1]
-    assert lost_person(config, config.memory_s).recognise(near, young, nobody).tolist() == [-1]
+    assert lost_person(config, config.reidentification.memory_s).recognise(near, young, nobody).tolist() == [-1]
     memory = lost_person(config, 2.0)
     memory.recognise(near, young, nobody)
     assert memory.recognise(near, young, nobody).tolist() == [-1]  # met once, lost no more

@@ -1,9 +1,8 @@
 from types import SimpleNamespace
 
 import numpy as np
-from tagalong.perception.config import PerceptionConfig
 from tagalong.perception.legs.detector import Detections
-from tagalong.perception.people_filter import FilteredScan, filter_people, people_points_lidar, suspect_points_lidar
+from tagalong.perception.people_filter import FilteredScan, RemovalConfig, near_points, points_lidar
 from tagalong.slam.scan import LaserScan
 
 
@@ -12,7 +11,7 @@ def test_points_near_a_person_are_dropped_and_nothing_is_rewritten():
     ranges = np.where(np.abs(bearings) < 0.1, 2.0, 5.0)
     ranges[0], ranges[1], ranges[-1] = np.nan, np.inf, 0.0
     scan = LaserScan(ranges, bearings, 0.1, 30.0)
-    filtered = filter_people(scan, [[2.1, 0.0]], 0.35)
+    filtered = scan.without(near_points(scan, [[2.1, 0.0]], 0.35))
     dropped = np.abs(bearings) < 0.1
     assert np.isnan(filtered.ranges[dropped]).all()
     assert not filtered.is_no_return[dropped].any()
@@ -22,36 +21,37 @@ def test_points_near_a_person_are_dropped_and_nothing_is_rewritten():
 
 def test_nobody_means_the_same_scan():
     scan = LaserScan(np.full(11, 3.0), np.linspace(-1, 1, 11), 0.1, 30.0)
-    np.testing.assert_array_equal(filter_people(scan, np.zeros((0, 2)), 0.35).ranges, scan.ranges)
+    np.testing.assert_array_equal(scan.without(near_points(scan, np.zeros((0, 2)), 0.35)).ranges, scan.ranges)
 
 
-def test_suspects_are_the_clusters_that_look_like_legs_seen_from_the_laser():
+def test_unconfirmed_legs_are_the_clusters_that_look_like_legs():
     scan = LaserScan(np.full(11, 3.0), np.linspace(-1, 1, 11), 0.1, 30.0, T_robot_lidar=(0.2, 0.1, np.pi / 2))
     positions, confidence = np.array([[1.0, 0.0], [2.0, 0.0], [0.2, 3.1]]), np.array([0.49, 0.5, 0.9])
     found = Detections(positions, confidence, confidence >= 0.3, clusters=None)
-    np.testing.assert_allclose(suspect_points_lidar(found, scan, 0.5), [[-0.1, -1.8], [3.0, 0.0]], atol=1e-12)
-    assert suspect_points_lidar(found, scan, 0.95).shape == (0, 2)
+    filtered = FilteredScan(scan, np.zeros(3), None, found, RemovalConfig(unconfirmed_confidence=0.5))
+    np.testing.assert_array_equal(filtered.unconfirmed_legs, positions[1:])
+    np.testing.assert_allclose(points_lidar(scan, filtered.unconfirmed_legs), [[-0.1, -1.8], [3.0, 0.0]], atol=1e-12)
+    none = FilteredScan(scan, np.zeros(3), None, found, RemovalConfig(unconfirmed_confidence=0.95))
+    assert none.unconfirmed_legs.shape == (0, 2)
 
 
 def test_people_are_placed_in_the_frame_of_the_laser():
     scan = LaserScan(np.full(11, 3.0), np.linspace(-1, 1, 11), 0.1, 30.0, T_robot_lidar=(0.2, 0.0, 0.0))
-    people = SimpleNamespace(points=np.array([[1.0, 3.0], [1.0, 4.0]]))
-    np.testing.assert_allclose(
-        people_points_lidar(people, (1.0, 1.0, np.pi / 2), scan), [[1.8, 0], [2.8, 0]], atol=1e-12
-    )
+    points = np.array([[1.0, 3.0], [1.0, 4.0]])
+    np.testing.assert_allclose(points_lidar(scan, points, (1.0, 1.0, np.pi / 2)), [[1.8, 0], [2.8, 0]], atol=1e-12)
 
 
-def test_a_sifted_scan_drops_who_is_known_and_who_may_be_somebody_each_by_its_own_distance():
+def test_a_filtered_scan_drops_who_is_known_and_who_may_be_somebody_each_by_its_own_distance():
     bearings = np.radians([-60.0, -3.0, 0.0, 30.0, 33.0, 60.0])
     scan = LaserScan(np.full(6, 4.0), bearings, 0.1, 30.0)
     ends = scan.beam_points
     people = SimpleNamespace(points=ends[2:3])
     confidence = np.array([0.5, 0.49])
     found = Detections(ends[[3, 5]], confidence, confidence >= 0.3, clusters=None)
-    config = PerceptionConfig(zeta=0.25, suspect_radius=0.1, suspect_confidence=0.5)
-    sifted = FilteredScan(scan, np.zeros(3), people, found, config)
-    np.testing.assert_array_equal(sifted.near_people, [False, True, True, True, False, False])
-    np.testing.assert_array_equal(np.isnan(sifted.without_people.ranges), sifted.near_people)
-    np.testing.assert_array_equal(sifted.scan.ranges, 4.0)
-    as_the_paper = FilteredScan(scan, np.zeros(3), people, found, PerceptionConfig(zeta=0.25, suspect_radius=0.0))
-    np.testing.assert_array_equal(as_the_paper.near_people, [False, True, True, False, False, False])
+    config = RemovalConfig(zeta=0.25, unconfirmed_radius=0.1, unconfirmed_confidence=0.5)
+    filtered = FilteredScan(scan, np.zeros(3), people, found, config)
+    np.testing.assert_array_equal(filtered.removed, [False, True, True, True, False, False])
+    np.testing.assert_array_equal(np.isnan(filtered.without_people.ranges), filtered.removed)
+    np.testing.assert_array_equal(filtered.scan.ranges, 4.0)
+    as_the_paper = FilteredScan(scan, np.zeros(3), people, found, RemovalConfig(zeta=0.25, unconfirmed_radius=0.0))
+    np.testing.assert_array_equal(as_the_paper.removed, [False, True, True, False, False, False])

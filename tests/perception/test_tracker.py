@@ -2,20 +2,21 @@ import dataclasses
 
 import numpy as np
 import pytest
-from tagalong.perception.config import PRESETS, PerceptionConfig, perception_preset
+from tagalong.perception.config import PRESETS, PerceptionConfig, perception_preset, table_ii
+from tagalong.perception.tracking.config import ConfirmationConfig
 from tagalong.slam.errors import InputError
 
 
 def test_table_two_is_the_default():
-    c = PerceptionConfig()
-    printed = (c.alpha, c.beta, c.gamma, c.delta, c.epsilon, c.zeta, c.c_min, c.q, c.r)
-    assert printed == (0.13, 3, 0.3, 0.5, 0.9, 0.35, 0.1, 0.05, 0.1)
+    c, printed = PerceptionConfig(), (0.13, 3, 0.3, 0.5, 0.9, 0.35, 0.1, 0.05, 0.1)
+    assert tuple(table_ii(c)) == ("alpha", "beta", "gamma", "delta", "epsilon", "zeta", "c_min", "q", "r")
+    assert tuple(table_ii(c).values()) == printed
     assert PRESETS["table2"] == c
 
 
 def test_wrong_configurations_say_what_is_wrong():
     with pytest.raises(InputError, match="`delta` must be positive"):
-        PerceptionConfig(delta=-1.0)
+        ConfirmationConfig(delta=-1.0)
     with pytest.raises(InputError, match=r"unknown preset 'table3'; presets: .*table2"):
         perception_preset("table3")
 
@@ -149,7 +150,7 @@ def test_clusters_below_gamma_never_start_a_person_and_block_their_cells(stage):
 
 def test_who_is_recognised_leaves_nobody_behind_to_be_met_again(make_stage):
     """A track that nobody was seen of for long is somebody who walks a metre beside it: it ends, and is nobody lost."""
-    stage = make_stage(config=perception_preset("outdoor"))
+    stage = make_stage(config=perception_preset("outdoor").tracker)
     stage.walk([[2.0, -3.0]], [[0.0, 0.8]], 6.0)
     hidden = [stage.show(np.zeros((0, 2))) for _ in range(12)]
     assert len(hidden[-1]) == 1
@@ -217,7 +218,7 @@ def test_legs_that_look_like_one_wide_thing_where_the_person_must_be_are_the_per
     for k in range(40):
         people = stage.show((), things=(2.0 + beside, 0.5 + 0.05 * k))
         both.append(len(people) == 1 and people.unseen_s[0] == 0.0)
-    long = round(stage.config.both_legs_s * stage.rate_hz)
+    long = round(stage.config.merged_legs.duration_s * stage.rate_hz)
     if seen:
         assert all(both[: long - 6])
     assert not any(both[long:])

@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
-from tagalong.perception.config import PerceptionConfig
 from tagalong.perception.tracking import person_tracks
+from tagalong.perception.tracking.config import TrackerConfig
 from tagalong.perception.tracking.leg_tracks import LEG, LegTracks
 
-CONFIG = PerceptionConfig()
+CONFIG = TrackerConfig()
+GATING, MOTION = CONFIG.gating, CONFIG.motion
 
 
 def tracks(*places):
@@ -51,7 +52,7 @@ def test_the_gate_opens_with_the_time_unseen_up_to_its_most():
     legs = tracks((0.0, 0.0), (5.0, 0.0), (10.0, 0.0))
     legs.rows["unseen_s"] = [0.0, 0.1, 60.0]
     _, gates = legs.cost(np.zeros((1, 2)), np.zeros((0, 2)))
-    assert gates.tolist() == pytest.approx([CONFIG.gate, CONFIG.gate + 0.1 * CONFIG.gate_speed, CONFIG.gate_most])
+    assert gates.tolist() == pytest.approx([GATING.gate, GATING.gate + 0.1 * GATING.gate_speed, GATING.gate_max])
     assert gates[0] < gates[1] < gates[2]
 
 
@@ -99,15 +100,15 @@ def test_one_leg_moves_a_person_less_than_two():
         person_tracks.correct(people, sighting, 0.1, CONFIG)
         moved.append(people["x"][0, 0] - 2.0)
     assert 0.0 < moved[1] < moved[0] < 0.3
-    both, one = (0.05 / (0.05 + r) for r in (CONFIG.r, CONFIG.r + CONFIG.one_leg_variance))
+    both, one = (0.05 / (0.05 + r) for r in (MOTION.r, MOTION.r + MOTION.one_leg_variance))
     assert moved == pytest.approx([0.3 * both, 0.3 * one], rel=1e-6)
 
 
 def test_what_is_believed_of_the_offset_fades():
     people = person()
-    person_tracks.predict(people, CONFIG.offset_time_s, CONFIG)
+    person_tracks.predict(people, CONFIG.pairing.offset_s, CONFIG)
     assert people["offset"][0] == pytest.approx([0.1 / np.e, 0.0])
-    assert people["age_s"][0] == pytest.approx(1.0 + CONFIG.offset_time_s)
+    assert people["age_s"][0] == pytest.approx(1.0 + CONFIG.pairing.offset_s)
 
 
 def test_legs_seen_now_say_whose_they_are(stage):

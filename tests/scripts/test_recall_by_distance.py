@@ -1,12 +1,11 @@
 """The experiment on recall over distance."""
 
 import numpy as np
-from tagalong.perception.legs.forest import LegForest
 from tagalong.scripts.benchmarks import recall_by_distance
 
 
 def test_near_people_are_found_and_counted_once():
-    there, found, _ = recall_by_distance.drive_counts(1, 1081, 0.0, 6.0, LegForest.load("simulation"))
+    there, found, _ = recall_by_distance.drive_counts(1, 1081, 0.0, 6.0)
     assert there[:2].sum() > 30
     assert np.all(found <= there)
     assert found[0] > 0.5 * there[0]

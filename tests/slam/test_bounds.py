@@ -6,9 +6,8 @@ from typing import Annotated, Any
 
 import numpy as np
 import pytest
-from tagalong.perception.config import PerceptionConfig
+from tagalong.perception.people_filter import PeopleFilter
 from tagalong.perception.tracking.camera import NoLegs, SeenPeople
-from tagalong.perception.tracking.tracker import PeopleTracker
 from tagalong.slam.bounds import MOST_BEAMS, Within, cell_numbers, check_numbers, checked_pose, memory_for
 from tagalong.slam.engine import ENGINES, make_slam
 from tagalong.slam.errors import InputError, shown
@@ -250,7 +249,7 @@ def test_a_scan_without_beams_contradicts_nothing():
 
 def test_tracking_refuses_odometry_and_sightings_out_of_this_world():
     with pytest.raises(InputError, match="`odometry`"):
-        PeopleTracker(PerceptionConfig(), NoLegs()).update(scan(), (1e25, 0.0, 0.0))
+        PeopleFilter(detector=NoLegs()).update(scan(), (1e25, 0.0, 0.0))
     with pytest.raises(InputError, match="`positions`"):
         SeenPeople(0.0, np.array([[np.inf, 0.0]]), np.ones(1))
 

@@ -10,11 +10,7 @@ from ....envs.onboard.config import PERCEPTION
 from ....envs.recording.slow_tour import SlowTourConfig, slow_tour
 from ....envs.scenes.occupancy import true_map
 from ....envs.world.world import World, WorldConfig
-from ....perception.legs.detector import LegDetector
-from ....perception.legs.forest import LegForest
-from ....perception.people_filter import filter_people, people_points_lidar, suspect_points_lidar
-from ....perception.tracking.tracker import PeopleTracker
-from ....slam.logs.drive_folder import SimulatedDrive
+from ....perception.people_filter import filtered_scans
 from ....slam.scan import LaserScan
 from ...lab.drive_files import MappingInput, save_input
 from .map_files import save_map
@@ -29,7 +25,7 @@ def record_tour(scene: str, people: int, odometry: str, seed: int, files: Path) 
     """Follow a leader (people >= 1) or drive alone (0); keep the scans, raw and filtered, in `files`."""
     if people == 0:
         drive = slow_tour(WorldConfig(scene=scene, odometry=odometry), seed, ALONE)
-        filtered = filtered_scans(drive)
+        filtered = [scan.without_people for scan in filtered_scans(drive.recording, PERCEPTION)]
         save_input(files / "drive.npz", MappingInput(drive, filtered))
         return {"ending": "tour_done", "scans": len(filtered), "removed": _removed(drive.recording.scans, filtered)}
     tour = following_tour(TourConfig(scene=scene, people=people, odometry=odometry, seed=seed))
@@ -50,18 +46,6 @@ def record_reference(scene: str, seed: int, files: Path) -> dict[str, Any]:
     building = World(WorldConfig(scene=scene, people=0, leader=False), np.random.default_rng(seed)).scene
     save_map(files / "truth.npz", true_map(building, RESOLUTION, T_world_map=drive.truth[0]))
     return {"scans": len(drive.recording.scans)}
-
-
-def filtered_scans(drive: SimulatedDrive) -> list[LaserScan]:
-    """Return the scans as the robot's people filter leaves them, with the environment's perception."""
-    tracker = PeopleTracker(PERCEPTION, LegDetector(LegForest.load("simulation"), PERCEPTION.detector()))
-    filtered = []
-    for odometry, scan in zip(drive.recording.odometry, drive.recording.scans, strict=True):
-        update = tracker.update(scan, odometry)
-        clean = filter_people(scan, people_points_lidar(update.people, odometry, scan), PERCEPTION.zeta)
-        suspects = suspect_points_lidar(update.detections, scan, PERCEPTION.suspect_confidence)
-        filtered.append(filter_people(clean, suspects, PERCEPTION.suspect_radius))
-    return filtered
 
 
 def _removed(raw: list[LaserScan], filtered: list[LaserScan]) -> float:

@@ -14,17 +14,13 @@ from ....envs.robot.operator import Operator
 from ....envs.sensors.camera.config import RgbdConfig
 from ....envs.sensors.lidar import LidarConfig
 from ....envs.world.world import World, WorldConfig
-from ....perception.config import PerceptionConfig
 from ....perception.immobile.mapper import ImmobileMapper
 from ....perception.immobile.view import CameraView, make_view
-from ....perception.legs.detector import LegDetector
-from ....perception.legs.forest import LegForest
-from ....perception.people_filter import near_points
+from ....perception.people_filter import PeopleFilter, PeopleFilterConfig, near_points
 from ....perception.rgbd.frame import RgbdFrame
 from ....perception.rgbd.people import RgbdPeopleFinder
 from ....perception.rgbd.people_finder import PeopleFinder
 from ....perception.rgbd.planes import PlaneFinder, Planes
-from ....perception.tracking.tracker import PeopleTracker
 from ....slam.engine import make_slam
 from ....slam.errors import unknown_name
 from ....slam.geometry import between, compose, inverse, transform_points
@@ -100,9 +96,7 @@ class _Drive:
         self.world = world
         self._engine = None if poses == "truth" else make_slam(poses, **({"seed": seed} if poses == "gmapping" else {}))
         self._delay_s, self._wrong, self._rng = delay_s, wrong, np.random.default_rng([seed, 7])
-        perception = PerceptionConfig()
-        self._zeta = perception.zeta
-        self._tracker = PeopleTracker(perception, LegDetector(LegForest.load("simulation"), perception.detector()))
+        self._people_filter = PeopleFilter(PeopleFilterConfig(forest="simulation"))
         self._planes = PlaneFinder()
         finders: dict[str, RgbdPeopleFinder] = {METHOD: PeopleFinder.load(), "true people": TrueRgbdPeopleFinder(world)}
         self._finders = {name: finder for name, finder in finders.items() if name in ways}
@@ -148,11 +142,11 @@ class _Drive:
     def _beams_on_people(self, scan: LaserScan, odometry: Array) -> Array:
         """Return (N,) how likely each beam met somebody whose legs are tracked."""
         found = np.zeros(len(scan))
-        people = self._tracker.update(scan, odometry).people
+        people = self._people_filter.update(scan, odometry).people
         T_lidar_odom = inverse(compose(odometry, scan.T_robot_lidar))
         for row in range(len(people)):
             places = np.concatenate((people.positions[row][None], people.legs[row]))
-            near = near_points(scan, transform_points(T_lidar_odom, places), self._zeta)
+            near = near_points(scan, transform_points(T_lidar_odom, places), self._people_filter.config.removal.zeta)
             found[near] = np.maximum(found[near], people.confidence[row])
         return found
 

@@ -11,12 +11,8 @@ from fuzzer.mutations import with_extremes
 from fuzzer.sanity import finite, sane_scan
 from fuzzer.scans import drive, hostile_drive, scan_of
 from numpy.random import Generator
-from tagalong.perception.config import PerceptionConfig, perception_preset
 from tagalong.perception.leader.selector import LeaderSelector
-from tagalong.perception.legs.detector import LegDetector
-from tagalong.perception.legs.forest import LegForest
-from tagalong.perception.people_filter import filter_people
-from tagalong.perception.tracking.tracker import PeopleTracker
+from tagalong.perception.people_filter import PeopleFilter, near_points
 from tagalong.slam.logs.drive_folder import read_feet
 from tagalong.slam.logs.scans_npz import NEEDED, read_scans_npz
 
@@ -58,15 +54,12 @@ def _sane_feet(feet: Any) -> None:
 
 def _tracked(value: Input, folder: Path) -> Any:
     """Do as `tagalong perceive` does with scans."""
-    config = perception_preset("table2")
-    tracker = PeopleTracker(config, LegDetector(LegForest.load("real"), config.detector()))
-    selector = LeaderSelector(config)
+    people_filter, selector = PeopleFilter(), LeaderSelector()
     updates = []
     for frame in value:
-        scan = scan_of(frame)
-        update = tracker.update(scan, frame["odometry"])
+        update = people_filter.update(scan_of(frame), frame["odometry"])
         selector.update(update.people, frame["odometry"])
-        filter_people(scan, update.people.positions, config.zeta)
+        assert update.without_people is not None
         updates.append(update)
     return updates
 
@@ -84,7 +77,8 @@ def _filter(rng: Generator) -> Input:
 
 
 def _filtered(value: Input, folder: Path) -> Any:
-    return filter_people(scan_of(value[0]), value[1], PerceptionConfig().zeta)
+    scan = scan_of(value[0])
+    return scan.without(near_points(scan, value[1], 0.35))
 
 
 def _warm() -> None:

@@ -1,7 +1,7 @@
 """Work in stages: who takes turns comes to the same end, a stage of each before the next of any."""
 
 import pytest
-from tagalong.perception.stages import completed, in_turn
+from tagalong.slam.processes.stages import completed, in_turn
 
 
 def work(name, stages, diary):

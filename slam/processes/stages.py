@@ -4,7 +4,8 @@ A step of an environment runs through more code and tables than a processor's ca
 environments to step, it is faster to run one stage of all of them before the next stage of any: what the stage needs is
 still there. On this project's machine eight offices took 0.6 to 0.7 of the time that they took one after the other.
 
-A piece of work is a generator. It pauses, yielding nothing, where a stage ends; what it returns is its result.
+A piece of work is a generator. It pauses, yielding nothing, where a stage ends; what it returns is its result. Only the
+environments' own steps are written so: a detector, a tracker, a filter is one call, and one stage, whoever wrote it.
 """
 
 from collections.abc import Generator, Iterable
