@@ -13,9 +13,7 @@ import multiprocessing as mp
 import os
 from collections.abc import Sequence
 from functools import partial
-from multiprocessing.reduction import ForkingPickler
 from numbers import Integral
-from pickle import PicklingError
 from typing import Any
 
 import numpy as np
@@ -28,6 +26,7 @@ from ...slam.processes.crew import require_workers
 from ...slam.processes.inside import answered
 from ...slam.processes.supervised import SILENT_S, Worker, end_all
 from ..episode_setup import interface
+from ..follow_config import FollowConfig
 from ..follow_env import FollowEnv
 from ..limits.field_checks import finite_numbers
 from .worker import Rows, WorkerShare, asked, joined, split, stacked, worker_share
@@ -81,7 +80,7 @@ class FollowVectorEnv(VectorEnv[Any, Any, Any]):
             raise InputError(f"`silent_s` must lie in [2, 86400] s: signs of life come every second; got {silent_s}")
         single = FollowEnv(**fields)
         if workers > 1:
-            _require_passing(fields, context)
+            _require_passing(single.config, context)
         self.config = single.config
         self.interface = interface(single.config)
         self.num_envs = num_envs
@@ -219,21 +218,19 @@ class FollowVectorEnv(VectorEnv[Any, Any, Any]):
         return placed
 
 
-def _require_passing(fields: dict[str, Any], context: str | None) -> None:
-    """Raise InputError unless arguments of `FollowEnv` reach processes that start in the way `context`.
+def _require_passing(config: FollowConfig, context: str | None) -> None:
+    """Raise InputError unless the functions of a configuration reach processes that start in the way `context`.
 
-    What a fork needs is there already. The other ways send the arguments through a pipe, which takes functions of a
-    module that the processes can import, but no lambda and no function within a function.
+    What a fork needs is there already. The other ways send a function by its name, which a lambda and a function within
+    a function have not.
     """
     method = mp.get_context(context).get_start_method()
-    if method == "fork":
-        return
-    for name, value in fields.items():
-        try:
-            ForkingPickler.dumps(value)
-        except (TypeError, AttributeError, PicklingError):
-            rule = f'must reach processes that start by "{method}": functions of a module do, lambdas do not'
-            raise InputError(f"`{name}` {rule}; got {shown(value)}") from None
+    functions = {f"`reward.terms[{name!r}]`": function for name, function in config.reward.terms.items()}
+    functions |= {f"`observation.entries[{name!r}]`": entry[1] for name, entry in config.observation.entries.items()}
+    for name, function in {"`slam`": config.slam, **functions}.items():
+        if method != "fork" and "<" in getattr(function, "__qualname__", ""):
+            rule = f'must be a function of a module to reach processes that start by "{method}"'
+            raise InputError(f"{name} {rule}, got {shown(function)}")
 
 
 def _is_whole(value: Any) -> bool:

@@ -223,7 +223,9 @@ def test_functions_of_a_module_work_in_the_processes_of_a_vector_environment(con
 
 def test_a_function_that_reaches_no_process_is_told_before_one_starts():
     many = {"vectorization_mode": "vector_entry_point", "workers": 2, "context": "spawn"}
-    with pytest.raises(InputError, match=r'`reward\.terms` must reach processes that start by "spawn"'):
+    with pytest.raises(
+        InputError, match=r'alive.* must be a function of a module to reach processes that start by "spawn"'
+    ):
         gym.make_vec(CORRIDOR, num_envs=2, **many, slam=None, **{"reward.terms": {"alive": lambda facts: 1.0}})
 
 
