@@ -1,5 +1,6 @@
 """From a configuration and reset options to a world and a mind."""
 
+import math
 from collections.abc import Mapping
 from numbers import Integral
 from typing import Any
@@ -99,6 +100,8 @@ def interface(config: FollowConfig) -> FollowInterface:
         bearings=lidar.bearings,
         range_max=lidar.range_max,
         T_robot_lidar=lidar.mount,
+        half_length=math.ceil(500.0 * robot.size[0]) / 1000.0,
+        half_width=math.ceil(500.0 * robot.size[1]) / 1000.0,
     )
 
 
@@ -120,7 +123,7 @@ class OnboardStackFactory:
     def __init__(self, config: FollowConfig) -> None:
         self._config, self._source = config, config.people.source
         self._perception = config.perception
-        self._forest = LegForest.load(self._perception.forest) if self._source == "tracker" else None
+        self._forest = LegForest.load(config.perception.forest) if self._source == "tracker" else None
         found = config.sensors.camera is not None and self._source != "truth"
         self._looks = found or (config.sensors.camera is not None and config.mapping.map == "immobile")
         self._finder: RgbdPeopleFinder = PeopleFinder.load() if found else NoPeopleFinder()

@@ -20,6 +20,7 @@ from .oracle import step_facts
 from .sensors.sweeps import timed_odometry
 from .task.coverage import Coverage, NoCoverage
 from .task.endings import Ending, EndingRule
+from .task.info import step_info
 from .task.interface import OwnMap
 from .task.observation import Observer, observation_space
 from .task.rewards import StepFacts, exploration_terms, reward_terms
@@ -56,7 +57,7 @@ class FollowEnv(gym.Env[Any, Any]):
 
     ## Description
 
-    A robot like the Clearpath Dingo stands behind a person, who soon sets off on a tour of the building: `corridor`
+    A robot, usually a Clearpath Dingo, stands behind a person, who soon sets off on a tour of the building: `corridor`
     (40 x 2.4 m with a bend and 10 m more), `meeting_room` (10 x 7 m), `office` (20 x 12 m of rooms along corridors;
     other kinds of floors for `split="test"` than for training), `floor_plan` (any ROS map, `floor_plan="map.yaml"`),
     `plain_corridor` (30 x 2.2 m, smooth walls), `landmarks` (round posts on open ground) or `lab` (9 x 7 m with a
@@ -68,8 +69,8 @@ class FollowEnv(gym.Env[Any, Any]):
 
     ## Action
 
-    `Box(-1, 1, (2,), float32)`, for `drive="holonomic"` `(3,)`. Values beyond are clipped; the robot's limits of
-    acceleration (2 m/s^2, 8 rad/s^2) hold.
+    `Box(-1, 1, (2,), float32)`, for a holonomic robot, `robot="dingo-o"`, `(3,)`. Values beyond are clipped; the
+    robot's limits of acceleration (2 m/s^2, 8 rad/s^2) hold.
 
     | num | meaning | at -1 | at +1 |
     |---|---|---|---|
@@ -83,13 +84,13 @@ class FollowEnv(gym.Env[Any, Any]):
 
     | key | shape | meaning | range |
     |---|---|---|---|
-    | `scan` | (beams,) | range over `laser_range`, right to left; 1: no return or no measurement | 0 .. 1 |
+    | `scan` | (beams,) | range over `range_max`, right to left; 1: no return or no measurement | 0 .. 1 |
     | `leader` | (6,) | x, y, vx, vy (over ground), confidence, visible | 30 m, 3 m/s, 0 .. 1 |
     | `people` | (people_slots, 6) | other people, nearest first: x, y, vx, vy, confidence, present (mask) | as above |
     | `velocity` | (2,) or (3,) | own forward speed, speed to the left if holonomic, turn rate, by odometry | 3, 3, 6 |
     | `map` | (map_cells, map_cells) | cells around the robot: 0 free, 0.5 unknown, 1 occupied | 0 .. 1 |
 
-    With `sensors={"lidar", "rgbd"}` there are two entries more, of a camera like the Kinect V2, 1 m above the floor:
+    With `camera="kinect-v2"` there are two entries more, of a camera 1 m above the floor:
 
     | key | shape, type | meaning | range |
     |---|---|---|---|
@@ -114,8 +115,9 @@ class FollowEnv(gym.Env[Any, Any]):
 
     ## Rewards
 
-    The sum of these terms, also in `info["reward_terms"]`. They are made of the truth, as rewards may be. s is the
-    length of the step over 0.1 s; `tolerance` is 1 within a bound, 0.1 one margin beyond it, a Gaussian in between.
+    The sum of these terms, also in `info["reward_terms"]`, with their usual weights, which `reward.NAME` sets. They are
+    made of the truth, as rewards may be. s is the length of the step over 0.1 s; `tolerance` is 1 within a bound, 0.1
+    one margin beyond it, a Gaussian in between.
 
     | term | formula | why |
     |---|---|---|
@@ -159,11 +161,27 @@ class FollowEnv(gym.Env[Any, Any]):
 
     ## Arguments
 
-    `gymnasium.make("tagalong/Corridor-v0", people="truth", slam=None, ...)`: the fields of `FollowConfig` with their
-    defaults (scene, split, floor_plan, walking_paths, people, slam, mapping, leader, people_count, standing,
-    leader_style, odometry, drive, top_turn_rate, beams, field_of_view, laser_range, lidar_hz, sensors, camera_pixels,
-    camera_hz, control_hz, people_slots, map_cells, map_resolution, lost_limit_s, coverage, coverage_goal,
-    ends_on_contact), and
+    `gymnasium.make("tagalong/Corridor-v0", people="truth", slam=None, **{"lidar.height": 0.3})`: a setting is named by
+    its path in the tree of `FollowConfig`, such as `sensors.lidar.beams`, or by the end of it where only one ends so:
+    `lidar.beams`, `beams`. What is in `perception`, `slam` and `reward` is named by its whole path. A branch takes a
+    configuration, `slam=GMappingConfig(particles=50)`, or a text or None that chooses one.
+
+    | branch | chosen by | settings |
+    |---|---|---|
+    | `world` | a `scene` | `scene`, `split`, `floor_plan`, `walking_paths` |
+    | `robot` | "dingo-d", "dingo-o", "pioneer" | `drive`, `chassis`, `max_speed`, `max_acceleration`, `mass` ... |
+    | `sensors.lidar` | | `beams`, `field_of_view`, `rate_hz`, `range_max`, `mount`, `height`, `sigma_near` ... |
+    | `sensors.camera` | "kinect-v2", None | `width`, `height`, `rate_hz` ... |
+    | `sensors.odometry` | "perfect", "good", "typical", "slipping" | `scale_limit`, `alpha1` ... |
+    | `people` | "tracker", "camera", "truth" | `source`, `people_count`, `standing`, `leader_style` |
+    | `perception` | | `perception.removal.zeta` and all others of leg detector, tracker and people filter |
+    | `slam` | "gmapping", "cartographer", "ekf", "truth", None | `slam.particles` ...; or a `function(seed)` |
+    | `mapping` | "occupancy", "immobile" | `map`, `filter_people` (False: raw scans into SLAM and map) |
+    | `reward` | | weight of each term by its name, `following_distance` ...; `terms`: name -> `function(StepFacts)` |
+    | `observation` | | `people_slots`, `map_cells`, `map_resolution`; `entries`: name -> (space, `function(Belief)`) |
+    | `task` | | `leader`, `control_hz`, `top_turn_rate`, `lost_limit_s`, `coverage`, `ends_on_contact` ... |
+
+    `tagalong.envs.follow_config` has them all, with what each means. Besides:
 
     - `render_mode`: None, "rgb_array", "human" (MuJoCo's viewer; needs a display).
     - `render_backend`: of "rgb_array": "topview" (needs no OpenGL), "mujoco" (camera; needs OpenGL).
@@ -237,7 +255,7 @@ class FollowEnv(gym.Env[Any, Any]):
         if self.render_mode == "human":
             self.render()
         facts, self._ending = self._facts(0.0), Ending()
-        info = self._info(facts, self._ending, dict.fromkeys(self._terms(facts), 0.0))
+        info = self._info(facts, dict.fromkeys(self._terms(facts), 0.0))
         return self._observer.observe(self._belief, world.frames), info
 
     def step(self, action: ArrayLike) -> StepResult:
@@ -261,7 +279,7 @@ class FollowEnv(gym.Env[Any, Any]):
         ending = self._ending = self._endings.update(self._truth, facts)
         if self.render_mode == "human":
             self.render()
-        info, reward = self._info(facts, ending, terms), sum(terms.values())
+        info, reward = self._info(facts, terms), sum(terms.values())
         self.witness(wanted, reward, terms)
         yield
         return (
@@ -378,24 +396,5 @@ class FollowEnv(gym.Env[Any, Any]):
         covered = (self._covered, self.coverage.share)
         return step_facts(self._truth, self._belief, radius, action_change, step_s, covered)
 
-    def _info(self, facts: StepFacts, ending: Ending, terms: dict[str, float]) -> dict[str, Any]:
-        belief = self._belief
-        info = {
-            "time_s": self._truth.time_s,
-            "reward_terms": terms,
-            "ending": ending.reason,
-            "is_success": ending.reason in ("tour_done", "covered"),
-            "tracked_people": len(belief.people),
-            "odometry": belief.odometry.copy(),
-            "robot_pose": self._truth.robot_pose.copy(),
-        }
-        if self.config.task.leader:
-            info["leader_distance"] = facts.distance
-            info["following_leader"] = facts.following_leader
-            info["lost_s"] = ending.lost_s
-            info["leader_id"] = belief.leader_id
-        if not np.isnan(facts.coverage):
-            info["coverage"] = facts.coverage
-        if self.config.slam is not None:
-            info["map_pose"] = belief.map_pose.copy()
-        return info
+    def _info(self, facts: StepFacts, terms: dict[str, float]) -> dict[str, Any]:
+        return step_info(self._truth, self._belief, facts, terms, self._ending, self.config.task.leader)

@@ -11,9 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...envs.task.interface import FollowInterface
 from ...slam.errors import InputError
 from ..scripted.leader_memory import Mode
-from .guard import GuardConfig, box_gaps
+from .guard import box_gaps
 from .manoeuvres import LONGEST_S, SPACING_M, drive_in_thought, resampled, thinned, turned_away
 from .situation import Situation, Wish
 from .steering import State, SteeringConfig
@@ -85,13 +86,13 @@ class Detour:
 
     Args:
         config: When and how.
-        guard: Sizes of the robot, and the gap that is kept.
         steering: How wishes are driven.
-        step_s: Length of a step [s].
+        interface: Length of a step, and the robot's size.
     """
 
-    def __init__(self, config: DetourConfig, guard: GuardConfig, steering: SteeringConfig, step_s: float) -> None:
-        self.config, self._guard, self._steering, self._step_s = config, guard, steering, step_s
+    def __init__(self, config: DetourConfig, steering: SteeringConfig, interface: FollowInterface) -> None:
+        self.config, self._steering, self._robot = config, steering, interface
+        self._step_s = 1.0 / interface.control_hz
         first = np.array(np.meshgrid(config.first_speeds, config.turns, config.first_s)).reshape(3, -1).T
         then = np.array(np.meshgrid(config.then_speeds, config.turns)).reshape(2, -1).T
         self._plans = np.hstack((np.repeat(first, len(then), axis=0), np.tile(then, (len(first), 1))))
@@ -133,9 +134,9 @@ class Detour:
         """Return what the best manoeuvre wishes now, and remember it as begun."""
         c, plans = self.config, np.vstack((self._plans, self._begun))
         near = thinned(things, _REACH_M)
-        driven = drive_in_thought(state, plans, near, c.horizon_s, self._step_s, self._steering, self._guard)
+        driven = drive_in_thought(state, plans, near, c.horizon_s, self._step_s, self._steering, self._robot)
         poses, gap = driven.poses, driven.gaps
-        now = float(box_gaps(np.zeros((1, 3)), near, self._guard).min(initial=np.inf))
+        now = float(box_gaps(np.zeros((1, 3)), near, self._robot).min(initial=np.inf))
         arc = SPACING_M * np.arange(1, len(path) + 1)
         off = np.hypot(path[:, 0] - poses[:, :1], path[:, 1] - poses[:, 1:2])
         reached = c.off_trail * off - arc

@@ -32,8 +32,6 @@ class GuardConfig:
     """What is guarded.
 
     Attributes:
-        half_length: Half of the robot's length [m].
-        half_width: Half of its width [m].
         margin: Gap kept to every return, a few times the laser's noise; who is nearer may not come nearer [m].
         reach: Returns farther than this from the laser do not matter [m].
         leader_near: A leader farther than this is no thing to be touched: it walks on [m].
@@ -43,8 +41,6 @@ class GuardConfig:
         remembered_s: For how long returns are remembered that the laser, looking forward, has lost behind it [s].
     """
 
-    half_length: float = 0.275
-    half_width: float = 0.259
     margin: float = 0.04
     reach: float = 1.4
     leader_near: float = 0.9
@@ -56,8 +52,6 @@ class GuardConfig:
     def __post_init__(self) -> None:
         if not (self.margin >= 0.0 and self.reach > 0.0 and 1 <= self.brake_steps <= _MOST_STEPS):
             raise InputError(f"a guard needs margin >= 0, reach > 0 and 1 to {_MOST_STEPS} steps of braking")
-        if not (self.half_length > 0.0 and self.half_width > 0.0):
-            raise InputError(f"a guard needs a box, got half of it as {self.half_length} x {self.half_width} m")
         if not (0.0 <= self.kept_s <= _MOST_S and 0.0 <= self.remembered_s <= _MOST_S):
             raise InputError(f"a guard remembers for 0 to {_MOST_S:g} s, got {self.kept_s} and {self.remembered_s}")
 
@@ -81,13 +75,13 @@ class Guard:
     """
 
     def __init__(self, config: GuardConfig, steering: SteeringConfig, interface: FollowInterface) -> None:
-        self.config, self._steering = config, steering
+        self.config, self._steering, self._robot = config, steering, interface
         self._step_s = 1.0 / interface.control_hz
         self._scan = ScanPoints(interface)
         x, y, turn = interface.T_robot_lidar
         self._laser = np.array((x, y))
         self._sides = (interface.bearings[0] + turn, interface.bearings[-1] + turn)
-        self._behind = Hindsight(config.half_length, config.half_width, interface)
+        self._behind = Hindsight(interface)
         self.reset()
 
     def reset(self) -> None:
@@ -135,7 +129,7 @@ class Guard:
             wish: Speed [m/s] and turn rate [rad/s].
         """
         things = self.things
-        gaps = signed_gaps(np.zeros((1, 3)), things, self.config)[0]
+        gaps = signed_gaps(np.zeros((1, 3)), things, self._robot)[0]
         now, speed = float(gaps.min(initial=np.inf)), abs(state[0])
         if now > 0.2 + 0.45 * speed + speed**2 / 3.0 and min(wish[0], state[0]) >= 0.0:
             return wish
@@ -168,7 +162,7 @@ class Guard:
         for k in range(self.config.brake_steps + 1):
             states = steer_many(states, wishes if k == 0 else np.zeros_like(wishes), self._step_s, self._steering)
             poses = driven(poses, states, self._step_s)
-            gaps = signed_gaps(poses, things, self.config)
+            gaps = signed_gaps(poses, things, self._robot)
             spare, back = np.minimum(spare, (gaps - bounds).min(axis=1, initial=np.inf)), np.maximum(back, -poses[:, 0])
         least = float(back[-1]) + _NEARER_M
         room = least if back.max() <= least else max(self.room_behind(), least)
@@ -181,19 +175,19 @@ def driven(poses: Array, states: Array, step_s: float) -> Array:
     return poses + np.column_stack((way * np.cos(middle), way * np.sin(middle), states[:, 2] * step_s))
 
 
-def signed_gaps(poses: Array, things: Array, config: GuardConfig) -> Array:
+def signed_gaps(poses: Array, things: Array, robot: FollowInterface) -> Array:
     """Return (n, m) distance from the robot's box at each of `poses` (n, 3) to each of `things` (m, 2) [m].
 
     Of a thing inside the box it is negative: how deep inside, to the nearest side.
     """
-    ahead, aside = _beyond(poses, things, config)
+    ahead, aside = _beyond(poses, things, robot)
     outside = np.sqrt(np.maximum(ahead, 0.0) ** 2 + np.maximum(aside, 0.0) ** 2)
     return outside + np.minimum(np.maximum(ahead, aside), 0.0)
 
 
-def box_gaps(poses: Array, things: Array, config: GuardConfig) -> Array:
+def box_gaps(poses: Array, things: Array, robot: FollowInterface) -> Array:
     """Return (n,) the least of `signed_gaps` at each of `poses` (n, 3) [m]; without things, infinity."""
-    ahead, aside = _beyond(poses, things, config)
+    ahead, aside = _beyond(poses, things, robot)
     square = np.maximum(ahead, 0.0) ** 2 + np.maximum(aside, 0.0) ** 2
     least = np.sqrt(square.min(axis=1, initial=np.inf))
     touched = least == 0.0
@@ -201,11 +195,11 @@ def box_gaps(poses: Array, things: Array, config: GuardConfig) -> Array:
     return least
 
 
-def _beyond(poses: Array, things: Array, config: GuardConfig) -> tuple[Array, Array]:
+def _beyond(poses: Array, things: Array, robot: FollowInterface) -> tuple[Array, Array]:
     """Return (n, m) how far each thing is beyond the front or the rear, and beyond the sides; negative: within [m]."""
     x, y = things[:, 0] - poses[:, :1], things[:, 1] - poses[:, 1:2]
     cos, sin = np.cos(poses[:, 2:]), np.sin(poses[:, 2:])
-    return np.abs(cos * x + sin * y) - config.half_length, np.abs(cos * y - sin * x) - config.half_width
+    return np.abs(cos * x + sin * y) - robot.half_length, np.abs(cos * y - sin * x) - robot.half_width
 
 
 class NoGuard:

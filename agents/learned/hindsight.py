@@ -27,12 +27,11 @@ class Hindsight:
     """Remembers the views of one episode.
 
     Args:
-        half_length: Half of the robot's length [m].
-        half_width: Half of its width [m].
-        interface: Where the beams look, and how far.
+        interface: Where the beams look, and how far; and the robot's size.
     """
 
-    def __init__(self, half_length: float, half_width: float, interface: FollowInterface) -> None:
+    def __init__(self, interface: FollowInterface) -> None:
+        half_length, half_width = interface.half_length, interface.half_width
         self._half, self._scale = np.array((half_length, half_width)), interface.range_max
         self._count = len(interface.bearings)
         self._beams = slice(None, None, max(1, len(interface.bearings) // MOST_BEAMS))

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .guard import GuardConfig, box_gaps, driven
+from ...envs.task.interface import FollowInterface
+from .guard import box_gaps, driven
 from .steering import State, SteeringConfig, steer_many
 
 Array = NDArray[np.float64]
@@ -39,7 +40,7 @@ def drive_in_thought(
     horizon_s: float,
     step_s: float,
     steering: SteeringConfig,
-    box: GuardConfig,
+    robot: FollowInterface,
 ) -> Driven:
     """Drive manoeuvres of two parts each.
 
@@ -50,7 +51,7 @@ def drive_in_thought(
         horizon_s: Length of both parts [s].
         step_s: Length of a step [s].
         steering: How wishes are driven.
-        box: Sizes of the robot.
+        robot: Its size.
     """
     states, poses = np.repeat(np.array([state]), len(plans), axis=0), np.zeros((len(plans), 3))
     least, back = np.full(len(plans), np.inf), np.zeros(len(plans))
@@ -60,7 +61,7 @@ def drive_in_thought(
         poses = driven(poses, states, step_s)
         back = np.maximum(back, -poses[:, 0])
         if k % 2:
-            least = np.minimum(least, box_gaps(poses, things, box))
+            least = np.minimum(least, box_gaps(poses, things, robot))
     return Driven(poses, least, back)
 
 

@@ -58,17 +58,17 @@ class Pilot:
         self._detour: Detour | NoDetour = NoDetour()
         self._swerve: Swerve | NoSwerve = NoSwerve()
         if config.guard is not None:
-            self._make_escape(config, config.guard, 1.0 / interface.control_hz)
+            self._make_escape(config, config.guard)
         self.reset()
 
-    def _make_escape(self, config: PilotConfig, guard: GuardConfig, step_s: float) -> None:
+    def _make_escape(self, config: PilotConfig, guard: GuardConfig) -> None:
         """Take what is only safe with a guard."""
         if config.keep_up is not None:
             self._keep_up = KeepUp(config.keep_up)
         if config.detour is not None:
-            self._detour = Detour(config.detour, guard, config.steering, step_s)
+            self._detour = Detour(config.detour, config.steering, self._interface)
         if config.swerve is not None:
-            self._swerve = Swerve(config.swerve, guard, config.steering, step_s)
+            self._swerve = Swerve(config.swerve, guard, config.steering, self._interface)
 
     def reset(self) -> None:
         """Forget the last episode; stand."""

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...envs.task.interface import FollowInterface
 from ...slam.errors import InputError
 from ..scripted.leader_memory import Mode
 from .guard import GuardConfig
@@ -68,13 +69,16 @@ class Swerve:
 
     Args:
         config: When and how.
-        guard: Sizes of the robot, and the gap that is kept.
+        guard: The gap that is kept.
         steering: How wishes are driven.
-        step_s: Length of a step [s].
+        interface: Length of a step, and the robot's size.
     """
 
-    def __init__(self, config: SwerveConfig, guard: GuardConfig, steering: SteeringConfig, step_s: float) -> None:
-        self.config, self._guard, self._steering, self._step_s = config, guard, steering, step_s
+    def __init__(
+        self, config: SwerveConfig, guard: GuardConfig, steering: SteeringConfig, interface: FollowInterface
+    ) -> None:
+        self.config, self._guard, self._steering, self._robot = config, guard, steering, interface
+        self._step_s = 1.0 / interface.control_hz
 
     def avoid(self, wish: Wish, situation: Situation) -> Wish:
         """Return `wish`, or the one that is nearest to it and comes not too near to things."""
@@ -101,7 +105,7 @@ class Swerve:
 
     def _driven(self, state: State, wishes: Array, things: Array) -> Driven:
         plans = np.column_stack((wishes, np.full(len(wishes), np.inf), wishes))
-        return drive_in_thought(state, plans, things, self.config.ahead_s, self._step_s, self._steering, self._guard)
+        return drive_in_thought(state, plans, things, self.config.ahead_s, self._step_s, self._steering, self._robot)
 
 
 def foreseen(things: Array, people: Array, ahead_s: float) -> Array:

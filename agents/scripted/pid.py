@@ -89,7 +89,9 @@ class PIDFollower:
         if goal.mode is Mode.SEARCH:
             return self._command(0.0, self._memory.search_turn)
         obstacles = self._obstacles(observation, goal)
-        way = free_heading(goal.bearing, goal.distance, obstacles, self._deviation, self.config.avoidance)
+        way = free_heading(
+            goal.bearing, goal.distance, obstacles, self._deviation, self.config.avoidance, self.interface
+        )
         self._deviation = way.heading - goal.bearing
         return self._command(*self._follow(goal, way.heading, way.ahead))
 

@@ -88,7 +88,7 @@ class PurePursuitFollower:
         if observation["leader"][5] > 0.5:
             points = without(points, np.array([[goal.x, goal.y]]), self.config.body)
         bearing, reach = math.atan2(aim[1], aim[0]), math.hypot(*aim)
-        way = free_heading(bearing, reach, points, self._deviation, self.config.avoidance)
+        way = free_heading(bearing, reach, points, self._deviation, self.config.avoidance, self.interface)
         self._deviation = way.heading - bearing
         return self._command(*self._drive(goal, way.heading, reach, way.ahead))
 

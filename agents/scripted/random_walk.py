@@ -67,10 +67,10 @@ class RandomWalk:
 
     def _maybe_turn(self, points: Array) -> None:
         c = self.config
-        ahead = float(free_lengths(np.array([self._heading]), points, c.avoidance)[0])
+        ahead = float(free_lengths(np.array([self._heading]), points, c.avoidance, self.interface)[0])
         if ahead >= c.room and self._still_s < c.stuck_s:
             return
         self._still_s = 0.0
         ways = self._rng.uniform(-math.pi, math.pi, 24)
-        free = free_lengths(ways, points, c.avoidance) > 2.0 * c.room
+        free = free_lengths(ways, points, c.avoidance, self.interface) > 2.0 * c.room
         self._heading = float(ways[int(np.argmax(free))])

@@ -25,8 +25,6 @@ from ..learned.steering import State
 from ..protocol.follower import Observation
 from ..scripted.scan_points import ScanPoints
 
-_HALF_LENGTH, _HALF_WIDTH = 0.275, 0.26
-
 
 @dataclass(frozen=True, kw_only=True)
 class RewardWeights:
@@ -68,7 +66,7 @@ class TrainingReward:
     """
 
     def __init__(self, weights: RewardWeights, interface: FollowInterface) -> None:
-        self._weights, self._points = weights, ScanPoints(interface)
+        self._weights, self._points, self._robot = weights, ScanPoints(interface), interface
         self.reset(0.0)
 
     def reset(self, coverage: float) -> None:
@@ -89,7 +87,7 @@ class TrainingReward:
         """
         w, before = self._weights, self._commanded
         newly, self._coverage, self._commanded = max(coverage - self._coverage, 0.0), coverage, commanded
-        lack = 1.0 - min(nearest_gap(self._points.near(observation, 1.0)) / w.clearance_m, 1.0)
+        lack = 1.0 - min(nearest_gap(self._points.near(observation, 1.0), self._robot) / w.clearance_m, 1.0)
         change, turn_change = commanded[1] - before[1], commanded[3] - before[3]
         return {
             "following": w.following * own["distance"],
@@ -104,7 +102,7 @@ class TrainingReward:
         }
 
 
-def nearest_gap(points: NDArray[np.float64]) -> float:
+def nearest_gap(points: NDArray[np.float64], robot: FollowInterface) -> float:
     """Return the least distance from the robot's box to `points` (n, 2), robot frame [m]; inf without any."""
-    beyond = np.maximum(np.abs(points) - (_HALF_LENGTH, _HALF_WIDTH), 0.0)
+    beyond = np.maximum(np.abs(points) - (robot.half_length, robot.half_width), 0.0)
     return float(np.sqrt((beyond**2).sum(axis=1).min(initial=np.inf)))

@@ -53,7 +53,7 @@ def make_engine(choice: Any, seed: np.random.SeedSequence) -> SlamEngine:
     if isinstance(choice, EkfSlamConfig):
         return EkfSlam(choice)
     engine = choice(seed)
-    missing = [name for name in ("update", "pose", "map") if not hasattr(engine, name)]
+    missing = [name for name in ("update", "pose", "live_map") if not hasattr(engine, name)]
     if missing:
         raise InputError(f"`slam` must return a SlamEngine, got {shown(engine)} without {', '.join(missing)}")
     return engine

@@ -43,6 +43,8 @@ class FollowInterface:
         bearings: (N,) directions of the beams of `scan` in the laser frame [rad].
         range_max: Distance that reads 1 in `scan` [m].
         T_robot_lidar: Pose of the laser in the robot frame [m, m, rad].
+        half_length: Half of the robot's length, rounded up to a millimetre [m].
+        half_width: Half of its width, likewise [m].
         own_map: Asks for the robot's whole map, for those who plan ahead; None where nothing builds one. (Observation
             `map` shows what is around.)
     """
@@ -54,4 +56,6 @@ class FollowInterface:
     bearings: NDArray[np.float64] = field(default_factory=_default_bearings)
     range_max: float = 30.0
     T_robot_lidar: tuple[float, float, float] = (0.1, 0.0, 0.0)
+    half_length: float = 0.275
+    half_width: float = 0.259
     own_map: Callable[[], OwnMap] | None = None

@@ -9,6 +9,7 @@ of two processes beside it. A process steps its environments in stages (`slam.pr
 thirds of the time of one after the other.
 """
 
+import multiprocessing as mp
 import os
 from collections.abc import Sequence
 from functools import partial
@@ -24,9 +25,10 @@ from ...slam.errors import InputError, WorkerError, shown
 from ...slam.processes.crew import require_workers
 from ...slam.processes.inside import answered
 from ...slam.processes.supervised import SILENT_S, Worker, end_all
+from ..episode_setup import interface
+from ..follow_config import FollowConfig
 from ..follow_env import FollowEnv
 from ..limits.field_checks import finite_numbers
-from ..task import interface
 from .worker import Rows, WorkerShare, asked, joined, split, stacked, worker_share
 
 Flags = NDArray[np.bool_]
@@ -47,7 +49,8 @@ class FollowVectorEnv(VectorEnv[Any, Any, Any]):
         autoreset_mode: When an ended episode is followed by the next: "NextStep" (the step after returns the first
             observation of the next, its action is ignored), "SameStep" (`final_obs` and `final_info` in `info` hold
             the end), "Disabled".
-        context: How processes start: "fork", "forkserver", "spawn"; None takes the platform's way.
+        context: How processes start: "fork", "forkserver", "spawn"; None takes the platform's way. Functions among the
+            arguments reach forks whatever they are; the other ways need functions of a module that can be imported.
         silent_s: Time without a sign of life after which a process counts as lost [s]; they give one every second.
         fields: Keyword arguments of `FollowEnv`.
 
@@ -76,6 +79,8 @@ class FollowVectorEnv(VectorEnv[Any, Any, Any]):
         if not 2.0 <= silent_s <= 86_400.0:
             raise InputError(f"`silent_s` must lie in [2, 86400] s: signs of life come every second; got {silent_s}")
         single = FollowEnv(**fields)
+        if workers > 1:
+            _require_passing(single.config, context)
         self.config = single.config
         self.interface = interface(single.config)
         self.num_envs = num_envs
@@ -211,6 +216,21 @@ class FollowVectorEnv(VectorEnv[Any, Any, Any]):
         placed = old.copy()
         placed[mask] = fresh
         return placed
+
+
+def _require_passing(config: FollowConfig, context: str | None) -> None:
+    """Raise InputError unless the functions of a configuration reach processes that start in the way `context`.
+
+    What a fork needs is there already. The other ways send a function by its name, which a lambda and a function within
+    a function have not.
+    """
+    method = mp.get_context(context).get_start_method()
+    functions = {f"`reward.terms[{name!r}]`": function for name, function in config.reward.terms.items()}
+    functions |= {f"`observation.entries[{name!r}]`": entry[1] for name, entry in config.observation.entries.items()}
+    for name, function in {"`slam`": config.slam, **functions}.items():
+        if method != "fork" and "<" in getattr(function, "__qualname__", ""):
+            rule = f'must be a function of a module to reach processes that start by "{method}"'
+            raise InputError(f"{name} {rule}, got {shown(function)}")
 
 
 def _is_whole(value: Any) -> bool:

@@ -16,6 +16,7 @@ from ...envs.suites import FIRST_SEED, SUITES, Scenario, suite
 from ...slam.errors import InputError
 from ...slam.files.output import write_json
 from ..console.arguments import require_count
+from ..console.setting_words import add_settings, read_settings
 from ..console.tables import format_table
 from ..lab.hardware import describe_machine
 from ..lab.statistics import Estimate, metric_mean, share
@@ -38,6 +39,7 @@ examples:
   tagalong evaluate pid --env tagalong/Corridor-v0 --episodes 30 --people 2
   tagalong evaluate pid --env tagalong/MeetingRoom-v0 --perception truth --out out/pid-truth
   tagalong evaluate pid --suite office --episodes 100
+  tagalong evaluate pid --set robot=pioneer --set lidar.rate_hz=20 --set perception.removal.zeta=0.5
   tagalong evaluate my_module:Bold --episodes 10
 """.format(followers=", ".join(FOLLOWERS), explorers=", ".join(EXPLORERS))
 
@@ -66,7 +68,7 @@ EXPLORATION_MEANS = {
     },
 }
 """The same without a leader."""
-_ASKED = ("follower", "env", "suite", "episodes", "people", "seed", "perception", "beams")
+_ASKED = ("follower", "env", "suite", "episodes", "people", "seed", "perception", "beams", "settings")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -88,6 +90,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--perception", choices=("tracker", "truth"), default="tracker", help="how people are perceived (%(default)s)"
     )
     parser.add_argument("--beams", type=int, default=1081, metavar="N", help="beams of the laser (%(default)s)")
+    add_settings(parser, "an argument of the environment, e.g. robot=pioneer, lidar.height=0.3 or slam=gmapping")
     parser.add_argument("--out", type=Path, metavar="DIR", help="write evaluation.json there")
 
 
@@ -126,7 +129,8 @@ def _drive(options: argparse.Namespace) -> list[dict[str, Any]]:
     common: dict[str, Any] = {"people": options.perception, "slam": None, "beams": options.beams}
     if options.follower in EXPLORERS:
         common |= _alone(options)
-    envs = [gym.make(scenario.env, **{**common, **scenario.arguments}) for scenario in scenarios]
+    own = read_settings(options.settings)
+    envs = [gym.make(scenario.env, **{**common, **scenario.arguments, **own}) for scenario in scenarios]
     make_follower(options.follower, envs[0].get_wrapper_attr("interface"))  # who is unknown is told before any drive
     rows = []
     for k in tqdm(range(options.episodes), unit="episode", leave=False):

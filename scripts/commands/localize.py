@@ -19,7 +19,7 @@ from ...slam.logs.ros_map import read_ros_map
 from ...slam.occupancy_map import OccupancyMap
 from ...slam.settings import with_settings
 from ..console.log_options import add_odometry, add_topics, read_with_odometry
-from ..console.setting_words import settings_from
+from ..console.setting_words import read_settings
 from ..console.tables import format_table
 from ..runs.localize_run import write_localize_run
 from ..runs.slam_run import prepare_folder, progress_bar
@@ -123,7 +123,7 @@ def _on_grid(options: argparse.Namespace, start: NDArray[np.float64] | None) -> 
     """Return the localizer on a grid map, and that map."""
     if options.clustering is not None:
         raise InputError("--clustering is for --method landmarks")
-    config = with_settings(LocalizerConfig(), settings_from(options.settings))
+    config = with_settings(LocalizerConfig(), read_settings(options.settings))
     grid = _read_map(options.map)
     try:
         return Localizer(grid, config, start), grid
@@ -135,7 +135,7 @@ def _on_landmarks(
     options: argparse.Namespace, start: NDArray[np.float64] | None
 ) -> tuple[DriveLocalizer, OccupancyMap]:
     """Return the localizer on a map of landmarks, and a picture of that map."""
-    settings = settings_from(options.settings)
+    settings = read_settings(options.settings)
     if options.clustering is not None:
         settings["clustering"] = options.clustering
     config = with_settings(LandmarkLocalizerConfig(), settings)

@@ -14,7 +14,7 @@ from ...slam.logs.drive import RecordedDrive
 from ...slam.logs.tum import read_tum
 from ...slam.runner import run_slam
 from ..console.log_options import add_odometry, add_topics, read_with_odometry
-from ..console.setting_words import settings_from
+from ..console.setting_words import add_settings, read_settings
 from ..console.tables import format_table
 from ..people_removal import add_people_options, people_filter_config, remove_people
 from ..runs.slam_run import prepare_folder, progress_bar, write_run
@@ -61,14 +61,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--seed", type=int, default=0, help="seed of all random draws (default: %(default)s)")
     parser.add_argument("--resolution", type=float, metavar="M", help="side of a map cell [m] (default: the engine's)")
-    parser.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="NAME=VALUE",
-        dest="settings",
-        help="a field of the engine's configuration, e.g. particles=50 or local.insertion_voxel=0.1; may be repeated",
-    )
+    add_settings(parser, "a field of the engine's configuration, e.g. particles=50 or local.insertion_voxel=0.1")
     add_people_options(parser)
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
 
@@ -78,7 +71,7 @@ def run(options: argparse.Namespace) -> int:
     if options.resolution is not None and not 0.001 <= options.resolution <= 10.0:
         raise InputError(f"--resolution must lie in [0.001, 10] m, got {options.resolution}")
     people = people_filter_config(options.filter_people, options.forest)
-    engine = make_slam(options.method, seed=options.seed, **_settings(options.settings))
+    engine = make_slam(options.method, seed=options.seed, **read_settings(options.settings))
     read = read_with_odometry(options)
     drive = read.drive
     reference = _reference(options.log, drive)
@@ -92,13 +85,6 @@ def run(options: argparse.Namespace) -> int:
     print(format_table(("quantity", "value", "unit"), _rows(metrics, float(result.seconds.sum()))))
     print(f"written to {options.out}")
     return 0
-
-
-def _settings(words: list[str]) -> dict[str, Any]:
-    settings = settings_from(words)
-    if "seed" in settings:
-        raise InputError("the seed has an option of its own: --seed")
-    return settings
 
 
 def _reference(log: Path, drive: RecordedDrive) -> NDArray[np.float64] | None:

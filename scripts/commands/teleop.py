@@ -9,6 +9,7 @@ from ...agents.teleop.joystick import JoystickLog, read_joystick_log, write_joys
 from ...envs.follow_env import FollowEnv
 from ...envs.registration import IDS
 from ...slam.errors import InputError
+from ..console.setting_words import add_settings, read_settings
 from ..console.tables import format_table
 
 EPILOG = """\
@@ -22,7 +23,7 @@ shipped: --replay corridor, meeting_room or office.
 examples:
   tagalong teleop --env tagalong/Corridor-v0 --seed 3 --out drive.txt
   tagalong teleop --operator gamepad --viewer --out drive.txt
-  tagalong teleop --operator model --out model.txt
+  tagalong teleop --operator model --set odometry=slipping --out model.txt
   tagalong teleop --replay model.txt
   tagalong teleop --replay corridor
   tagalong teleop --calibrate --data DIR
@@ -50,6 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--gamepad", default="/dev/input/js0", metavar="DEVICE", help="which gamepad, on Linux (%(default)s)"
     )
+    add_settings(parser, "an argument of the environment, e.g. robot=dingo-o or odometry=slipping")
     parser.add_argument("--viewer", action="store_true", help="show MuJoCo's viewer; needs a display")
     parser.add_argument("--out", type=Path, metavar="LOG", help="where the joystick log goes")
     parser.set_defaults(out_is_folder=False)
@@ -82,7 +84,7 @@ def _record(options: argparse.Namespace) -> JoystickLog:
     from ...agents.teleop.joystick_drive import record_drive
 
     arguments: dict[str, Any] = {"leader": False, "people_count": options.people, "slam": None, "coverage_goal": 1.0}
-    arguments["ends_on_contact"] = False
+    arguments |= {"ends_on_contact": False, **read_settings(options.settings)}
     mode = "human" if options.viewer else None
     if options.operator == "model":
         return record_drive(options.env, arguments, options.seed, render_mode=mode)

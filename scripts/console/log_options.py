@@ -11,7 +11,7 @@ from ...slam.logs.log import read_log
 from ...slam.scan_to_scan import MATCHERS
 from ...slam.scan_to_scan.laser_odometry import LaserOdometryConfig, laser_odometry
 from ...slam.scan_to_scan.odometry_check import odometry_factors
-from .setting_words import settings_from
+from .setting_words import read_settings
 
 SOURCES = ("log", "laser", "refined")
 """Where the odometry comes from: the log (from its scans, if it has none), its scans alone, or both."""
@@ -65,7 +65,7 @@ def read_with_odometry(options: argparse.Namespace) -> ReadDrive:
     """
     if options.odometry not in SOURCES:
         raise unknown_name("source of odometry", options.odometry, SOURCES)
-    settings = settings_from(options.matcher_set, "--matcher-set")
+    settings = read_settings(options.matcher_set, "--matcher-set")
     config = LaserOdometryConfig(matcher=options.matcher or "plicp", settings=settings)
     drive = read_log(options.log, options.scan_topic, options.odometry_topic)
     for note in drive.notes:

@@ -2,10 +2,12 @@
 
 import argparse
 import time
+from dataclasses import replace
 from pathlib import Path
 
 from ...slam.errors import MissingExtraError
 from ...slam.processes.crew import require_workers
+from ..console.setting_words import add_settings, read_settings
 
 ALGORITHMS = ("ppo", "sac", "recurrent-ppo")
 PRESETS = ("office", "office-map", "corridor")
@@ -40,6 +42,7 @@ def add_follower_arguments(models: "argparse._SubParsersAction[argparse.Argument
     parser.add_argument("--seed", type=int, default=0, help="of all random draws (default: %(default)s)")
     parser.add_argument("--max-minutes", type=float, metavar="M", help="stop then, evaluations included")
     parser.add_argument("--workers", type=int, default=2, metavar="N", help="processes that drive (%(default)s)")
+    add_settings(parser, "an argument of the environments that it is trained in, e.g. robot=pioneer")
     parser.add_argument("--out", type=Path, default=Path("out/follower"), metavar="DIR", help="default: %(default)s")
 
 
@@ -49,10 +52,14 @@ def train_follower(options: argparse.Namespace) -> int:
     try:
         from ...agents.training.presets import make_preset
         from ...agents.training.run import RunConfig, TrainingRun
+        from ...envs.follow_config import make_config
     except ImportError as error:
         raise MissingExtraError(f"learned followers ({error.name})", "learn") from None
+    preset = make_preset(options.preset, options.algo)
+    preset = replace(preset, env={**preset.env, **read_settings(options.settings)})
+    make_config(preset.env)  # what makes no sense is told before the processes start
     config = RunConfig(
-        preset=make_preset(options.preset, options.algo),
+        preset=preset,
         name=options.preset,
         seed=options.seed,
         workers=options.workers,

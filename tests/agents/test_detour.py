@@ -64,7 +64,7 @@ def pursue(detour, seconds, seen=lambda t: True):
         v, w = pilot.commanded[0], pilot.commanded[2]
         pose = pose + 0.1 * np.array((v * np.cos(pose[2] + 0.05 * w), v * np.sin(pose[2] + 0.05 * w), w))
         poses.append(pose)
-        least = min(least, float(box_gaps(pose[None], WALL, GUARD)[0]))
+        least = min(least, float(box_gaps(pose[None], WALL, FollowInterface())[0]))
     return np.array(poses), least
 
 
@@ -90,7 +90,7 @@ def escaped(detour, wish, goal, trail, things, room, state=REST, search_turn=0.0
 
 
 def relieved(state, wish, goal, trail, search_turn=0.0):
-    detour = Detour(DetourConfig(), GUARD, SteeringConfig(), 0.1)
+    detour = Detour(DetourConfig(), SteeringConfig(), FollowInterface())
     for _ in range(40):
         last = escaped(detour, wish, goal, np.array(trail), np.array([[0.5, 0.0]]), FREE, state, search_turn)
     return last
@@ -109,7 +109,7 @@ def test_who_is_where_the_leader_was_last_looks_around():
 
 def wishes_before_a_wall(keep):
     """Return what is wished, held up before a short wall, step by step, by a robot that does not move at all."""
-    detour = Detour(DetourConfig(keep=keep), GUARD, SteeringConfig(), 0.1)
+    detour = Detour(DetourConfig(keep=keep), SteeringConfig(), FollowInterface())
     goal, trail = Goal(Mode.FOLLOW, 3.0, 0.0), np.array([[1.0, 0.0], [2.0, 0.0]])
     wall = np.column_stack((np.full(9, 0.5), np.linspace(-0.25, 0.25, 9)))
     return [escaped(detour, (0.5, 0.0), goal, trail, wall, FREE) for _ in range(24)][9:]
@@ -130,7 +130,7 @@ def test_nobody_is_led_back_over_ground_that_was_not_seen():
     goal, trail = Goal(Mode.FOLLOW, 3.0, 0.0), np.array([[1.0, 0.0], [2.0, 0.0]])
     least = {}
     for room in (1.0, 0.0):
-        detour = Detour(DetourConfig(), GUARD, SteeringConfig(), 0.1)
+        detour = Detour(DetourConfig(), SteeringConfig(), FollowInterface())
         least[room] = min(escaped(detour, (0.5, 0.0), goal, trail, pocket, known(room))[0] for _ in range(24))
     assert least[1.0] < 0.0 <= least[0.0]
 
@@ -140,7 +140,7 @@ def test_a_manoeuvre_may_come_a_little_nearer_to_things_than_the_guard_would_let
     goal, trail = Goal(Mode.FOLLOW, 3.0, 0.0), np.array([[1.0, 0.0], [2.0, 0.0]])
     wishes = []
     for touch in (DetourConfig().touch, GUARD.margin):
-        detour = Detour(DetourConfig(touch=touch), GUARD, SteeringConfig(), 0.1)
+        detour = Detour(DetourConfig(touch=touch), SteeringConfig(), FollowInterface())
         wishes.append([escaped(detour, (0.5, 0.0), goal, trail, gate, FREE) for _ in range(12)][-1])
     assert wishes[0] == (0.9, 0.0)
     assert wishes[1] != (0.9, 0.0)

@@ -57,11 +57,11 @@ class Robot:
 
 def test_the_gap_to_a_thing_inside_the_box_is_its_depth_below_zero():
     things = np.array([(0.375, 0.0), (0.275, 0.0), (0.265, 0.1), (0.0, -0.249), (0.315, 0.289)])
-    gaps = signed_gaps(HERE, things, CONFIG)[0]
+    gaps = signed_gaps(HERE, things, SCALES)[0]
     assert gaps == pytest.approx([0.1, 0.0, -0.01, -0.01, 0.05], abs=1e-9)
-    assert box_gaps(HERE, things, CONFIG)[0] == pytest.approx(-0.01)
-    assert box_gaps(HERE, things[:1], CONFIG)[0] == pytest.approx(0.1)
-    assert box_gaps(HERE, np.zeros((0, 2)), CONFIG)[0] == np.inf
+    assert box_gaps(HERE, things, SCALES)[0] == pytest.approx(-0.01)
+    assert box_gaps(HERE, things[:1], SCALES)[0] == pytest.approx(0.1)
+    assert box_gaps(HERE, np.zeros((0, 2)), SCALES)[0] == np.inf
 
 
 places = st.lists(st.tuples(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0)), min_size=1, max_size=20)
@@ -69,8 +69,8 @@ places = st.lists(st.tuples(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0)), min_siz
 
 @given(places, st.lists(st.tuples(st.floats(-1, 1), st.floats(-1, 1), st.floats(-4, 4)), min_size=1, max_size=5))
 def test_the_least_gap_is_the_least_of_all_gaps(things, poses):
-    table = signed_gaps(np.array(poses), np.array(things), CONFIG)
-    assert (box_gaps(np.array(poses), np.array(things), CONFIG) == table.min(axis=1)).all()
+    table = signed_gaps(np.array(poses), np.array(things), SCALES)
+    assert (box_gaps(np.array(poses), np.array(things), SCALES) == table.min(axis=1)).all()
 
 
 @pytest.mark.parametrize("gap", [5e-5, 0.0, -0.005, -0.03])
@@ -122,7 +122,7 @@ def test_whoever_has_looked_round_may_back_where_it_saw_that_there_is_room():
 
 
 def test_the_newest_view_of_a_place_counts():
-    hindsight = Hindsight(CONFIG.half_length, CONFIG.half_width, SCALES)
+    hindsight = Hindsight(SCALES)
     turn = np.pi / 10.0  # each step 18 degrees
     for k in range(11):  # half a turn in an empty place: what is behind now was ahead
         hindsight.observe(seen((0.0, 0.0, k * turn), [], (0.0, turn / 0.1 if k else 0.0)))

@@ -103,16 +103,16 @@ def test_a_reset_follower_acts_like_a_new_one():
 def test_a_blocked_heading_is_left_for_the_nearest_free_one():
     config = AvoidanceConfig()
     wall = np.stack((np.full(30, 1.0), np.linspace(-1.0, 0.2, 30)), axis=1)
-    way = free_heading(0.0, 3.0, wall, 0.0, config)
+    way = free_heading(0.0, 3.0, wall, 0.0, config, FollowInterface())
     assert way.heading > 0.3
-    assert way.ahead == pytest.approx(1.0 - config.front)
-    assert free_heading(0.0, 3.0, np.zeros((0, 2)), 0.0, config).heading == pytest.approx(0.0)
+    assert way.ahead == pytest.approx(1.0 - FollowInterface().half_length - config.front)
+    assert free_heading(0.0, 3.0, np.zeros((0, 2)), 0.0, config, FollowInterface()).heading == pytest.approx(0.0)
 
 
 def test_things_behind_and_beside_the_robot_do_not_block_it():
     config = AvoidanceConfig()
-    points = np.array([[-1.0, 0.0], [0.5, config.half_width + config.margin + 0.01]])
-    assert free_lengths(np.zeros(1), points, config)[0] == config.horizon
+    points = np.array([[-1.0, 0.0], [0.5, FollowInterface().half_width + config.margin + 0.01]])
+    assert free_lengths(np.zeros(1), points, config, FollowInterface())[0] == config.horizon
 
 
 @pytest.mark.parametrize("ahead", [0.0, 0.05, 0.3, 1.0, 3.0])

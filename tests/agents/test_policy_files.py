@@ -49,7 +49,7 @@ PILOTS = [
     ({"guard": {"brake_steps": 10**9}}, "`guard.brake_steps` must be a number within"),
     ({"guard": {"brake_steps": 900}}, "1 to 100 steps of braking"),
     ({"guard": {"remembered_s": 900.0}}, "remembers for 0 to 10 s"),
-    ({"guard": {"half_length": -0.1}}, "a guard needs a box"),
+    ({"guard": {"half_length": 0.3}}, "`guard` has no field 'half_length'"),
     ({"guard": {"speed": 1.0}}, "`guard` has no field 'speed'"),
     ({"features": {"people": 10**9}}, "`features.people` must be a number within"),
     ({"features": {"scan_decay": 0}}, "`scan_decay`"),

@@ -14,7 +14,7 @@ from tagalong.agents.scripted.leader_memory import Goal, Mode
 from tagalong.envs.task.interface import FollowInterface
 from tagalong.slam.errors import InputError
 
-GUARD, STEERING = GuardConfig(), SteeringConfig()
+GUARD, STEERING, ROBOT = GuardConfig(), SteeringConfig(), FollowInterface()
 ON = (0.8, 0.0, 0.0, 0.0)
 POST = np.array([[1.0, 0.0], [1.0, 0.03], [1.0, -0.03]])
 
@@ -23,7 +23,7 @@ NOBODY = np.zeros((0, 6))
 
 
 def avoided(wish, goal, things=POST, trail=((0.5, 0.0),), state=ON, people=NOBODY, **fields):
-    swerve = Swerve(SwerveConfig(**fields), GUARD, STEERING, 0.1)
+    swerve = Swerve(SwerveConfig(**fields), STEERING, ROBOT)
     trail, things = np.asarray(trail, dtype=np.float64), np.asarray(things, dtype=np.float64)
     people = np.asarray(people, dtype=np.float64)
     return swerve.avoid(wish, Situation(state, goal, 0.0, trail, things, people, lambda: 0.0))
@@ -31,7 +31,7 @@ def avoided(wish, goal, things=POST, trail=((0.5, 0.0),), state=ON, people=NOBOD
 
 def gap_of(wish, state=ON, things=POST):
     plans = np.array([[*wish, np.inf, *wish]])
-    return drive_in_thought(state, plans, things, 1.2, 0.1, STEERING, GUARD).gaps[0]
+    return drive_in_thought(state, plans, things, 1.2, 0.1, STEERING, ROBOT).gaps[0]
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
@@ -86,10 +86,10 @@ def test_who_stands_or_has_lost_the_leader_is_left_to_the_detour():
 
 def test_a_manoeuvre_in_thought_goes_where_it_leads_and_tells_how_near_it_came():
     plans = np.array([[0.5, 0.0, np.inf, 0.0, 0.0], [0.5, 0.0, 0.0, 0.5, 0.0]])
-    driven = drive_in_thought((0.5, 0.0, 0.0, 0.0), plans, np.array([[1.5, 0.0]]), 2.0, 0.1, STEERING, GUARD)
+    driven = drive_in_thought((0.5, 0.0, 0.0, 0.0), plans, np.array([[1.5, 0.0]]), 2.0, 0.1, STEERING, ROBOT)
     assert driven.poses == pytest.approx(np.array([[1.0, 0.0, 0.0]] * 2), abs=1e-9)
-    assert driven.gaps == pytest.approx(1.5 - 1.0 - GUARD.half_length)
-    turned = drive_in_thought((0.0, 0.0, 1.0, 0.0), np.array([[0, 1.0, 0.5, 0, -1.0]]), POST, 0.5, 0.1, STEERING, GUARD)
+    assert driven.gaps == pytest.approx(1.5 - 1.0 - ROBOT.half_length)
+    turned = drive_in_thought((0.0, 0.0, 1.0, 0.0), np.array([[0, 1.0, 0.5, 0, -1.0]]), POST, 0.5, 0.1, STEERING, ROBOT)
     assert turned.poses[0] == pytest.approx((0.0, 0.0, 0.5))
 
 

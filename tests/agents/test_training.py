@@ -152,7 +152,7 @@ def test_reward_terms_are_what_their_table_says():
     assert terms["smoothness"] == pytest.approx(-0.02 * 0.04)
     assert terms["clearance"] == 0.0
     assert terms["map"] == pytest.approx(5.0)
-    assert nearest_gap(np.array([[0.275 + 0.3, 0.26 + 0.4]])) == pytest.approx(0.5)
+    assert nearest_gap(np.array([[0.275 + 0.3, 0.259 + 0.4]]), FollowInterface()) == pytest.approx(0.5)
 
 
 def test_the_teacher_follows_through_the_corridor():

@@ -31,7 +31,7 @@ NONSENSE = [
     {"robot": np.zeros(3)},
     {"robot": RobotConfig},
     {"perception": {"alpha": 0.1}},
-    {"perception.alpha": "wide"},
+    {"perception.detector.alpha": "wide"},
     {"slam.particles": 10**9},
     {"slam": np.zeros(3)},
     {"slam": WorldConfig},

@@ -1,5 +1,7 @@
 """What every command promises: bad input is told in one line before any work is done, with exit status 2."""
 
+import json
+
 import pytest
 from tagalong.scripts.cli import main
 from tagalong.slam.engine import ENGINES
@@ -89,6 +91,27 @@ def test_who_does_not_exist_is_told_before_any_drive(who, complaint, tmp_path, c
     error = capsys.readouterr().err
     assert complaint in error
     assert error.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("setting", "complaint"),
+    [
+        ("robot=tank", "unknown robot 'tank'; robots: dingo-d, dingo-o, pioneer"),
+        ("perception.removal.zeta=wide", "`zeta` must be a number, got 'wide'"),
+        ("robot", "--set needs NAME=VALUE, got 'robot'"),
+    ],
+)
+def test_settings_of_the_environment_that_make_no_sense_are_told_before_any_drive(setting, complaint, capsys):
+    assert main(["evaluate", "pid", "--set", setting]) == 2
+    assert complaint in capsys.readouterr().err
+
+
+def test_a_follower_is_evaluated_in_the_environment_that_settings_describe(tmp_path):
+    settings = ["--set", "robot=pioneer", "--set", "scene=plain_corridor", "--set", "lost_limit_s=0.3"]
+    assert main(["evaluate", "pid", "--episodes", "1", *settings, "--out", str(tmp_path)]) == 0
+    told = json.loads((tmp_path / "evaluation.json").read_text())
+    assert told["options"]["settings"] == settings[1::2]
+    assert told["episodes"][0]["duration_s"] < 2.0
 
 
 @pytest.mark.parametrize("command", ["slam", "demo"])

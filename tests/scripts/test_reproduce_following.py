@@ -5,10 +5,11 @@ import pytest
 from scipy.stats import ttest_rel
 from tagalong.envs.episode_setup import OnboardStackFactory
 from tagalong.envs.follow_config import make_config
+from tagalong.envs.onboard.config import PERCEPTION
 from tagalong.envs.world.world import World, WorldConfig
+from tagalong.perception.people_filter import filtered_scans
 from tagalong.scripts.lab.cells import files_of, run_cells
 from tagalong.scripts.lab.drive_files import limited, load_input
-from tagalong.scripts.reproduce.following.drives import filtered_scans
 from tagalong.scripts.reproduce.following.experiment import EXPERIMENT
 from tagalong.scripts.reproduce.following.judgement import Pair, pair, sure_verdicts
 from tagalong.scripts.reproduce.following.plan import (
@@ -88,8 +89,8 @@ def test_filtered_scans_of_a_drive_alone_are_those_of_the_environments_robot():
         filtered.append(mind.update(scans[-1], odometry[-1]).filtered)
     nobody = np.zeros((len(scans), 0, 2))
     drive = SimulatedDrive(RecordedDrive(np.array(odometry), scans, None, "drive"), np.array(odometry), nobody)
-    for ours, theirs in zip(filtered_scans(drive), filtered, strict=True):
-        np.testing.assert_array_equal(ours.ranges, theirs.ranges)
+    for ours, theirs in zip(filtered_scans(drive.recording, PERCEPTION), filtered, strict=True):
+        np.testing.assert_array_equal(ours.without_people.ranges, theirs.ranges)
 
 
 def test_means_stay_where_a_metric_can_be():
