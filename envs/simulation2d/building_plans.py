@@ -145,11 +145,11 @@ def _cells(rng: Generator) -> BuildingPlan:
             group = {room: new if value == old else value for room, value in group.items()}
         corner = np.array(other) * side
         _wall(out, corner, corner + side * np.array([other[1] != j, other[0] != i]), gaps)
-    _furnish(rng, out, np.array(rooms) * side, side, None if alike else pieces)
+    _furnish_cells(rng, out, np.array(rooms) * side, side, None if alike else pieces)
     return BuildingPlan(out, np.full(2, side / 2.0, dtype=np.float64))
 
 
-def _furnish(rng: Generator, out: Outlines, rooms: Array, side: float, pieces: float | None) -> None:
+def _furnish_cells(rng: Generator, out: Outlines, rooms: Array, side: float, pieces: float | None) -> None:
     """Put furniture into square rooms of a side [m], whose lower corners are `rooms` (n, 2).
 
     About so many `pieces` into each, along its walls; None: one, of the same size and at the same place in all.
