@@ -19,7 +19,7 @@ class PeopleConfig:
             what it sees; "camera" by that alone; "truth" from the simulator.
         people_count: Walking people in the building, the leader included; may be 0 without one. None draws it.
         standing: Further people who come to stand still beside the route.
-        behaviours: Further people, one for each behaviour, see `tagalong.envs.people.behaviours`; each begins an
+        behaviours: Further people, one for each behaviour, see `tagalong.envs.people`; each begins an
             episode with a copy of the object that stands here.
         leader_style: Manner of the leader: "steady", "hurried", "waits"; None draws one from the seed.
     """

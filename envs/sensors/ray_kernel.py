@@ -17,6 +17,7 @@ CYLINDER, ELLIPSOID, BOX = 5, 4, 6
 """MuJoCo's numbers of the shapes that are known here."""
 _TINY = 1e-15
 _MARGIN = 1e-6
+_UPRIGHT = 1.0 - 1e-12  # cosine of a tilt that is none
 
 
 @njit(cache=True, nogil=True)
@@ -116,43 +117,65 @@ def _sector(
     does not reach the laser's plane.
     """
     x, y, above = position[0] - origin[0], position[1] - origin[1], abs(position[2] - origin[2])
-    upright = rotation[8] > 1.0 - 1e-12
-    if shape == BOX and upright:
-        if rotation[8] * above > size[2] + (0.0 if _is_level(rotation) else _MARGIN):
-            return 0.0, -1.0, 0.0
-        cx, cy = rotation[0] * x + rotation[3] * y, rotation[1] * x + rotation[4] * y
-        along, aside = abs(cx) - size[0], abs(cy) - size[1]
-        if max(along, aside) < _MARGIN:
-            return 0.0, 2.0 * np.pi, 0.0
-        # the two corners at the rim of what is seen: of the face towards the laser, or, seen over an edge, those beside
-        ax, ay = cx - np.copysign(size[0], cx), cy + np.copysign(size[1], cy)
-        bx, by = cx + np.copysign(size[0], cx), cy - np.copysign(size[1], cy)
-        if aside <= 0.0:
-            bx = ax
-        elif along <= 0.0:
-            ay = by
-        one = np.arctan2(rotation[3] * ax + rotation[4] * ay, rotation[0] * ax + rotation[1] * ay)
-        other = np.arctan2(rotation[3] * bx + rotation[4] * by, rotation[0] * bx + rotation[1] * by)
-        low = one if ax * by - ay * bx > 0.0 else other
-        width = abs(other - one)
-        width = min(width, 2.0 * np.pi - width)
-        near = np.sqrt(max(along, 0.0) ** 2 + max(aside, 0.0) ** 2)
+    if shape == BOX and rotation[8] > _UPRIGHT:
+        low, width, near = _sector_of_box(x, y, above, size, rotation)
     else:
-        bound = np.sqrt(size[0] ** 2 + size[1] ** 2 + size[2] ** 2)
-        if shape == CYLINDER:
-            bound = np.sqrt(size[0] ** 2 + size[1] ** 2)
-        elif shape == ELLIPSOID:
-            bound = max(size[0], size[1], size[2])
-        if above > (size[1] if shape == CYLINDER and upright else bound) + _MARGIN:
-            return 0.0, -1.0, 0.0
-        bound = size[0] if shape == CYLINDER and upright else bound
-        away = np.sqrt(x * x + y * y)
-        if away < bound + _MARGIN:
-            return 0.0, 2.0 * np.pi, 0.0
-        half = np.arcsin(bound / away)
-        low, width, near = np.arctan2(y, x) - half, 2.0 * half, away - bound
+        low, width, near = _sector_of_round(x, y, above, shape, size, rotation)
+    if width < 0.0 or width >= 2.0 * np.pi:
+        return 0.0, width, 0.0
     start = (low - _MARGIN - first) % (2.0 * np.pi)
     return start, width + 2.0 * _MARGIN, near - _MARGIN
+
+
+@njit(cache=True, nogil=True)
+def _sector_of_box(x: float, y: float, above: float, size: Array, rotation: Array) -> tuple[float, float, float]:
+    """Return the direction of the first edge, the width between the edges and the distance of an upright box at (x, y).
+
+    The width is negative where the box does not reach the laser's plane, `above` from its middle [m], and 2 pi where
+    the laser is in it.
+    """
+    if rotation[8] * above > size[2] + (0.0 if _is_level(rotation) else _MARGIN):
+        return 0.0, -1.0, 0.0
+    cx, cy = rotation[0] * x + rotation[3] * y, rotation[1] * x + rotation[4] * y
+    along, aside = abs(cx) - size[0], abs(cy) - size[1]
+    if max(along, aside) < _MARGIN:
+        return 0.0, 2.0 * np.pi, 0.0
+    # the two corners at the rim of what is seen: of the face towards the laser, or, seen over an edge, those beside
+    ax, ay = cx - np.copysign(size[0], cx), cy + np.copysign(size[1], cy)
+    bx, by = cx + np.copysign(size[0], cx), cy - np.copysign(size[1], cy)
+    if aside <= 0.0:
+        bx = ax
+    elif along <= 0.0:
+        ay = by
+    one = np.arctan2(rotation[3] * ax + rotation[4] * ay, rotation[0] * ax + rotation[1] * ay)
+    other = np.arctan2(rotation[3] * bx + rotation[4] * by, rotation[0] * bx + rotation[1] * by)
+    low = one if ax * by - ay * bx > 0.0 else other
+    width = abs(other - one)
+    width = min(width, 2.0 * np.pi - width)
+    near = np.sqrt(max(along, 0.0) ** 2 + max(aside, 0.0) ** 2)
+    return low, width, near
+
+
+@njit(cache=True, nogil=True)
+def _sector_of_round(
+    x: float, y: float, above: float, shape: int, size: Array, rotation: Array
+) -> tuple[float, float, float]:
+    """Return the same of a geom at (x, y) that is seen as a circle around it, be it a box that is tilted."""
+    upright = shape == CYLINDER and rotation[8] > _UPRIGHT
+    if shape == CYLINDER:
+        bound = np.sqrt(size[0] ** 2 + size[1] ** 2)
+    elif shape == ELLIPSOID:
+        bound = max(size[0], size[1], size[2])
+    else:
+        bound = np.sqrt(size[0] ** 2 + size[1] ** 2 + size[2] ** 2)
+    if above > (size[1] if upright else bound) + _MARGIN:
+        return 0.0, -1.0, 0.0
+    bound = size[0] if upright else bound
+    away = np.sqrt(x * x + y * y)
+    if away < bound + _MARGIN:
+        return 0.0, 2.0 * np.pi, 0.0
+    half = np.arcsin(bound / away)
+    return np.arctan2(y, x) - half, 2.0 * half, away - bound
 
 
 @njit(cache=True, nogil=True)

@@ -145,17 +145,24 @@ def _cells(rng: Generator) -> BuildingPlan:
             group = {room: new if value == old else value for room, value in group.items()}
         corner = np.array(other) * side
         _wall(out, corner, corner + side * np.array([other[1] != j, other[0] != i]), gaps)
+    _furnish_cells(rng, out, np.array(rooms) * side, side, None if alike else pieces)
+    return BuildingPlan(out, np.full(2, side / 2.0, dtype=np.float64))
+
+
+def _furnish_cells(rng: Generator, out: Outlines, rooms: Array, side: float, pieces: float | None) -> None:
+    """Put furniture into square rooms of a side [m], whose lower corners are `rooms` (n, 2).
+
+    About so many `pieces` into each, along its walls; None: one, of the same size and at the same place in all.
+    """
     corner = 0.6 + 0.2 * rng.random(2)
-    for room in rooms:
-        low = np.array(room) * side
-        if alike:
+    for low in rooms:
+        if pieces is None:
             out.box(low + corner, 0.8, 0.5, 0.0)
             continue
         for _ in range(rng.poisson(pieces)):
             size = rng.uniform(0.2, 0.8, 2)
             along = np.where(rng.random(2) < 0.5, size / 2.0, side - size / 2.0) + rng.uniform(-0.05, 0.05, 2)
             out.box(low + along, size[0], size[1], rng.uniform(-0.2, 0.2))
-    return BuildingPlan(out, np.full(2, side / 2.0, dtype=np.float64))
 
 
 def _hall(rng: Generator) -> BuildingPlan:

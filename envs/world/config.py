@@ -39,7 +39,7 @@ class WorldConfig:
         leader_style: "steady", "hurried" or "waits" (when the robot lags); None draws one.
         standing: Number of further people who walk to and fro beside the route and stand still for 25 s once the
             robot has come near.
-        behaviours: Further people, one for each behaviour, see `tagalong.envs.people.behaviours`. Each begins with a
+        behaviours: Further people, one for each behaviour, see `tagalong.envs.people`. Each begins with a
             copy of the object that stands here, where it says, or at a drawn place of the route.
         odometry: Name of a quality, see `QUALITIES`, or a configuration.
         lidar: The laser scanner.

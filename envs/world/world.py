@@ -1,6 +1,7 @@
 """One episode's simulator: the building, its people, the robot and its sensors, without Gymnasium."""
 
 import copy
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,7 +18,7 @@ from ..people.draft import CastRequest
 from ..people.movement.terrain import Terrain
 from ..people.movement.walking import locate
 from ..people.wanderers import MOST_DRAWN
-from ..physics.mj import mujoco
+from ..physics.mj import MjData, mujoco
 from ..robot.odometry import WheelOdometry, odometry_quality
 from ..robot.robot import Robot
 from ..scenes.catalogue import make_scene
@@ -91,8 +92,10 @@ class World:
 
     def _build(self, terrain: Terrain) -> None:
         """Make all that never changes, from the plan."""
-        plan, config = self._plan, self._plan.config
-        physiques, outfits = plan.casting.physiques, self._outfits(len(plan.casting.people))
+        plan = self._plan
+        config = self.config = plan.config
+        self.scene, self.start = plan.scene, plan.start
+        physiques, outfits = plan.casting.physiques, _outfits(plan)
         self._building = build(plan.scene, physiques, config.robot, config.lidar, config.physics_dt, outfits)
         self.model = self._building.model
         self.data = mujoco.MjData(self.model)
@@ -106,28 +109,6 @@ class World:
         self._ticks_per_step = whole_ratio("control", 1.0 / config.control_hz, TICK)
         self._ticks_per_scan = whole_ratio("laser", 1.0 / config.lidar.rate_hz, TICK)
         self._substeps = whole_ratio("tick", TICK, config.physics_dt)
-
-    @property
-    def config(self) -> WorldConfig:
-        """What is simulated."""
-        return self._plan.config
-
-    @property
-    def scene(self) -> Scene:
-        """The building."""
-        return self._plan.scene
-
-    @property
-    def start(self) -> Array:
-        """(3,) T_world_robot at the start [m, m, rad]; not to be written to."""
-        return self._plan.start
-
-    def _outfits(self, count: int) -> tuple[Outfit, ...]:
-        """Return what each of `count` people wears; () without a camera."""
-        if self.config.camera is None:
-            return ()
-        rng, choice = np.random.default_rng([self._plan.looks_seed, 1]), wardrobe(self.config.camera.wardrobe)
-        return tuple(draw_outfit(rng, choice) for _ in range(count))
 
     def step(self, command: ArrayLike) -> None:
         """Advance one control period.
@@ -148,21 +129,23 @@ class World:
         now.contact_person = now.contact_static = False
         scans: list[LaserScan] = []
         frames: list[RgbdFrame] = []
-        self._crowd.decide(
-            now.crowd, self._ticks_per_step * TICK, self._robot_row(), now.progress, now.streams["behaviours"]
-        )
+        period = self._ticks_per_step * TICK
+        robot = _robot_row(self.data, self.config.robot.size)
+        self._crowd.decide(now.crowd, period, robot, now.progress, now.streams["behaviours"])
         yield
         poses = np.empty((self._ticks_per_step, 3))
         for tick in range(self._ticks_per_step):
             self.data.ctrl[:] = now.robot.ramp(wanted, TICK)
             if len(self._crowd):
-                self._crowd.advance(now.crowd, TICK, self._robot_row())
+                self._crowd.advance(now.crowd, TICK, _robot_row(self.data, self.config.robot.size))
                 now.doors.advance(TICK, now.crowd.bodies.position)
                 self._pose_movers()
             for _ in range(self._substeps):
                 mujoco.mj_step(self.model, self.data)
                 if self.data.ncon:
-                    self._note_contacts()
+                    person = self._building.contact_of[self.data.contact.geom].max(axis=1) >= 0
+                    now.contact_person |= bool(person.any())
+                    now.contact_static |= not person.all()
             poses[tick] = self.data.qpos[:3]
             now.ticks += 1
             if now.ticks % self._ticks_per_scan == 0:
@@ -229,7 +212,7 @@ class World:
     def truth(self) -> TrueState:
         """What is really so, now."""
         people, leader = self._now.crowd.bodies, self._now.crowd.leader
-        pose = self._pose()
+        pose = _robot_pose(self.data)
         x, y, turn = self.data.qvel[:3]
         cos, sin = np.cos(pose[2]), np.sin(pose[2])
         speed = np.hypot(people.velocity[:, 0], people.velocity[:, 1])
@@ -272,30 +255,8 @@ class World:
         mujoco.mj_forward(self.model, self.data)
         mujoco.mj_setState(self.model, self.data, state.physics, _PHYSICS)
 
-    def __getstate__(self) -> tuple[Plan, WorldState]:
-        return self._plan, self.save_state()
-
-    def __setstate__(self, kept: tuple[Plan, WorldState]) -> None:
-        self._plan, state = kept
-        self._build(Terrain(self.scene))
-        self.restore_state(state)
-
-    def _pose(self) -> Array:
-        x, y, theta = self.data.qpos[:3]
-        return np.array([x, y, (theta + np.pi) % (2.0 * np.pi) - np.pi])
-
-    def _robot_row(self) -> Array:
-        x, y, theta = self.data.qpos[:3].tolist()
-        length, width, _ = self.config.robot.size
-        vx, vy = self.data.qvel[:2].tolist()
-        return np.array((x, y, np.cos(theta), np.sin(theta), vx, vy, length / 2.0, width / 2.0))
-
-    def _note_contacts(self) -> None:
-        for pair in self.data.contact.geom:
-            if max(self._building.contact_of[pair]) >= 0:
-                self._now.contact_person = True
-            else:
-                self._now.contact_static = True
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _rebuilt, (self._plan, self.save_state())
 
     def _pose_movers(self) -> None:
         self._crowd.pose(self._now.crowd, self.config.lidar.height, self.data.mocap_pos, self.data.mocap_quat)
@@ -336,3 +297,34 @@ def _draw_start(scene: Scene, rng: np.random.Generator) -> tuple[Array, float]:
     ahead = ahead / np.hypot(*ahead)
     x, y = scene.route[0] + arc * ahead + lateral * np.array([-ahead[1], ahead[0]])
     return np.array([x, y, np.arctan2(ahead[1], ahead[0]) + turn]), float(arc)
+
+
+def _outfits(plan: Plan) -> tuple[Outfit, ...]:
+    """Return what everybody wears; () without a camera."""
+    if plan.config.camera is None:
+        return ()
+    rng, choice = np.random.default_rng([plan.looks_seed, 1]), wardrobe(plan.config.camera.wardrobe)
+    return tuple(draw_outfit(rng, choice) for _ in plan.casting.people)
+
+
+def _robot_pose(data: MjData) -> Array:
+    """Return (3,) T_world_robot, the angle in [-pi, pi)."""
+    x, y, theta = data.qpos[:3]
+    return np.array([x, y, (theta + np.pi) % (2.0 * np.pi) - np.pi])
+
+
+def _robot_row(data: MjData, size: tuple[float, float, float]) -> Array:
+    """Return (8,) the robot of a chassis' size as `advance_bodies` takes it."""
+    x, y, theta = data.qpos[:3].tolist()
+    length, width, _ = size
+    vx, vy = data.qvel[:2].tolist()
+    return np.array((x, y, np.cos(theta), np.sin(theta), vx, vy, length / 2.0, width / 2.0))
+
+
+def _rebuilt(plan: Plan, state: WorldState) -> World:
+    """Return the world of a plan in a state that was saved."""
+    world = World.__new__(World)
+    world._plan = plan
+    world._build(Terrain(plan.scene))
+    world.restore_state(state)
+    return world

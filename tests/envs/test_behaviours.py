@@ -4,7 +4,7 @@ import pickle
 
 import numpy as np
 import pytest
-from tagalong.envs.people.behaviours import Behaviour, Wish
+from tagalong.envs.people import Behaviour, Wish
 from tagalong.envs.sensors.lidar import LidarConfig
 from tagalong.envs.world.world import World, WorldConfig
 from tagalong.slam.errors import InputError

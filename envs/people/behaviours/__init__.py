@@ -1,13 +1,6 @@
-"""How people behave: each behaviour is a small class with one verb, `wish(view, dt)`.
+"""How people behave: each behaviour is a small class with one verb, `wish(view, dt)`, in a file of its own.
 
-To add one, derive from `Behaviour`, keep what it remembers in attributes, and hand an object of it to the
-environment:
-
-    class Shy(Behaviour):
-        def wish(self, view, dt):
-            return Wish(speed=0.0 if view.robot_distance < 3.0 else 0.8)
-
-    WorldConfig(behaviours=(Shy(), Shy()))
+`tagalong.envs.people` says how to add one.
 """
 
 from .behaviour import Behaviour, Wish
