@@ -16,7 +16,7 @@ from ...slam.runner import run_slam
 from ..console.log_options import add_odometry, add_topics, read_with_odometry
 from ..console.setting_words import add_settings, read_settings
 from ..console.tables import format_table
-from ..people_removal import add_people_options, people_filter_config, remove_people
+from ..runs.people_removal import add_people_options, people_filter_config, remove_people
 from ..runs.slam_run import prepare_folder, progress_bar, write_run
 
 EPILOG = """\

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
-from ..perception.legs.forest import LegForest
-from ..perception.people_filter import FilteredScan, PeopleFilterConfig, filtered_scans
-from ..slam.errors import InputError
-from ..slam.files.output import write_json
-from ..slam.logs.drive import RecordedDrive
+from ...perception.legs.forest import LegForest
+from ...perception.people_filter import FilteredScan, PeopleFilterConfig, filtered_scans
+from ...slam.errors import InputError
+from ...slam.files.output import write_json
+from ...slam.logs.drive import RecordedDrive
 
 
 def add_people_options(parser: argparse.ArgumentParser) -> None:
