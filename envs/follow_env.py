@@ -2,7 +2,7 @@
 
 import copy
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import gymnasium as gym
@@ -12,10 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..slam.errors import InputError, shown
 from ..slam.processes.stages import Stages, completed
+from .episode import EnvState, EpisodeState
 from .episode_setup import OnboardStackFactory, check_options, checked_seed, interface, observed, world_config
 from .follow_config import make_config
 from .limits.field_checks import finite_numbers
-from .onboard.stack import Belief, OnboardStack
+from .onboard.stack import Belief
 from .oracle import step_facts
 from .sensors.sweeps import timed_odometry
 from .task.coverage import Coverage, NoCoverage
@@ -26,7 +27,7 @@ from .task.observation import Observer, observation_space
 from .task.rewards import StepFacts, exploration_terms, reward_terms
 from .topview.rendering import has_display, make_renderer
 from .world.truth import TrueState
-from .world.world import World, WorldState
+from .world.world import World
 
 Observation = dict[str, NDArray[Any]]
 StepResult = tuple[Observation, float, bool, bool, dict[str, Any]]
@@ -37,19 +38,16 @@ def nobody_notes(action: NDArray[np.float64], reward: float, terms: dict[str, fl
     """Be told of a step, and forget it."""
 
 
-@dataclass(frozen=True, eq=False)
-class EnvState:
-    """A snapshot of an environment; can be kept, pickled and restored any number of times.
+def checked_action(action: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float64]:
+    """Return an action, cut to [-1, 1].
 
-    Attributes:
-        world: The simulator of which the snapshot was taken.
-        world_state: Its state.
-        memory: All else that changes: mind, belief, clocks, random generator.
+    Raises:
+        InputError: If it has another shape, or is not finite.
     """
-
-    world: World
-    world_state: WorldState
-    memory: dict[str, Any]
+    wanted = finite_numbers(action)
+    if wanted is None or wanted.shape != shape:
+        raise InputError(f"an action has shape {shape} and is finite, got {shown(action)}")
+    return np.clip(wanted, -1.0, 1.0)
 
 
 class FollowEnv(gym.Env[Any, Any]):
@@ -224,7 +222,7 @@ class FollowEnv(gym.Env[Any, Any]):
         self.action_space = spaces.Box(-1.0, 1.0, (3 if self.interface.holonomic else 2,), np.float32)
         top = [self.interface.max_speed] * (2 if self.interface.holonomic else 1)
         self._top = np.array([*top, self.interface.max_turn_rate])
-        self._minds = OnboardStackFactory(self.config)
+        self._stacks = OnboardStackFactory(self.config)
         self._observer = Observer(observed(self.config))
         self._renderer = make_renderer(render_mode, render_backend)
         self._world: World | None = None
@@ -241,22 +239,28 @@ class FollowEnv(gym.Env[Any, Any]):
         check_options(options)
         world = World(world_config(self.config, options), self.np_random)
         self._world = world
-        self._mind: OnboardStack = self._minds.make(world, self.np_random)
-        self._endings = EndingRule(self.config.task)
+        stack = self._stacks.make(world, self.np_random)
         measured = self.config.task.coverage or not self.config.task.leader
-        self.coverage = Coverage(world.scene, world.config.robot.size[1]) if measured else NoCoverage()
-        self._action = np.zeros(len(self._top))
-        self._belief: Belief = self._mind.update(world.scan(), world.odometry)
-        self._mind.look(world.frames)
-        self._truth: TrueState = world.truth
-        self.coverage.update(self._belief.sifted, self._truth.robot_pose)
-        self._covered = self.coverage.share
-        self._trail = [self._truth.robot_pose[:2]]
+        coverage = Coverage(world.scene, world.config.robot.size[1]) if measured else NoCoverage()
+        belief, truth = stack.update(world.scan(), world.odometry), world.truth
+        stack.look(world.frames)
+        coverage.update(belief.sifted, truth.robot_pose)
+        self._episode = EpisodeState(
+            stack=stack,
+            endings=EndingRule(self.config.task),
+            coverage=coverage,
+            belief=belief,
+            truth=truth,
+            action=np.zeros(len(self._top)),
+            trail=[truth.robot_pose[:2]],
+            ending=Ending(),
+            covered=coverage.share,
+        )
         if self.render_mode == "human":
             self.render()
-        facts, self._ending = self._facts(0.0), Ending()
+        facts = self._facts(0.0)
         info = self._info(facts, dict.fromkeys(self._terms(facts), 0.0))
-        return self._observer.observe(self._belief, world.frames), info
+        return self._observer.observe(belief, world.frames), info
 
     def step(self, action: ArrayLike) -> StepResult:
         """Drive for one control period; see the class."""
@@ -266,24 +270,24 @@ class FollowEnv(gym.Env[Any, Any]):
         """Return the work of `step`, which can take turns with that of other environments; `action` is checked now."""
         self._require_open()
         world = self.world
-        if self._ending.terminated:
-            raise InputError(f"the episode has ended ({self._ending.reason}): call `reset` first")
-        return self._step(world, self._checked(action))
+        if self._episode.ending.terminated:
+            raise InputError(f"the episode has ended ({self._episode.ending.reason}): call `reset` first")
+        return self._step(world, checked_action(action, self._top.shape))
 
     def _step(self, world: World, wanted: NDArray[np.float64]) -> Stages[StepResult]:
         yield from self._advance(world, wanted)
         yield
-        facts = self._facts(float(np.linalg.norm(wanted - self._action)))
-        self._action, self._covered = wanted, facts.coverage
+        facts = self._facts(float(np.linalg.norm(wanted - self._episode.action)))
+        self._episode.action, self._episode.covered = wanted, facts.coverage
         terms = self._terms(facts)
-        ending = self._ending = self._endings.update(self._truth, facts)
+        ending = self._episode.ending = self._episode.endings.update(self._episode.truth, facts)
         if self.render_mode == "human":
             self.render()
         info, reward = self._info(facts, terms), sum(terms.values())
         self.witness(wanted, reward, terms)
         yield
         return (
-            self._observer.observe(self._belief, world.frames),
+            self._observer.observe(self._episode.belief, world.frames),
             reward,
             ending.terminated,
             False,
@@ -292,7 +296,7 @@ class FollowEnv(gym.Env[Any, Any]):
 
     def render(self) -> NDArray[np.uint8] | None:  # pyright: ignore[reportIncompatibleMethodOverride]
         """Return a picture (height, width, 3) uint8 for "rgb_array"; None for "human" and without a render mode."""
-        return self._renderer.draw(self.world, self._truth, self._belief, self._trail)
+        return self._renderer.draw(self.world, self._episode.truth, self._episode.belief, self._episode.trail)
 
     def close(self) -> None:
         """Close the viewer, if there is one; what was recorded can still be read, no step can be made."""
@@ -318,7 +322,12 @@ class FollowEnv(gym.Env[Any, Any]):
             InputError: Before the first `reset`.
         """
         _ = self.world
-        return self._truth
+        return self._episode.truth
+
+    @property
+    def coverage(self) -> Coverage | NoCoverage:
+        """How much of the floor was seen so far."""
+        return self._episode.coverage
 
     @property
     def belief(self) -> Belief:
@@ -328,7 +337,7 @@ class FollowEnv(gym.Env[Any, Any]):
             InputError: Before the first `reset`.
         """
         _ = self.world
-        return self._belief
+        return self._episode.belief
 
     def own_map(self) -> OwnMap:
         """Return the robot's own map and its pose in it, as its SLAM knows them now."""
@@ -337,51 +346,33 @@ class FollowEnv(gym.Env[Any, Any]):
 
     def save_state(self) -> EnvState:
         """Return a snapshot: `restore_state` of it continues with the same bytes."""
-        return EnvState(self.world, self.world.save_state(), self._copied(self._memory(), self.world, self.world))
+        world = self.world
+        kept = copy.deepcopy((self._episode, self._np_random, self._np_random_seed), self._shared(world, world))
+        return EnvState(world, world.save_state(), kept[0], kept[1:])
 
     def restore_state(self, state: EnvState) -> None:
         """Go back to `state`, taken of this environment or of one with the same configuration."""
         world = state.world if state.world is self._world else copy.deepcopy(state.world)
         world.restore_state(state.world_state)
         self._world = world
-        for name, value in self._copied(state.memory, state.world, world).items():
-            setattr(self, name, value)
+        kept = copy.deepcopy((state.episode, *state.generator), self._shared(state.world, world))
+        self._episode, self._np_random, self._np_random_seed = kept
 
-    def _memory(self) -> dict[str, Any]:
-        names = (
-            "_mind",
-            "_endings",
-            "_ending",
-            "_action",
-            "_belief",
-            "_truth",
-            "_trail",
-            "_np_random",
-            "_np_random_seed",
-        )
-        return {name: getattr(self, name) for name in (*names, "coverage", "_covered")}
-
-    def _copied(self, memory: dict[str, Any], old_world: World, new_world: World) -> dict[str, Any]:
-        """Copy `memory` deeply, but for the world and the leg detector's forest, which it may point to."""
-        return copy.deepcopy(memory, {id(old_world): new_world, **self._minds.shared})
+    def _shared(self, old_world: World, new_world: World) -> dict[int, Any]:
+        """Return what a deep copy of the episode does not copy: the world, and the leg detector's forest."""
+        return {id(old_world): new_world, **self._stacks.shared}
 
     def _advance(self, world: World, wanted: NDArray[np.float64]) -> Stages[None]:
         start_s, before = world.time_s, world.odometry
         yield from world.step_in_stages(wanted * self._top)
         yield
         for scan, odometry in timed_odometry(world.scans, start_s, before, world.time_s, world.odometry):
-            self._belief = yield from self._mind.update_in_stages(scan, odometry)
-        self._mind.look(world.frames)
+            self._episode.belief = yield from self._episode.stack.update_in_stages(scan, odometry)
+        self._episode.stack.look(world.frames)
         yield
-        self._truth = world.truth
-        self.coverage.update(self._belief.sifted, self._truth.robot_pose)
-        self._trail.append(self._truth.robot_pose[:2])
-
-    def _checked(self, action: ArrayLike) -> NDArray[np.float64]:
-        wanted = finite_numbers(action)
-        if wanted is None or wanted.shape != self._top.shape:
-            raise InputError(f"an action has shape {self._top.shape} and is finite, got {shown(action)}")
-        return np.clip(wanted, -1.0, 1.0)
+        self._episode.truth = world.truth
+        self._episode.coverage.update(self._episode.belief.sifted, self._episode.truth.robot_pose)
+        self._episode.trail.append(self._episode.truth.robot_pose[:2])
 
     def _require_open(self) -> None:
         if self._closed:
@@ -393,8 +384,10 @@ class FollowEnv(gym.Env[Any, Any]):
 
     def _facts(self, action_change: float) -> StepFacts:
         radius, step_s = self.world.config.robot.radius, 1.0 / self.config.task.control_hz
-        covered = (self._covered, self.coverage.share)
-        return step_facts(self._truth, self._belief, radius, action_change, step_s, covered)
+        covered = (self._episode.covered, self._episode.coverage.share)
+        return step_facts(self._episode.truth, self._episode.belief, radius, action_change, step_s, covered)
 
     def _info(self, facts: StepFacts, terms: dict[str, float]) -> dict[str, Any]:
-        return step_info(self._truth, self._belief, facts, terms, self._ending, self.config.task.leader)
+        return step_info(
+            self._episode.truth, self._episode.belief, facts, terms, self._episode.ending, self.config.task.leader
+        )

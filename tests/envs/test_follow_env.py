@@ -84,8 +84,8 @@ def test_episodes_of_one_generator_differ():
 def test_the_leaders_cloud_and_the_slam_draw_from_streams_of_their_own():
     env = make(beams=30, slam="gmapping").unwrapped
     env.reset(seed=3)
-    memory = env.save_state().memory["_mind"]
-    cloud, slam = memory._selector._rng, memory._mapper.engine._rng
+    stack = env.save_state().episode.stack
+    cloud, slam = stack._selector._rng, stack._mapper.engine._rng
     assert isinstance(cloud, np.random.Generator)
     assert isinstance(slam, np.random.Generator)
     assert abs(np.corrcoef(cloud.standard_normal(1000), slam.standard_normal(1000))[0, 1]) < 0.15
@@ -296,7 +296,7 @@ def test_a_fast_laser_feeds_every_sweep_to_the_tracker():
     env = make(**{"lidar.rate_hz": 40.0})
     times = []
     _, _ = env.reset(seed=0)
-    mind = env.unwrapped._mind
+    mind = env.unwrapped._episode.stack
     update = mind.update_in_stages
     mind.update_in_stages = lambda scan, odometry: times.append(scan.time_s) or update(scan, odometry)
     for _ in range(3):
@@ -340,7 +340,7 @@ def test_truly_known_people_stand_still_in_the_odometry_frame_while_a_fast_laser
     env = make(people="truth", **{"lidar.rate_hz": 40.0}, people_count=1, ends_on_contact=False)
     env.reset(seed=0)
     inner, places = env.unwrapped, []
-    source = inner._mind._people
+    source = inner._episode.stack._people
     update = source.update
     source.update = lambda *given: kept(update(*given), places)
     for _ in range(3):  # the leader has not set off yet

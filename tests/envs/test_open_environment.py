@@ -87,7 +87,7 @@ def test_an_engine_takes_settings_by_path_or_as_a_configuration():
     whole = gym.make(CORRIDOR, slam=GMappingConfig(particles=7)).unwrapped
     assert by_path.config == whole.config
     whole.reset(seed=0)
-    assert whole._mind._mapper.engine.config.particles == 7
+    assert whole._episode.stack._mapper.engine.config.particles == 7
 
 
 def test_an_engine_of_ones_own_gets_the_seed_of_the_episode_and_its_filtered_scans():
