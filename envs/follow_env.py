@@ -1,6 +1,7 @@
 """The environment: a robot that follows a person through a building and maps it on the way."""
 
 import copy
+from array import array
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -252,7 +253,7 @@ class FollowEnv(gym.Env[Any, Any]):
             belief=belief,
             truth=truth,
             action=np.zeros(len(self._top)),
-            trail=[truth.robot_pose[:2]],
+            trail=array("d", truth.robot_pose[:2]),
             ending=Ending(),
             covered=coverage.share,
         )
@@ -296,7 +297,8 @@ class FollowEnv(gym.Env[Any, Any]):
 
     def render(self) -> NDArray[np.uint8] | None:  # pyright: ignore[reportIncompatibleMethodOverride]
         """Return a picture (height, width, 3) uint8 for "rgb_array"; None for "human" and without a render mode."""
-        return self._renderer.draw(self.world, self._episode.truth, self._episode.belief, self._episode.trail)
+        now, trail = self._episode, np.array(self._episode.trail).reshape(-1, 2)
+        return self._renderer.draw(self.world, now.truth, now.belief, trail)
 
     def close(self) -> None:
         """Close the viewer, if there is one; what was recorded can still be read, no step can be made."""
@@ -372,7 +374,7 @@ class FollowEnv(gym.Env[Any, Any]):
         yield
         self._episode.truth = world.truth
         self._episode.coverage.update(self._episode.belief.sifted, self._episode.truth.robot_pose)
-        self._episode.trail.append(self._episode.truth.robot_pose[:2])
+        self._episode.trail.extend(self._episode.truth.robot_pose[:2])
 
     def _require_open(self) -> None:
         if self._closed:

@@ -19,7 +19,7 @@ HEAVY = {
 }
 
 
-DOORS = {"tagalong", *(f"tagalong.{room}" for room in FLOORS if room != "scripts")}
+DOORS = {"tagalong", "tagalong.envs.scenes", *(f"tagalong.{room}" for room in FLOORS if room != "scripts")}
 MOST_METHODS = 20
 
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ...envs.task.interface import FollowInterface
 from ..protocol.follower import Observation
-from .dynamic_window import DynamicWindow, DynamicWindowConfig, Surroundings
+from .dynamic_window import DynamicWindow, DynamicWindowConfig, Obstacles
 from .leader_memory import Goal, LeaderMemory, MemoryConfig, Mode
 from .scan_points import ScanPoints, as_action, leader_row, own_velocity, without
 
@@ -74,13 +74,13 @@ class DWAFollower:
         gap = math.hypot(leader[0], leader[1])
         return leader * (1.0 - keep / gap) if gap > 1e-6 else leader, leader
 
-    def _around(self, observation: Observation, goal: Goal) -> Surroundings:
+    def _around(self, observation: Observation, goal: Goal) -> Obstacles:
         people = known_people(observation)
         points = self._points.near(observation, self.config.near)
         if observation["leader"][5] > 0.5:
             leader = np.array([[goal.x, goal.y, goal.vx, goal.vy]])
-            return Surroundings(without(points, leader[:, :2], self.config.body), np.vstack((people, leader)))
-        return Surroundings(points, people)
+            return Obstacles(without(points, leader[:, :2], self.config.body), np.vstack((people, leader)))
+        return Obstacles(points, people)
 
 
 def known_people(observation: Observation) -> Array:

@@ -76,7 +76,7 @@ class DynamicWindowConfig:
 
 
 @dataclass(frozen=True, eq=False)
-class Surroundings:
+class Obstacles:
     """What the robot must mind; robot frame.
 
     Attributes:
@@ -100,7 +100,7 @@ class DynamicWindow:
         """Stand still."""
         self._speed = self._turn = self._stood_s = 0.0
 
-    def choose(self, target: Array, look_at: Array, around: Surroundings) -> tuple[float, float]:
+    def choose(self, target: Array, look_at: Array, around: Obstacles) -> tuple[float, float]:
         """Return speed [m/s] and turn rate [rad/s] to command now.
 
         Args:

@@ -10,7 +10,7 @@ from ...envs.task.interface import FollowInterface
 from ...slam.errors import InputError
 from ..protocol.follower import Observation
 from .dwa import known_people
-from .dynamic_window import DynamicWindow, DynamicWindowConfig, Surroundings
+from .dynamic_window import DynamicWindow, DynamicWindowConfig, Obstacles
 from .frontier_plan import FrontierConfig, FrontierWay, place_ahead, plan_way
 from .scan_points import ScanPoints, as_action, own_velocity
 
@@ -84,7 +84,7 @@ class FrontierExplorer:
             self._window.reset()
             return as_action(0.0, 0.0, self.interface)
         target = place_ahead(self._way.places, self._own_map().pose, self.config.reach)
-        around = Surroundings(self._points.near(observation, self.config.near), known_people(observation))
+        around = Obstacles(self._points.near(observation, self.config.near), known_people(observation))
         return as_action(*self._window.choose(target, target, around), self.interface)
 
     def _plan(self) -> None:

@@ -10,7 +10,7 @@ from ...envs.task.interface import FollowInterface
 from ..protocol.follower import Observation
 from .avoidance import AvoidanceConfig, free_lengths
 from .dwa import known_people
-from .dynamic_window import DynamicWindow, DynamicWindowConfig, Surroundings
+from .dynamic_window import DynamicWindow, DynamicWindowConfig, Obstacles
 from .scan_points import ScanPoints, as_action, own_velocity
 
 Array = NDArray[np.float64]
@@ -61,7 +61,7 @@ class RandomWalk:
         self._still_s = 0.0 if math.hypot(forward, left) > 0.08 or abs(turn) > 0.2 else self._still_s + self._step_s
         points = self._points.near(observation, self.config.avoidance.horizon + 1.0)
         self._maybe_turn(points)
-        around = Surroundings(points, known_people(observation))
+        around = Obstacles(points, known_people(observation))
         target = self.config.reach * np.array((math.cos(self._heading), math.sin(self._heading)))
         return as_action(*self._window.choose(target, target, around), self.interface)
 

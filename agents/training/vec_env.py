@@ -11,9 +11,9 @@ from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvStepReturn
 
+from ...envs.episode_setup import interface
 from ...envs.follow_config import make_config
 from ...envs.registration import MAX_EPISODE_STEPS
-from ...envs.task import interface
 from ...envs.vector.vector_env import FollowVectorEnv
 from ..learned.features import FeatureConfig
 from ..learned.pilot import Pilot, PilotConfig

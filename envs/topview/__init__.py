@@ -1,6 +1,6 @@
 """A picture of the world from above, by numpy and Pillow: no display, no OpenGL."""
 
-from .snapshot import Snapshot, Tracks
+from .snapshot import DrawnTracks, Snapshot
 from .view import TopView
 
-__all__ = ["Snapshot", "TopView", "Tracks"]
+__all__ = ["DrawnTracks", "Snapshot", "TopView"]

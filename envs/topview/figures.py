@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from ...slam.geometry import transform_points
 from . import palette
 from .canvas import Canvas, Colour
-from .snapshot import Snapshot, Tracks
+from .snapshot import DrawnTracks, Snapshot
 
 Array = NDArray[np.float64]
 
@@ -62,7 +62,7 @@ def draw_robot(canvas: Canvas, pose: Array, size: tuple[float, float]) -> None:
     canvas.circle(pose[:2], 0.07, (90, 94, 104), palette.WHEEL, 0.015)
 
 
-def draw_tracks(canvas: Canvas, tracks: Tracks, robot: Array) -> None:
+def draw_tracks(canvas: Canvas, tracks: DrawnTracks, robot: Array) -> None:
     """Ring each perceived person with its identity and velocity; join the robot to its leader."""
     for position, velocity, name in zip(tracks.positions, tracks.velocities, tracks.ids, strict=True):
         leads = int(name) == tracks.leader_id

@@ -14,7 +14,7 @@ from ..physics.mj import mujoco
 from ..sensors.camera.opengl import open_renderer
 from ..world.truth import TrueState
 from ..world.world import World
-from . import Snapshot, TopView, Tracks
+from . import DrawnTracks, Snapshot, TopView
 
 Picture = NDArray[np.uint8]
 BACKENDS = ("topview", "mujoco")
@@ -23,7 +23,7 @@ BACKENDS = ("topview", "mujoco")
 class Renderer(Protocol):
     """Shows one moment."""
 
-    def draw(self, world: World, truth: TrueState, belief: Belief, trail: list[NDArray[np.float64]]) -> Picture | None:
+    def draw(self, world: World, truth: TrueState, belief: Belief, trail: NDArray[np.float64]) -> Picture | None:
         """Return the picture, or None where it is shown elsewhere."""
         ...
 
@@ -63,7 +63,7 @@ def make_renderer(mode: str | None, backend: str) -> Renderer:
 class NoRenderer:
     """Shows nothing."""
 
-    def draw(self, world: World, truth: TrueState, belief: Belief, trail: list[NDArray[np.float64]]) -> None:
+    def draw(self, world: World, truth: TrueState, belief: Belief, trail: NDArray[np.float64]) -> None:
         """Return None."""
 
     def close(self) -> None:
@@ -77,7 +77,7 @@ class TopViewRenderer:
         self._of: World | None = None
         self._view: TopView | None = None
 
-    def draw(self, world: World, truth: TrueState, belief: Belief, trail: list[NDArray[np.float64]]) -> Picture:
+    def draw(self, world: World, truth: TrueState, belief: Belief, trail: NDArray[np.float64]) -> Picture:
         """Return the picture (540, 960, 3)."""
         if self._view is None or self._of is not world:
             self._of, self._view = world, TopView(world.scene)
@@ -98,7 +98,7 @@ class CameraRenderer:
         self._of: World | None = None
         self._renderer: Any = None
 
-    def draw(self, world: World, truth: TrueState, belief: Belief, trail: list[NDArray[np.float64]]) -> Picture:
+    def draw(self, world: World, truth: TrueState, belief: Belief, trail: NDArray[np.float64]) -> Picture:
         """Return the picture (480, 640, 3).
 
         Raises:
@@ -130,7 +130,7 @@ class ViewerRenderer:
         self._of: World | None = None
         self._viewer: Any = None
 
-    def draw(self, world: World, truth: TrueState, belief: Belief, trail: list[NDArray[np.float64]]) -> None:
+    def draw(self, world: World, truth: TrueState, belief: Belief, trail: NDArray[np.float64]) -> None:
         """Show the present state."""
         if self._of is not world:
             self.close()
@@ -147,13 +147,13 @@ class ViewerRenderer:
         return {"_of": None, "_viewer": None}
 
 
-def snapshot(world: World, truth: TrueState, belief: Belief, trail: list[NDArray[np.float64]]) -> Snapshot:
+def snapshot(world: World, truth: TrueState, belief: Belief, trail: NDArray[np.float64]) -> Snapshot:
     """Return what the top view draws; what the robot believes is carried into the world by its true pose."""
     scan, T_world_robot = belief.scan, truth.robot_pose
     T_world_odom = compose(T_world_robot, inverse(belief.odometry))
     turn = np.array([0.0, 0.0, T_world_odom[2]])
     leader = belief.leader
-    tracks = Tracks(
+    tracks = DrawnTracks(
         positions=transform_points(T_world_odom, belief.people.positions),
         velocities=transform_points(turn, belief.people.velocities),
         ids=belief.people.ids,
@@ -175,7 +175,7 @@ def snapshot(world: World, truth: TrueState, belief: Belief, trail: list[NDArray
         tracks=tracks,
         map=belief.map if mapped else None,
         T_world_map=world.start,
-        path=np.array(trail),
+        path=trail,
         captions=_captions(truth, belief),
     )
 

@@ -11,7 +11,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Tracks:
+class DrawnTracks:
     """People as the robot perceives them.
 
     Attributes:
@@ -61,7 +61,7 @@ class Snapshot:
     leader_index: int
     scan_points: Array
     scan_dropped: NDArray[np.bool_]
-    tracks: Tracks
+    tracks: DrawnTracks
     map: OccupancyMap | None
     T_world_map: Array
     path: Array

@@ -23,7 +23,7 @@ from ...slam.quality.relations import score_relations
 from ...slam.quality.trajectory import absolute_error
 from ...slam.runner import run_slam
 from ..lab.cells import Cell
-from ..lab.map_comparison import MappingConfig, judge_map, map_reference
+from ..lab.map_comparison import MapComparisonConfig, judge_map, map_reference
 from ..runs.slam_run import usable_times
 from .people import drives
 
@@ -90,7 +90,7 @@ def follow_once(scene: str, people: int, seed: int) -> dict[str, Any]:
 def map_once(scene: str, people: int, standing: int, seed: int, method: str = "gmapping") -> dict[str, Any]:
     """Follow, then map raw and filtered scans against the slow drive of the empty building."""
     tour = following_tour(TourConfig(scene=scene, people=people, standing=standing, seed=seed))
-    reference_drive, mapping = slow_tour(WorldConfig(scene=scene), seed), MappingConfig(method=method, seed=seed)
+    reference_drive, mapping = slow_tour(WorldConfig(scene=scene), seed), MapComparisonConfig(method=method, seed=seed)
     reference = map_reference(reference_drive, mapping)
     judged = {
         name: judge_map(tour.drive, scans, reference_drive, reference, mapping).to_dict()

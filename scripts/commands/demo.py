@@ -9,7 +9,7 @@ from ...agents.tour import SCENES, TourConfig
 from ...slam.engine import ENGINES, make_slam
 from ...slam.errors import InputError
 from ..console.tables import format_table
-from ..lab.map_comparison import MappingConfig
+from ..lab.map_comparison import MapComparisonConfig
 
 EPILOG = """\
 One drive behind a leader; the same scans go to two SLAM engines, raw and with the people removed; a slow drive of the
@@ -61,7 +61,7 @@ def run(options: argparse.Namespace) -> int:
     tour = TourConfig(
         scene=options.scene, people=options.people, standing=options.standing, seed=options.seed, slam="gmapping"
     )
-    mapping = MappingConfig(method=options.method, seed=options.seed)
+    mapping = MapComparisonConfig(method=options.method, seed=options.seed)
     print(f"tagalong demo: {tour.name}, {mapping.method}")
     watch = demo_run.Stopwatch()
     result = demo_run.run_demo(tour, mapping, watch)

@@ -17,7 +17,7 @@ from ...slam.scan import LaserScan
 
 
 @dataclass(frozen=True, kw_only=True)
-class MappingConfig:
+class MapComparisonConfig:
     """Which engine draws the maps.
 
     Attributes:
@@ -68,7 +68,7 @@ class JudgedMap:
         }
 
 
-def map_reference(drive: SimulatedDrive, config: MappingConfig) -> MappedDrive:
+def map_reference(drive: SimulatedDrive, config: MapComparisonConfig) -> MappedDrive:
     """Return the map of the slow drive without people."""
     return _mapped(drive, drive.recording.scans, config)
 
@@ -78,7 +78,7 @@ def judge_map(
     scans: list[LaserScan],
     reference_drive: SimulatedDrive,
     reference: MappedDrive,
-    config: MappingConfig,
+    config: MapComparisonConfig,
 ) -> JudgedMap:
     """Map `drive` from `scans` (raw or filtered, one for each recorded one) and judge the map and the trajectory."""
     mapped = _mapped(drive, scans, config)
@@ -90,7 +90,7 @@ def judge_map(
     )
 
 
-def _mapped(drive: SimulatedDrive, scans: list[LaserScan], config: MappingConfig) -> MappedDrive:
+def _mapped(drive: SimulatedDrive, scans: list[LaserScan], config: MapComparisonConfig) -> MappedDrive:
     run = run_slam(make_slam(config.method, seed=config.seed), replace(drive.recording, scans=scans))
     return MappedDrive(run.map(config.resolution), run.trajectory)
 

@@ -23,7 +23,7 @@ from ..figures.maps import map_picture, overlay_picture
 from ..figures.scans import scan_pair_picture
 from ..figures.trajectory import trajectory_picture
 from ..figures.video import save_gif
-from ..lab.map_comparison import JudgedMap, MappedDrive, MappingConfig, judge_map, map_reference
+from ..lab.map_comparison import JudgedMap, MapComparisonConfig, MappedDrive, judge_map, map_reference
 
 FRAME_EVERY = 5
 """Steps between two frames of the video."""
@@ -77,7 +77,7 @@ class DemoResult:
         }
 
 
-def run_demo(tour_config: TourConfig, mapping: MappingConfig, watch: Stopwatch) -> DemoResult:
+def run_demo(tour_config: TourConfig, mapping: MapComparisonConfig, watch: Stopwatch) -> DemoResult:
     """Drive, map and compare."""
     frames: list[NDArray[np.uint8]] = []
 

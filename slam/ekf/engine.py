@@ -11,7 +11,7 @@ from scipy.linalg import block_diag
 from ..bounds import checked_pose
 from ..engine import SlamUpdate
 from ..errors import InputError
-from ..geometry import between, compose, wrap_angle
+from ..geometry import between, compose
 from ..grid import GridConfig, render_map
 from ..growing_map import GrowingMap
 from ..landmarks.clustering import Clusterer, clusterer_of_scans
@@ -27,12 +27,12 @@ from .calibrated_motion import OdometryNoise
 from .config import EkfSlamConfig
 from .filter import FIXED, LandmarkFilter
 from .slip import Slip, find_slip
+from .visibility import could_be_seen, seen_through
 
 Array = NDArray[np.float64]
 
 _PARTS = {"odometry": OdometryNoise, "sighting": SightingConfig}
 _MOST_LANDMARKS = 1000  # the time of a step grows with their square: a second at so many
-_REACH = 1.5  # landmarks so much beyond the range are compared, too, besides three sigmas [m]
 
 
 class EkfSlam:
@@ -55,6 +55,7 @@ class EkfSlam:
         self._clusterer = clusterer or clusterer_of_scans(
             config.clustering, config.cluster_distance, config.cluster_points
         )
+        self._choose = joint_compatibility if self._config.association == "joint" else nearest_neighbour
         self.filter: LandmarkFilter | None = None
         self.times_seen = np.zeros(0, dtype=np.int64)
         self._missed = np.zeros(0, dtype=np.int64)
@@ -165,15 +166,16 @@ class EkfSlam:
         ekf = self.filter
         assert ekf is not None
         near, pairs = self._compared(sightings, scan.range_max)
-        chosen = self._associate(pairs)
+        chosen = self._choose(pairs, self._config.gate)
         slip = self._slip(sightings, near, chosen)
         if slip is not None:
             ekf.displace(slip.pose, slip.variances)
             self._keep(np.arange(len(self.times_seen)) < self._known)
             near, pairs = self._compared(sightings, scan.range_max)
-            chosen = self._associate(pairs)
+            chosen = self._choose(pairs, self._config.gate)
         new = (pairs.distance > self._config.new_gate).all(axis=1)
-        gone = self._should_be_seen(near, compose(ekf.x[:3], scan.T_robot_lidar), scan)
+        T_map_lidar = compose(ekf.x[:3], scan.T_robot_lidar)
+        gone = near[seen_through(ekf.landmarks[near], T_map_lidar, scan, self._config.sighting.border)]
         used = np.array([near[j] for _, j in chosen], dtype=np.int64)
         if chosen:
             _, H, states = ekf.expect(used)
@@ -213,7 +215,7 @@ class EkfSlam:
         """Return the landmarks that could be seen, and sightings and them compared."""
         ekf = self.filter
         assert ekf is not None
-        near = self._near(range_max)
+        near = could_be_seen(ekf, range_max)
         expected, H, states = ekf.expect(near)
         return near, compare(sightings.z, sightings.R, expected, H @ ekf.P[np.ix_(states, states)] @ H.T)
 
@@ -232,33 +234,6 @@ class EkfSlam:
         self.times_seen[used] += 1
         self._missed[used] = 0
         self._missed[gone] += 1
-
-    def _associate(self, pairs: Innovations) -> Pairs:
-        choose = joint_compatibility if self._config.association == "joint" else nearest_neighbour
-        return choose(pairs, self._config.gate)
-
-    def _near(self, range_max: float) -> NDArray[np.int64]:
-        """Return the numbers of the landmarks that could be seen."""
-        ekf = self.filter
-        assert ekf is not None
-        apart = ekf.landmarks - ekf.x[:2]
-        sigma = float(np.sqrt(np.trace(ekf.P[:2, :2])))
-        return np.flatnonzero(np.hypot(apart[:, 0], apart[:, 1]) <= range_max + _REACH + 3.0 * sigma)
-
-    def _should_be_seen(self, near: NDArray[np.int64], T_map_lidar: Array, scan: LaserScan) -> NDArray[np.int64]:
-        """Return those of `near` whose beam goes on behind them: they are not where they are believed."""
-        ekf = self.filter
-        assert ekf is not None
-        apart = ekf.landmarks[near] - T_map_lidar[:2]
-        r = np.hypot(apart[:, 0], apart[:, 1])
-        bearing = wrap_angle(np.arctan2(apart[:, 1], apart[:, 0]) - T_map_lidar[2])
-        if not len(scan):
-            return near[:0]
-        bearing = np.where(bearing < scan.bearings[0], bearing + 2.0 * np.pi, bearing)  # of sweeps beyond pi
-        inside = (bearing > scan.bearings[0]) & (bearing < scan.bearings[-1])
-        beam = np.clip(np.searchsorted(scan.bearings, bearing), 0, len(scan) - 1)
-        passed = np.where(np.isnan(scan.ranges[beam]), 0.0, scan.ranges[beam]) > r + 1.0
-        return near[inside & passed & (r < scan.range_max - 2.0 * self._config.sighting.border)]
 
     def _keep(self, kept: NDArray[np.bool_]) -> None:
         """Forget the landmarks where `kept` is false."""

@@ -7,7 +7,7 @@ import pytest
 from grid_field_reference import way_field_reference
 from tagalong.agents import EXPLORERS, FOLLOWERS, make_follower
 from tagalong.agents.scripted.dwa import DWAFollower
-from tagalong.agents.scripted.dynamic_window import DynamicWindow, DynamicWindowConfig, Surroundings, arcs
+from tagalong.agents.scripted.dynamic_window import DynamicWindow, DynamicWindowConfig, Obstacles, arcs
 from tagalong.agents.scripted.frontier import FrontierExplorer
 from tagalong.agents.scripted.frontier_plan import FrontierConfig, frontiers, place_ahead, plan_way
 from tagalong.agents.scripted.grid_field import way_field
@@ -20,7 +20,7 @@ from tagalong.slam.occupancy_map import OccupancyMap
 BEAMS = 181
 BEARINGS = np.deg2rad(np.linspace(-135, 135, BEAMS))
 INTERFACE = FollowInterface(bearings=BEARINGS, T_robot_lidar=(0.0, 0.0, 0.0))
-NOTHING = Surroundings(np.empty((0, 2)), np.empty((0, 4)))
+NOTHING = Obstacles(np.empty((0, 2)), np.empty((0, 4)))
 
 
 def observation(leader=None, speed=0.0, turn=0.0, ranges=30.0, people=()):
@@ -100,7 +100,7 @@ def run_window(around, target, seconds=6.0):
         cos, sin = math.cos(pose[2]), math.sin(pose[2])
         into = np.array([[cos, -sin], [sin, cos]])
         people = np.array([[*((p[:2] - pose[:2]) @ into), 0.0, 0.0] for p in around.people]).reshape(-1, 4)
-        local = Surroundings((around.obstacles - pose[:2]) @ into, people)
+        local = Obstacles((around.obstacles - pose[:2]) @ into, people)
         goal = (np.asarray(target) - pose[:2]) @ into
         speed, turn = window.choose(goal, goal, local)
         pose += np.array([speed * cos, speed * sin, turn]) * 0.1
@@ -112,14 +112,14 @@ def test_the_window_drives_to_the_target_and_around_what_stands_in_the_way():
     free = run_window(NOTHING, (3.0, 0.0))
     assert free[-1] == pytest.approx([3.0, 0.0], abs=0.2)
     post = np.stack((np.full(9, 1.5), np.linspace(0.1, 0.35, 9)), axis=-1)
-    places = run_window(Surroundings(post, np.empty((0, 4))), (3.5, 0.0), 10.0)
+    places = run_window(Obstacles(post, np.empty((0, 4))), (3.5, 0.0), 10.0)
     assert np.hypot(*(places[:, None] - post).transpose(2, 0, 1)).min() > 0.33
     assert places[-1] == pytest.approx([3.5, 0.0], abs=0.3)
 
 
 def test_the_window_stops_in_front_of_a_wall():
     wall = np.stack((np.full(61, 1.5), np.linspace(-3, 3, 61)), axis=-1)
-    places = run_window(Surroundings(wall, np.empty((0, 4))), (4.0, 0.0), 4.0)
+    places = run_window(Obstacles(wall, np.empty((0, 4))), (4.0, 0.0), 4.0)
     assert places[:, 0].max() < 1.2
 
 
@@ -130,7 +130,7 @@ def test_commands_of_the_window_change_no_faster_than_the_robot_can(wall):
     ahead = np.stack((np.full(31, wall), np.linspace(-1.5, 1.5, 31)), axis=-1) if wall else np.empty((0, 2))
     for k in range(40):
         target = np.array([2.0 * math.cos(0.3 * k), 2.0 * math.sin(0.3 * k)])
-        commands.append(window.choose(target, target, Surroundings(ahead, np.empty((0, 4)))))
+        commands.append(window.choose(target, target, Obstacles(ahead, np.empty((0, 4)))))
     change = np.diff(commands, axis=0)
     assert change[:, 0].max() <= 0.1 * config.acceleration + 1e-9
     assert change[:, 0].min() >= -0.15 * config.acceleration - 1e-9
@@ -140,8 +140,8 @@ def test_commands_of_the_window_change_no_faster_than_the_robot_can(wall):
 
 def test_people_are_given_more_room_than_things():
     beside = np.array([[1.5, 0.75]])
-    thing = run_window(Surroundings(beside, np.empty((0, 4))), (3.5, 0.0))
-    person = run_window(Surroundings(np.empty((0, 2)), np.array([[1.5, 0.75, 0.0, 0.0]])), (3.5, 0.0))
+    thing = run_window(Obstacles(beside, np.empty((0, 4))), (3.5, 0.0))
+    person = run_window(Obstacles(np.empty((0, 2)), np.array([[1.5, 0.75, 0.0, 0.0]])), (3.5, 0.0))
     nearest = [np.hypot(*(places - beside).T).min() for places in (thing, person)]
     assert nearest[1] > nearest[0] + 0.03
 

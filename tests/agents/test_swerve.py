@@ -23,7 +23,7 @@ NOBODY = np.zeros((0, 6))
 
 
 def avoided(wish, goal, things=POST, trail=((0.5, 0.0),), state=ON, people=NOBODY, **fields):
-    swerve = Swerve(SwerveConfig(**fields), STEERING, ROBOT)
+    swerve = Swerve(SwerveConfig(**fields), GUARD, STEERING, ROBOT)
     trail, things = np.asarray(trail, dtype=np.float64), np.asarray(things, dtype=np.float64)
     people = np.asarray(people, dtype=np.float64)
     return swerve.avoid(wish, Situation(state, goal, 0.0, trail, things, people, lambda: 0.0))

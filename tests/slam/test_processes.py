@@ -17,8 +17,8 @@ from tagalong.slam.processes.supervised import Worker, end_all
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="signals")
 PARENT = """
 import os, sys, time
-from tagalong.slam.processes import Worker
-from tagalong.slam.process_crew import caller
+from tagalong.slam.processes.supervised import Worker
+from tagalong.slam.processes.crew import caller
 if __name__ == "__main__":
     workers = [Worker(f"worker {k}", caller, context=sys.argv[1]) for k in range(2)]
     for worker in workers:

@@ -3,7 +3,7 @@
 import gymnasium as gym
 import numpy as np
 import tagalong  # noqa: F401 (registers the environments)
-from tagalong.envs.people import Behaviour, Wish
+from tagalong.envs import Behaviour, Wish
 
 
 class Curious(Behaviour):
