@@ -17,4 +17,5 @@ for filtered in (True, False):
     env.close()
 (pose, clean), (same, raw) = drives[True], drives[False]
 print(f"the same drive: {(pose == same).all()}")  # who follows does not look at the map
-print(f"cells of any evidence of a wall: {int((clean.probability > 0.1).sum())} filtered, {int((raw.probability > 0.1).sum())} raw")
+walls = [int((grid.probability > 0.1).sum()) for grid in (clean, raw)]
+print(f"cells with any evidence of a wall: {walls[0]} filtered, {walls[1]} raw")

@@ -46,7 +46,7 @@ class ImmobileLocalizationConfig:
             raise InputError(f"`most_likely` must be in [0, 1], got {self.most_likely}")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class LaserWalls:
     """The laser's layer of a map, for the matcher.
 
