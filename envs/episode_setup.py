@@ -19,8 +19,8 @@ from ..perception.tracking.camera import NoLegs
 from ..slam.errors import InputError, shown, unknown_name
 from .follow_config import FollowConfig
 from .onboard.camera_pipeline import CameraPipeline, NoCamera, RgbdPipeline
-from .onboard.engines import TRUE_POSES, make_engine
-from .onboard.immobile_map import Drawing, ImmobileDrawing, OwnDrawing
+from .onboard.engines import BY_IMMOBILE_MAP, TRUE_POSES, make_engine
+from .onboard.immobile_map import Drawing, ImmobileDrawing, ImmobileMapLocalization, OwnDrawing
 from .onboard.mappers import Mapper, NoMapper, SlamMapper
 from .onboard.stack import NobodyLeads, OnboardStack, PeopleSource, Selector
 from .oracle import TrueMapper, TruePeopleSource, TrueRgbdPeopleFinder
@@ -137,7 +137,8 @@ class OnboardStackFactory:
         """Return a mind that knows nothing yet; its leader's cloud and its SLAM draw from streams of their own."""
         leading = np.random.SeedSequence(int(rng.integers(2**31)))
         (mapping,) = leading.spawn(1)
-        mapper, drawing, sight = self._mapper(world, mapping), self._drawing(world), self._sight(world)
+        drawing, sight = self._drawing(world), self._sight(world)
+        mapper = self._mapper(world, mapping, drawing)
         people, selector, filters = self._people(world), self._selector(leading), self._config.mapping.filter_people
         return OnboardStack(people, selector, mapper, drawing, sight, filters)
 
@@ -150,7 +151,10 @@ class OnboardStackFactory:
         return BodyLeaderSelector(np.random.default_rng(seed), p.body, p.leader)
 
     def _drawing(self, world: World) -> Drawing:
-        return OwnDrawing() if self._config.mapping.map == "occupancy" else ImmobileDrawing(world.config.lidar.height)
+        if self._config.mapping.map == "occupancy":
+            return OwnDrawing()
+        revises = self._config.slam not in (TRUE_POSES, BY_IMMOBILE_MAP)
+        return ImmobileDrawing(world.config.lidar.height, redrawable=revises)
 
     def _sight(self, world: World) -> CameraPipeline:
         if not self._looks:
@@ -164,9 +168,11 @@ class OnboardStackFactory:
         detector = NoLegs() if self._forest is None else LegDetector(self._forest, p.detector)
         return PeopleFilter(p, detector)
 
-    def _mapper(self, world: World, seed: np.random.SeedSequence) -> Mapper:
+    def _mapper(self, world: World, seed: np.random.SeedSequence, drawing: Drawing) -> Mapper:
         if self._config.slam is None:
             return NoMapper()
         if self._config.slam == TRUE_POSES:
             return TrueMapper(world)
+        if self._config.slam == BY_IMMOBILE_MAP and isinstance(drawing, ImmobileDrawing):
+            return ImmobileMapLocalization(drawing.mapper)
         return SlamMapper(make_engine(self._config.slam, seed))

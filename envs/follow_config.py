@@ -9,7 +9,7 @@ from ..slam.errors import InputError
 from .limits.arguments import argument_names, branch, with_arguments
 from .limits.field_checks import check_fields
 from .onboard.config import PERCEPTION, MappingConfig
-from .onboard.engines import SLAM, SlamChoice, check_slam
+from .onboard.engines import BY_IMMOBILE_MAP, SLAM, SlamChoice, check_slam
 from .people.config import PeopleConfig
 from .robot.robot import ROBOTS, RobotConfig
 from .scenes.config import SceneConfig
@@ -31,7 +31,8 @@ class FollowConfig:
         perception: Numbers of leg detector, tracker and people filter.
         slam: Who builds the map: "gmapping", "cartographer", "ekf" (round landmarks; posts of 0.1 m radius), the
             configuration of one of these, a function that makes an engine of a seed (`numpy.random.SeedSequence`),
-            "truth" (known poses, an upper bound), None for no map at all.
+            "immobile" (the immobile map by itself: each scan is matched on what earlier ones drew), "truth" (known
+            poses, an upper bound), None for no map at all.
         mapping: What the map is made of; as a text, what it holds: "occupancy", "immobile".
         reward: Weights of the reward's terms, and further terms.
         observation: Sizes of the observation's entries, and further entries.
@@ -54,6 +55,8 @@ class FollowConfig:
         check_slam(self.slam)
         if self.mapping.map == "immobile" and self.slam is None:
             raise InputError('`mapping="immobile"` needs poses: choose a `slam` other than None')
+        if self.slam == BY_IMMOBILE_MAP and self.mapping.map != "immobile":
+            raise InputError('`slam="immobile"` localizes by the immobile map: choose `mapping="immobile"`')
         if self.people.source == "camera" and self.sensors.camera is None:
             raise InputError('`people="camera"` needs a camera: choose one, `camera="kinect-v2"`')
         if self.task.leader and self.people.people_count == 0:

@@ -174,7 +174,7 @@ class FollowEnv(gym.Env[Any, Any]):
     | `sensors.odometry` | "perfect", "good", "typical", "slipping" | `scale_limit`, `alpha1` ... |
     | `people` | "tracker", "camera", "truth" | `source`, `people_count`, `standing`, `leader_style` |
     | `perception` | | `perception.removal.zeta` and all others of leg detector, tracker and people filter |
-    | `slam` | "gmapping", "cartographer", "ekf", "truth", None | `slam.particles` ...; or a `function(seed)` |
+    | `slam` | "gmapping", "cartographer", "ekf", "immobile", "truth", None | `slam.particles` ..., `function(seed)` |
     | `mapping` | "occupancy", "immobile" | `map`, `filter_people` (False: raw scans into SLAM and map) |
     | `reward` | | weight of each term by its name, `following_distance` ...; `terms`: name -> `function(StepFacts)` |
     | `observation` | | `people_slots`, `map_cells`, `map_resolution`; `entries`: name -> (space, `function(Belief)`) |

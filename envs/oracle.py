@@ -119,6 +119,9 @@ class TrueMapper:
         """(3,) the true T_map_robot."""
         return between(self._start, self._world.truth.robot_pose)
 
+    def revised(self) -> None:
+        """Return None: the truth is never revised."""
+
 
 def leader_gap(truth: TrueState, belief: Belief) -> float:
     """Return how far the perceived leader is from the true one [m]; inf where it is not seen or someone else."""

@@ -12,6 +12,13 @@ class PoseLog:
     def __init__(self) -> None:
         self._numbers = array("d")
 
+    @classmethod
+    def of(cls, poses: ArrayLike) -> "PoseLog":
+        """Return a log of `poses` (n, 3)."""
+        log = cls()
+        log._numbers.extend(np.asarray(poses, dtype=np.float64).ravel().tolist())
+        return log
+
     def __len__(self) -> int:
         return len(self._numbers) // 3
 

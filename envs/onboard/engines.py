@@ -17,20 +17,23 @@ SlamFactory = Callable[[np.random.SeedSequence], SlamEngine]
 """Makes a new engine for an episode; what it draws at random, it draws from the seed."""
 SlamChoice = GMappingConfig | CartographerConfig | EkfSlamConfig | SlamFactory | str | None
 TRUE_POSES = "truth"
+BY_IMMOBILE_MAP = "immobile"
 SLAM: dict[str | None, Any] = {
     "gmapping": GMappingConfig(),
     "cartographer": CartographerConfig(),
     "ekf": EkfSlamConfig(),
+    BY_IMMOBILE_MAP: BY_IMMOBILE_MAP,
     TRUE_POSES: TRUE_POSES,
     None: None,
 }
-"""Name -> who maps: an engine's configuration, "truth" for a map drawn at the true poses, None for no map at all."""
+"""Name -> who maps: an engine's configuration, "immobile" for the immobile-area map by itself, "truth" for a map drawn
+at the true poses, None for no map at all."""
 
 
 def check_slam(choice: object) -> None:
     """Raise InputError unless `choice` is one of `SlamChoice`; a class of an engine is none, it takes no seed."""
     known = choice is None or isinstance(choice, GMappingConfig | CartographerConfig | EkfSlamConfig)
-    known = known or (isinstance(choice, str) and choice == TRUE_POSES)
+    known = known or (isinstance(choice, str) and choice in (TRUE_POSES, BY_IMMOBILE_MAP))
     if not known and (not callable(choice) or isinstance(choice, type)):
         rule = f"one of {', '.join(str(name) for name in SLAM)}, an engine's configuration, or a function of a seed"
         raise InputError(f"`slam` must be {rule} that returns an engine, got {shown(choice)}")

@@ -29,6 +29,10 @@ class Mapper(Protocol):
         """(3,) T_map_robot; NaN without a map."""
         ...
 
+    def revised(self) -> Array | None:
+        """Return (n, 3) T_map_robot of all scans by what is known now; None: a pose once told is never revised."""
+        ...
+
 
 class SlamMapper:
     """A SLAM engine and its live map."""
@@ -54,6 +58,10 @@ class SlamMapper:
         """(3,) T_map_robot."""
         return self.engine.pose
 
+    def revised(self) -> Array:
+        """Return (n, 3) T_map_robot of all scans by what is known now."""
+        return self.engine.trajectory()
+
 
 class NoMapper:
     """Builds nothing."""
@@ -74,3 +82,6 @@ class NoMapper:
     def pose(self) -> Array:
         """(3,) NaN."""
         return self._pose
+
+    def revised(self) -> None:
+        """Return None: there are no poses."""
