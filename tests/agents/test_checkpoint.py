@@ -10,7 +10,7 @@ pytest.importorskip("stable_baselines3", reason="checkpoints need the extra lear
 
 from tagalong.agents.training import checkpoint
 from tagalong.agents.training.checkpoint import Progress, load_arrays, load_progress, save_checkpoint
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 
 SHAPES = {"policy/a": (2, 3), "optimizer/0/step": (), "optimizer/0/exp_avg": (2, 3)}
 

@@ -11,7 +11,7 @@ from tagalong.agents.learned.situation import Situation
 from tagalong.agents.learned.steering import REST, SteeringConfig
 from tagalong.agents.scripted.leader_memory import Goal, Mode
 from tagalong.envs.task.interface import FollowInterface
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 from tagalong.slam.geometry import inverse, transform_points
 
 GUARD = GuardConfig()

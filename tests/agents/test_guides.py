@@ -14,8 +14,7 @@ from tagalong.agents.scripted.grid_field import way_field
 from tagalong.agents.scripted.pure_pursuit import PurePursuitFollower
 from tagalong.agents.scripted.random_walk import RandomWalk
 from tagalong.envs.task.interface import FollowInterface, OwnMap
-from tagalong.slam.errors import InputError
-from tagalong.slam.occupancy_map import OccupancyMap
+from tagalong.slam import InputError, OccupancyMap
 
 BEAMS = 181
 BEARINGS = np.deg2rad(np.linspace(-135, 135, BEAMS))

@@ -16,7 +16,7 @@ from tagalong.agents.teleop.joystick import (
 from tagalong.agents.teleop.joystick_drive import record_drive, replay_drive
 from tagalong.agents.teleop.operator_model import OperatorConfig, OperatorModel, OperatorView
 from tagalong.scripts.benchmarks.joystick_calibration import driving_figures
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 
 NOBODY = np.empty((0, 2))
 

@@ -17,9 +17,9 @@ from tagalong.agents.learned.network import Network
 from tagalong.agents.learned.pilot import PilotConfig
 from tagalong.agents.learned.steering import REST, SteeringConfig, steer, steer_many
 from tagalong.agents.learned.trail import Trail
-from tagalong.envs.recording.rollout import rollout
+from tagalong.envs import rollout
 from tagalong.envs.task.interface import FollowInterface
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 from tagalong.slam.files.output import read_arrays
 
 CONFIG = SteeringConfig()

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from tagalong.agents import FOLLOWERS, make_follower
 from tagalong.agents.scripted.pid import PIDFollower
-from tagalong.envs.recording.rollout import rollout
-from tagalong.slam.errors import InputError
+from tagalong.envs import rollout
+from tagalong.slam import InputError
 
 
 @pytest.mark.parametrize("name", [*sorted(FOLLOWERS), "random"])

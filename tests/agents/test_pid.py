@@ -11,7 +11,7 @@ from tagalong.agents.scripted.pid import PIDConfig
 from tagalong.agents.scripted.pid_axis import Axis, AxisConfig
 from tagalong.agents.scripted.scan_points import ScanPoints
 from tagalong.envs.task.interface import FollowInterface
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 
 BEAMS = 181
 INTERFACE = FollowInterface(bearings=np.deg2rad(np.linspace(-135, 135, BEAMS)))

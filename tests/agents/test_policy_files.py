@@ -9,7 +9,7 @@ from tagalong.agents import make_follower
 from tagalong.agents.learned.features import FeatureConfig
 from tagalong.agents.learned.follower import SHIPPED, LearnedFollower, load_policy
 from tagalong.agents.learned.network_shapes import check_arrays
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 from tagalong.slam.files.output import read_arrays
 
 CARD = json.loads((SHIPPED / "follower.json").read_text())

@@ -12,7 +12,7 @@ from tagalong.agents.learned.steering import SteeringConfig
 from tagalong.agents.learned.swerve import Swerve, SwerveConfig, foreseen
 from tagalong.agents.scripted.leader_memory import Goal, Mode
 from tagalong.envs.task.interface import FollowInterface
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 
 GUARD, STEERING, ROBOT = GuardConfig(), SteeringConfig(), FollowInterface()
 ON = (0.8, 0.0, 0.0, 0.0)

@@ -25,7 +25,7 @@ from tagalong.agents.learned.network import Network  # noqa: E402
 from tagalong.agents.training.models import mean_output  # noqa: E402
 from tagalong.agents.training.presets import ImitationConfig, ReinforcementConfig  # noqa: E402
 from tagalong.agents.training.run import RunConfig, TrainingRun  # noqa: E402
-from tagalong.slam.errors import InputError  # noqa: E402
+from tagalong.slam import InputError  # noqa: E402
 from tagalong.slam.files.output import read_arrays  # noqa: E402
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import pytest
 from tagalong.envs.limits.arguments import argument_names, branch, with_arguments
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 
 
 @dataclass(frozen=True, kw_only=True)

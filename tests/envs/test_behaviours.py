@@ -7,7 +7,7 @@ import pytest
 from tagalong.envs.people import Behaviour, Wish
 from tagalong.envs.sensors.lidar import LidarConfig
 from tagalong.envs.world.world import World, WorldConfig
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 
 
 class Shy(Behaviour):

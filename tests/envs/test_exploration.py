@@ -11,10 +11,9 @@ from tagalong.envs.scenes.scene import Scene
 from tagalong.envs.scenes.solids import Solid
 from tagalong.envs.task.coverage import CELL_M, FARTHEST_M, Coverage
 from tagalong.envs.task.coverage_kernels import sweep, sweep_reference
-from tagalong.perception.people_filter import PeopleFilter
+from tagalong.perception import PeopleFilter
 from tagalong.perception.tracking.camera import NoLegs
-from tagalong.slam.errors import InputError
-from tagalong.slam.scan import LaserScan
+from tagalong.slam import InputError, LaserScan
 
 SMALL = {"beams": 361, "slam": None}
 

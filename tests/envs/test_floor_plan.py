@@ -10,10 +10,8 @@ import tagalong  # noqa: F401 (registers the ids)
 from tagalong.envs.scenes.catalogue import make_scene
 from tagalong.envs.scenes.occupancy import true_map
 from tagalong.envs.scenes.request import SceneRequest
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError, OccupancyMap, write_ros_map
 from tagalong.slam.logs.carmen import read_carmen
-from tagalong.slam.logs.ros_map import write_ros_map
-from tagalong.slam.occupancy_map import OccupancyMap
 
 DATA = os.environ.get("TAGALONG_DATA")
 

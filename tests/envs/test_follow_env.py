@@ -14,7 +14,7 @@ from tagalong.envs.follow_env import nobody_notes
 from tagalong.envs.recording.rollout import rollout
 from tagalong.envs.registration import IDS, MAX_EPISODE_STEPS
 from tagalong.envs.scenes.occupancy import true_map
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 
 SMALL = {"beams": 361, "slam": None}
 

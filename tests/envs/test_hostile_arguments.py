@@ -9,7 +9,7 @@ from tagalong.envs.sensors.camera.config import RgbdConfig
 from tagalong.envs.sensors.lidar import LidarConfig
 from tagalong.envs.task.config import TaskConfig
 from tagalong.envs.world.config import WorldConfig
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 
 DEEP: list = []
 for _ in range(2000):

@@ -8,9 +8,8 @@ import pytest
 import tagalong  # noqa: F401 (registers the ids)
 from tagalong.envs.onboard.immobile_map import ImmobileDrawing
 from tagalong.envs.sensors.camera.config import RgbdConfig
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError, LaserScan
 from tagalong.slam.geometry import between
-from tagalong.slam.scan import LaserScan
 
 SMALL = {"beams": 541, "people_count": 0, "leader": False}
 CAMERA = RgbdConfig(width=64, height=53, rate_hz=5.0)

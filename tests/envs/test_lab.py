@@ -8,7 +8,7 @@ from tagalong.envs.recording.operator import Operator
 from tagalong.envs.sensors.camera.config import RgbdConfig
 from tagalong.envs.sensors.lidar import LidarConfig
 from tagalong.envs.world.world import World, WorldConfig
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 
 LASER = LidarConfig(beams=61, range_max=10.0, height=0.32)
 

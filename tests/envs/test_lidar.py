@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tagalong.envs.sensors.lidar import LidarConfig
 from tagalong.envs.world.world import World, WorldConfig
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 from tagalong.slam.geometry import compose, transform_points
 
 CLEAN = LidarConfig(sigma_near=0.0, sigma_far=0.0, dropout=0.0)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from tagalong.envs.robot.odometry import QUALITIES, WheelOdometry, odometry_quality
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 from tagalong.slam.geometry import compose
 
 

@@ -14,7 +14,7 @@ from tagalong.envs.scenes.request import SceneRequest
 from tagalong.envs.scenes.ways import folds
 from tagalong.envs.sensors.lidar import LidarConfig
 from tagalong.envs.world.world import World, WorldConfig
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 from tagalong.slam.geometry import wrap_angle
 
 FEW_BEAMS = LidarConfig(beams=31)

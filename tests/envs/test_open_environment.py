@@ -12,11 +12,9 @@ from tagalong.envs.follow_env import FollowEnv
 from tagalong.envs.onboard.config import PERCEPTION
 from tagalong.envs.recording.rollout import rollout
 from tagalong.envs.robot.robot import ROBOTS, RobotConfig
-from tagalong.perception.people_filter import filtered_scans
-from tagalong.slam.errors import InputError
-from tagalong.slam.gmapping.config import GMappingConfig
+from tagalong.perception import filtered_scans
+from tagalong.slam import GMappingConfig, InputError, RecordedDrive
 from tagalong.slam.gmapping.engine import GMapping
-from tagalong.slam.logs.drive import RecordedDrive
 
 CORRIDOR = "tagalong/Corridor-v0"
 FEW = {"people_count": 2, "beams": 541}

@@ -10,7 +10,7 @@ from tagalong.envs.scenes import SCENES, Door, Scene, SceneRequest, Walk, box, m
 from tagalong.envs.scenes.scene_check import checked_scene
 from tagalong.envs.sensors.lidar import LidarConfig
 from tagalong.envs.world.world import World, WorldConfig
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 
 
 def hall(rng, request):

@@ -5,7 +5,8 @@ from tagalong.envs.recording.operator import Operator
 from tagalong.envs.sensors.camera.config import RgbdConfig
 from tagalong.envs.sensors.lidar import LidarConfig
 from tagalong.envs.world.world import World, WorldConfig
-from tagalong.perception.rgbd.planes import PlaneFinder, Surface
+from tagalong.perception import PlaneFinder
+from tagalong.perception.rgbd.planes import Surface
 
 SURFACES = {"floor": Surface.FLOOR, "ceiling": Surface.CEILING, "wall": Surface.WALL, "table": Surface.TOP}
 

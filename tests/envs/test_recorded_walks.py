@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from tagalong.envs.sensors.lidar import LidarConfig
 from tagalong.envs.world.world import World, WorldConfig
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 
 DATA = os.environ.get("TAGALONG_DATA")
 

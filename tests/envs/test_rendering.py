@@ -10,8 +10,7 @@ from tagalong.envs.topview import palette
 from tagalong.envs.topview.canvas import Camera
 from tagalong.envs.topview.map_panel import sample_map
 from tagalong.envs.topview.rendering import CameraRenderer, make_renderer
-from tagalong.slam.errors import InputError
-from tagalong.slam.occupancy_map import OccupancyMap
+from tagalong.slam import InputError, OccupancyMap
 
 
 def make(scene="Corridor", **arguments):

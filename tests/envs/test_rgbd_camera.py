@@ -17,7 +17,7 @@ from tagalong.envs.sensors.camera.noise import depth_sigma, measure_depth, on_ed
 from tagalong.envs.sensors.camera.opengl import open_renderer
 from tagalong.envs.sensors.lidar import LidarConfig
 from tagalong.envs.world.world import World, WorldConfig
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 
 EXACT = RgbdConfig(noise=0.0, edge_missing=0.0, missing=0.0)
 

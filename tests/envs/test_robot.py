@@ -5,7 +5,7 @@ import pytest
 from tagalong.envs.robot.robot import Robot, RobotConfig
 from tagalong.envs.sensors.lidar import LidarConfig
 from tagalong.envs.world.world import World, WorldConfig
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 from tagalong.slam.geometry import between
 
 FEW_BEAMS = LidarConfig(beams=11)

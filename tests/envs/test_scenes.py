@@ -7,7 +7,7 @@ from tagalong.envs.scenes.occupancy import true_map
 from tagalong.envs.scenes.polyline import arc_lengths, resample, rounded, tangents
 from tagalong.envs.scenes.scene import RUN_OUT
 from tagalong.envs.scenes.solids import Solid, box
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 from tagalong.slam.geometry import compose, transform_points
 
 NAMES = sorted(SCENES)

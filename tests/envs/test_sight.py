@@ -15,7 +15,7 @@ from tagalong.envs.world.world import World
 from tagalong.perception.immobile.view import CameraViewMaker
 from tagalong.perception.rgbd.frame import RgbdFrame
 from tagalong.perception.rgbd.people import RgbdPeople
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 from tagalong.slam.geometry import compose, inverse, transform_points
 
 AHEAD = np.array([[2.0, 0.5]])

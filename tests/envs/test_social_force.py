@@ -9,7 +9,7 @@ from tagalong.envs.people.movement.obstacles import keep_clear, nearest_of_box
 from tagalong.envs.people.movement.social_force import SocialForceConfig, pair_force
 from tagalong.envs.people.movement.walking import advance_bodies
 from tagalong.envs.scenes.solids import Solid
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 
 CONFIG = SocialForceConfig()
 

@@ -11,7 +11,7 @@ from tagalong.envs.metrics.follow_bench import follow_bench_metrics
 from tagalong.envs.recording.rollout import rollout
 from tagalong.envs.suites import SUITES, suite
 from tagalong.scripts.cli import main
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 
 
 @pytest.mark.parametrize("name", sorted(SUITES))

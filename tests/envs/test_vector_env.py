@@ -11,7 +11,8 @@ import pytest
 import tagalong  # noqa: F401 (registers the ids)
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 from tagalong.envs.vector.worker import WorkerShare
-from tagalong.slam.errors import InputError, MissingExtraError, WorkerError
+from tagalong.slam import InputError
+from tagalong.slam.errors import MissingExtraError, WorkerError
 
 FIELDS = {"beams": 61, "slam": None, "people_count": 3}
 COUNT = 3

@@ -7,7 +7,7 @@ from tagalong.envs.appearance.wardrobe import ARMS, WARDROBES, draw_outfit, ward
 from tagalong.envs.sensors.camera.config import RgbdConfig
 from tagalong.envs.sensors.lidar import LidarConfig
 from tagalong.envs.world.world import World, WorldConfig
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 
 
 def world(clothing=None, seed=0):

@@ -7,7 +7,7 @@ import pytest
 from tagalong.envs.scenes.polyline import resample
 from tagalong.envs.sensors.lidar import LidarConfig
 from tagalong.envs.world.world import World, WorldConfig
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 from tagalong.slam.geometry import wrap_angle
 
 SCENES = ["corridor", "meeting_room"]

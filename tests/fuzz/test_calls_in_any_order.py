@@ -5,8 +5,8 @@ from borders.environment import CHEAP
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
-from tagalong.envs.follow_env import FollowEnv
-from tagalong.slam.errors import InputError
+from tagalong.envs import FollowEnv
+from tagalong.slam import InputError
 
 ACTIONS = st.one_of(
     st.lists(st.floats(-2.0, 2.0), min_size=2, max_size=2),

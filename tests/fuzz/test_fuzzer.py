@@ -11,7 +11,7 @@ from fuzzer.border import Border, InsaneError
 from fuzzer.codec import decoded, encoded
 from fuzzer.supervisor import sent
 from fuzzer.worker import Inputs, draws
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 
 BORDERS = [border for area in AREAS.values() for border in area.borders]
 

@@ -1,8 +1,8 @@
 """A plane with round posts, a robot that goes round, wheels with systematic errors: known answers for landmark SLAM."""
 
 import numpy as np
+from tagalong.slam import LaserScan
 from tagalong.slam.geometry import between, compose, inverse, transform_points
-from tagalong.slam.scan import LaserScan
 
 BEARINGS = np.linspace(-np.pi / 2, np.pi / 2, 181)
 RADIUS = 0.1

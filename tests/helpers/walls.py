@@ -1,7 +1,7 @@
 """Rooms of straight walls, and what a laser sees of them: known answers for matching, SLAM and localization."""
 
 import numpy as np
-from tagalong.slam.scan import LaserScan
+from tagalong.slam import LaserScan
 
 BEARINGS = np.deg2rad(np.arange(-135.0, 135.0, 1.0))
 

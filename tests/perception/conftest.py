@@ -8,7 +8,7 @@ from tagalong.perception.legs.clusters import Clusters
 from tagalong.perception.legs.detector import Detections
 from tagalong.perception.tracking.config import TrackerConfig
 from tagalong.perception.tracking.tracker import PeopleTracker
-from tagalong.slam.scan import LaserScan
+from tagalong.slam import LaserScan
 
 ORIGIN = np.zeros(3)
 

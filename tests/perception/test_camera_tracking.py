@@ -5,7 +5,7 @@ import pytest
 from tagalong.perception.people_filter import near_points, points_lidar
 from tagalong.perception.rgbd.people import RgbdPeople
 from tagalong.perception.tracking.camera import NoLegs, SeenPeople
-from tagalong.slam.scan import LaserScan
+from tagalong.slam import LaserScan
 
 LEGS = np.array([[2.0, 0.1], [2.0, -0.1]])
 

@@ -7,8 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from tagalong.perception.legs.clusters import cluster_scan, split_by_distance
-from tagalong.slam.errors import InputError
-from tagalong.slam.scan import LaserScan
+from tagalong.slam import InputError, LaserScan
 
 BEARINGS = np.radians(np.arange(-90.0, 91.0, 1.0))
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from tagalong.perception.metrics.clear_mot import ClearMot
 from tagalong.scripts.benchmarks.following import judge_following
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 
 OUTDOOR = Path(os.environ.get("TAGALONG_DATA", "")) / "legs" / "person_following_outdoor_1.npz"
 

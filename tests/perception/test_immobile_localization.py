@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from tagalong.perception.immobile.localization import ImmobileLocalization, ImmobileLocalizationConfig, LaserWalls
 from tagalong.perception.immobile.mapper import ImmobileMapper
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError, LaserScan
 from tagalong.slam.geometry import between, compose
-from tagalong.slam.scan import LaserScan
 
 BEARINGS = np.linspace(-np.pi, np.pi, 360, endpoint=False)
 

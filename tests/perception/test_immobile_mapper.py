@@ -11,9 +11,8 @@ from tagalong.perception.immobile.view import CameraViewMaker, ViewConfig, make_
 from tagalong.perception.rgbd.frame import Pinhole, RgbdFrame
 from tagalong.perception.rgbd.people import NoPeopleFinder, RgbdPeople, nobody
 from tagalong.perception.rgbd.planes import PlaneFinder, Surface
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError, LaserScan
 from tagalong.slam.geometry import compose, transform_points
-from tagalong.slam.scan import LaserScan
 
 CAMERA = Pinhole(width=64, height=53, horizontal_fov=np.radians(70.0), vertical_fov=np.radians(60.0))
 BEARINGS = np.linspace(-1.5, 1.5, 601)

@@ -5,8 +5,7 @@ import pytest
 from tagalong.perception.leader.body_selector import BodyConfig, BodyLeaderSelector
 from tagalong.perception.leader.selector import LeaderSelector
 from tagalong.perception.tracking.people import People, SeenLegs
-from tagalong.slam.errors import InputError
-from tagalong.slam.scan import LaserScan
+from tagalong.slam import InputError, LaserScan
 
 ORIGIN = np.zeros(3)
 BEARINGS = np.deg2rad(np.arange(-135.0, 135.1, 0.5))

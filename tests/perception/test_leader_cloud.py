@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 from tagalong.perception.leader import cloud_kernels as kernels
 from tagalong.perception.leader.cloud import BodyCloud, CloudConfig, LeaderView
-from tagalong.slam.errors import InputError
-from tagalong.slam.scan import LaserScan
+from tagalong.slam import InputError, LaserScan
 
 SEEDS = pytest.mark.parametrize("seed", range(4))
 

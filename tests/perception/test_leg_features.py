@@ -7,7 +7,7 @@ from tagalong.envs.simulation2d.outlines import LEG, Outlines
 from tagalong.perception.legs.clusters import cluster_scan
 from tagalong.perception.legs.features import FEATURE_NAMES, cluster_features, is_wide
 from tagalong.scripts.training.leg_scans import Scanner, draw_scan, take_scan
-from tagalong.slam.scan import LaserScan
+from tagalong.slam import LaserScan
 
 
 def perfect_scanner(spacing_deg=0.25):

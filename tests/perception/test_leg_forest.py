@@ -14,8 +14,7 @@ from tagalong.perception.legs.features import FEATURE_NAMES
 from tagalong.perception.legs.forest import SHIPPED, LegForest, read_card
 from tagalong.perception.legs.forest_kernel import MOST_DEPTH, is_sound
 from tagalong.scripts.training.train_legs import flatten_forest
-from tagalong.slam.errors import InputError
-from tagalong.slam.scan import LaserScan
+from tagalong.slam import InputError, LaserScan
 
 BEARINGS = np.radians(np.linspace(-135.0, 135.0, 1081))
 

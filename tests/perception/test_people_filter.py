@@ -3,7 +3,7 @@ from types import SimpleNamespace
 import numpy as np
 from tagalong.perception.legs.detector import Detections
 from tagalong.perception.people_filter import FilteredScan, RemovalConfig, near_points, points_lidar
-from tagalong.slam.scan import LaserScan
+from tagalong.slam import LaserScan
 
 
 def test_points_near_a_person_are_dropped_and_nothing_is_rewritten():

@@ -19,7 +19,7 @@ from tagalong.perception.rgbd.people_finder import PeopleFinder, PeopleFinderCon
 from tagalong.perception.rgbd.person_svm import LENGTH, MODEL, PersonSvm, candidate_features, read_card
 from tagalong.perception.rgbd.planes import PlaneFinder
 from tagalong.perception.rgbd.windows import CHANNELS, COLUMNS, ROWS, candidate_windows
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 
 CAMERA = Pinhole(width=128, height=106, horizontal_fov=np.radians(70.0), vertical_fov=np.radians(60.0))
 

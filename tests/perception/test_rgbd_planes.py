@@ -10,7 +10,7 @@ from tagalong.perception.rgbd.clusters import ClusterConfig, connect, find_clust
 from tagalong.perception.rgbd.frame import Pinhole, RgbdFrame
 from tagalong.perception.rgbd.growing import settle
 from tagalong.perception.rgbd.planes import PlaneConfig, PlaneFinder, Surface
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 
 CAMERA = Pinhole(width=128, height=106, horizontal_fov=np.radians(70.0), vertical_fov=np.radians(60.0))
 HEIGHT, CEILING, AHEAD, SIDE = 1.0, 2.6, 5.0, 2.0

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tagalong.perception.config import PRESETS, PerceptionConfig, perception_preset, table_ii
 from tagalong.perception.tracking.config import ConfirmationConfig
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 
 
 def test_table_two_is_the_default():

@@ -19,7 +19,7 @@ from tagalong.perception.legs.surroundings_kernels import (
     USUAL_STANCE,
     WIDEST_MATE,
 )
-from tagalong.slam.scan import LaserScan
+from tagalong.slam import LaserScan
 
 Array = NDArray[np.float64]
 

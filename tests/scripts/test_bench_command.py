@@ -8,7 +8,7 @@ from tagalong.scripts.benchmarks import follower_comparison
 from tagalong.scripts.benchmarks.benchmark import BENCHMARKS, load_benchmark
 from tagalong.scripts.benchmarks.results import write_results
 from tagalong.scripts.console.last_words import told
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 from tagalong.slam.files.output import read_json
 
 

@@ -4,8 +4,8 @@ import json
 
 import pytest
 from tagalong.scripts.cli import main
+from tagalong.slam import InputError
 from tagalong.slam.engine import ENGINES
-from tagalong.slam.errors import InputError
 from tagalong.slam.files.output import require_writable
 
 

@@ -22,9 +22,8 @@ from tagalong.envs.simulation2d.sweep_kernel import sweep
 from tagalong.scripts.benchmarks import drawn_worlds
 from tagalong.scripts.cli import main
 from tagalong.scripts.lab.cells import without_timing
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError, RecordedDrive
 from tagalong.slam.geometry import between
-from tagalong.slam.logs.drive import RecordedDrive
 
 TRAITS = Traits(
     reach=6.0, view_deg=360.0, beams=360, noise=0.0, missing=0.0, mount=0.0,

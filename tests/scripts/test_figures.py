@@ -5,8 +5,7 @@ from tagalong.scripts.figures.canvas import BLUE, INK, ORANGE, RED, PlanCanvas, 
 from tagalong.scripts.figures.maps import BOTH, FREE, UNKNOWN, map_picture, overlay_picture
 from tagalong.scripts.figures.scans import scan_pair_picture
 from tagalong.scripts.figures.trajectory import trajectory_picture
-from tagalong.slam.occupancy_map import OccupancyMap
-from tagalong.slam.scan import LaserScan
+from tagalong.slam import LaserScan, OccupancyMap
 
 
 def room(ghost=False):

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 from tagalong.scripts.benchmarks.follower_comparison import FIGURES, compare, draw_trade_off, finished_rows
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 
 
 def rows(follower, jerk, done):

@@ -18,7 +18,7 @@ from tagalong.scripts.benchmarks.intel_reference import (
     related_poses,
 )
 from tagalong.scripts.cli import main
-from tagalong.slam.engine import make_slam
+from tagalong.slam import make_slam
 from tagalong.slam.geometry import between, compose
 from tagalong.slam.graph.loops.constraints import Constraint, Kind
 from tagalong.slam.logs.carmen import read_carmen

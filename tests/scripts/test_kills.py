@@ -13,7 +13,7 @@ from kills import Killed, files, kill_once, start
 from tagalong.scripts import cli
 from tagalong.scripts.console.interruption import interruptible
 from tagalong.scripts.console.only_writer import only_writer
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 from tagalong.slam.logs.carmen_writer import write_carmen
 
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="/proc")

@@ -7,7 +7,8 @@ import sys
 import pytest
 from tagalong.scripts.cli import main
 from tagalong.scripts.console.last_words import exit_status
-from tagalong.slam.errors import InputError, MissingExtraError
+from tagalong.slam import InputError
+from tagalong.slam.errors import MissingExtraError
 
 
 def ends(error: BaseException):

@@ -12,7 +12,7 @@ from tagalong.scripts.lab.cells import Cell, without_timing
 from tagalong.scripts.reproduce.experiment import EXPERIMENTS, Experiment, load_experiment
 from tagalong.scripts.reproduce.report import Figure, Report, Section, Table
 from tagalong.scripts.reproduce.run import run_experiment
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 
 
 def throw(seed, files):

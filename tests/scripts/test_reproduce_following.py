@@ -3,11 +3,11 @@ import argparse
 import numpy as np
 import pytest
 from scipy.stats import ttest_rel
+from tagalong.envs import World, WorldConfig
 from tagalong.envs.episode_setup import OnboardStackFactory
 from tagalong.envs.follow_config import make_config
 from tagalong.envs.onboard.config import PERCEPTION
-from tagalong.envs.world.world import World, WorldConfig
-from tagalong.perception.people_filter import filtered_scans
+from tagalong.perception import filtered_scans
 from tagalong.scripts.lab.cells import files_of, run_cells
 from tagalong.scripts.lab.drive_files import limited, load_input
 from tagalong.scripts.reproduce.following.experiment import EXPERIMENT
@@ -22,10 +22,8 @@ from tagalong.scripts.reproduce.following.plan import (
     tour_cell,
 )
 from tagalong.scripts.reproduce.following.sweep import ratio_text
-from tagalong.slam.errors import InputError
-from tagalong.slam.logs.drive import RecordedDrive
+from tagalong.slam import InputError, LaserScan, RecordedDrive
 from tagalong.slam.logs.drive_folder import SimulatedDrive
-from tagalong.slam.scan import LaserScan
 
 
 def options(**changes):

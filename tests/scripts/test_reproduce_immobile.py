@@ -12,11 +12,8 @@ from tagalong.scripts.reproduce.immobile.counted import Counted, CountedShare
 from tagalong.scripts.reproduce.immobile.drives import MAPPERS, lab_drive, lab_world
 from tagalong.scripts.reproduce.immobile.plan import CLEAN, SHAKEN, cell_name, plan_of
 from tagalong.scripts.reproduce.run import run_experiment
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError, LaserScan, OccupancyMap, read_ros_map
 from tagalong.slam.geometry import inverse, transform_points
-from tagalong.slam.logs.ros_map import read_ros_map
-from tagalong.slam.occupancy_map import OccupancyMap
-from tagalong.slam.scan import LaserScan
 
 RESOLUTION = 0.05
 

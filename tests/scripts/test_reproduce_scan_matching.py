@@ -17,8 +17,7 @@ from tagalong.scripts.reproduce.scan_matching.plan import Extent, MatchingPlan
 from tagalong.scripts.reproduce.scan_matching.real_pairs import known_rooms, read_pairs
 from tagalong.scripts.reproduce.scan_matching.searches import exact
 from tagalong.scripts.reproduce.scan_matching.success import success
-from tagalong.slam.errors import InputError
-from tagalong.slam.scan import LaserScan
+from tagalong.slam import InputError, LaserScan
 from tagalong.slam.scan_to_scan import MATCHERS
 
 TINY = Extent(

@@ -7,11 +7,9 @@ import pytest
 from PIL import Image
 from tagalong.scripts import cli
 from tagalong.scripts.runs.scoring import kind_of
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError, OccupancyMap, write_ros_map
 from tagalong.slam.geometry import compose, transform_points
-from tagalong.slam.logs.ros_map import write_ros_map
 from tagalong.slam.logs.tum import Trajectory, read_tum, write_tum
-from tagalong.slam.occupancy_map import OccupancyMap
 
 DATA = os.environ.get("TAGALONG_DATA")
 LOGS = Path(str(DATA)) / "slam_logs"

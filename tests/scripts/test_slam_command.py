@@ -12,14 +12,10 @@ import numpy as np
 import pytest
 from tagalong.scripts import cli
 from tagalong.scripts.commands import slam as command
-from tagalong.slam.engine import SlamUpdate
+from tagalong.slam import LaserScan, OccupancyMap, RecordedDrive, SlamUpdate, read_ros_map
 from tagalong.slam.geometry import compose
 from tagalong.slam.logs.carmen_writer import write_carmen
-from tagalong.slam.logs.drive import RecordedDrive
-from tagalong.slam.logs.ros_map import read_ros_map
 from tagalong.slam.logs.tum import Trajectory, read_tum, write_tum
-from tagalong.slam.occupancy_map import OccupancyMap
-from tagalong.slam.scan import LaserScan
 
 RESULTS = ["map.pgm", "map.png", "map.yaml", "metrics.json", "timing.json", "trajectory.tum"]
 

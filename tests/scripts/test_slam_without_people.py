@@ -4,12 +4,10 @@ import json
 
 import numpy as np
 import pytest
-from tagalong.perception.people_filter import filtered_scans
+from tagalong.perception import filtered_scans
 from tagalong.scripts import cli
+from tagalong.slam import LaserScan, RecordedDrive, read_ros_map
 from tagalong.slam.logs.carmen_writer import write_carmen
-from tagalong.slam.logs.drive import RecordedDrive
-from tagalong.slam.logs.ros_map import read_ros_map
-from tagalong.slam.scan import LaserScan
 
 BEARINGS = np.linspace(-np.pi / 2, np.pi / 2, 721)
 WALL_M, LEG_RADIUS_M, RATE_HZ = 6.0, 0.06, 10.0

@@ -8,8 +8,7 @@ from tagalong.scripts.cli import main
 from tagalong.scripts.lab.cells import TIMING, Cell
 from tagalong.scripts.lab.own_process import run_alone
 from tagalong.scripts.lab.trend import memory_mb, trend
-from tagalong.slam.logs.drive import RecordedDrive
-from tagalong.slam.scan import LaserScan
+from tagalong.slam import LaserScan, RecordedDrive
 
 
 def rows_of(memory, times, reference=1.0):

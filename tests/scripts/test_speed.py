@@ -2,7 +2,7 @@
 
 import time
 
-from tagalong.envs.follow_env import FollowEnv
+from tagalong.envs import FollowEnv
 from tagalong.scripts.benchmarks.latency import WARM_UP
 from tagalong.scripts.benchmarks.speed import environment_speed
 

@@ -11,7 +11,7 @@ from tagalong.scripts.lab.statistics import (
     t_mean,
     upper_bound,
 )
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 
 
 def test_nan_values_are_left_out_and_nothing_gives_nan():

@@ -7,7 +7,7 @@ from tagalong.agents.teleop.joystick import MODEL, SHIPPED, JoystickLog, read_jo
 from tagalong.agents.teleop.joystick_drive import record_drive, replay_drive
 from tagalong.agents.teleop.keyboard import KeyboardStick
 from tagalong.agents.teleop.operator_model import OperatorConfig, OperatorView
-from tagalong.envs.follow_env import FollowEnv
+from tagalong.envs import FollowEnv
 from tagalong.scripts.cli import main
 
 SIGHT = OperatorView(np.zeros(3), 0.0, np.empty((0, 2)))

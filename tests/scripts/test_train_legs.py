@@ -5,14 +5,14 @@ import json
 import numpy as np
 import pytest
 from tagalong.envs.simulation2d.outlines import Outlines, cast
+from tagalong.perception import LegForest
 from tagalong.perception.legs.features import FEATURE_NAMES
-from tagalong.perception.legs.forest import LegForest
 from tagalong.scripts.cli import main
 from tagalong.scripts.training.evaluate_legs import LegScores
 from tagalong.scripts.training.leg_forests import odds_for
 from tagalong.scripts.training.leg_pasting import paste_legs
 from tagalong.scripts.training.leg_scans import draw_scan
-from tagalong.slam.scan import LaserScan
+from tagalong.slam import LaserScan
 
 TINY = ["--scans", "40", "--test-scans", "10", "--trees", "4", "--drives", "1", "--test-drives", "1"]
 

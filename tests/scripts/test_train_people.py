@@ -12,7 +12,7 @@ from tagalong.scripts.training.evaluate_people import PeopleScores, joined, scor
 from tagalong.scripts.training.rgbd_frames import LabelledFrame, draw_frames
 from tagalong.scripts.training.rgbd_props import PROPS
 from tagalong.scripts.training.train_people import TEST_SCENES, TRAIN_SCENES
-from tagalong.slam.errors import InputError
+from tagalong.slam import InputError
 
 
 def drawn(seed=0, scene="corridor", props="training"):

@@ -14,7 +14,7 @@ from numpy.random import Generator
 from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import Writer as Writer2
 from rosbags.typesys import Stores, get_typestore
-from tagalong.slam.logs.log import read_log
+from tagalong.slam import read_log
 
 _FRAMES = ("/laser", "laser", "", "x" * 5000, "odom", "base_link", "a\nb", "\x1b[2J")
 _SCAN, _ODOMETRY = "sensor_msgs/msg/LaserScan", "nav_msgs/msg/Odometry"

@@ -11,12 +11,8 @@ from fuzzer.sanity import finite, sane_map, sane_poses
 from fuzzer.scans import drive, hostile_drive, scan_of
 from fuzzer.values import hostile_value
 from numpy.random import Generator
-from tagalong.slam.engine import make_slam
-from tagalong.slam.localization.localizer import Localizer
-from tagalong.slam.logs.drive import RecordedDrive
-from tagalong.slam.occupancy_map import OccupancyMap
+from tagalong.slam import Localizer, OccupancyMap, RecordedDrive, make_matcher, make_slam
 from tagalong.slam.scan_to_scan.laser_odometry import laser_odometry
-from tagalong.slam.scan_to_scan.matchers import make_matcher
 from tagalong.slam.scan_to_scan.odometry_check import odometry_factors
 
 FEW = {"gmapping": {"particles": 3, "threads": 1}, "cartographer": {}, "ekf": {}}

@@ -15,11 +15,10 @@ from fuzzer.sanity import finite
 from fuzzer.values import hostile_value
 from numpy.random import Generator
 from tagalong.agents import EXPLORERS, FOLLOWERS, make_follower
+from tagalong.envs import FollowConfig, FollowEnv, FollowVectorEnv
 from tagalong.envs.episode_setup import OPTIONS
-from tagalong.envs.follow_config import ARGUMENTS, FollowConfig
-from tagalong.envs.follow_env import FollowEnv
+from tagalong.envs.follow_config import ARGUMENTS
 from tagalong.envs.task.interface import FollowInterface
-from tagalong.envs.vector.vector_env import FollowVectorEnv
 
 CHEAP: dict[str, Any] = {"scene": "plain_corridor", "slam": None, "people": "truth", "beams": 16, "people_count": 1}
 _WORDS = {

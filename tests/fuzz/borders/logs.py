@@ -10,7 +10,7 @@ from fuzzer.files import put
 from fuzzer.mutations import mutated_bytes, mutated_text
 from fuzzer.sanity import sane_drive
 from numpy.random import Generator
-from tagalong.slam.logs.log import read_log
+from tagalong.slam import read_log
 
 NAME = "drive.log"
 _BOMBS = (b"\n", b"# comment\n", b"1 ", b"FLASER 1 1 0 0 0 0 0 0 0 h 0\n", b"\x00", b"L 1 ", b"Odometry 0 0 0\n")

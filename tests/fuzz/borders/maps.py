@@ -10,9 +10,9 @@ from fuzzer.files import put, put_all
 from fuzzer.mutations import mutated_bytes, mutated_text
 from fuzzer.sanity import sane_map
 from numpy.random import Generator
+from tagalong.slam import read_ros_map
 from tagalong.slam.logs.beesoft import read_beesoft_map
 from tagalong.slam.logs.flat_yaml import read_flat_yaml
-from tagalong.slam.logs.ros_map import read_ros_map
 
 _IMAGES = (b"map.pgm", b"../map.pgm", b"/dev/zero", b"map.yaml", b".", b"", b"n" * 5000, b"map\x00.pgm", b"/dev/stdin")
 

@@ -15,11 +15,13 @@ from fuzzer.mutations import mutated_bytes
 from fuzzer.sanity import finite
 from fuzzer.values import hostile_value
 from numpy.random import Generator
-from tagalong.agents.learned.follower import SHIPPED, LearnedFollower
+from tagalong.agents import LearnedFollower
+from tagalong.agents.learned.follower import SHIPPED
 from tagalong.agents.teleop.joystick import JoystickReplay, read_joystick_log
 from tagalong.envs.task.interface import FollowInterface
+from tagalong.perception import LegForest
 from tagalong.perception.legs.features import FEATURE_NAMES
-from tagalong.perception.legs.forest import MODELS, LegForest
+from tagalong.perception.legs.forest import MODELS
 from tagalong.perception.rgbd.person_svm import LENGTH, PersonSvm
 
 FILE = "model.npz"

@@ -19,9 +19,8 @@ from fuzzer.sanity import sane_map, sane_poses
 from fuzzer.values import hostile_value, hostile_word, said
 from numpy.random import Generator
 from tagalong.scripts.cli import main
-from tagalong.slam.engine import ENGINES, make_slam
-from tagalong.slam.errors import InputError
-from tagalong.slam.logs.ros_map import read_ros_map
+from tagalong.slam import InputError, make_slam, read_ros_map
+from tagalong.slam.engine import ENGINES
 from tagalong.slam.logs.tum import read_tum
 
 _OPTIONS = {

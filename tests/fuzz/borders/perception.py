@@ -9,10 +9,8 @@ from fuzzer.mutations import extreme_float, with_extremes
 from fuzzer.sanity import finite, sane_map
 from fuzzer.scans import drive, hostile_drive, scan_of
 from numpy.random import Generator
-from tagalong.perception.immobile.mapper import ImmobileMapper
+from tagalong.perception import ImmobileMapper, PeopleFinder, PlaneFinder
 from tagalong.perception.rgbd.frame import Pinhole, RgbdFrame
-from tagalong.perception.rgbd.people_finder import PeopleFinder
-from tagalong.perception.rgbd.planes import PlaneFinder
 from tagalong.slam.grid import OccupancyGrid
 
 _SIZE = (24, 32)

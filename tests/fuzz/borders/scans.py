@@ -11,8 +11,8 @@ from fuzzer.mutations import with_extremes
 from fuzzer.sanity import finite, sane_scan
 from fuzzer.scans import drive, hostile_drive, scan_of
 from numpy.random import Generator
-from tagalong.perception.leader.selector import LeaderSelector
-from tagalong.perception.people_filter import PeopleFilter, near_points
+from tagalong.perception import LeaderSelector, PeopleFilter
+from tagalong.perception.people_filter import near_points
 from tagalong.slam.logs.drive_folder import read_feet
 from tagalong.slam.logs.scans_npz import NEEDED, read_scans_npz
 

@@ -6,7 +6,7 @@ import numpy as np
 from fuzzer.grammars import poses, ranges
 from fuzzer.mutations import extreme_float
 from numpy.random import Generator
-from tagalong.slam.scan import LaserScan
+from tagalong.slam import LaserScan
 
 Frames = list[dict[str, Any]]
 

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fuzzer.border import Border, Input, InsaneError
-from tagalong.slam.errors import InputError, MissingExtraError
+from tagalong.slam import InputError
+from tagalong.slam.errors import MissingExtraError
 
 LONGEST_MESSAGE = 600
 """Characters of an error: what fits on a screen; more is an echo of the input."""
