@@ -297,8 +297,9 @@ class FollowEnv(gym.Env[Any, Any]):
 
     def render(self) -> NDArray[np.uint8] | None:  # pyright: ignore[reportIncompatibleMethodOverride]
         """Return a picture (height, width, 3) uint8 for "rgb_array"; None for "human" and without a render mode."""
+        world = self.world
         now, trail = self._episode, np.array(self._episode.trail).reshape(-1, 2)
-        return self._renderer.draw(self.world, now.truth, now.belief, trail)
+        return self._renderer.draw(world, now.truth, now.belief, trail)
 
     def close(self) -> None:
         """Close the viewer, if there is one; what was recorded can still be read, no step can be made."""
