@@ -98,3 +98,16 @@ def test_record_video_writes_a_film(tmp_path):
         env.step(np.zeros(2))
     env.close()
     assert [path.stat().st_size > 1000 for path in tmp_path.glob("*.mp4")] == [True]
+
+
+def test_the_picture_shows_the_way_that_the_robot_came():
+    env = make(beams=8).unwrapped
+    env.reset(seed=0)
+    places = [env.truth.robot_pose[:2]]
+    for _ in range(5):
+        env.step([0.5, 0.2])
+        places.append(env.truth.robot_pose[:2])
+    shown = []
+    env._renderer.draw = lambda world, truth, belief, trail: shown.append(trail)
+    env.render()
+    np.testing.assert_array_equal(shown[0], places)

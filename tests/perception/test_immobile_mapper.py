@@ -321,3 +321,18 @@ def test_laps_of_one_place_do_not_keep_all_that_was_seen():
     assert len(mapper._written) < 700  # pyright: ignore[reportPrivateUsage]
     mapper.redraw([0.1, 120.0], np.zeros((2, 3)))
     assert occupied_at(mapper.grid.to_map(), 4.02, 0.0)
+
+
+def test_who_was_remembered_and_what_is_yet_to_come_go_with_the_map_to_where_the_robot_was():
+    away, frame = np.array([1.0, -2.0, 0.0]), room_frame(time_s=0.3, board=(2.0, 0.0, 1.7))
+    view = make_view(frame, PlaneFinder().find(frame), person_of(frame, 2.0))
+    mapper, times = ImmobileMapper(redrawable=True), np.array([0.1, 0.2, 0.3])
+    for time_s in times:
+        mapper.add_scan(np.zeros(3), scan_of(post=(2.0, 0.0), time_s=float(time_s)))
+    mapper.add_view(view)
+    (before,) = mapper.people.moving(0.3)
+    mapper.redraw(times, np.tile(away, (3, 1)))
+    np.testing.assert_allclose(mapper.people.moving(0.3), [before + away[:2]])
+    mapper.add_view(view)  # a late one: it is placed where the robot is now known to have been
+    np.testing.assert_allclose(mapper.people.moving(0.3), [before + away[:2]], atol=0.02)
+    assert len(mapper.people.moving(0.3)) == 1
