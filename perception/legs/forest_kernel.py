@@ -71,13 +71,20 @@ def vote(nodes, share, depth, trees, rows, out):
 
 
 @njit(cache=True, nogil=True)
+def _fits(feature, roots, columns):
+    """Whether there are nodes and trees, no more of either than are allowed, and all trees begin and end inside."""
+    count = len(feature)
+    if count == 0 or len(roots) == 0 or count > MOST_NODES or columns > MOST_FEATURES or len(roots) > MOST_TREES:
+        return False
+    return roots.min() >= 0 and roots.max() < count and feature[count - 1] < 0
+
+
+@njit(cache=True, nogil=True)
 def is_sound(feature, right, roots, columns):
     """Whether these are trees: each node inside the arrays and reached once; and `packed` and `vote` do them soon."""
+    if not _fits(feature, roots, columns):
+        return False
     count = len(feature)
-    if count == 0 or len(roots) == 0 or roots.min() < 0 or roots.max() >= count or feature[count - 1] >= 0:
-        return False
-    if count > MOST_NODES or columns > MOST_FEATURES or len(roots) > MOST_TREES:
-        return False
     reached, depth = np.zeros(count, np.int64), np.zeros(count, np.int64)
     for root in roots:
         reached[root] += 1

@@ -135,6 +135,25 @@ def with_neighbours(points, least, supported):
 
 
 @njit(cache=True, nogil=True)
+def _by_cluster(label, clusters):
+    """Return (start (clusters + 1,), order): the pixels of cluster c, in order, are `order[start[c]:start[c + 1]]`."""
+    width = label.shape[1]
+    start = np.zeros(clusters + 1, dtype=np.int64)
+    for value in label.ravel():
+        if value >= 0:
+            start[value + 1] += 1
+    for c in range(clusters):
+        start[c + 1] += start[c]
+    order, fill = np.empty(start[clusters], dtype=np.int64), start.copy()
+    for flat in range(label.size):
+        c = label[flat // width, flat % width]
+        if c >= 0:
+            order[fill[c]] = flat
+            fill[c] += 1
+    return start, order
+
+
+@njit(cache=True, nogil=True)
 def find_heads(points, label, clusters, lowest, apart, pixels):
     """Write the heads' pixels (row, column) cluster by cluster; return how many there are.
 
@@ -149,19 +168,8 @@ def find_heads(points, label, clusters, lowest, apart, pixels):
         apart: Least distance between heads [m].
         pixels: (k, 2) written.
     """
-    height, width = label.shape
-    start = np.zeros(clusters + 1, dtype=np.int64)
-    for value in label.ravel():
-        if value >= 0:
-            start[value + 1] += 1
-    for c in range(clusters):
-        start[c + 1] += start[c]
-    order, fill = np.empty(start[clusters], dtype=np.int64), start.copy()
-    for flat in range(height * width):
-        c = label[flat // width, flat % width]
-        if c >= 0:
-            order[fill[c]] = flat
-            fill[c] += 1
+    width = label.shape[1]
+    start, order = _by_cluster(label, clusters)
     found = 0
     for c in range(clusters):
         members = order[start[c] : start[c + 1]]

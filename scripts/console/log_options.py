@@ -67,15 +67,7 @@ def read_with_odometry(options: argparse.Namespace) -> ReadDrive:
         raise unknown_name("source of odometry", options.odometry, SOURCES)
     settings = read_settings(options.matcher_set, "--matcher-set")
     config = LaserOdometryConfig(matcher=options.matcher or "plicp", settings=settings)
-    drive = read_log(options.log, options.scan_topic, options.odometry_topic)
-    for note in drive.notes:
-        print(f"tagalong: {options.log}: {note}", file=sys.stderr)
-    if options.odometry == "refined" and not drive.has_odometry:
-        raise InputError(f"{options.log}: has no odometry to refine; `--odometry laser` makes it from the scans")
-    if drive.has_odometry and options.odometry != "laser":
-        complaint = odometry_factors(drive).complaint
-        if complaint:
-            print(f"tagalong: {options.log}: {complaint}; poses may be wrong", file=sys.stderr)
+    drive = _read_and_tell(options)
     if drive.has_odometry and options.odometry == "log":
         if options.matcher or settings:
             raise InputError("--matcher matches nothing where the log has odometry; add --odometry refined or laser")
@@ -87,3 +79,16 @@ def read_with_odometry(options: argparse.Namespace) -> ReadDrive:
     print(f"tagalong: {said}", file=sys.stderr)
     source = "refined" if refined else "laser"
     return ReadDrive(replace(drive, odometry=made.poses), {"odometry": {"source": source, **asdict(config)}})
+
+
+def _read_and_tell(options: argparse.Namespace) -> RecordedDrive:
+    """Return the drive in `options.log`; say what was assumed, and what is wrong with an odometry that will be used."""
+    drive = read_log(options.log, options.scan_topic, options.odometry_topic)
+    for note in drive.notes:
+        print(f"tagalong: {options.log}: {note}", file=sys.stderr)
+    if options.odometry == "refined" and not drive.has_odometry:
+        raise InputError(f"{options.log}: has no odometry to refine; `--odometry laser` makes it from the scans")
+    complaint = odometry_factors(drive).complaint if drive.has_odometry and options.odometry != "laser" else ""
+    if complaint:
+        print(f"tagalong: {options.log}: {complaint}; poses may be wrong", file=sys.stderr)
+    return drive

@@ -42,6 +42,25 @@ def metric_square(dx, dy, x, y, k):  # pragma: no cover
 
 
 @numba.njit(cache=True, nogil=True)
+def _beam_too_far(dot, cross, range_square, k, square):  # pragma: no cover
+    """Whether no point of a beam is nearer than `square`.
+
+    Beyond 90 degrees from q's bearing the nearest point of the beam is its origin.
+
+    Args:
+        dot: Of q and the beam's direction.
+        cross: Of them.
+        range_square: Squared distance of q from the origin.
+        k: Of the metric.
+        square: The squared distance.
+    """
+    if dot > 0.0:
+        across = k * cross * cross
+        return range_square * across > square * (dot * dot + across)
+    return range_square > square
+
+
+@numba.njit(cache=True, nogil=True)
 def nearest_point(x, y, k, points, rays, first, limit, hint=-1):  # pragma: no cover
     """Return (index, squared distance) of the nearest of `points` to (x, y); (-1, limit) if none is below `limit`.
 
@@ -65,14 +84,8 @@ def nearest_point(x, y, k, points, rays, first, limit, hint=-1):  # pragma: no c
                 index += count
             dot = x * rays[index, 0] + y * rays[index, 1]
             cross = x * rays[index, 1] - y * rays[index, 0]
-            if cross * direction > 0.0 or dot < 0.0:
-                # Beyond 90 degrees from q's bearing the nearest point of the beam is its origin.
-                across = k * cross * cross
-                beyond = range_square > square
-                if dot > 0.0:
-                    beyond = range_square * across > square * (dot * dot + across)
-                if beyond:
-                    break
+            if (cross * direction > 0.0 or dot < 0.0) and _beam_too_far(dot, cross, range_square, k, square):
+                break
             value = metric_square(points[index, 0] - x, points[index, 1] - y, x, y, k)
             if value < square or (value == square and best >= 0 and index < best):
                 best, square = index, value

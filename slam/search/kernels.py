@@ -21,6 +21,14 @@ def rotated_cells(points, headings, x, y, resolution, shift, cells):  # pragma: 
 
 
 @numba.njit(cache=True, nogil=True)
+def _add_clipped(plane, flat, start, row0, col0, blocks, width, rows, cols):  # pragma: no cover
+    """Add to `plane` what lies inside of a level (rows, cols) of a window that reaches beyond its border."""
+    for a in range(max(0, -row0), min(blocks, rows - row0)):
+        for b in range(max(0, -col0), min(blocks, cols - col0)):
+            plane[a * width + b] += flat[start + a * cols + b]
+
+
+@numba.njit(cache=True, nogil=True)
 def top_bounds(phases, skirt, border, cells, blocks):  # pragma: no cover
     """Return (n_theta, blocks, blocks') int32, the sum over all points of level L at every block of the window.
 
@@ -55,10 +63,8 @@ def top_bounds(phases, skirt, border, cells, blocks):  # pragma: no cover
                 if col0 >= 0 and col0 + width <= cols and row0 >= 0 and row0 + blocks <= rows:
                     starts[inside] = start
                     inside += 1
-                    continue
-                for a in range(max(0, -row0), min(blocks, rows - row0)):
-                    for b in range(max(0, -col0), min(blocks, cols - col0)):
-                        plane[a * width + b] += flat[start + a * cols + b]
+                else:
+                    _add_clipped(plane, flat, start, row0, col0, blocks, width, rows, cols)
             for a in range(blocks):
                 for chunk in range(0, width, LANES):
                     add_lanes(plane, a * width + chunk, flat, starts, inside, a * cols + chunk)  # pyright: ignore[reportCallIssue]
