@@ -24,8 +24,9 @@ These names are what is public; the modules below are private and may change. Ea
 so that importing this needs neither torch nor mujoco nor numba. Training needs the extra `learn`: `tagalong train`.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from ..slam.door import lends
 
 if TYPE_CHECKING:
     from .learned.follower import LearnedFollower
@@ -76,12 +77,4 @@ __all__ = [
     "make_follower",
 ]
 
-
-def __getattr__(name: str) -> Any:
-    if name not in _MODULES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f".{_MODULES[name]}", __name__), name)
-
-
-def __dir__() -> list[str]:
-    return [*globals(), *__all__]
+__getattr__, __dir__ = lends(__name__, _MODULES)

@@ -29,8 +29,9 @@ Below the environment: `World` (WorldConfig) is the simulator alone, with `RgbdC
 drives it by a script. Names that are not listed here are private and may change at any time.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from ..slam.door import lends
 
 if TYPE_CHECKING:
     from .follow_config import FollowConfig
@@ -89,12 +90,4 @@ _HOME = {
 }
 """Public name -> module; imported when it is asked for."""
 
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOME:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}; public names: {', '.join(__all__)}")
-    return getattr(import_module(f".{_HOME[name]}", __name__), name)
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+__getattr__, __dir__ = lends(__name__, _HOME)

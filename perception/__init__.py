@@ -28,8 +28,9 @@ Numbers      PerceptionConfig is the tree of all of them; `perception_preset` ha
 What is listed here is public; everything else may change. Names are imported when they are first used.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from ..slam.door import lends
 
 if TYPE_CHECKING:
     from .config import PerceptionConfig, perception_preset, table_ii
@@ -83,14 +84,4 @@ _MODULES = {
 }
 _HOME = {name: module for module, names in _MODULES.items() for name in names}
 
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOME:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(f".{_HOME[name]}", __name__), name)
-    globals()[name] = value
-    return value
-
-
-def __dir__() -> list[str]:
-    return sorted([*globals(), *__all__])
+__getattr__, __dir__ = lends(__name__, _HOME)

@@ -20,12 +20,14 @@ what is told in the robot's frame to the map's. Errors of the caller are `InputE
     >>> update.integrated, engine.trajectory().shape
     (True, (1, 3))
 
-An engine of one's own is any class with the verbs of `SlamEngine`. Names that are not listed here are private and may
+An engine of one's own is any class with the verbs of `SlamEngine`; its `update` returns a `SlamUpdate`. The settings of
+ours are `GMappingConfig`, `CartographerConfig` and `EkfSlamConfig`. Names that are not listed here are private and may
 change at any time; so may every module below this package.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from .door import lends
 
 if TYPE_CHECKING:
     from .ekf.config import EkfSlamConfig
@@ -89,12 +91,4 @@ _HOME = {
 }
 """Public name -> module; imported when it is asked for."""
 
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOME:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}; public names: {', '.join(__all__)}")
-    return getattr(import_module(f".{_HOME[name]}", __name__), name)
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+__getattr__, __dir__ = lends(__name__, _HOME)
