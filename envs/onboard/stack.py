@@ -1,16 +1,17 @@
 """What the robot believes: from its scans and its odometry alone, unless a switch lets truth in (truth.py)."""
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...perception.leader.estimate import LeaderEstimate
+from ...perception.legs.detector import no_detections
 from ...perception.people_filter import FilteredScan
 from ...perception.rgbd.frame import RgbdFrame
 from ...perception.tracking.camera import SeenPeople
-from ...perception.tracking.people import People
+from ...perception.tracking.people import People, nobody_tracked
 from ...slam.geometry import between, inverse, transform_points
 from ...slam.occupancy_map import OccupancyMap
 from ...slam.processes.stages import Stages, completed
@@ -94,16 +95,10 @@ class Belief:
         return self.leader is not None and self.leader.visible
 
 
-class RawScan(FilteredScan):
-    """A scan from which nobody is taken out, for who maps what was measured."""
-
-    @property
-    def removed(self) -> NDArray[np.bool_]:  # pyright: ignore[reportIncompatibleVariableOverride]
-        """(N,) no beam."""
-        return np.zeros(len(self.scan), dtype=np.bool_)
-
-
-_FIELDS = tuple(field.name for field in fields(FilteredScan))
+def unfiltered(filtered: FilteredScan) -> FilteredScan:
+    """Return the scan as one in which nobody was seen, so that nothing is taken out of it."""
+    nobody = nobody_tracked(filtered.scan.time_s)
+    return replace(filtered, people=nobody, detections=no_detections())
 
 
 class OnboardStack:
@@ -145,7 +140,7 @@ class OnboardStack:
         yield
         leader = self._selector.update(sifted.people, odometry, scan)
         yield
-        mapped = sifted if self._filters else RawScan(**{name: getattr(sifted, name) for name in _FIELDS})
+        mapped = sifted if self._filters else unfiltered(sifted)
         self._mapper.update(odometry, mapped)
         grid = self._drawing.update(self._mapper, mapped, [sighting.view for sighting in sightings])
         return Belief(

@@ -86,3 +86,19 @@ class People:
             age_s=self.age_s,
             seen_legs=SeenLegs(transform_points(T_robot_odom, seen.positions), seen.confidence, seen.owner),
         )
+
+
+def nobody_tracked(time_s: float) -> People:
+    """Return no people at all, at `time_s`."""
+    none = np.zeros(0)
+    return People(
+        time_s=time_s,
+        ids=np.zeros(0, dtype=np.int64),
+        positions=np.zeros((0, 2)),
+        velocities=np.zeros((0, 2)),
+        confidence=none,
+        legs=np.zeros((0, 2, 2)),
+        variance=none,
+        unseen_s=none,
+        age_s=none,
+    )
