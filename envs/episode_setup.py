@@ -1,4 +1,4 @@
-"""From a configuration and reset options to a world and a mind."""
+"""From a configuration and reset options to a world and an onboard stack."""
 
 import math
 from collections.abc import Mapping
@@ -118,7 +118,7 @@ def observed(config: FollowConfig) -> Observed:
 
 
 class OnboardStackFactory:
-    """Makes a fresh mind for each episode; the forest of the leg detector is loaded once."""
+    """Makes a fresh onboard stack for each episode; the forest of the leg detector is loaded once."""
 
     def __init__(self, config: FollowConfig) -> None:
         self._config, self._source = config, config.people.source
@@ -130,11 +130,11 @@ class OnboardStackFactory:
 
     @property
     def shared(self) -> dict[int, Any]:
-        """What minds share and never change, as a memo for `copy.deepcopy`."""
+        """What onboard stacks share and never change, as a memo for `copy.deepcopy`."""
         return {id(self._forest): self._forest, id(self._finder): self._finder}
 
     def make(self, world: World, rng: np.random.Generator) -> OnboardStack:
-        """Return a mind that knows nothing yet; its leader's cloud and its SLAM draw from streams of their own."""
+        """Return a stack that knows nothing yet; its leader's cloud and its SLAM draw from streams of their own."""
         leading = np.random.SeedSequence(int(rng.integers(2**31)))
         (mapping,) = leading.spawn(1)
         drawing, sight = self._drawing(world), self._sight(world)

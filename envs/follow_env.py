@@ -245,7 +245,7 @@ class FollowEnv(gym.Env[Any, Any]):
         coverage = Coverage(world.scene, world.config.robot.size[1]) if measured else NoCoverage()
         belief, truth = stack.update(world.scan(), world.odometry), world.truth
         stack.look(world.frames)
-        coverage.update(belief.sifted, truth.robot_pose)
+        coverage.update(belief.filtered_scan, truth.robot_pose)
         self._episode = EpisodeState(
             stack=stack,
             endings=EndingRule(self.config.task),
@@ -374,7 +374,7 @@ class FollowEnv(gym.Env[Any, Any]):
         self._episode.stack.look(world.frames)
         yield
         self._episode.truth = world.truth
-        self._episode.coverage.update(self._episode.belief.sifted, self._episode.truth.robot_pose)
+        self._episode.coverage.update(self._episode.belief.filtered_scan, self._episode.truth.robot_pose)
         self._episode.trail.extend(self._episode.truth.robot_pose[:2])
 
     def _require_open(self) -> None:

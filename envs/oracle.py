@@ -1,6 +1,6 @@
 """Where the truth gets in: the switches `people="truth"` and `slam="truth"`, and the facts that rewards are made of.
 
-No other module of the robot's mind reads the true state.
+No other module of the robot's onboard stack reads the true state.
 """
 
 import numpy as np
@@ -97,7 +97,7 @@ class TrueMapper:
         self._growing = GrowingMap()
         self._drawn_at: Array | None = None
 
-    def update(self, odometry: Array, sifted: FilteredScan) -> None:
+    def update(self, odometry: Array, filtered_scan: FilteredScan) -> None:
         """Draw the scan where it was truly taken: an earlier one of this control period by the odometry since then."""
         now, pose = self._world.odometry, self.pose
         if not np.array_equal(odometry, now):
@@ -107,7 +107,7 @@ class TrueMapper:
             if np.hypot(moved[0], moved[1]) < MAP_STEP_M and abs(moved[2]) < MAP_STEP_M:
                 return
         self._drawn_at = pose
-        self._growing.write(sifted.without_people, pose)
+        self._growing.write(filtered_scan.without_people, pose)
 
     @property
     def map(self) -> OccupancyMap:

@@ -26,7 +26,7 @@ _REDRAW_S = 0.45
 class Drawing(Protocol):
     """Chooses, or draws, the map that the robot believes in."""
 
-    def update(self, mapper: Mapper, sifted: FilteredScan, views: Sequence[CameraView]) -> OccupancyMap:
+    def update(self, mapper: Mapper, filtered_scan: FilteredScan, views: Sequence[CameraView]) -> OccupancyMap:
         """Take a scan, and the camera's views that have become ready by now.
 
         Returns:
@@ -38,7 +38,7 @@ class Drawing(Protocol):
 class OwnDrawing:
     """The mapper's own occupancy map."""
 
-    def update(self, mapper: Mapper, sifted: FilteredScan, views: Sequence[CameraView]) -> OccupancyMap:
+    def update(self, mapper: Mapper, filtered_scan: FilteredScan, views: Sequence[CameraView]) -> OccupancyMap:
         """Return the mapper's map."""
         return mapper.map
 
@@ -58,16 +58,16 @@ class ImmobileDrawing:
         self._drawn_s = -np.inf
         self._times, self._poses = array("d"), PoseLog()  # when, and where, each scan was drawn
 
-    def update(self, mapper: Mapper, sifted: FilteredScan, views: Sequence[CameraView]) -> OccupancyMap:
+    def update(self, mapper: Mapper, filtered_scan: FilteredScan, views: Sequence[CameraView]) -> OccupancyMap:
         """Write the scan, and the views; return the map, drawn anew about twice a second."""
-        self.mapper.add_scan(mapper.pose, sifted.scan, np.where(sifted.removed, _PERSON, 0.0))
-        self._times.append(sifted.scan.time_s)
+        self.mapper.add_scan(mapper.pose, filtered_scan.scan, np.where(filtered_scan.removed, _PERSON, 0.0))
+        self._times.append(filtered_scan.scan.time_s)
         self._poses.append(mapper.pose)
         for view in views:
             self.mapper.add_view(view)
-        if sifted.scan.time_s - self._drawn_s > _REDRAW_S:
+        if filtered_scan.scan.time_s - self._drawn_s > _REDRAW_S:
             self._correct(mapper)
-            self._map, self._drawn_s = self.mapper.grid.to_map(), sifted.scan.time_s
+            self._map, self._drawn_s = self.mapper.grid.to_map(), filtered_scan.scan.time_s
         return self._map
 
     def _correct(self, mapper: Mapper) -> None:
@@ -92,10 +92,10 @@ class ImmobileMapLocalization:
         self._drawn, self._localization = drawn, ImmobileLocalization()
         self._pose = np.zeros(3)
 
-    def update(self, odometry: Array, sifted: FilteredScan) -> None:
+    def update(self, odometry: Array, filtered_scan: FilteredScan) -> None:
         """Take one scan, with what is known of its people, and its odometry pose (3,)."""
-        people = np.where(sifted.removed, _PERSON, 0.0)
-        self._pose = self._localization.locate(self._drawn.grid, odometry, sifted.scan, people)
+        people = np.where(filtered_scan.removed, _PERSON, 0.0)
+        self._pose = self._localization.locate(self._drawn.grid, odometry, filtered_scan.scan, people)
 
     @property
     def map(self) -> OccupancyMap:

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 class Mapper(Protocol):
     """A map and the robot's pose in it."""
 
-    def update(self, odometry: Array, sifted: FilteredScan) -> None:
+    def update(self, odometry: Array, filtered_scan: FilteredScan) -> None:
         """Take one scan, of which the map needs what is left without people, and its odometry pose (3,)."""
         ...
 
@@ -41,9 +41,9 @@ class SlamMapper:
         self.engine = engine
         self._map: OccupancyMap | None = None
 
-    def update(self, odometry: Array, sifted: FilteredScan) -> None:
+    def update(self, odometry: Array, filtered_scan: FilteredScan) -> None:
         """Take one scan, without its people, and its odometry pose (3,)."""
-        if self.engine.update(odometry, sifted.without_people).integrated:
+        if self.engine.update(odometry, filtered_scan.without_people).integrated:
             self._map = None
 
     @property
@@ -70,7 +70,7 @@ class NoMapper:
         self._map = OccupancyMap(np.full((1, 1), np.nan, dtype=np.float32), 1.0, (0.0, 0.0))
         self._pose = np.full(3, np.nan)
 
-    def update(self, odometry: Array, sifted: FilteredScan) -> None:
+    def update(self, odometry: Array, filtered_scan: FilteredScan) -> None:
         """Ignore the scan."""
 
     @property

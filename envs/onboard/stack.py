@@ -55,7 +55,7 @@ class Belief:
     """What the robot believes after a step.
 
     Attributes:
-        sifted: The latest scan, with and without people.
+        filtered_scan: The latest scan, with and without people.
         odometry: (3,) T_odom_robot.
         velocity: (3,) of the robot by odometry: forward, left, turn [m/s, m/s, rad/s].
         people: People in the odometry frame.
@@ -65,7 +65,7 @@ class Belief:
         map_pose: (3,) T_map_robot; NaN without a map.
     """
 
-    sifted: FilteredScan
+    filtered_scan: FilteredScan
     odometry: Array
     velocity: Array
     people: People
@@ -77,12 +77,12 @@ class Belief:
     @property
     def scan(self) -> LaserScan:
         """The latest scan as measured."""
-        return self.sifted.scan
+        return self.filtered_scan.scan
 
     @property
     def filtered(self) -> LaserScan:
         """The same without people."""
-        return self.sifted.without_people
+        return self.filtered_scan.without_people
 
     @property
     def leader_id(self) -> int:
@@ -136,19 +136,19 @@ class OnboardStack:
         self._measure_velocity(scan.time_s, odometry)
         sightings = self._sight.update(scan.time_s, odometry)
         seen = sightings[-1].people if sightings else None
-        sifted = self._people.update(scan, odometry, seen)
+        filtered_scan = self._people.update(scan, odometry, seen)
         yield
-        leader = self._selector.update(sifted.people, odometry, scan)
+        leader = self._selector.update(filtered_scan.people, odometry, scan)
         yield
-        mapped = sifted if self._filters else unfiltered(sifted)
+        mapped = filtered_scan if self._filters else unfiltered(filtered_scan)
         self._mapper.update(odometry, mapped)
         grid = self._drawing.update(self._mapper, mapped, [sighting.view for sighting in sightings])
         return Belief(
-            sifted=sifted,
+            filtered_scan=filtered_scan,
             odometry=odometry,
             velocity=self._velocity,
-            people=sifted.people,
-            people_robot=sifted.people.in_frame_of(odometry),
+            people=filtered_scan.people,
+            people_robot=filtered_scan.people.in_frame_of(odometry),
             leader=None if leader is None else _in_robot_frame(leader, odometry),
             map=grid,
             map_pose=self._mapper.pose,

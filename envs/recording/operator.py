@@ -1,7 +1,7 @@
 """A scripted operator: drives the robot along a tour as a person with a joystick would, who sees where it is.
 
 It stands for the recorded drive of Zhang et al. 2019, where a user steered the robot by hand. It reads the true pose,
-as that user's eyes did; nothing of the robot's mind goes through it.
+as that user's eyes did; nothing of the robot's onboard stack goes through it.
 """
 
 import numpy as np

@@ -44,9 +44,9 @@ class Coverage:
         self._wanted = truth.free & _visible(~truth.free, self._standing(scene, truth.free, width / 2.0))
         self._seen = np.zeros_like(self._nothing)
 
-    def update(self, sifted: FilteredScan, T_world_robot: Array) -> None:
+    def update(self, filtered_scan: FilteredScan, T_world_robot: Array) -> None:
         """Take a scan, taken at the true pose (3,); its people do not count."""
-        scan = sifted.without_people
+        scan = filtered_scan.without_people
         T_world_lidar = compose(T_world_robot, scan.T_robot_lidar)
         ends = transform_points(T_world_lidar, scan_rays(scan, FARTHEST_M, clear_no_return=True)[0])
         x, y = (T_world_lidar[:2] - self._origin) / CELL_M
@@ -81,7 +81,7 @@ class NoCoverage:
 
     share = float("nan")
 
-    def update(self, sifted: FilteredScan, T_world_robot: Array) -> None:
+    def update(self, filtered_scan: FilteredScan, T_world_robot: Array) -> None:
         """Ignore the scan."""
 
 
