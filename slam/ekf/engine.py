@@ -19,6 +19,7 @@ from ..landmarks.landmark_map import LandmarkMap
 from ..landmarks.objects import LandmarkSightings, SightingConfig, see_landmarks
 from ..occupancy_map import OccupancyMap
 from ..pose_log import PoseLog
+from ..processes.blas import one_thread
 from ..revisits import KeptScans
 from ..scan import LaserScan
 from ..settings import with_settings
@@ -150,7 +151,8 @@ class EkfSlam:
             self._used_at = now
             self._kept.append(len(self._poses), scan)
             sightings = see_landmarks(scan, self._clusterer, self._config.sighting)
-            diagnostics = self.take(sightings, scan)
+            with one_thread():
+                diagnostics = self.take(sightings, scan)
         self._poses.append(ekf.x[:3])
         if self._kept.due:
             self._kept.thin(self.node_poses)

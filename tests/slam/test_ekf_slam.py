@@ -8,6 +8,7 @@ from landmark_worlds import BEARINGS, cast, circle_path, draw_posts, typical_whe
 from scipy.stats import chi2
 from tagalong.slam.ekf.association import compare, joint_compatibility, nearest_neighbour
 from tagalong.slam.ekf.calibrated_motion import advance, advance_jacobian
+from tagalong.slam.ekf.engine import EkfSlam
 from tagalong.slam.ekf.localization import ObjectLocalizer
 from tagalong.slam.ekf.models import (
     locate,
@@ -21,6 +22,7 @@ from tagalong.slam.engine import make_slam
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between, wrap_angle
 from tagalong.slam.scan import LaserScan
+from threadpoolctl import threadpool_info
 
 number = st.floats(-5.0, 5.0)
 
@@ -197,3 +199,13 @@ def test_it_keeps_the_protocol_of_engines():
         make_slam("ekf", clustering="optics")
     with pytest.raises(InputError, match="odometry"):
         engine.update([np.nan, 0.0, 0.0], cast(np.zeros(3), np.zeros((0, 2)), np.random.default_rng(0)))
+
+
+def test_the_filter_multiplies_in_one_thread_and_leaves_the_others_as_they_were(monkeypatch):
+    threads = lambda: [pool["num_threads"] for pool in threadpool_info() if pool["user_api"] == "blas"]  # noqa: E731
+    before, inside = threads(), []
+    take = EkfSlam.take
+    monkeypatch.setattr(EkfSlam, "take", lambda self, *given: (inside.extend(threads()), take(self, *given))[1])
+    drive(0)
+    assert set(inside) == {1}
+    assert threads() == before
