@@ -79,6 +79,16 @@ def test_the_path_is_right_and_the_covariance_says_how_right():
     assert all(len(engine.times_seen) >= 20 for engine, *_ in runs)
 
 
+def test_a_post_is_not_learned_twice():
+    engine, rng = make_slam("ekf", travel=0.0), np.random.default_rng(0)
+    posts = np.array([(3.0, 1.0), (4.0, -2.0), (2.0, 0.0)])
+    moved = np.array([(3.0, 1.0), (4.0, -2.0), (2.0, 0.15)])
+    for _ in range(50):
+        engine.update(np.zeros(3), cast(np.zeros(3), posts, rng))
+    engine.update(np.zeros(3), cast(np.zeros(3), moved, rng))
+    assert len(engine.times_seen) == 3
+
+
 @pytest.mark.parametrize("association", ["joint", "nearest"])
 def test_after_six_metres_without_landmarks_it_is_back_within_three(association):
     for seed in range(2):
