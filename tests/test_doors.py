@@ -6,6 +6,7 @@ import subprocess
 import sys
 from importlib import import_module
 from pathlib import Path
+from types import GenericAlias
 
 import pytest
 
@@ -25,19 +26,40 @@ SURFACE = {
 }
 """What users may rely on. A name that goes, or comes, is a decision: it is made here, and told in the changelog."""
 
+FOLDERS = {
+    "slam.logs": "Trajectory read_carmen read_tum write_carmen write_tum",
+    "perception.immobile": "CameraViewMaker",
+    "perception.rgbd": "PersonSvm Pinhole RgbdFrame RgbdPeople Surface",
+    "perception.tracking": "NoLegs SeenPeople",
+    "envs.scenes": """Door Errand RUN_OUT SCENES Scene SceneMaker SceneRequest Solid Walk box choose_route make_scene
+        post room rounded""",
+    "envs.task": "FollowInterface OwnMap",
+    "agents.learned": "PilotConfig pilot_config",
+    "agents.teleop": """JoystickLog JoystickReplay KeyboardStick read_joystick_log record_drive replay_drive
+        write_joystick_log""",
+    "agents.training": "CurriculumConfig ImitationConfig ReinforcementConfig RunConfig TrainingRun make_preset",
+}
+"""The same of folders with a door of their own: what some users need and most do not."""
+PUBLIC = {**SURFACE, **FOLDERS}
+LENT = [folder for folder in PUBLIC if folder != "envs.scenes"]
+"""Those whose names load when they are asked for."""
+NEEDS = {"agents.training": "stable_baselines3"}
 
-@pytest.mark.parametrize("floor", SURFACE)
+
+@pytest.mark.parametrize("floor", PUBLIC)
 def test_the_door_offers_these_names_and_no_others(floor):
+    pytest.importorskip(NEEDS.get(floor, "tagalong"))
     door = import_module(f"tagalong.{floor}")
-    assert sorted(door.__all__) == sorted(SURFACE[floor].split())
+    assert sorted(door.__all__) == sorted(PUBLIC[floor].split())
     assert set(door.__all__) <= set(dir(door))
     for name in door.__all__:
-        assert getattr(door, name).__doc__, name
+        offered = getattr(door, name)
+        assert offered.__doc__ or isinstance(offered, GenericAlias), name
         assert name in (door.__doc__ or ""), name  # the manual speaks of each
     assert len((door.__doc__ or "").splitlines()) < 45
 
 
-@pytest.mark.parametrize("floor", SURFACE)
+@pytest.mark.parametrize("floor", PUBLIC)
 def test_type_checkers_see_the_same_names(floor):
     door = import_module(f"tagalong.{floor}")
     tree = ast.parse(Path(door.__file__).read_text())
@@ -53,7 +75,7 @@ def test_the_example_of_the_manual_runs(floor):
     assert result.failed == 0
 
 
-@pytest.mark.parametrize("floor", SURFACE)
+@pytest.mark.parametrize("floor", LENT)
 def test_a_name_that_is_not_there_is_told_with_those_that_are(floor):
     door = import_module(f"tagalong.{floor}")
     with pytest.raises(AttributeError, match=f"'tagalong.{floor}' has no attribute 'no_such_name'"):
@@ -62,7 +84,7 @@ def test_a_name_that_is_not_there_is_told_with_those_that_are(floor):
 
 def test_the_doors_open_without_anything_heavy():
     heavy = ("torch", "mujoco", "numba", "matplotlib", "scipy", "sklearn", "stable_baselines3")
-    code = f"import sys; import {', '.join('tagalong.' + floor for floor in FLOORS)}\n"
+    code = f"import sys; import {', '.join('tagalong.' + floor for floor in LENT)}\n"
     code += f"print([name for name in {heavy} if name in sys.modules])"
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout.strip() == "[]"

@@ -20,6 +20,8 @@ HEAVY = {
 
 
 DOORS = {"tagalong", "tagalong.envs.scenes", *(f"tagalong.{room}" for room in FLOORS if room != "scripts")}
+PATHS = [("tagalong", *path.relative_to(ROOT).with_suffix("").parts) for path in SOURCES]
+MODULES = {".".join(path).removesuffix(".__init__") for path in PATHS}
 MOST_METHODS = 20
 
 
@@ -61,6 +63,39 @@ def test_packages_in_pyproject_are_the_folders_with_an_init_file():
 
 def test_tests_are_no_packages():
     assert list((ROOT / "tests").rglob("__init__.py")) == []
+
+
+def modules_named(path: Path) -> set[str]:
+    """The modules of the package that a file imports, or names in a text (as `monkeypatch.setattr` takes them)."""
+    names = []
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            names += [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            names += [f"{node.module}.{alias.name}" for alias in node.names]
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            names += re.findall(r"^tagalong(?:\.\w+)+$", node.value)
+    found = set()
+    for name in names:
+        while name and name not in MODULES:
+            name = name.rpartition(".")[0]
+        found.add(name)
+    return found - {""}
+
+
+def test_only_the_tests_of_a_floor_reach_below_its_doors():
+    """`tagalong.floor.folder` is as deep as others go; `tagalong.floor.folder.file` is for the tests of that floor.
+
+    The twins in `reference` and the borders in `fuzz` are tests of private parts: each file is about one floor.
+    """
+    wrong = {}
+    for path in sorted((ROOT / "tests").rglob("*.py")):
+        folder = path.relative_to(ROOT / "tests").parts[0]
+        deep = {name for name in modules_named(path) if name.count(".") > 2}
+        floors = {name.split(".")[1] for name in deep} - {folder}
+        if len(floors) > (folder in ("reference", "fuzz")):
+            wrong[str(path.relative_to(ROOT))] = sorted(name for name in deep if name.split(".")[1] in floors)
+    assert wrong == {}
 
 
 def test_no_source_file_is_longer_than_400_lines_and_no_function_longer_than_50():

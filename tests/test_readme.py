@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tagalong.slam import LaserScan, RecordedDrive
-from tagalong.slam.logs.carmen_writer import write_carmen
+from tagalong.slam.logs import write_carmen
 
 README = (Path(__file__).resolve().parents[1] / "README.md").read_text()
 PROGRAMS = re.findall(r"```python\n(.*?)```", README, re.DOTALL)

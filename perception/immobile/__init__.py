@@ -1,1 +1,23 @@
-"""The immobile-area map of laser and camera: recognition decides what enters it."""
+"""The immobile-area map of laser and camera: recognition decides what enters it.
+
+`CameraViewMaker().make(frame)` tells what one camera frame says about the room; `tagalong.perception.ImmobileMapper`
+writes such views into its map. All other names are private.
+"""
+
+from typing import TYPE_CHECKING
+
+from ...slam.door import lends
+
+if TYPE_CHECKING:
+    from .view import CameraViewMaker
+
+__all__ = [
+    "CameraViewMaker",
+]
+
+_HOME = {
+    "CameraViewMaker": "view",
+}
+"""Public name -> module; imported when it is asked for."""
+
+__getattr__, __dir__ = lends(__name__, _HOME)

@@ -1,1 +1,38 @@
-"""What an RGB-D camera on the robot sees: frames, planes, objects."""
+"""What an RGB-D camera on the robot sees: frames, planes, objects.
+
+    RgbdFrame(depth, colour, Pinhole(...), ...)      what `tagalong.perception.PlaneFinder` and `PeopleFinder` are given
+    Surface                                          what a point lies on: floor, ceiling, wall, top of a table ...
+    RgbdPeople                                       who is in a frame; what a people finder of one's own returns
+    PersonSvm.load(path)                             a classifier that `tagalong train people` wrote
+
+All other names are private.
+"""
+
+from typing import TYPE_CHECKING
+
+from ...slam.door import lends
+
+if TYPE_CHECKING:
+    from .frame import Pinhole, RgbdFrame
+    from .people import RgbdPeople
+    from .person_svm import PersonSvm
+    from .planes import Surface
+
+__all__ = [
+    "PersonSvm",
+    "Pinhole",
+    "RgbdFrame",
+    "RgbdPeople",
+    "Surface",
+]
+
+_HOME = {
+    "PersonSvm": "person_svm",
+    "Pinhole": "frame",
+    "RgbdFrame": "frame",
+    "RgbdPeople": "people",
+    "Surface": "planes",
+}
+"""Public name -> module; imported when it is asked for."""
+
+__getattr__, __dir__ = lends(__name__, _HOME)

@@ -10,7 +10,7 @@ from tagalong.agents.learned.pilot import Pilot, PilotConfig
 from tagalong.agents.learned.situation import Situation
 from tagalong.agents.learned.steering import REST, SteeringConfig
 from tagalong.agents.scripted.leader_memory import Goal, Mode
-from tagalong.envs.task.interface import FollowInterface
+from tagalong.envs.task import FollowInterface
 from tagalong.slam import InputError
 from tagalong.slam.geometry import inverse, transform_points
 

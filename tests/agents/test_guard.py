@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from tagalong.agents.learned.guard import Guard, GuardConfig, box_gaps, signed_gaps
 from tagalong.agents.learned.hindsight import Hindsight
 from tagalong.agents.learned.steering import REST, SteeringConfig, steer
-from tagalong.envs.task.interface import FollowInterface
+from tagalong.envs.task import FollowInterface
 
 STEERING, CONFIG = SteeringConfig(), GuardConfig()
 SCALES = FollowInterface(bearings=np.deg2rad(np.linspace(-135.0, 135.0, 361)))

@@ -13,7 +13,7 @@ from tagalong.agents.scripted.frontier_plan import FrontierConfig, frontiers, pl
 from tagalong.agents.scripted.grid_field import way_field
 from tagalong.agents.scripted.pure_pursuit import PurePursuitFollower
 from tagalong.agents.scripted.random_walk import RandomWalk
-from tagalong.envs.task.interface import FollowInterface, OwnMap
+from tagalong.envs.task import FollowInterface, OwnMap
 from tagalong.slam import InputError, OccupancyMap
 
 BEAMS = 181

@@ -15,7 +15,6 @@ from tagalong.agents.teleop.joystick import (
 )
 from tagalong.agents.teleop.joystick_drive import record_drive, replay_drive
 from tagalong.agents.teleop.operator_model import OperatorConfig, OperatorModel, OperatorView
-from tagalong.scripts.benchmarks.joystick_calibration import driving_figures
 from tagalong.slam import InputError
 
 NOBODY = np.empty((0, 2))
@@ -71,11 +70,12 @@ def test_replay_refuses_another_environment_other_arguments_or_another_seed(env,
         JoystickReplay(some_log(), env, kwargs, seed)
 
 
-@pytest.mark.parametrize("text", ["", "something else", f"{FIRST_LINE}\nseed: x\nstep forward turn\n"])
+@pytest.mark.parametrize("text", ["", "something else", "x" * 5000, f"{FIRST_LINE}\nseed: x\nstep forward turn\n"])
 def test_what_is_no_log_is_refused(tmp_path, text):
     (tmp_path / "log.txt").write_text(text)
-    with pytest.raises(InputError, match=r"log\.txt"):
+    with pytest.raises(InputError, match=r"log\.txt") as error:
         read_joystick_log(tmp_path / "log.txt")
+    assert len(str(error.value)) < 400 + len(str(tmp_path))
     with pytest.raises(InputError, match="nowhere"):
         read_joystick_log(tmp_path / "nowhere.txt")
 
@@ -146,16 +146,6 @@ def test_the_operator_stops_for_somebody_in_front():
     assert rows[-1, 3] == 0.0
 
 
-def test_figures_of_a_drive_of_known_acceleration():
-    time = np.arange(0.0, 20.0, 0.1)
-    speed = 0.5 + 0.3 * np.sin(time)
-    x = 0.5 * time + 0.3 * (1.0 - np.cos(time))
-    figures = driving_figures(time, np.stack((x, np.zeros_like(x), np.zeros_like(x)), axis=-1))
-    assert figures.acceleration_rms == pytest.approx(0.3 / math.sqrt(2.0), rel=0.1)
-    assert figures.speed_95 == pytest.approx(float(np.quantile(speed, 0.95)), rel=0.05)
-    assert figures.turn_acceleration_rms == 0.0
-
-
 def test_a_drive_recorded_in_the_closed_loop_is_the_same_in_the_open_loop():
     kwargs = {"leader": False, "people_count": 1, "slam": None, "beams": 181, "max_episode_steps": 80}
     poses = []
@@ -187,3 +177,32 @@ def test_the_operator_backs_out_when_the_robot_is_stuck():
     speeds = [operator.act(OperatorView(np.zeros(3), 0.0, NOBODY))[0] for _ in range(80)]
     assert max(speeds[:20]) > 0.5
     assert min(speeds) < -0.2
+
+
+@pytest.mark.parametrize(
+    ("was", "now", "said"),
+    [
+        ("steps: 4", f"steps: {'9' * 5000}", "steps"),
+        ("steps: 4", "steps: 9999999", "steps: 0 to 1000000"),
+        ("seed: 3", f"seed: {'9' * 5000}", "seed"),
+        ("kwargs: {}", "kwargs: " + "[" * 100_000, "nested too deeply"),
+        ("kwargs: {}", "kwargs: " + "x" * 5000, "kwargs"),
+        ("2 0.5 0.1", "0 0.5 0.1", "ascending"),
+        ("2 0.5 0.1", "2 0.5 0.1 7", "ascending"),
+        ("2 0.5 0.1", "2 0.5 " + "x" * 5000, "could not convert"),
+    ],
+)
+def test_a_joystick_log_is_held_against_its_header(was, now, said, tmp_path):
+    log = "\n".join(
+        (
+            "tagalong joystick log 1",
+            *("made by: me", "env: e", "kwargs: {}", "seed: 3", "step_s: 0.1", "steps: 4"),
+            *("step forward turn", "1 1.0 0.0", "2 0.5 0.1", ""),
+        )
+    )
+    (tmp_path / "a.txt").write_text(log)
+    assert read_joystick_log(tmp_path / "a.txt").actions[:, 0].tolist() == [0.0, 1.0, 0.5, 0.5]
+    (tmp_path / "a.txt").write_text(log.replace(was, now))
+    with pytest.raises(InputError, match=rf"a\.txt.*{said}") as error:
+        read_joystick_log(tmp_path / "a.txt")
+    assert len(str(error.value)) < 400 + len(str(tmp_path))

@@ -9,7 +9,7 @@ from tagalong.agents.learned.pilot import Pilot, PilotConfig
 from tagalong.agents.learned.situation import Situation
 from tagalong.agents.learned.steering import REST
 from tagalong.agents.scripted.leader_memory import Goal, Mode
-from tagalong.envs.task.interface import FollowInterface
+from tagalong.envs.task import FollowInterface
 from tagalong.slam import InputError
 
 CONFIG = KeepUpConfig(distance=1.35, gain=1.2, pace=1.0, ahead=0.8)

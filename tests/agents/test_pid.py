@@ -10,7 +10,7 @@ from tagalong.agents.scripted.leader_memory import LeaderMemory, MemoryConfig, M
 from tagalong.agents.scripted.pid import PIDConfig
 from tagalong.agents.scripted.pid_axis import Axis, AxisConfig
 from tagalong.agents.scripted.scan_points import ScanPoints
-from tagalong.envs.task.interface import FollowInterface
+from tagalong.envs.task import FollowInterface
 from tagalong.slam import InputError
 
 BEAMS = 181

@@ -10,10 +10,9 @@ from tagalong.agents.learned.features import FeatureConfig
 from tagalong.agents.learned.follower import SHIPPED, LearnedFollower, load_policy
 from tagalong.agents.learned.network_shapes import check_arrays
 from tagalong.slam import InputError
-from tagalong.slam.files.output import read_arrays
 
 CARD = json.loads((SHIPPED / "follower.json").read_text())
-ARRAYS = read_arrays(SHIPPED / "follower.npz")
+ARRAYS = dict(np.load(SHIPPED / "follower.npz"))
 
 
 def written(folder, *, arrays=None, card=None):

@@ -11,7 +11,7 @@ from tagalong.agents.learned.situation import Situation
 from tagalong.agents.learned.steering import SteeringConfig
 from tagalong.agents.learned.swerve import Swerve, SwerveConfig, foreseen
 from tagalong.agents.scripted.leader_memory import Goal, Mode
-from tagalong.envs.task.interface import FollowInterface
+from tagalong.envs.task import FollowInterface
 from tagalong.slam import InputError
 
 GUARD, STEERING, ROBOT = GuardConfig(), SteeringConfig(), FollowInterface()

@@ -22,7 +22,7 @@ from tagalong.agents.training.presets import ReinforcementConfig, make_preset  #
 from tagalong.agents.training.rewards import RewardWeights, TrainingReward, nearest_gap  # noqa: E402
 from tagalong.agents.training.vec_env import FollowerVecEnv, input_space  # noqa: E402
 from tagalong.envs import FollowEnv  # noqa: E402
-from tagalong.envs.task.interface import FollowInterface  # noqa: E402
+from tagalong.envs.task import FollowInterface  # noqa: E402
 
 
 def mean_reward(model, toy):

@@ -26,7 +26,6 @@ from tagalong.agents.training.models import mean_output  # noqa: E402
 from tagalong.agents.training.presets import ImitationConfig, ReinforcementConfig  # noqa: E402
 from tagalong.agents.training.run import RunConfig, TrainingRun  # noqa: E402
 from tagalong.slam import InputError  # noqa: E402
-from tagalong.slam.files.output import read_arrays  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -101,7 +100,7 @@ def test_a_run_that_is_killed_after_every_drive_and_pass_of_its_first_round_on_l
     progress, kills = killed_after_every("imitation round", run)
     assert kills == 3 * (2 + 2)
     assert progress.evaluations == whole[1].evaluations
-    ours, theirs = (read_arrays(folder / "policy.npz") for folder in (tmp_path, whole[0]))
+    ours, theirs = (dict(np.load(folder / "policy.npz")) for folder in (tmp_path, whole[0]))
     assert all((ours[name] == theirs[name]).all() for name in theirs)
 
 

@@ -12,7 +12,7 @@ from tagalong.envs.scenes.solids import Solid
 from tagalong.envs.task.coverage import CELL_M, FARTHEST_M, Coverage
 from tagalong.envs.task.coverage_kernels import sweep, sweep_reference
 from tagalong.perception import PeopleFilter
-from tagalong.perception.tracking.camera import NoLegs
+from tagalong.perception.tracking import NoLegs
 from tagalong.slam import InputError, LaserScan
 
 SMALL = {"beams": 361, "slam": None}

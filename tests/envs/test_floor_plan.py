@@ -11,7 +11,7 @@ from tagalong.envs.scenes.catalogue import make_scene
 from tagalong.envs.scenes.occupancy import true_map
 from tagalong.envs.scenes.request import SceneRequest
 from tagalong.slam import InputError, OccupancyMap, write_ros_map
-from tagalong.slam.logs.carmen import read_carmen
+from tagalong.slam.logs import read_carmen
 
 DATA = os.environ.get("TAGALONG_DATA")
 

@@ -7,14 +7,16 @@ import tagalong  # noqa: F401 (registers the ids)
 from gymnasium import spaces
 from gymnasium.envs.registration import EnvSpec
 from tagalong.agents import make_follower
+from tagalong.envs.episode_setup import OnboardStackFactory
 from tagalong.envs.follow_config import ARGUMENTS, FollowConfig, make_config
 from tagalong.envs.follow_env import FollowEnv
 from tagalong.envs.onboard.config import PERCEPTION
 from tagalong.envs.recording.rollout import rollout
 from tagalong.envs.robot.robot import ROBOTS, RobotConfig
+from tagalong.envs.world.config import WorldConfig
+from tagalong.envs.world.world import World
 from tagalong.perception import filtered_scans
-from tagalong.slam import GMappingConfig, InputError, RecordedDrive
-from tagalong.slam.gmapping.engine import GMapping
+from tagalong.slam import GMappingConfig, InputError, RecordedDrive, make_slam
 
 CORRIDOR = "tagalong/Corridor-v0"
 FEW = {"people_count": 2, "beams": 541}
@@ -46,7 +48,7 @@ class KeepsScans:
     config = None
 
     def __init__(self, seed):
-        self.inner, self.given = GMapping(GMappingConfig(particles=2), seed), []
+        self.inner, self.given = make_slam("gmapping", particles=2, seed=seed), []
 
     def update(self, odometry, scan):
         self.given.append((np.array(odometry), scan))
@@ -104,8 +106,7 @@ def test_an_engine_of_ones_own_gets_the_seed_of_the_episode_and_its_filtered_sca
 def test_the_map_of_the_loop_is_what_the_engine_makes_of_the_recorded_drive_raw_or_filtered(filters):
     """As `tagalong reproduce following` maps a drive from its raw and from its filtered scans."""
     engines, odometry, scans = [], [], []
-    config = GMappingConfig(particles=5)
-    make = lambda seed: engines.append(GMapping(config, 7)) or engines[-1]  # noqa: E731
+    make = lambda seed: engines.append(make_slam("gmapping", particles=5, seed=7)) or engines[-1]  # noqa: E731
     env = gym.make(CORRIDOR, slam=make, filter_people=filters, **FEW)
 
     def note(inner):
@@ -115,7 +116,7 @@ def test_the_map_of_the_loop_is_what_the_engine_makes_of_the_recorded_drive_raw_
     rollout(env, make_follower("pid", env.unwrapped.interface), seed=3, steps=60, after_step=note)
     drive = RecordedDrive(np.array(odometry), scans, None, "drive")
     filtered = [scan.without_people for scan in filtered_scans(drive, PERCEPTION)]
-    alone = GMapping(config, 7)
+    alone = make_slam("gmapping", particles=5, seed=7)
     for pose, scan in zip(odometry, filtered if filters else scans, strict=True):
         alone.update(pose, scan)
     assert filtered[-1].is_return.sum() < scans[-1].is_return.sum() - 10
@@ -231,3 +232,18 @@ def test_the_manual_names_every_branch():
     manual = FollowEnv.__doc__ or ""
     for name in {name.rpartition(".")[0] or name for name in ARGUMENTS}:
         assert f"| `{name}` |" in manual
+
+
+def test_filtered_scans_of_a_drive_alone_are_those_of_the_environments_robot():
+    rng = np.random.default_rng(1)
+    world = World(WorldConfig(scene="corridor", people=4, leader=False), rng)
+    mind = OnboardStackFactory(make_config({"slam": None, "leader": False})).make(world, rng)
+    scans, odometry, filtered = [], [], []
+    for _ in range(30):
+        world.step(np.array([0.5, 0.05]))
+        scans.append(world.scan())
+        odometry.append(world.odometry)
+        filtered.append(mind.update(scans[-1], odometry[-1]).filtered)
+    drive = RecordedDrive(np.array(odometry), scans, None, "drive")
+    for ours, theirs in zip(filtered_scans(drive, PERCEPTION), filtered, strict=True):
+        np.testing.assert_array_equal(ours.without_people.ranges, theirs.ranges)

@@ -6,7 +6,7 @@ from tagalong.envs.sensors.camera.config import RgbdConfig
 from tagalong.envs.sensors.lidar import LidarConfig
 from tagalong.envs.world.world import World, WorldConfig
 from tagalong.perception import PlaneFinder
-from tagalong.perception.rgbd.planes import Surface
+from tagalong.perception.rgbd import Surface
 
 SURFACES = {"floor": Surface.FLOOR, "ceiling": Surface.CEILING, "wall": Surface.WALL, "table": Surface.TOP}
 

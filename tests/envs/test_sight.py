@@ -12,9 +12,8 @@ from tagalong.envs.onboard.camera_pipeline import SIGHT_DELAY_S, NoCamera, RgbdP
 from tagalong.envs.sensors.camera.config import RgbdConfig
 from tagalong.envs.world.config import WorldConfig
 from tagalong.envs.world.world import World
-from tagalong.perception.immobile.view import CameraViewMaker
-from tagalong.perception.rgbd.frame import RgbdFrame
-from tagalong.perception.rgbd.people import RgbdPeople
+from tagalong.perception.immobile import CameraViewMaker
+from tagalong.perception.rgbd import RgbdFrame, RgbdPeople
 from tagalong.slam import InputError
 from tagalong.slam.geometry import compose, inverse, transform_points
 

@@ -59,9 +59,9 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
-from tagalong.agents.training.curriculum import CurriculumConfig
-from tagalong.agents.training.presets import ImitationConfig, ReinforcementConfig, make_preset
-from tagalong.agents.training.run import RunConfig, TrainingRun
+from tagalong.agents.training import (
+    CurriculumConfig, ImitationConfig, ReinforcementConfig, RunConfig, TrainingRun, make_preset
+)
 from tagalong.scripts.console.last_words import told
 
 
@@ -89,7 +89,7 @@ if __name__ == "__main__":
 def prepare(folder: Path) -> None:
     """Write what the commands read: a drive through a room, the room's map, and a tiny training as a program."""
     from tagalong.scripts import cli
-    from tagalong.slam.logs.carmen_writer import write_carmen
+    from tagalong.slam.logs import write_carmen
 
     folder.mkdir(parents=True, exist_ok=True)
     write_carmen(folder / "room.log.gz", room_drive(80))
@@ -100,8 +100,7 @@ def prepare(folder: Path) -> None:
 
 def room_drive(count: int):
     """Return a drive of `count` scans through a room of 6 by 5 metres."""
-    from tagalong.slam.logs.drive import RecordedDrive
-    from tagalong.slam.scan import LaserScan
+    from tagalong.slam import LaserScan, RecordedDrive
 
     bearings = np.linspace(-np.pi, np.pi, 180, endpoint=False)
     cosine, sine = np.abs(np.cos(bearings)), np.abs(np.sin(bearings))

@@ -1,6 +1,7 @@
 """What `tagalong bench` promises: each has help, and what a user does wrong is told in a line or two, before work."""
 
 import argparse
+import json
 
 import pytest
 from tagalong.scripts import cli
@@ -9,7 +10,6 @@ from tagalong.scripts.benchmarks.benchmark import BENCHMARKS, load_benchmark
 from tagalong.scripts.benchmarks.results import write_results
 from tagalong.scripts.console.last_words import told
 from tagalong.slam import InputError
-from tagalong.slam.files.output import read_json
 
 
 @pytest.mark.parametrize(
@@ -80,7 +80,7 @@ def test_every_benchmark_has_help_with_an_example(name, capsys):
 def test_results_hold_what_was_asked_for_and_the_machine(tmp_path):
     options = argparse.Namespace(command="bench", name="people", run=None, out=tmp_path, seeds=3)
     write_results(options, {"figures": {"mota": 0.5}})
-    written = read_json(tmp_path / "results.json")
+    written = json.loads((tmp_path / "results.json").read_text())
     assert written["options"] == {"seeds": 3}
     assert written["figures"] == {"mota": 0.5}
     assert written["machine"]["cores"] >= 1

@@ -4,9 +4,7 @@ import json
 
 import pytest
 from tagalong.scripts.cli import main
-from tagalong.slam import InputError
 from tagalong.slam.engine import ENGINES
-from tagalong.slam.files.output import require_writable
 
 
 def test_an_output_folder_that_cannot_be_is_told_before_the_work(tmp_path, capsys, monkeypatch):
@@ -16,26 +14,6 @@ def test_an_output_folder_that_cannot_be_is_told_before_the_work(tmp_path, capsy
     error = capsys.readouterr().err
     assert error.startswith(f"tagalong: {tmp_path}/file/deep/out: cannot be written ({tmp_path}/file: ")
     assert error.count("\n") == 1
-
-
-def test_asking_whether_something_can_be_written_leaves_nothing_behind(tmp_path):
-    for there in ("new", "new/and/deep"):
-        require_writable(tmp_path / there)
-    require_writable(tmp_path, folder=True)
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_a_file_may_be_written_again_but_is_no_folder(tmp_path):
-    log = tmp_path / "drive.txt"
-    log.write_text("old")
-    require_writable(log)
-    assert log.read_text() == "old"
-    with pytest.raises(InputError, match=r"drive.txt: Not a directory"):
-        require_writable(log / "below")
-    with pytest.raises(InputError, match=r"drive.txt: is a file, where a folder has to be written"):
-        require_writable(log, folder=True)
-    with pytest.raises(InputError, match="is a folder, where a file has to be written"):
-        require_writable(tmp_path)
 
 
 @pytest.mark.parametrize(

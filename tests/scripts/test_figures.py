@@ -1,11 +1,13 @@
 import numpy as np
 import pytest
+from full_disk import full_disk
 from PIL import Image
 from tagalong.scripts.figures.canvas import BLUE, INK, ORANGE, RED, PlanCanvas, save_png, side_by_side, stacked
 from tagalong.scripts.figures.maps import BOTH, FREE, UNKNOWN, map_picture, overlay_picture
 from tagalong.scripts.figures.scans import scan_pair_picture
 from tagalong.scripts.figures.trajectory import trajectory_picture
-from tagalong.slam import LaserScan, OccupancyMap
+from tagalong.scripts.figures.video import save_gif
+from tagalong.slam import InputError, LaserScan, OccupancyMap
 
 
 def room(ghost=False):
@@ -149,3 +151,17 @@ def test_a_failed_write_leaves_nothing(tmp_path, monkeypatch):
     with pytest.raises(KeyboardInterrupt):
         save_png(tmp_path / "a.png", picture)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_full_disk_leaves_the_picture_that_was_there(tmp_path):
+    noise = np.random.default_rng(0).integers(0, 255, (99, 99, 3), dtype=np.uint8)
+    for name, write in {
+        "a.png": lambda path: save_png(path, Image.fromarray(noise)),
+        "a.gif": lambda path: save_gif(path, [noise], 10.0),
+    }.items():
+        write(tmp_path / name)
+        whole = (tmp_path / name).read_bytes()
+        with full_disk(), pytest.raises(InputError, match=rf"{name}: cannot be written \(File too large\)"):
+            write(tmp_path / name)
+        assert (tmp_path / name).read_bytes() == whole
+        assert not list(tmp_path.glob(".*"))

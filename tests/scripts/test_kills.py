@@ -14,7 +14,7 @@ from tagalong.scripts import cli
 from tagalong.scripts.console.interruption import interruptible
 from tagalong.scripts.console.only_writer import only_writer
 from tagalong.slam import InputError
-from tagalong.slam.logs.carmen_writer import write_carmen
+from tagalong.slam.logs import write_carmen
 
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="/proc")
 SIGNALS = [signal.SIGKILL, signal.SIGTERM, signal.SIGINT]

@@ -9,9 +9,7 @@ from tagalong.scripts import cli
 from tagalong.slam import LaserScan, RecordedDrive, write_ros_map
 from tagalong.slam.geometry import between, compose
 from tagalong.slam.grid import GridConfig, render_map
-from tagalong.slam.logs.carmen import read_carmen
-from tagalong.slam.logs.carmen_writer import write_carmen
-from tagalong.slam.logs.tum import read_tum
+from tagalong.slam.logs import read_carmen, read_tum, write_carmen
 
 BEARINGS = np.radians(np.arange(-90.0, 90.0))
 CORNERS = np.array(

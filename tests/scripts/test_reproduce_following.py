@@ -3,11 +3,6 @@ import argparse
 import numpy as np
 import pytest
 from scipy.stats import ttest_rel
-from tagalong.envs import World, WorldConfig
-from tagalong.envs.episode_setup import OnboardStackFactory
-from tagalong.envs.follow_config import make_config
-from tagalong.envs.onboard.config import PERCEPTION
-from tagalong.perception import filtered_scans
 from tagalong.scripts.lab.cells import files_of, run_cells
 from tagalong.scripts.lab.drive_files import limited, load_input
 from tagalong.scripts.reproduce.following.experiment import EXPERIMENT
@@ -22,8 +17,7 @@ from tagalong.scripts.reproduce.following.plan import (
     tour_cell,
 )
 from tagalong.scripts.reproduce.following.sweep import ratio_text
-from tagalong.slam import InputError, LaserScan, RecordedDrive
-from tagalong.slam.logs.drive_folder import SimulatedDrive
+from tagalong.slam import InputError, LaserScan
 
 
 def options(**changes):
@@ -73,22 +67,6 @@ def test_one_of_many_verdicts_is_sure_only_where_it_stands_their_number():
     assert sure_verdicts([weak]) == ["better"]
     chance = [Pair(rng.normal(size=5), no, True) for _ in range(20)]
     assert sure_verdicts([clear, weak, *chance]) == ["better"] + ["no effect"] * 21
-
-
-def test_filtered_scans_of_a_drive_alone_are_those_of_the_environments_robot():
-    rng = np.random.default_rng(1)
-    world = World(WorldConfig(scene="corridor", people=4, leader=False), rng)
-    mind = OnboardStackFactory(make_config({"slam": None, "leader": False})).make(world, rng)
-    scans, odometry, filtered = [], [], []
-    for _ in range(30):
-        world.step(np.array([0.5, 0.05]))
-        scans.append(world.scan())
-        odometry.append(world.odometry)
-        filtered.append(mind.update(scans[-1], odometry[-1]).filtered)
-    nobody = np.zeros((len(scans), 0, 2))
-    drive = SimulatedDrive(RecordedDrive(np.array(odometry), scans, None, "drive"), np.array(odometry), nobody)
-    for ours, theirs in zip(filtered_scans(drive.recording, PERCEPTION), filtered, strict=True):
-        np.testing.assert_array_equal(ours.without_people.ranges, theirs.ranges)
 
 
 def test_means_stay_where_a_metric_can_be():

@@ -9,7 +9,7 @@ from tagalong.scripts import cli
 from tagalong.scripts.runs.scoring import kind_of
 from tagalong.slam import InputError, OccupancyMap, write_ros_map
 from tagalong.slam.geometry import compose, transform_points
-from tagalong.slam.logs.tum import Trajectory, read_tum, write_tum
+from tagalong.slam.logs import Trajectory, read_tum, write_tum
 
 DATA = os.environ.get("TAGALONG_DATA")
 LOGS = Path(str(DATA)) / "slam_logs"

@@ -4,8 +4,7 @@ import json
 from dataclasses import replace
 
 import pytest
-from tagalong.agents.learned import follower
-from tagalong.agents.learned.pilot import PilotConfig
+from tagalong.agents.learned import PilotConfig, pilot_config
 from tagalong.scripts.training import ship_follower
 
 
@@ -53,7 +52,7 @@ def test_the_limits_say_in_words_what_the_figures_show():
 @pytest.fixture
 def shipped(tmp_path, monkeypatch):
     """A folder of shipped policies with one card, of a network that is told 30 sectors and driven by a narrow guard."""
-    card = json.loads((follower.SHIPPED / "follower.json").read_text())
+    card = json.loads((ship_follower.SHIPPED / "follower.json").read_text())
     card["pilot"]["features"]["sectors"], card["pilot"]["guard"]["margin"] = 30, 0.5
     del card["pilot"]["swerve"]
     (tmp_path / "follower.json").write_text(json.dumps({**card, "minutes": 7.0}))
@@ -68,7 +67,7 @@ def test_a_renewed_card_keeps_the_training_and_takes_the_figures_and_what_surrou
     assert card["minutes"] == 7.0
     assert card["suites"] == SUITES
     assert card["suites_command"].endswith("--plot --episodes 40 (--maps: office 0, corridor 40)")
-    config = follower.pilot_config(card["pilot"])
+    config = pilot_config(card["pilot"])
     assert config == replace(PilotConfig(), features=replace(PilotConfig().features, sectors=30))
 
 

@@ -14,8 +14,7 @@ from tagalong.scripts import cli
 from tagalong.scripts.commands import slam as command
 from tagalong.slam import LaserScan, OccupancyMap, RecordedDrive, SlamUpdate, read_ros_map
 from tagalong.slam.geometry import compose
-from tagalong.slam.logs.carmen_writer import write_carmen
-from tagalong.slam.logs.tum import Trajectory, read_tum, write_tum
+from tagalong.slam.logs import Trajectory, read_tum, write_carmen, write_tum
 
 RESULTS = ["map.pgm", "map.png", "map.yaml", "metrics.json", "timing.json", "trajectory.tum"]
 

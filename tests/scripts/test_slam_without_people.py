@@ -7,7 +7,7 @@ import pytest
 from tagalong.perception import filtered_scans
 from tagalong.scripts import cli
 from tagalong.slam import LaserScan, RecordedDrive, read_ros_map
-from tagalong.slam.logs.carmen_writer import write_carmen
+from tagalong.slam.logs import write_carmen
 
 BEARINGS = np.linspace(-np.pi / 2, np.pi / 2, 721)
 WALL_M, LEG_RADIUS_M, RATE_HZ = 6.0, 0.06, 10.0

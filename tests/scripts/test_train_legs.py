@@ -1,17 +1,20 @@
 """The simulator of scans and the training command, in tiny settings."""
 
 import json
+import os
+from pathlib import Path
 
 import numpy as np
 import pytest
-from tagalong.envs.simulation2d.outlines import Outlines, cast
+from sklearn.ensemble import RandomForestClassifier
 from tagalong.perception import LegForest
-from tagalong.perception.legs.features import FEATURE_NAMES
 from tagalong.scripts.cli import main
-from tagalong.scripts.training.evaluate_legs import LegScores
+from tagalong.scripts.training.evaluate_legs import LegScores, score_legs
 from tagalong.scripts.training.leg_forests import odds_for
 from tagalong.scripts.training.leg_pasting import paste_legs
+from tagalong.scripts.training.leg_recordings import read_leg_recordings
 from tagalong.scripts.training.leg_scans import draw_scan
+from tagalong.scripts.training.train_legs import flatten_forest
 from tagalong.slam import LaserScan
 
 TINY = ["--scans", "40", "--test-scans", "10", "--trees", "4", "--drives", "1", "--test-drives", "1"]
@@ -46,15 +49,6 @@ def recordings(tmp_path):
         write_recording(tmp_path / f"positive_{k}_labelled.npz", rng, legs=True)
     write_recording(tmp_path / "negative_2_left_scans.npz", rng, legs=False, scans=96)
     return tmp_path
-
-
-def test_rays_meet_an_ellipse_and_a_segment_where_geometry_says():
-    outlines = Outlines()
-    outlines.ellipse(np.array([3.0, 0.0]), 1.0, 0.5, heading=np.pi / 2)
-    outlines.segment(np.array([-2.0, -1.0]), np.array([-2.0, 1.0]))
-    ranges, met = cast(np.zeros((3, 2)), np.array([0.0, np.pi, np.pi / 2]), 10.0, *outlines.arrays())
-    np.testing.assert_allclose(ranges, [2.5, 2.0, np.inf])
-    np.testing.assert_array_equal(met, [0, 1, -1])
 
 
 def test_the_same_seed_draws_the_same_scan_and_another_seed_another():
@@ -104,7 +98,8 @@ def test_the_real_forest_is_scored_on_recordings_left_out(tmp_path, recordings, 
     out = tmp_path / "out"
     assert main(["train", "legs", "--forest", "real", "--data", str(recordings), "--out", str(out), *TINY]) == 0
     card = json.loads((out / "legs_real.json").read_text())
-    assert card["features"] == list(FEATURE_NAMES)
+    with np.load(out / "legs_real.npz") as written:
+        assert card["features"] == written["feature_names"].tolist()
     assert card["scores"]["recordings not trained on"]["scans_of_false_legs"] == 96
     assert LegForest.load(out / "legs_real.npz").odds == pytest.approx(card["odds"])
     assert "recall, recordings not trained on" in capsys.readouterr().out
@@ -116,3 +111,28 @@ def test_bad_arguments_and_data_end_with_one_line(tmp_path, capsys):
     (tmp_path / "positive_1_labelled.npz").write_bytes(b"nothing")
     assert main(["train", "legs", "--forest", "real", "--data", str(tmp_path), "--out", str(tmp_path)]) == 2
     assert "not a recording of leg scans" in capsys.readouterr().err
+
+
+def test_a_forest_of_ours_votes_as_scikit_learns_predict_proba():
+    rng = np.random.default_rng(3)
+    rows = rng.normal(size=(600, 40)).astype(np.float32)
+    truth = rows[:, 0] * rows[:, 1] + rows[:, 5] > 0.2
+    theirs = RandomForestClassifier(12, max_depth=9, min_samples_leaf=2, random_state=0)
+    theirs.fit(rows, truth, sample_weight=1.0 + 3.0 * truth)
+    ours = flatten_forest(theirs)
+    on_thresholds = rows.copy()
+    on_thresholds[:, ours.feature[ours.roots[0]]] = ours.value[ours.roots[0]]
+    for sample in (rows, on_thresholds):
+        np.testing.assert_allclose(ours.vote(sample), theirs.predict_proba(sample)[:, 1], atol=1e-6)
+
+
+@pytest.mark.parametrize(("name", "recall", "false_legs"), [("real", 0.8, 0.8), ("simulation", 0.7, 8.0)])
+def test_a_shipped_forest_finds_recorded_legs(name, recall, false_legs):
+    """A check that the shipped file is the trained one; `real` knows these recordings, its card has fair figures."""
+    if "TAGALONG_DATA" not in os.environ:
+        pytest.skip("set TAGALONG_DATA to the folder with legs/positive_1_labelled.npz")
+    positive, people_free = read_leg_recordings(Path(os.environ["TAGALONG_DATA"]) / "legs")
+    scores = score_legs(LegForest.load(name), positive, people_free.scans[::5])
+    found, false = scores.at(0.3)
+    assert found >= recall
+    assert false <= false_legs

@@ -4,8 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from tagalong.perception.rgbd.people import RgbdPeople
-from tagalong.perception.rgbd.person_svm import PersonSvm
+from tagalong.perception.rgbd import PersonSvm, RgbdPeople
 from tagalong.scripts.benchmarks.rgbd_people import by_distance, by_visible
 from tagalong.scripts.cli import main
 from tagalong.scripts.training.evaluate_people import PeopleScores, joined, score_frame

@@ -5,7 +5,6 @@ from itertools import islice
 
 import numpy as np
 import pytest
-from tagalong.agents.teleop.joystick import read_joystick_log
 from tagalong.slam.errors import InputError
 from tagalong.slam.files import sizes
 from tagalong.slam.logs import text
@@ -91,7 +90,6 @@ def test_scans_and_ranges_are_counted_as_they_are_read(tmp_path, monkeypatch):
         (read_flat_yaml, "x" * 5000),
         (read_flat_yaml, "a: b\n" * 2),
         (read_flat_yaml, "k: " + "a " * 40_000),
-        (read_joystick_log, "x" * 5000),
     ],
 )
 def test_what_is_wrong_is_told_in_a_few_words(read, content, tmp_path):
@@ -116,32 +114,3 @@ def test_a_recording_with_a_person_a_line_is_read_in_no_time(tmp_path):
     (tmp_path / "walks.txt").write_text("".join(f"{k} {k} 0 0\n" for k in range(20_000)))
     with pytest.raises(InputError, match="nobody walks"):
         read_pedestrians(tmp_path / "walks.txt")
-
-
-@pytest.mark.parametrize(
-    ("was", "now", "said"),
-    [
-        ("steps: 4", f"steps: {DIGITS}", "steps"),
-        ("steps: 4", "steps: 9999999", "steps: 0 to 1000000"),
-        ("seed: 3", f"seed: {DIGITS}", "seed"),
-        ("kwargs: {}", "kwargs: " + "[" * 100_000, "nested too deeply"),
-        ("kwargs: {}", "kwargs: " + "x" * 5000, "kwargs"),
-        ("2 0.5 0.1", "0 0.5 0.1", "ascending"),
-        ("2 0.5 0.1", "2 0.5 0.1 7", "ascending"),
-        ("2 0.5 0.1", "2 0.5 " + "x" * 5000, "could not convert"),
-    ],
-)
-def test_a_joystick_log_is_held_against_its_header(was, now, said, tmp_path):
-    log = "\n".join(
-        (
-            "tagalong joystick log 1",
-            *("made by: me", "env: e", "kwargs: {}", "seed: 3", "step_s: 0.1", "steps: 4"),
-            *("step forward turn", "1 1.0 0.0", "2 0.5 0.1", ""),
-        )
-    )
-    (tmp_path / "a.txt").write_text(log)
-    assert read_joystick_log(tmp_path / "a.txt").actions[:, 0].tolist() == [0.0, 1.0, 0.5, 0.5]
-    (tmp_path / "a.txt").write_text(log.replace(was, now))
-    with pytest.raises(InputError, match=rf"a\.txt.*{said}") as error:
-        read_joystick_log(tmp_path / "a.txt")
-    assert len(str(error.value)) < 400 + len(str(tmp_path))

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import numpy as np
 import pytest
 from tagalong.perception import PeopleFilter
-from tagalong.perception.tracking.camera import NoLegs, SeenPeople
+from tagalong.perception.tracking import NoLegs, SeenPeople
 from tagalong.slam.bounds import MOST_BEAMS, Within, cell_numbers, check_numbers, checked_pose, memory_for
 from tagalong.slam.engine import ENGINES, make_slam
 from tagalong.slam.errors import InputError, shown

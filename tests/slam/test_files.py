@@ -1,17 +1,13 @@
 """Files that come damaged."""
 
 import os
-import resource
 import shutil
 import zipfile
-from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 import pytest
-from PIL import Image
-from tagalong.scripts.figures.canvas import save_png
-from tagalong.scripts.figures.video import save_gif
+from full_disk import full_disk
 from tagalong.slam.errors import InputError
 from tagalong.slam.files.output import made_folder, read_arrays, replacing, require_writable, write_json
 from tagalong.slam.logs.text import write_lines
@@ -65,17 +61,6 @@ def test_a_folder_in_the_way_of_a_file_is_named(tmp_path):
     assert [entry.name for entry in tmp_path.iterdir()] == ["scores.json"]
 
 
-@contextmanager
-def full_disk():
-    """No file may grow beyond 2 kB; the system says so as it says that a disk is full."""
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (2000, before[1]))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
-
-
 def test_a_full_disk_is_one_error_and_leaves_nothing_behind(tmp_path):
     noise = np.random.default_rng(0).integers(0, 255, (99, 99, 3), dtype=np.uint8)
     lines = [f"{value}" for value in noise.ravel()[:2000]]
@@ -83,8 +68,6 @@ def test_a_full_disk_is_one_error_and_leaves_nothing_behind(tmp_path):
         "a.json": lambda path: write_json(path, {"a": lines}),
         "a.log.gz": lambda path: write_lines(path, lines * 5),
         "a.npz": lambda path: save_arrays(path, noise),
-        "a.png": lambda path: save_png(path, Image.fromarray(noise)),
-        "a.gif": lambda path: save_gif(path, [noise], 10.0),
     }.items():
         write(tmp_path / name)
         whole = (tmp_path / name).read_bytes()
@@ -140,3 +123,23 @@ def test_the_longest_name_that_a_file_can_have_can_be_written(tmp_path):
 def test_a_folder_that_is_gone_meanwhile_is_one_error(tmp_path):
     with pytest.raises(InputError, match=r"a.json: cannot be written"), replacing(tmp_path / "out" / "a.json"):
         shutil.rmtree(tmp_path / "out")
+
+
+def test_asking_whether_something_can_be_written_leaves_nothing_behind(tmp_path):
+    for there in ("new", "new/and/deep"):
+        require_writable(tmp_path / there)
+    require_writable(tmp_path, folder=True)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_file_may_be_written_again_but_is_no_folder(tmp_path):
+    log = tmp_path / "drive.txt"
+    log.write_text("old")
+    require_writable(log)
+    assert log.read_text() == "old"
+    with pytest.raises(InputError, match=r"drive.txt: Not a directory"):
+        require_writable(log / "below")
+    with pytest.raises(InputError, match=r"drive.txt: is a file, where a folder has to be written"):
+        require_writable(log, folder=True)
+    with pytest.raises(InputError, match="is a folder, where a file has to be written"):
+        require_writable(tmp_path)

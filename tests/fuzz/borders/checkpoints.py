@@ -1,4 +1,4 @@
-"""Folders of a training that goes on: the index, the arrays, demonstrations, the state of a curriculum."""
+"""Folders of a training that goes on: the index, the arrays, the state of a curriculum."""
 
 import json
 import struct
@@ -6,9 +6,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from fuzzer.arrays import edits, packed
-from fuzzer.border import Area, Border, Input, require
-from fuzzer.files import put, put_all
+from fuzzer.border import Border, Input, require
+from fuzzer.files import put_all
 from fuzzer.mutations import mutated_bytes
 from fuzzer.sanity import finite
 from fuzzer.values import hostile_value
@@ -16,7 +15,6 @@ from numpy.random import Generator
 from tagalong.agents.training.checkpoint import load_arrays, load_progress
 from tagalong.agents.training.curriculum import Curriculum
 from tagalong.agents.training.presets import make_preset
-from tagalong.slam.files.output import read_arrays
 
 _SHAPES = {"policy.weight": (2, 3), "policy.bias": (3,), "steps": ()}
 _INDEX: dict[str, Any] = {
@@ -90,18 +88,4 @@ def _sane_progress(result: Any) -> None:
         finite(array, name)
 
 
-def _table(value: Input, folder: Path) -> Any:
-    """Read demonstrations, which are arrays of any names."""
-    sound = {"scan": np.zeros((3, 2, 8), np.float16), "labels": np.zeros((3, 2), np.float32)}
-    return read_arrays(put(folder, "round_0.npz", packed(sound, value)))
-
-
-AREA = Area(
-    (
-        Border(name="checkpoints.run", make=_checkpoint, call=_gone_on, sane=_sane_progress, ms=0.61),
-        Border(
-            name="checkpoints.arrays", make=lambda rng: edits(rng, ["scan", "labels"]), call=_table, file="round_0.npz",
-            ms=1.0,
-        ),
-    )
-)  # fmt: skip
+BORDERS = (Border(name="checkpoints.run", make=_checkpoint, call=_gone_on, sane=_sane_progress, ms=0.61),)

@@ -18,7 +18,7 @@ from tagalong.agents import EXPLORERS, FOLLOWERS, make_follower
 from tagalong.envs import FollowConfig, FollowEnv, FollowVectorEnv
 from tagalong.envs.episode_setup import OPTIONS
 from tagalong.envs.follow_config import ARGUMENTS
-from tagalong.envs.task.interface import FollowInterface
+from tagalong.envs.task import FollowInterface
 
 CHEAP: dict[str, Any] = {"scene": "plain_corridor", "slam": None, "people": "truth", "beams": 16, "people_count": 1}
 _WORDS = {

@@ -21,7 +21,7 @@ from numpy.random import Generator
 from tagalong.scripts.cli import main
 from tagalong.slam import InputError, make_slam, read_ros_map
 from tagalong.slam.engine import ENGINES
-from tagalong.slam.logs.tum import read_tum
+from tagalong.slam.logs import read_tum
 
 _OPTIONS = {
     "slam": ["--method", "--seed", "--resolution", "--set", "--scan-topic", "--quiet", "--out", "--bad"],

@@ -10,7 +10,7 @@ from fuzzer.sanity import finite, sane_map
 from fuzzer.scans import drive, hostile_drive, scan_of
 from numpy.random import Generator
 from tagalong.perception import ImmobileMapper, PeopleFinder, PlaneFinder
-from tagalong.perception.rgbd.frame import Pinhole, RgbdFrame
+from tagalong.perception.rgbd import Pinhole, RgbdFrame
 from tagalong.slam.grid import OccupancyGrid
 
 _SIZE = (24, 32)

@@ -7,6 +7,7 @@ import io
 import struct
 import zipfile
 import zlib
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,17 @@ from numpy.random import Generator
 
 KINDS = ("<f8", "<f4", "<i8", "<i4", "|i1", "|u1", "|b1", "<c16", "<U5", "|S3", "<f2", "<M8[s]")
 _SHAPES = ([], [0], [1], [2], [3, 0], [1, 1], [2, 3], [4, 4, 4], [10**10], [2**31, 2**31], [2**63], [-1], [0, 10**12])
+
+
+_CACHE: dict[str, dict[str, np.ndarray]] = {}
+
+
+def arrays_of(path: Path) -> dict[str, np.ndarray]:
+    """Return the arrays of a sound file, which is read once."""
+    if str(path) not in _CACHE:
+        with np.load(path, allow_pickle=False) as content:
+            _CACHE[str(path)] = {name: content[name] for name in content.files}
+    return _CACHE[str(path)]
 
 
 def edits(rng: Generator, names: list[str]) -> list[list[Any]]:
