@@ -42,9 +42,8 @@ class DWAFollower:
     def __init__(self, interface: FollowInterface | None = None, config: DWAConfig | None = None) -> None:
         self.interface = interface or FollowInterface()
         self.config = config or DWAConfig()
-        step_s = 1.0 / self.interface.control_hz
-        self._memory = LeaderMemory(self.config.memory, step_s)
-        self._window = DynamicWindow(self.config.window.within(self.interface), step_s)
+        self._memory = LeaderMemory(self.config.memory, 1.0 / self.interface.control_hz)
+        self._window = DynamicWindow(self.config.window, self.interface)
         self._points = ScanPoints(self.interface)
         self.reset()
 

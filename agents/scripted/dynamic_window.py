@@ -30,7 +30,7 @@ class DynamicWindowConfig:
         turns: How many turn rates, odd.
         horizon_s: How far ahead a velocity is followed [s].
         steps: In how many steps.
-        radius: Nothing may come nearer to the robot's centre than this [m].
+        radius: Nothing may come nearer to the robot's centre than this [m]; None: what the robot sweeps as it turns.
         comfort: Things farther than this from its edge cost nothing [m].
         space: People farther than this, surface to surface, cost nothing [m]: personal space and a margin.
         person_radius: Radius taken for people [m].
@@ -53,7 +53,7 @@ class DynamicWindowConfig:
     turns: int = 15
     horizon_s: float = 1.6
     steps: int = 8
-    radius: float = 0.38
+    radius: float | None = None
     comfort: float = 0.3
     space: float = 0.55
     person_radius: float = 0.25
@@ -66,7 +66,7 @@ class DynamicWindowConfig:
 
     def __post_init__(self) -> None:
         for name in ("max_speed", "max_turn_rate", "acceleration", "turn_acceleration", "horizon_s", "radius"):
-            if not getattr(self, name) > 0.0:
+            if not (getattr(self, name) is None or getattr(self, name) > 0.0):
                 raise InputError(f"`{name}` of the dynamic window must be positive, got {getattr(self, name)}")
 
     def within(self, interface: FollowInterface) -> "DynamicWindowConfig":
@@ -91,8 +91,9 @@ class Obstacles:
 class DynamicWindow:
     """Chooses a velocity; remembers only what it commanded last."""
 
-    def __init__(self, config: DynamicWindowConfig, step_s: float) -> None:
-        self.config, self._step_s = config, step_s
+    def __init__(self, config: DynamicWindowConfig, robot: FollowInterface) -> None:
+        self.config, self._step_s = config.within(robot), 1.0 / robot.control_hz
+        self._radius = robot.turning_radius if config.radius is None else config.radius
         self._times = np.linspace(0.0, config.horizon_s, config.steps + 1)[1:]
         self.reset()
 
@@ -136,7 +137,7 @@ class DynamicWindow:
 
     def _nearest(self, places: Array, obstacles: Array) -> Array:
         """Return (c, t) distance from each place (c, t, 2) to the nearest obstacle [m]."""
-        far = self.config.radius + self.config.comfort
+        far = self._radius + self.config.comfort
         if not len(obstacles):
             return np.full(places.shape[:2], far)
         square = (places[:, :, None, 0] - obstacles[:, 0]) ** 2 + (places[:, :, None, 1] - obstacles[:, 1]) ** 2
@@ -152,7 +153,7 @@ class DynamicWindow:
         """
         c = self.config
         now = float(np.sqrt((obstacles**2).sum(axis=1).min(initial=np.inf)))
-        meets = gap < min(c.radius, now - 0.01)
+        meets = gap < min(self._radius, now - 0.01)
         first = np.where(meets.any(axis=1), np.argmax(meets, axis=1), len(self._times))
         driven = np.append(self._times, c.horizon_s)[first] - self._times[0]
         return (first == len(self._times)) | (np.abs(speeds) * driven > speeds**2 / (2.0 * c.acceleration))
@@ -165,7 +166,7 @@ class DynamicWindow:
         distance = np.hypot(target[0] - end[:, 0], target[1] - end[:, 1]) / (c.max_speed * c.horizon_s)
         bearing = np.arctan2(look_at[1] - end[:, 1], look_at[0] - end[:, 0]) - end[:, 2]
         facing = np.abs((bearing + np.pi) % (2.0 * np.pi) - np.pi) / np.pi
-        tight = 1.0 - np.clip((gap.min(axis=1) - c.radius) / c.comfort, 0.0, 1.0)
+        tight = 1.0 - np.clip((gap.min(axis=1) - self._radius) / c.comfort, 0.0, 1.0)
         change = np.abs(speeds - self._speed) / (c.acceleration * c.window_s)
         turn_change = np.abs(turns - self._turn) / (c.turn_acceleration * c.window_s)
         caution = 1.0 / (1.0 + self._stood_s / c.patience_s)
@@ -183,7 +184,7 @@ class DynamicWindow:
             return np.zeros(len(places))
         c = self.config
         where = people[None, :, :2] + self._times[:, None, None] * people[None, :, 2:4]
-        gap = np.hypot(*(places[:, :, None] - where[None]).transpose(3, 0, 1, 2)) - c.radius - c.person_radius
+        gap = np.hypot(*(places[:, :, None] - where[None]).transpose(3, 0, 1, 2)) - self._radius - c.person_radius
         lack = np.maximum(1.0 - gap / c.space, 0.0)
         later = 1.0 - 0.5 * self._times / c.horizon_s
         return (lack * later[None, :, None]).max(axis=(1, 2))

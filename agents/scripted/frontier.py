@@ -54,7 +54,7 @@ class FrontierExplorer:
         self._own_map = self.interface.own_map
         self.config = config or FrontierExplorerConfig()
         self._step_s = 1.0 / self.interface.control_hz
-        self._window = DynamicWindow(self.config.window.within(self.interface), self._step_s)
+        self._window = DynamicWindow(self.config.window, self.interface)
         self._points = ScanPoints(self.interface)
         self.reset()
 
@@ -97,4 +97,4 @@ class FrontierExplorer:
             self._still_s = 0.0
         self._given_up = [entry for entry in self._given_up if self._time_s - entry[0] < self.config.forget_s]
         refused = np.array([place for _, place in self._given_up]).reshape(-1, 2)
-        self._way = plan_way(own, np.array(self._visited), refused, self.config.plan)
+        self._way = plan_way(own, np.array(self._visited), refused, self.interface, self.config.plan)

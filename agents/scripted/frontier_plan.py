@@ -1,12 +1,13 @@
 """Where the known floor ends, and the way there (Yamauchi 1997), on the robot's own map."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from ...envs.task.interface import OwnMap
+from ...envs.task.interface import FollowInterface, OwnMap
 from ...slam.geometry import transform_points
 from .grid_field import way_field
 
@@ -21,7 +22,7 @@ class FrontierConfig:
 
     Attributes:
         cell: Side of a cell of the plan [m].
-        radius: Nothing known may come nearer to the robot's centre than this [m].
+        radius: Nothing known may come nearer to the robot's centre than this [m]; None: by the robot's size.
         comfort: Ways are dearer up to this distance from things [m].
         tightness: Cost of a cell at `radius`, over that of a cell beyond `comfort`.
         smallest: Frontiers shorter than this are not worth a visit [m].
@@ -30,12 +31,20 @@ class FrontierConfig:
     """
 
     cell: float = 0.1
-    radius: float = 0.32
+    radius: float | None = None
     comfort: float = 0.6
     tightness: float = 4.0
     smallest: float = 0.5
     reached: float = 0.6
     seen_from: float = 4.0
+
+    def radius_for(self, robot: FollowInterface) -> float:
+        """Return `radius`; where it is None halfway between half the robot's width and half its diagonal [m].
+
+        On its way a robot passes things with its narrow side, but for the bends, where its corners swing out.
+        """
+        halfway = 0.5 * (robot.half_width + math.hypot(robot.half_length, robot.half_width))
+        return math.ceil(100.0 * halfway) / 100.0 if self.radius is None else self.radius
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,22 +60,27 @@ class FrontierWay:
     frontier: Array
 
 
-def plan_way(own: OwnMap, visited: Array, given_up: Array, config: FrontierConfig) -> FrontierWay | None:
+def plan_way(
+    own: OwnMap, visited: Array, given_up: Array, robot: FollowInterface, config: FrontierConfig
+) -> FrontierWay | None:
     """Return the cheapest way to a frontier; None if there is none left.
 
     Args:
         own: The robot's map and pose.
         visited: (m, 2) where the robot was, map frame [m].
         given_up: (k, 2) places; within 0.5 m of them no frontier is tried again [m].
+        robot: Says how large the robot is.
         config: What counts.
     """
     free, occupied, corner = coarse(own, visited, config)
     gap = np.asarray(ndimage.distance_transform_edt(~occupied)) * config.cell
-    cost = 1.0 + config.tightness * np.clip((config.comfort - gap) / (config.comfort - config.radius), 0.0, 1.0)
-    cost[~free | (gap < config.radius)] = np.inf
+    radius = config.radius_for(robot)
+    comfort = max(config.comfort, radius + config.cell)  # a wide robot has some, too
+    cost = 1.0 + config.tightness * np.clip((comfort - gap) / (comfort - radius), 0.0, 1.0)
+    cost[~free | (gap < radius)] = np.inf
     here = np.floor((own.pose[:2] - corner) / config.cell).astype(int)
     row, col = int(np.clip(here[1], 0, free.shape[0] - 1)), int(np.clip(here[0], 0, free.shape[1] - 1))
-    _free_the_robot(cost, free, row, col, config)
+    _free_the_robot(cost, free, row, col, radius, config)
     field, parent = np.empty_like(cost), np.empty(cost.shape, dtype=np.int32)
     way_field(cost, row, col, field, parent)
     cell = _cheapest_frontier(frontiers(free, occupied), field, corner, own.pose[:2], given_up, config)
@@ -128,9 +142,9 @@ def _cheapest_frontier(
     return None
 
 
-def _free_the_robot(cost: Array, free: Mask, row: int, col: int, config: FrontierConfig) -> None:
+def _free_the_robot(cost: Array, free: Mask, row: int, col: int, radius: float, config: FrontierConfig) -> None:
     """Let ways leave the place where the robot stands, even if it stands too near to something."""
-    reach = int(np.ceil(config.radius / config.cell)) + 1
+    reach = int(np.ceil(radius / config.cell)) + 1
     window = (slice(max(row - reach, 0), row + reach + 1), slice(max(col - reach, 0), col + reach + 1))
     shut = ~np.isfinite(cost[window]) & free[window]
     cost[window][shut] = 3.0 * config.tightness

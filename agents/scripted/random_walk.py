@@ -44,7 +44,7 @@ class RandomWalk:
         self.interface = interface or FollowInterface()
         self.config = config or RandomWalkConfig()
         self._step_s = 1.0 / self.interface.control_hz
-        self._window = DynamicWindow(self.config.window.within(self.interface), self._step_s)
+        self._window = DynamicWindow(self.config.window, self.interface)
         self._points = ScanPoints(self.interface)
         self.reset()
 

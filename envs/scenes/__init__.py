@@ -23,7 +23,8 @@ last 3 m (`RUN_OUT`) of it behind the place where the leader stops. Hand the fun
 
 A building is made of `Solid`s: `room`, `box` and `post` return some. `rounded` makes a way with round corners, and
 `choose_route` draws one of several. A scene may have a `Door`, a `Walk` for a bystander, an `Errand` for somebody.
-`SceneMaker` is the type of such a function; ours stand in `SCENES`, and `make_scene(name, rng)` calls one of them.
+`SceneMaker` is the type of such a function, whose `request` is a `SceneRequest`; ours stand in `SCENES`, and
+`make_scene(name, rng)` calls one of them.
 """
 
 from .catalogue import SCENES, make_scene

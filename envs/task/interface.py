@@ -1,5 +1,6 @@
 """What stands where in an observation and an action: all that a follower has to know about its environment."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -59,3 +60,8 @@ class FollowInterface:
     half_length: float = 0.275
     half_width: float = 0.259
     own_map: Callable[[], OwnMap] | None = None
+
+    @property
+    def turning_radius(self) -> float:
+        """Half of the robot's diagonal, which is what it sweeps as it turns, rounded up to a centimetre [m]."""
+        return math.ceil(100.0 * math.hypot(self.half_length, self.half_width)) / 100.0

@@ -1,6 +1,7 @@
 """Pure pursuit, dynamic window and exploration on ideal motion and drawn rooms; no simulator."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -92,9 +93,9 @@ def test_arcs_are_those_of_a_unicycle():
     assert poses[1, 0] == pytest.approx([2 / math.pi, 2 / math.pi, math.pi / 2])
 
 
-def run_window(around, target, seconds=6.0):
+def run_window(around, target, seconds=6.0, robot=INTERFACE):
     """Drive towards a fixed place among fixed things, on ideal motion; return the places (n, 2)."""
-    window, pose, places = DynamicWindow(DynamicWindowConfig(), 0.1), np.zeros(3), []
+    window, pose, places = DynamicWindow(DynamicWindowConfig(), robot), np.zeros(3), []
     for _ in range(int(seconds * 10)):
         cos, sin = math.cos(pose[2]), math.sin(pose[2])
         into = np.array([[cos, -sin], [sin, cos]])
@@ -116,16 +117,20 @@ def test_the_window_drives_to_the_target_and_around_what_stands_in_the_way():
     assert places[-1] == pytest.approx([3.5, 0.0], abs=0.3)
 
 
-def test_the_window_stops_in_front_of_a_wall():
-    wall = np.stack((np.full(61, 1.5), np.linspace(-3, 3, 61)), axis=-1)
-    places = run_window(Obstacles(wall, np.empty((0, 4))), (4.0, 0.0), 4.0)
-    assert places[:, 0].max() < 1.2
+SMALL, LARGE = (replace(INTERFACE, half_length=a, half_width=b) for a, b in ((0.228, 0.191), (0.5, 0.4)))
+
+
+@pytest.mark.parametrize("robot", [SMALL, INTERFACE, LARGE])
+def test_the_window_stops_in_front_of_a_wall_where_the_robot_can_still_turn(robot):
+    wall = np.stack((np.full(61, 1.8), np.linspace(-3, 3, 61)), axis=-1)
+    places = run_window(Obstacles(wall, np.empty((0, 4))), (4.0, 0.0), 6.0, robot)
+    assert 1.8 - places[:, 0].max() == pytest.approx(robot.turning_radius + DynamicWindowConfig().comfort, abs=0.08)
 
 
 @pytest.mark.parametrize("wall", [0.0, 0.9])
 def test_commands_of_the_window_change_no_faster_than_the_robot_can(wall):
     config = DynamicWindowConfig()
-    window, commands = DynamicWindow(config, 0.1), [(0.0, 0.0)]
+    window, commands = DynamicWindow(config, INTERFACE), [(0.0, 0.0)]
     ahead = np.stack((np.full(31, wall), np.linspace(-1.5, 1.5, 31)), axis=-1) if wall else np.empty((0, 2))
     for k in range(40):
         target = np.array([2.0 * math.cos(0.3 * k), 2.0 * math.sin(0.3 * k)])
@@ -178,28 +183,38 @@ def test_the_frontier_is_where_the_known_floor_ends():
 
 def test_the_way_leads_to_the_frontier_and_none_is_left_in_a_closed_room():
     own = OwnMap(half_known_room(), np.array([1.0, 1.5, 0.0]))
-    way = plan_way(own, own.pose[None, :2], np.empty((0, 2)), FrontierConfig())
+    way = plan_way(own, own.pose[None, :2], np.empty((0, 2)), INTERFACE, FrontierConfig())
     assert way is not None
     assert way.places[0] == pytest.approx([1.05, 1.55], abs=0.11)
     assert way.frontier[0] == pytest.approx(2.95, abs=0.15)
-    other = plan_way(own, own.pose[None, :2], way.frontier[None], FrontierConfig())
+    other = plan_way(own, own.pose[None, :2], way.frontier[None], INTERFACE, FrontierConfig())
     assert other is not None
     assert np.hypot(*(other.frontier - way.frontier)) >= 0.5
     everywhere = np.column_stack((np.full(31, way.frontier[0]), np.linspace(0.0, 3.0, 31)))
-    assert plan_way(own, own.pose[None, :2], everywhere, FrontierConfig()) is None
+    assert plan_way(own, own.pose[None, :2], everywhere, INTERFACE, FrontierConfig()) is None
     closed = half_known_room().probability.copy()
     closed[:, 59:] = 0.9
     shut = OwnMap(OccupancyMap(closed, 0.05, (0.0, 0.0)), own.pose)
-    assert plan_way(shut, own.pose[None, :2], np.empty((0, 2)), FrontierConfig()) is None
+    assert plan_way(shut, own.pose[None, :2], np.empty((0, 2)), INTERFACE, FrontierConfig()) is None
+
+
+def test_a_narrow_robot_plans_through_a_gap_that_is_too_narrow_for_a_wide_one():
+    room = half_known_room().probability.copy()
+    room[:27, 35] = room[39:, 35] = 0.9  # 0.6 m are open
+    own = OwnMap(OccupancyMap(room, 0.05, (0.0, 0.0)), np.array([0.7, 1.65, 0.0]))
+    plans = [
+        plan_way(own, own.pose[None, :2], np.empty((0, 2)), r, FrontierConfig()) for r in (SMALL, INTERFACE, LARGE)
+    ]
+    assert [plan is not None for plan in plans] == [True, False, False]
 
 
 def test_a_frontier_that_begins_beside_the_robot_is_followed_to_where_it_is_not():
     own = OwnMap(half_known_room(), np.array([2.8, 1.5, 0.0]))
-    way = plan_way(own, own.pose[None, :2], np.empty((0, 2)), FrontierConfig())
+    way = plan_way(own, own.pose[None, :2], np.empty((0, 2)), INTERFACE, FrontierConfig())
     assert way is not None
     assert 0.6 <= np.hypot(*(way.frontier - own.pose[:2])) < 0.9
     far_ends = np.column_stack((np.full(60, 2.95), [*np.linspace(0.0, 0.95, 30), *np.linspace(2.05, 3.0, 30)]))
-    beside = plan_way(own, own.pose[None, :2], far_ends, FrontierConfig(reached=0.9))
+    beside = plan_way(own, own.pose[None, :2], far_ends, INTERFACE, FrontierConfig(reached=0.9))
     assert beside is not None, "what is left beside the robot counts when nothing else is left"
     assert np.hypot(*(beside.frontier - own.pose[:2])) < 0.6
 
