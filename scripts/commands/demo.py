@@ -6,8 +6,10 @@ from pathlib import Path
 from typing import Any
 
 from ...agents.tour import SCENES, TourConfig
+from ...envs.follow_config import make_config
 from ...slam.engine import ENGINES, make_slam
 from ...slam.errors import InputError
+from ..console.setting_words import add_settings, read_settings
 from ..console.tables import format_table
 from ..lab.map_comparison import MapComparisonConfig
 
@@ -46,7 +48,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--method", default="gmapping", help=f"SLAM engine: {', '.join(ENGINES)} (default: %(default)s)"
     )
     parser.add_argument("--seed", type=int, default=0, help="seed of everything (default: %(default)s)")
+    add_settings(parser, "an argument of the environment, e.g. robot=pioneer or lidar.height=0.3")
     parser.add_argument("--out", type=Path, default=Path("out/demo"), metavar="DIR", help="(default: %(default)s)")
+
+
+_OF_THE_DEMO = {"scene": "--scene", "people_count": "--people", "slam": "--method", "render_mode": "no option"}
+"""What the demo sets itself, and the option for it."""
+
+
+def _own_settings(options: argparse.Namespace) -> dict[str, Any]:
+    """Return what `--set` asks for, checked before the drive."""
+    settings = read_settings(options.settings)
+    for name in settings:
+        end = name.rpartition(".")[2]
+        if end in _OF_THE_DEMO or name.startswith("slam."):
+            instead = _OF_THE_DEMO.get(end, "--method")
+            raise InputError(f"--set: the demo sets `{name}` itself, by {instead}")
+    make_config({"scene": options.scene, **settings})
+    return settings
 
 
 def run(options: argparse.Namespace) -> int:
@@ -58,19 +77,21 @@ def run(options: argparse.Namespace) -> int:
     if options.standing < 0:
         raise InputError(f"--standing must not be negative, got {options.standing}")
     make_slam(options.method)  # what is unknown is told before the drive
+    settings = _own_settings(options)
     tour = TourConfig(
         scene=options.scene, people=options.people, standing=options.standing, seed=options.seed, slam="gmapping"
     )
     mapping = MapComparisonConfig(method=options.method, seed=options.seed)
     print(f"tagalong demo: {tour.name}, {mapping.method}")
     watch = demo_run.Stopwatch()
-    result = demo_run.run_demo(tour, mapping, watch)
+    result = demo_run.run_demo(tour, mapping, watch, settings)
     rows = _bounds(result.metrics, options.scene)
     with watch.stage("pictures, maps and logs"):
         demo_run.write_demo(options.out, result)
     content = {
         "tour": asdict(tour),
         "mapping": asdict(mapping),
+        **({"settings": settings} if settings else {}),
         **result.metrics,
         "bounds": [dict(zip(("quantity", "value", "bound", "met"), row, strict=True)) for row in rows],
     }

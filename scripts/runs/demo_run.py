@@ -1,6 +1,6 @@
 """The main job, once: follow, map from raw and from filtered scans, map the empty building, compare, draw."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -77,8 +77,13 @@ class DemoResult:
         }
 
 
-def run_demo(tour_config: TourConfig, mapping: MapComparisonConfig, watch: Stopwatch) -> DemoResult:
-    """Drive, map and compare."""
+def run_demo(
+    tour_config: TourConfig,
+    mapping: MapComparisonConfig,
+    watch: Stopwatch,
+    settings: Mapping[str, Any] | None = None,
+) -> DemoResult:
+    """Drive, map and compare; `settings` are further arguments of the environment in which the robot follows."""
     frames: list[NDArray[np.uint8]] = []
 
     def film(env: FollowEnv) -> None:
@@ -88,7 +93,7 @@ def run_demo(tour_config: TourConfig, mapping: MapComparisonConfig, watch: Stopw
             frames.append(picture)
 
     with watch.stage("following the leader"):
-        tour = following_tour(tour_config, watch=film, render_mode="rgb_array")
+        tour = following_tour(tour_config, watch=film, render_mode="rgb_array", **(settings or {}))
     with watch.stage("slow drive of the empty building"):
         reference_drive = slow_tour(WorldConfig(scene=tour_config.scene), tour_config.seed)
     with watch.stage("mapping: reference"):

@@ -4,6 +4,7 @@ import json
 
 import pytest
 from tagalong.scripts.cli import main
+from tagalong.slam import InputError
 from tagalong.slam.engine import ENGINES
 
 
@@ -21,6 +22,8 @@ def test_an_output_folder_that_cannot_be_is_told_before_the_work(tmp_path, capsy
     [
         ("demo --out FILE", "is a file, where a folder has to be written"),
         ("demo --method slow", "unknown SLAM engine 'slow'"),
+        ("demo --set hight=3", "hight"),
+        ("demo --set slam=ekf", "--set: the demo sets `slam` itself, by --method"),
         ("evaluate pid --out FILE", "is a file, where a folder has to be written"),
         ("evaluate ..FILE:A", "named as module:class"),
         ("evaluate damaged:A", "named as module:class, got 'damaged:A' (invalid syntax (damaged.py, line 1))"),
@@ -45,6 +48,19 @@ def test_what_cannot_end_well_does_not_begin(words, complaint, tmp_path, capsys,
     assert complaint in printed.err
     assert printed.err.count("\n") == 1
     assert "following the leader" not in printed.out
+
+
+def test_the_demo_hands_settings_to_its_environment(capsys, monkeypatch):
+    seen = []
+
+    def run_demo(tour, mapping, watch, settings):
+        seen.append(settings)
+        raise InputError("enough")
+
+    monkeypatch.setattr("tagalong.scripts.runs.demo_run.run_demo", run_demo)
+    assert main(["demo", "--set", "robot=pioneer", "--set", "lidar.height=0.3"]) == 2
+    assert capsys.readouterr().err == "tagalong: enough\n"
+    assert seen == [{"robot": "pioneer", "lidar.height": 0.3}]
 
 
 def test_a_suite_is_an_environment_of_its_own(capsys):
