@@ -18,7 +18,7 @@ from ..grid_kernels import write_observation
 from ..occupancy_map import OccupancyMap
 from ..scan import LaserScan
 from .grid import UNKNOWN, ImmobileConfig
-from .layer_kernels import write_view
+from .layer_kernels import Layers, Rays, write_view
 
 Array = NDArray[np.float64]
 
@@ -169,19 +169,10 @@ class ImmobileLayers(OccupancyGrid):
         near, sure, miss = round(config.nearest / config.resolution), each >= config.sure, np.log(UNKNOWN * config.miss)
         self._scans += 1
         self._note_mobile(cells[1:], beta[order])
-        write_view(
-            cells[0],
-            cells[1:],
-            beta[order],
-            lowest[order],
-            (sure.astype(np.int8) + (sure & np.asarray(level)))[order],
-            near,
-            self._edges,
-            float(miss),
-            config.limit,
-            self._scans,
-            *(self._log_odds, self._stamps, self._spans, self._tops),
-        )
+        known = (sure.astype(np.int8) + (sure & np.asarray(level)))[order]
+        rays = Rays(cells[0], cells[1:], beta[order], lowest[order], known)
+        layers = Layers(self._edges, self._log_odds, self._stamps, self._spans, self._tops)
+        write_view(rays, layers, near, float(miss), config.limit, self._scans)
         self._firm |= self._log_odds[config.laser_layer] >= config.firm
 
     def write_mobile(self, place: ArrayLike, radius: float, lam: float) -> None:

@@ -1,27 +1,12 @@
 """The plain numpy twin of `layer_kernels.py`."""
 
 import numpy as np
-from numpy.typing import NDArray
-from tagalong.slam.immobile.layer_kernels import _SLACK
+from tagalong.slam.immobile.layer_kernels import _SLACK, Layers, Rays
 
 
-def write_view_reference(
-    origin: NDArray[np.float64],
-    ends: NDArray[np.float64],
-    log_beta: NDArray[np.float64],
-    above: NDArray[np.float64],
-    known: NDArray[np.int8],
-    near: int,
-    edges: NDArray[np.float64],
-    miss: float,
-    limit: float,
-    stamp: int,
-    log_odds: NDArray[np.float32],
-    stamps: NDArray[np.int32],
-    spans: NDArray[np.float32],
-    tops: NDArray[np.bool_],
-) -> None:
+def write_view_reference(rays: Rays, layers: Layers, near: int, miss: float, limit: float, stamp: int) -> None:
     """Do what `write_view` does, in numpy."""
+    (origin, ends, log_beta, above, known), (edges, log_odds, stamps, spans, tops) = rays, layers
     change = np.full(log_odds.shape, np.nan)
     for (x, y, z), value, stays in zip(ends, log_beta, known, strict=True):
         layer = min(int(np.searchsorted(edges, z, side="right")) - 1, len(edges) - 2)

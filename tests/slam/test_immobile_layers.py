@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from immobile_reference import write_view_reference
 from tagalong.slam.errors import InputError
-from tagalong.slam.immobile.layer_kernels import write_view
+from tagalong.slam.immobile.layer_kernels import Layers, Rays, write_view
 from tagalong.slam.immobile.layers import ImmobileLayers, LayersConfig
 from tagalong.slam.scan import LaserScan
 
@@ -47,7 +47,8 @@ def test_the_kernel_does_what_its_reference_does():
         spans[:, :, 10:20] = np.array([0.5, 0.6])[:, None, None, None]
         tops = np.zeros((6, 40, 40), np.bool_)
         origin, known = np.array([20.3, 18.7, 1.0]), (beta > 0.0).astype(np.int8) + (beta > 0.5)
-        kernel(origin, ends, beta, above, known, 3, edges, -0.4, 5.0, 1, log_odds, stamps, spans, tops)
+        layers = Layers(edges, log_odds, stamps, spans, tops)
+        kernel(Rays(origin, ends, beta, above, known), layers, 3, -0.4, 5.0, 1)
         results.append((log_odds, stamps, spans, tops))
     np.testing.assert_allclose(results[0][0], results[1][0], atol=1e-5)
     assert np.array_equal(results[0][1], results[1][1])
