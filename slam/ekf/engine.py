@@ -27,7 +27,6 @@ from .association import Innovations, Pairs, compare, joint_compatibility, neare
 from .calibrated_motion import OdometryNoise
 from .config import EkfSlamConfig
 from .filter import FIXED, LandmarkFilter
-from .models import locate
 from .slip import Slip, find_slip
 from .visibility import could_be_seen, seen_through
 
@@ -186,7 +185,7 @@ class EkfSlam:
             ekf.correct(y, np.asarray(block_diag(*[sightings.R[i] for i, _ in chosen])), H, states)
         self._note(used, np.setdiff1d(gone, used))
         for i in np.flatnonzero(new):
-            if not self._occupied(sightings.z[i]):
+            if not ekf.overlaps(sightings.z[i], self._config.sighting.radius):
                 self.learn(sightings.z[i], sightings.R[i])
         matched = int((used < self._known).sum())
         if self._known == 0 or matched >= 2 or 0 < 2 * matched >= len(sightings.z):
@@ -222,16 +221,6 @@ class EkfSlam:
         near = could_be_seen(ekf, range_max)
         expected, H, states = ekf.expect(near)
         return near, compare(sightings.z, sightings.R, expected, H @ ekf.P[np.ix_(states, states)] @ H.T)
-
-    def _occupied(self, z: Array) -> bool:
-        """Tell whether a landmark stands where `z` (2,) was seen: two round objects cannot overlap.
-
-        Laps would else learn each object many times, by the one sighting in thousands that fails the gates.
-        """
-        ekf = self.filter
-        assert ekf is not None
-        apart = ekf.landmarks - locate(ekf.x[:3], z)
-        return bool((np.hypot(apart[:, 0], apart[:, 1]) < 2.0 * self._config.sighting.radius).any())
 
     def _slip(self, sightings: LandmarkSightings, near: NDArray[np.int64], chosen: Pairs) -> Slip | None:
         """Return the slip under which landmarks known for long explain the sightings, if nothing else does."""

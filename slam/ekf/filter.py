@@ -91,6 +91,14 @@ class LandmarkFilter(ExtendedKalmanFilter):
         P[n:, n:] = 0.5 * (own + own.T)
         self.x, self.P = np.concatenate((self.x, locate(self.x[:3], z))), P
 
+    def overlaps(self, z: Array, radius: float) -> bool:
+        """Tell whether a landmark stands where `z` (2,) was seen: two round objects of `radius` [m] cannot overlap.
+
+        Laps would else learn each object many times, by the one sighting in thousands that fails the gates.
+        """
+        apart = self.landmarks - locate(self.x[:3], z)
+        return bool((np.hypot(apart[:, 0], apart[:, 1]) < 2.0 * radius).any())
+
     def displace(self, pose: Array, variances: Array) -> None:
         """Put the robot at `pose` (3,), which is known to no more than `variances` (3,) beyond what it was."""
         self.x[:3] = pose
