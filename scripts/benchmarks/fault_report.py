@@ -16,7 +16,7 @@ from ..lab.cells import TIMING
 from ..lab.hardware import describe_machine
 from ..reproduce.html import report_html
 from ..reproduce.report import Figure, Report, Section, Table
-from .fault_verdicts import GRAPH, RIVAL, WITHOUT, FaultyCell, Verdict
+from .fault_verdicts import GRAPH, RIVAL, WITHOUT, FaultyCell, FaultVerdict
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,7 +31,7 @@ _DECADES = (-2.0, 1.0)  # of the colours: 1 cm to 10 m
 _TITLES = {GRAPH: "Graph SLAM", RIVAL: "GMapping", WITHOUT: "Graph SLAM without recovery"}
 
 
-def write_report(out: Path, rows: Sequence[FaultyCell], judged: Sequence[Verdict]) -> str:
+def write_report(out: Path, rows: Sequence[FaultyCell], judged: Sequence[FaultVerdict]) -> str:
     """Write report.html, which needs nothing else, into `out`; return table and verdicts as text."""
     pictures = made_folder(out / "figures")
     engines = list(dict.fromkeys(row.engine for row in rows))
@@ -83,7 +83,7 @@ def cell_words(row: FaultyCell) -> tuple[str, ...]:
     )  # fmt: skip
 
 
-def verdict_text(judged: Sequence[Verdict]) -> str:
+def verdict_text(judged: Sequence[FaultVerdict]) -> str:
     """Return the verdicts as text, each with the cells that miss it."""
     lines = []
     for verdict in judged:
@@ -92,12 +92,12 @@ def verdict_text(judged: Sequence[Verdict]) -> str:
     return "\n".join(lines)
 
 
-def _verdict_table(judged: Sequence[Verdict]) -> Table:
+def _verdict_table(judged: Sequence[FaultVerdict]) -> Table:
     rows = [(v.asks, "holds" if v.holds else "MISSED", v.found) for v in judged]
     return Table(title="Verdicts", columns=("asked for", "", "found"), rows=rows)
 
 
-def _missed_tables(judged: Sequence[Verdict]) -> list[Table]:
+def _missed_tables(judged: Sequence[FaultVerdict]) -> list[Table]:
     return [
         Table(title=v.asks, columns=("missed by",), rows=[(cell,) for cell in v.missed]) for v in judged if v.missed
     ]

@@ -55,7 +55,7 @@ class FaultyCell:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Verdict:
+class FaultVerdict:
     """Whether what is asked for holds.
 
     Attributes:
@@ -91,12 +91,12 @@ def faulty_cells(results: Mapping[str, Mapping[str, Any]]) -> list[FaultyCell]:
     ]
 
 
-def verdicts(rows: Sequence[FaultyCell]) -> list[Verdict]:
+def verdicts(rows: Sequence[FaultyCell]) -> list[FaultVerdict]:
     """Return the verdicts for which there are cells."""
     return [verdict for verdict in _all_verdicts(rows) if verdict.found]
 
 
-def _all_verdicts(rows: Sequence[FaultyCell]) -> Iterator[Verdict]:
+def _all_verdicts(rows: Sequence[FaultyCell]) -> Iterator[FaultVerdict]:
     by_name = {(row.name, row.engine): row for row in rows}
     graph = [row for row in rows if row.engine == GRAPH]
     against = [(row, by_name[row.name, RIVAL]) for row in graph if (row.name, RIVAL) in by_name]
@@ -119,20 +119,20 @@ def _all_verdicts(rows: Sequence[FaultyCell]) -> Iterator[Verdict]:
         yield from _honest(engine, [row for row in rows if row.engine == engine and not row.failed])
 
 
-def _compared(asks: str, rows: Sequence[tuple[FaultyCell, float, float]], least: float = 1.0) -> Verdict:
+def _compared(asks: str, rows: Sequence[tuple[FaultyCell, float, float]], least: float = 1.0) -> FaultVerdict:
     """Return a verdict on cells, each with the most that its error may be and what it is compared with [m]."""
     over = sorted((row for row in rows if not row[0].error <= row[1]), key=lambda row: -row[0].error / row[1])
     within = 1.0 - len(over) / max(len(rows), 1)
     missed = [f"{row.name}: {_metres(row)} > {most:.3f} m (beside {other:.3f})" for row, most, other in over]
     found = f"{len(rows) - len(over)} of {len(rows)} cells ({within:.1%})" if rows else ""
-    return Verdict(asks=asks, holds=within >= least, found=found, missed=missed)
+    return FaultVerdict(asks=asks, holds=within >= least, found=found, missed=missed)
 
 
-def _honest(engine: str, rows: Sequence[FaultyCell]) -> Iterator[Verdict]:
+def _honest(engine: str, rows: Sequence[FaultyCell]) -> Iterator[FaultVerdict]:
     off = [row for row in rows if row.result["stretches"]]
     silent = [row for row in off if row.result["told"] < row.result["stretches"]]
     share = 1.0 - len(silent) / max(len(off), 1)
-    yield Verdict(
+    yield FaultVerdict(
         asks=f"{engine}: where it is {OFF:g} m off for {STRETCH} scans, it tells so in {TOLD:.0%} of the cells",
         holds=share >= TOLD,
         found=f"{len(off) - len(silent)} of {len(off)} cells" if rows else "",
@@ -144,7 +144,7 @@ def _honest(engine: str, rows: Sequence[FaultyCell]) -> Iterator[Verdict]:
     plain = [row for row in rows if row.fault == "none"]
     scans = sum(row.result["scans"] for row in plain)
     wrong = sum(row.result["wrongly_told"] * row.result["scans"] for row in plain) / max(scans, 1)
-    yield Verdict(
+    yield FaultVerdict(
         asks=f"{engine}: not located though right in {WRONGLY_TOLD:.0%} of the undisturbed scans at most",
         holds=wrong <= WRONGLY_TOLD,
         found=f"{wrong:.2%} of {scans} scans" if plain else "",
