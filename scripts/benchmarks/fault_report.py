@@ -16,7 +16,7 @@ from ..lab.cells import TIMING
 from ..lab.hardware import describe_machine
 from ..reproduce.html import report_html
 from ..reproduce.report import Figure, Report, Section, Table
-from .fault_verdicts import GRAPH, RIVAL, WITHOUT, FaultyCell, FaultVerdict
+from .fault_verdicts import GRAPH, RIVAL, WITHOUT, FaultVerdict, FaultyCell
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
