@@ -1,9 +1,9 @@
 """The table and the report of the robustness bench."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from datetime import date
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,8 +31,17 @@ _DECADES = (-2.0, 1.0)  # of the colours: 1 cm to 10 m
 _TITLES = {GRAPH: "Graph SLAM", RIVAL: "GMapping", WITHOUT: "Graph SLAM without recovery"}
 
 
-def write_report(out: Path, rows: Sequence[FaultyCell], judged: Sequence[FaultVerdict]) -> str:
-    """Write report.html, which needs nothing else, into `out`; return table and verdicts as text."""
+def write_report(
+    out: Path, rows: Sequence[FaultyCell], judged: Sequence[FaultVerdict], truths: Mapping[str, Mapping[str, Any]]
+) -> str:
+    """Write report.html, which needs nothing else, into `out`; return table and verdicts as text.
+
+    Args:
+        out: The folder.
+        rows: All cells.
+        judged: The verdicts on them.
+        truths: What `slam_faults.truth_of` found of the logs that have relations only, by name.
+    """
     pictures = made_folder(out / "figures")
     engines = list(dict.fromkeys(row.engine for row in rows))
     figures = [
@@ -53,6 +62,7 @@ def write_report(out: Path, rows: Sequence[FaultyCell], judged: Sequence[FaultVe
                 title="Faults",
                 tables=[Table(title="", columns=("name", "what"), rows=[(n, f.says) for n, f in FAULTS.items()])],
             ),
+            Section(title="Where the robot was", tables=[_truth_table(truths)] if truths else []),
             Section(title="Every cell", tables=[Table(title="", columns=COLUMNS, rows=words, note=_NOTE)]),
         ),
     )
@@ -95,6 +105,19 @@ def verdict_text(judged: Sequence[FaultVerdict]) -> str:
 def _verdict_table(judged: Sequence[FaultVerdict]) -> Table:
     rows = [(v.asks, "holds" if v.holds else "MISSED", v.found) for v in judged]
     return Table(title="Verdicts", columns=("asked for", "", "found"), rows=rows)
+
+
+def _truth_table(truths: Mapping[str, Mapping[str, Any]]) -> Table:
+    rows = [
+        (name, *(f"{found[path][unit]:.3f}" for path in ("truth", "gmapping") for unit in ("m", "deg")))
+        for name, found in truths.items()
+    ]
+    columns = ("log", "path by which poses are off [m]", "[deg]", "GMapping [m]", "[deg]")
+    note = (
+        "Mean relation error. Where a log has relations only, GMapping's path, pulled into place by them, says where "
+        "the robot was; it serves to tell whether poses are 1 m off, not to tell errors."
+    )
+    return Table(title="", columns=columns, rows=rows, note=note)
 
 
 def _missed_tables(judged: Sequence[FaultVerdict]) -> list[Table]:

@@ -161,5 +161,6 @@ def run(options: argparse.Namespace) -> int:
     rows = faulty_cells(results)
     judged = verdicts(rows)
     write_results(options, {"verdicts": [verdict.to_dict() for verdict in judged], "results": results})
-    print(write_report(options.out, rows, judged))
+    truths = {name.split("/")[1]: result for name, result in results.items() if name.startswith("truth/")}
+    print(write_report(options.out, rows, judged, truths))
     return int(not all(verdict.holds for verdict in judged))

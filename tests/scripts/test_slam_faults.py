@@ -1,12 +1,14 @@
 """The robustness bench: what counts as off, as told and as a miss; its cells; drawn campus corridors."""
 
 import json
+import os
+from pathlib import Path
 
 import numpy as np
 import pytest
 from tagalong.envs.simulation2d.campus import draw_campus_drive
 from tagalong.scripts.benchmarks import slam_faults, slam_scale
-from tagalong.scripts.benchmarks.fault_drives import FaultDrive, ScanRelations, related_truth, world_names
+from tagalong.scripts.benchmarks.fault_drives import FaultDrive, ScanRelations, fault_drive, related_truth, world_names
 from tagalong.scripts.benchmarks.fault_scores import aligned_distances, honesty
 from tagalong.scripts.benchmarks.fault_verdicts import faulty_cells, verdicts
 from tagalong.scripts.cli import main
@@ -186,3 +188,13 @@ def test_the_cost_of_a_drive_is_measured_piece_by_piece(monkeypatch):
     assert len(made["timing"]["points"]) == slam_scale.POINTS
     assert made["km"] == pytest.approx(0.03, abs=0.015)
     assert "cartographer/20m" in slam_scale.table({"cartographer/20m/0.02km": made})
+
+
+@pytest.mark.parametrize(("name", "metres"), [("aces", 5.4), ("intel", 7.4), ("csail", 1.7), ("intel-910", 24.0)])
+def test_raw_odometry_of_a_recorded_log_is_as_far_off_as_is_known(name, metres):
+    folder = os.environ.get("TAGALONG_DATA")
+    if not folder or not (Path(folder) / "slam_logs").is_dir():
+        pytest.skip("needs the recorded logs: set TAGALONG_DATA")
+    drive = fault_drive(str(Path(folder) / "slam_logs"), name)
+    said = drive.recording.odometry
+    assert drive.error(said, np.arange(len(said)))["m"] == pytest.approx(metres, rel=0.02)
