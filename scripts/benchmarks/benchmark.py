@@ -10,6 +10,8 @@ BENCHMARKS: dict[str, str] = {
     "speed": "environment steps, perception, SLAM and the immobile-area map, timed on this machine",
     "graph-slam": "graph SLAM on recorded and simulated logs beside the original engines",
     "drawn-worlds": "SLAM in buildings, lasers and drives that are drawn at random",
+    "slam-faults": "SLAM on drives with faults of odometry, clock and laser: errors, and whether it knows",
+    "slam-scale": "time and memory of SLAM as buildings and drives grow, on campus corridors that look alike",
     "kidnapping": "how soon a robot that woke up or was carried somewhere knows where it is",
     "people": "how well people are tracked and kept out of scans, in simulated drives",
     "people-by-sensor": "the same, known by laser, by camera and by both, in the lab",

@@ -1,5 +1,6 @@
 """Whether memory and time stay where they are over a long run."""
 
+import ctypes
 import gc
 import os
 import resource
@@ -123,3 +124,11 @@ def memory_mb() -> float:
         return int(_STATM.read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return peak / (1e6 if sys.platform == "darwin" else 1e3)  # bytes there, kilobytes elsewhere
+
+
+def give_back_memory() -> None:
+    """Give back what this process has freed but keeps for later, so that what it takes next is seen; where libc can."""
+    gc.collect()
+    trim = getattr(ctypes.CDLL(None), "malloc_trim", None) if sys.platform == "linux" else None
+    if trim is not None:
+        trim(0)
