@@ -1,6 +1,6 @@
 """Constraints between submaps and nodes, and how a node is matched against a finished submap."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import Annotated
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ...bounds import Angle, Share, Within, check_numbers
 from ...errors import InputError
 from ...geometry import between, compose
+from ...recent import Recent
 from ...scan_to_grid.refine_kernels import refine_many, refine_pose
 from ...scan_to_grid.scan_matcher import far_radius
 from ...search.branch_and_bound import SearchWindow, branch_and_bound
@@ -24,6 +25,8 @@ _LEAST_INFORMATION = 1e-3  # [1/m^2, 1/rad^2] keeps degenerate directions invert
 _TRACK_ANGLES = 4  # steps of heading to each side
 _INDEPENDENT = 0.02  # share of a scan's points that count as independent of each other
 _CERTAIN = 1e9  # [1/m^2, 1/rad^2] of a node that defines its submap
+_FIELDS = 32 << 20, 8  # bytes, or so many, of unpacked submaps ...
+_PYRAMIDS = 64 << 20, 4  # ... and of their search trees that are kept, for the submaps around the robot
 
 
 class Kind(Enum):
@@ -105,7 +108,8 @@ class ConstraintBuilder:
 
     def __init__(self, config: ConstraintConfig) -> None:
         self._config = config
-        self._pyramids: dict[int, ScorePyramid] = {}
+        self._fields = Recent(lambda submap: submap.field, lambda field: field.nbytes, *_FIELDS)
+        self._pyramids = Recent(self._pyramid, lambda pyramid: pyramid.nbytes, *_PYRAMIDS)
         self.typical_score = 0.0
 
     def intra(self, index: int, submap: Submap, node: int, pose_local: Array, curvature: Array | None) -> Constraint:
@@ -132,7 +136,7 @@ class ConstraintBuilder:
         firsts = np.concatenate(([0], np.cumsum([len(p) for p in points]))).astype(np.int64)
         starts = compose(submap.pose_local, guesses)
         poses, curvatures, scores = refine_many(
-            submap.field,
+            self._fields[submap],
             submap.corner,
             submap.config.resolution,
             np.concatenate(points),
@@ -166,7 +170,7 @@ class ConstraintBuilder:
         step = 1.5 * submap.config.resolution / max(far_radius(points), 1.0)
         window = SearchWindow(linear=config.search_linear, angular=config.search_angular, angular_step=step)
         found = branch_and_bound(
-            self._pyramid(index, submap), thinned, compose(submap.pose_local, guess), window, min_score=config.bound
+            self._pyramids[submap], thinned, compose(submap.pose_local, guess), window, min_score=config.bound
         ).best
         if found is None:
             return None
@@ -183,20 +187,12 @@ class ConstraintBuilder:
         start = compose(submap.pose_local, constraint.pose)
         return self._closure(constraint.submap, submap, constraint.node, points, start, self._config.min_score)
 
-    def renumber(self, numbers: Mapping[int, int]) -> None:
-        """Take the new numbers of the submaps that stay, old -> new; forget what was made of the others."""
-        self._pyramids = {numbers[s]: pyramid for s, pyramid in self._pyramids.items() if s in numbers}
-
-    def forget(self, index: int) -> None:
-        """Forget what was made of a submap that is drawn anew."""
-        self._pyramids.pop(index, None)
-
     def _closure(
         self, index: int, submap: Submap, node: int, points: Array, start: Array, least: float
     ) -> Constraint | None:
         """Return the closure of a node near `start` (3,) in the local frame, if it scores `least` of the typical."""
         config = self._config
-        place = submap.field, submap.corner, submap.config.resolution
+        place = self._fields[submap], submap.corner, submap.config.resolution
         pose, curvature, rest, _ = refine_pose(*place, points, start, start, np.eye(3), config.weight, 20)
         score = 1.0 - rest / len(points)
         if score < least * self.typical_score:
@@ -205,13 +201,10 @@ class ConstraintBuilder:
         information = information_in_node(config.weight * curvature, pose[2], config.inter_sigma)
         return Constraint(index, node, pose, information, Kind.INTER, score, True)
 
-    def _pyramid(self, index: int, submap: Submap) -> ScorePyramid:
-        if index not in self._pyramids:
-            h = submap.config.resolution
-            corner = submap.corner - 0.5 * h
-            grid = ScoreGrid(blurred_scores(submap.field), (float(corner[0]), float(corner[1])), h)
-            self._pyramids[index] = build_pyramid(grid, margin=int(self._config.search_linear / h) + 1)
-        return self._pyramids[index]
+    def _pyramid(self, submap: Submap) -> ScorePyramid:
+        h, corner = submap.config.resolution, submap.corner - 0.5 * submap.config.resolution
+        grid = ScoreGrid(blurred_scores(self._fields[submap]), (float(corner[0]), float(corner[1])), h)
+        return build_pyramid(grid, margin=int(self._config.search_linear / h) + 1)
 
 
 def information_in_node(curvature: Array, heading: Array | float, sigma: tuple[float, float]) -> Array:

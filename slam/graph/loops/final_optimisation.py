@@ -99,8 +99,6 @@ class FinalOptimisation:
         graph = self._graph
         count = len(graph.submaps) - 2
         self._workers.run(self._redraw, max(count, 0))
-        for s in range(count):
-            self._builder.forget(s)
         kept = list[Constraint]()
         for c in graph.constraints:
             again = self._builder.rematch(c, graph.submaps[c.submap], graph.nodes[c.node].points) if c.searched else c

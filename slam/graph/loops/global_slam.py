@@ -220,7 +220,6 @@ class GlobalSlam:
         stay = Renumbering(np.array([submaps[list(node.submaps)].any() for node in graph.nodes]), submaps)
         self._trimmed = self._trimmed.after(stay, poses, submap_poses, anchors)
         graph.renumber(stay)
-        self._builder.renumber(stay.submap_numbers)
         self._schedule.renumber(stay)
         self._finished_nodes = 0
         return stay
