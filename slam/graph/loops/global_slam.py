@@ -66,12 +66,12 @@ class GlobalSlam:
     @property
     def node_poses(self) -> Array:
         """(n, 3) T_global_robot of every node."""
-        return np.array(self.graph.node_poses).reshape(-1, 3)
+        return self.graph.node_poses.array()
 
     @property
     def trimmed_poses(self) -> Array:
         """(m, 3) T_global_robot of every node that has left the graph, in the order in which they left."""
-        return self._trimmed.on(np.array(self.graph.submap_poses).reshape(-1, 3))
+        return self._trimmed.on(self.graph.submap_poses.array())
 
     @property
     def submaps(self) -> int:
@@ -115,6 +115,7 @@ class GlobalSlam:
         self._T_global_local = compose(pose, inverse(pose_local))
         for s in segments.current_submaps():
             graph.submap_poses[s] = compose(self._T_global_local, graph.submaps[s].pose_local)
+        graph.moved()
         nodes = segments.current_nodes()
         for k in nodes:
             graph.node_poses[k] = compose(self._T_global_local, graph.nodes[k].pose_local)
@@ -209,7 +210,7 @@ class GlobalSlam:
         if not self._trim_due:
             return None
         self._trim_due = False
-        graph, poses, submap_poses = self.graph, self.node_poses, np.array(self.graph.submap_poses)
+        graph, poses, submap_poses = self.graph, self.node_poses, self.graph.submap_poses.array()
         old = superseded(poses, self._config.revisits) & graph.segments.placed_nodes
         old[-_YOUNG:] = False
         submaps = np.ones(len(graph.submaps), dtype=np.bool_)

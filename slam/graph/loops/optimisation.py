@@ -3,6 +3,7 @@
 import numpy as np
 
 from ...pose_graph.adjustment import adjust
+from ...pose_log import PoseLog
 from .assembly import assemble
 from .constraints import Kind
 from .global_config import GlobalSlamConfig
@@ -20,7 +21,8 @@ def optimise(graph: SubmapGraph, config: GlobalSlamConfig, final: bool = False) 
         final: Whether the drive is over: then constraints must agree with the graph within `final_residual`, too.
     """
     share, width, rejected = config.odometry_share, config.kernel_width, 0
-    poses = assemble(graph.submap_poses, graph.node_poses, graph.nodes, graph.constraints, share, width)
+    placed = np.concatenate((graph.submap_poses.array(), graph.node_poses.array()))
+    poses = assemble(placed, graph.nodes, graph.constraints, share, width)
     while True:
         poses = poses.with_poses(adjust(poses, config.adjustment).poses)
         error, count = poses.errors(), len(graph.constraints)
@@ -36,5 +38,6 @@ def optimise(graph: SubmapGraph, config: GlobalSlamConfig, final: bool = False) 
             break
         poses = poses.with_edges(~bad)
     submaps = len(graph.submap_poses)
-    graph.submap_poses, graph.node_poses = list(poses.poses[:submaps]), list(poses.poses[submaps:])
+    graph.submap_poses, graph.node_poses = PoseLog.of(poses.poses[:submaps]), PoseLog.of(poses.poses[submaps:])
+    graph.moved()
     return rejected
