@@ -29,12 +29,15 @@ def assemble(
     first, steps = len(poses) - len(nodes), nodes[1:]
     ties = np.array([(c.submap, first + c.node) for c in constraints], dtype=np.int64).reshape(-1, 2)
     chain = first + np.arange(len(steps))
-    motions = [odometry_share * node.motion.information for node in steps]
+    sigma = np.array([node.motion.sigma for node in steps]).reshape(-1, 2)
+    motions = np.zeros((len(steps), 3, 3))
+    motions[:, 0, 0] = motions[:, 1, 1] = odometry_share * sigma[:, 0] ** -2.0
+    motions[:, 2, 2] = odometry_share * sigma[:, 1] ** -2.0
     widths = [np.inf if c.kind is Kind.INTRA else kernel_width for c in constraints]
     return PoseGraph(
         poses,
         np.concatenate((ties, np.stack((chain, chain + 1), axis=-1))),
-        np.concatenate([c.pose for c in constraints] + [node.motion.pose for node in steps]).reshape(-1, 3),
-        np.concatenate([c.information for c in constraints] + motions).reshape(-1, 3, 3),
+        np.array([c.pose for c in constraints] + [node.motion.pose for node in steps]).reshape(-1, 3),
+        np.concatenate((np.array([c.information for c in constraints]).reshape(-1, 3, 3), motions)),
         np.array(widths + [kernel_width] * len(steps)),
     )

@@ -52,7 +52,7 @@ class GlobalSlam:
         self._matching = NodeMatching(self.graph, self._builder, self._schedule)
         self._matched = 0  # nodes that local SLAM has matched, for their mean score
         self._T_global_local = np.zeros(3)  # of a drive segment without any node yet
-        self._finished_nodes = 0
+        self._finished_nodes = self._adjusted = 0  # nodes at the end of the drive, and when the graph was adjusted last
         self._trimmed = TrimmedNodes.none()
         self._trim_due = False
 
@@ -172,13 +172,15 @@ class GlobalSlam:
         searched = self._schedule.next_search(waiting, index, moved)
         if searched is not None:
             self._matching.search(searched, index)
-        if self._matching.news and (index + 1) % config.adjust_every == 0:
+        new, due = index + 1 - self._adjusted, (index + 1) % config.adjust_every == 0
+        if due and self._matching.news and new >= config.adjust_share * index:
             self.optimise()
 
     def optimise(self, final: bool = False) -> None:
         """Adjust all poses; drop INTER constraints that end far off. `final`: as `optimise` of the graph has it."""
         self.rejected += optimise(self.graph, self._config, final)
         self._matching.news, self._trim_due = False, not final
+        self._adjusted = len(self.graph.nodes)
         self._schedule.optimised()
 
     def finish(self) -> None:
@@ -222,5 +224,5 @@ class GlobalSlam:
         self._trimmed = self._trimmed.after(stay, poses, submap_poses, anchors)
         graph.renumber(stay)
         self._schedule.renumber(stay)
-        self._finished_nodes = 0
+        self._finished_nodes, self._adjusted = 0, len(graph.nodes)
         return stay

@@ -5,7 +5,6 @@ import numpy as np
 from ...pose_graph.adjustment import adjust
 from ...pose_log import PoseLog
 from .assembly import assemble
-from .constraints import Kind
 from .global_config import GlobalSlamConfig
 from .submap_graph import SubmapGraph
 
@@ -30,12 +29,12 @@ def optimise(graph: SubmapGraph, config: GlobalSlamConfig, final: bool = False) 
         if final:
             bad |= np.hypot(error[:, 0], error[:, 1]) > config.final_residual[0]
             bad |= np.abs(error[:, 2]) > config.final_residual[1]
-        bad[:count] &= np.array([c.kind is Kind.INTER for c in graph.constraints])
+        bad &= np.isfinite(poses.kernel_width)  # not of INTRA
         bad[count:] = False  # the odometry between nodes stays: wheels slip, but it is all that ties some of them
-        graph.constraints = [c for c, wrong in zip(graph.constraints, bad[:count], strict=True) if not wrong]
-        rejected += int(bad.sum())
         if not bad.any():
             break
+        graph.constraints = [c for c, wrong in zip(graph.constraints, bad[:count].tolist(), strict=True) if not wrong]
+        rejected += int(bad.sum())
         poses = poses.with_edges(~bad)
     submaps = len(graph.submap_poses)
     graph.submap_poses, graph.node_poses = PoseLog.of(poses.poses[:submaps]), PoseLog.of(poses.poses[submaps:])
