@@ -13,19 +13,19 @@ from ...bounds import Angle, Share, Within, check_numbers
 from ...errors import InputError
 from ...geometry import between, compose
 from ...recent import Recent
+from ...scan_to_grid.match_kernels import information_in_node, match_nodes
 from ...scan_to_grid.refine_kernels import refine_pose
 from ...scan_to_grid.scan_matcher import far_radius
 from ...search.branch_and_bound import SearchWindow, branch_and_bound
 from ...search.score_pyramid import ScoreGrid, ScorePyramid, build_pyramid
 from ..local.submap import Submap
 from .blur_kernels import blurred_scores
-from .match_kernels import information_in_node, match_nodes
 
 Array = NDArray[np.float64]
 Field = NDArray[np.float32]
 
 _CERTAIN = 1e9  # [1/m^2, 1/rad^2] of a node that defines its submap
-_FIELDS = 32 << 20, 8  # bytes, or so many, of unpacked submaps ...
+_FIELDS = 16 << 20, 8  # bytes, or so many, of unpacked submaps ...
 _PYRAMIDS = 64 << 20, 4  # ... and of their search trees that are kept, for the submaps around the robot
 
 
@@ -36,7 +36,7 @@ class Kind(Enum):
     INTER = "inter"
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, slots=True)
 class Constraint:
     """Where a node stands, seen from a submap.
 

@@ -1,10 +1,10 @@
-"""Numba kernels of constraints: nodes matched on a submap, and what such a match is worth."""
+"""Numba kernels of many scans on one submap: where a pose graph's nodes match, and what each match is worth."""
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ...scan_to_grid.refine_kernels import refine_many
+from .refine_kernels import refine_many
 
 Array = NDArray[np.float64]
 
