@@ -1,7 +1,7 @@
 """One sweep of a planar laser scanner."""
 
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,23 +55,18 @@ class LaserScan:
             )
         check_time(self.time_s)
         check_mount(self.T_robot_lidar)
-        if not _ascend(bearings.tobytes()):
-            raise InputError(
-                f"`bearings` must be finite and ascending by {LEAST_SPACING:g} rad at least, within "
-                f"{LARGEST_BEARING:.4g} rad, got {shown(bearings)}"
-            )
         object.__setattr__(self, "ranges", ranges)
-        object.__setattr__(self, "bearings", bearings)
+        object.__setattr__(self, "bearings", _ascending(bearings.tobytes()))
 
     def __len__(self) -> int:
         return len(self.ranges)
 
-    @cached_property
+    @property
     def is_return(self) -> NDArray[np.bool_]:
         """(N,) whether the beam hit something within [`range_min`, `range_max`]."""
         return (self.ranges >= self.range_min) & (self.ranges <= self.range_max)
 
-    @cached_property
+    @property
     def is_no_return(self) -> NDArray[np.bool_]:
         """(N,) whether the beam is known to have met nothing up to `range_max`."""
         return self.ranges > self.range_max
@@ -81,42 +76,59 @@ class LaserScan:
         """(N, 2) unit vectors along the beams, laser frame; shared by scans with the same bearings."""
         return _directions(self.bearings.tobytes())
 
-    @cached_property
+    @property
     def beam_points(self) -> NDArray[np.float64]:
         """(N, 2) end points of all beams in the laser frame [m]; NaN where there is no return."""
         points = np.empty((len(self.ranges), 2))
         fill_beam_points(self.ranges, self.directions, self.range_min, self.range_max, points)
         return points
 
-    @cached_property
+    @property
     def points(self) -> NDArray[np.float64]:
         """(M, 2) end points of the returns in the laser frame [m], in beam order."""
-        return self._returns[0]
+        return _returns(self)[0]
 
-    @cached_property
+    @property
     def beams(self) -> NDArray[np.int64]:
         """(M,) the beam that each of `points` belongs to."""
-        return self._returns[1]
+        return _returns(self)[1]
 
-    @cached_property
-    def _returns(self) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-        return returns(self.ranges, self.directions, self.range_min, self.range_max)
-
-    @cached_property
+    @property
     def points_robot(self) -> NDArray[np.float64]:
         """(M, 2) end points of the returns in the robot frame [m], in beam order."""
-        return transform_points(self.T_robot_lidar, self.points)
+        return _points_robot(self)
 
     def without(self, dropped: NDArray[np.bool_]) -> "LaserScan":
         """Return this scan with the beams where `dropped` (N,) is true turned into "no measurement" (NaN)."""
         return replace(self, ranges=np.where(dropped, np.nan, self.ranges))
 
 
+# What is computed from a scan is many times as large as the scan, and wanted while it is the newest: it is not kept
+# with it, or a long drive would not fit in memory.
+@lru_cache(maxsize=8)
+def _returns(scan: LaserScan) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    return returns(scan.ranges, scan.directions, scan.range_min, scan.range_max)
+
+
+@lru_cache(maxsize=8)
+def _points_robot(scan: LaserScan) -> NDArray[np.float64]:
+    return transform_points(scan.T_robot_lidar, scan.points)
+
+
 @lru_cache(maxsize=16)
-def _ascend(bearings: bytes) -> bool:
-    """Return whether `bearings` (N,) float64 are within bounds, each larger than the one before; sweeps share them."""
+def _ascending(bearings: bytes) -> NDArray[np.float64]:
+    """Return `bearings` (N,) float64, one array for all sweeps that share them, if they are within bounds and ascend.
+
+    Raises:
+        InputError: If they do not.
+    """
     angles = np.frombuffer(bearings)
-    return bool((np.abs(angles) <= LARGEST_BEARING).all() and (np.diff(angles) >= LEAST_SPACING).all())
+    if not ((np.abs(angles) <= LARGEST_BEARING).all() and (np.diff(angles) >= LEAST_SPACING).all()):
+        raise InputError(
+            f"`bearings` must be finite and ascending by {LEAST_SPACING:g} rad at least, within "
+            f"{LARGEST_BEARING:.4g} rad, got {shown(angles)}"
+        )
+    return angles
 
 
 @lru_cache(maxsize=16)

@@ -80,8 +80,10 @@ class GridMatch:
 class Walls(Protocol):
     """What a scan can be matched on: a submap, or a finished map."""
 
-    field: NDArray[np.float32]
-    """(rows, cols) occupancy of each cell in [0, 1]; 0 where nothing is known."""
+    @property
+    def field(self) -> NDArray[np.float32]:
+        """(rows, cols) occupancy of each cell in [0, 1]; 0 where nothing is known."""
+        ...
 
     @property
     def corner(self) -> Array:

@@ -65,6 +65,11 @@ class ScorePyramid:
     origin: tuple[float, float]
     resolution: float
 
+    @property
+    def nbytes(self) -> int:
+        """Bytes of memory."""
+        return self.levels.nbytes + self.phases.nbytes
+
 
 def build_pyramid(grid: ScoreGrid, *, top_level: int = 3, margin: int = 0) -> ScorePyramid:
     """Return the pyramid of a score grid.

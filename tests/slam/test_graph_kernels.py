@@ -11,6 +11,7 @@ from tagalong.slam.graph.loops.blur_kernels import blurred_scores, blurred_score
 from tagalong.slam.pose_graph.normal_equations import block_pattern, fill
 from tagalong.slam.pose_graph.pose_graph import PoseGraph
 from tagalong.slam.scan_to_grid.correlative import correlate
+from tagalong.slam.scan_to_grid.match_kernels import information_in_node
 from tagalong.slam.scan_to_grid.refine_kernels import refine_many, refine_pose
 from tagalong.slam.scan_to_grid.scan_matcher import far_radius
 from tagalong.slam.scan_to_grid.spline_kernels import expand, linearize, misfit
@@ -219,3 +220,14 @@ def test_points_out_of_range_are_dropped_and_the_others_keep_their_order():
     kept = AdaptiveVoxelFilter(AdaptiveVoxelConfig(max_range=4.0)).apply(points)
     np.testing.assert_array_equal(kept, points[np.hypot(*points.T) <= 4.0])
     assert 0 < len(kept) < 150
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_information_of_a_match_is_what_numpy_makes_of_its_curvature(seed):
+    rng = np.random.default_rng(seed)
+    root, heading, sigma = 30.0 * rng.normal(0.0, 1.0, (3, 3)), rng.uniform(-3.0, 3.0), (0.01, 0.003)
+    c, s = np.cos(heading), np.sin(heading)
+    R = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    H = R.T @ (0.02 * root @ root.T) @ R + 1e-3 * np.eye(3)
+    wanted = np.linalg.inv(np.linalg.inv(H) + np.diag(np.array([sigma[0], sigma[0], sigma[1]]) ** 2))
+    np.testing.assert_allclose(information_in_node(root @ root.T, heading, sigma), wanted, rtol=1e-6, atol=1e-6)

@@ -37,3 +37,11 @@ def test_bearings_that_do_not_ascend_are_refused(bearings):
 def test_a_scan_may_have_one_beam_or_none():
     assert len(LaserScan(np.ones(1), np.zeros(1), 0.1, 30.0).points) == 1
     assert len(LaserScan(np.zeros(0), np.zeros(0), 0.1, 30.0).points) == 0
+
+
+def test_a_scan_keeps_nothing_that_is_computed_from_it_and_shares_its_bearings():
+    first, second = (LaserScan(np.ones(4), np.arange(4.0) / 2.0, 0.0, 2.0) for _ in range(2))
+    before = set(vars(first))
+    assert len(first.points) == len(first.points_robot) == len(first.beams) == len(first.beam_points) == 4
+    assert set(vars(first)) == before
+    assert first.bearings is second.bearings

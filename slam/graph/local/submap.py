@@ -56,7 +56,6 @@ class Submap:
         pose_local: (3,) T_local_submap: its origin is where the robot began it, its axes are those of the local frame.
 
     Attributes:
-        field: (rows, cols) float32, occupancy of each cell in [0, 1]; 0 where nothing is known.
         corner: (2,) centre of cell [0, 0] in the local frame [m].
         scans: Number of scans inside.
         centre: (2,) mean place of the laser, submap frame [m].
@@ -70,8 +69,9 @@ class Submap:
         self.corner = np.round(pose_local[:2] / config.resolution) * config.resolution
         self._hits = np.zeros((1, 1), np.float32)
         self._visits = np.zeros((1, 1), np.float32)
-        self.field = np.zeros((1, 1), np.float32)
+        self._field: NDArray[np.float32] | None = np.zeros((1, 1), np.float32)
         self._stamps = np.zeros((1, 1), np.int16)
+        self._walls: tuple[NDArray[np.int32], NDArray[np.float32], tuple[int, ...]]  # once finished
 
     def insert(self, *sweeps: Sweep) -> None:
         """Count scans, given in the local frame, one after the other."""
@@ -95,9 +95,22 @@ class Submap:
             self.centre += (sweep.sensor - self.pose_local[:2] - self.centre) / self.scans
 
     def finish(self) -> None:
-        """Drop what only further scans would need, almost half of the memory: there will be none."""
-        self._hits = np.zeros((0, 0), np.float32)
+        """Keep the walls alone, a few hundredths of the memory: there will be no further scans."""
+        if self._field is not None:
+            cells = np.flatnonzero(self._field).astype(np.int32)
+            self._walls = cells, self._field.ravel()[cells], self._field.shape
+        self._field, self._hits, self._visits = None, np.zeros((0, 0), np.float32), np.zeros((0, 0), np.float32)
         self._stamps = np.zeros((0, 0), np.int16)
+
+    @property
+    def field(self) -> NDArray[np.float32]:
+        """(rows, cols) occupancy of each cell in [0, 1]; 0 where nothing is known. Made anew once finished."""
+        if self._field is not None:
+            return self._field
+        cells, values, shape = self._walls
+        field = np.zeros(shape, np.float32)
+        field.ravel()[cells] = values
+        return field
 
     def redrawn(self, sweeps: Iterable[Sweep]) -> "Submap":
         """Return a finished submap in the place of this one, drawn from other `sweeps`, each in the local frame."""
@@ -113,7 +126,7 @@ class Submap:
 
     @property
     def visits(self) -> NDArray[np.float32]:
-        """(rows, cols) how many rays went through the cell or ended there; 0: no scan saw it."""
+        """(rows, cols) how many rays went through the cell or ended there; 0: no scan saw it. Empty once finished."""
         return self._visits
 
     def _cover(self, extents: Iterable[tuple[float, float, float, float]]) -> None:
@@ -136,7 +149,7 @@ class Submap:
         if (rows, cols) == self.field.shape:
             return
         inside = slice(first_row, first_row + self.field.shape[0]), slice(first_col, first_col + self.field.shape[1])
-        names = ("_hits", "_visits", "field", "_stamps")
+        names = ("_hits", "_visits", "_field", "_stamps")
         # All or none: where memory runs out, the submap stays as it is.
         grids = [np.zeros((rows, cols), getattr(self, name).dtype) for name in names]
         for name, grid in zip(names, grids, strict=True):

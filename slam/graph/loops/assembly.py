@@ -11,8 +11,7 @@ Array = NDArray[np.float64]
 
 
 def assemble(
-    submap_poses: list[Array],
-    node_poses: list[Array],
+    poses: Array,
     nodes: list[Node],
     constraints: list[Constraint],
     odometry_share: float,
@@ -21,22 +20,24 @@ def assemble(
     """Return the graph of all submaps, then all nodes; its edges are the constraints, then the odometry between nodes.
 
     Args:
-        submap_poses: (3,) T_global_submap of each.
-        node_poses: (3,) T_global_node of each.
+        poses: (s + n, 3) T_global_submap of all submaps, then T_global_node of all nodes.
         nodes: The nodes.
         constraints: What ties nodes to submaps.
         odometry_share: Share of its information with which odometry ties a node to the one before.
         kernel_width: Of the odometry and of INTER constraints, in standard deviations.
     """
-    first, steps = len(submap_poses), nodes[1:]
+    first, steps = len(poses) - len(nodes), nodes[1:]
     ties = np.array([(c.submap, first + c.node) for c in constraints], dtype=np.int64).reshape(-1, 2)
     chain = first + np.arange(len(steps))
-    motions = [odometry_share * node.motion.information for node in steps]
+    sigma = np.array([node.motion.sigma for node in steps]).reshape(-1, 2)
+    motions = np.zeros((len(steps), 3, 3))
+    motions[:, 0, 0] = motions[:, 1, 1] = odometry_share * sigma[:, 0] ** -2.0
+    motions[:, 2, 2] = odometry_share * sigma[:, 1] ** -2.0
     widths = [np.inf if c.kind is Kind.INTRA else kernel_width for c in constraints]
     return PoseGraph(
-        np.concatenate(submap_poses + node_poses).reshape(-1, 3),
+        poses,
         np.concatenate((ties, np.stack((chain, chain + 1), axis=-1))),
-        np.concatenate([c.pose for c in constraints] + [node.motion.pose for node in steps]).reshape(-1, 3),
-        np.concatenate([c.information for c in constraints] + motions).reshape(-1, 3, 3),
+        np.array([c.pose for c in constraints] + [node.motion.pose for node in steps]).reshape(-1, 3),
+        np.concatenate((np.array([c.information for c in constraints]).reshape(-1, 3, 3), motions)),
         np.array(widths + [kernel_width] * len(steps)),
     )

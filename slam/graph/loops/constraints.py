@@ -1,8 +1,9 @@
 """Constraints between submaps and nodes, and how a node is matched against a finished submap."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
+from itertools import accumulate
 from typing import Annotated
 
 import numpy as np
@@ -11,7 +12,9 @@ from numpy.typing import NDArray
 from ...bounds import Angle, Share, Within, check_numbers
 from ...errors import InputError
 from ...geometry import between, compose
-from ...scan_to_grid.refine_kernels import refine_many, refine_pose
+from ...recent import Recent
+from ...scan_to_grid.match_kernels import information_in_node, match_nodes
+from ...scan_to_grid.refine_kernels import refine_pose
 from ...scan_to_grid.scan_matcher import far_radius
 from ...search.branch_and_bound import SearchWindow, branch_and_bound
 from ...search.score_pyramid import ScoreGrid, ScorePyramid, build_pyramid
@@ -19,11 +22,11 @@ from ..local.submap import Submap
 from .blur_kernels import blurred_scores
 
 Array = NDArray[np.float64]
+Field = NDArray[np.float32]
 
-_LEAST_INFORMATION = 1e-3  # [1/m^2, 1/rad^2] keeps degenerate directions invertible
-_TRACK_ANGLES = 4  # steps of heading to each side
-_INDEPENDENT = 0.02  # share of a scan's points that count as independent of each other
 _CERTAIN = 1e9  # [1/m^2, 1/rad^2] of a node that defines its submap
+_FIELDS = 16 << 20, 8  # bytes, or so many, of unpacked submaps ...
+_PYRAMIDS = 64 << 20, 4  # ... and of their search trees that are kept, for the submaps around the robot
 
 
 class Kind(Enum):
@@ -33,7 +36,7 @@ class Kind(Enum):
     INTER = "inter"
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, slots=True)
 class Constraint:
     """Where a node stands, seen from a submap.
 
@@ -105,7 +108,8 @@ class ConstraintBuilder:
 
     def __init__(self, config: ConstraintConfig) -> None:
         self._config = config
-        self._pyramids: dict[int, ScorePyramid] = {}
+        self._fields = Recent[Submap, Field](lambda submap: submap.field, lambda field: field.nbytes, *_FIELDS)
+        self._pyramids = Recent[Submap, ScorePyramid](self._pyramid, lambda pyramid: pyramid.nbytes, *_PYRAMIDS)
         self.typical_score = 0.0
 
     def intra(self, index: int, submap: Submap, node: int, pose_local: Array, curvature: Array | None) -> Constraint:
@@ -116,45 +120,48 @@ class ConstraintBuilder:
         return Constraint(index, node, pose, information, Kind.INTRA)
 
     def track(
-        self, index: int, submap: Submap, nodes: Sequence[int], points: Sequence[Array], guesses: Array, wide: bool
+        self,
+        index: int,
+        submap: Submap,
+        place: Array,
+        nodes: Sequence[int],
+        points: Sequence[Array],
+        poses: Array,
+        wide: bool,
     ) -> list[Constraint]:
-        """Return the constraints of those `nodes` that match the submap near their `guesses` (n, 3) T_submap_node.
+        """Return the constraints of those `nodes` that match the submap near where the graph has them.
 
         Args:
             index: Index of the submap.
             submap: The submap.
+            place: (3,) T_global_submap.
             nodes: Indices of n nodes.
             points: The (N, 2) points of each node, robot frame [m].
-            guesses: Where the nodes should be.
-            wide: Whether to search the surroundings first; otherwise the guess must be right to a cell.
+            poses: (n, 3) T_global_node.
+            wide: Whether to search the surroundings first; otherwise the poses must be right to a cell.
         """
         config = self._config
-        firsts = np.concatenate(([0], np.cumsum([len(p) for p in points]))).astype(np.int64)
-        starts = compose(submap.pose_local, guesses)
-        poses, curvatures, scores = refine_many(
-            submap.field,
+        sizes = [len(p) for p in points]
+        good, relative, information, scores = match_nodes(
+            self._fields[submap],
             submap.corner,
             submap.config.resolution,
             np.concatenate(points),
-            firsts,
-            starts,
+            np.array([0, *accumulate(sizes)]),
+            submap.pose_local,
+            place,
+            poses,
             config.weight,
-            int(np.ceil(config.max_shift[0] / submap.config.resolution)) if wide else 0,
-            _TRACK_ANGLES,
-            0.8 * self.typical_score,
-            0.7 * config.min_score * self.typical_score,
+            wide,
+            config.max_shift,
+            self.typical_score,
+            config.min_score,
+            config.inter_sigma,
         )
-        moved = between(starts, poses)
-        good = (np.hypot(moved[:, 0], moved[:, 1]) <= config.max_shift[0]) & (
-            np.abs(moved[:, 2]) <= config.max_shift[1]
-        )
-        good &= (scores >= config.min_score * self.typical_score) & (np.diff(firsts) >= config.min_points)
-        found = np.flatnonzero(good)
-        relative = between(submap.pose_local, poses[found])
-        information = information_in_node(curvatures[found], relative[:, 2], config.inter_sigma)
         return [
-            Constraint(index, nodes[k], pose, matrix, Kind.INTER, float(scores[k]))
-            for k, pose, matrix in zip(found.tolist(), relative, information, strict=True)
+            Constraint(index, nodes[k], relative[k], information[k], Kind.INTER, float(scores[k]))
+            for k in np.flatnonzero(good).tolist()
+            if sizes[k] >= config.min_points
         ]
 
     def search(self, index: int, submap: Submap, node: int, points: Array, guess: Array) -> Constraint | None:
@@ -166,7 +173,7 @@ class ConstraintBuilder:
         step = 1.5 * submap.config.resolution / max(far_radius(points), 1.0)
         window = SearchWindow(linear=config.search_linear, angular=config.search_angular, angular_step=step)
         found = branch_and_bound(
-            self._pyramid(index, submap), thinned, compose(submap.pose_local, guess), window, min_score=config.bound
+            self._pyramids[submap], thinned, compose(submap.pose_local, guess), window, min_score=config.bound
         ).best
         if found is None:
             return None
@@ -183,20 +190,12 @@ class ConstraintBuilder:
         start = compose(submap.pose_local, constraint.pose)
         return self._closure(constraint.submap, submap, constraint.node, points, start, self._config.min_score)
 
-    def renumber(self, numbers: Mapping[int, int]) -> None:
-        """Take the new numbers of the submaps that stay, old -> new; forget what was made of the others."""
-        self._pyramids = {numbers[s]: pyramid for s, pyramid in self._pyramids.items() if s in numbers}
-
-    def forget(self, index: int) -> None:
-        """Forget what was made of a submap that is drawn anew."""
-        self._pyramids.pop(index, None)
-
     def _closure(
         self, index: int, submap: Submap, node: int, points: Array, start: Array, least: float
     ) -> Constraint | None:
         """Return the closure of a node near `start` (3,) in the local frame, if it scores `least` of the typical."""
         config = self._config
-        place = submap.field, submap.corner, submap.config.resolution
+        place = self._fields[submap], submap.corner, submap.config.resolution
         pose, curvature, rest, _ = refine_pose(*place, points, start, start, np.eye(3), config.weight, 20)
         score = 1.0 - rest / len(points)
         if score < least * self.typical_score:
@@ -205,25 +204,7 @@ class ConstraintBuilder:
         information = information_in_node(config.weight * curvature, pose[2], config.inter_sigma)
         return Constraint(index, node, pose, information, Kind.INTER, score, True)
 
-    def _pyramid(self, index: int, submap: Submap) -> ScorePyramid:
-        if index not in self._pyramids:
-            h = submap.config.resolution
-            corner = submap.corner - 0.5 * h
-            grid = ScoreGrid(blurred_scores(submap.field), (float(corner[0]), float(corner[1])), h)
-            self._pyramids[index] = build_pyramid(grid, margin=int(self._config.search_linear / h) + 1)
-        return self._pyramids[index]
-
-
-def information_in_node(curvature: Array, heading: Array | float, sigma: tuple[float, float]) -> Array:
-    """Return (..., 3, 3) information in the node's frame, from a curvature along the submap's axes and a least `sigma`.
-
-    Args:
-        curvature: (..., 3, 3) information along the submap's axes.
-        heading: (...) of the node in the submap [rad].
-        sigma: Standard deviations that stand for what the curvature does not know [m, rad].
-    """
-    floor = np.diag(np.array([sigma[0], sigma[0], sigma[1]]) ** 2)
-    c, s, zero = np.cos(heading), np.sin(heading), np.zeros_like(heading)
-    R = np.moveaxis(np.array([[c, -s, zero], [s, c, zero], [zero, zero, zero + 1.0]]), (0, 1), (-2, -1))
-    H = np.swapaxes(R, -1, -2) @ (_INDEPENDENT * curvature) @ R + _LEAST_INFORMATION * np.eye(3)
-    return np.asarray(np.linalg.inv(np.linalg.inv(H) + floor), dtype=np.float64)
+    def _pyramid(self, submap: Submap) -> ScorePyramid:
+        h, corner = submap.config.resolution, submap.corner - 0.5 * submap.config.resolution
+        grid = ScoreGrid(blurred_scores(self._fields[submap]), (float(corner[0]), float(corner[1])), h)
+        return build_pyramid(grid, margin=int(self._config.search_linear / h) + 1)

@@ -83,7 +83,7 @@ class FinalOptimisation:
         if not ties:
             return set()
         poses = between(
-            np.array([graph.submap_poses[c.submap] for c in ties]), np.array([graph.node_poses[c.node] for c in ties])
+            graph.submap_poses.array()[[c.submap for c in ties]], graph.node_poses.array()[[c.node for c in ties]]
         )
         error = between(np.array([c.pose for c in ties]), poses)
         linear, angular = self._config.converged
@@ -99,8 +99,7 @@ class FinalOptimisation:
         graph = self._graph
         count = len(graph.submaps) - 2
         self._workers.run(self._redraw, max(count, 0))
-        for s in range(count):
-            self._builder.forget(s)
+        graph.moved()
         kept = list[Constraint]()
         for c in graph.constraints:
             again = self._builder.rematch(c, graph.submaps[c.submap], graph.nodes[c.node].points) if c.searched else c

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from ...bounds import Threads, check_numbers
+from ...bounds import Share, Threads, check_numbers
 from ...errors import InputError
 from ...pose_graph.adjustment import AdjustmentConfig
 from ...revisits import RevisitConfig
@@ -16,7 +16,9 @@ class GlobalSlamConfig:
     Attributes:
         constraints: How constraints are made.
         adjustment: How the graph is adjusted.
-        adjust_every: The graph is adjusted after so many nodes, if a constraint is new.
+        adjust_every: The graph is adjusted after so many nodes, if a constraint is new ...
+        adjust_share: ... and this share of all nodes is: all adjustments cost as much as 50 of the whole graph then,
+            however long the drive is.
         max_distance: Submaps whose middle (the laser's mean place) is farther off a node are not matched [m].
         known_for: A submap that tied a node counts as well placed for so many nodes after it: no search is needed.
         kernel_width: Of INTER constraints, in standard deviations.
@@ -33,6 +35,7 @@ class GlobalSlamConfig:
     constraints: ConstraintConfig = field(default_factory=ConstraintConfig)
     adjustment: AdjustmentConfig = field(default_factory=lambda: AdjustmentConfig(iterations=20, tolerance=1e-5))
     adjust_every: int = 40
+    adjust_share: Share = 0.02
     max_distance: float = 15.0
     known_for: int = 20
     kernel_width: float = 4.0

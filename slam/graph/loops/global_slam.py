@@ -52,7 +52,7 @@ class GlobalSlam:
         self._matching = NodeMatching(self.graph, self._builder, self._schedule)
         self._matched = 0  # nodes that local SLAM has matched, for their mean score
         self._T_global_local = np.zeros(3)  # of a drive segment without any node yet
-        self._finished_nodes = 0
+        self._finished_nodes = self._adjusted = 0  # nodes at the end of the drive, and when the graph was adjusted last
         self._trimmed = TrimmedNodes.none()
         self._trim_due = False
 
@@ -66,12 +66,12 @@ class GlobalSlam:
     @property
     def node_poses(self) -> Array:
         """(n, 3) T_global_robot of every node."""
-        return np.array(self.graph.node_poses).reshape(-1, 3)
+        return self.graph.node_poses.array()
 
     @property
     def trimmed_poses(self) -> Array:
         """(m, 3) T_global_robot of every node that has left the graph, in the order in which they left."""
-        return self._trimmed.on(np.array(self.graph.submap_poses).reshape(-1, 3))
+        return self._trimmed.on(self.graph.submap_poses.array())
 
     @property
     def submaps(self) -> int:
@@ -115,6 +115,7 @@ class GlobalSlam:
         self._T_global_local = compose(pose, inverse(pose_local))
         for s in segments.current_submaps():
             graph.submap_poses[s] = compose(self._T_global_local, graph.submaps[s].pose_local)
+        graph.moved()
         nodes = segments.current_nodes()
         for k in nodes:
             graph.node_poses[k] = compose(self._T_global_local, graph.nodes[k].pose_local)
@@ -171,13 +172,15 @@ class GlobalSlam:
         searched = self._schedule.next_search(waiting, index, moved)
         if searched is not None:
             self._matching.search(searched, index)
-        if self._matching.news and (index + 1) % config.adjust_every == 0:
+        new, due = index + 1 - self._adjusted, (index + 1) % config.adjust_every == 0
+        if due and self._matching.news and new >= config.adjust_share * index:
             self.optimise()
 
     def optimise(self, final: bool = False) -> None:
         """Adjust all poses; drop INTER constraints that end far off. `final`: as `optimise` of the graph has it."""
         self.rejected += optimise(self.graph, self._config, final)
         self._matching.news, self._trim_due = False, not final
+        self._adjusted = len(self.graph.nodes)
         self._schedule.optimised()
 
     def finish(self) -> None:
@@ -209,7 +212,7 @@ class GlobalSlam:
         if not self._trim_due:
             return None
         self._trim_due = False
-        graph, poses, submap_poses = self.graph, self.node_poses, np.array(self.graph.submap_poses)
+        graph, poses, submap_poses = self.graph, self.node_poses, self.graph.submap_poses.array()
         old = superseded(poses, self._config.revisits) & graph.segments.placed_nodes
         old[-_YOUNG:] = False
         submaps = np.ones(len(graph.submaps), dtype=np.bool_)
@@ -220,7 +223,6 @@ class GlobalSlam:
         stay = Renumbering(np.array([submaps[list(node.submaps)].any() for node in graph.nodes]), submaps)
         self._trimmed = self._trimmed.after(stay, poses, submap_poses, anchors)
         graph.renumber(stay)
-        self._builder.renumber(stay.submap_numbers)
         self._schedule.renumber(stay)
-        self._finished_nodes = 0
+        self._finished_nodes, self._adjusted = 0, len(graph.nodes)
         return stay

@@ -11,7 +11,7 @@ from ...scan_to_grid.extrapolator import Prediction
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, slots=True)
 class Node:
     """A scan of the graph.
 

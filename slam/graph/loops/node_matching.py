@@ -4,7 +4,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...geometry import between
 from .constraints import Constraint, ConstraintBuilder
 from .loop_schedule import LoopSchedule
 from .submap_graph import SubmapGraph
@@ -35,9 +34,9 @@ class NodeMatching:
             wide: Whether the surroundings are searched first; otherwise the graph must be right to a cell.
         """
         graph = self._graph
-        guesses = between(graph.submap_poses[submap], np.array([graph.node_poses[k] for k in nodes]))
+        place, poses = graph.submap_poses[submap], np.array([graph.node_poses[k] for k in nodes])
         points = [graph.nodes[k].points for k in nodes]
-        return self._builder.track(submap, graph.submaps[submap], nodes, points, guesses, wide)
+        return self._builder.track(submap, graph.submaps[submap], place, nodes, points, poses, wide)
 
     def add(self, constraints: Sequence[Constraint]) -> None:
         """Add constraints to the graph."""

@@ -3,8 +3,8 @@
 import numpy as np
 
 from ...pose_graph.adjustment import adjust
+from ...pose_log import PoseLog
 from .assembly import assemble
-from .constraints import Kind
 from .global_config import GlobalSlamConfig
 from .submap_graph import SubmapGraph
 
@@ -20,7 +20,8 @@ def optimise(graph: SubmapGraph, config: GlobalSlamConfig, final: bool = False) 
         final: Whether the drive is over: then constraints must agree with the graph within `final_residual`, too.
     """
     share, width, rejected = config.odometry_share, config.kernel_width, 0
-    poses = assemble(graph.submap_poses, graph.node_poses, graph.nodes, graph.constraints, share, width)
+    placed = np.concatenate((graph.submap_poses.array(), graph.node_poses.array()))
+    poses = assemble(placed, graph.nodes, graph.constraints, share, width)
     while True:
         poses = poses.with_poses(adjust(poses, config.adjustment).poses)
         error, count = poses.errors(), len(graph.constraints)
@@ -28,13 +29,14 @@ def optimise(graph: SubmapGraph, config: GlobalSlamConfig, final: bool = False) 
         if final:
             bad |= np.hypot(error[:, 0], error[:, 1]) > config.final_residual[0]
             bad |= np.abs(error[:, 2]) > config.final_residual[1]
-        bad[:count] &= np.array([c.kind is Kind.INTER for c in graph.constraints])
+        bad &= np.isfinite(poses.kernel_width)  # not of INTRA
         bad[count:] = False  # the odometry between nodes stays: wheels slip, but it is all that ties some of them
-        graph.constraints = [c for c, wrong in zip(graph.constraints, bad[:count], strict=True) if not wrong]
-        rejected += int(bad.sum())
         if not bad.any():
             break
+        graph.constraints = [c for c, wrong in zip(graph.constraints, bad[:count].tolist(), strict=True) if not wrong]
+        rejected += int(bad.sum())
         poses = poses.with_edges(~bad)
     submaps = len(graph.submap_poses)
-    graph.submap_poses, graph.node_poses = list(poses.poses[:submaps]), list(poses.poses[submaps:])
+    graph.submap_poses, graph.node_poses = PoseLog.of(poses.poses[:submaps]), PoseLog.of(poses.poses[submaps:])
+    graph.moved()
     return rejected

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry import between, compose
+from ...pose_log import PoseLog
 from ..local.submap import Submap
 from .constraints import Constraint
 from .drive_segments import DriveSegments
@@ -13,8 +14,6 @@ from .node import Node
 from .trimming import Renumbering
 
 Array = NDArray[np.float64]
-
-_AT_ONCE = 256  # nodes whose distances to all submaps are held in memory at once
 
 
 class SubmapGraph:
@@ -38,13 +37,14 @@ class SubmapGraph:
         self.nodes: list[Node] = []
         self.constraints: list[Constraint] = []
         self.drawn: list[dict[int, Array]] = []
-        self.node_poses: list[Array] = []
-        self.submap_poses: list[Array] = []
+        self.node_poses, self.submap_poses = PoseLog(), PoseLog()
+        self._middles: Array | None = None
         self.segments = DriveSegments()
 
     def add_submaps(self, T_global_local: Array) -> None:
         """Take in the submaps that local SLAM has begun since the last node."""
         for submap in self.submaps[len(self.submap_poses) :]:
+            self.moved()
             self.submap_poses.append(compose(T_global_local, submap.pose_local))
             self.segments.add_submap()
             self.drawn.append({})
@@ -70,32 +70,36 @@ class SubmapGraph:
             max_distance: From a node to the mean place of the laser in the submap [m].
         """
         centres, near = self._centres(), list[list[int]]()
-        for first in range(0, len(indices), _AT_ONCE):
-            some = indices[first : first + _AT_ONCE]
-            x, y, _ = np.array([self.node_poses[k] for k in some]).T[..., None]
+        for k in indices:
+            x, y, _ = self.node_poses[k].tolist()
             distance = np.hypot(centres[:, 0] - x, centres[:, 1] - y)
             wanted = distance <= max_distance
-            for row, k in enumerate(some):
-                wanted[row, [s for s in self.nodes[k].submaps if s < len(centres)]] = False
-                if self.segments.current:  # in a drive of one segment all are related
-                    wanted[row] &= self.segments.related(k)[: len(centres)]
-            order = np.argsort(distance, axis=1, kind="stable")
-            wanted = np.take_along_axis(wanted, order, axis=1)
-            near += [row[keep].tolist() for row, keep in zip(order, wanted, strict=True)]
+            if self.segments.current:  # in a drive of one segment all are related
+                wanted &= self.segments.related(k)[: len(centres)]
+            found = np.flatnonzero(wanted)
+            order = found[np.argsort(distance[found], kind="stable")].tolist()
+            near.append([s for s in order if s not in self.nodes[k].submaps])
         return near
+
+    def moved(self) -> None:
+        """Say that poses of submaps have changed, or submaps themselves."""
+        self._middles = None
 
     def _centres(self) -> Array:
         """Return (n, 2) the mean places of the laser in the finished submaps, global frame [m]."""
-        count = max(0, min(len(self.submaps) - 2, len(self.submap_poses)))
-        offsets = np.array([(*submap.centre, 0.0) for submap in self.submaps[:count]]).reshape(-1, 3)
-        return compose(np.array(self.submap_poses[:count]).reshape(-1, 3), offsets)[:, :2]
+        if self._middles is None:
+            count = max(0, min(len(self.submaps) - 2, len(self.submap_poses)))
+            offsets = np.array([(*submap.centre, 0.0) for submap in self.submaps[:count]]).reshape(-1, 3)
+            self._middles = compose(self.submap_poses.array()[:count], offsets)[:, :2]
+        return self._middles
 
     def renumber(self, stay: Renumbering) -> None:
         """Drop the nodes and submaps that do not stay; the list of submaps itself is local SLAM's to shorten."""
         nodes, submaps = np.flatnonzero(stay.nodes).tolist(), np.flatnonzero(stay.submaps[: len(self.drawn)]).tolist()
         self.drawn = [{stay.node(k): pose for k, pose in self.drawn[s].items()} for s in submaps]
-        self.submap_poses = [self.submap_poses[s] for s in submaps]
+        self.submap_poses = PoseLog.of(self.submap_poses.array()[submaps])
+        self.moved()
         self.segments.renumber(stay)
         self.nodes = stay.chain(self.nodes)
-        self.node_poses = [self.node_poses[k] for k in nodes]
+        self.node_poses = PoseLog.of(self.node_poses.array()[nodes])
         self.constraints = stay.constraints(self.constraints)

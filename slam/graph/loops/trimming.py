@@ -31,11 +31,6 @@ class Renumbering:
         self._node = np.concatenate(([0], np.cumsum(nodes))).tolist()
         self._submap = np.concatenate(([0], np.cumsum(submaps))).tolist()
 
-    @property
-    def submap_numbers(self) -> dict[int, int]:
-        """The old and the new number of each submap that stays."""
-        return {s: self.submap(s) for s in np.flatnonzero(self.submaps).tolist()}
-
     def node(self, index: int) -> int:
         """Return the new number of a node that stays; of another, that of the next one that does."""
         return self._node[index]
