@@ -131,6 +131,10 @@ class GridScanMatcher:
         self._typical_score += _SCORE_MEMORY * (match.score - self._typical_score)
         return match
 
+    def cost(self, match: GridMatch, points: int) -> float:
+        """Return the negative log-likelihood of a scan of so many `points` where it was matched, up to a constant."""
+        return self._config.weight * points * (1.0 - match.score)
+
     def _match(self, submap: Walls, points: Array, prediction: Prediction, degenerate: Array | None) -> GridMatch:
         config = self._config
         reach, angles, step = self._window(submap.resolution, points, prediction)
