@@ -156,13 +156,18 @@ class LocalSlam:
         if not self._active.begun:
             return hypotheses[0], None
         degenerate = degenerate_direction(scan, points)
-        matches = [self._matcher.match(self._active.front, points, h.prediction, degenerate) for h in hypotheses]
+        front, anywhere = self._active.front, self._motion.anywhere
+        matches = [self._matcher.match(front, points, h.prediction, degenerate, anywhere) for h in hypotheses]
         costs = [
             self._matcher.cost(match, len(points)) + motion.cost_at(match.pose) if match else motion.cost
             for motion, match in zip(hypotheses, matches, strict=True)
         ]
         best = int(np.argmin(costs))
-        return hypotheses[best], matches[best]
+        match = matches[best]
+        if match and anywhere and match.retried:
+            hypotheses[1:] = [self._motion.found(match.pose, anywhere.sigma)]
+            return min(hypotheses, key=lambda motion: motion.cost_at(match.pose)), match
+        return hypotheses[best], match
 
     def _insert(
         self, odometry: Array, scan: LaserScan, points: Array, pose: Array, match: GridMatch | None

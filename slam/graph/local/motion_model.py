@@ -22,6 +22,9 @@ _BREAKS, _HEALS = 0.001, 0.1  # probability that sound odometry fails with the n
 _ACCELERATION = np.array([1.0, 2.0])  # [m/s^2, rad/s^2] of a wheeled robot among people, a standard deviation
 _AGREE = 3.0  # standard deviations within which a match from one prediction finds what it would from the other
 _CHANCE = 0.1  # share of faulty motions that agree with both predictions
+_SLIP, _STEPS = np.array([0.5, 0.5]), 3.0  # [m, rad] a robot without odometry may be so far, and so many usual steps
+_FARTHEST = np.array([5.0, np.pi])  # [m, rad] and no farther
+_MEMORY = 0.1  # weight of the newest step in the usual one
 _LONGEST = 1.0  # [s] after a longer gap a velocity says nothing
 
 
@@ -68,6 +71,7 @@ class MotionModel:
         self._sound = 1.0  # probability
         self._time = self._step_s = 0.0
         self._pose: Array | None = None  # at the last scan
+        self._usual = np.zeros(2)  # step between two scans [m, rad]
         self._velocity: Array | None = None  # (3,) of the robot's frame, by the last two poses [m/s, m/s, rad/s]
         self.odometry: Array | None = None
         self.faults = 0
@@ -94,6 +98,19 @@ class MotionModel:
         if math.hypot(off[0], off[1]) <= most[0] and off[2] <= most[1]:
             return [sound]
         return [sound, self._hypothesis(compose(self.odometry, coasted), sigma, False)]
+
+    @property
+    def anywhere(self) -> Prediction | None:
+        """Where the robot may have gone since the last scan, whatever its odometry says; None: there was no scan."""
+        reach = np.minimum(_SLIP + _STEPS * self._usual, _FARTHEST)
+        return None if self._pose is None else Prediction(self._pose, reach)
+
+    def found(self, pose: Array, sigma: Array) -> MotionHypothesis:
+        """Return the hypothesis that the odometry has nothing to do with the motion, which led to `pose` (3,), sought within `sigma` (2,)."""
+        assert self._extrapolator is not None
+        anchor = self._extrapolator.predict(np.zeros(3)).pose  # T_local_odom of the believed odometry
+        cost = -math.log(1.0 - self._sound) + 2.0 * math.log(sigma[0]) + math.log(sigma[1])
+        return MotionHypothesis(compose(inverse(anchor), pose), Prediction(pose, sigma), cost, False)
 
     def _hypothesis(self, odometry: Array, extra: Array, sound: bool) -> MotionHypothesis:
         assert self._extrapolator is not None
@@ -127,6 +144,8 @@ class MotionModel:
             self._sound = min(max(self._sound, _BREAKS**2), 1.0 - _BREAKS**2)
             self._extrapolator.correct(chosen.odometry, pose)
             self._doubt = np.zeros(2)
-        if self._pose is not None and self._step_s > 0.0:
-            self._velocity = between(self._pose, pose) / self._step_s
+        if self._pose is not None:
+            step = between(self._pose, pose)
+            self._usual += _MEMORY * (np.array([math.hypot(step[0], step[1]), abs(step[2])]) - self._usual)
+            self._velocity = step / self._step_s if self._step_s > 0.0 else None
         self._pose = pose

@@ -1,0 +1,43 @@
+"""The pose where a scan fits best on walls, wherever the robot may have gone since its place was known."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..search.branch_and_bound import SearchWindow, branch_and_bound
+from ..search.score_pyramid import ScoreGrid, build_pyramid
+
+Array = NDArray[np.float64]
+
+_SHARP = 1.7  # a wall that half the scans saw in a cell is worth a whole one, nearly, as in `correlate`
+
+
+def search_widely(
+    field: NDArray[np.float32],
+    corner: Array,
+    resolution: float,
+    points: Array,
+    centre: Array,
+    linear: float,
+    angular: float,
+    step: float,
+) -> Array:
+    """Return the pose (3,) of a window at which the most points fall on walls.
+
+    Args:
+        field: (rows, cols) occupancy in [0, 1].
+        corner: (2,) centre of its cell [0, 0] [m].
+        resolution: Side of a cell [m].
+        points: (N, 2) robot frame [m].
+        centre: (3,) of the window.
+        linear: Half the side of the window [m].
+        angular: Half the range of headings [rad].
+        step: Between headings [rad].
+    """
+    x, y = (corner - 0.5 * resolution).tolist()
+    grid = ScoreGrid.from_likelihood(np.minimum(_SHARP * field, 1.0), (x, y), resolution)
+    pyramid = build_pyramid(grid, margin=math.ceil(linear / resolution) + 1)
+    window = SearchWindow(linear=linear, angular=angular, angular_step=step)
+    found = branch_and_bound(pyramid, points, centre, window).best
+    return centre if found is None else np.array(found.pose)
