@@ -78,12 +78,12 @@ class LaserScan:
 
     @cached_property
     def is_open(self) -> NDArray[np.bool_]:
-        """(N,) whether the beam and the two on each side met nothing: space is free there.
+        """(N,) whether the beam and those beside it met nothing: space is free there.
 
         A laser misses glass, what is dark and what it grazes: fewer such beams in a row say nothing of what is there.
         """
-        nothing = np.pad(self.is_no_return, 2, mode="edge") if len(self) else self.is_no_return
-        return np.asarray(np.lib.stride_tricks.sliding_window_view(nothing, 5).all(axis=1)) if len(self) else nothing
+        nothing = np.pad(self.is_no_return, 1, mode="edge") if len(self) else self.is_no_return
+        return np.asarray(np.lib.stride_tricks.sliding_window_view(nothing, 3).all(axis=1)) if len(self) else nothing
 
     @property
     def directions(self) -> NDArray[np.float64]:
