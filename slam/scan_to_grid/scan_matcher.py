@@ -135,15 +135,15 @@ class GridScanMatcher:
         match = self._match(submap, points, prediction, degenerate)
         if match.score < config.retry_below * self._typical_score:
             retried = self._retry(submap, points, prediction, degenerate, anywhere)
-            if retried.score >= config.retry_found * self._typical_score:
+            if retried and retried.score >= config.retry_found * self._typical_score:
                 match = replace(retried, retried=True)
         self._typical_score += _SCORE_MEMORY * (match.score - self._typical_score)
         return match
 
     def _retry(
         self, submap: Walls, points: Array, prediction: Prediction, degenerate: Array | None, anywhere: Prediction | None
-    ) -> GridMatch:
-        """Return the match of a scan that does not fit where the odometry expects it; see `match`."""
+    ) -> GridMatch | None:
+        """Return the match of a scan that does not fit where the odometry expects it, if one place stands out."""
         config = self._config
         if anywhere is None:
             wide = Prediction(prediction.pose, config.retry_sigmas * prediction.sigma + _SLIP)
@@ -153,7 +153,7 @@ class GridScanMatcher:
         place = submap.field, submap.corner, submap.resolution
         linear, angular = anywhere.sigma.tolist()
         start = search_widely(*place, thinned, anywhere.pose, linear, angular, step)
-        return self._match(submap, points, Prediction(start, anywhere.sigma), None)
+        return None if start is None else self._match(submap, points, Prediction(start, anywhere.sigma), None)
 
     def cost(self, match: GridMatch, points: int) -> float:
         """Return the negative log-likelihood of a scan of so many `points` where it was matched, up to a constant."""

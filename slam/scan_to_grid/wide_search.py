@@ -5,12 +5,14 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ..search.branch_and_bound import SearchWindow, branch_and_bound
+from ..search.branch_and_bound import Separation, SearchWindow, branch_and_bound
 from ..search.score_pyramid import ScoreGrid, build_pyramid
 
 Array = NDArray[np.float64]
 
 _SHARP = 1.7  # a wall that half the scans saw in a cell is worth a whole one, nearly, as in `correlate`
+
+_ALIKE = 0.9  # another place that scores so much of the best looks alike: in corridors, where all places do
 
 
 def search_widely(
@@ -22,8 +24,8 @@ def search_widely(
     linear: float,
     angular: float,
     step: float,
-) -> Array:
-    """Return the pose (3,) of a window at which the most points fall on walls.
+) -> Array | None:
+    """Return the pose (3,) of a window at which the most points fall on walls; None: another place is as good.
 
     Args:
         field: (rows, cols) occupancy in [0, 1].
@@ -39,5 +41,6 @@ def search_widely(
     grid = ScoreGrid.from_likelihood(np.minimum(_SHARP * field, 1.0), (x, y), resolution)
     pyramid = build_pyramid(grid, margin=math.ceil(linear / resolution) + 1)
     window = SearchWindow(linear=linear, angular=angular, angular_step=step)
-    found = branch_and_bound(pyramid, points, centre, window).best
-    return centre if found is None else np.array(found.pose)
+    apart = Separation(least_share=_ALIKE)
+    found = branch_and_bound(pyramid, points, centre, window, maxima=2, separation=apart).maxima
+    return np.array(found[0].pose) if len(found) == 1 else None
