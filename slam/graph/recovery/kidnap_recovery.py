@@ -20,7 +20,7 @@ from .verdict import verdict
 
 Array = NDArray[np.float64]
 
-_PROBATION = 3.0  # [m] for which the robot must be followed on the map before it is believed to be there
+_PROBATION = 3.0, 10  # [m, scans] for which the robot must be followed on the map before it is believed to be there
 _SAME = 0.5  # [m] within which the place that was found goes on as the robot does
 _GIVE_UP = 20.0  # [m] after which a place that was not found is not sought any longer
 _DRIFT = 2.0  # standard deviations of the odometry by which local SLAM may be led astray
@@ -62,6 +62,7 @@ class KidnapRecovery:
         self._search: Relocalization | None = None
         self._lost_for = 0.0  # [m] driven since the robot was lost
         self._found_for: float | None = None  # [m] driven since it was found; None: it is not
+        self._found_scans = 0
         self.losses = self.relocalizations = 0
 
     def review(self, result: LocalResult, odometry: Array, scan: LaserScan) -> LocalResult:
@@ -184,11 +185,11 @@ class KidnapRecovery:
         if found is None:
             self._found_for = None if self._search.searching else self._found_for
         elif self._found_for is None or float(np.hypot(*between(expected, found)[:2])) > _SAME:
-            self._found_for = 0.0
+            self._found_for, self._found_scans = 0.0, 0
             self._graph.suppose_segment(found, pose_local)
         else:
-            self._found_for += step
-            if self._found_for >= _PROBATION:
+            self._found_for, self._found_scans = self._found_for + step, self._found_scans + 1
+            if self._found_for >= _PROBATION[0] and self._found_scans >= _PROBATION[1]:
                 self._graph.place_segment(found, pose_local)
                 self._search = None
                 self.relocalizations += 1
