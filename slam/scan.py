@@ -71,6 +71,15 @@ class LaserScan:
         """(N,) whether the beam is known to have met nothing up to `range_max`."""
         return self.ranges > self.range_max
 
+    @cached_property
+    def is_open(self) -> NDArray[np.bool_]:
+        """(N,) whether the beam and those beside it met nothing: space is free there.
+
+        A laser misses glass, what is dark and what it grazes: fewer such beams in a row say nothing of what is there.
+        """
+        nothing = np.pad(self.is_no_return, 1, mode="edge") if len(self) else self.is_no_return
+        return np.asarray(np.lib.stride_tricks.sliding_window_view(nothing, 3).all(axis=1)) if len(self) else nothing
+
     @property
     def directions(self) -> NDArray[np.float64]:
         """(N, 2) unit vectors along the beams, laser frame; shared by scans with the same bearings."""

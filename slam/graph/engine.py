@@ -125,6 +125,7 @@ class Cartographer:
 
     def finish(self) -> None:
         """Match each node with all submaps around it, optimise the graph and straighten its submaps."""
+        self._recovery.finish()
         if self._global:
             self._global.finish()
 

@@ -114,7 +114,7 @@ class ImmobileLayers(OccupancyGrid):
             lambdas: Lambda of each beam's return (N,), or one for all; see `still_lambda` and `moving_lambda`.
         """
         each = np.broadcast_to(np.asarray(lambdas, dtype=np.float64), scan.ranges.shape)
-        chosen = scan.is_return | (scan.is_no_return & self.config.clear_no_return)
+        chosen = scan.is_return | (scan.is_open & self.config.clear_no_return)
         points, is_hit = scan_rays(scan, self.config.max_range, self.config.clear_no_return)
         if not len(points):
             return

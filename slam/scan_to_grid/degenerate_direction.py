@@ -34,7 +34,7 @@ def degenerate_direction(scan: LaserScan, points: Array) -> Array:
         scan: The scan.
         points: (N, 2) its thinned returns in the order of the beams, robot frame [m].
     """
-    if not scan.is_no_return.any():
+    if not scan.is_open.any():
         return np.zeros(2)
     runs, cos, sin = _twice_directions(points)
     if runs < _LEAST_RUNS:
@@ -73,5 +73,5 @@ def _sees_no_end(scan: LaserScan, direction: Array) -> bool:
     """Return whether most of the beams that look along `direction` (2,), robot frame, either way, meet nothing."""
     bearings = scan.bearings + scan.T_robot_lidar[2]
     along = np.abs(np.cos(bearings) * direction[0] + np.sin(bearings) * direction[1]) > _ASIDE
-    nothing, something = int((scan.is_no_return & along).sum()), int((scan.is_return & along).sum())
+    nothing, something = int((scan.is_open & along).sum()), int((scan.is_return & along).sum())
     return nothing >= _LEAST_OPEN and nothing > _OPEN_RATIO * something

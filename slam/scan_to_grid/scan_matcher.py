@@ -1,7 +1,7 @@
 """Scan-to-submap matching: correlative search where odometry leaves much open, then non-linear least squares."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Protocol
 
 import numpy as np
@@ -14,6 +14,7 @@ from ..geometry import transform_points, wrap_one
 from .correlative import correlate
 from .extrapolator import Prediction
 from .refine_kernels import refine_pose
+from .wide_search import search_widely
 
 Array = NDArray[np.float64]
 
@@ -37,7 +38,7 @@ class GridScanMatcherConfig:
         iterations: Most iterations of the least squares.
         min_points: Fewer points than this match nothing.
         retry_below: A score below so much of the typical one makes the matcher search more widely ...
-        retry_gain: ... and it takes what it finds when the score is higher by so much of the typical one.
+        retry_found: ... and it takes what it finds where the score is at least so much of the typical one.
         retry_sigmas: How many times wider the odometry's errors count then.
     """
 
@@ -49,8 +50,8 @@ class GridScanMatcherConfig:
     search_points: Annotated[int, Within(1, 10_000)] = 100
     iterations: Rounds = 20
     min_points: int = 10
-    retry_below: float = 0.4
-    retry_gain: float = 0.35
+    retry_below: float = 0.7
+    retry_found: float = 0.75
     retry_sigmas: float = 10.0
 
     def __post_init__(self) -> None:
@@ -69,12 +70,14 @@ class GridMatch:
         information: (3, 3) curvature of the scan's cost there, without that of the prior.
         score: Mean occupancy under the points, in [0, 1].
         searched: Whether the correlative search was needed.
+        retried: Whether it was found only far from where the odometry expects it.
     """
 
     pose: Array
     information: Array
     score: float
     searched: bool
+    retried: bool = False
 
 
 class Walls(Protocol):
@@ -111,7 +114,12 @@ class GridScanMatcher:
         self._typical_score = 0.0
 
     def match(
-        self, submap: Walls, points: Array, prediction: Prediction, degenerate: Array | None = None
+        self,
+        submap: Walls,
+        points: Array,
+        prediction: Prediction,
+        degenerate: Array | None = None,
+        anywhere: Prediction | None = None,
     ) -> GridMatch | None:
         """Return the match of a scan; None: there are too few points.
 
@@ -120,18 +128,38 @@ class GridScanMatcher:
             points: (N, 2) robot frame [m].
             prediction: Where the odometry expects it.
             degenerate: (2,) direction that is left to the odometry, robot frame, as `degenerate_direction` returns it.
+            anywhere: Where the robot may be whatever its odometry says, half the sides of the window as `sigma`; None: see
+                `retry_sigmas`.
         """
         config = self._config
         if len(points) < config.min_points:
             return None
         match = self._match(submap, points, prediction, degenerate)
         if match.score < config.retry_below * self._typical_score:
-            wide = Prediction(prediction.pose, config.retry_sigmas * prediction.sigma + _SLIP)
-            retried = self._match(submap, points, wide, degenerate)
-            if retried.score > match.score + config.retry_gain * self._typical_score:
-                match = retried
+            retried = self._retry(submap, points, prediction, degenerate, anywhere)
+            if retried and retried.score >= config.retry_found * self._typical_score:
+                match = replace(retried, retried=True)
         self._typical_score += _SCORE_MEMORY * (match.score - self._typical_score)
         return match
+
+    def _retry(
+        self, submap: Walls, points: Array, prediction: Prediction, degenerate: Array | None, anywhere: Prediction | None
+    ) -> GridMatch | None:
+        """Return the match of a scan that does not fit where the odometry expects it, if one place stands out."""
+        config = self._config
+        if anywhere is None:
+            wide = Prediction(prediction.pose, config.retry_sigmas * prediction.sigma + _SLIP)
+            return self._match(submap, points, wide, degenerate)
+        thinned = points[:: max(1, len(points) // config.search_points)]
+        step = submap.resolution / max(far_radius(points), 1.0)
+        place = submap.field, submap.corner, submap.resolution
+        linear, angular = anywhere.sigma.tolist()
+        start = search_widely(*place, thinned, anywhere.pose, linear, angular, step)
+        return None if start is None else self._match(submap, points, Prediction(start, anywhere.sigma), None)
+
+    def cost(self, match: GridMatch, points: int) -> float:
+        """Return the negative log-likelihood of a scan of so many `points` where it was matched, up to a constant."""
+        return self._config.weight * points * (1.0 - match.score)
 
     def _match(self, submap: Walls, points: Array, prediction: Prediction, degenerate: Array | None) -> GridMatch:
         config = self._config

@@ -10,12 +10,13 @@ from ...errors import InputError
 from ...geometry import between
 from ...scan import LaserScan
 from ...scan_to_grid.degenerate_direction import degenerate_direction
-from ...scan_to_grid.extrapolator import ExtrapolatorConfig, OdometryExtrapolator, Prediction
+from ...scan_to_grid.extrapolator import ExtrapolatorConfig, Prediction
 from ...scan_to_grid.scan_matcher import GridMatch, GridScanMatcher, GridScanMatcherConfig
 from ...scan_to_grid.voxel_filter import AdaptiveVoxelConfig, AdaptiveVoxelFilter
 from .active_submaps import ActiveSubmaps, ActiveSubmapsConfig
 from .match_monitor import MatchMonitor
 from .motion_filter import MotionFilter, MotionFilterConfig
+from .motion_model import MotionHypothesis, MotionModel
 from .submap import Submap
 from .sweep import Sweep
 
@@ -104,7 +105,7 @@ class LocalSlam:
     def __init__(self, config: LocalSlamConfig, monitor: MatchMonitor | None = None) -> None:
         self._config = config
         self._monitor = monitor
-        self._extrapolator: OdometryExtrapolator | None = None
+        self._motion = MotionModel(config.extrapolator)
         self._inserted_at: Array | None = None
         self._motion_filter = MotionFilter(config.motion_filter)
         self._voxel_filter = AdaptiveVoxelFilter(config.voxel_filter)
@@ -134,27 +135,39 @@ class LocalSlam:
 
     def update(self, odometry: Array, scan: LaserScan) -> LocalResult:
         """Take one scan and the odometry pose T_odom_robot (3,) at that time: predict, match, insert."""
-        extrapolator = self._extrapolator = self._extrapolator or OdometryExtrapolator(
-            self._config.extrapolator, odometry
-        )
-        prediction = extrapolator.predict(odometry)
+        hypotheses = self._motion.predict(odometry, scan.time_s)
         points = self._voxel_filter.apply(scan.points_robot)
-        match = self._match(scan, points, prediction)
+        motion, match = self._match(scan, points, hypotheses)
+        prediction = motion.prediction
         if match and self._monitor:
             submap, sensor = self._active.front, np.array(scan.T_robot_lidar[:2], dtype=np.float64)
-            if self._monitor.has_no_overlap(submap, points, prediction.pose, match.pose, match.score):
-                return LocalResult(prediction.pose, match, None, True, prediction.sigma, True)
-            if self._monitor.rejects(submap, points, sensor, match.pose, match.score):
-                return LocalResult(prediction.pose, match, None, True, prediction.sigma)
+            no_overlap = self._monitor.has_no_overlap(submap, points, prediction.pose, match.pose, match.score)
+            if no_overlap or self._monitor.rejects(submap, points, sensor, match.pose, match.score):
+                self._motion.take(hypotheses, motion, prediction.pose, False)
+                return LocalResult(prediction.pose, match, None, True, prediction.sigma, no_overlap)
         pose = match.pose if match else prediction.pose
-        if match or not self._active.begun:
-            extrapolator.correct(odometry, pose)
-        return LocalResult(pose, match, self._insert(odometry, scan, points, pose, match))
+        self._motion.take(hypotheses, motion, pose, match is not None or not self._active.begun)
+        return LocalResult(pose, match, self._insert(motion.odometry, scan, points, pose, match))
 
-    def _match(self, scan: LaserScan, points: Array, prediction: Prediction) -> GridMatch | None:
+    def _match(
+        self, scan: LaserScan, points: Array, hypotheses: list[MotionHypothesis]
+    ) -> tuple[MotionHypothesis, GridMatch | None]:
+        """Return the hypothesis that explains the scan best, and its match on the submap; None: there is none."""
         if not self._active.begun:
-            return None
-        return self._matcher.match(self._active.front, points, prediction, degenerate_direction(scan, points))
+            return hypotheses[0], None
+        degenerate = degenerate_direction(scan, points)
+        front, anywhere = self._active.front, self._motion.anywhere
+        matches = [self._matcher.match(front, points, h.prediction, degenerate, anywhere) for h in hypotheses]
+        costs = [
+            self._matcher.cost(match, len(points)) + motion.cost_at(match.pose) if match else motion.cost
+            for motion, match in zip(hypotheses, matches, strict=True)
+        ]
+        best = int(np.argmin(costs))
+        match = matches[best]
+        if match and anywhere and match.retried:
+            hypotheses[1:] = [self._motion.found(match.pose, anywhere.sigma)]
+            return min(hypotheses, key=lambda motion: motion.cost_at(match.pose)), match
+        return hypotheses[best], match
 
     def _insert(
         self, odometry: Array, scan: LaserScan, points: Array, pose: Array, match: GridMatch | None

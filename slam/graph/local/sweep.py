@@ -53,7 +53,7 @@ class Sweep:
         """
         mount = np.asarray(scan.T_robot_lidar)
         surface, returns = surface_points(scan.beam_points, spacing)
-        ends = min(free_ray_length, scan.range_max) * scan.directions[scan.is_no_return]
+        ends = min(free_ray_length, scan.range_max) * scan.directions[scan.is_open]
         points = np.concatenate((np.zeros((1, 2)), surface, ends))
         return cls(transform_points(mount, points), returns, len(surface) - returns)
 

@@ -78,6 +78,13 @@ class DriveSegments:
         """Say that the place of the newest segment is known now."""
         self._placed[-1] = True
 
+    def place_lost(self) -> None:
+        """Say that the newest segment, and nodes that were disowned as it began, lie where the odometry has them."""
+        last = len(self._placed)
+        while last > 1 and not self._placed[last - 1]:
+            last -= 1
+            self._placed[last], self._kidnapped[last] = True, False
+
     def add_node(self) -> None:
         """Let a new node belong to the newest segment."""
         self._of_node.append(self.current)

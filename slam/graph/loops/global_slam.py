@@ -52,6 +52,7 @@ class GlobalSlam:
         self._matching = NodeMatching(self.graph, self._builder, self._schedule)
         self._matched = 0  # nodes that local SLAM has matched, for their mean score
         self._T_global_local = np.zeros(3)  # of a drive segment without any node yet
+        self._bridge: tuple[Array, Prediction | None] = (np.zeros(3), None)  # T_global_local and motion at the last loss
         self._finished_nodes = self._adjusted = 0  # nodes at the end of the drive, and when the graph was adjusted last
         self._trimmed = TrimmedNodes.none()
         self._trim_due = False
@@ -103,15 +104,15 @@ class GlobalSlam:
             kidnapped: Whether the odometry knows nothing of how the robot came there.
         """
         self._T_global_local = self.local_to_global
+        self._bridge = self._T_global_local, None
         self.graph.segments.begin(disowned, kidnapped)
 
-    def place_segment(self, pose: Array, pose_local: Array) -> None:
-        """Say where the newest segment lies: `pose` (3,) T_global_robot belongs to `pose_local` (3,) T_local_robot.
+    def suppose_segment(self, pose: Array, pose_local: Array) -> None:
+        """Say where the newest segment may lie: `pose` (3,) T_global_robot belongs to `pose_local` (3,) T_local_robot.
 
-        It is tied to the submaps around that place: the segment before may have drifted by where the robot was lost.
+        Its poses move there, but nothing is tied to anything yet.
         """
         graph, segments = self.graph, self.graph.segments
-        segments.place_current()
         self._T_global_local = compose(pose, inverse(pose_local))
         for s in segments.current_submaps():
             graph.submap_poses[s] = compose(self._T_global_local, graph.submaps[s].pose_local)
@@ -122,8 +123,27 @@ class GlobalSlam:
         if nodes and nodes[0] > 0 and segments.current_kidnapped:
             tie = between(graph.node_poses[nodes[0] - 1], graph.node_poses[nodes[0]])
             graph.nodes[nodes[0]] = replace(graph.nodes[nodes[0]], motion=Prediction(tie, _LOOSE))
+
+    def place_segment(self, pose: Array, pose_local: Array) -> None:
+        """Say where the newest segment lies, as `suppose_segment` takes it.
+
+        It is tied to the submaps around that place: the segment before may have drifted by where the robot was lost.
+        """
+        self.suppose_segment(pose, pose_local)
+        self.graph.segments.place_current()
+        nodes = self.graph.segments.current_nodes()
         if nodes:
             self._tie_segment(nodes)
+
+    def go_on_by_odometry(self) -> None:
+        """Place the newest segment where the odometry has it, as if the robot had never been lost."""
+        graph, segments = self.graph, self.graph.segments
+        T_lost, bridge = self._bridge
+        self.suppose_segment(T_lost, np.zeros(3))
+        nodes = segments.current_nodes()
+        if nodes and bridge is not None:
+            graph.nodes[nodes[0]] = replace(graph.nodes[nodes[0]], motion=bridge)
+        segments.place_lost()
 
     def _tie_segment(self, nodes: list[int]) -> None:
         """Tie the nodes of a segment that was just placed to the submaps around its last node."""
@@ -158,6 +178,7 @@ class GlobalSlam:
         segments = self.graph.segments
         if not self.graph.nodes or segments.current_has_nodes or not segments.current_kidnapped:
             return insertion.motion
+        self._bridge = self._bridge[0], insertion.motion
         sigma = _RELOCALIZED if segments.current_placed else _LOOSE
         return Prediction(between(self.graph.node_poses[-1], pose), sigma)
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry import compose
+from ...geometry import between, compose
 from ...scan import LaserScan
 from ..local.local_slam import LocalResult, LocalSlam
 from ..local.match_monitor import MatchMonitor
@@ -20,6 +20,9 @@ from .verdict import verdict
 
 Array = NDArray[np.float64]
 
+_PROBATION = 3.0, 10  # [m, scans] for which the robot must be followed on the map before it is believed to be there
+_SAME = 0.5  # [m] within which the place that was found goes on as the robot does
+_GIVE_UP = 20.0  # [m] after which a place that was not found is not sought any longer
 _DRIFT = 2.0  # standard deviations of the odometry by which local SLAM may be led astray
 
 
@@ -57,6 +60,9 @@ class KidnapRecovery:
         self._map = NodeMap(graph, record)
         self._hypothesis = KidnapHypothesis()
         self._search: Relocalization | None = None
+        self._lost_for = 0.0  # [m] driven since the robot was lost
+        self._found_for: float | None = None  # [m] driven since it was found; None: it is not
+        self._found_scans = 0
         self.losses = self.relocalizations = 0
 
     def review(self, result: LocalResult, odometry: Array, scan: LaserScan) -> LocalResult:
@@ -152,6 +158,7 @@ class KidnapRecovery:
         hypothesis, record = self._hypothesis, self._record
         self.losses += 1
         self._search = Relocalization(self._map.up_to(hypothesis.trusted_nodes), hypothesis.scans, region)
+        self._lost_for, self._found_for = 0.0, None
         first = len(record) + 1 - len(hypothesis.scans)
         self._graph.begin_segment(record.nodes_since(first), kidnapped=region is None)
         record.begin_segment(first)
@@ -161,6 +168,9 @@ class KidnapRecovery:
     def relocalize(self, odometry: Array, scan: LaserScan, pose_local: Array) -> None:
         """Go on with the search, if there is one; when it succeeds, place the newest drive segment on the map.
 
+        A place that was found is on probation first: the graph is tied to it only when the robot has been followed on
+        the map for a while. Where none stands the test, the drive goes on by the odometry: loop closure decides.
+
         Args:
             odometry: (3,) T_odom_robot.
             scan: The scan.
@@ -168,15 +178,34 @@ class KidnapRecovery:
         """
         if not self._search:
             return
-        found = self._search.update(odometry, scan, compose(self._graph.local_to_global, pose_local))
-        if found is not None:
-            self._graph.place_segment(found, pose_local)
+        step = float(np.hypot(*between(self._record.last_pose, pose_local)[:2]))
+        self._lost_for += step
+        expected = compose(self._graph.local_to_global, pose_local)
+        found = self._search.update(odometry, scan, expected)
+        if found is None:
+            self._found_for = None if self._search.searching else self._found_for
+        elif self._found_for is None or float(np.hypot(*between(expected, found)[:2])) > _SAME:
+            self._found_for, self._found_scans = 0.0, 0
+            self._graph.suppose_segment(found, pose_local)
+        else:
+            self._found_for, self._found_scans = self._found_for + step, self._found_scans + 1
+            if self._found_for >= _PROBATION[0] and self._found_scans >= _PROBATION[1]:
+                self._graph.place_segment(found, pose_local)
+                self._search = None
+                self.relocalizations += 1
+        if self._search and self._found_for is None and self._lost_for >= _GIVE_UP:
+            self.finish()
+
+    def finish(self) -> None:
+        """End a search that has not come to a result: the drive goes on where the odometry has it."""
+        if self._search:
+            self._graph.go_on_by_odometry()
             self._search = None
-            self.relocalizations += 1
 
     def located(self, result: LocalResult) -> bool:
         """Return whether it is known where on the map the robot is, after a scan of which this came."""
-        return self._search is None and not (result.inconsistent or self._hypothesis.unsure)
+        known = self._search is None or self._found_for is not None
+        return known and not (result.inconsistent or self._hypothesis.unsure)
 
     @property
     def holds_nodes(self) -> bool:

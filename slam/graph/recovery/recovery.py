@@ -43,6 +43,10 @@ class Recovery(Protocol):
         """
         ...
 
+    def finish(self) -> None:
+        """Take note that the drive has ended."""
+        ...
+
     def located(self, result: LocalResult) -> bool:
         """Return whether it is known where on the map the robot is, after a scan of which this came."""
         ...
@@ -69,6 +73,9 @@ class NoRecovery:
         return result
 
     def relocalize(self, odometry: Array, scan: LaserScan, pose_local: Array) -> None:
+        """Do nothing."""
+
+    def finish(self) -> None:
         """Do nothing."""
 
     def located(self, result: LocalResult) -> bool:

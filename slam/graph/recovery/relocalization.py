@@ -45,6 +45,11 @@ class Relocalization:
         within = pose is None or self.region is None or self.region.holds(pose, expected)
         return pose if within else None
 
+    @property
+    def searching(self) -> bool:
+        """Whether no place is known now."""
+        return self._localizer is None or self._localizer.pose is None
+
     def _localized(self, odometry: Array, scan: LaserScan) -> Array | None:
         if self._localizer is None:
             return None
