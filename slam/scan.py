@@ -71,7 +71,7 @@ class LaserScan:
         """(N,) whether the beam is known to have met nothing up to `range_max`."""
         return self.ranges > self.range_max
 
-    @cached_property
+    @property
     def is_open(self) -> NDArray[np.bool_]:
         """(N,) whether the beam and those beside it met nothing: space is free there.
 

@@ -128,8 +128,8 @@ class GridScanMatcher:
             points: (N, 2) robot frame [m].
             prediction: Where the odometry expects it.
             degenerate: (2,) direction that is left to the odometry, robot frame, as `degenerate_direction` returns it.
-            anywhere: Where the robot may be whatever its odometry says, half the sides of the window as `sigma`; None: see
-                `retry_sigmas`.
+            anywhere: Where the robot may be whatever its odometry says, half the sides of the window as `sigma`; None:
+                see `retry_sigmas`.
         """
         config = self._config
         if len(points) < config.min_points:
@@ -143,7 +143,12 @@ class GridScanMatcher:
         return match
 
     def _retry(
-        self, submap: Walls, points: Array, prediction: Prediction, degenerate: Array | None, anywhere: Prediction | None
+        self,
+        submap: Walls,
+        points: Array,
+        prediction: Prediction,
+        degenerate: Array | None,
+        anywhere: Prediction | None,
     ) -> GridMatch | None:
         """Return the match of a scan that does not fit where the odometry expects it, if one place stands out."""
         config = self._config

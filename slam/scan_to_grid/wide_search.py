@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ..search.branch_and_bound import Separation, SearchWindow, branch_and_bound
+from ..search.branch_and_bound import SearchWindow, Separation, branch_and_bound
 from ..search.score_pyramid import ScoreGrid, build_pyramid
 
 Array = NDArray[np.float64]

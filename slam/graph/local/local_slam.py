@@ -78,6 +78,7 @@ class LocalResult:
         insertion: What was inserted; None: the motion filter dropped the scan, or it is inconsistent.
         inconsistent: Whether the scan contradicts the submap: then the pose is that of the odometry.
         sigma: (2,) standard deviations of that pose where the scan is inconsistent [m, rad]; else None.
+        doubtful: Whether the robot was found far from where it was thought to be, and nothing has confirmed that yet.
         no_overlap: Whether the scan sees nothing of what the submap knows, as the first one after a gap in a log.
     """
 
@@ -87,6 +88,7 @@ class LocalResult:
     inconsistent: bool = False
     sigma: Array | None = None
     no_overlap: bool = False
+    doubtful: bool = False
 
     @property
     def matched_pose(self) -> Array:
@@ -143,11 +145,16 @@ class LocalSlam:
             submap, sensor = self._active.front, np.array(scan.T_robot_lidar[:2], dtype=np.float64)
             no_overlap = self._monitor.has_no_overlap(submap, points, prediction.pose, match.pose, match.score)
             if no_overlap or self._monitor.rejects(submap, points, sensor, match.pose, match.score):
+                if match.retried:  # what contradicts the submap does not tell where the robot went, either
+                    motion, prediction = hypotheses[0], hypotheses[0].prediction
                 self._motion.take(hypotheses, motion, prediction.pose, False)
                 return LocalResult(prediction.pose, match, None, True, prediction.sigma, no_overlap)
         pose = match.pose if match else prediction.pose
-        self._motion.take(hypotheses, motion, pose, match is not None or not self._active.begun)
-        return LocalResult(pose, match, self._insert(motion.odometry, scan, points, pose, match))
+        self._motion.take(
+            hypotheses, motion, pose, match is not None or not self._active.begun, bool(match and match.retried)
+        )
+        insertion = self._insert(motion.odometry, scan, points, pose, match)
+        return LocalResult(pose, match, insertion, doubtful=self._motion.jumped)
 
     def _match(
         self, scan: LaserScan, points: Array, hypotheses: list[MotionHypothesis]
@@ -156,7 +163,8 @@ class LocalSlam:
         if not self._active.begun:
             return hypotheses[0], None
         degenerate = degenerate_direction(scan, points)
-        front, anywhere = self._active.front, self._motion.anywhere
+        believed_anyhow = self._monitor is not None and self._monitor.accepts_next
+        front, anywhere = self._active.front, None if believed_anyhow else self._motion.anywhere
         matches = [self._matcher.match(front, points, h.prediction, degenerate, anywhere) for h in hypotheses]
         costs = [
             self._matcher.cost(match, len(points)) + motion.cost_at(match.pose) if match else motion.cost

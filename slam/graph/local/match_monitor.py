@@ -69,12 +69,13 @@ class MatchMonitor:
 
     Attributes:
         rejected: How many scans in a row were rejected.
+        accepts_next: Whether the next scan is believed in any case.
     """
 
     def __init__(self, config: MatchMonitorConfig) -> None:
         self._config = config
         self._usual = 0.0  # score
-        self._accepts_next = False
+        self.accepts_next = False
         self._lost = 0  # of the rejected scans, those that cannot belong to the submap at all
         self.rejected = 0
 
@@ -95,7 +96,7 @@ class MatchMonitor:
     def accept_next(self) -> None:
         """Believe the next scan in any case: nothing better is known than where the robot was thought to be."""
         self.rejected = self._lost = 0
-        self._accepts_next = True
+        self.accepts_next = True
 
     def far_off(self, predicted: Array, pose: Array) -> bool:
         """Return whether a match at `pose` (3,) lies far from where the odometry has `predicted` (3,) the robot."""
@@ -142,12 +143,12 @@ class MatchMonitor:
             poor, contradicted = config.poor_after, config.contradicted_after
         place = submap.field, submap.visits, submap.corner, submap.resolution
         share = contradictions(*place, sensor, points, pose, config.slack) / len(points)
-        if score < poor * self._usual and not self._accepts_next and share > contradicted:
+        if score < poor * self._usual and not self.accepts_next and share > contradicted:
             self.rejected += 1
             self._lost += score < config.poor_lost * self._usual and share > config.contradicted_lost
             return True
         self._usual = score if self._usual == 0.0 else self._usual + _MEMORY * (score - self._usual)
-        self._accepts_next = False
+        self.accepts_next = False
         self.rejected = self._lost = 0
         return False
 

@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 _BREAKS, _HEALS = 0.001, 0.1  # probability that sound odometry fails with the next scan, and that a fault ends
 _ACCELERATION = np.array([1.0, 2.0])  # [m/s^2, rad/s^2] of a wheeled robot among people, a standard deviation
 _AGREE = 3.0  # standard deviations within which a match from one prediction finds what it would from the other
+_TRUSTED = 0.9  # probability from which sound odometry stands for where the robot is
 _CHANCE = 0.1  # share of faulty motions that agree with both predictions
 _SLIP, _STEPS = np.array([0.5, 0.5]), 3.0  # [m, rad] a robot without odometry may be so far, and so many usual steps
 _FARTHEST = np.array([5.0, np.pi])  # [m, rad] and no farther
@@ -33,7 +34,7 @@ class MotionHypothesis:
     """One of the two ways in which the robot may have moved.
 
     Attributes:
-        odometry: (3,) T_odom_robot of an odometry that moved so, and otherwise as the robot's does where it is believed.
+        odometry: (3,) T_odom_robot of an odometry without faults that moved so.
         prediction: Where that leads.
         cost: Negative logarithm of its probability beforehand, and of the width of what it allows.
         sound: Whether the odometry is believed.
@@ -60,6 +61,7 @@ class MotionModel:
     Attributes:
         odometry: (3,) T_odom_robot of the odometry without its faults; None before the first scan.
         faults: At how many scans the odometry was not believed.
+        jumped: Whether the robot was found far from where it was thought to be, and its odometry has not agreed since.
     """
 
     def __init__(self, config: ExtrapolatorConfig) -> None:
@@ -68,6 +70,7 @@ class MotionModel:
         self._told = np.zeros(3)  # odometry as the robot tells it
         self._offset: Array | None = None  # T_believed_told of the two odometry frames; None: no fault so far
         self._doubt = np.zeros(2)  # sigma of the motions since the last match that the odometry did not tell
+        self._moved = 0.0  # [m] by the odometry since the last scan
         self._sound = 1.0  # probability
         self._time = self._step_s = 0.0
         self._pose: Array | None = None  # at the last scan
@@ -75,6 +78,7 @@ class MotionModel:
         self._velocity: Array | None = None  # (3,) of the robot's frame, by the last two poses [m/s, m/s, rad/s]
         self.odometry: Array | None = None
         self.faults = 0
+        self.jumped = False
 
     def predict(self, odometry: Array, time_s: float) -> list[MotionHypothesis]:
         """Return one or both hypotheses about the motion to the odometry pose T_odom_robot (3,) at `time_s` [s]."""
@@ -83,6 +87,7 @@ class MotionModel:
             self._extrapolator = OdometryExtrapolator(self._config, odometry)
             self._told, self._time = odometry, time_s
         moved = between(self._told, odometry)
+        self._moved = math.hypot(moved[0], moved[1])
         elapsed = time_s - self._time
         self._told, self._time, self._step_s = odometry, time_s, elapsed
         self._sound = self._sound * (1.0 - _BREAKS) + (1.0 - self._sound) * _HEALS
@@ -101,12 +106,21 @@ class MotionModel:
 
     @property
     def anywhere(self) -> Prediction | None:
-        """Where the robot may have gone since the last scan, whatever its odometry says; None: there was no scan."""
+        """Where the robot may have gone since the last scan, whatever its odometry says.
+
+        None: there was no scan, or sound odometry tells of a way that is longer, as across a gap in a log.
+        """
         reach = np.minimum(_SLIP + _STEPS * self._usual, _FARTHEST)
-        return None if self._pose is None else Prediction(self._pose, reach)
+        gap = self._sound > 0.5 and self._moved > reach[0]
+        return None if self._pose is None or gap else Prediction(self._pose, reach)
 
     def found(self, pose: Array, sigma: Array) -> MotionHypothesis:
-        """Return the hypothesis that the odometry has nothing to do with the motion, which led to `pose` (3,), sought within `sigma` (2,)."""
+        """Return the hypothesis that the motion, of which the odometry knew nothing, led to `pose` (3,).
+
+        Args:
+            pose: T_local_robot.
+            sigma: (2,) within which it was sought [m, rad].
+        """
         assert self._extrapolator is not None
         anchor = self._extrapolator.predict(np.zeros(3)).pose  # T_local_odom of the believed odometry
         cost = -math.log(1.0 - self._sound) + 2.0 * math.log(sigma[0]) + math.log(sigma[1])
@@ -120,7 +134,14 @@ class MotionModel:
         cost = -math.log(probability) + 2.0 * math.log(sigma[0]) + math.log(sigma[1])
         return MotionHypothesis(odometry, Prediction(prediction.pose, sigma), cost, sound)
 
-    def take(self, hypotheses: list[MotionHypothesis], chosen: MotionHypothesis, pose: Array, matched: bool) -> None:
+    def take(
+        self,
+        hypotheses: list[MotionHypothesis],
+        chosen: MotionHypothesis,
+        pose: Array,
+        matched: bool,
+        jumped: bool = False,
+    ) -> None:
         """Take the `pose` (3,) of the scan that `hypotheses` were made for, and which of them led there.
 
         Args:
@@ -128,6 +149,7 @@ class MotionModel:
             chosen: The one that holds.
             pose: T_local_robot.
             matched: Whether a match says so; else the pose is that of the prediction.
+            jumped: Whether that match was found only far from the prediction.
         """
         assert self._extrapolator is not None
         self.faults += not chosen.sound
@@ -141,6 +163,7 @@ class MotionModel:
                 self._sound = 1.0 / (1.0 + math.exp(min(lead, 700.0)))
             else:
                 self._sound /= self._sound + _CHANCE * (1.0 - self._sound)
+            self.jumped = jumped or (self.jumped and self._sound < _TRUSTED)
             self._sound = min(max(self._sound, _BREAKS**2), 1.0 - _BREAKS**2)
             self._extrapolator.correct(chosen.odometry, pose)
             self._doubt = np.zeros(2)

@@ -50,7 +50,8 @@ class DriveRecord:
         drive segment has begun meanwhile, people were in the way: then it was where it had been matched after all.
         """
         if result.inconsistent and result.match:
-            self._unconfirmed.append((len(self), result.match.pose))
+            fits = result.pose if result.match.retried else result.match.pose
+            self._unconfirmed.append((len(self), fits))
         else:
             for k, pose in self._unconfirmed:
                 self._poses[k] = pose

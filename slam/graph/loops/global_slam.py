@@ -52,7 +52,7 @@ class GlobalSlam:
         self._matching = NodeMatching(self.graph, self._builder, self._schedule)
         self._matched = 0  # nodes that local SLAM has matched, for their mean score
         self._T_global_local = np.zeros(3)  # of a drive segment without any node yet
-        self._bridge: tuple[Array, Prediction | None] = (np.zeros(3), None)  # T_global_local and motion at the last loss
+        self._bridge: tuple[Array, Prediction | None] = (np.zeros(3), None)  # T_global_local and motion at a loss
         self._finished_nodes = self._adjusted = 0  # nodes at the end of the drive, and when the graph was adjusted last
         self._trimmed = TrimmedNodes.none()
         self._trim_due = False

@@ -16,7 +16,7 @@ from .place_comparison import compare_places
 from .relocalization import Relocalization
 from .scan_consistency import ScanConsistency
 from .search_region import SearchRegion
-from .verdict import verdict
+from .verdict import BLOCKED, verdict
 
 Array = NDArray[np.float64]
 
@@ -63,6 +63,10 @@ class KidnapRecovery:
         self._lost_for = 0.0  # [m] driven since the robot was lost
         self._found_for: float | None = None  # [m] driven since it was found; None: it is not
         self._found_scans = 0
+        self._patience = (
+            np.inf
+        )  # [m] for which it is sought; where it was surely carried, or odometry draws it, for good
+        self._carried = False  # whether walls of the map stop beams where the robot was thought to be
         self.losses = self.relocalizations = 0
 
     def review(self, result: LocalResult, odometry: Array, scan: LaserScan) -> LocalResult:
@@ -75,6 +79,7 @@ class KidnapRecovery:
         """
         suspect = result.inconsistent and self._monitor.rejected == 1
         inconsistency = self._consistency.inconsistency(scan, odometry, result.matched_pose, suspect)
+        beside = result.no_overlap and inconsistency > 0.0  # all that is known, and unlike what was seen just before
         if result.no_overlap and result.sigma is not None:
             if not self._hypothesis.inconsistency:
                 self._hypothesis = KidnapHypothesis()
@@ -83,6 +88,7 @@ class KidnapRecovery:
             if self._search or not (inconsistency or self._hypothesis.inconsistency):
                 return result
         self._collect(result, inconsistency, odometry, scan)
+        self._hypothesis.unsure |= beside
         if not (self._monitor.alarmed or (self._hypothesis.due and not self._search)):
             return result
         return self._conclude(result, odometry, scan)
@@ -120,11 +126,14 @@ class KidnapRecovery:
     def _verdict(self, result: LocalResult) -> Verdict:
         """Return what the hypothesis comes to; who is lost already can only be lost again, where nothing fits."""
         place, graph = self._map.up_to(self._hypothesis.trusted_nodes), self._graph
+        if self._search and self._found_for is not None:
+            return Verdict.HERE  # it is followed on the map; what its young submap does not know says nothing
         if self._search or not result.match:
             return Verdict.KIDNAPPED if self._monitor.clearly_lost else Verdict.UNSURE
         here, hypothesis = compose(graph.local_to_global, result.match.pose), self._hypothesis
         trust, drift = hypothesis.trust, _DRIFT * graph.drift
         comparison = place and compare_places(place, hypothesis.scans, here, trust=trust, drift=drift)
+        self._carried = comparison is not None and comparison.blocked >= BLOCKED
         return verdict(hypothesis, self._monitor, comparison)
 
     def _cross_gap(self, pose: Array, sigma: Array, odometry: Array, scan: LaserScan) -> None:
@@ -159,6 +168,7 @@ class KidnapRecovery:
         self.losses += 1
         self._search = Relocalization(self._map.up_to(hypothesis.trusted_nodes), hypothesis.scans, region)
         self._lost_for, self._found_for = 0.0, None
+        self._patience = np.inf if self._carried or region else _GIVE_UP
         first = len(record) + 1 - len(hypothesis.scans)
         self._graph.begin_segment(record.nodes_since(first), kidnapped=region is None)
         record.begin_segment(first)
@@ -190,22 +200,26 @@ class KidnapRecovery:
         else:
             self._found_for, self._found_scans = self._found_for + step, self._found_scans + 1
             if self._found_for >= _PROBATION[0] and self._found_scans >= _PROBATION[1]:
-                self._graph.place_segment(found, pose_local)
-                self._search = None
-                self.relocalizations += 1
-        if self._search and self._found_for is None and self._lost_for >= _GIVE_UP:
-            self.finish()
-
-    def finish(self) -> None:
-        """End a search that has not come to a result: the drive goes on where the odometry has it."""
-        if self._search:
+                self._place(found, pose_local)
+        if self._search and self._found_for is None and self._lost_for >= self._patience:
             self._graph.go_on_by_odometry()
             self._search = None
 
+    def _place(self, pose: Array, pose_local: Array) -> None:
+        self._graph.place_segment(pose, pose_local)
+        self._search = None
+        self.relocalizations += 1
+
+    def finish(self) -> None:
+        """Take note that the drive has ended: a place on probation is believed if enough scans stand for it."""
+        if self._search and self._found_for is not None and self._found_scans >= _PROBATION[1]:
+            self._place(compose(self._graph.local_to_global, self._record.last_pose), self._record.last_pose)
+
     def located(self, result: LocalResult) -> bool:
         """Return whether it is known where on the map the robot is, after a scan of which this came."""
-        known = self._search is None or self._found_for is not None
-        return known and not (result.inconsistent or self._hypothesis.unsure)
+        if self._search:  # the whole map vouches for it, whatever its young submap does not know
+            return self._found_for is not None and not self._search.searching
+        return not (result.inconsistent or result.doubtful or self._hypothesis.unsure)
 
     @property
     def holds_nodes(self) -> bool:

@@ -10,7 +10,7 @@ from ..local.match_monitor import MatchMonitor
 from .kidnap_hypothesis import SCANS, KidnapHypothesis, Verdict
 from .place_comparison import PlaceComparison
 
-_BLOCKED = 0.05  # share of the beams that walls of the map would stop, of those that people and drift make
+BLOCKED = 0.05  # share of the beams that walls of the map would stop, of those that people and drift make
 _EXPLAINED = 0.5  # share of the beams that must end at walls of the map where the robot is believed to have stayed
 
 
@@ -73,7 +73,7 @@ def _believed_place_refuted(hypothesis: KidnapHypothesis, comparison: PlaceCompa
     What is new may look like what is mapped already. So the other place must explain the scans well and walls of the
     map must stop beams at the believed one, unless so much changed between two scans that people cannot have done it.
     """
-    return hypothesis.strong or (comparison.other_explains_well and comparison.blocked >= _BLOCKED)
+    return hypothesis.strong or (comparison.other_explains_well and comparison.blocked >= BLOCKED)
 
 
 def _stayed(hypothesis: KidnapHypothesis, comparison: PlaceComparison) -> bool:
