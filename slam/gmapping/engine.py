@@ -18,10 +18,11 @@ from ..scan import LaserScan
 from ..settings import with_settings
 from .config import GMappingConfig
 from .matcher import ParticleScanMatcher
-from .motion import MotionModel
+from .motion import MotionModel, turned
 from .paths import PathTree
 from .resampling import effective_number, normalised, systematic
 from .tile_maps import TileMaps
+from .tracking import Tracked, Tracker
 
 Array = NDArray[np.float64]
 
@@ -50,6 +51,7 @@ class GMapping:
         self._maps = TileMaps(config.particles, config.delta, config.fullness, workers, config.ray_margin)
         self._matcher = ParticleScanMatcher(self.config.matcher, workers)
         self._motion = MotionModel(self.config.srr, self.config.srt, self.config.str_, self.config.stt)
+        self._tracker = Tracker(config.tracking, self._matcher, self._motion)
         self._paths = PathTree()
         self._poses = np.zeros((self.config.particles, 3))
         self._log_weights = np.zeros(self.config.particles)  # since the last resampling
@@ -57,7 +59,7 @@ class GMapping:
         self._odometry: Array | None = None
         self._online = PoseLog()
         self._layers = array("q")  # the matched scan that each scan follows
-        self._offsets = PoseLog()  # T_matched_scan by odometry
+        self._offsets = PoseLog()  # T_matched_scan
         self._kept = KeptScans()  # matched scans, from which maps are drawn
 
     @classmethod
@@ -77,15 +79,16 @@ class GMapping:
             self._poses[:] = odometry
             integrated = True
         else:
-            self._motion.add(between(self._odometry, odometry))
+            points_robot = scan.points_robot[scan.ranges[scan.is_return] <= self.config.max_urange]
+            tracked = self._track(points_robot, between(self._odometry, odometry))
             integrated = self._is_due(scan)
             if integrated:
-                diagnostics = self._process(scan)
+                diagnostics = self._process(points_robot)
         if integrated:
             self._integrate(scan)
         self._odometry = odometry
         self._layers.append(len(self._paths) - 1)
-        self._offsets.append(self._motion.mean)
+        self._offsets.append(self._tracker.pose)
         self._online.append(self.pose)
         return SlamUpdate(self.pose, integrated, diagnostics)
 
@@ -95,7 +98,7 @@ class GMapping:
     @property
     def pose(self) -> Array:
         """(3,) T_map_robot of the best particle now."""
-        return compose(self._poses[self.best_particle], self._motion.mean)
+        return compose(self._poses[self.best_particle], self._tracker.pose)
 
     @property
     def best_particle(self) -> int:
@@ -130,14 +133,22 @@ class GMapping:
         return self._maps.to_map(self.best_particle)
 
     def _is_due(self, scan: LaserScan) -> bool:
-        moved = self._motion.travelled >= self.config.linear_update or self._motion.turned >= self.config.angular_update
-        return moved and bool(scan.is_return.any())
+        x, y, heading = self._tracker.pose
+        way, turn = max(self._motion.travelled, np.hypot(x, y)), max(self._motion.turned, abs(heading))
+        moved = way >= self.config.linear_update or turn >= self.config.angular_update
+        return bool(moved and scan.is_return.any())
 
-    def _process(self, scan: LaserScan) -> dict[str, float]:
+    def _track(self, points_robot: Array, increment: Array) -> Tracked:
+        """Follow the robot on the best particle's map, and gather how it moved."""
+        particle = self.best_particle
+        tracked = self._tracker.track(self._maps, particle, self._poses[particle], points_robot, increment)
+        self._motion.add(increment if tracked.believed else tracked.motion)
+        return tracked
+
+    def _process(self, points_robot: Array) -> dict[str, float]:
         """Match, draw, weigh and resample."""
-        points_robot = scan.points_robot[scan.ranges[scan.is_return] <= self.config.max_urange]
-        means = compose(self._poses, self._motion.mean)
-        covariances = _turned(self._motion.covariance, self._poses[:, 2])
+        means = compose(self._poses, self._tracker.pose)
+        covariances = turned(self._motion.covariance, self._poses[:, 2])
         matches = self._matcher.match(self._maps, points_robot, means, covariances, self._rng)
         lost = matches.losses > 1.0 - self.config.minimum_score
         modes = np.where(lost[:, None], means, matches.modes)
@@ -154,6 +165,7 @@ class GMapping:
         if resampled:
             self._resample(systematic(weights, offset))
         self._motion.reset()
+        self._tracker.anchor()
         return {"neff": neff, "loss": float(matches.losses.mean()), "resampled": float(resampled)}
 
     def _resample(self, parents: NDArray[np.intp]) -> None:
@@ -174,12 +186,3 @@ class GMapping:
         if len(points_lidar):
             self._maps.write(compose(self._poses, scan.T_robot_lidar), points_lidar, is_hit)
 
-
-def _turned(covariance: Array, angles: Array) -> Array:
-    """Return `covariance` (3, 3) of a pose in frames turned by `angles` (P,), as (P, 3, 3)."""
-    turns = np.zeros((len(angles), 3, 3))
-    turns[:, 0, 0] = turns[:, 1, 1] = np.cos(angles)
-    turns[:, 1, 0] = np.sin(angles)
-    turns[:, 0, 1] = -turns[:, 1, 0]
-    turns[:, 2, 2] = 1.0
-    return turns @ covariance @ turns.swapaxes(1, 2)
