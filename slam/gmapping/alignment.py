@@ -3,11 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..geometry import wrap_angle
+from ..search.branch_and_bound import SearchWindow, Separation, branch_and_bound
+from ..search.score_pyramid import ScoreGrid, build_pyramid
 from .config import TrackingConfig
-from .fit_kernels import compare, search_samples, search_window
+from .fit_kernels import compare, draw_scores, search_samples
 from .match_kernels import match
 from .matcher import ParticleScanMatcher
 from .tile_kernels import SIDE
@@ -15,6 +17,13 @@ from .tile_maps import TileMaps
 
 Array = NDArray[np.float64]
 
+_SEARCH_CELL = 0.1  # [m] of the search without odometry; the refinement reaches twice as far
+_TOP_LEVEL = 3
+_NEAR_WORTH = np.uint8(204)  # beside an occupied place; less than on it, so that maxima stand in the middle
+_UNKNOWN_WORTH = np.uint8(128)  # between occupied and free; maxima are to lie where the map knows something
+_MOST_UNKNOWN = 0.5  # share of the points
+_ROUGH = 4.0  # a pose of the coarse search may be worth so much less than what it is refined to
+_MAXIMA, _SEPARATION = 3, Separation(linear=0.4, angular=0.2)
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
@@ -92,20 +101,48 @@ class MapAlignment:
         )  # fmt: skip
         return self.refined(self._to_metres(pose), expected, covariance)
 
-    def around(self, centre: Array, reach: Array, enough: float) -> Candidate | None:
-        """Return the refined best pose within `reach` (2,) [m, rad] of `centre` (3,); None: none is worth `enough`."""
-        maps, config = self._maps, self._config
-        step = np.array([config.window_step, config.window_step, config.window_turn])
-        steps = np.ceil(np.array([reach[0], reach[0], min(reach[1], np.pi)]) / step).astype(np.int64)
-        pose = self._to_cells(centre)
-        value = search_window(
-            pose.copy(), steps, step * self._scale, self._few, config.weight, config.unseen, enough, self._directory,
-            maps.counts, maps.bits, pose,
-        )  # fmt: skip
-        if value == -np.inf:
-            return None
-        deviations = 0.5 * np.array([reach[0], reach[0], reach[1]])
-        return self.refined(self._to_metres(pose), centre, np.diag(deviations**2))
+    def around(self, centre: Array, reach: Array, enough: float) -> list[Candidate]:
+        """Return the refined best poses within `reach` (2,) [m, rad] of `centre` (3,) that may be worth `enough`.
+
+        The map knows most of what the scan sees there: a place where it knows nothing explains any scan.
+        """
+        config, points = self._config, self._few * self._maps.cell
+        window = SearchWindow(linear=float(reach[0]), angular=float(reach[1]), angular_step=config.window_turn)
+        grid = self._scores(centre, float(reach[0]) + float(np.hypot(*points.T).max()))
+        pyramid = build_pyramid(grid, top_level=_TOP_LEVEL, margin=window.reach(grid.resolution) + (1 << _TOP_LEVEL))
+        least = max(0.0, 1.0 + (enough - _ROUGH) / config.weight)
+        found = branch_and_bound(
+            pyramid, points, centre, window, min_score=least, maxima=_MAXIMA, separation=_SEPARATION
+        )
+        information = _information(reach)
+        settled = (self._settled(each.pose, centre, information) for each in found.maxima)
+        return [each for each in settled if each.unknown <= _MOST_UNKNOWN]
+
+    def steady(self, centre: Array, expected: Array, reach: Array) -> Candidate:
+        """Return where steps lead from the pose `expected` (3,) of a robot that goes on as before; see `around`."""
+        near = self.refined(expected, expected, np.linalg.inv(_information(0.25 * reach)))
+        return self._settled(near.pose, centre, _information(reach))
+
+    def _settled(self, start: ArrayLike, expected: Array, information: Array) -> Candidate:
+        """Return the better one of a pose of a search and what it is refined to."""
+        pose, step = np.array(start, dtype=np.float64), np.array([_SEARCH_CELL, _SEARCH_CELL, self._config.window_turn])
+        off = pose - expected
+        off[2] = wrap_angle(off[2])
+        rough = np.diag((step * self._scale) ** 2)
+        kept = self._judged(self._to_cells(pose), rough, 0.5 * float(off @ information @ off))
+        return max(kept, self.refined(pose, expected, np.linalg.inv(information)), key=_value)
+
+    def _scores(self, centre: Array, radius: float) -> ScoreGrid:
+        """Return what a point is worth at each place within `radius` [m] of `centre`."""
+        maps = self._maps
+        side = max(1, round(_SEARCH_CELL / maps.cell))
+        x, y, _ = self._to_cells(centre)
+        reach = int(np.ceil(radius / maps.cell / side)) + 2
+        row, col = int(np.floor(y)) - reach * side, int(np.floor(x)) - reach * side
+        values = np.empty((2 * reach, 2 * reach), dtype=np.uint8)
+        draw_scores(row, col, side, _UNKNOWN_WORTH, _NEAR_WORTH, self._directory, maps.counts, maps.bits, values)
+        corner = (np.array([col, row]) + self._corner[:2]) * maps.cell
+        return ScoreGrid(values, (float(corner[0]), float(corner[1])), side * maps.cell)
 
     def _judged(self, pose: Array, covariance: Array, distance: float) -> Candidate:
         maps, config, n = self._maps, self._config, max(len(self._points), 1)
@@ -126,3 +163,12 @@ class MapAlignment:
         pose = (pose + self._corner) / self._scale
         pose[2] = wrap_angle(pose[2])
         return pose
+
+
+def _information(reach: Array) -> Array:
+    """Return the information (3, 3) of a pose whose two standard deviations are `reach` (2,) [m, rad]."""
+    return np.diag(4.0 / np.array([reach[0], reach[0], reach[1]]) ** 2)
+
+
+def _value(candidate: Candidate) -> float:
+    return candidate.value

@@ -63,20 +63,18 @@ class TrackingConfig:
         least_way: The robot may always have moved so far between two scans [m] ...
         least_turn: ... and turned so far [rad] ...
         agility: ... and further by this many times the largest motion of late.
-        window_step: Step of the search without odometry [m] ...
-        window_turn: ... and between headings [rad].
+        window_turn: Step between the headings of the search without odometry [rad].
     """
 
     weight: float = 30.0
     unseen: Share = 0.25
     suspicion: float = 3.0
     lie: float = 8.0
-    strange: float = 9.0
+    strange: float = 17.0
     memory: Annotated[float, Within(1.0, 1e6)] = 30.0
     least_way: Annotated[float, Within(0.01, 100.0)] = 0.3
     least_turn: Annotated[float, Within(0.01, 10.0)] = 0.3
     agility: Annotated[float, Within(0.1, 100.0)] = 1.5
-    window_step: Annotated[float, Within(0.01, 10.0)] = 0.1
     window_turn: Annotated[float, Within(1e-3, 1.0)] = 0.04
 
     def __post_init__(self) -> None:

@@ -57,6 +57,7 @@ class GMapping:
         self._log_weights = np.zeros(self.config.particles)  # since the last resampling
         self._log_evidence = np.zeros(self.config.particles)  # of the whole path
         self._odometry: Array | None = None
+        self._ranges = np.zeros(0)  # of the last scan
         self._online = PoseLog()
         self._layers = array("q")  # the matched scan that each scan follows
         self._offsets = PoseLog()  # T_matched_scan
@@ -79,9 +80,9 @@ class GMapping:
             self._poses[:] = odometry
             integrated = True
         else:
-            points_robot = scan.points_robot[scan.ranges[scan.is_return] <= self.config.max_urange]
-            tracked = self._track(points_robot, between(self._odometry, odometry))
-            integrated = self._is_due(scan)
+            points_robot = self._points(scan)
+            tracked = self._track(points_robot, between(self._odometry, odometry), scan.time_s)
+            integrated = self._is_due() and len(points_robot) > 0
             if integrated:
                 diagnostics = self._process(points_robot)
         if integrated:
@@ -132,16 +133,21 @@ class GMapping:
         """
         return self._maps.to_map(self.best_particle)
 
-    def _is_due(self, scan: LaserScan) -> bool:
+    def _points(self, scan: LaserScan) -> Array:
+        """Return (n, 2) returns in the robot frame [m]; none of a scan that a driver gave a second time."""
+        repeated, self._ranges = np.array_equal(scan.ranges, self._ranges, equal_nan=True), scan.ranges
+        near = scan.ranges[scan.is_return] <= self.config.max_urange
+        return scan.points_robot[near & (not repeated)]
+
+    def _is_due(self) -> bool:
         x, y, heading = self._tracker.pose
         way, turn = max(self._motion.travelled, np.hypot(x, y)), max(self._motion.turned, abs(heading))
-        moved = way >= self.config.linear_update or turn >= self.config.angular_update
-        return bool(moved and scan.is_return.any())
+        return bool(way >= self.config.linear_update or turn >= self.config.angular_update)
 
-    def _track(self, points_robot: Array, increment: Array) -> Tracked:
+    def _track(self, points_robot: Array, increment: Array, time_s: float) -> Tracked:
         """Follow the robot on the best particle's map, and gather how it moved."""
         particle = self.best_particle
-        tracked = self._tracker.track(self._maps, particle, self._poses[particle], points_robot, increment)
+        tracked = self._tracker.track(self._maps, particle, self._poses[particle], points_robot, increment, time_s)
         self._motion.add(increment if tracked.believed else tracked.motion)
         return tracked
 

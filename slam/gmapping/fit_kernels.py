@@ -56,38 +56,41 @@ def compare(x, y, theta, points, unseen, most, directory, counts, bits):
 
 
 @njit(cache=True, nogil=True)
-def search_window(centre, reach, step, points, weight, unseen, enough, directory, counts, bits, pose):
-    """Write into `pose` (3,) the best of the poses of a window, and return its value; -inf if none exceeds `enough`.
+def draw_scores(row0, col0, side, unknown, near, directory, counts, bits, values):
+    """Fill `values` (rows, cols) uint8, each of `side` x `side` cells from (row0, col0) on: what a point there is worth.
 
-    The window has `reach` (3,) steps of `step` (3,) to each side of `centre` (3,), headings outside, from the middle
-    out. A pose is worth -`weight` times the mean of what speaks against it (see `compare`), less half its squared
-    distance from the centre, which counts 1 half way to the border of the window.
+    255 where a cell is occupied, at least `near` beside such a place, `unknown` where nothing is known, else 0.
     """
-    best, found = enough, False
-    for h in range(2 * reach[2] + 1):
-        k = (h + 1) // 2 * (1 - 2 * (h & 1))
-        theta = centre[2] + k * step[2]
-        far_k = (2.0 * k / max(reach[2], 1)) ** 2
-        for v in range(2 * reach[1] + 1):
-            j = (v + 1) // 2 * (1 - 2 * (v & 1))
-            far_j = far_k + (2.0 * j / max(reach[1], 1)) ** 2
-            for u in range(2 * reach[0] + 1):
-                i = (u + 1) // 2 * (1 - 2 * (u & 1))
-                far = far_j + (2.0 * i / max(reach[0], 1)) ** 2
-                most = (-0.5 * far - best) * len(points) / weight
-                if most <= 0.0:
-                    continue
-                x, y = centre[0] + i * step[0], centre[1] + j * step[1]
-                against, _ = compare(x, y, theta, points, unseen, most, directory, counts, bits)
-                if against < most:
-                    best, found = -0.5 * far - weight * against / len(points), True
-                    pose[0], pose[1], pose[2] = x, y, theta
-    return best if found else -np.inf
+    rows, cols = directory.shape[0] << SHIFT, directory.shape[1] << SHIFT
+    values[:] = unknown
+    for i in range(values.shape[0]):
+        for j in range(values.shape[1]):
+            for r in range(row0 + i * side, row0 + (i + 1) * side):
+                for c in range(col0 + j * side, col0 + (j + 1) * side):
+                    if r < 0 or c < 0 or r >= rows or c >= cols:
+                        continue
+                    tile = np.uintp(directory[r >> SHIFT, c >> SHIFT])
+                    if tile == 0:
+                        continue
+                    if (bits[tile, r & MASK] >> np.uint32(c & MASK)) & np.uint32(1):
+                        values[i, j] = 255
+                    elif values[i, j] == unknown and counts[tile, ((r & MASK) << SHIFT) | (c & MASK), 1] > 0:
+                        values[i, j] = 0
+    for i in range(1, values.shape[0] - 1):
+        for j in range(1, values.shape[1] - 1):
+            if values[i, j] == 255:
+                for r in range(i - 1, i + 2):
+                    for c in range(j - 1, j + 2):
+                        values[r, c] = max(values[r, c], near)
 
 
 @njit(cache=True, nogil=True)
 def search_samples(prior, root, samples, points, weight, unseen, directory, counts, bits, pose):
-    """Write into `pose` (3,) the best of the poses `prior + root @ sample`; values as in `search_window`."""
+    """Write into `pose` (3,) the best of the poses `prior + root @ sample`.
+
+    A pose is worth -`weight` times the mean of what speaks against it (see `compare`), less half the square of its
+    sample, a standard normal draw.
+    """
     best = -np.inf
     for i in range(len(samples)):
         z0, z1, z2 = samples[i, 0], samples[i, 1], samples[i, 2]

@@ -14,6 +14,10 @@ from .tile_maps import TileMaps
 
 Array = NDArray[np.float64]
 
+_MOST_NOISE = 3.0  # times the standard deviation; an odometry that is farther off than that lies
+_MOST_POOR = 3  # scans in a row that nothing explains: beyond that, they say nothing new
+_MOST_REACH = np.array([5.0, np.pi])  # [m, rad] farther off, other places look alike
+
 
 @dataclass(frozen=True, eq=False)
 class Tracked:
@@ -22,12 +26,14 @@ class Tracked:
     Attributes:
         motion: (3,) T_before_now.
         believed: Whether the odometry explains the scan; if not, `motion` was found without it.
+        value: Log-likelihood of the scan there (see `Candidate`).
         against: Share of the points that contradict the map there.
         unknown: Share of the points where the map knows nothing.
     """
 
     motion: Array
     believed: bool
+    value: float
     against: float
     unknown: float
 
@@ -51,6 +57,11 @@ class Tracker:
         self._matcher = matcher
         self._model = model
         self._reach = np.array([config.least_way, config.least_turn])  # [m, rad] the largest motions of late
+        self._time_s, self._usual_s = np.inf, np.inf  # of the last scan; between two scans
+        self._timed = False  # whether the clock ran from the last scan to this one
+        self._motion = np.zeros(3)  # between the last two scans
+        self._noise = 1.0  # how many times its variance the odometry's squared error is of late, at least 1
+        self._poor = 0  # scans in a row that nothing explained: the robot may be so many times as far
         self._samples = np.random.default_rng(0).standard_normal((matcher.config.samples, 3))  # the same for each scan
         self.anchor()
 
@@ -59,7 +70,9 @@ class Tracker:
         self.pose = np.zeros(3)  # T_matched_robot
         self._covariance = np.zeros((3, 3))
 
-    def track(self, maps: TileMaps, particle: int, origin: Array, points_robot: Array, increment: Array) -> Tracked:
+    def track(
+        self, maps: TileMaps, particle: int, origin: Array, points_robot: Array, increment: Array, time_s: float
+    ) -> Tracked:
         """Take the next scan.
 
         Args:
@@ -68,41 +81,78 @@ class Tracker:
             origin: (3,) T_map_matched, that particle's pose at its last matched scan.
             points_robot: (n, 2) returns in the robot frame [m]; where there are none, the odometry is all that is known.
             increment: (3,) T_before_now by odometry.
+            time_s: When the scan was taken.
         """
+        longer = self._longer(time_s)
         covariance, last = self._predicted(increment), self.pose
         if not len(points_robot):
             self.pose, self._covariance = compose(last, increment), covariance
-            return Tracked(increment, True, 0.0, 1.0)
+            return Tracked(increment, True, 0.0, 0.0, 1.0)
         aligned = MapAlignment(maps, particle, points_robot, self._matcher, self.config)
         found, believed = self._found(
-            aligned, compose(origin, last), compose(origin, compose(last, increment)), turned(covariance, origin[2])
+            aligned, compose(origin, last), compose(origin, compose(last, increment)), turned(covariance, origin[2]),
+            self._reach * max(longer, 1.0 + self._poor),
         )
         self.pose, self._covariance = between(origin, found.pose), turned(found.covariance, -origin[2])
         motion = between(last, self.pose)
-        self._learn(motion)
-        return Tracked(motion, believed, found.against, found.unknown)
+        self._learn(motion, increment, longer)
+        self._poor = min(self._poor + 1, _MOST_POOR) if -found.value > self.config.lie else 0
+        return Tracked(motion, believed, found.value, found.against, found.unknown)
 
-    def _found(self, aligned: MapAlignment, last: Array, said: Array, covariance: Array) -> tuple[Candidate, bool]:
-        """Return the best candidate, and whether it is the odometry's; `covariance` (3, 3) is that of `said` (3,)."""
+    def _found(
+        self, aligned: MapAlignment, last: Array, said: Array, covariance: Array, reach: Array
+    ) -> tuple[Candidate, bool]:
+        """Return the best candidate, and whether it is the odometry's.
+
+        Args:
+            aligned: The scan on the map.
+            last: (3,) T_map_robot of the scan before.
+            said: (3,) T_map_robot now by odometry, and its `covariance` (3, 3).
+            reach: (2,) how far the robot may have gone [m] and turned [rad]: two standard deviations.
+        """
         config, best = self.config, aligned.refined(said, said, covariance)
         if -best.value > config.suspicion:
             best = max(best, aligned.sampled(said, covariance, self._samples), key=lambda candidate: candidate.value)
-        if -best.value <= config.lie:
+        far = _sizes(between(last, said)) / (0.5 * reach)
+        unlikely = 0.5 * float(far @ far)
+        honest = max(best.value, -config.strange) - (unlikely if self._timed else min(unlikely, config.lie))
+        if -honest <= config.lie:
             return best, True
-        enough = max(best.value + config.lie, -config.strange)
-        other = aligned.around(last, self._reach, enough)
-        believed = other is None or other.value <= enough
-        return best if believed or other is None else other, believed
+        reach = np.minimum(reach, _MOST_REACH)
+        others = aligned.around(last, reach, honest + config.lie)
+        others.append(aligned.steady(last, compose(last, self._motion), reach))
+        other = max(others, key=lambda candidate: candidate.value)
+        believed = other.value <= honest + config.lie
+        return best if believed else other, believed
 
-    def _learn(self, motion: Array) -> None:
-        """Remember how far the robot goes between two scans."""
-        config = self.config
-        moved = config.agility * np.array([np.hypot(motion[0], motion[1]), abs(motion[2])])
+    def _learn(self, motion: Array, increment: Array, longer: float) -> None:
+        """Remember how far the robot goes between two scans, and how far off the odometry is."""
+        config, self._motion = self.config, motion
+        off = between(increment, motion) / (self._model.deviations(increment) + FLOOR)
+        square = min(float(off @ off) / 3.0, _MOST_NOISE**2)
+        self._noise += (max(square, 1.0) - self._noise) / config.memory
         least = np.array([config.least_way, config.least_turn])
-        self._reach = np.maximum(self._reach + (least - self._reach) / config.memory, least + moved)
+        self._reach += (least - self._reach) / config.memory
+        self._reach = np.maximum(self._reach, least + config.agility * _sizes(motion) / longer)
+
+    def _longer(self, time_s: float) -> float:
+        """Return how many times as long as usual it is since the scan before; 1 where it is not, or clocks stand."""
+        passed, self._time_s = time_s - self._time_s, time_s
+        self._timed = 0.0 < passed < np.inf
+        if not self._timed:
+            return 1.0
+        longer = max(1.0, passed / self._usual_s)
+        self._usual_s = min(passed, self._usual_s) if np.isinf(self._usual_s) else self._usual_s
+        self._usual_s += (min(passed, 2.0 * self._usual_s) - self._usual_s) / self.config.memory
+        return longer
 
     def _predicted(self, increment: Array) -> Array:
         """Return the covariance (3, 3) of the pose after an increment, in the frame of the matched scan."""
         carry, turn = carried(self.pose[2], increment)
         deviations = self._model.deviations(increment)
-        return carry @ self._covariance @ carry.T + turn @ np.diag(deviations**2 + FLOOR**2) @ turn.T
+        return carry @ self._covariance @ carry.T + turn @ np.diag(self._noise * (deviations**2 + FLOOR**2)) @ turn.T
+
+
+def _sizes(motion: Array) -> Array:
+    """Return way [m] and turn [rad] of a motion (3,)."""
+    return np.array([np.hypot(motion[0], motion[1]), abs(wrap_angle(motion[2]))])
