@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..geometry import wrap_angle
+from ..geometry import wrap_angle, wrap_one
 from ..search.branch_and_bound import SearchWindow, Separation, branch_and_bound
 from ..search.score_pyramid import ScoreGrid, build_pyramid
 from .config import TrackingConfig
@@ -19,11 +19,13 @@ Array = NDArray[np.float64]
 
 _SEARCH_CELL = 0.1  # [m] of the search without odometry; the refinement reaches twice as far
 _TOP_LEVEL = 3
+_FAR = 40.0  # [m] farther points do not take part in it: the part of the map that is searched stays below 1 MB
 _NEAR_WORTH = np.uint8(204)  # beside an occupied place; less than on it, so that maxima stand in the middle
 _UNKNOWN_WORTH = np.uint8(128)  # between occupied and free; maxima are to lie where the map knows something
 _MOST_UNKNOWN = 0.5  # share of the points
 _ROUGH = 4.0  # a pose of the coarse search may be worth so much less than what it is refined to
 _MAXIMA, _SEPARATION = 3, Separation(linear=0.4, angular=0.2)
+
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
@@ -35,6 +37,7 @@ class Candidate:
         value: Log-likelihood, up to a constant: 0 is a scan that nothing speaks against, at the expected pose.
         against: Share of the points that lie where the map has seen free space.
         unknown: Share of the points that lie where it has seen nothing.
+        loss: Mean robust loss of the points after the last step, 0 .. 1; 1 of a pose that no step has led to.
     """
 
     pose: Array
@@ -42,6 +45,7 @@ class Candidate:
     value: float
     against: float
     unknown: float
+    loss: float = 1.0
 
 
 class MapAlignment:
@@ -70,9 +74,10 @@ class MapAlignment:
         """Return where Gauss-Newton steps lead from `start` (3,), with a Gaussian around `expected` (3,) as a prior."""
         maps, matcher = self._maps, self._matcher
         pose, prior = self._to_cells(start), self._to_cells(expected)
+        pose[2] = prior[2] + wrap_one(pose[2] - prior[2])
         information = np.linalg.inv(covariance * self._scale[:, None] * self._scale)
         system = np.zeros((3, 4))
-        match(
+        _, loss = match(
             pose,
             prior,
             information,
@@ -88,7 +93,7 @@ class MapAlignment:
             system,
         )
         off = pose - prior
-        return self._judged(pose, np.linalg.inv(system[:, :3]), 0.5 * float(off @ information @ off))
+        return self._judged(pose, np.linalg.inv(system[:, :3]), 0.5 * float(off @ information @ off), loss)
 
     def sampled(self, expected: Array, covariance: Array, samples: Array) -> Candidate:
         """Return the refined best of `samples` (m, 3) standard normal draws of a Gaussian around `expected` (3,)."""
@@ -107,6 +112,9 @@ class MapAlignment:
         The map knows most of what the scan sees there: a place where it knows nothing explains any scan.
         """
         config, points = self._config, self._few * self._maps.cell
+        points = points[np.hypot(*points.T) <= _FAR]
+        if not len(points):
+            return []
         window = SearchWindow(linear=float(reach[0]), angular=float(reach[1]), angular_step=config.window_turn)
         grid = self._scores(centre, float(reach[0]) + float(np.hypot(*points.T).max()))
         pyramid = build_pyramid(grid, top_level=_TOP_LEVEL, margin=window.reach(grid.resolution) + (1 << _TOP_LEVEL))
@@ -114,23 +122,23 @@ class MapAlignment:
         found = branch_and_bound(
             pyramid, points, centre, window, min_score=least, maxima=_MAXIMA, separation=_SEPARATION
         )
-        information = _information(reach)
-        settled = (self._settled(each.pose, centre, information) for each in found.maxima)
+        covariance = _covariance(reach)
+        settled = (self._settled(each.pose, centre, covariance) for each in found.maxima)
         return [each for each in settled if each.unknown <= _MOST_UNKNOWN]
 
     def steady(self, centre: Array, expected: Array, reach: Array) -> Candidate:
         """Return where steps lead from the pose `expected` (3,) of a robot that goes on as before; see `around`."""
-        near = self.refined(expected, expected, np.linalg.inv(_information(0.25 * reach)))
-        return self._settled(near.pose, centre, _information(reach))
+        near = self.refined(expected, expected, _covariance(0.25 * reach))
+        return self._settled(near.pose, centre, _covariance(reach))
 
-    def _settled(self, start: ArrayLike, expected: Array, information: Array) -> Candidate:
+    def _settled(self, start: ArrayLike, expected: Array, covariance: Array) -> Candidate:
         """Return the better one of a pose of a search and what it is refined to."""
         pose, step = np.array(start, dtype=np.float64), np.array([_SEARCH_CELL, _SEARCH_CELL, self._config.window_turn])
         off = pose - expected
         off[2] = wrap_angle(off[2])
         rough = np.diag((step * self._scale) ** 2)
-        kept = self._judged(self._to_cells(pose), rough, 0.5 * float(off @ information @ off))
-        return max(kept, self.refined(pose, expected, np.linalg.inv(information)), key=_value)
+        kept = self._judged(self._to_cells(pose), rough, 0.5 * float(off @ np.linalg.inv(covariance) @ off))
+        return max(kept, self.refined(pose, expected, covariance), key=_value)
 
     def _scores(self, centre: Array, radius: float) -> ScoreGrid:
         """Return what a point is worth at each place within `radius` [m] of `centre`."""
@@ -144,7 +152,7 @@ class MapAlignment:
         corner = (np.array([col, row]) + self._corner[:2]) * maps.cell
         return ScoreGrid(values, (float(corner[0]), float(corner[1])), side * maps.cell)
 
-    def _judged(self, pose: Array, covariance: Array, distance: float) -> Candidate:
+    def _judged(self, pose: Array, covariance: NDArray[np.floating], distance: float, loss: float = 1.0) -> Candidate:
         maps, config, n = self._maps, self._config, max(len(self._points), 1)
         x, y, theta = pose
         against, unknown = compare(
@@ -153,7 +161,7 @@ class MapAlignment:
         value = -config.weight * against / n - distance
         spoken = (against - config.unseen * unknown) / n
         return Candidate(
-            self._to_metres(pose), covariance / self._scale[:, None] / self._scale, value, spoken, unknown / n
+            self._to_metres(pose), covariance / self._scale[:, None] / self._scale, value, spoken, unknown / n, loss
         )
 
     def _to_cells(self, pose: Array) -> Array:
@@ -165,9 +173,9 @@ class MapAlignment:
         return pose
 
 
-def _information(reach: Array) -> Array:
-    """Return the information (3, 3) of a pose whose two standard deviations are `reach` (2,) [m, rad]."""
-    return np.diag(4.0 / np.array([reach[0], reach[0], reach[1]]) ** 2)
+def _covariance(reach: Array) -> Array:
+    """Return the covariance (3, 3) of a pose whose two standard deviations are `reach` (2,) [m, rad]."""
+    return np.diag(0.25 * np.array([reach[0], reach[0], reach[1]]) ** 2)
 
 
 def _value(candidate: Candidate) -> float:

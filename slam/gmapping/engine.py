@@ -22,7 +22,7 @@ from .motion import MotionModel, turned
 from .paths import PathTree
 from .resampling import effective_number, normalised, systematic
 from .tile_maps import TileMaps
-from .tracking import Tracked, Tracker
+from .tracking import Tracker
 
 Array = NDArray[np.float64]
 
@@ -51,7 +51,7 @@ class GMapping:
         self._maps = TileMaps(config.particles, config.delta, config.fullness, workers, config.ray_margin)
         self._matcher = ParticleScanMatcher(self.config.matcher, workers)
         self._motion = MotionModel(self.config.srr, self.config.srt, self.config.str_, self.config.stt)
-        self._tracker = Tracker(config.tracking, self._matcher, self._motion)
+        self._tracker = Tracker(config.tracking, self._matcher, self._motion, config.minimum_score)
         self._paths = PathTree()
         self._poses = np.zeros((self.config.particles, 3))
         self._log_weights = np.zeros(self.config.particles)  # since the last resampling
@@ -81,7 +81,7 @@ class GMapping:
             integrated = True
         else:
             points_robot = self._points(scan)
-            tracked = self._track(points_robot, between(self._odometry, odometry), scan.time_s)
+            self._track(points_robot, between(self._odometry, odometry), scan.time_s)
             integrated = self._is_due() and len(points_robot) > 0
             if integrated:
                 diagnostics = self._process(points_robot)
@@ -91,7 +91,9 @@ class GMapping:
         self._layers.append(len(self._paths) - 1)
         self._offsets.append(self._tracker.pose)
         self._online.append(self.pose)
-        return SlamUpdate(self.pose, integrated, diagnostics)
+        covariance = self._covariance()
+        near = np.trace(covariance[:2, :2]) <= self.config.tracking.spread**2
+        return SlamUpdate(self.pose, integrated, diagnostics, bool(near and self._tracker.located), covariance)
 
     def finish(self) -> None:
         """Do nothing: the filter has no further work after the last scan."""
@@ -144,12 +146,19 @@ class GMapping:
         way, turn = max(self._motion.travelled, np.hypot(x, y)), max(self._motion.turned, abs(heading))
         return bool(way >= self.config.linear_update or turn >= self.config.angular_update)
 
-    def _track(self, points_robot: Array, increment: Array, time_s: float) -> Tracked:
+    def _track(self, points_robot: Array, increment: Array, time_s: float) -> None:
         """Follow the robot on the best particle's map, and gather how it moved."""
         particle = self.best_particle
         tracked = self._tracker.track(self._maps, particle, self._poses[particle], points_robot, increment, time_s)
         self._motion.add(increment if tracked.believed else tracked.motion)
-        return tracked
+
+    def _covariance(self) -> Array:
+        """Return the covariance (3, 3) of the pose, map frame: that of the particles, and of the motion since."""
+        poses, weights = self._poses, normalised(self._log_weights)
+        off = poses - poses[self.best_particle]
+        off[:, 2] = wrap_angle(off[:, 2])
+        off -= weights @ off
+        return (off.T * weights) @ off + turned(self._tracker.covariance, poses[self.best_particle, 2])
 
     def _process(self, points_robot: Array) -> dict[str, float]:
         """Match, draw, weigh and resample."""
@@ -157,7 +166,7 @@ class GMapping:
         covariances = turned(self._motion.covariance, self._poses[:, 2])
         matches = self._matcher.match(self._maps, points_robot, means, covariances, self._rng)
         lost = matches.losses > 1.0 - self.config.minimum_score
-        modes = np.where(lost[:, None], means, matches.modes)
+        modes = np.where(lost[:, None], compose(self._poses, self._motion.mean), matches.modes)
         roots = np.where(lost[:, None, None], np.linalg.cholesky(covariances), matches.roots)
         self._poses = modes + np.einsum("pij,pj->pi", roots, self._rng.standard_normal(means.shape))
         self._poses[:, 2] = wrap_angle(self._poses[:, 2])
@@ -191,4 +200,3 @@ class GMapping:
         points_lidar, is_hit = scan_rays(scan, self.config.max_urange)
         if len(points_lidar):
             self._maps.write(compose(self._poses, scan.T_robot_lidar), points_lidar, is_hit)
-

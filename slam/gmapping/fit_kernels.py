@@ -57,7 +57,7 @@ def compare(x, y, theta, points, unseen, most, directory, counts, bits):
 
 @njit(cache=True, nogil=True)
 def draw_scores(row0, col0, side, unknown, near, directory, counts, bits, values):
-    """Fill `values` (rows, cols) uint8, each of `side` x `side` cells from (row0, col0) on: what a point there is worth.
+    """Fill `values` (rows, cols) uint8 with what a point is worth in each square of `side` cells from (row0, col0) on.
 
     255 where a cell is occupied, at least `near` beside such a place, `unknown` where nothing is known, else 0.
     """

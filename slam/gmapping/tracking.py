@@ -26,16 +26,10 @@ class Tracked:
     Attributes:
         motion: (3,) T_before_now.
         believed: Whether the odometry explains the scan; if not, `motion` was found without it.
-        value: Log-likelihood of the scan there (see `Candidate`).
-        against: Share of the points that contradict the map there.
-        unknown: Share of the points where the map knows nothing.
     """
 
     motion: Array
     believed: bool
-    value: float
-    against: float
-    unknown: float
 
 
 class Tracker:
@@ -50,15 +44,20 @@ class Tracker:
         config: Parameters.
         matcher: Aligns scans.
         model: Says how far off the odometry may be while it tells the truth.
+        minimum_score: 1 - loss that a match must reach; else the odometry is all there is.
     """
 
-    def __init__(self, config: TrackingConfig, matcher: ParticleScanMatcher, model: MotionModel) -> None:
+    def __init__(
+        self, config: TrackingConfig, matcher: ParticleScanMatcher, model: MotionModel, minimum_score: float
+    ) -> None:
         self.config = config
         self._matcher = matcher
         self._model = model
+        self._most_loss = 1.0 - minimum_score
         self._reach = np.array([config.least_way, config.least_turn])  # [m, rad] the largest motions of late
         self._time_s, self._usual_s = np.inf, np.inf  # of the last scan; between two scans
         self._timed = False  # whether the clock ran from the last scan to this one
+        self.located = True  # whether the last scan leaves no doubt where the robot is
         self._motion = np.zeros(3)  # between the last two scans
         self._noise = 1.0  # how many times its variance the odometry's squared error is of late, at least 1
         self._poor = 0  # scans in a row that nothing explained: the robot may be so many times as far
@@ -68,7 +67,7 @@ class Tracker:
     def anchor(self) -> None:
         """Start again from where a particle's map was extended: there the robot stands, by definition."""
         self.pose = np.zeros(3)  # T_matched_robot
-        self._covariance = np.zeros((3, 3))
+        self.covariance = np.zeros((3, 3))
 
     def track(
         self, maps: TileMaps, particle: int, origin: Array, points_robot: Array, increment: Array, time_s: float
@@ -79,25 +78,30 @@ class Tracker:
             maps: The maps.
             particle: Whose map it is.
             origin: (3,) T_map_matched, that particle's pose at its last matched scan.
-            points_robot: (n, 2) returns in the robot frame [m]; where there are none, the odometry is all that is known.
+            points_robot: (n, 2) returns in the robot frame [m]; where there are none, the odometry is all there is.
             increment: (3,) T_before_now by odometry.
             time_s: When the scan was taken.
         """
         longer = self._longer(time_s)
         covariance, last = self._predicted(increment), self.pose
-        if not len(points_robot):
-            self.pose, self._covariance = compose(last, increment), covariance
-            return Tracked(increment, True, 0.0, 0.0, 1.0)
-        aligned = MapAlignment(maps, particle, points_robot, self._matcher, self.config)
-        found, believed = self._found(
-            aligned, compose(origin, last), compose(origin, compose(last, increment)), turned(covariance, origin[2]),
-            self._reach * max(longer, 1.0 + self._poor),
-        )
-        self.pose, self._covariance = between(origin, found.pose), turned(found.covariance, -origin[2])
+        found, believed = None, True
+        if len(points_robot):
+            found, believed = self._found(
+                MapAlignment(maps, particle, points_robot, self._matcher, self.config),
+                compose(origin, last),
+                compose(origin, compose(last, increment)),
+                turned(covariance, origin[2]),
+                self._reach * max(longer, 1.0 + self._poor),
+            )
+        if found is None or found.loss > self._most_loss:
+            self.pose, self.covariance = compose(last, increment), covariance
+            return Tracked(increment, True)
+        self.pose, self.covariance = between(origin, found.pose), turned(found.covariance, -origin[2])
         motion = between(last, self.pose)
         self._learn(motion, increment, longer)
+        self.located = -found.value <= (self.config.lost if believed else self.config.suspicion)
         self._poor = min(self._poor + 1, _MOST_POOR) if -found.value > self.config.lie else 0
-        return Tracked(motion, believed, found.value, found.against, found.unknown)
+        return Tracked(motion, believed)
 
     def _found(
         self, aligned: MapAlignment, last: Array, said: Array, covariance: Array, reach: Array
@@ -150,7 +154,7 @@ class Tracker:
         """Return the covariance (3, 3) of the pose after an increment, in the frame of the matched scan."""
         carry, turn = carried(self.pose[2], increment)
         deviations = self._model.deviations(increment)
-        return carry @ self._covariance @ carry.T + turn @ np.diag(self._noise * (deviations**2 + FLOOR**2)) @ turn.T
+        return carry @ self.covariance @ carry.T + turn @ np.diag(self._noise * (deviations**2 + FLOOR**2)) @ turn.T
 
 
 def _sizes(motion: Array) -> Array:
