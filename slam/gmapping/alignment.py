@@ -70,8 +70,11 @@ class MapAlignment:
         few = max(1, len(self._points) // matcher.config.sample_points)
         self._few = np.ascontiguousarray(self._points[::few])
 
-    def refined(self, start: Array, expected: Array, covariance: Array) -> Candidate:
-        """Return where Gauss-Newton steps lead from `start` (3,), with a Gaussian around `expected` (3,) as a prior."""
+    def refined(self, start: Array, expected: Array, covariance: Array, *, near: bool = False) -> Candidate:
+        """Return where Gauss-Newton steps lead from `start` (3,), with a Gaussian around `expected` (3,) as a prior.
+
+        From a start that is `near` only the last, finest stage is needed.
+        """
         maps, matcher = self._maps, self._matcher
         pose, prior = self._to_cells(start), self._to_cells(expected)
         pose[2] = prior[2] + wrap_one(pose[2] - prior[2])
@@ -82,7 +85,7 @@ class MapAlignment:
             prior,
             information,
             self._points,
-            matcher.stages,
+            matcher.stages[-1:] if near else matcher.stages,
             matcher.config.independent_points,
             matcher.config.sigma / maps.cell,
             matcher.config.straightness,

@@ -59,8 +59,8 @@ class TrackingConfig:
         suspicion: Minus the log-likelihood of a match above which a better start is looked for.
         lie: Minus the log of the probability that the odometry lies about an increment: once in 3000.
         strange: Minus the log of the probability that a scan is strange, so that it says nothing: once in 8000.
-        lost: Minus the log-likelihood beyond which a scan leaves it open where the robot is: a third of its points
-            contradict the map. Where the odometry is not believed, `suspicion` is enough.
+        lost: A scan leaves it open where the robot is if more than this share of its points contradicts the map, or if
+            it was found without the odometry and its log-likelihood is below minus `suspicion`.
         spread: Nor is it known where the particles' positions have a larger standard deviation than this [m].
         memory: Over so many scans is remembered how far the robot went from one to the next.
         least_way: The robot may always have moved so far between two scans [m] ...
@@ -74,8 +74,8 @@ class TrackingConfig:
     suspicion: float = 3.0
     lie: float = 8.0
     strange: float = 17.0
-    lost: float = 10.0
-    spread: float = 0.5
+    lost: Share = 0.4
+    spread: float = 1.0
     memory: Annotated[float, Within(1.0, 1e6)] = 30.0
     least_way: Annotated[float, Within(0.01, 100.0)] = 0.3
     least_turn: Annotated[float, Within(0.01, 10.0)] = 0.3

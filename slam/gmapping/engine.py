@@ -61,6 +61,7 @@ class GMapping:
         self._log_evidence = np.zeros(self.config.particles)  # of the whole path
         self._odometry: Array | None = None
         self._ranges = np.zeros(0)  # of the last scan
+        self._spread = np.zeros((3, 3))  # covariance of the particles' poses
         self._online = PoseLog()
         self._layers = array("q")  # the matched scan that each scan follows
         self._offsets = PoseLog()  # T_matched_scan
@@ -157,11 +158,7 @@ class GMapping:
 
     def _covariance(self) -> Array:
         """Return the covariance (3, 3) of the pose, map frame: that of the particles, and of the motion since."""
-        poses, weights = self._poses, normalised(self._log_weights)
-        off = poses - poses[self.best_particle]
-        off[:, 2] = wrap_angle(off[:, 2])
-        off -= weights @ off
-        return (off.T * weights) @ off + turned(self._tracker.covariance, poses[self.best_particle, 2])
+        return self._spread + turned(self._tracker.covariance, self._poses[self.best_particle, 2])
 
     def _process(self, points_robot: Array) -> dict[str, float]:
         """Match, draw, weigh and resample."""
@@ -178,6 +175,7 @@ class GMapping:
         self._log_evidence += gains
         self._paths.append(self._poses)
         weights = normalised(self._log_weights)
+        self._spread = _covariance(self._poses, weights)
         neff, offset = effective_number(weights), self._rng.random()
         resampled = neff < self.config.resample_threshold * self.config.particles
         if resampled:
@@ -203,3 +201,11 @@ class GMapping:
         points_lidar, is_hit = scan_rays(scan, self.config.max_urange)
         if len(points_lidar):
             self._maps.write(compose(self._poses, scan.T_robot_lidar), points_lidar, is_hit)
+
+
+def _covariance(poses: Array, weights: Array) -> Array:
+    """Return the covariance (3, 3) of poses (P, 3), whose headings are not far apart, by weights (P,)."""
+    off = poses - poses[0]
+    off[:, 2] = wrap_angle(off[:, 2])
+    off -= weights @ off
+    return (off.T * weights) @ off

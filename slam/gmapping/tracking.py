@@ -99,7 +99,7 @@ class Tracker:
         self.pose, self.covariance = between(origin, found.pose), turned(found.covariance, -origin[2])
         motion = between(last, self.pose)
         self._learn(motion, increment, longer)
-        self.located = -found.value <= (self.config.lost if believed else self.config.suspicion)
+        self.located = found.against <= self.config.lost and (believed or -found.value <= self.config.suspicion)
         self._poor = min(self._poor + 1, _MOST_POOR) if -found.value > self.config.lie else 0
         return Tracked(motion, believed)
 
@@ -114,7 +114,7 @@ class Tracker:
             said: (3,) T_map_robot now by odometry, and its `covariance` (3, 3).
             reach: (2,) how far the robot may have gone [m] and turned [rad]: two standard deviations.
         """
-        config, best = self.config, aligned.refined(said, said, covariance)
+        config, best = self.config, aligned.refined(said, said, covariance, near=True)
         if -best.value > config.suspicion:
             best = max(best, aligned.sampled(said, covariance, self._samples), key=lambda candidate: candidate.value)
         far = _sizes(between(last, said)) / (0.5 * reach)
@@ -123,10 +123,13 @@ class Tracker:
         if -honest <= config.lie:
             return best, True
         reach = np.minimum(reach, _MOST_REACH)
-        others = aligned.around(last, reach, honest + config.lie)
+        enough = honest + config.lie
+        if unlikely < config.lie:  # unless the robot cannot have moved so, what explains the scan badly is no evidence
+            enough = max(enough, -config.lie)
+        others = aligned.around(last, reach, enough)
         others.append(aligned.steady(last, compose(last, self._motion), reach))
         other = max(others, key=lambda candidate: candidate.value)
-        believed = other.value <= honest + config.lie
+        believed = other.value <= enough
         return best if believed else other, believed
 
     def _learn(self, motion: Array, increment: Array, longer: float) -> None:
