@@ -23,12 +23,14 @@ class SlamUpdate:
         diagnostics: Numbers of the engine's own (documented there), e.g. the effective number of particles.
         located: Whether the engine knows where on its map the robot is; False after a kidnapping, until it has found
             the place again: then `pose` is only carried on by the odometry.
+        covariance: (3, 3) of the pose, map frame [m, m, rad]; None: the engine has none.
     """
 
     pose: NDArray[np.float64]
     integrated: bool
     diagnostics: dict[str, float]
     located: bool = True
+    covariance: NDArray[np.float64] | None = None
 
 
 class SlamEngine(Protocol):

@@ -50,6 +50,44 @@ class MatcherConfig:
 
 
 @dataclass(frozen=True, kw_only=True)
+class TrackingConfig:
+    """Parameters of the pose between matched scans, and of the doubt about the odometry.
+
+    Attributes:
+        weight: Log-likelihood between a scan whose points all contradict the map and one with none that does.
+        unseen: What a point counts where the map knows nothing, as a share of a contradiction.
+        suspicion: Minus the log-likelihood of a match above which a better start is looked for.
+        lie: Minus the log of the probability that the odometry lies about an increment: once in 3000.
+        strange: Minus the log of the probability that a scan is strange, so that it says nothing: once in 8000.
+        lost: A scan leaves it open where the robot is if more than this share of its points contradicts the map, or if
+            it was found without the odometry and its log-likelihood is below minus `suspicion`.
+        spread: Nor is it known where the particles' positions have a larger standard deviation than this [m].
+        memory: Over so many scans is remembered how far the robot went from one to the next.
+        least_way: The robot may always have moved so far between two scans [m] ...
+        least_turn: ... and turned so far [rad] ...
+        agility: ... and further by this many times the largest motion of late.
+        window_turn: Step between the headings of the search without odometry [rad].
+    """
+
+    weight: float = 30.0
+    unseen: Share = 0.25
+    suspicion: float = 3.0
+    lie: float = 8.0
+    strange: float = 17.0
+    lost: Share = 0.4
+    spread: float = 1.0
+    memory: Annotated[float, Within(1.0, 1e6)] = 30.0
+    least_way: Annotated[float, Within(0.01, 100.0)] = 0.3
+    least_turn: Annotated[float, Within(0.01, 10.0)] = 0.3
+    agility: Annotated[float, Within(0.1, 100.0)] = 1.5
+    window_turn: Annotated[float, Within(1e-3, 1.0)] = 0.04
+
+    def __post_init__(self) -> None:
+        check_numbers(self)
+        _check_positive(self, but=("unseen",))
+
+
+@dataclass(frozen=True, kw_only=True)
 class GMappingConfig:
     """Parameters of GMapping, named as those of the ROS wrapper where they mean the same.
 
@@ -71,6 +109,7 @@ class GMappingConfig:
         minimum_score: 1 - loss that an alignment must reach; else the pose follows the odometry alone. 0: never.
         threads: Threads that share the particles; the result does not depend on them.
         matcher: Parameters of the alignment.
+        tracking: Parameters of the pose between matched scans.
     """
 
     particles: Annotated[int, Within(1, 1000)] = 30
@@ -89,6 +128,7 @@ class GMappingConfig:
     minimum_score: Share = 0.0
     threads: Threads = 2
     matcher: MatcherConfig = field(default_factory=MatcherConfig)
+    tracking: TrackingConfig = field(default_factory=TrackingConfig)
 
     def __post_init__(self) -> None:
         check_numbers(self)

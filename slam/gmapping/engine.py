@@ -18,10 +18,11 @@ from ..scan import LaserScan
 from ..settings import with_settings
 from .config import GMappingConfig
 from .matcher import ParticleScanMatcher
-from .motion import MotionModel
+from .motion import MotionModel, turned
 from .paths import PathTree
 from .resampling import effective_number, normalised, systematic
 from .tile_maps import TileMaps
+from .tracking import Tracker
 
 Array = NDArray[np.float64]
 
@@ -31,8 +32,11 @@ class GMapping:
 
     A scan that follows enough motion is matched: odometry predicts, each particle is aligned with its own map, its
     pose is drawn from the Gaussian around the best alignment, weighed by how well the scan fits and, when few
-    particles carry the weight, resampled; then the scan is written into each map. Scans in between are carried along
-    by odometry.
+    particles carry the weight, resampled; then the scan is written into each map. Every scan is followed on the best
+    particle's map, and where the odometry does not explain it, looked for around (`tracking.py`).
+
+    `SlamUpdate.located` is False where a scan contradicts the map wherever the robot may be, where it was found without
+    the odometry and still fits badly, and where the particles disagree.
 
     `SlamUpdate.diagnostics`: `neff` (effective number of particles, of a matched scan before resampling), `loss` (mean
     misfit of the scan, 0 .. 1), `resampled` (0 or 1).
@@ -50,14 +54,17 @@ class GMapping:
         self._maps = TileMaps(config.particles, config.delta, config.fullness, workers, config.ray_margin)
         self._matcher = ParticleScanMatcher(self.config.matcher, workers)
         self._motion = MotionModel(self.config.srr, self.config.srt, self.config.str_, self.config.stt)
+        self._tracker = Tracker(config.tracking, self._matcher, self._motion, config.minimum_score)
         self._paths = PathTree()
         self._poses = np.zeros((self.config.particles, 3))
         self._log_weights = np.zeros(self.config.particles)  # since the last resampling
         self._log_evidence = np.zeros(self.config.particles)  # of the whole path
         self._odometry: Array | None = None
+        self._ranges = np.zeros(0)  # of the last scan
+        self._spread = np.zeros((3, 3))  # covariance of the particles' poses
         self._online = PoseLog()
         self._layers = array("q")  # the matched scan that each scan follows
-        self._offsets = PoseLog()  # T_matched_scan by odometry
+        self._offsets = PoseLog()  # T_matched_scan
         self._kept = KeptScans()  # matched scans, from which maps are drawn
 
     @classmethod
@@ -77,17 +84,20 @@ class GMapping:
             self._poses[:] = odometry
             integrated = True
         else:
-            self._motion.add(between(self._odometry, odometry))
-            integrated = self._is_due(scan)
+            points_robot = self._points(scan)
+            self._track(points_robot, between(self._odometry, odometry), scan.time_s)
+            integrated = self._is_due() and len(points_robot) > 0
             if integrated:
-                diagnostics = self._process(scan)
+                diagnostics = self._process(points_robot)
         if integrated:
             self._integrate(scan)
         self._odometry = odometry
         self._layers.append(len(self._paths) - 1)
-        self._offsets.append(self._motion.mean)
+        self._offsets.append(self._tracker.pose)
         self._online.append(self.pose)
-        return SlamUpdate(self.pose, integrated, diagnostics)
+        covariance = self._covariance()
+        near = np.trace(covariance[:2, :2]) <= self.config.tracking.spread**2
+        return SlamUpdate(self.pose, integrated, diagnostics, bool(near and self._tracker.located), covariance)
 
     def finish(self) -> None:
         """Do nothing: the filter has no further work after the last scan."""
@@ -95,7 +105,7 @@ class GMapping:
     @property
     def pose(self) -> Array:
         """(3,) T_map_robot of the best particle now."""
-        return compose(self._poses[self.best_particle], self._motion.mean)
+        return compose(self._poses[self.best_particle], self._tracker.pose)
 
     @property
     def best_particle(self) -> int:
@@ -129,18 +139,34 @@ class GMapping:
         """
         return self._maps.to_map(self.best_particle)
 
-    def _is_due(self, scan: LaserScan) -> bool:
-        moved = self._motion.travelled >= self.config.linear_update or self._motion.turned >= self.config.angular_update
-        return moved and bool(scan.is_return.any())
+    def _points(self, scan: LaserScan) -> Array:
+        """Return (n, 2) returns in the robot frame [m]; none of a scan that a driver gave a second time."""
+        repeated, self._ranges = np.array_equal(scan.ranges, self._ranges, equal_nan=True), scan.ranges
+        near = scan.ranges[scan.is_return] <= self.config.max_urange
+        return scan.points_robot[near & (not repeated)]
 
-    def _process(self, scan: LaserScan) -> dict[str, float]:
+    def _is_due(self) -> bool:
+        x, y, heading = self._tracker.pose
+        way, turn = max(self._motion.travelled, np.hypot(x, y)), max(self._motion.turned, abs(heading))
+        return bool(way >= self.config.linear_update or turn >= self.config.angular_update)
+
+    def _track(self, points_robot: Array, increment: Array, time_s: float) -> None:
+        """Follow the robot on the best particle's map, and gather how it moved."""
+        particle = self.best_particle
+        tracked = self._tracker.track(self._maps, particle, self._poses[particle], points_robot, increment, time_s)
+        self._motion.add(increment if tracked.believed else tracked.motion)
+
+    def _covariance(self) -> Array:
+        """Return the covariance (3, 3) of the pose, map frame: that of the particles, and of the motion since."""
+        return self._spread + turned(self._tracker.covariance, self._poses[self.best_particle, 2])
+
+    def _process(self, points_robot: Array) -> dict[str, float]:
         """Match, draw, weigh and resample."""
-        points_robot = scan.points_robot[scan.ranges[scan.is_return] <= self.config.max_urange]
-        means = compose(self._poses, self._motion.mean)
-        covariances = _turned(self._motion.covariance, self._poses[:, 2])
+        means = compose(self._poses, self._tracker.pose)
+        covariances = turned(self._motion.covariance, self._poses[:, 2])
         matches = self._matcher.match(self._maps, points_robot, means, covariances, self._rng)
         lost = matches.losses > 1.0 - self.config.minimum_score
-        modes = np.where(lost[:, None], means, matches.modes)
+        modes = np.where(lost[:, None], compose(self._poses, self._motion.mean), matches.modes)
         roots = np.where(lost[:, None, None], np.linalg.cholesky(covariances), matches.roots)
         self._poses = modes + np.einsum("pij,pj->pi", roots, self._rng.standard_normal(means.shape))
         self._poses[:, 2] = wrap_angle(self._poses[:, 2])
@@ -149,11 +175,13 @@ class GMapping:
         self._log_evidence += gains
         self._paths.append(self._poses)
         weights = normalised(self._log_weights)
+        self._spread = _covariance(self._poses, weights)
         neff, offset = effective_number(weights), self._rng.random()
         resampled = neff < self.config.resample_threshold * self.config.particles
         if resampled:
             self._resample(systematic(weights, offset))
         self._motion.reset()
+        self._tracker.anchor()
         return {"neff": neff, "loss": float(matches.losses.mean()), "resampled": float(resampled)}
 
     def _resample(self, parents: NDArray[np.intp]) -> None:
@@ -175,11 +203,9 @@ class GMapping:
             self._maps.write(compose(self._poses, scan.T_robot_lidar), points_lidar, is_hit)
 
 
-def _turned(covariance: Array, angles: Array) -> Array:
-    """Return `covariance` (3, 3) of a pose in frames turned by `angles` (P,), as (P, 3, 3)."""
-    turns = np.zeros((len(angles), 3, 3))
-    turns[:, 0, 0] = turns[:, 1, 1] = np.cos(angles)
-    turns[:, 1, 0] = np.sin(angles)
-    turns[:, 0, 1] = -turns[:, 1, 0]
-    turns[:, 2, 2] = 1.0
-    return turns @ covariance @ turns.swapaxes(1, 2)
+def _covariance(poses: Array, weights: Array) -> Array:
+    """Return the covariance (3, 3) of poses (P, 3), whose headings are not far apart, by weights (P,)."""
+    off = poses - poses[0]
+    off[:, 2] = wrap_angle(off[:, 2])
+    off -= weights @ off
+    return (off.T * weights) @ off

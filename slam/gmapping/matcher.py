@@ -41,7 +41,7 @@ class ParticleScanMatcher:
     def __init__(self, config: MatcherConfig, workers: Workers) -> None:
         self.config = config
         self._workers = workers
-        self._stages = np.array([config.windows, config.strides, config.iterations, config.scales], dtype=np.float64).T
+        self.stages = np.array([config.windows, config.strides, config.iterations, config.scales], dtype=np.float64).T
 
     def match(
         self, maps: TileMaps, points_robot: Array, means: Array, covariances: Array, rng: np.random.Generator
@@ -102,7 +102,7 @@ class ParticleScanMatcher:
                 priors,
                 information,
                 points,
-                self._stages,
+                self.stages,
                 config.independent_points,
                 config.sigma / maps.cell,
                 config.straightness,

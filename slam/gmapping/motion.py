@@ -1,14 +1,14 @@
 """The odometry motion model: how far the true motion may be from the measured one."""
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..geometry import compose
 
 Array = NDArray[np.float64]
 
 _SIDEWAYS = 0.3  # share of `srr` that acts across the direction of motion
-_FLOOR = np.array([0.005, 0.005, 0.0025])  # [m, m, rad] what an odometry that stands still may be off by
+FLOOR = np.array([0.005, 0.005, 0.0025])  # [m, m, rad] what an odometry that stands still may be off by
 
 
 class MotionModel:
@@ -35,16 +35,14 @@ class MotionModel:
         """Start again from a motion of zero."""
         self.mean: Array = np.zeros(3)
         self._root: Array = np.zeros((3, 3))  # columns: one standard deviation of each of the three errors
-        self._floor: Array = np.diag(_FLOOR)
+        self._floor: Array = np.diag(FLOOR)
         self.travelled = 0.0
         self.turned = 0.0
 
     def add(self, increment: Array) -> None:
         """Append `increment` (3,), T_before_after by odometry."""
         dx, dy, dtheta = increment
-        cos, sin = np.cos(self.mean[2]), np.sin(self.mean[2])
-        carry = np.array([[1.0, 0.0, -sin * dx - cos * dy], [0.0, 1.0, cos * dx - sin * dy], [0.0, 0.0, 1.0]])
-        turn = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+        carry, turn = carried(self.mean[2], increment)
         self._root = carry @ self._root + turn * self.deviations(increment)
         self._floor = carry @ self._floor
         self.mean = compose(self.mean, increment)
@@ -66,3 +64,23 @@ class MotionModel:
                 self.stt * dtheta + self.srt * np.hypot(dx, dy),
             ]
         )
+
+
+def carried(heading: float, increment: Array) -> tuple[Array, Array]:
+    """Return what an increment (3,) from a pose of that heading [rad] does to errors: (3, 3) of the pose before, and
+    (3, 3) of the increment itself."""
+    dx, dy, _ = increment
+    cos, sin = np.cos(heading), np.sin(heading)
+    carry = np.array([[1.0, 0.0, -sin * dx - cos * dy], [0.0, 1.0, cos * dx - sin * dy], [0.0, 0.0, 1.0]])
+    return carry, np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+
+
+def turned(covariance: Array, angles: ArrayLike) -> Array:
+    """Return `covariance` (3, 3) of a pose in frames turned by `angles` (...), as (..., 3, 3)."""
+    cos, sin = np.cos(angles), np.sin(angles)
+    turns = np.zeros((*np.shape(angles), 3, 3))
+    turns[..., 0, 0] = turns[..., 1, 1] = cos
+    turns[..., 1, 0] = sin
+    turns[..., 0, 1] = -sin
+    turns[..., 2, 2] = 1.0
+    return turns @ covariance @ turns.swapaxes(-1, -2)

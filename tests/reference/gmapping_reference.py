@@ -93,3 +93,39 @@ def sample_values(
     inside = (x >= 0) & (y >= 0) & (x < occupied.shape[1]) & (y < occupied.shape[0])
     near = cells[np.where(inside, y, 0), np.where(inside, x, 0)] & inside[..., None]
     return poses, weight * near.mean(axis=(1, 2)) - 0.5 * np.sum(samples**2, axis=1)
+
+
+def spoken_against(
+    pose: Array, points: Array, unseen: float, visited: NDArray[np.bool_], occupied: NDArray[np.bool_]
+) -> tuple[float, int]:
+    """Return what `fit_kernels.compare` does."""
+    cos, sin = np.cos(pose[2]), np.sin(pose[2])
+    against, unknown = 0.0, 0
+    for px, py in points:
+        col, row = int(np.floor(pose[0] + cos * px - sin * py)), int(np.floor(pose[1] + sin * px + cos * py))
+        inside = 0 <= row < occupied.shape[0] and 0 <= col < occupied.shape[1]
+        corner = np.array([row, col]) // SIDE * SIDE
+        near = np.argwhere(occupied) if inside else np.zeros((0, 2), dtype=int)
+        near = near[(near // SIDE * SIDE == corner).all(axis=1)]
+        distance = np.abs(near - [row, col]).max(axis=1).min(initial=NEAR + 1)
+        if distance <= 1:
+            continue
+        if distance <= NEAR:
+            against += 0.5
+        elif inside and visited[row, col]:
+            against += 1.0
+        else:
+            against, unknown = against + unseen, unknown + 1
+    return against, unknown
+
+
+def score_table(side: int, unknown: int, near: int, visited: NDArray[np.bool_], occupied: NDArray[np.bool_]) -> Array:
+    """Return what `fit_kernels.draw_scores` draws of a whole map."""
+    rows, cols = np.array(occupied.shape) // side
+    hit = occupied.reshape(rows, side, cols, side).any(axis=(1, 3))
+    seen = visited.reshape(rows, side, cols, side).any(axis=(1, 3))
+    values = np.where(hit, 255, np.where(seen, 0, unknown))
+    for row, col in np.argwhere(hit[1:-1, 1:-1]) + 1:
+        block = values[row - 1 : row + 2, col - 1 : col + 2]
+        np.maximum(block, near, out=block)
+    return values

@@ -1,5 +1,6 @@
 import itertools
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -100,9 +101,10 @@ def test_every_scan_has_a_pose_and_the_first_is_the_first_odometry():
 
 @pytest.mark.parametrize("engine", ["gmapping", "ekf"])
 def test_scans_of_a_robot_that_stands_still_are_not_called_integrated(engine):
-    _, odometry, scans = drive(steps=6)
+    pose, rng = np.array([-1.0, 0.5, 0.3]), np.random.default_rng(0)
     slam = make_slam(engine)
-    assert [slam.update(odometry[0], scan).integrated for scan in scans] == [True] + 5 * [False]
+    updates = [slam.update(pose, scan_at(pose, rng, 0.1 * i)) for i in range(6)]
+    assert [update.integrated for update in updates] == [True] + 5 * [False]
 
 
 @pytest.mark.parametrize("ranges", [np.full(181, np.nan), np.full(181, np.inf), np.zeros(181), np.zeros(0)])
@@ -144,6 +146,47 @@ def test_a_minimum_score_that_none_reaches_leaves_the_pose_to_odometry():
     assert np.abs(slam.trajectory() - odometry).max() > 0.0
 
 
+def worst_errors(slam, truth):
+    off = between(truth, slam.trajectory())
+    return np.hypot(*off[:, :2].T).max(), np.rad2deg(np.abs(off[:, 2])).max()
+
+
+def test_scans_between_matched_ones_are_followed_not_left_to_odometry():
+    truth, _, scans = drive(steps=120)
+    steps = between(truth[:-1], truth[1:]) * [1.0, 1.0, 0.8]
+    slow = np.array(list(itertools.accumulate(steps, compose, initial=truth[0])))
+    metres, degrees = worst_errors(run(make_slam("gmapping", particles=5), slow, scans), truth)
+    assert metres < 0.05
+    assert degrees < 1.0
+
+
+def test_an_odometry_that_freezes_and_then_catches_up_is_not_believed():
+    truth, odometry, scans = drive()
+    for start in (10, 25, 40):
+        odometry[start : start + 6] = odometry[start - 1]
+    metres, degrees = worst_errors(run(make_slam("gmapping", particles=5), odometry, scans), truth)
+    assert metres < 0.1
+    assert degrees < 2.0
+
+
+def test_a_scan_that_a_driver_gives_twice_is_no_measurement():
+    truth, odometry, scans = drive()
+    for k in range(5, len(scans), 5):
+        scans[k] = scans[k - 1]
+    metres, _ = worst_errors(run(make_slam("gmapping", particles=5), odometry, scans), truth)
+    assert metres < 0.1
+
+
+def test_a_robot_that_was_carried_out_of_reach_is_told_and_an_undisturbed_one_never():
+    _, odometry, scans = drive()
+    slam = make_slam("gmapping", particles=5)
+    undisturbed = [slam.update(pose, scan) for pose, scan in zip(odometry, scans, strict=True)]
+    assert all(update.located for update in undisturbed)
+    assert all(np.linalg.eigvalsh(update.covariance).min() > -1e-12 for update in undisturbed)
+    elsewhere = [replace(scan, ranges=0.4 * scan.ranges[::-1]) for scan in scans[:5]]
+    assert not all(slam.update(odometry[-1], scan).located for scan in elsewhere)
+
+
 def test_bad_input_is_named():
     with pytest.raises(InputError, match="particels"):
         make_slam("gmapping", particels=3)
@@ -154,6 +197,6 @@ def test_bad_input_is_named():
     slam, scan = make_slam("gmapping", particles=2), drive(steps=2)[2][0]
     slam.update((0.0, 0.0, 0.0), scan)
     with pytest.raises(InputError, match="the map would grow to"):
-        slam.update((7e3, 7e3, 0.0), scan)
+        slam.update((7e3, 7e3, 0.0), replace(scan, ranges=0.3 * scan.ranges))  # nothing speaks for another place
     with pytest.raises(InputError, match="`odometry` must be a finite pose"):
         make_slam("gmapping").update((0, 0, np.nan), drive(steps=2)[2][0])

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tagalong.slam.errors import InputError
 from tagalong.slam.gmapping.config import MatcherConfig
+from tagalong.slam.gmapping.fit_kernels import compare, draw_scores
 from tagalong.slam.gmapping.match_kernels import accumulate, solve
 from tagalong.slam.gmapping.matcher import ParticleScanMatcher
 from tagalong.slam.gmapping.search_kernels import count_missed, search
@@ -153,6 +154,25 @@ def test_the_search_finds_the_best_of_all_samples():
     search(prior, root, samples, points, 30.0, maps.directory[0], maps.bits, pose)
     poses, values = reference.sample_values(prior, root, samples, points, 30.0, occupied)
     np.testing.assert_allclose(pose, poses[np.argmax(values)], rtol=1e-12)
+
+
+def test_what_speaks_against_a_pose_equals_numpy():
+    rng = np.random.default_rng(5)
+    maps = written_maps(rng)
+    counts, _, occupied = plain(maps)
+    for shift in ([0.0, 0.0, 0.0], [0.3, -0.2, 0.2], [3.0, 1.0, 2.0]):
+        pose = np.append(maps.to_cells(np.array(shift[:2])), shift[2])
+        points = room_scan(rng, 150) / 0.05
+        found = compare(*pose, points, 0.25, np.inf, maps.directory[0], maps.counts, maps.bits)
+        assert found == reference.spoken_against(pose, points, 0.25, counts[..., 1] > 0, occupied)
+
+
+def test_the_table_of_a_coarse_search_equals_numpy():
+    maps = written_maps(np.random.default_rng(6))
+    counts, _, occupied = plain(maps)
+    values = np.empty(np.array(occupied.shape) // 2, dtype=np.uint8)
+    draw_scores(0, 0, 2, np.uint8(128), np.uint8(204), maps.directory[0], maps.counts, maps.bits, values)
+    np.testing.assert_array_equal(values, reference.score_table(2, 128, 204, counts[..., 1] > 0, occupied))
 
 
 def test_a_changed_child_never_changes_its_parent_and_shares_what_it_did_not_touch():

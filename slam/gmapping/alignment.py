@@ -1,0 +1,185 @@
+"""One scan on one particle's map: where it lies best around a guess, and what the map says against it there."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..geometry import wrap_angle, wrap_one
+from ..search.branch_and_bound import SearchWindow, Separation, branch_and_bound
+from ..search.score_pyramid import ScoreGrid, build_pyramid
+from .config import TrackingConfig
+from .fit_kernels import compare, draw_scores, search_samples
+from .match_kernels import match
+from .matcher import ParticleScanMatcher
+from .tile_kernels import SIDE
+from .tile_maps import TileMaps
+
+Array = NDArray[np.float64]
+
+_SEARCH_CELL = 0.1  # [m] of the search without odometry; the refinement reaches twice as far
+_TOP_LEVEL = 3
+_FAR = 40.0  # [m] farther points do not take part in it: the part of the map that is searched stays below 1 MB
+_NEAR_WORTH = np.uint8(204)  # beside an occupied place; less than on it, so that maxima stand in the middle
+_UNKNOWN_WORTH = np.uint8(128)  # between occupied and free; maxima are to lie where the map knows something
+_MOST_UNKNOWN = 0.5  # share of the points
+_ROUGH = 4.0  # a pose of the coarse search may be worth so much less than what it is refined to
+_MAXIMA, _SEPARATION = 3, Separation(linear=0.4, angular=0.2)
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A pose that a scan may have been taken from.
+
+    Attributes:
+        pose: (3,) T_map_robot [m, m, rad].
+        covariance: (3, 3) of it, by the scan and by what was known before.
+        value: Log-likelihood, up to a constant: 0 is a scan that nothing speaks against, at the expected pose.
+        against: Share of the points that lie where the map has seen free space.
+        unknown: Share of the points that lie where it has seen nothing.
+        loss: Mean robust loss of the points after the last step, 0 .. 1; 1 of a pose that no step has led to.
+    """
+
+    pose: Array
+    covariance: Array
+    value: float
+    against: float
+    unknown: float
+    loss: float = 1.0
+
+
+class MapAlignment:
+    """A scan to be laid on a particle's map.
+
+    Args:
+        maps: The maps.
+        particle: Whose map it is.
+        points_robot: (n, 2) returns in the robot frame [m], n > 0.
+        matcher: Refines poses.
+        config: Parameters.
+    """
+
+    def __init__(
+        self, maps: TileMaps, particle: int, points_robot: Array, matcher: ParticleScanMatcher, config: TrackingConfig
+    ) -> None:
+        self._maps, self._matcher, self._config = maps, matcher, config
+        self._directory = maps.directory[particle]
+        self._scale = np.array([1.0 / maps.cell, 1.0 / maps.cell, 1.0])
+        self._corner = np.array([maps.origin[0] * SIDE, maps.origin[1] * SIDE, 0.0])
+        self._points = np.ascontiguousarray(matcher.thinned(points_robot, maps.cell) / maps.cell)
+        few = max(1, len(self._points) // matcher.config.sample_points)
+        self._few = np.ascontiguousarray(self._points[::few])
+
+    def refined(self, start: Array, expected: Array, covariance: Array, *, near: bool = False) -> Candidate:
+        """Return where Gauss-Newton steps lead from `start` (3,), with a Gaussian around `expected` (3,) as a prior.
+
+        From a start that is `near` only the last, finest stage is needed.
+        """
+        maps, matcher = self._maps, self._matcher
+        pose, prior = self._to_cells(start), self._to_cells(expected)
+        pose[2] = prior[2] + wrap_one(pose[2] - prior[2])
+        information = np.linalg.inv(covariance * self._scale[:, None] * self._scale)
+        system = np.zeros((3, 4))
+        _, loss = match(
+            pose,
+            prior,
+            information,
+            self._points,
+            matcher.stages[-1:] if near else matcher.stages,
+            matcher.config.independent_points,
+            matcher.config.sigma / maps.cell,
+            matcher.config.straightness,
+            self._directory,
+            maps.counts,
+            maps.means,
+            maps.bits,
+            system,
+        )
+        off = pose - prior
+        return self._judged(pose, np.linalg.inv(system[:, :3]), 0.5 * float(off @ information @ off), loss)
+
+    def sampled(self, expected: Array, covariance: Array, samples: Array) -> Candidate:
+        """Return the refined best of `samples` (m, 3) standard normal draws of a Gaussian around `expected` (3,)."""
+        maps = self._maps
+        root = np.linalg.cholesky(covariance * self._scale[:, None] * self._scale)
+        pose = self._to_cells(expected)
+        search_samples(
+            pose.copy(), root, samples, self._few, self._config.weight, self._config.unseen, self._directory,
+            maps.counts, maps.bits, pose,
+        )  # fmt: skip
+        return self.refined(self._to_metres(pose), expected, covariance)
+
+    def around(self, centre: Array, reach: Array, enough: float) -> list[Candidate]:
+        """Return the refined best poses within `reach` (2,) [m, rad] of `centre` (3,) that may be worth `enough`.
+
+        The map knows most of what the scan sees there: a place where it knows nothing explains any scan.
+        """
+        config, points = self._config, self._few * self._maps.cell
+        points = points[np.hypot(*points.T) <= _FAR]
+        if not len(points):
+            return []
+        window = SearchWindow(linear=float(reach[0]), angular=float(reach[1]), angular_step=config.window_turn)
+        grid = self._scores(centre, float(reach[0]) + float(np.hypot(*points.T).max()))
+        pyramid = build_pyramid(grid, top_level=_TOP_LEVEL, margin=window.reach(grid.resolution) + (1 << _TOP_LEVEL))
+        least = max(0.0, 1.0 + (enough - _ROUGH) / config.weight)
+        found = branch_and_bound(
+            pyramid, points, centre, window, min_score=least, maxima=_MAXIMA, separation=_SEPARATION
+        )
+        covariance = _covariance(reach)
+        settled = (self._settled(each.pose, centre, covariance) for each in found.maxima)
+        return [each for each in settled if each.unknown <= _MOST_UNKNOWN]
+
+    def steady(self, centre: Array, expected: Array, reach: Array) -> Candidate:
+        """Return where steps lead from the pose `expected` (3,) of a robot that goes on as before; see `around`."""
+        near = self.refined(expected, expected, _covariance(0.25 * reach))
+        return self._settled(near.pose, centre, _covariance(reach))
+
+    def _settled(self, start: ArrayLike, expected: Array, covariance: Array) -> Candidate:
+        """Return the better one of a pose of a search and what it is refined to."""
+        pose, step = np.array(start, dtype=np.float64), np.array([_SEARCH_CELL, _SEARCH_CELL, self._config.window_turn])
+        off = pose - expected
+        off[2] = wrap_angle(off[2])
+        rough = np.diag((step * self._scale) ** 2)
+        kept = self._judged(self._to_cells(pose), rough, 0.5 * float(off @ np.linalg.inv(covariance) @ off))
+        return max(kept, self.refined(pose, expected, covariance), key=_value)
+
+    def _scores(self, centre: Array, radius: float) -> ScoreGrid:
+        """Return what a point is worth at each place within `radius` [m] of `centre`."""
+        maps = self._maps
+        side = max(1, round(_SEARCH_CELL / maps.cell))
+        x, y, _ = self._to_cells(centre)
+        reach = int(np.ceil(radius / maps.cell / side)) + 2
+        row, col = int(np.floor(y)) - reach * side, int(np.floor(x)) - reach * side
+        values = np.empty((2 * reach, 2 * reach), dtype=np.uint8)
+        draw_scores(row, col, side, _UNKNOWN_WORTH, _NEAR_WORTH, self._directory, maps.counts, maps.bits, values)
+        corner = (np.array([col, row]) + self._corner[:2]) * maps.cell
+        return ScoreGrid(values, (float(corner[0]), float(corner[1])), side * maps.cell)
+
+    def _judged(self, pose: Array, covariance: NDArray[np.floating], distance: float, loss: float = 1.0) -> Candidate:
+        maps, config, n = self._maps, self._config, max(len(self._points), 1)
+        x, y, theta = pose
+        against, unknown = compare(
+            x, y, theta, self._points, config.unseen, np.inf, self._directory, maps.counts, maps.bits
+        )
+        value = -config.weight * against / n - distance
+        spoken = (against - config.unseen * unknown) / n
+        return Candidate(
+            self._to_metres(pose), covariance / self._scale[:, None] / self._scale, value, spoken, unknown / n, loss
+        )
+
+    def _to_cells(self, pose: Array) -> Array:
+        return pose * self._scale - self._corner
+
+    def _to_metres(self, pose: Array) -> Array:
+        pose = (pose + self._corner) / self._scale
+        pose[2] = wrap_angle(pose[2])
+        return pose
+
+
+def _covariance(reach: Array) -> Array:
+    """Return the covariance (3, 3) of a pose whose two standard deviations are `reach` (2,) [m, rad]."""
+    return np.diag(0.25 * np.array([reach[0], reach[0], reach[1]]) ** 2)
+
+
+def _value(candidate: Candidate) -> float:
+    return candidate.value
