@@ -133,6 +133,11 @@ class PlaceMap:
         """Half the longer side of the map [m]."""
         return 0.5 * self.resolution * max(self.states.shape)
 
+    @cached_property
+    def free_area(self) -> float:
+        """Where the robot may stand [m^2]."""
+        return float((self.states == FREE).sum()) * self.resolution**2
+
     def to_free_space(self, place: Array) -> float:
         """Return the distance from a place (2,) to the nearest free cell's centre [m]."""
         rows, cols = np.nonzero(self.states == FREE)
