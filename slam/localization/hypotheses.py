@@ -38,7 +38,7 @@ class HypothesesConfig:
         mode: Hypotheses nearer than this to the best agree with it [m, rad].
         sure: Least probability of these together with which the place is told.
         hopeless: Hypotheses whose likelihood is below the best by more than this, as a logarithm, are forgotten.
-        memory: Share of the newest scan in what is usual.
+        memory: What is usual is the mean of about so many independent scans.
     """
 
     angular_step: Step = float(np.radians(2.5))
@@ -46,7 +46,7 @@ class HypothesesConfig:
     separation: Separation = field(default_factory=lambda: Separation(linear=0.5, angular=0.35, least_share=0.6))
     least_score: Share = 0.4
     points: Annotated[int, Within(1, 10_000)] = 120
-    evidence: float = 1.5
+    evidence: float = 1.0
     least_level: Share = 0.08
     most_level: Share = 0.4
     excess: float = 0.3
@@ -55,8 +55,8 @@ class HypothesesConfig:
     same: tuple[float, float] = (0.25, 0.1)
     mode: tuple[float, float] = (0.5, 0.175)
     sure: Share = 0.99
-    hopeless: Annotated[float, Within(1.0, 1000.0)] = 15.0
-    memory: Share = 0.05
+    hopeless: Annotated[float, Within(1.0, 1000.0)] = 10.0
+    memory: float = 50.0
 
     def __post_init__(self) -> None:
         check_numbers(self)
@@ -71,24 +71,23 @@ class WeighedScan:
 
     Attributes:
         poses: (k, 3) T_map_robot of all hypotheses after it, the likeliest first.
-        weights: (k,) their log-likelihoods.
         parents: (k,) which hypothesis of the step before each one comes from; -1: it was found by a search.
-        factor: What a misfit was multiplied with.
+        fresh: How independent the scan was of the one before.
     """
 
     poses: Array
-    weights: Array
     parents: NDArray[np.int64]
-    factor: float
+    fresh: float
 
 
 class Hypotheses:
     """Follows places and weighs them.
 
-    A scan takes `factor` times its misfit from the log-likelihood of a hypothesis. The factor is the larger, the better
-    the map usually explains the scans: what it does not explain, people, moved things and its own errors, is the same
-    for many beams and scans, and no proof. What is said of none of the hypotheses is kept as one more, `elsewhere`: it
-    misfits somewhat more than is usual, the robot may step into it at any time, and what a search finds comes from it.
+    The log-likelihood of a hypothesis is what it has misfitted so far, over what is usual, beside a prior. So evidence
+    counts the more, the better the map explains the scans: what it does not explain, people, moved things and its own
+    errors, is the same for many beams and scans, and no proof. What is said of none of the hypotheses is kept as one
+    more, `elsewhere`: it misfits somewhat more than is usual, the robot may step into it at any time, and what a search
+    finds comes from it.
 
     Args:
         place: The map.
@@ -98,18 +97,19 @@ class Hypotheses:
     Attributes:
         poses: (k, 3) T_map_robot, the likeliest first.
         explained: (k,) share of the beams explained.
-        elsewhere: Log-likelihood of all other places together.
+        usual: Share of the beams that the best one usually explains where it is sure; 0: not known yet.
+        steps: All scans that were weighed.
     """
 
     def __init__(self, place: PlaceMap, fit: BeamFit, config: HypothesesConfig) -> None:
         self._place, self._fit, self._config = place, fit, config
         linear, angular = config.separation.linear, config.separation.angular
         self._places = float(np.log(max(place.free_area / linear**2, 1.0) * 2.0 * np.pi / angular))
-        self.poses, self._weights = np.empty((0, 3)), np.empty(0)
-        self.explained, self._misfits = np.empty(0), np.empty(0)
-        self._parents = np.empty(0, np.int64)
-        self.elsewhere, self._level, self._usual, self._factor = 0.0, 0.0, 0.0, 0.0
-        self._fresh = 1.0
+        self.poses, self.explained, self.usual = np.empty((0, 3)), np.empty(0), 0.0
+        self._now, self._parents = np.empty(0), np.empty(0, np.int64)  # misfit of the last scan; before it
+        self._misfits, self._priors = np.empty(0), np.empty(0)  # sum of all, weighed by freshness; logarithm
+        self._elsewhere = np.zeros(2)  # the same two of all other places together
+        self._level, self._learned, self._fresh = 0.0, 0.0, 1.0
         self.steps: list[WeighedScan] = []
 
     def __len__(self) -> int:
@@ -117,10 +117,8 @@ class Hypotheses:
 
     def begin(self, pose: Array) -> None:
         """Take one pose (3,) for likely."""
-        self.poses, self._weights = pose[None], np.zeros(1)
-        self.explained, self._misfits = np.zeros(1), np.zeros(1)
-        self._parents = np.full(1, -1)
-        self.elsewhere = self._config.jump
+        self._take(pose[None], np.zeros(1), np.zeros(1), np.zeros(1), np.zeros(1), np.full(1, -1))
+        self._elsewhere = np.array([0.0, self._config.jump])
 
     def weigh(self, sight: Sight, motion: Array, sigma: Array, fresh: float) -> None:
         """Move all hypotheses on and weigh them by a scan.
@@ -131,52 +129,86 @@ class Hypotheses:
             sigma: (2,) its standard deviations [m, rad].
             fresh: Share of the scan that is independent of the one before.
         """
-        config = self._config
+        config, self._fresh = self._config, fresh
+        self._step_elsewhere(config.jump + float(np.log(fresh)))
         self.poses, residuals = self._fit.follow(sight, self.poses, motion, sigma)
-        self._misfits, self.explained = self._fit.judge(sight, self.poses)
-        self._parents, self._fresh = np.arange(len(self.poses)), fresh
-        self._learn_level()
-        total = np.logaddexp.reduce(self._weights) if len(self) else -np.inf
-        self.elsewhere = float(np.logaddexp(self.elsewhere, total + config.jump + np.log(fresh)))
-        self.elsewhere -= self._factor * (self._bounded_level + config.excess)
-        self._weights = self._weights - self._factor * self._misfits - config.odometry * residuals
+        self._now, self.explained = self._fit.judge(sight, self.poses)
+        self._parents = np.arange(len(self.poses))
+        if len(self):
+            self._learn_level(float(self._now[0]))
+        self._misfits = self._misfits + fresh * self._now
+        self._priors = self._priors - config.odometry * residuals
+        self._elsewhere[0] += fresh * (self._bounded_level + config.excess)
         self._tidy()
 
     def search(self, sight: Sight) -> None:
         """Search the whole map by the scan that was weighed last, and add what is found."""
         poses = self._found(sight)
-        misfits, explained = self._fit.judge(sight, poses)
+        now, explained = self._fit.judge(sight, poses)
         if not len(self) and len(poses):
-            self._level = float(misfits.min())
-            self._factor = self._fresh * self._config.evidence / self._bounded_level
-        ahead = self._factor * (self._bounded_level + self._config.excess - misfits)
-        self.poses = np.concatenate((self.poses, poses))
-        self._weights = np.concatenate((self._weights, self.elsewhere - self._places + ahead))
-        self._misfits = np.concatenate((self._misfits, misfits))
-        self.explained = np.concatenate((self.explained, explained))
-        self._parents = np.concatenate((self._parents, np.full(len(poses), -1)))
+            self._learn_level(float(now.min()))
+            self._elsewhere[0] = self._fresh * (self._bounded_level + self._config.excess)
+        elsewhere = self._bounded_level + self._config.excess
+        misfits = self._elsewhere[0] + self._fresh * (now - elsewhere)
+        priors = np.full(len(poses), self._elsewhere[1] - self._places)
+        self._take(
+            *(
+                np.concatenate(pair)
+                for pair in (
+                    (self.poses, poses),
+                    (self._misfits, misfits),
+                    (self._priors, priors),
+                    (self._now, now),
+                    (self.explained, explained),
+                    (self._parents, np.full(len(poses), -1)),
+                )
+            )
+        )
+        # Where the search has not found anything it is worse than the worst that it has found, unless it errs.
+        self._elsewhere[0] += self._fresh * max(0.0, self._unfound(now) - elsewhere)
         self._tidy()
+        self._step_elsewhere(self._config.jump)
+
+    def _take(self, poses: Array, misfits: Array, priors: Array, now: Array, explained: Array, parents: Array) -> None:
+        self.poses, self._misfits, self._priors = poses, misfits, priors
+        self._now, self.explained, self._parents = now, explained, parents.astype(np.int64)
+
+    def _step_elsewhere(self, jump: float) -> None:
+        """Let the robot step from the best hypothesis to elsewhere, at a log-likelihood of `jump`."""
+        if len(self) and self._weights[0] + jump > self._other:
+            self._elsewhere = np.array([self._misfits[0], self._priors[0] + jump])
+
+    @property
+    def _weights(self) -> Array:
+        """(k,) log-likelihoods of the hypotheses."""
+        return self._priors - self._config.evidence * self._misfits / self._bounded_level
+
+    @property
+    def _other(self) -> float:
+        """Log-likelihood of all other places together."""
+        misfit, prior = self._elsewhere.tolist()
+        return float(prior - self._config.evidence * misfit / self._bounded_level)
+
+    def _unfound(self, misfits: Array) -> float:
+        """Return how much the scan misfits at least where a search has found nothing, by the `misfits` where it has."""
+        worst, config = float(misfits.max(initial=0.0)), self._config
+        return worst if len(misfits) >= config.maxima else max(worst, -float(np.log(config.separation.least_share)))
 
     def keep(self) -> None:
         """Keep this step, for the trajectory of the whole drive."""
-        self.steps.append(WeighedScan(self.poses, self._weights, self._parents, self._factor))
+        self.steps.append(WeighedScan(self.poses, self._parents, self._fresh))
 
     def settle(self) -> None:
         """Learn what is usual, where the place is sure."""
-        memory, explained = self._config.memory, float(self.explained[0])
-        self._usual = explained if self._usual == 0.0 else self._usual + memory * (explained - self._usual)
-
-    @property
-    def usual(self) -> float:
-        """Share of the beams that the best hypothesis usually explains; 0: not known yet."""
-        return self._usual
+        memory, explained = 1.0 / self._config.memory, float(self.explained[0])
+        self.usual = explained if self.usual == 0.0 else self.usual + memory * (explained - self.usual)
 
     @property
     def probability(self) -> float:
         """Probability that the robot is at the best hypothesis, or so near to it that they agree."""
         if not len(self):
             return 0.0
-        total = np.logaddexp(np.logaddexp.reduce(self._weights), self.elsewhere)
+        total = np.logaddexp(np.logaddexp.reduce(self._weights), self._other)
         agree = near(self.poses, self.poses[0], self._config.mode)
         return float(np.exp(np.logaddexp.reduce(self._weights[agree]) - total))
 
@@ -185,7 +217,7 @@ class Hypotheses:
         """Probability that the robot is at none of the hypotheses."""
         if not len(self):
             return 1.0
-        return float(np.exp(self.elsewhere - np.logaddexp(np.logaddexp.reduce(self._weights), self.elsewhere)))
+        return float(np.exp(self._other - np.logaddexp(np.logaddexp.reduce(self._weights), self._other)))
 
     def belief(self, motion: Array, sure: bool) -> PlaceBelief:
         """Return what is believed after a `motion` (3,) of the odometry since the last scan that was weighed."""
@@ -195,18 +227,19 @@ class Hypotheses:
 
     def distrust(self) -> None:
         """Take all other places for as likely as the hypotheses: nothing was seen for too long."""
-        if len(self):
-            self.elsewhere = max(self.elsewhere, float(np.logaddexp.reduce(self._weights)))
+        self._step_elsewhere(0.0)
 
     @property
     def _bounded_level(self) -> float:
         return float(np.clip(self._level, self._config.least_level, self._config.most_level))
 
-    def _learn_level(self) -> None:
-        """Learn the usual misfit from the best hypothesis, and what a misfit counts."""
-        if len(self):
-            self._level += self._config.memory * (float(self._misfits[0]) - self._level)
-        self._factor = self._fresh * self._config.evidence / self._bounded_level
+    def _learn_level(self, misfit: float) -> None:
+        """Learn what is usual from a `misfit` of the best hypothesis, but not from one that is far beyond it."""
+        config = self._config
+        if self._learned:
+            misfit = min(misfit, 2.0 * max(self._level, config.least_level))
+        self._learned = min(self._learned, config.memory) + self._fresh
+        self._level += self._fresh / self._learned * (misfit - self._level)
 
     def _found(self, sight: Sight) -> Array:
         """Return (k, 3) refined maxima of a search of the whole map."""
@@ -221,17 +254,20 @@ class Hypotheses:
 
     def _tidy(self) -> None:
         """Sort the hypotheses, join equal ones, drop hopeless ones and those that stand in walls or the unknown."""
-        config = self._config
+        config, weights = self._config, self._weights
         stand = self._place.is_free(self.poses[:, :2])
-        order = [int(k) for k in np.argsort(-self._weights, kind="stable") if stand[k]]
+        order = [int(k) for k in np.argsort(-weights, kind="stable") if stand[k]]
+        behind = self._priors - config.evidence * self._misfits / config.most_level  # by the most careful level
         kept: list[int] = []
         for k in order:
-            if self._weights[k] < self._weights[order[0]] - config.hopeless or len(kept) >= config.maxima:
-                break
+            if behind[k] < behind[order[0]] - config.hopeless or len(kept) >= config.maxima:
+                continue
             if not kept or not near(self.poses[kept], self.poses[k], config.same).any():
                 kept.append(k)
-        self.poses, self._weights, self._parents = self.poses[kept], self._weights[kept], self._parents[kept]
-        self.explained, self._misfits = self.explained[kept], self._misfits[kept]
+        self._take(
+            self.poses[kept], self._misfits[kept], self._priors[kept],
+            self._now[kept], self.explained[kept], self._parents[kept],
+        )  # fmt: skip
 
 
 def near(poses: Array, pose: Array, reach: tuple[float, float]) -> NDArray[np.bool_]:
