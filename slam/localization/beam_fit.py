@@ -41,7 +41,7 @@ class BeamFitConfig:
     slack: Reach = 0.4
     stray: Share = 0.1
     through: Share = 0.5
-    unseen: Share = 0.3
+    unseen: Share = 0.5
     points: Annotated[int, Within(1, 10_000)] = 60
     spacing: Annotated[float, Within(0.02, 100.0)] = 0.5
     worth: float = 27.0

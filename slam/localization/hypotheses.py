@@ -204,6 +204,14 @@ class Hypotheses:
         self.usual = explained if self.usual == 0.0 else self.usual + memory * (explained - self.usual)
 
     @property
+    def leads_on(self) -> bool:
+        """Whether the best hypothesis is the one, or agrees with the one, that was the best before the last scan."""
+        if not len(self) or not (self._parents >= 0).any():
+            return False
+        before = int(np.argmin(np.where(self._parents >= 0, self._parents, len(self) + self._config.maxima)))
+        return bool(self._parents[before] == 0 and near(self.poses[:1], self.poses[before], self._config.mode)[0])
+
+    @property
     def probability(self) -> float:
         """Probability that the robot is at the best hypothesis, or so near to it that they agree."""
         if not len(self):

@@ -182,6 +182,9 @@ class Localizer:
     def _looked(self, scan: PreparedScan) -> LocalizationUpdate:
         """Return what is known after a scan that says something."""
         self._since_sight = 0.0
+        if self._start is not None:
+            self.hypotheses.begin(self._start)
+            self._sure = True
         sight = self.fit.sight(scan.odometry, scan.points, scan.sensor)
         fresh = self._freshness()
         pose, explained = self._followed(sight) if not fresh else (None, None)
@@ -229,8 +232,7 @@ class Localizer:
         motion, hypotheses = self._motion(), self.hypotheses
         sigma = self.config.extrapolator.sigma(motion)
         if self._start is not None:
-            hypotheses.begin(self._start)
-            sigma, self._start, self._sure = _START_SIGMA, None, True
+            sigma, self._start = _START_SIGMA, None
         hypotheses.weigh(sight, motion, sigma, fresh)
         self._weighed_at = sight.odometry
         unsure = 1.0 - self.config.hypotheses.sure
@@ -239,7 +241,9 @@ class Localizer:
             self._since_search = 0.0
             hypotheses.search(sight)
         hypotheses.keep()
-        self._become(hypotheses.probability >= self.config.hypotheses.sure)
+        # Another place than the one that was told last is not told before the next scan has confirmed it.
+        jumped = self._sure and not hypotheses.leads_on
+        self._become(hypotheses.probability >= self.config.hypotheses.sure and not jumped)
         if self._sure:
             hypotheses.settle()
         if fresh < 1.0:
