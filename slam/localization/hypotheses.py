@@ -65,21 +65,6 @@ class HypothesesConfig:
                 raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
 
 
-@dataclass(frozen=True, eq=False)
-class WeighedScan:
-    """One weighed scan.
-
-    Attributes:
-        poses: (k, 3) T_map_robot of all hypotheses after it, the likeliest first.
-        parents: (k,) which hypothesis of the step before each one comes from; -1: it was found by a search.
-        fresh: How independent the scan was of the one before.
-    """
-
-    poses: Array
-    parents: NDArray[np.int64]
-    fresh: float
-
-
 class Hypotheses:
     """Follows places and weighs them.
 
@@ -98,7 +83,7 @@ class Hypotheses:
         poses: (k, 3) T_map_robot, the likeliest first.
         explained: (k,) share of the beams explained.
         usual: Share of the beams that the best one usually explains where it is sure; 0: not known yet.
-        steps: All scans that were weighed.
+        parents: (k,) which hypothesis before the last scan each one comes from; -1: it was found by a search.
     """
 
     def __init__(self, place: PlaceMap, fit: BeamFit, config: HypothesesConfig) -> None:
@@ -106,11 +91,10 @@ class Hypotheses:
         linear, angular = config.separation.linear, config.separation.angular
         self._places = float(np.log(max(place.free_area / linear**2, 1.0) * 2.0 * np.pi / angular))
         self.poses, self.explained, self.usual = np.empty((0, 3)), np.empty(0), 0.0
-        self._now, self._parents = np.empty(0), np.empty(0, np.int64)  # misfit of the last scan; before it
+        self._now, self.parents = np.empty(0), np.empty(0, np.int64)  # misfit of the last scan; before it
         self._misfits, self._priors = np.empty(0), np.empty(0)  # sum of all, weighed by freshness; logarithm
         self._elsewhere = np.zeros(2)  # the same two of all other places together
         self._level, self._learned, self._fresh = 0.0, 0.0, 1.0
-        self.steps: list[WeighedScan] = []
 
     def __len__(self) -> int:
         return len(self.poses)
@@ -133,7 +117,7 @@ class Hypotheses:
         self._step_elsewhere(config.jump + float(np.log(fresh)))
         self.poses, residuals = self._fit.follow(sight, self.poses, motion, sigma)
         self._now, self.explained = self._fit.judge(sight, self.poses)
-        self._parents = np.arange(len(self.poses))
+        self.parents = np.arange(len(self.poses))
         if len(self):
             self._learn_level(float(self._now[0]))
         self._misfits = self._misfits + fresh * self._now
@@ -160,7 +144,7 @@ class Hypotheses:
                     (self._priors, priors),
                     (self._now, now),
                     (self.explained, explained),
-                    (self._parents, np.full(len(poses), -1)),
+                    (self.parents, np.full(len(poses), -1)),
                 )
             )
         )
@@ -171,7 +155,7 @@ class Hypotheses:
 
     def _take(self, poses: Array, misfits: Array, priors: Array, now: Array, explained: Array, parents: Array) -> None:
         self.poses, self._misfits, self._priors = poses, misfits, priors
-        self._now, self.explained, self._parents = now, explained, parents.astype(np.int64)
+        self._now, self.explained, self.parents = now, explained, parents.astype(np.int64)
 
     def _step_elsewhere(self, jump: float) -> None:
         """Let the robot step from the best hypothesis to elsewhere, at a log-likelihood of `jump`."""
@@ -189,14 +173,19 @@ class Hypotheses:
         misfit, prior = self._elsewhere.tolist()
         return float(prior - self._config.evidence * misfit / self._bounded_level)
 
+    def cost(self, misfits: Array, fresh: Array) -> float:
+        """Return what a trajectory with such `misfits` (n,) at scans of such freshness (n,) loses in log-likelihood."""
+        return self._config.evidence * float(misfits @ fresh) / self._bounded_level
+
+    @property
+    def least(self) -> float:
+        """Log-likelihood of a jump to one other place."""
+        return self._config.jump - self._places
+
     def _unfound(self, misfits: Array) -> float:
         """Return how much the scan misfits at least where a search has found nothing, by the `misfits` where it has."""
         worst, config = float(misfits.max(initial=0.0)), self._config
         return worst if len(misfits) >= config.maxima else max(worst, -float(np.log(config.separation.least_share)))
-
-    def keep(self) -> None:
-        """Keep this step, for the trajectory of the whole drive."""
-        self.steps.append(WeighedScan(self.poses, self._parents, self._fresh))
 
     def settle(self) -> None:
         """Learn what is usual, where the place is sure."""
@@ -206,10 +195,10 @@ class Hypotheses:
     @property
     def leads_on(self) -> bool:
         """Whether the best hypothesis is the one, or agrees with the one, that was the best before the last scan."""
-        if not len(self) or not (self._parents >= 0).any():
+        if not len(self) or not (self.parents >= 0).any():
             return False
-        before = int(np.argmin(np.where(self._parents >= 0, self._parents, len(self) + self._config.maxima)))
-        return bool(self._parents[before] == 0 and near(self.poses[:1], self.poses[before], self._config.mode)[0])
+        before = int(np.argmin(np.where(self.parents >= 0, self.parents, len(self) + self._config.maxima)))
+        return bool(self.parents[before] == 0 and near(self.poses[:1], self.poses[before], self._config.mode)[0])
 
     @property
     def probability(self) -> float:
@@ -274,7 +263,7 @@ class Hypotheses:
                 kept.append(k)
         self._take(
             self.poses[kept], self._misfits[kept], self._priors[kept],
-            self._now[kept], self.explained[kept], self._parents[kept],
+            self._now[kept], self.explained[kept], self.parents[kept],
         )  # fmt: skip
 
 

@@ -82,6 +82,25 @@ class LocalizerConfig:
 
 
 @dataclass(frozen=True, eq=False)
+class WeighedScan:
+    """A scan that was weighed, and what was believed after it.
+
+    Attributes:
+        number: Of the scan, from 0.
+        sight: The scan, made ready.
+        fresh: How independent it was of the one before, in [0, 1].
+        poses: (k, 3) T_map_robot of all hypotheses, the likeliest first.
+        parents: (k,) which hypothesis of the scan before each one comes from; -1: it was found by a search.
+    """
+
+    number: int
+    sight: Sight
+    fresh: float
+    poses: Array
+    parents: NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
 class LocalizationUpdate:
     """What localization made of one scan.
 
@@ -111,8 +130,14 @@ class Localizer:
         grid: The map; one that was made ready before is taken as it is.
         config: Settings.
         start: (3,) T_map_robot at the first scan [m, m, rad], within about 0.5 m and 15 degrees; None: it is searched.
+        keep_history: Whether all hypotheses of all scans are kept, for `smooth_drive`; memory grows with the drive.
 
     Attributes:
+        place: The map, made ready.
+        fit: Judge of poses on it.
+        hypotheses: The places that are followed.
+        start: As given.
+        history: What was weighed, if it is kept.
         lost: How often it was sure, and then not any longer.
 
     Raises:
@@ -120,14 +145,20 @@ class Localizer:
     """
 
     def __init__(
-        self, grid: OccupancyMap | PlaceMap, config: LocalizerConfig | None = None, start: ArrayLike | None = None
+        self,
+        grid: OccupancyMap | PlaceMap,
+        config: LocalizerConfig | None = None,
+        start: ArrayLike | None = None,
+        *,
+        keep_history: bool = False,
     ) -> None:
         self.config = config or LocalizerConfig()
         self.place = grid if isinstance(grid, PlaceMap) else PlaceMap(grid, self.config.place)
         self.fit = BeamFit(self.place, self.config.fit)
         self.hypotheses = Hypotheses(self.place, self.fit, self.config.hypotheses)
         self._preparation = ScanPreparation(self.config.voxel_filter)
-        self._start = None if start is None else self._checked(checked_pose(start, "start"))
+        self.start = self._start = None if start is None else self._checked(checked_pose(start, "start"))
+        self.history: list[WeighedScan] | None = [] if keep_history else None
         self._odometry: Array | None = None  # of the last scan
         self._weighed_at: Array | None = None  # odometry of the last scan that was weighed
         self._since_search, self._since_sight, self._surprises = np.inf, 0.0, 0
@@ -240,7 +271,8 @@ class Localizer:
         if hypotheses.doubt > unsure and (self._since_search >= self.config.search_every or surprised):
             self._since_search = 0.0
             hypotheses.search(sight)
-        hypotheses.keep()
+        if self.history is not None:
+            self.history.append(WeighedScan(len(self._updates), sight, fresh, hypotheses.poses, hypotheses.parents))
         # Another place than the one that was told last is not told before the next scan has confirmed it.
         jumped = self._sure and not hypotheses.leads_on
         self._become(hypotheses.probability >= self.config.hypotheses.sure and not jumped)
