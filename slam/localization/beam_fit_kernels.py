@@ -138,7 +138,5 @@ def refine_poses(
 ) -> None:
     """Move `poses` (k, 3) to where `points` fit `field` best, held to `expected` (k, 3) by `hold` (3, 3)."""
     for k in range(len(poses)):
-        refined = refine_pose(
-            field, corner, resolution, points, poses[k], expected[k], hold, weight, iterations, 1e-3
-        )
+        refined = refine_pose(field, corner, resolution, points, poses[k], expected[k], hold, weight, iterations, 1e-3)
         poses[k] = refined[0]

@@ -16,6 +16,8 @@ from .place_map import PlaceMap
 
 Array = NDArray[np.float64]
 
+_FREE_WITHIN = 0.3  # [m] of a robot's centre some place is free, though drawn maps have holes where no beam went
+
 
 @dataclass(frozen=True, kw_only=True)
 class HypothesesConfig:
@@ -252,7 +254,7 @@ class Hypotheses:
     def _tidy(self) -> None:
         """Sort the hypotheses, join equal ones, drop hopeless ones and those that stand in walls or the unknown."""
         config, weights = self._config, self._weights
-        stand = self._place.is_free(self.poses[:, :2])
+        stand = self._place.is_open(self.poses[:, :2], _FREE_WITHIN)
         order = [int(k) for k in np.argsort(-weights, kind="stable") if stand[k]]
         behind = self._priors - config.evidence * self._misfits / config.most_level  # by the most careful level
         kept: list[int] = []

@@ -226,9 +226,11 @@ class Localizer:
         was_sure = self._sure
         if fresh:
             self._weigh(sight, fresh)
-            pose, explained = (self.hypotheses.poses[0], float(self.hypotheses.explained[0])) if len(
-                self.hypotheses
-            ) else (None, None)
+            pose, explained = (
+                (self.hypotheses.poses[0], float(self.hypotheses.explained[0]))
+                if len(self.hypotheses)
+                else (None, None)
+            )
         if not self._sure:
             return LocalizationUpdate(
                 None, State.SEARCHING, False, explained, self.hypotheses.belief(self._motion(), False)
