@@ -1,4 +1,4 @@
-"""The places where the robot may be: each followed by odometry and scans, weighed by all that it has seen on the way."""
+"""The places where the robot may be: each followed by odometry and scans, weighed by all that it saw on the way."""
 
 from dataclasses import dataclass, field
 from typing import Annotated
@@ -6,7 +6,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bounds import Cell, Share, Step, Within, check_numbers
+from ..bounds import Share, Step, Within, check_numbers
 from ..errors import InputError
 from ..geometry import compose, wrap_angle
 from ..search.branch_and_bound import SearchWindow, Separation, branch_and_bound
@@ -103,7 +103,8 @@ class Hypotheses:
 
     def begin(self, pose: Array) -> None:
         """Take one pose (3,) for likely."""
-        self._take(pose[None], np.zeros(1), np.zeros(1), np.zeros(1), np.zeros(1), np.full(1, -1))
+        self.poses, self.parents = pose[None], np.full(1, -1, np.int64)
+        self._misfits, self._priors, self._now, self.explained = np.zeros((4, 1))
         self._elsewhere = np.array([0.0, self._config.jump])
 
     def weigh(self, sight: Sight, motion: Array, sigma: Array, fresh: float) -> None:
@@ -135,29 +136,15 @@ class Hypotheses:
             self._learn_level(float(now.min()))
             self._elsewhere[0] = self._fresh * (self._bounded_level + self._config.excess)
         elsewhere = self._bounded_level + self._config.excess
-        misfits = self._elsewhere[0] + self._fresh * (now - elsewhere)
-        priors = np.full(len(poses), self._elsewhere[1] - self._places)
-        self._take(
-            *(
-                np.concatenate(pair)
-                for pair in (
-                    (self.poses, poses),
-                    (self._misfits, misfits),
-                    (self._priors, priors),
-                    (self._now, now),
-                    (self.explained, explained),
-                    (self.parents, np.full(len(poses), -1)),
-                )
-            )
-        )
+        self.poses = np.concatenate((self.poses, poses))
+        self._misfits = np.concatenate((self._misfits, self._elsewhere[0] + self._fresh * (now - elsewhere)))
+        self._priors = np.concatenate((self._priors, np.full(len(poses), self._elsewhere[1] - self._places)))
+        self._now, self.explained = np.concatenate((self._now, now)), np.concatenate((self.explained, explained))
+        self.parents = np.concatenate((self.parents, np.full(len(poses), -1, np.int64)))
         # Where the search has not found anything it is worse than the worst that it has found, unless it errs.
         self._elsewhere[0] += self._fresh * max(0.0, self._unfound(now) - elsewhere)
         self._tidy()
         self._step_elsewhere(self._config.jump)
-
-    def _take(self, poses: Array, misfits: Array, priors: Array, now: Array, explained: Array, parents: Array) -> None:
-        self.poses, self._misfits, self._priors = poses, misfits, priors
-        self._now, self.explained, self.parents = now, explained, parents.astype(np.int64)
 
     def _step_elsewhere(self, jump: float) -> None:
         """Let the robot step from the best hypothesis to elsewhere, at a log-likelihood of `jump`."""
@@ -263,10 +250,9 @@ class Hypotheses:
                 continue
             if not kept or not near(self.poses[kept], self.poses[k], config.same).any():
                 kept.append(k)
-        self._take(
-            self.poses[kept], self._misfits[kept], self._priors[kept],
-            self._now[kept], self.explained[kept], self.parents[kept],
-        )  # fmt: skip
+        self.poses, self.parents = self.poses[kept], self.parents[kept]
+        self._misfits, self._priors = self._misfits[kept], self._priors[kept]
+        self._now, self.explained = self._now[kept], self.explained[kept]
 
 
 def near(poses: Array, pose: Array, reach: tuple[float, float]) -> NDArray[np.bool_]:

@@ -147,7 +147,8 @@ class PlaceMap:
     @cached_property
     def _to_free(self) -> NDArray[np.float32]:
         """(rows, cols) from each cell's centre to the nearest free cell's centre [m]."""
-        return np.asarray(distance_transform_edt(self.states != FREE) * self.resolution, dtype=np.float32)
+        cells = np.asarray(distance_transform_edt(self.states != FREE), dtype=np.float32)
+        return cells * np.float32(self.resolution)
 
     def is_open(self, places: Array, reach: float) -> NDArray[np.bool_]:
         """Return (k,) whether there is a free cell within `reach` [m] of the places (k, 2) [m]."""

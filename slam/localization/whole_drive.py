@@ -1,4 +1,4 @@
-"""A recorded drive localized as a whole: the trajectory that explains all of its scans best, also before it was sure."""
+"""A recorded drive localized as a whole: the trajectory that explains all scans best, also before it was sure."""
 
 from dataclasses import dataclass
 

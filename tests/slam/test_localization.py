@@ -129,7 +129,7 @@ def test_at_the_edge_of_the_map_it_is_found_although_half_of_what_it_sees_is_not
     part = OccupancyMap(probability, room.resolution, room.origin)
     assert part.known.mean() < 0.8 * room.known.mean()
     for start in ((0.0, 0.8, 0.4), (-0.5, -1.0, -0.5)):
-        updates, poses = driven(Localizer(part), ROOM, start, (0.05, 0.0, 0.05), 20, rng)
+        updates, poses = driven(Localizer(part), ROOM, start, (0.05, 0.0, 0.05), 30, rng)
         assert all(
             error_of(u.belief.poses[0], pose)[0] < 0.1 for u, pose in zip(updates, poses, strict=True) if u.belief
         )
