@@ -14,6 +14,7 @@ from ...slam.landmarks.clustering import METHODS as CLUSTERINGS
 from ...slam.landmarks.landmark_map import read_landmark_map
 from ...slam.localization.localizer import Localizer, LocalizerConfig
 from ...slam.localization.runner import DriveLocalizer, LocalizerRun, run_localizer
+from ...slam.localization.whole_drive import smooth_drive
 from ...slam.logs.beesoft import is_beesoft_map, read_beesoft_map
 from ...slam.logs.ros_map import read_ros_map
 from ...slam.occupancy_map import OccupancyMap
@@ -25,8 +26,10 @@ from ..runs.localize_run import write_localize_run
 from ..runs.slam_run import prepare_folder, progress_bar
 
 EPILOG = """\
-The whole map is searched first, and again whenever the scans contradict the map. Where several places fit about as
-well (a symmetric room, a smooth corridor) it is "not sure": such scans have no pose. Odometry that says less than 0.8
+The whole map is searched first, and again whenever the scans contradict the map. All places where the robot may be are
+followed until its scans have decided between them. While several remain (a symmetric room, a smooth corridor, one of
+many equal doors) it is "not sure": such scans have no pose. At the end the drive is looked at as a whole, also
+backwards: what the last scans decide holds for the first ones, too. Odometry that says less than 0.8
 or more than 1.25 metres or radians for each one that the scans show is complained of, in one line on stderr.
 
 On a map of landmarks nothing is searched: the robot is followed from its start, and "not sure" once the filter's
@@ -37,6 +40,7 @@ be left out; or CSV whose first line is x,y or x,y,xx,xy,yy. tagalong slam --met
 writes into DIR:
   trajectory.tum         the scans with a pose: t x y z qx qy qz qw
                          (t: the number of the scan where the log has no usable times)
+  smoothed.tum           all scans, by the whole drive at once; not on landmarks, nor where no place was found
   map.png                the path on the map, to look at
   metrics.json           share of sure and matched scans, how often the robot was lost, how much the map explains
   timing.json            speed and memory; the only file that differs between two runs
@@ -106,6 +110,7 @@ def run(options: argparse.Namespace) -> int:
     drive = read.drive
     prepare_folder(options.out)
     result = run_localizer(localizer, drive, progress=progress_bar(drive.name, not options.quiet))
+    smoothed = smooth_drive(localizer, drive) if isinstance(localizer, Localizer) else None
     settings = {
         "map": options.map.name,
         "method": options.method,
@@ -113,7 +118,7 @@ def run(options: argparse.Namespace) -> int:
         "config": asdict(localizer.config),
         **read.settings,
     }
-    metrics = write_localize_run(options.out, drive, result, grid, settings)
+    metrics = write_localize_run(options.out, drive, result, grid, settings, smoothed)
     print(format_table(("quantity", "value", "unit"), _rows(metrics, result)))
     print(f"written to {options.out}")
     return 0
@@ -126,7 +131,7 @@ def _on_grid(options: argparse.Namespace, start: NDArray[np.float64] | None) -> 
     config = with_settings(LocalizerConfig(), read_settings(options.settings))
     grid = _read_map(options.map)
     try:
-        return Localizer(grid, config, start), grid
+        return Localizer(grid, config, start, keep_history=True), grid
     except InputError as error:
         raise InputError(f"{options.map}: {error}") from error
 
@@ -164,12 +169,14 @@ def _start(words: list[float] | None) -> NDArray[np.float64] | None:
 
 def _rows(metrics: dict[str, Any], result: LocalizerRun) -> list[tuple[str, str, str]]:
     first, explained = metrics["first_sure_scan"], metrics["explained_median"]
+    whole = metrics["whole_drive_probability"]
     return [
         ("scans", str(metrics["scans"]), ""),
         ("first sure scan", "never" if first is None else str(first), ""),
         ("sure", f"{100 * metrics['sure_share']:.1f}", "%"),
         ("matched", f"{100 * metrics['matched_share']:.1f}", "%"),
         ("lost", str(metrics["lost"]), "times"),
+        ("whole drive sure", "-" if whole is None else f"{100 * whole:.1f}", "%"),
         ("explained by the map", "-" if explained is None else f"{100 * explained:.0f}", "%"),
         ("path", f"{metrics['path_m']:.1f}", "m"),
         ("time", f"{result.seconds.sum():.2f}", "s"),

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from ... import __version__
 from ...slam.files.output import write_json
 from ...slam.localization.runner import LocalizerRun
+from ...slam.localization.whole_drive import SmoothedDrive
 from ...slam.logs.drive import RecordedDrive
 from ...slam.logs.tum import Trajectory, write_tum
 from ...slam.occupancy_map import OccupancyMap
@@ -19,9 +20,14 @@ from .slam_run import peak_memory_mb, usable_times
 
 
 def write_localize_run(
-    folder: Path, drive: RecordedDrive, run: LocalizerRun, grid: OccupancyMap, settings: dict[str, Any]
+    folder: Path,
+    drive: RecordedDrive,
+    run: LocalizerRun,
+    grid: OccupancyMap,
+    settings: dict[str, Any],
+    smoothed: SmoothedDrive | None = None,
 ) -> dict[str, Any]:
-    """Write trajectory.tum, map.png, metrics.json and timing.json; return the metrics.
+    """Write trajectory.tum, smoothed.tum, map.png, metrics.json and timing.json; return the metrics.
 
     Args:
         folder: Where to; made if need be.
@@ -29,10 +35,19 @@ def write_localize_run(
         run: What became of it.
         grid: The map.
         settings: How it was made.
+        smoothed: The drive as a whole; None: nothing is known of it.
     """
-    metrics = {**settings, "tagalong": __version__, **localize_metrics(drive, run)}
+    whole = smoothed.probability if smoothed else None
+    metrics = {
+        **settings,
+        "tagalong": __version__,
+        **localize_metrics(drive, run),
+        "whole_drive_probability": whole,
+    }
     times, sure = usable_times(drive), run.sure
     write_tum(folder / "trajectory.tum", Trajectory(times[sure], run.trajectory[sure]))
+    if smoothed and np.isfinite(smoothed.trajectory).all():
+        write_tum(folder / "smoothed.tum", Trajectory(times, smoothed.trajectory))
     title = f"{drive.name}: sure of {100 * metrics['sure_share']:.1f} % of the scans"
     save_png(folder / "map.png", trajectory_picture(grid, _stretches(run), title))
     write_json(folder / "metrics.json", metrics)

@@ -12,6 +12,7 @@ from ..geometry import between, transform_points, wrap_angle
 from ..scan_to_grid.voxel_filter import voxel_first
 from ..search.branch_and_bound import SearchWindow, Separation, branch_and_bound
 from .evidence import Evidence
+from .place_belief import PlaceBelief
 from .place_map import PlaceMap
 from .prepared_scan import PreparedScan
 
@@ -70,30 +71,6 @@ class GlobalSearchConfig:
                 raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
         if not self.hopeless > self.sure_ratio > 1.0:
             raise InputError(f"need `hopeless` > `sure_ratio` > 1, got {self.hopeless} and {self.sure_ratio}")
-
-
-@dataclass(frozen=True, eq=False)
-class PlaceBelief:
-    """Where the robot may be.
-
-    Attributes:
-        poses: (k, 3) T_map_robot now, distinct, the likeliest first.
-        log_ratios: (k,) logarithm of each one's likelihood over the first's, 0 and below.
-        explained: (k,) share of the beams that end at walls of the map.
-        sure: Whether the first stands out.
-    """
-
-    poses: Array
-    log_ratios: Array
-    explained: Array
-    sure: bool
-
-    @property
-    def ratio(self) -> float:
-        """How many times likelier the best hypothesis is than the best rival; 0 without any, `inf` without a rival."""
-        if not len(self.poses):
-            return 0.0
-        return float(np.exp(min(-self.log_ratios[1], 700.0))) if len(self.poses) > 1 else float("inf")
 
 
 _NOTHING = PlaceBelief(np.empty((0, 3)), np.empty(0), np.empty(0), False)

@@ -8,14 +8,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..bounds import check_numbers, checked_pose
 from ..errors import InputError
-from ..geometry import between
+from ..geometry import between, compose
 from ..occupancy_map import OccupancyMap
 from ..scan import LaserScan
-from ..scan_to_grid.extrapolator import ExtrapolatorConfig, OdometryExtrapolator, Prediction
-from ..scan_to_grid.scan_matcher import GridScanMatcher, GridScanMatcherConfig
+from ..scan_to_grid.extrapolator import ExtrapolatorConfig
 from ..scan_to_grid.voxel_filter import AdaptiveVoxelConfig
-from .evidence import Evidence, EvidenceConfig
-from .global_search import GlobalSearch, GlobalSearchConfig, PlaceBelief
+from .beam_fit import BeamFit, BeamFitConfig, Sight
+from .evidence import EvidenceConfig
+from .global_search import GlobalSearchConfig
+from .hypotheses import Hypotheses, HypothesesConfig
+from .place_belief import PlaceBelief
 from .place_map import PlaceMap, PlaceMapConfig
 from .prepared_scan import PreparedScan, ScanPreparation
 
@@ -23,7 +25,6 @@ Array = NDArray[np.float64]
 
 _START_SIGMA = np.array([0.2, 0.1])  # [m, rad] how well a given start is known
 _START_REACH_M = 0.5  # a start is known to about this
-_MEMORY = 0.05  # share of the newest scan in the typical share explained
 
 
 class State(Enum):
@@ -39,38 +40,64 @@ class LocalizerConfig:
 
     Attributes:
         place: How the map is made ready.
-        evidence: How poses are judged.
-        search: How the robot is searched for on the whole map.
+        fit: How poses are judged and refined.
+        hypotheses: How places are found, followed and weighed.
+        evidence: How a kidnapping while mapping is judged (`slam.graph.recovery`).
+        search: How other places are searched for then.
         voxel_filter: Which points of a scan are used.
         extrapolator: Error model of the odometry.
-        matcher: How scans are matched while tracking.
         min_points: A scan with fewer points says nothing.
-        least_of_usual: A match is rejected when it explains less of its beams than so much of what is usual ...
-        least_explained: ... or less than this.
-        patience: After so many rejected matches in a row the robot counts as lost.
-        trust: Then the tracked pose still counts as so many times likelier than any other before the map is searched,
-            where the odometry may have led to it; one that it cannot have led to is given up at once.
-        blind_distance: After so many metres without a scan that says anything it counts as lost, too [m].
+        step: A scan is weighed after so many metres or radians.
+        fresh: A scan is independent of the ones before after so many metres and radians together.
+        search_every: Where none of the hypotheses may be right, the map is searched each so many metres and radians.
+        least_of_usual: A scan is surprising when the best hypothesis explains less of it than so much of what is usual.
+        patience: So many surprising scans are weighed where the robot stands; people may stand there, too.
+        trust: How many times likelier than elsewhere a robot that maps is where it was thought to be.
+        blind_distance: After so many metres without a scan that says anything it is not sure [m].
     """
 
     place: PlaceMapConfig = field(default_factory=PlaceMapConfig)
+    fit: BeamFitConfig = field(default_factory=BeamFitConfig)
+    hypotheses: HypothesesConfig = field(default_factory=HypothesesConfig)
     evidence: EvidenceConfig = field(default_factory=EvidenceConfig)
     search: GlobalSearchConfig = field(default_factory=GlobalSearchConfig)
     voxel_filter: AdaptiveVoxelConfig = field(default_factory=AdaptiveVoxelConfig)
     extrapolator: ExtrapolatorConfig = field(default_factory=ExtrapolatorConfig)
-    matcher: GridScanMatcherConfig = field(default_factory=GridScanMatcherConfig)
     min_points: int = 20
+    step: float = 0.1
+    fresh: float = 0.5
+    search_every: float = 0.5
     least_of_usual: float = 0.85
-    least_explained: float = 0.5
     patience: int = 3
     trust: float = 150.0
     blind_distance: float = 5.0
 
     def __post_init__(self) -> None:
         check_numbers(self)
-        for name in ("min_points", "least_of_usual", "least_explained", "patience", "trust", "blind_distance"):
+        for name in ("min_points", "step", "fresh", "search_every", "least_of_usual", "patience", "trust"):
             if not getattr(self, name) > 0:
                 raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
+        if not self.blind_distance > 0:
+            raise InputError(f"`blind_distance` must be positive, got {self.blind_distance}")
+
+
+@dataclass(frozen=True, eq=False)
+class WeighedScan:
+    """A scan that was weighed, and what was believed after it.
+
+    Attributes:
+        number: Of the scan, from 0.
+        sight: The scan, made ready.
+        fresh: How independent it was of the one before, in [0, 1].
+        poses: (k, 3) T_map_robot of all hypotheses, the likeliest first.
+        parents: (k,) which hypothesis of the scan before each one comes from; -1: it was found by a search.
+    """
+
+    number: int
+    sight: Sight
+    fresh: float
+    poses: Array
+    parents: NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,29 +123,46 @@ class LocalizationUpdate:
 class Localizer:
     """Finds the robot on a finished map and keeps track of it; says when it is not sure.
 
-    Without a start pose, and whenever several informative scans in a row contradict the tracked pose, the whole map is
-    searched. There is a pose again when one hypothesis is `sure_ratio` times as likely as any other.
+    Without a start pose, and whenever none of the places that it follows explains the scans, the whole map is searched.
+    There is a pose while one place has nearly all of the probability.
 
     Args:
         grid: The map; one that was made ready before is taken as it is.
         config: Settings.
         start: (3,) T_map_robot at the first scan [m, m, rad], within about 0.5 m and 15 degrees; None: it is searched.
+        keep_history: Whether all hypotheses of all scans are kept, for `smooth_drive`; memory grows with the drive.
+
+    Attributes:
+        place: The map, made ready.
+        fit: Judge of poses on it.
+        hypotheses: The places that are followed.
+        start: As given.
+        history: What was weighed, if it is kept.
+        lost: How often it was sure, and then not any longer.
 
     Raises:
         InputError: If the map has no walls or no free space, or the start is not a finite pose near free space of it.
     """
 
     def __init__(
-        self, grid: OccupancyMap | PlaceMap, config: LocalizerConfig | None = None, start: ArrayLike | None = None
+        self,
+        grid: OccupancyMap | PlaceMap,
+        config: LocalizerConfig | None = None,
+        start: ArrayLike | None = None,
+        *,
+        keep_history: bool = False,
     ) -> None:
         self.config = config or LocalizerConfig()
         self.place = grid if isinstance(grid, PlaceMap) else PlaceMap(grid, self.config.place)
-        self._evidence = Evidence(self.place, self.config.evidence)
-        self._search = GlobalSearch(self.place, self._evidence, self.config.search)
+        self.fit = BeamFit(self.place, self.config.fit)
+        self.hypotheses = Hypotheses(self.place, self.fit, self.config.hypotheses)
         self._preparation = ScanPreparation(self.config.voxel_filter)
-        self._start = None if start is None else self._checked(checked_pose(start, "start"))
-        self._tracker: OdometryExtrapolator | None = None
-        self._odometry: Array | None = None
+        self.start = self._start = None if start is None else self._checked(checked_pose(start, "start"))
+        self.history: list[WeighedScan] | None = [] if keep_history else None
+        self._odometry: Array | None = None  # of the last scan
+        self._weighed_at: Array | None = None  # odometry of the last scan that was weighed
+        self._since_search, self._since_sight, self._surprises = np.inf, 0.0, 0
+        self._sure = False
         self._updates: list[Array | None] = []
         self.lost = 0
 
@@ -145,82 +189,105 @@ class Localizer:
 
     def update(self, odometry: ArrayLike, scan: LaserScan) -> LocalizationUpdate:
         """Take one scan and the robot's odometry pose T_odom_robot (3,) at that time."""
-        self._odometry = checked_pose(odometry, before=self._odometry)
+        before, self._odometry = self._odometry, checked_pose(odometry, before=self._odometry)
+        moved = _length(between(self._odometry if before is None else before, self._odometry))
+        self._since_search, self._since_sight = self._since_search + moved, self._since_sight + moved
         prepared = self._preparation.prepare(self._odometry, scan)
-        if self._start is not None:
-            self._track_from(prepared.odometry, self._start)
-        result = self._search_for(prepared) if self._tracker is None else self._track(self._tracker, prepared)
-        self._start = None
+        result = self._looked(prepared) if len(prepared.points) >= self.config.min_points else self._blind()
         self._updates.append(result.pose)
         return result
 
-    def _search_for(self, scan: PreparedScan) -> LocalizationUpdate:
-        if len(scan.points) < self.config.min_points:
-            return LocalizationUpdate(None, State.SEARCHING, False, None, None)
-        return self._concluded(self._search.update(scan), scan)
-
-    def _concluded(self, belief: PlaceBelief, scan: PreparedScan) -> LocalizationUpdate:
-        """Return what a belief means; if it is sure, tracking begins."""
-        explained = float(belief.explained[0]) if len(belief.explained) else None
-        if not belief.sure:
-            return LocalizationUpdate(None, State.SEARCHING, False, explained, belief)
-        self._search.forget()
-        self._track_from(scan.odometry, belief.poses[0])
-        return LocalizationUpdate(belief.poses[0], State.TRACKING, True, explained, belief)
-
-    def _track_from(self, odometry: Array, pose: Array) -> None:
-        self._tracker = OdometryExtrapolator(self.config.extrapolator, odometry)
-        self._tracker.correct(odometry, pose)
-        self._matcher = GridScanMatcher(self.config.matcher)
-        self._rejected, self._usual, self._blind_from = 0, 0.0, pose
-
-    def _track(self, tracker: OdometryExtrapolator, scan: PreparedScan) -> LocalizationUpdate:
-        prediction = tracker.predict(scan.odometry)
+    def _blind(self) -> LocalizationUpdate:
+        """Return what is known after a scan that says nothing."""
         if self._start is not None:
-            prediction = Prediction(self._start, _START_SIGMA)
-        distance = float(np.hypot(*(prediction.pose[:2] - self._blind_from[:2])))
-        if len(scan.points) < self.config.min_points:
-            if distance > self.config.blind_distance:
-                return self._give_up(scan, prediction, prediction.pose)
-            return LocalizationUpdate(prediction.pose, State.TRACKING, False, None, None)
-        match = self._matcher.match(self.place, scan.points, prediction)
-        assert match is not None  # there are enough points
-        explained = float(self._evidence.judge(scan, match.pose[None])[1][0])
-        if explained < max(self.config.least_of_usual * self._usual, self.config.least_explained):
-            self._search.remember(scan)
-            self._rejected += 1
-            if self._rejected >= self.config.patience:
-                return self._give_up(scan, prediction, match.pose)
-            return LocalizationUpdate(prediction.pose, State.TRACKING, False, explained, None)
-        if not self._reaches(prediction, match.pose):
-            self._search.remember(scan)
-            return self._give_up(scan, prediction, match.pose)
-        if self._rejected:
-            self._search.forget()
-        self._usual = explained if self._usual == 0.0 else self._usual + _MEMORY * (explained - self._usual)
-        self._rejected, self._blind_from = 0, match.pose
-        tracker.correct(scan.odometry, match.pose)
-        return LocalizationUpdate(match.pose, State.TRACKING, True, explained, None)
-
-    def _give_up(self, scan: PreparedScan, prediction: Prediction, pose: Array) -> LocalizationUpdate:
-        """Stop tracking; the map is searched, and where the scan fits best beside `pose` (3,) is one place of many.
-
-        It is trusted only where the odometry may have led. Unrefined it would be judged worse by this scan than by the
-        earlier ones, on which it is refined.
-        """
-        self._tracker = None
-        self.lost += 1
-        if len(scan.points) < self.config.min_points:
+            self.hypotheses.begin(self._start)
+            self._start, self._weighed_at, self._sure = None, self._odometry, True
+        if self._sure and self._since_sight > self.config.blind_distance:
+            self.hypotheses.distrust()
+            self._become(False)
+        if not self._sure:
             return LocalizationUpdate(None, State.SEARCHING, False, None, None)
-        beside = self._evidence.refine(scan.points, pose[None], coarse=True)
-        self._search.propose(beside, self.config.trust if self._reaches(prediction, beside[0]) else 1.0)
-        return self._concluded(self._search.search(), scan)
+        pose = compose(self.hypotheses.poses[0], self._motion())
+        return LocalizationUpdate(pose, State.TRACKING, False, None, None)
 
-    def _reaches(self, prediction: Prediction, pose: Array) -> bool:
-        """Return whether the odometry may have led to `pose` (3,): a search would not tell it from where it predicts.
+    def _looked(self, scan: PreparedScan) -> LocalizationUpdate:
+        """Return what is known after a scan that says something."""
+        self._since_sight = 0.0
+        if self._start is not None:
+            self.hypotheses.begin(self._start)
+            self._sure = True
+        sight = self.fit.sight(scan.odometry, scan.points, scan.sensor)
+        fresh = self._freshness()
+        pose, explained = self._followed(sight) if not fresh else (None, None)
+        surprising = explained is not None and explained < self.config.least_of_usual * self.hypotheses.usual
+        if self._sure and surprising and self._surprises < self.config.patience:
+            self._surprises += 1
+            fresh = 1.0
+        was_sure = self._sure
+        if fresh:
+            self._weigh(sight, fresh)
+            pose, explained = (
+                (self.hypotheses.poses[0], float(self.hypotheses.explained[0]))
+                if len(self.hypotheses)
+                else (None, None)
+            )
+        if not self._sure:
+            return LocalizationUpdate(
+                None, State.SEARCHING, False, explained, self.hypotheses.belief(self._motion(), False)
+            )
+        belief = None if was_sure else self.hypotheses.belief(self._motion(), True)
+        return LocalizationUpdate(pose, State.TRACKING, not surprising, explained, belief)
 
-        A scan of elsewhere fits badly at the prediction, and is matched where it looks alike, as far as that may be.
-        """
-        off, apart = between(prediction.pose, pose), self.config.search.separation
-        reach = np.maximum((apart.linear, apart.angular), self.config.matcher.sigmas * prediction.sigma)
-        return bool(np.hypot(off[0], off[1]) <= reach[0] and abs(off[2]) <= reach[1])
+    def _freshness(self) -> float:
+        """Return how independent a scan is of the one that was weighed last; 0: it is not weighed."""
+        if self._weighed_at is None:
+            return 1.0
+        motion = self._motion()
+        if max(np.hypot(motion[0], motion[1]), abs(motion[2])) < self.config.step:
+            return 0.0
+        return min(1.0, _length(motion) / self.config.fresh)
+
+    def _motion(self) -> Array:
+        """Return (3,) the motion of the odometry since the last scan that was weighed."""
+        assert self._odometry is not None
+        return np.zeros(3) if self._weighed_at is None else between(self._weighed_at, self._odometry)
+
+    def _followed(self, sight: Sight) -> tuple[Array | None, float | None]:
+        """Return the best hypothesis' pose at a scan that is not weighed, and the share that it explains there."""
+        if not len(self.hypotheses):
+            return None, None
+        motion = self._motion()
+        sigma = self.config.extrapolator.sigma(motion)
+        poses, _ = self.fit.follow(sight, self.hypotheses.poses[:1], motion, sigma)
+        return poses[0], float(self.fit.judge(sight, poses)[1][0])
+
+    def _weigh(self, sight: Sight, fresh: float) -> None:
+        motion, hypotheses = self._motion(), self.hypotheses
+        sigma = self.config.extrapolator.sigma(motion)
+        if self._start is not None:
+            sigma, self._start = _START_SIGMA, None
+        hypotheses.weigh(sight, motion, sigma, fresh)
+        self._weighed_at = sight.odometry
+        unsure = 1.0 - self.config.hypotheses.sure
+        surprised = self._surprises > 0 and fresh == 1.0
+        if hypotheses.doubt > unsure and (self._since_search >= self.config.search_every or surprised):
+            self._since_search = 0.0
+            hypotheses.search(sight)
+        if self.history is not None:
+            self.history.append(WeighedScan(len(self._updates), sight, fresh, hypotheses.poses, hypotheses.parents))
+        # Another place than the one that was told last is not told before the next scan has confirmed it.
+        jumped = self._sure and not hypotheses.leads_on
+        self._become(hypotheses.probability >= self.config.hypotheses.sure and not jumped)
+        if self._sure:
+            hypotheses.settle()
+        if fresh < 1.0:
+            self._surprises = 0
+
+    def _become(self, sure: bool) -> None:
+        self.lost += self._sure and not sure
+        self._sure = sure
+
+
+def _length(motion: Array) -> float:
+    """Return metres and radians of a motion (3,) together."""
+    return float(np.hypot(motion[0], motion[1])) + abs(float(motion[2]))

@@ -133,11 +133,30 @@ class PlaceMap:
         """Half the longer side of the map [m]."""
         return 0.5 * self.resolution * max(self.states.shape)
 
+    @cached_property
+    def free_area(self) -> float:
+        """Where the robot may stand [m^2]."""
+        return float((self.states == FREE).sum()) * self.resolution**2
+
     def to_free_space(self, place: Array) -> float:
         """Return the distance from a place (2,) to the nearest free cell's centre [m]."""
         rows, cols = np.nonzero(self.states == FREE)
         centres = self.corner + self.resolution * np.stack((cols, rows), axis=-1)
         return float(np.hypot(*(centres - place).T).min(initial=np.inf))
+
+    @cached_property
+    def _to_free(self) -> NDArray[np.float32]:
+        """(rows, cols) from each cell's centre to the nearest free cell's centre [m]."""
+        cells = np.asarray(distance_transform_edt(self.states != FREE), dtype=np.float32)
+        return cells * np.float32(self.resolution)
+
+    def is_open(self, places: Array, reach: float) -> NDArray[np.bool_]:
+        """Return (k,) whether there is a free cell within `reach` [m] of the places (k, 2) [m]."""
+        cells = np.floor((places - self.outer_corner) / self.resolution).astype(np.int64)
+        rows, cols = self.states.shape
+        x, y = cells[:, 0], cells[:, 1]
+        inside = (x >= 0) & (y >= 0) & (x < cols) & (y < rows)
+        return inside & (self._to_free[np.clip(y, 0, rows - 1), np.clip(x, 0, cols - 1)] <= reach)
 
     def is_free(self, places: Array) -> NDArray[np.bool_]:
         """Return (k,) whether the places (k, 2) [m] lie in free cells or beside one."""

@@ -8,7 +8,7 @@ import pytest
 from tagalong.slam.graph.recovery.kidnap_hypothesis import SCANS, KidnapHypothesis, Verdict
 from tagalong.slam.graph.recovery.place_comparison import PlaceComparison
 from tagalong.slam.graph.recovery.verdict import verdict
-from tagalong.slam.localization.global_search import PlaceBelief
+from tagalong.slam.localization.place_belief import PlaceBelief
 
 WEAK, STRONG = 0.1, 0.4
 

@@ -11,6 +11,8 @@ from tagalong.slam.localization.evidence_kernels import FREE, OCCUPIED, beam_lik
 from tagalong.slam.localization.localizer import Localizer, LocalizerConfig, State
 from tagalong.slam.localization.place_map import PlaceMap, PlaceMapConfig
 from tagalong.slam.localization.prepared_scan import PreparedScan
+from tagalong.slam.localization.whole_drive import smooth_drive
+from tagalong.slam.logs.drive import RecordedDrive
 from tagalong.slam.occupancy_map import OccupancyMap
 from tagalong.slam.scan import LaserScan
 from walls import BEARINGS, cast
@@ -63,7 +65,11 @@ def driven(localizer, lines, start, motion, count, rng, reach=20.0, odometry=(0.
 
 
 def error(update, pose):
-    moved = between(pose, update.pose)
+    return error_of(update.pose, pose)
+
+
+def error_of(found, pose):
+    moved = between(pose, found)
     return np.hypot(moved[0], moved[1]), abs(moved[2])
 
 
@@ -123,7 +129,10 @@ def test_at_the_edge_of_the_map_it_is_found_although_half_of_what_it_sees_is_not
     part = OccupancyMap(probability, room.resolution, room.origin)
     assert part.known.mean() < 0.8 * room.known.mean()
     for start in ((0.0, 0.8, 0.4), (-0.5, -1.0, -0.5)):
-        updates, poses = driven(Localizer(part), ROOM, start, (0.05, 0.0, 0.05), 8, rng)
+        updates, poses = driven(Localizer(part), ROOM, start, (0.05, 0.0, 0.05), 30, rng)
+        assert all(
+            error_of(u.belief.poses[0], pose)[0] < 0.1 for u, pose in zip(updates, poses, strict=True) if u.belief
+        )
         assert updates[-1].pose is not None
         assert error(updates[-1], poses[-1])[0] < 0.1
 
@@ -300,3 +309,48 @@ def test_the_search_starts_from_blocks_as_small_as_memory_allows_and_finds_the_s
         same, _ = driven(Localizer(room), ROOM, (0.2, 0.7, -2.9), (0.05, 0.0, 0.05), 6, np.random.default_rng(0))
         assert [u.state for u in updates] == [u.state for u in same]
         np.testing.assert_array_equal(updates[-1].pose, same[-1].pose)
+
+
+def hall_of_doors(places):
+    """Return walls of a hall of 18 m with equal recesses at these x, which end at their right."""
+    lines, x = [(-9.0, -1.5, 9.0, -1.5), (-9.0, -1.5, -9.0, 1.5), (9.0, -1.5, 9.0, 1.5)], -9.0
+    for middle in places:
+        left, right = middle - 0.5, middle + 0.5
+        lines += [(x, 1.5, left, 1.5), (left, 1.5, left, 1.8), (left, 1.8, right, 1.8), (right, 1.8, right, 1.5)]
+        x = right
+    return np.array([*lines, (x, 1.5, 9.0, 1.5)])
+
+
+def test_in_a_hall_of_equal_doors_it_is_sure_only_after_an_end_and_the_whole_drive_then_is_right():
+    hall, rng = hall_of_doors((-6.0, 0.0, 6.0)), np.random.default_rng(0)
+    grid = drawn(hall, [(x, 0.0) for x in np.arange(-8.0, 8.1, 1.0)], reach=4.0)
+    localizer = Localizer(grid, keep_history=True)
+    updates, poses = driven(localizer, hall, (-1.0, 0.1, 0.0), (0.15, 0.0, 0.0), 60, rng, reach=4.0)
+    sure = [update.pose is not None for update in updates]
+    assert not any(sure[:25])
+    assert all(error(u, pose)[0] < 0.3 for u, pose in zip(updates, poses, strict=True) if u.pose is not None)
+    assert sure[-1]
+    odometry = np.array([compose(np.zeros(3), (0.15 * 1.03 * k, 0.0, 0.0)) for k in range(60)])
+    rng = np.random.default_rng(0)
+    scans = [cast(hall, pose, rng, 4.0) for pose in poses]
+    smoothed = smooth_drive(localizer, RecordedDrive(odometry, scans, None, "hall"))
+    assert smoothed.probability > 0.9
+    assert all(error_of(found, pose)[0] < 0.3 for found, pose in zip(smoothed.trajectory, poses, strict=True))
+
+
+def test_a_hole_in_the_map_where_no_beam_went_does_not_end_a_hypothesis(room):
+    probability = room.probability.copy()
+    row, col = (int((v - o) / room.resolution) for v, o in zip((-0.5, -2.5), room.origin[::-1], strict=True))
+    probability[row - 3 : row + 4, col - 3 : col + 4] = np.nan
+    holed = OccupancyMap(probability, room.resolution, room.origin)
+    rng = np.random.default_rng(0)
+    updates, poses = driven(Localizer(holed), ROOM, (-2.8, -0.5, 0.0), (0.05, 0.0, 0.0), 12, rng)
+    assert all(error(u, pose)[0] < 0.1 for u, pose in zip(updates[3:], poses[3:], strict=True))
+
+
+def test_a_drive_that_was_not_kept_cannot_be_smoothed(room):
+    with pytest.raises(InputError, match="keep_history"):
+        smooth_drive(
+            Localizer(room),
+            RecordedDrive(np.zeros((1, 3)), [cast(ROOM, np.zeros(3), np.random.default_rng(0))], None, "x"),
+        )

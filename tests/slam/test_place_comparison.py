@@ -2,7 +2,8 @@
 
 import numpy as np
 from tagalong.slam.graph.recovery.place_comparison import judge_belief
-from tagalong.slam.localization.global_search import GlobalSearchConfig, PlaceBelief
+from tagalong.slam.localization.global_search import GlobalSearchConfig
+from tagalong.slam.localization.place_belief import PlaceBelief
 
 
 def believed(*places):

@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 
 from ...geometry import between
 from ...localization.evidence import Evidence
-from ...localization.global_search import GlobalSearch, GlobalSearchConfig, PlaceBelief
+from ...localization.global_search import GlobalSearch, GlobalSearchConfig
 from ...localization.localizer import LocalizerConfig
+from ...localization.place_belief import PlaceBelief
 from ...localization.place_map import PlaceMap
 from ...localization.prepared_scan import PreparedScan, ScanPreparation
 from ...scan import LaserScan
