@@ -40,6 +40,7 @@ class SlamRun:
         online: (n, 3) T_map_robot of each scan as it was believed when the scan came.
         integrated: (n,) whether a scan was matched and written into the map.
         located: (n,) whether the engine was sure then where on its map the robot is.
+        odometry_faults: (n,) whether the engine told that the robot moved otherwise than its odometry says.
         seconds: (n,) time that each update took [s].
     """
 
@@ -48,6 +49,7 @@ class SlamRun:
     online: NDArray[np.float64]
     integrated: NDArray[np.bool_]
     located: NDArray[np.bool_]
+    odometry_faults: NDArray[np.bool_]
     seconds: NDArray[np.float64]
 
     def map(self, resolution: float | None = None) -> OccupancyMap:
@@ -74,12 +76,13 @@ def run_slam(
     """
     n = len(drive.scans)
     online, seconds = np.zeros((n, 3)), np.zeros(n)
-    integrated, located = np.zeros(n, dtype=np.bool_), np.zeros(n, dtype=np.bool_)
+    integrated, located, faults = np.zeros((3, n), dtype=np.bool_)
     scans = drive.scans if progress is None else progress(drive.scans)
     for i, (odometry, scan) in enumerate(zip(drive.odometry, scans, strict=True)):
         start = clock()
         update = engine.update(odometry, scan)
         seconds[i] = clock() - start
         online[i], integrated[i], located[i] = update.pose, update.integrated, update.located
+        faults[i] = update.diagnostics.get("odometry_fault", 0.0) > 0.0
     engine.finish()
-    return SlamRun(engine, engine.trajectory(), online, integrated, located, seconds)
+    return SlamRun(engine, engine.trajectory(), online, integrated, located, faults, seconds)

@@ -103,6 +103,7 @@ def _rows(metrics: dict[str, Any], wall_s: float) -> list[tuple[str, str, str]]:
         ("scans", str(metrics["scans"]), ""),
         ("integrated", str(metrics["integrated_scans"]), ""),
         ("not sure where it is", str(metrics["not_sure"]["scans"]), "scans"),
+        ("odometry not believed", str(metrics["odometry_not_believed"]["scans"]), "scans"),
         ("path", f"{metrics['path_m']:.1f}", "m"),
         ("free area", f"{metrics['map']['free_m2']:.1f}", "m2"),
         ("engine time", f"{wall_s:.2f}", "s"),

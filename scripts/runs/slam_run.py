@@ -104,6 +104,7 @@ def run_metrics(
         "scans": len(drive),
         "integrated_scans": int(run.integrated.sum()),
         "not_sure": {"scans": int((~run.located).sum()), "times": _stretches(~run.located)},
+        "odometry_not_believed": {"scans": int(run.odometry_faults.sum()), "times": _stretches(run.odometry_faults)},
         "path_m": float(np.hypot(steps[:, 0], steps[:, 1]).sum()),
         "map": {
             "resolution_m": grid.resolution,

@@ -58,7 +58,8 @@ class Cartographer:
     the map then shows that it is elsewhere, a new drive segment begins, apart from the map, and is joined to it once
     the robot has been found on the map again. Until then it is not located.
 
-    `SlamUpdate.diagnostics`: `score` (mean occupancy of the submap under the scan's points, 0 .. 1).
+    `SlamUpdate.diagnostics`: `score` (mean occupancy of the submap under the scan's points, 0 .. 1), `odometry_fault`
+    (1: the robot moved otherwise than its odometry says).
 
     Args:
         config: Settings.
@@ -103,7 +104,8 @@ class Cartographer:
         self._trim()
         if self._live and result.insertion:
             self._live.follow(self.node_poses, self._record.nodes, self._record.scans)
-        diagnostics = {"score": result.match.score} if result.match else {}
+        diagnostics = {"odometry_fault": float(result.odometry_fault)}
+        diagnostics |= {"score": result.match.score} if result.match else {}
         return SlamUpdate(self.pose, result.insertion is not None, diagnostics, self._recovery.located(result))
 
     @property

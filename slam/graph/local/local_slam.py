@@ -80,6 +80,7 @@ class LocalResult:
         sigma: (2,) standard deviations of that pose where the scan is inconsistent [m, rad]; else None.
         doubtful: Whether the robot was found far from where it was thought to be, and nothing has confirmed that yet.
         no_overlap: Whether the scan sees nothing of what the submap knows, as the first one after a gap in a log.
+        odometry_fault: Whether the robot moved otherwise than its odometry says.
     """
 
     pose: Array
@@ -89,6 +90,7 @@ class LocalResult:
     sigma: Array | None = None
     no_overlap: bool = False
     doubtful: bool = False
+    odometry_fault: bool = False
 
     @property
     def matched_pose(self) -> Array:
@@ -148,13 +150,15 @@ class LocalSlam:
                 if match.retried:  # what contradicts the submap does not tell where the robot went, either
                     motion, prediction = hypotheses[0], hypotheses[0].prediction
                 self._motion.take(hypotheses, motion, prediction.pose, False)
-                return LocalResult(prediction.pose, match, None, True, prediction.sigma, no_overlap)
+                return LocalResult(
+                    prediction.pose, match, None, True, prediction.sigma, no_overlap, odometry_fault=not motion.sound
+                )
         pose = match.pose if match else prediction.pose
         self._motion.take(
             hypotheses, motion, pose, match is not None or not self._active.begun, bool(match and match.retried)
         )
         insertion = self._insert(motion.odometry, scan, points, pose, match)
-        return LocalResult(pose, match, insertion, doubtful=self._motion.jumped)
+        return LocalResult(pose, match, insertion, doubtful=self._motion.jumped, odometry_fault=not motion.sound)
 
     def _match(
         self, scan: LaserScan, points: Array, hypotheses: list[MotionHypothesis]

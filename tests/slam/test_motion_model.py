@@ -1,0 +1,73 @@
+"""Odometry that freezes, catches up, jumps: the robot goes on as it went, and matching decides."""
+
+import numpy as np
+import pytest
+from tagalong.slam.geometry import between
+from tagalong.slam.graph.local.motion_model import MotionModel
+from tagalong.slam.scan_to_grid.extrapolator import ExtrapolatorConfig
+
+STEP_S = 0.2
+
+
+def driven(told, truth):
+    """Feed a model with odometry `told` (n, 3) and perfect matches at `truth` (n, 3); return it and what it chose."""
+    model, chosen = MotionModel(ExtrapolatorConfig()), []
+    for k, (odometry, pose) in enumerate(zip(told, truth, strict=True)):
+        hypotheses = model.predict(odometry, STEP_S * k)
+        best = min(hypotheses, key=lambda motion: motion.cost_at(pose))
+        model.take(hypotheses, best, pose, True)
+        chosen.append(best)
+    return model, chosen
+
+
+def straight(scans, step=0.2):
+    """Return (scans, 3) poses along x."""
+    return np.stack((step * np.arange(scans), np.zeros(scans), np.zeros(scans)), axis=-1)
+
+
+def test_sound_odometry_is_the_only_hypothesis():
+    model, chosen = driven(straight(20), straight(20))
+    assert all(motion.sound for motion in chosen)
+    assert model.faults == 0
+    np.testing.assert_array_equal(model.odometry, straight(20)[-1])
+
+
+def test_odometry_that_freezes_and_catches_up_is_not_believed_at_either_end():
+    truth, told = straight(30), straight(30)
+    told[12:17] = told[11]
+    model, chosen = driven(told, truth)
+    assert not any(motion.sound for motion in chosen[12:18])
+    assert all(motion.sound for motion in chosen[22:])
+    np.testing.assert_allclose(between(model.odometry, truth[-1]), 0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("jump", [(1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (-0.5, 0.8, -0.4)])
+def test_a_jump_of_the_odometry_moves_nothing_and_its_motions_after_it_are_believed(jump):
+    truth, told = straight(30), straight(30)
+    told[15:] += jump
+    told[15:, :2] = told[15, :2] + (told[15:, :2] - told[15, :2]) @ np.array(
+        [[np.cos(jump[2]), np.sin(jump[2])], [-np.sin(jump[2]), np.cos(jump[2])]]
+    )
+    _, chosen = driven(told, truth)
+    assert [k for k, motion in enumerate(chosen) if not motion.sound] == [15]
+
+
+def test_a_robot_that_stops_is_not_taken_for_frozen_odometry():
+    truth = np.concatenate((straight(10), np.repeat(straight(10)[-1:], 10, axis=0)))
+    model, _ = driven(truth, truth)
+    assert model.faults == 0
+
+
+def test_a_robot_without_odometry_is_sought_no_farther_than_its_usual_steps_lead():
+    model, _ = driven(straight(30), straight(30))
+    assert model.anywhere is not None
+    np.testing.assert_allclose(model.anywhere.pose, straight(30)[-1])
+    assert 0.5 < model.anywhere.sigma[0] < 0.5 + 3.0 * 0.2 + 1e-9
+
+
+def test_a_gap_in_a_log_is_no_slip():
+    told = straight(30)
+    told[20:, 0] += 12.0
+    model, _ = driven(told[:20], told[:20])
+    model.predict(told[20], STEP_S * 20 + 60.0)
+    assert model.anywhere is None
