@@ -17,8 +17,8 @@ Where it leaves the original, and what that gave (relation error on Intel every 
 30 particles; the original 0.056 m, 0.95 m, 0.122 m):
     - The alignment is point-to-line Gauss-Newton on the same cells instead of hill climbing: faster,
       and its normal equations are the covariance of the proposal, which the original's code does not sample.
-    - It starts from the best of 256 samples of the odometry's error: without them 0.077, 1.8 and 0.15 m, with them
-      0.03, 0.3 and 0.08 m.
+    - It starts from the best of 128 samples of the odometry's error (256, and without a tracked start: 0.03, 0.3 and
+      0.08 m; without any 0.077, 1.8 and 0.15 m).
     - Odometry errors keep their sign between matched scans (motion.py), and the odometry stays a prior of the match.
     - Scans are matched every 0.5 m or 0.3 rad (ROS: 1.0 m, 0.5 rad); points are thinned to one a cell, so that a wall
       beside the robot does not outvote one far ahead.

@@ -29,7 +29,7 @@ class MatcherConfig:
             on one wall do not pretend to a certainty they have not.
     """
 
-    samples: Annotated[int, Within(1, 10_000)] = 256
+    samples: Annotated[int, Within(1, 10_000)] = 128
     sample_points: Annotated[int, Within(1, 10_000)] = 60
     sample_weight: float = 30.0
     windows: Annotated[tuple[int, ...], Within(1, 15)] = (4, 3)
@@ -55,7 +55,8 @@ class TrackingConfig:
 
     Attributes:
         weight: Log-likelihood between a scan whose points all contradict the map and one with none that does.
-        unseen: What a point counts where the map knows nothing, as a share of a contradiction.
+        unseen: What a point counts where the map knows nothing, as a share of a contradiction: so much that a scan of
+            which nothing is known, just after one that was, makes the odometry suspicious.
         suspicion: Minus the log-likelihood of a match above which a better start is looked for.
         lie: Minus the log of the probability that the odometry lies about an increment: once in 3000.
         strange: Minus the log of the probability that a scan is strange, so that it says nothing: once in 8000.
@@ -70,7 +71,7 @@ class TrackingConfig:
     """
 
     weight: float = 30.0
-    unseen: Share = 0.25
+    unseen: Share = 0.4
     suspicion: float = 3.0
     lie: float = 8.0
     strange: float = 17.0
