@@ -141,8 +141,7 @@ class Hypotheses:
         self._priors = np.concatenate((self._priors, np.full(len(poses), self._elsewhere[1] - self._places)))
         self._now, self.explained = np.concatenate((self._now, now)), np.concatenate((self.explained, explained))
         self.parents = np.concatenate((self.parents, np.full(len(poses), -1, np.int64)))
-        # Where the search has not found anything it is worse than the worst that it has found, unless it errs.
-        self._elsewhere[0] += self._fresh * max(0.0, self._unfound(now) - elsewhere)
+        self._elsewhere[0] += self._fresh * max(0.0, self._unfound(sight) - elsewhere)
         self._tidy()
         self._step_elsewhere(self._config.jump)
 
@@ -171,10 +170,11 @@ class Hypotheses:
         """Log-likelihood of a jump to one other place."""
         return self._config.jump - self._places
 
-    def _unfound(self, misfits: Array) -> float:
-        """Return how much the scan misfits at least where a search has found nothing, by the `misfits` where it has."""
-        worst, config = float(misfits.max(initial=0.0)), self._config
-        return worst if len(misfits) >= config.maxima else max(worst, -float(np.log(config.separation.least_share)))
+    def _unfound(self, sight: Sight) -> float:
+        """Return how much the scan misfits where a search has found nothing: as anywhere on the map."""
+        factor = self._fresh * self._config.evidence / self._bounded_level
+        misfits, _ = self._fit.judge(sight, self._place.anywhere)
+        return float(np.log(len(misfits)) - np.logaddexp.reduce(-factor * misfits)) / factor
 
     def settle(self) -> None:
         """Learn what is usual, where the place is sure."""
@@ -243,7 +243,7 @@ class Hypotheses:
         config, weights = self._config, self._weights
         stand = self._place.is_open(self.poses[:, :2], _FREE_WITHIN)
         order = [int(k) for k in np.argsort(-weights, kind="stable") if stand[k]]
-        behind = self._priors - config.evidence * self._misfits / config.most_level  # by the most careful level
+        behind = -config.evidence * self._misfits / config.most_level  # by the scans alone, and the most careful level
         kept: list[int] = []
         for k in order:
             if behind[k] < behind[order[0]] - config.hopeless or len(kept) >= config.maxima:

@@ -220,9 +220,11 @@ class Localizer:
         fresh = self._freshness()
         pose, explained = self._followed(sight) if not fresh else (None, None)
         surprising = explained is not None and explained < self.config.least_of_usual * self.hypotheses.usual
-        if self._sure and surprising and self._surprises < self.config.patience:
+        if surprising and self._surprises < self.config.patience:
             self._surprises += 1
             fresh = 1.0
+        elif explained is not None and not surprising:
+            self._surprises = 0
         was_sure = self._sure
         if fresh:
             self._weigh(sight, fresh)
@@ -280,8 +282,6 @@ class Localizer:
         self._become(hypotheses.probability >= self.config.hypotheses.sure and not jumped)
         if self._sure:
             hypotheses.settle()
-        if fresh < 1.0:
-            self._surprises = 0
 
     def _become(self, sure: bool) -> None:
         self.lost += self._sure and not sure

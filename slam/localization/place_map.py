@@ -10,6 +10,7 @@ from scipy.ndimage import distance_transform_edt
 
 from ..bounds import Cell, Share, Within, check_numbers
 from ..errors import InputError
+from ..geometry import wrap_angle
 from ..occupancy_map import OccupancyMap
 from ..search.score_pyramid import ScoreGrid, ScorePyramid, build_pyramid
 from .evidence_kernels import FREE, OCCUPIED, UNKNOWN
@@ -17,6 +18,8 @@ from .evidence_kernels import FREE, OCCUPIED, UNKNOWN
 Array = NDArray[np.float64]
 
 _LEAST_WALL_CELLS = 20
+_POSES = 256
+_GOLDEN = np.pi * (3.0 - np.sqrt(5.0))  # [rad] multiples of this angle are spread evenly, however many there are
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -137,6 +140,14 @@ class PlaceMap:
     def free_area(self) -> float:
         """Where the robot may stand [m^2]."""
         return float((self.states == FREE).sum()) * self.resolution**2
+
+    @cached_property
+    def anywhere(self) -> Array:
+        """(256, 3) poses spread over the free space and all headings."""
+        rows, cols = np.nonzero(self.states == FREE)
+        chosen = np.linspace(0, len(rows) - 1, _POSES).astype(np.int64)
+        headings = wrap_angle(_GOLDEN * np.arange(_POSES))
+        return np.column_stack((self.corner + self.resolution * np.stack((cols, rows), axis=-1)[chosen], headings))
 
     def to_free_space(self, place: Array) -> float:
         """Return the distance from a place (2,) to the nearest free cell's centre [m]."""
