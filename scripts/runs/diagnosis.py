@@ -14,7 +14,7 @@ from ...envs.world.world import World, WorldConfig
 from ...slam.engine import make_slam
 from ...slam.geometry import between
 
-CORE = ("gymnasium", "mujoco", "numpy", "scipy", "scikit-learn", "filterpy", "numba", "pillow", "tqdm")
+CORE = ("gymnasium", "mujoco", "numpy", "scipy", "scikit-learn", "filterpy", "threadpoolctl", "numba", "pillow", "tqdm")
 """Distributions that the package cannot do without."""
 
 EXTRAS: Mapping[str, tuple[str, ...]] = {

@@ -51,7 +51,7 @@ def test_a_drive_is_found_on_a_map_and_written_out(building, tmp_path, capsys):
         assert cli.main([*words, str(tmp_path / name)]) == 0
     assert "first sure scan" in capsys.readouterr().out
     written = sorted(path.name for path in (tmp_path / "a").iterdir())
-    assert written == ["map.png", "metrics.json", "timing.json", "trajectory.tum"]
+    assert written == ["map.png", "metrics.json", "smoothed.tum", "timing.json", "trajectory.tum"]
     metrics = json.loads((tmp_path / "a" / "metrics.json").read_text())
     assert metrics["sure_share"] > 0.9
     assert metrics["lost"] == 0

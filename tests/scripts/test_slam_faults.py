@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tagalong.envs.simulation2d.campus import draw_campus_drive
 from tagalong.scripts.benchmarks import slam_faults, slam_scale
 from tagalong.scripts.benchmarks.fault_drives import FaultDrive, ScanRelations, fault_drive, related_truth, world_names
 from tagalong.scripts.benchmarks.fault_scores import aligned_distances, honesty
@@ -101,7 +100,7 @@ class Believer:
         if not scan.is_return.any():
             raise RuntimeError("blind")
         self._poses.append(odometry)
-        return type("Update", (), {"pose": odometry, "integrated": True, "located": True})()
+        return type("Update", (), {"pose": odometry, "integrated": True, "located": True, "diagnostics": {}})()
 
     def finish(self):
         pass
@@ -150,35 +149,6 @@ def test_worlds_take_the_kinds_by_turns():
     names = world_names(7)
     assert names[0].rpartition("-")[0] == names[5].rpartition("-")[0]
     assert len(set(names)) == 7
-
-
-def test_a_campus_is_the_same_for_one_seed_and_its_drive_stays_in_the_corridors():
-    drive, again = draw_campus_drive(120.0, 300.0, 3), draw_campus_drive(120.0, 300.0, 3)
-    assert drive.truth.tobytes() == again.truth.tobytes()
-    assert drive.odometry.tobytes() == again.odometry.tobytes()
-    steps = np.hypot(*np.diff(drive.truth[:, :2], axis=0).T)
-    assert steps.sum() > 290.0
-    nearest, count = np.inf, 0
-    for scan, other in zip(drive.scans(), again.scans(), strict=True):
-        assert scan.ranges.tobytes() == other.ranges.tobytes()
-        nearest, count = min(nearest, scan.ranges.min()), count + 1
-        if count == 400:
-            break
-    assert nearest > 0.3
-    assert len(drive) > 2000
-
-
-def test_corridors_of_a_campus_are_closed_and_all_of_them_can_be_reached():
-    for seed in range(4):
-        campus = draw_campus_drive(200.0, 50.0, seed).campus
-        reached, ahead = set(), {0}
-        while ahead:
-            reached |= ahead
-            ahead = {int(b) for pair in (*campus.links, *campus.links[:, ::-1]) for a, b in [pair] if a in ahead}
-            ahead -= reached
-        assert reached == set(range(len(campus.junctions)))
-        ends = np.round(campus.outlines.arrays()[1][:, :4].reshape(-1, 2), 6)
-        assert (np.unique(ends, axis=0, return_counts=True)[1] >= 2).all()  # no wall ends in the open
 
 
 def test_the_cost_of_a_drive_is_measured_piece_by_piece(monkeypatch):

@@ -249,7 +249,8 @@ def test_a_grid_refuses_to_grow_beyond_reason():
 
 
 def test_rays_beyond_the_longest_range_free_cells_but_hit_nothing():
-    scan = LaserScan(np.array([5.0, np.inf, np.nan]), np.array([-0.5, 0.0, 0.5]), 0.1, 8.0)
+    nothing = [np.inf] * 3
+    scan = LaserScan(np.array([5.0, *nothing, np.nan]), np.array([-0.5, -0.01, 0.0, 0.01, 0.5]), 0.1, 8.0)
     assert not render_map(np.zeros((1, 3)), [scan], GridConfig(max_range=3.0)).occupied.any()
     cleared = render_map(np.zeros((1, 3)), [scan], GridConfig(max_range=3.0, clear_no_return=True))
     assert cleared.free.sum() > 2 * 0.8 * 3.0 / 0.05

@@ -231,7 +231,7 @@ def test_kidnapped_along_a_corridor_that_looks_alike_everywhere_it_is_found_and_
     poses = ahead((1.0, 0.0, 0.0), (0.15, 0.0, 0.0), 180)
     updates, odometry = fed(engine, poses, poses[0], rng, corridor)
     assert all(update.located for update in updates)
-    after = ahead((9.0, 0.3, 0.0), (0.1, 0.0, 0.0), 20)
+    after = ahead((9.0, 0.3, 0.0), (0.1, 0.0, 0.0), 30)
     updates, _ = fed(engine, after, odometry, rng, corridor)
     wrong = [u.located and distance(u.pose, pose) > 0.3 for u, pose in zip(updates, after, strict=True)]
     assert not any(wrong)

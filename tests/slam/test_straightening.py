@@ -51,7 +51,7 @@ def test_a_sweep_holds_the_feet_and_ends_of_a_mounted_laser():
     np.testing.assert_allclose(sweep.sensor, [5.2, 6.1])
     assert sweep.returns <= len(sweep.surface)
     np.testing.assert_allclose(np.hypot(*(sweep.free_ends - sweep.sensor).T), 2.0)  # the shorter of length and range
-    ahead = 0.5 * np.pi + scan.bearings[scan.is_no_return]
+    ahead = 0.5 * np.pi + scan.bearings[scan.is_open]
     free = 2.0 * np.stack((np.cos(ahead), np.sin(ahead)), axis=-1)
     np.testing.assert_allclose(sweep.free_ends - sweep.sensor, free, atol=1e-9)
     near = scan.points_robot + np.array([5.0, 6.0])

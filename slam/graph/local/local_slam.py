@@ -16,9 +16,9 @@ from ...scan_to_grid.voxel_filter import AdaptiveVoxelConfig, AdaptiveVoxelFilte
 from .active_submaps import ActiveSubmaps, ActiveSubmapsConfig
 from .match_monitor import MatchMonitor
 from .motion_filter import MotionFilter, MotionFilterConfig
-from .motion_model import MotionHypothesis, MotionModel
 from .submap import Submap
 from .sweep import Sweep
+from .switching_motion import MotionHypothesis, SwitchingMotion
 
 Array = NDArray[np.float64]
 
@@ -109,7 +109,7 @@ class LocalSlam:
     def __init__(self, config: LocalSlamConfig, monitor: MatchMonitor | None = None) -> None:
         self._config = config
         self._monitor = monitor
-        self._motion = MotionModel(config.extrapolator)
+        self._motion = SwitchingMotion(config.extrapolator)
         self._inserted_at: Array | None = None
         self._motion_filter = MotionFilter(config.motion_filter)
         self._voxel_filter = AdaptiveVoxelFilter(config.voxel_filter)

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 from itertools import accumulate
+from operator import attrgetter
 from typing import Annotated
 
 import numpy as np
@@ -96,6 +97,9 @@ class ConstraintConfig:
                 raise InputError(f"`{name}` must be positive, got {value}")
 
 
+_nbytes = attrgetter("nbytes")  # of what is kept; no lambda, for copies of an engine are pickled
+
+
 class ConstraintBuilder:
     """Matches nodes against finished submaps.
 
@@ -108,8 +112,8 @@ class ConstraintBuilder:
 
     def __init__(self, config: ConstraintConfig) -> None:
         self._config = config
-        self._fields = Recent[Submap, Field](lambda submap: submap.field, lambda field: field.nbytes, *_FIELDS)
-        self._pyramids = Recent[Submap, ScorePyramid](self._pyramid, lambda pyramid: pyramid.nbytes, *_PYRAMIDS)
+        self._fields = Recent[Submap, Field](attrgetter("field"), _nbytes, *_FIELDS)
+        self._pyramids = Recent[Submap, ScorePyramid](self._pyramid, _nbytes, *_PYRAMIDS)
         self.typical_score = 0.0
 
     def intra(self, index: int, submap: Submap, node: int, pose_local: Array, curvature: Array | None) -> Constraint:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from tagalong.slam.geometry import between
-from tagalong.slam.graph.local.motion_model import MotionModel
+from tagalong.slam.graph.local.switching_motion import SwitchingMotion
 from tagalong.slam.scan_to_grid.extrapolator import ExtrapolatorConfig
 
 STEP_S = 0.2
@@ -11,7 +11,7 @@ STEP_S = 0.2
 
 def driven(told, truth):
     """Feed a model with odometry `told` (n, 3) and perfect matches at `truth` (n, 3); return it and what it chose."""
-    model, chosen = MotionModel(ExtrapolatorConfig()), []
+    model, chosen = SwitchingMotion(ExtrapolatorConfig()), []
     for k, (odometry, pose) in enumerate(zip(told, truth, strict=True)):
         hypotheses = model.predict(odometry, STEP_S * k)
         best = min(hypotheses, key=lambda motion: motion.cost_at(pose))

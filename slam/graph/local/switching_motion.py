@@ -52,7 +52,7 @@ class MotionHypothesis:
         return self.cost + 0.5 * ((x * x + y * y) / linear**2 + (turn / angular) ** 2)
 
 
-class MotionModel:
+class SwitchingMotion:
     """Predicts poses of the robot in the local frame, and learns whether its odometry can be believed.
 
     Args:
