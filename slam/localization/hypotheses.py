@@ -31,6 +31,8 @@ class HypothesesConfig:
         points: A search uses about so many points of the scan.
         evidence: By how much a hypothesis is less likely, as a logarithm, that misfits twice as much as is usual, for
             each scan that is independent of the others.
+        level: What is usual before anything was seen ...
+        level_scans: ... counts as much as so many independent scans: the first ones may show one bare wall.
         least_level: The usual misfit is not taken for less, as no map is so good ...
         most_level: ... nor for more: there the map is of elsewhere.
         excess: A robot that is at none of the hypotheses is thought to misfit so much more than is usual.
@@ -48,7 +50,9 @@ class HypothesesConfig:
     separation: Separation = field(default_factory=lambda: Separation(linear=0.5, angular=0.35, least_share=0.6))
     least_score: Share = 0.4
     points: Annotated[int, Within(1, 10_000)] = 120
-    evidence: float = 1.0
+    evidence: float = 2.0
+    level: Share = 0.2
+    level_scans: float = 2.0
     least_level: Share = 0.08
     most_level: Share = 0.4
     excess: float = 0.3
@@ -57,12 +61,12 @@ class HypothesesConfig:
     same: tuple[float, float] = (0.25, 0.1)
     mode: tuple[float, float] = (0.5, 0.175)
     sure: Share = 0.99
-    hopeless: Annotated[float, Within(1.0, 1000.0)] = 10.0
+    hopeless: Annotated[float, Within(1.0, 1000.0)] = 20.0
     memory: float = 50.0
 
     def __post_init__(self) -> None:
         check_numbers(self)
-        for name in ("maxima", "points", "evidence", "least_level", "excess", "hopeless", "sure"):
+        for name in ("maxima", "points", "evidence", "level", "least_level", "excess", "hopeless", "sure"):
             if not getattr(self, name) > 0:
                 raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
 
@@ -96,7 +100,7 @@ class Hypotheses:
         self._now, self.parents = np.empty(0), np.empty(0, np.int64)  # misfit of the last scan; before it
         self._misfits, self._priors = np.empty(0), np.empty(0)  # sum of all, weighed by freshness; logarithm
         self._elsewhere = np.zeros(2)  # the same two of all other places together
-        self._level, self._learned, self._fresh = 0.0, 0.0, 1.0
+        self._level, self._learned, self._fresh = config.level, config.level_scans, 1.0
 
     def __len__(self) -> int:
         return len(self.poses)
@@ -222,8 +226,7 @@ class Hypotheses:
     def _learn_level(self, misfit: float) -> None:
         """Learn what is usual from a `misfit` of the best hypothesis, but not from one that is far beyond it."""
         config = self._config
-        if self._learned:
-            misfit = min(misfit, 2.0 * max(self._level, config.least_level))
+        misfit = min(misfit, 2.0 * max(self._level, config.least_level))
         self._learned = min(self._learned, config.memory) + self._fresh
         self._level += self._fresh / self._learned * (misfit - self._level)
 

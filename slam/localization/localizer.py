@@ -65,7 +65,7 @@ class LocalizerConfig:
     extrapolator: ExtrapolatorConfig = field(default_factory=ExtrapolatorConfig)
     min_points: int = 20
     step: float = 0.1
-    fresh: float = 0.5
+    fresh: float = 1.0
     search_every: float = 0.5
     least_of_usual: float = 0.85
     patience: int = 3

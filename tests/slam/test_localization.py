@@ -256,7 +256,7 @@ def test_a_robot_that_was_pushed_aside_is_not_sure_of_where_it_was_before(room):
         localizer = Localizer(room, start=start)
         driven(localizer, ROOM, start, (0.0, 0.0, 0.0), 4, rng)
         pushed = compose(np.array(start), np.array([0.0, away, turn]))
-        updates, poses = driven(localizer, ROOM, pushed, (0.0, 0.0, 0.02), 8, rng)
+        updates, poses = driven(localizer, ROOM, pushed, (0.0, 0.0, 0.02), 14, rng)
         sure = [k for k, update in enumerate(updates) if update.belief is not None and update.pose is not None]
         assert len(sure) == 1
         for update, pose in zip(updates[sure[0] :], poses[sure[0] :], strict=True):

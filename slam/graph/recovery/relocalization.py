@@ -5,12 +5,16 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ...localization.localizer import Localizer
+from ...localization.hypotheses import HypothesesConfig
+from ...localization.localizer import Localizer, LocalizerConfig
 from ...localization.place_map import PlaceMap
 from ...scan import LaserScan
 from .search_region import SearchRegion
 
 Array = NDArray[np.float64]
+
+# The map is of a minute ago, by the same laser: what fits it badly is elsewhere, and a look around decides.
+_FRESH_MAP = LocalizerConfig(hypotheses=HypothesesConfig(evidence=4.0), fresh=2.5)
 
 
 class Relocalization:
@@ -28,7 +32,7 @@ class Relocalization:
     def __init__(
         self, place: PlaceMap | None, scans: Sequence[tuple[Array, LaserScan]], region: SearchRegion | None = None
     ) -> None:
-        self._localizer = None if place is None else Localizer(place)
+        self._localizer = None if place is None else Localizer(place, _FRESH_MAP)
         self.region = region
         for odometry, scan in scans[:-1]:
             self._localized(odometry, scan)
