@@ -66,6 +66,15 @@ def _comes_through(  # type: ignore[no-untyped-def]
     )
 
 
+@njit(cache=True, nogil=True, inline="always")
+def _beam_likelihood(model: BeamModel, worth: float, known: bool) -> tuple[float, float]:
+    """Return the likelihood of a beam that ends so near a wall, and how much of it the map explains."""
+    value = model.stray + (1.0 - model.stray) * worth
+    if not known and value < model.unseen:
+        return model.unseen, 0.5
+    return value, 1.0 if worth > 0.5 else 0.0
+
+
 @njit(cache=True, nogil=True)
 def beam_misfits(
     states: NDArray[np.uint8],
@@ -106,20 +115,15 @@ def beam_misfits(
             length = max(np.sqrt(dx * dx + dy * dy), 1e-9)
             i, j = int(np.floor(y1)), int(np.floor(x1))
             inside = 0 <= i < rows and 0 <= j < cols
-            distance = distances[i, j] if inside else 1e3
-            worth = np.exp(-0.5 * (distance / model.sigma) ** 2)
+            worth = np.exp(-0.5 * ((distances[i, j] if inside else 1e3) / model.sigma) ** 2)
             through = _comes_through(
                 states, distances, resolution, x0, y0, dx / length, dy / length,
                 length - model.slack / resolution, model.sigma / resolution,
             )  # fmt: skip
-            if through:
-                worth *= model.through
-            value = model.stray + (1.0 - model.stray) * worth
-            unseen = not through and (not inside or states[i, j] == UNKNOWN) and value < model.unseen
-            if unseen:
-                value = model.unseen
+            known = through or (inside and states[i, j] != UNKNOWN)
+            value, explained_by = _beam_likelihood(model, worth * (model.through if through else 1.0), known)
             total -= np.log(value)
-            share += 0.5 if unseen else (1.0 if worth > 0.5 else 0.0)
+            share += explained_by
         misfits[k] = total / max(len(points), 1)
         explained[k] = share / max(len(points), 1)
 

@@ -134,7 +134,7 @@ class Hypotheses:
 
     def search(self, sight: Sight) -> None:
         """Search the whole map by the scan that was weighed last, and add what is found."""
-        poses = self._found(sight)
+        poses = _found(self._place, self._fit, self._config, sight)
         now, explained = self._fit.judge(sight, poses)
         if not len(self) and len(poses):
             self._learn_level(float(now.min()))
@@ -230,17 +230,6 @@ class Hypotheses:
         self._learned = min(self._learned, config.memory) + self._fresh
         self._level += self._fresh / self._learned * (misfit - self._level)
 
-    def _found(self, sight: Sight) -> Array:
-        """Return (k, 3) refined maxima of a search of the whole map."""
-        place, config, points = self._place, self._config, sight.points
-        thinned = points[np.linspace(0, len(points) - 1, min(config.points, len(points))).astype(np.int64)]
-        window = SearchWindow(linear=place.half_side, angular=np.pi, angular_step=config.angular_step)
-        found = branch_and_bound(
-            place.pyramid, thinned, np.append(place.centre, 0.0), window,
-            min_score=config.least_score, maxima=config.maxima, separation=config.separation,
-        )  # fmt: skip
-        return self._fit.refine(sight, np.array([maximum.pose for maximum in found.maxima]).reshape(-1, 3))
-
     def _tidy(self) -> None:
         """Sort the hypotheses, join equal ones, drop hopeless ones and those that stand in walls or the unknown."""
         config, weights = self._config, self._weights
@@ -262,3 +251,15 @@ def near(poses: Array, pose: Array, reach: tuple[float, float]) -> NDArray[np.bo
     """Return (k,) which `poses` (k, 3) lie within `reach` [m, rad] of `pose` (3,)."""
     off = poses - pose
     return (np.hypot(off[:, 0], off[:, 1]) <= reach[0]) & (np.abs(wrap_angle(off[:, 2])) <= reach[1])
+
+
+def _found(place: PlaceMap, fit: BeamFit, config: HypothesesConfig, sight: Sight) -> Array:
+    """Return (k, 3) refined maxima of a search of the whole map."""
+    points = sight.points
+    thinned = points[np.linspace(0, len(points) - 1, min(config.points, len(points))).astype(np.int64)]
+    window = SearchWindow(linear=place.half_side, angular=np.pi, angular_step=config.angular_step)
+    found = branch_and_bound(
+        place.pyramid, thinned, np.append(place.centre, 0.0), window,
+        min_score=config.least_score, maxima=config.maxima, separation=config.separation,
+    )  # fmt: skip
+    return fit.refine(sight, np.array([maximum.pose for maximum in found.maxima]).reshape(-1, 3))
