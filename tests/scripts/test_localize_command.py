@@ -53,13 +53,15 @@ def test_a_drive_is_found_on_a_map_and_written_out(building, tmp_path, capsys):
         assert cli.main([*words, str(tmp_path / name)]) == 0
     assert "first sure scan" in capsys.readouterr().out
     written = sorted(path.name for path in (tmp_path / "a").iterdir())
-    assert written == ["map.png", "metrics.json", "timing.json", "trajectory.tum"]
+    assert written == ["map.png", "metrics.json", "smoothed.tum", "timing.json", "trajectory.tum"]
     metrics = json.loads((tmp_path / "a" / "metrics.json").read_text())
     assert metrics["sure_share"] > 0.9
     assert metrics["lost"] == 0
     first = metrics["first_sure_scan"]
     error = between(truth[first:], read_tum(tmp_path / "a" / "trajectory.tum").poses)
     assert np.hypot(error[:, 0], error[:, 1]).max() < 0.06
+    smoothed = between(truth, read_tum(tmp_path / "a" / "smoothed.tum").poses)
+    assert np.hypot(smoothed[:, 0], smoothed[:, 1]).max() < 0.1
     for name in written:
         if name != "timing.json":
             assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
