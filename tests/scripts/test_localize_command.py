@@ -58,6 +58,8 @@ def test_a_drive_is_found_on_a_map_and_written_out(building, tmp_path, capsys):
     first = metrics["first_sure_scan"]
     error = between(truth[first:], read_tum(tmp_path / "a" / "trajectory.tum").poses)
     assert np.hypot(error[:, 0], error[:, 1]).max() < 0.06
+    smoothed = between(truth, read_tum(tmp_path / "a" / "smoothed.tum").poses)
+    assert np.hypot(smoothed[:, 0], smoothed[:, 1]).max() < 0.1
     for name in written:
         if name != "timing.json":
             assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
