@@ -48,13 +48,9 @@ def match_nodes(
         min_score: Least score, as a share of that.
         sigma: As of `information_in_node`.
     """
-    n, origin = len(T_global_node), (T_local_submap[0], T_local_submap[1], T_local_submap[2])
-    starts, relative, information = np.empty((n, 3)), np.empty((n, 3)), np.zeros((n, 3, 3))
-    for k in range(n):
-        x, y, turn = _between(T_global_submap, T_global_node[k])
-        c, s = np.cos(origin[2]), np.sin(origin[2])
-        starts[k, 0], starts[k, 1] = origin[0] + c * x - s * y, origin[1] + s * x + c * y
-        starts[k, 2] = _wrapped(origin[2] + turn)
+    n = len(T_global_node)
+    relative, information = np.empty((n, 3)), np.zeros((n, 3, 3))
+    starts = _starts(T_local_submap, T_global_submap, T_global_node)
     reach = int(np.ceil(max_shift[0] / resolution)) if wide else 0
     poses, curvatures, scores = refine_many(
         field, corner, resolution, points, firsts, starts, weight, reach, _TRACK_ANGLES, 0.8 * typical_score,
@@ -68,6 +64,18 @@ def match_nodes(
             relative[k] = _between(T_local_submap, poses[k])
             information[k] = information_in_node(curvatures[k], relative[k, 2], sigma)
     return good, relative, information, scores
+
+
+@njit(cache=True, nogil=True)
+def _starts(T_local_submap, T_global_submap, T_global_node):  # type: ignore[no-untyped-def]
+    """Return (n, 3) where the graph has the nodes, in the local frame."""
+    starts, c, s = np.empty_like(T_global_node), np.cos(T_local_submap[2]), np.sin(T_local_submap[2])
+    for k in range(len(T_global_node)):
+        x, y, turn = _between(T_global_submap, T_global_node[k])
+        starts[k, 0] = T_local_submap[0] + c * x - s * y
+        starts[k, 1] = T_local_submap[1] + s * x + c * y
+        starts[k, 2] = _wrapped(T_local_submap[2] + turn)
+    return starts
 
 
 @njit(cache=True, nogil=True)
