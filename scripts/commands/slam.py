@@ -26,7 +26,8 @@ writes into DIR:
   map.pgm, map.yaml      the map, as ROS map_server reads it
   map.png                the map with the trajectory, to look at
   landmarks.json         with --method ekf: the landmarks, for tagalong localize --method landmarks
-  metrics.json           configuration and results; how often it was not sure where it is;
+  metrics.json           configuration and results; how often it was not sure where it is,
+                         and at how many scans it did not believe the odometry;
                          errors where the log has reference poses
                          (its own corrected poses, or NAME.gt.tum beside NAME.log.gz)
   timing.json            speed and memory; the only file that differs between two runs
