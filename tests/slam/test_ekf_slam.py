@@ -35,6 +35,7 @@ def numerical(function, x):
     return np.stack(columns, axis=-1)
 
 
+@settings(deadline=None)
 @given(st.tuples(number, number, st.floats(-1.0, 1.0)), number, st.floats(0.3, 4.0), st.floats(0.3, 4.0))
 def test_every_jacobian_equals_the_numerical_one(pose, v, dx, dy):
     pose = np.array(pose)
