@@ -146,6 +146,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Measure, print, write results.json and report.html; return 1 where a verdict fails."""
     require_matplotlib()
+    wanted = _wanted(options)
+    results: Mapping[str, Any] = run_cells(wanted, options.out, jobs=options.jobs)
+    rows = faulty_cells(results)
+    judged = verdicts(rows)
+    write_results(options, {"verdicts": [verdict.to_dict() for verdict in judged], "results": results})
+    truths = {name.split("/")[1]: result for name, result in results.items() if name.startswith("truth/")}
+    print(write_report(options.out, rows, judged, truths))
+    return int(not all(verdict.holds for verdict in judged))
+
+
+def _wanted(options: argparse.Namespace) -> list[Cell]:
+    """Return the cells that the options ask for."""
     folder = None if options.data is None else options.data / "slam_logs"
     if folder is None and options.logs:
         raise InputError("--logs needs the folder DATA, which holds slam_logs")
@@ -157,10 +169,4 @@ def run(options: argparse.Namespace) -> int:
     wanted = cells(folder, [*(logs if folder else ()), *worlds], faults, options.engines)
     if not wanted:
         raise InputError("nothing to measure: neither a log nor a drawn world")
-    results: Mapping[str, Any] = run_cells(wanted, options.out, jobs=options.jobs)
-    rows = faulty_cells(results)
-    judged = verdicts(rows)
-    write_results(options, {"verdicts": [verdict.to_dict() for verdict in judged], "results": results})
-    truths = {name.split("/")[1]: result for name, result in results.items() if name.startswith("truth/")}
-    print(write_report(options.out, rows, judged, truths))
-    return int(not all(verdict.holds for verdict in judged))
+    return wanted

@@ -76,6 +76,12 @@ def draw_scores(row0, col0, side, unknown, near, directory, counts, bits, values
                         values[i, j] = 255
                     elif values[i, j] == unknown and counts[tile, ((r & MASK) << SHIFT) | (c & MASK), 1] > 0:
                         values[i, j] = 0
+    _widen(values, near)
+
+
+@njit(cache=True, nogil=True)
+def _widen(values, near):
+    """Let all beside a square of 255 be worth `near` at least; the outermost squares have no say."""
     for i in range(1, values.shape[0] - 1):
         for j in range(1, values.shape[1] - 1):
             if values[i, j] == 255:
