@@ -63,9 +63,7 @@ class KidnapRecovery:
         self._lost_for = 0.0  # [m] driven since the robot was lost
         self._found_for: float | None = None  # [m] driven since it was found; None: it is not
         self._found_scans = 0
-        self._patience = (
-            np.inf
-        )  # [m] for which it is sought; where it was surely carried, or odometry draws it, for good
+        self._patience = np.inf  # [m] for which it is sought; for good where it was carried, or crossed a gap
         self._carried = False  # whether walls of the map stop beams where the robot was thought to be
         self.losses = self.relocalizations = 0
 
