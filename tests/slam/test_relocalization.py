@@ -394,3 +394,15 @@ def test_the_kernel_of_the_monitor_counts_beams_through_walls_and_ends_in_seen_f
 def test_a_monitor_without_sense_is_refused():
     with pytest.raises(ValueError, match="patience"):
         MatchMonitorConfig(patience=0)
+
+
+def test_a_robot_that_is_not_found_goes_on_by_its_odometry_where_no_wall_contradicts_that(mapped, monkeypatch):
+    monkeypatch.setattr(kidnap_recovery, "_GIVE_UP", 1.0)
+    monkeypatch.setattr(kidnap_recovery, "BLOCKED", 2.0)  # no share of the beams is so large: nothing contradicts
+    engine, odometry, _, rng = mapped
+    before = engine.map().occupied.sum()
+    fed(engine, ahead((-4.0, 0.0, 0.0), (0.15, 0.0, 0.0), 25), odometry, rng, ELSEWHERE)
+    engine.finish()
+    assert engine.losses >= 1
+    assert engine.relocalizations == 0
+    assert engine.map().occupied.sum() > before + 100  # drawn again, and loops are closed to it again
