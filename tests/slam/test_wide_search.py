@@ -1,0 +1,32 @@
+"""A scan sought all around is found where one place stands out, and nowhere where two look alike."""
+
+import numpy as np
+from tagalong.slam.scan_to_grid.wide_search import search_widely
+
+SIDE = 0.05
+
+
+def corner_of_walls(field, row, col):
+    """Draw two walls of unequal length that meet at a cell of `field`; return their cells (N, 2) as (x, y) [m]."""
+    cells = [(row + k, col) for k in range(20)] + [(row, col + k) for k in range(1, 40)]
+    for r, c in cells:
+        field[r, c] = 1.0
+    return SIDE * np.array([(c, r) for r, c in cells], dtype=np.float64)
+
+
+def found(field, points):
+    """Return where `points` (N, 2) are found around a pose 0.8 m and 0.3 rad off."""
+    return search_widely(field, np.zeros(2), SIDE, points, np.array([0.6, -0.5, 0.3]), 3.0, 0.6, 0.02)
+
+
+def test_one_place_that_fits_is_found():
+    field = np.zeros((200, 200), np.float32)
+    points = corner_of_walls(field, 60, 60)
+    np.testing.assert_allclose(found(field, points), 0.0, atol=0.06)
+
+
+def test_of_two_places_that_look_alike_none_is_found():
+    field = np.zeros((200, 200), np.float32)
+    points = corner_of_walls(field, 60, 60)
+    corner_of_walls(field, 95, 60)
+    assert found(field, points) is None
