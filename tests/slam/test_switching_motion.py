@@ -71,3 +71,11 @@ def test_a_gap_in_a_log_is_no_slip():
     model, _ = driven(told[:20], told[:20])
     model.predict(told[20], STEP_S * 20 + 60.0)
     assert model.anywhere is None
+
+
+def test_stamps_that_hardly_differ_tell_no_velocity():
+    model = SwitchingMotion(ExtrapolatorConfig())
+    for k, pose in enumerate(straight(5)):
+        hypotheses = model.predict(pose, 1e-310 * k)
+        assert len(hypotheses) == 1
+        model.take(hypotheses, hypotheses[0], pose, True)

@@ -26,6 +26,7 @@ _CHANCE = 0.1  # share of faulty motions that agree with both predictions
 _SLIP, _STEPS = np.array([0.5, 0.5]), 3.0  # [m, rad] a robot without odometry may be so far, and so many usual steps
 _FARTHEST = np.array([5.0, np.pi])  # [m, rad] and no farther
 _MEMORY = 0.1  # weight of the newest step in the usual one
+_SHORTEST = 1e-3  # [s] no laser turns faster; stamps that are nearer to each other tell no velocity
 _LONGEST = 1.0  # [s] after a longer gap a velocity says nothing
 
 
@@ -93,7 +94,7 @@ class SwitchingMotion:
         self._sound = self._sound * (1.0 - _BREAKS) + (1.0 - self._sound) * _HEALS
         believed = odometry if self._offset is None else compose(self._offset, odometry)
         sound = self._hypothesis(believed, np.zeros(2), True)
-        if self._velocity is None or not 0.0 < elapsed <= _LONGEST:
+        if self._velocity is None or not _SHORTEST <= elapsed <= _LONGEST:
             return [sound]
         coasted = elapsed * self._velocity
         floor = self._config.sigma(np.zeros(3))
@@ -170,5 +171,5 @@ class SwitchingMotion:
         if self._pose is not None:
             step = between(self._pose, pose)
             self._usual += _MEMORY * (np.array([math.hypot(step[0], step[1]), abs(step[2])]) - self._usual)
-            self._velocity = step / self._step_s if self._step_s > 0.0 else None
+            self._velocity = step / self._step_s if self._step_s >= _SHORTEST else None
         self._pose = pose
