@@ -101,7 +101,9 @@ class ImmobileLocalization:
         prediction = self._extrapolator.predict(now)
         stays = (np.broadcast_to(people, scan.ranges.shape) <= self._config.most_likely)[scan.is_return]
         points = self._voxel_filter.apply(scan.points_robot[stays])
-        match = self._matcher.match(LaserWalls.of(grid), points, prediction, degenerate_direction(scan, points))
+        match = self._matcher.match_anyhow(LaserWalls.of(grid), points, prediction, degenerate_direction(scan, points))
+        if match:
+            self._matcher.believe(match)
         pose = prediction.pose if match is None else match.pose
         self._extrapolator.correct(now, pose)
         return pose

@@ -39,7 +39,7 @@ from .results import write_results
 ENGINES: dict[str, dict[str, Any]] = {
     "gmapping": {"name": "gmapping", "seed": 0},
     "cartographer": {"name": "cartographer"},
-    "cartographer without recovery": {"name": "cartographer", "monitor": None},
+    "cartographer without recovery": {"name": "cartographer", "recovery": False},
 }
 """Name -> what `make_slam` is asked for."""
 QUICK_LOGS = ("aces", "belgioioso")

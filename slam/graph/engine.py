@@ -8,7 +8,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..bounds import Cell, check_numbers, checked_pose
 from ..engine import SlamUpdate
-from ..geometry import compose
 from ..grid import GridConfig, render_map
 from ..growing_map import GrowingMap
 from ..occupancy_map import OccupancyMap
@@ -16,14 +15,11 @@ from ..pose_log import PoseLog
 from ..scan import LaserScan
 from ..settings import with_settings
 from .local.local_slam import LocalSlam, LocalSlamConfig
-from .local.match_monitor import MatchMonitor, MatchMonitorConfig
 from .loops.constraints import Constraint
-from .loops.drive_record import DriveRecord
 from .loops.global_config import GlobalSlamConfig
 from .loops.global_slam import GlobalSlam
+from .mapping import DriveMapping
 from .recovery.kidnap_recovery import KidnapRecovery
-from .recovery.recovery import NoRecovery, Recovery
-from .recovery.scan_consistency import ScanConsistency, ScanConsistencyConfig
 
 Array = NDArray[np.float64]
 
@@ -35,16 +31,13 @@ class CartographerConfig:
     Attributes:
         local: Settings of local SLAM.
         global_: Settings of global SLAM; None: no loop is closed.
-        monitor: When a scan contradicts its submap; None: every match is believed. Without `monitor` or `global_` the
-            robot never counts as lost.
-        consistency: When a scan is inconsistent with the one before.
+        recovery: Whether a robot that was carried is noticed and found again; without `global_` it never is.
         resolution: Side of a cell of the map that `map` returns [m].
     """
 
     local: LocalSlamConfig = field(default_factory=LocalSlamConfig)
     global_: GlobalSlamConfig | None = field(default_factory=GlobalSlamConfig)
-    monitor: MatchMonitorConfig | None = field(default_factory=MatchMonitorConfig)
-    consistency: ScanConsistencyConfig = field(default_factory=ScanConsistencyConfig)
+    recovery: bool = True
     resolution: Cell = 0.05
 
     def __post_init__(self) -> None:
@@ -67,14 +60,11 @@ class Cartographer:
 
     def __init__(self, config: CartographerConfig | None = None) -> None:
         self.config = config = config or CartographerConfig()
-        monitor = MatchMonitor(config.monitor) if config.monitor and config.global_ else None
-        self._local = LocalSlam(config.local, monitor)
-        self._global = GlobalSlam(config.global_, self._local.submaps, self._local.sweep) if config.global_ else None
-        self._record = DriveRecord()
-        self._recovery: Recovery = NoRecovery()
-        if monitor and self._global:
-            consistency = ScanConsistency(config.consistency, config.local.extrapolator)
-            self._recovery = KidnapRecovery(monitor, consistency, self._local, self._global, self._record)
+        local = LocalSlam(config.local)
+        self._global = GlobalSlam(config.global_, local.submaps, local.sweep) if config.global_ else None
+        self._mapping = DriveMapping(local, self._global)
+        self._record = self._mapping.record
+        self._recovery = KidnapRecovery(self._mapping) if config.recovery and config.global_ else None
         self._odometry: Array | None = None
         self._online = PoseLog()
         self._live: GrowingMap | None = None  # only once `live_map` has been asked for
@@ -91,34 +81,29 @@ class Cartographer:
     def update(self, odometry: ArrayLike, scan: LaserScan) -> SlamUpdate:
         """Take one scan and the robot's odometry pose T_odom_robot (3,) at that time."""
         odometry = self._odometry = checked_pose(odometry, before=self._odometry)
-        result = self._local.update(odometry, scan)  # predict, match, insert
-        result = self._recovery.review(result, odometry, scan)
-        if result.insertion:
-            self._record.add_node(result.insertion.scan)
-            if self._global:
-                self._global.add_node(result.pose, result.insertion)
-                self._global.close_loops()
-        self._recovery.relocalize(odometry, scan, result.pose)
-        self._record.append(result)
-        self._online.append(compose(self._T_global_local, result.pose))
+        result = self._mapping.match(odometry, scan)  # predict, match, insert
+        if self._recovery:
+            result = self._recovery.review(result, odometry, scan)
+        self._mapping.add(odometry, result)  # add node, close loops
+        elsewhere = self._recovery.pose if self._recovery else None
+        self._online.append(self._mapping.pose if elsewhere is None else elsewhere)
         self._trim()
         if self._live and result.insertion:
             self._live.follow(self.node_poses, self._record.nodes, self._record.scans)
         diagnostics = {"odometry_fault": float(result.odometry_fault)}
         diagnostics |= {"score": result.match.score} if result.match else {}
-        return SlamUpdate(self.pose, result.insertion is not None, diagnostics, self._recovery.located(result))
-
-    @property
-    def _T_global_local(self) -> Array:
-        return self._global.local_to_global if self._global else np.zeros(3)
+        located = not result.jumped and (self._recovery is None or self._recovery.located)
+        return SlamUpdate(self.pose, result.insertion is not None, diagnostics, located)
 
     def _trim(self) -> None:
         """Let what was seen again often enough leave the graph, unless some of it is being looked at."""
-        stay = self._global.trim() if self._global and not self._recovery.holds_nodes else None
+        if not self._global or (self._recovery and self._recovery.holds_nodes):
+            return
+        stay = self._global.trim()
         if stay is not None:
-            self._local.trim(stay.submaps)
-            self._record.trim(stay)
-            self._recovery.trim(stay)
+            self._mapping.trim(stay)
+            if self._recovery:
+                self._recovery.trimmed()
 
     @property
     def pose(self) -> Array:
@@ -127,7 +112,8 @@ class Cartographer:
 
     def finish(self) -> None:
         """Match each node with all submaps around it, optimise the graph and straighten its submaps."""
-        self._recovery.finish()
+        if self._recovery:
+            self._recovery.finish()
         if self._global:
             self._global.finish()
 
@@ -148,12 +134,12 @@ class Cartographer:
     @property
     def losses(self) -> int:
         """How often the robot was lost."""
-        return self._recovery.losses
+        return self._recovery.losses if self._recovery else 0
 
     @property
     def relocalizations(self) -> int:
         """How often it was found again."""
-        return self._recovery.relocalizations
+        return self._recovery.relocalizations if self._recovery else 0
 
     @property
     def constraints(self) -> tuple[Constraint, ...]:
@@ -189,8 +175,8 @@ class Cartographer:
     def map_at(self, resolution: float) -> OccupancyMap:
         """Return the map with cells of `resolution` [m], drawn anew from scans whose place is known, if by odometry."""
         poses = self.trajectory()[self._record.nodes]
-        mappable = self._global.graph.segments.mappable_nodes if self._global else np.ones(len(poses), dtype=np.bool_)
-        placed = np.flatnonzero(mappable).tolist()
+        known = self._global.graph.segments.placed_nodes if self._global else np.ones(len(poses), dtype=np.bool_)
+        placed = np.flatnonzero(known).tolist()
         scans = [self._record.scans[k] for k in placed]
         return render_map(poses[placed], scans, GridConfig(resolution=resolution))
 

@@ -40,6 +40,8 @@ class GridScanMatcherConfig:
         retry_below: A score below so much of the typical one makes the matcher search more widely ...
         retry_found: ... and it takes what it finds where the score is at least so much of the typical one.
         retry_sigmas: How many times wider the odometry's errors count then.
+        explained: A scan says that the robot is far from where it was expected only if its score there is at least so
+            much of the typical one.
     """
 
     weight: float = 1.5
@@ -52,6 +54,7 @@ class GridScanMatcherConfig:
     min_points: int = 10
     retry_below: float = 0.7
     retry_found: float = 0.75
+    explained: float = 0.5
     retry_sigmas: float = 10.0
 
     def __post_init__(self) -> None:
@@ -114,12 +117,7 @@ class GridScanMatcher:
         self._typical_score = 0.0
 
     def match(
-        self,
-        submap: Walls,
-        points: Array,
-        prediction: Prediction,
-        degenerate: Array | None = None,
-        anywhere: Prediction | None = None,
+        self, submap: Walls, points: Array, prediction: Prediction, degenerate: Array | None = None
     ) -> GridMatch | None:
         """Return the match of a scan; None: there are too few points.
 
@@ -128,39 +126,60 @@ class GridScanMatcher:
             points: (N, 2) robot frame [m].
             prediction: Where the odometry expects it.
             degenerate: (2,) direction that is left to the odometry, robot frame, as `degenerate_direction` returns it.
-            anywhere: Where the robot may be whatever its odometry says, half the sides of the window as `sigma`; None:
-                see `retry_sigmas`.
         """
-        config = self._config
-        if len(points) < config.min_points:
+        if len(points) < self._config.min_points:
             return None
-        match = self._match(submap, points, prediction, degenerate)
-        if match.score < config.retry_below * self._typical_score:
-            retried = self._retry(submap, points, prediction, degenerate, anywhere)
-            if retried and retried.score >= config.retry_found * self._typical_score:
-                match = replace(retried, retried=True)
-        self._typical_score += _SCORE_MEMORY * (match.score - self._typical_score)
+        return self._match(submap, points, prediction, degenerate)
+
+    def match_anyhow(
+        self, submap: Walls, points: Array, prediction: Prediction, degenerate: Array | None = None
+    ) -> GridMatch | None:
+        """Return as `match`; where the scan fits much worse than usual, as if the wheels had slipped.
+
+        Then it is searched for with `retry_sigmas` times the odometry's standard deviations, and what wheels slip at
+        rest. What it finds counts where the score is good enough.
+        """
+        match = self.match(submap, points, prediction, degenerate)
+        if match and self.is_poor(match):
+            wide = Prediction(prediction.pose, self._config.retry_sigmas * prediction.sigma + _SLIP)
+            again = self._match(submap, points, wide, degenerate)
+            good = again.score >= self._config.retry_found * self._typical_score
+            match = replace(again, retried=True) if good else match
         return match
 
-    def _retry(
-        self,
-        submap: Walls,
-        points: Array,
-        prediction: Prediction,
-        degenerate: Array | None,
-        anywhere: Prediction | None,
-    ) -> GridMatch | None:
-        """Return the match of a scan that does not fit where the odometry expects it, if one place stands out."""
-        config = self._config
-        if anywhere is None:
-            wide = Prediction(prediction.pose, config.retry_sigmas * prediction.sigma + _SLIP)
-            return self._match(submap, points, wide, degenerate)
-        thinned = points[:: max(1, len(points) // config.search_points)]
+    def search(self, submap: Walls, points: Array, anywhere: Prediction) -> GridMatch | None:
+        """Return the match of a scan wherever the robot may be; None: no place stands out, or it explains too little.
+
+        Args:
+            submap: What it is matched on.
+            points: (N, 2) robot frame [m].
+            anywhere: The middle of the window, and half its sides as `sigma`.
+        """
+        thinned = points[:: max(1, len(points) // self._config.search_points)]
         step = submap.resolution / max(far_radius(points), 1.0)
         place = submap.field, submap.corner, submap.resolution
         linear, angular = anywhere.sigma.tolist()
         start = search_widely(*place, thinned, anywhere.pose, linear, angular, step)
-        return None if start is None else self._match(submap, points, Prediction(start, anywhere.sigma), None)
+        if start is None:
+            return None
+        found = self._match(submap, points, Prediction(start, anywhere.sigma), None)
+        return replace(found, retried=True) if self.explains(found) else None
+
+    def believe(self, match: GridMatch) -> None:
+        """Learn from a match that holds which scores are typical."""
+        self._typical_score += _SCORE_MEMORY * (match.score - self._typical_score)
+
+    def says_nothing(self, match: GridMatch, share: float) -> bool:
+        """Return whether a scan sees hardly anything of what it was matched on."""
+        return match.score < share * self._typical_score
+
+    def is_poor(self, match: GridMatch) -> bool:
+        """Return whether a match is so bad that the robot may well be elsewhere."""
+        return match.score < self._config.retry_below * self._typical_score
+
+    def explains(self, match: GridMatch) -> bool:
+        """Return whether a match is so good that it tells where the robot is, even far from where it was expected."""
+        return match.score >= self._config.explained * self._typical_score
 
     def cost(self, match: GridMatch, points: int) -> float:
         """Return the negative log-likelihood of a scan of so many `points` where it was matched, up to a constant."""

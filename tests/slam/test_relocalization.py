@@ -10,10 +10,6 @@ from tagalong.slam.graph.engine import Cartographer, CartographerConfig
 from tagalong.slam.graph.local.match_monitor import MatchMonitor, MatchMonitorConfig, contradictions
 from tagalong.slam.graph.local.submap import Submap, SubmapConfig
 from tagalong.slam.graph.local.sweep import Sweep
-from tagalong.slam.graph.recovery import kidnap_recovery
-from tagalong.slam.graph.recovery.kidnap_hypothesis import KidnapHypothesis, Verdict
-from tagalong.slam.graph.recovery.node_map import searchable
-from tagalong.slam.graph.recovery.place_comparison import compare_places
 from tagalong.slam.scan_to_scan import make_matcher
 from walls import cast
 
@@ -132,18 +128,6 @@ def test_kidnapped_into_another_building_it_is_not_located_and_its_map_stays(map
     assert len(engine.trajectory()) == 115
 
 
-def test_while_scans_are_inconsistent_the_pose_follows_the_odometry(mapped):
-    engine, odometry, _, rng = mapped
-    after = ahead((-3.8, 0.9, -1.2), (0.1, 0.0, 0.03), 2)
-    last = engine.pose
-    for pose, motion in zip(after, ((0.1, 0.0, 0.0), (0.15, 0.02, 0.1)), strict=True):
-        odometry, last = compose(odometry, motion), compose(last, motion)
-        update = engine.update(odometry, cast(WALLS, pose, rng))
-        assert not update.located
-        assert not update.integrated
-        np.testing.assert_allclose(update.pose, last, atol=1e-9)
-
-
 def test_what_a_lost_robot_sees_is_not_drawn_until_it_is_found(mapped):
     engine, odometry, _, rng = mapped
     engine.finish()
@@ -167,23 +151,6 @@ def test_people_all_around_do_not_make_the_robot_lost(mapped):
         assert distance(update.pose, pose) < 0.05
     assert (engine.losses, engine.relocalizations) == (0, 0)
     assert located == [False, False, True] * 6 + [False, False]  # nothing on the map fits better: the third is believed
-
-
-def test_once_scans_are_consistent_again_those_before_lie_where_they_fitted_not_where_bad_odometry_put_them(mapped):
-    engine, odometry, last, rng = mapped
-    after, online = ahead(last, (0.1, 0.0, 0.05), 12), []
-    for k, pose in enumerate(after):
-        motion = between(after[k - 1], pose) if k else np.zeros(3)
-        crowded = k in (3, 4)
-        odometry = compose(odometry, motion + np.array([0.0, 0.0, 0.07 if crowded else 0.0]))
-        lines = among_people(pose, (0.3, -0.8, 1.5)) if crowded else WALLS
-        update = engine.update(odometry, cast(lines, pose, rng))
-        online.append(update.pose)
-        assert update.located != crowded
-    assert abs(between(after[4], online[4])[2]) > 0.1
-    engine.finish()
-    final = engine.trajectory()[-12:]
-    assert np.abs(between(np.array(after), final)[:, 2]).max() < np.radians(0.5)
 
 
 def test_what_score_is_usual_follows_the_scores_up_and_down():
@@ -240,79 +207,6 @@ def test_kidnapped_along_a_corridor_that_looks_alike_everywhere_it_is_found_and_
     assert (engine.losses, engine.relocalizations) == (1, 1)
 
 
-def test_a_submap_that_was_begun_by_the_very_scan_that_shows_the_robot_lost_is_taken_back(mapped, monkeypatch):
-    engine, odometry, last, rng = mapped
-    submaps = engine._local.submaps  # pyright: ignore[reportPrivateUsage]
-    known, weighed = len(submaps), []
-    monkeypatch.setattr(KidnapHypothesis, "due", property(lambda _: len(submaps) > known and not weighed))
-    recovery = engine._recovery  # pyright: ignore[reportPrivateUsage]
-    monkeypatch.setattr(recovery, "_verdict", lambda *_: weighed.append(len(submaps)) or Verdict.KIDNAPPED)
-    fed(engine, ahead(last, (0.1, 0.0, 0.05), 120), odometry, rng)
-    assert weighed == [known + 1]
-    assert engine.losses == 1
-    assert len(engine.trajectory()) == 210
-    assert len(engine.submap_nodes) > known
-    assert all(engine.submap_nodes)  # in each stands a node
-
-
-def test_a_gap_while_an_inconsistency_is_open_does_not_drop_the_hypothesis(mapped, monkeypatch):
-    engine, odometry, _, rng = mapped
-    after, local = ahead((-3.8, 0.9, -1.2), (0.1, 0.0, 0.03), 2), engine._local  # pyright: ignore[reportPrivateUsage]
-    fed(engine, after[:1], odometry, rng)
-    recovery, update = engine._recovery, local.update  # pyright: ignore[reportPrivateUsage]
-    inconsistency = recovery._hypothesis.inconsistency  # pyright: ignore[reportPrivateUsage]
-    assert inconsistency > 0.3
-
-    def without_overlap(odometry, scan):
-        monkeypatch.undo()
-        return replace(update(odometry, scan), sigma=np.array([0.03, 0.005]), no_overlap=True, insertion=None)
-
-    monkeypatch.setattr(local, "update", without_overlap)
-    updates, _ = fed(engine, after[1:], odometry, rng)
-    hypothesis = recovery._hypothesis  # pyright: ignore[reportPrivateUsage]
-    assert (hypothesis.inconsistency, hypothesis.count) == (inconsistency, 2)
-    assert not updates[0].located
-
-
-@pytest.mark.parametrize(("off", "believed"), [(0.1, True), (0.6, False)])
-def test_a_scan_that_fits_badly_is_believed_only_near_the_odometry(mapped, monkeypatch, off, believed):
-    engine, odometry, last, rng = mapped
-    local, recovery = engine._local, engine._recovery  # pyright: ignore[reportPrivateUsage]
-    monitor = recovery._monitor  # pyright: ignore[reportPrivateUsage]
-    update, submaps, found = local.update, len(engine.submap_nodes), []
-
-    def inconsistent(odometry, scan):
-        found.append(update(odometry, scan))
-        if len(found) > 1:
-            return found[-1]
-        monitor.rejected = monitor._config.patience  # pyright: ignore[reportPrivateUsage]
-        away = replace(found[0].match, pose=compose(found[0].pose, np.array([off, 0.0, 0.0])))
-        return replace(found[0], match=away, insertion=None, inconsistent=True, sigma=np.array([0.3, 0.2]))
-
-    monkeypatch.setattr(recovery, "_verdict", lambda *_: Verdict.UNSURE)
-    monkeypatch.setattr(local, "update", inconsistent)
-    fed(engine, ahead(last, (0.1, 0.0, 0.0), 1), odometry, rng)
-    assert len(found) == 2
-    assert engine.losses == 0
-    assert (len(engine.submap_nodes) == submaps) == believed
-
-
-def test_what_was_mapped_since_an_inconsistency_is_not_asked_where_the_robot_is(mapped, monkeypatch):
-    engine, odometry, _, rng = mapped
-    nodes, asked = len(engine.node_scans), []
-    compare = kidnap_recovery.compare_places
-    monkeypatch.setattr(kidnap_recovery, "compare_places", lambda *a, **k: asked.append(a[0]) or compare(*a, **k))
-    monkeypatch.setattr(kidnap_recovery, "verdict", lambda *_: Verdict.UNSURE)
-    fed(engine, ahead((-3.8, 0.9, -1.2), (0.1, 0.0, 0.03), 60), odometry, rng)
-    assert len(engine.node_scans) >= nodes + 20
-    assert len(asked) >= 4
-    maps = {id(place) for place in asked}
-    assert len(maps) == 1
-    monkeypatch.undo()
-    updates, _ = fed(engine, ahead((-3.8, 0.9, -1.2), (0.15, 0.0, 0.0), 1), odometry, rng)
-    assert not updates[-1].located
-
-
 def test_drift_is_that_since_the_graph_was_last_tied_to_old_submaps(mapped):
     engine, odometry, _, rng = mapped
     graph = engine._global  # pyright: ignore[reportPrivateUsage]
@@ -325,43 +219,8 @@ def test_drift_is_that_since_the_graph_was_last_tied_to_old_submaps(mapped):
     assert graph.drift == pytest.approx(np.sqrt((steps**2).sum()), rel=1e-9)  # as many as a tie is good for
 
 
-def test_a_comparison_tells_a_place_nearby_from_one_elsewhere(mapped):
-    engine, odometry, last, rng = mapped
-    engine.finish()
-    place, scans = searchable(engine.map_at(0.05)), [(odometry, cast(WALLS, last, rng))]
-    for away, beside in (
-        ((0.0, 0.0, 0.0), True),
-        ((0.4, 0.0, 0.0), True),
-        ((0.6, 0.0, 0.0), False),
-        ((0.0, 0.0, 0.5), False),
-    ):
-        here = compose(last, np.array(away))
-        outcome = compare_places(place, scans, here)
-        assert distance(outcome.belief.poses[0], last) < 0.1
-        assert outcome.best_is_near == beside
-        assert outcome.here_is_best == (away == (0.0, 0.0, 0.0))
-
-
-def test_a_comparison_says_what_is_explained_where_the_robot_is_and_nothing_where_it_surely_is_not(mapped):
-    engine, odometry, last, rng = mapped
-    engine.finish()
-    place, scans = searchable(engine.map_at(0.05)), [(odometry, cast(WALLS, last, rng))]
-    assert compare_places(place, scans, last).explained_if_likely > 0.8
-    assert compare_places(place, scans, np.array([-3.8, 0.9, -1.2])).explained_if_likely == 0.0
-
-
-def test_a_comparison_counts_the_beams_that_walls_would_stop(mapped):
-    engine, odometry, last, rng = mapped
-    engine.finish()
-    place, back = searchable(engine.map_at(0.05)), np.array([-0.1, 0.0, 0.0])
-    scans = [(odometry, cast(WALLS, last, rng)), (compose(odometry, back), cast(WALLS, compose(last, back), rng))]
-    assert compare_places(place, scans[:1], last).blocked < 0.02
-    assert compare_places(place, scans, compose(last, back)).blocked < 0.02
-    assert compare_places(place, scans, np.array([-3.8, 0.9, -1.2])).blocked > 0.2
-
-
 def test_without_a_monitor_or_a_graph_nobody_notices():
-    for settings in ({"monitor": None}, {"global_": None}):
+    for settings in ({"recovery": False}, {"global_": None}):
         engine = Cartographer(CartographerConfig(**settings))
         rng, poses = np.random.default_rng(0), tour()
         _, odometry = fed(engine, poses, poses[0], rng)
@@ -396,13 +255,3 @@ def test_a_monitor_without_sense_is_refused():
         MatchMonitorConfig(patience=0)
 
 
-def test_a_robot_that_is_not_found_goes_on_by_its_odometry_where_no_wall_contradicts_that(mapped, monkeypatch):
-    monkeypatch.setattr(kidnap_recovery, "_GIVE_UP", 1.0)
-    monkeypatch.setattr(kidnap_recovery, "BLOCKED", 2.0)  # no share of the beams is so large: nothing contradicts
-    engine, odometry, _, rng = mapped
-    before = engine.map().occupied.sum()
-    fed(engine, ahead((-4.0, 0.0, 0.0), (0.15, 0.0, 0.0), 25), odometry, rng, ELSEWHERE)
-    engine.finish()
-    assert engine.losses >= 1
-    assert engine.relocalizations == 0
-    assert engine.map().occupied.sum() > before + 100  # drawn again, and loops are closed to it again

@@ -64,15 +64,8 @@ class ActiveSubmaps:
         """Whether there is a submap to match against."""
         return len(self.submaps) > self._first
 
-    def restart(self, known: int | None = None) -> None:
-        """Finish the active submaps: the next scan begins a new one, apart from all before.
-
-        Args:
-            known: So many submaps stay; those after have been begun by a scan that is taken back. None: all stay.
-        """
-        del self.submaps[len(self.submaps) if known is None else known :]
-        for submap in self.submaps[self._first :][-2:]:
-            submap.finish()
+    def restart(self) -> None:
+        """Let the next scan begin a new submap, apart from all that there are, which are finished."""
         self._first = len(self.submaps)
         self._last = None
 

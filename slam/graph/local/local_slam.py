@@ -14,7 +14,7 @@ from ...scan_to_grid.extrapolator import ExtrapolatorConfig, Prediction
 from ...scan_to_grid.scan_matcher import GridMatch, GridScanMatcher, GridScanMatcherConfig
 from ...scan_to_grid.voxel_filter import AdaptiveVoxelConfig, AdaptiveVoxelFilter
 from .active_submaps import ActiveSubmaps, ActiveSubmapsConfig
-from .match_monitor import MatchMonitor
+from .match_monitor import MatchMonitor, MatchMonitorConfig
 from .motion_filter import MotionFilter, MotionFilterConfig
 from .submap import Submap
 from .sweep import Sweep
@@ -33,6 +33,7 @@ class LocalSlamConfig:
         voxel_filter: Which points are matched.
         submaps: How submaps are made.
         matcher: How scans are matched.
+        monitor: When a scan contradicts its submap.
         insertion_voxel: Returns within a voxel of this side are inserted as one [m].
     """
 
@@ -41,6 +42,7 @@ class LocalSlamConfig:
     voxel_filter: AdaptiveVoxelConfig = field(default_factory=AdaptiveVoxelConfig)
     submaps: ActiveSubmapsConfig = field(default_factory=ActiveSubmapsConfig)
     matcher: GridScanMatcherConfig = field(default_factory=GridScanMatcherConfig)
+    monitor: MatchMonitorConfig = field(default_factory=MatchMonitorConfig)
     insertion_voxel: Cell = 0.05
 
     def __post_init__(self) -> None:
@@ -75,27 +77,18 @@ class LocalResult:
     Attributes:
         pose: (3,) T_local_robot [m, m, rad].
         match: How the scan fits on the submap; None: it was not matched, the pose is that of the odometry.
-        insertion: What was inserted; None: the motion filter dropped the scan, or it is inconsistent.
-        inconsistent: Whether the scan contradicts the submap: then the pose is that of the odometry.
-        sigma: (2,) standard deviations of that pose where the scan is inconsistent [m, rad]; else None.
-        doubtful: Whether the robot was found far from where it was thought to be, and nothing has confirmed that yet.
-        no_overlap: Whether the scan sees nothing of what the submap knows, as the first one after a gap in a log.
+        insertion: What was inserted; None: the motion filter dropped the scan.
+        contradicts: Whether the scan contradicts the submap that it was matched on, as people around the laser do.
         odometry_fault: Whether the robot moved otherwise than its odometry says.
+        jumped: Whether it was found far from where it was thought to be, and nothing has confirmed that yet.
     """
 
     pose: Array
     match: GridMatch | None
     insertion: Insertion | None
-    inconsistent: bool = False
-    sigma: Array | None = None
-    no_overlap: bool = False
-    doubtful: bool = False
+    contradicts: bool = False
     odometry_fault: bool = False
-
-    @property
-    def matched_pose(self) -> Array:
-        """(3,) T_local_robot where the scan fits best, believed or not; by the odometry where it was not matched."""
-        return self.match.pose if self.match else self.pose
+    jumped: bool = False
 
 
 class LocalSlam:
@@ -103,35 +96,44 @@ class LocalSlam:
 
     Args:
         config: Settings.
-        monitor: Notices that matching has failed; None: every match is believed.
+
+    Attributes:
+        monitor: Notices that matching has failed.
     """
 
-    def __init__(self, config: LocalSlamConfig, monitor: MatchMonitor | None = None) -> None:
+    def __init__(self, config: LocalSlamConfig) -> None:
         self._config = config
-        self._monitor = monitor
+        self.monitor = self._monitor = MatchMonitor(config.monitor)
         self._motion = SwitchingMotion(config.extrapolator)
         self._inserted_at: Array | None = None
         self._motion_filter = MotionFilter(config.motion_filter)
         self._voxel_filter = AdaptiveVoxelFilter(config.voxel_filter)
         self._active = ActiveSubmaps(config.submaps)
         self._matcher = GridScanMatcher(config.matcher)
+        self._ranges = np.empty(0)  # of the last scan
 
     @property
     def submaps(self) -> list[Submap]:
         """Every submap so far; the last two are still growing."""
         return self._active.submaps
 
-    def restart(self, known: int | None = None) -> None:
-        """Begin a new drive segment: submaps anew, from where the odometry says the robot is.
+    @property
+    def odometry(self) -> Array | None:
+        """(3,) T_odom_robot of the odometry without its faults, as far as they were noticed; None before any scan."""
+        return self._motion.odometry
+
+    def restart(self, odometry: Array, pose: Array) -> None:
+        """Begin anew: the next scan begins submaps apart from those before.
 
         Args:
-            known: So many submaps stay, as the last scan, which may have begun one, is taken anew; None: all.
+            odometry: (3,) T_odom_robot of the scan before ...
+            pose: ... and (3,) T_local_robot.
         """
-        self._active.restart(known)
+        self._active.restart()
+        self._motion = self._motion.restarted(odometry, pose)
         self._motion_filter = MotionFilter(self._config.motion_filter)
         self._matcher = GridScanMatcher(self._config.matcher)
-        if self._monitor:
-            self._monitor.restart()
+        self._monitor.restart()
 
     def trim(self, stay: NDArray[np.bool_]) -> None:
         """Drop the finished submaps where `stay` (one for each submap) is false."""
@@ -141,24 +143,50 @@ class LocalSlam:
         """Take one scan and the odometry pose T_odom_robot (3,) at that time: predict, match, insert."""
         hypotheses = self._motion.predict(odometry, scan.time_s)
         points = self._voxel_filter.apply(scan.points_robot)
+        ambiguous = len(hypotheses) > 1
         motion, match = self._match(scan, points, hypotheses)
-        prediction = motion.prediction
-        if match and self._monitor:
-            submap, sensor = self._active.front, np.array(scan.T_robot_lidar[:2], dtype=np.float64)
-            no_overlap = self._monitor.has_no_overlap(submap, points, prediction.pose, match.pose, match.score)
-            if no_overlap or self._monitor.rejects(submap, points, sensor, match.pose, match.score):
-                if match.retried:  # what contradicts the submap does not tell where the robot went, either
-                    motion, prediction = hypotheses[0], hypotheses[0].prediction
-                self._motion.take(hypotheses, motion, prediction.pose, False)
-                return LocalResult(
-                    prediction.pose, match, None, True, prediction.sigma, no_overlap, odometry_fault=not motion.sound
-                )
-        pose = match.pose if match else prediction.pose
-        self._motion.take(
-            hypotheses, motion, pose, match is not None or not self._active.begun, bool(match and match.retried)
-        )
-        insertion = self._insert(motion.odometry, scan, points, pose, match)
-        return LocalResult(pose, match, insertion, doubtful=self._motion.jumped, odometry_fault=not motion.sound)
+        sensor = np.array(scan.T_robot_lidar[:2], dtype=np.float64)
+        contradicts, told = False, match is not None
+        repeated, self._ranges = np.array_equal(scan.ranges, self._ranges), scan.ranges
+        if repeated:
+            return self._repeated(hypotheses, match)
+        import os
+        if match and self._matcher.says_nothing(match, float(os.environ.get("SN", "0.25"))) and not match.retried:
+            self._active.restart()
+            match, told, motion = None, False, hypotheses[0]
+        if match:
+            contradicts = self._monitor.rejects(self._active.front, points, sensor, match.pose, match.score)
+            far = match.retried or not motion.sound
+            if contradicts and (far or not self._matcher.explains(match)):
+                if ambiguous:
+                    return self._unexplained(hypotheses, scan, points, match)
+                motion, told = hypotheses[0], not far
+            self._matcher.believe(match)
+        pose = match.pose if match and told else motion.prediction.pose
+        self._motion.take(hypotheses, motion, pose, told or not self._active.begun, bool(match and told and match.retried))
+        insertion = self._insert(motion.odometry, scan, points, pose, match if told else None)
+        return LocalResult(pose, match, insertion, contradicts, not motion.sound, self._motion.jumped)
+
+    def _repeated(self, hypotheses: list[MotionHypothesis], match: GridMatch | None) -> LocalResult:
+        """Take a scan that a driver has sent once more: it tells nothing."""
+        motion = hypotheses[0]
+        self._motion.take(hypotheses, motion, motion.prediction.pose, False)
+        return LocalResult(motion.prediction.pose, match, None, False, False, self._motion.jumped)
+
+    def _unexplained(
+        self, hypotheses: list[MotionHypothesis], scan: LaserScan, points: Array, match: GridMatch
+    ) -> LocalResult:
+        """Take a scan that contradicts the submap: it does not tell where the robot went, its odometry alone does.
+
+        It is not inserted, until there have been so many that the submap can hardly be right.
+        """
+        motion, insertion = hypotheses[0], None
+        self._motion.take(hypotheses, motion, motion.prediction.pose, False)
+        if self._monitor.worn_out:
+            self._active.restart()
+            self._monitor.restart()
+            insertion = self._insert(motion.odometry, scan, points, motion.prediction.pose, None)
+        return LocalResult(motion.prediction.pose, match, insertion, True, False, self._motion.jumped)
 
     def _match(
         self, scan: LaserScan, points: Array, hypotheses: list[MotionHypothesis]
@@ -167,19 +195,29 @@ class LocalSlam:
         if not self._active.begun:
             return hypotheses[0], None
         degenerate = degenerate_direction(scan, points)
-        believed_anyhow = self._monitor is not None and self._monitor.accepts_next
-        front, anywhere = self._active.front, None if believed_anyhow else self._motion.anywhere
-        matches = [self._matcher.match(front, points, h.prediction, degenerate, anywhere) for h in hypotheses]
-        costs = [
-            self._matcher.cost(match, len(points)) + motion.cost_at(match.pose) if match else motion.cost
-            for motion, match in zip(hypotheses, matches, strict=True)
-        ]
-        best = int(np.argmin(costs))
-        match = matches[best]
-        if match and anywhere and match.retried:
-            hypotheses[1:] = [self._motion.found(match.pose, anywhere.sigma)]
-            return min(hypotheses, key=lambda motion: motion.cost_at(match.pose)), match
-        return hypotheses[best], match
+        front, anywhere = self._active.front, self._motion.anywhere
+        match = self._matcher.match if anywhere else self._matcher.match_anyhow
+        found = [(motion, match(front, points, motion.prediction, degenerate)) for motion in hypotheses]
+        best = self._best(found, len(points))
+        if best[1] and anywhere and self._matcher.is_poor(best[1]):
+            wide = self._matcher.search(front, points, anywhere)
+            if wide:
+                jumped = self._motion.found(wide.pose, anywhere.sigma)
+                best = self._best([*found, (hypotheses[0], wide), (jumped, wide)], len(points))
+                hypotheses[1:] = [jumped] if best[1] is wide else hypotheses[1:]
+        return best
+
+    def _best(
+        self, found: list[tuple[MotionHypothesis, GridMatch | None]], points: int
+    ) -> tuple[MotionHypothesis, GridMatch | None]:
+        """Return the likeliest of some hypotheses with their matches: that odometry lies needs a scan that fits."""
+
+        def cost(motion: MotionHypothesis, match: GridMatch | None) -> float:
+            if not match or not (motion.sound or self._matcher.explains(match)):
+                return motion.cost if motion.sound else np.inf
+            return self._matcher.cost(match, points) + motion.cost_at(match.pose)
+
+        return min(found, key=lambda candidate: cost(*candidate))
 
     def _insert(
         self, odometry: Array, scan: LaserScan, points: Array, pose: Array, match: GridMatch | None

@@ -103,6 +103,11 @@ class Submap:
         self._stamps = np.zeros((0, 0), np.int16)
 
     @property
+    def finished(self) -> bool:
+        """Whether there will be no further scans."""
+        return self._field is None
+
+    @property
     def field(self) -> NDArray[np.float32]:
         """(rows, cols) occupancy of each cell in [0, 1]; 0 where nothing is known. Made anew once finished."""
         if self._field is not None:

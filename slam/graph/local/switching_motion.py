@@ -20,14 +20,16 @@ Array = NDArray[np.float64]
 
 _BREAKS, _HEALS = 0.001, 0.1  # probability that sound odometry fails with the next scan, and that a fault ends
 _ACCELERATION = np.array([1.0, 2.0])  # [m/s^2, rad/s^2] of a wheeled robot among people, a standard deviation
-_AGREE = 3.0  # standard deviations within which a match from one prediction finds what it would from the other
+_AGREE = 3.0  # standard deviations within which, ...
+_NEAR = np.array([0.1, 0.05])  # [m, rad] ... and beyond, a match from one prediction finds what it would from the other
 _TRUSTED = 0.9  # probability from which sound odometry stands for where the robot is
 _CHANCE = 0.1  # share of faulty motions that agree with both predictions
 _SLIP, _STEPS = np.array([0.5, 0.5]), 3.0  # [m, rad] a robot without odometry may be so far, and so many usual steps
 _FARTHEST = np.array([5.0, np.pi])  # [m, rad] and no farther
 _MEMORY = 0.1  # weight of the newest step in the usual one
-_SHORTEST = 1e-3  # [s] no laser turns faster; stamps that are nearer to each other tell no velocity
-_LONGEST = 1.0  # [s] after a longer gap a velocity says nothing
+_SHORTEST = 1e-3  # [s] no laser turns faster; stamps that are nearer to each other tell no time
+_FORGOTTEN = 10  # scans without a match after which it is not known any more how the robot went
+_LONGER = 3.0  # times the step before; after a longer gap the motion before says nothing
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,13 +75,24 @@ class SwitchingMotion:
         self._doubt = np.zeros(2)  # sigma of the motions since the last match that the odometry did not tell
         self._moved = 0.0  # [m] by the odometry since the last scan
         self._sound = 1.0  # probability
-        self._time = self._step_s = 0.0
-        self._pose: Array | None = None  # at the last scan
+        self._time = self._step_s = self._before_s = 0.0  # [s] of the last scan; between the last two; those before
+        self._matched: Array | None = None  # pose at the last match ...
+        self._matched_odometry = np.zeros(3)  # ... and the believed odometry
+        self._unmatched = 0  # scans since
         self._usual = np.zeros(2)  # step between two scans [m, rad]
-        self._velocity: Array | None = None  # (3,) of the robot's frame, by the last two poses [m/s, m/s, rad/s]
+        self._step: Array | None = None  # (3,) between the last two scans that were matched one after the other
         self.odometry: Array | None = None
         self.faults = 0
         self.jumped = False
+
+    def restarted(self, odometry: Array, pose: Array) -> "SwitchingMotion":
+        """Return the motion of a robot of which only the last odometry pose (3,) and `pose` (3,) are known."""
+        motion = SwitchingMotion(self._config)
+        motion.odometry = motion._told = odometry
+        motion._extrapolator = OdometryExtrapolator(self._config, odometry)
+        motion._extrapolator.correct(odometry, pose)
+        motion.faults = self.faults
+        return motion
 
     def predict(self, odometry: Array, time_s: float) -> list[MotionHypothesis]:
         """Return one or both hypotheses about the motion to the odometry pose T_odom_robot (3,) at `time_s` [s]."""
@@ -90,30 +103,49 @@ class SwitchingMotion:
         moved = between(self._told, odometry)
         self._moved = math.hypot(moved[0], moved[1])
         elapsed = time_s - self._time
-        self._told, self._time, self._step_s = odometry, time_s, elapsed
+        self._told, self._time = odometry, time_s
+        self._before_s, self._step_s = self._step_s, elapsed
         self._sound = self._sound * (1.0 - _BREAKS) + (1.0 - self._sound) * _HEALS
         believed = odometry if self._offset is None else compose(self._offset, odometry)
         sound = self._hypothesis(believed, np.zeros(2), True)
-        if self._velocity is None or not _SHORTEST <= elapsed <= _LONGEST:
+        going_on = self._going_on(elapsed)
+        if going_on is None:
             return [sound]
-        coasted = elapsed * self._velocity
-        floor = self._config.sigma(np.zeros(3))
-        sigma = np.hypot(floor, _ACCELERATION * elapsed**2)
+        coasted, sigma = going_on
+        moved = between(self._matched_odometry, believed)
         off = np.abs(between(coasted, moved))
-        most = _AGREE * np.hypot(sigma, self._config.sigma(moved))
+        most = _AGREE * self._config.sigma(moved) + _NEAR
         if math.hypot(off[0], off[1]) <= most[0] and off[2] <= most[1]:
             return [sound]
-        return [sound, self._hypothesis(compose(self.odometry, coasted), sigma, False)]
+        return [sound, self._hypothesis(compose(self._matched_odometry, coasted), sigma, False)]
+
+    def _going_on(self, elapsed: float) -> tuple[Array, Array] | None:
+        """Return (3,) how far a robot that goes on as before is from its last match, and (2,) the standard deviations.
+
+        None: nothing is known of how it went before.
+
+        Args:
+            elapsed: Since the last scan [s].
+        """
+        timed = elapsed >= _SHORTEST and self._before_s >= _SHORTEST
+        longer = elapsed / self._before_s if timed else 1.0
+        if self._step is None or longer > _LONGER or self._unmatched >= _FORGOTTEN:
+            return None
+        coasted = longer * self._step
+        for _ in range(self._unmatched):
+            coasted = compose(self._step, coasted)
+        wide = np.minimum(_ACCELERATION * elapsed**2, self._usual) if timed else self._usual
+        return coasted, np.hypot(self._config.sigma(np.zeros(3)), (self._unmatched + 1) * wide)
 
     @property
     def anywhere(self) -> Prediction | None:
-        """Where the robot may have gone since the last scan, whatever its odometry says.
+        """Where the robot may have gone since the last match, whatever its odometry says.
 
-        None: there was no scan, or sound odometry tells of a way that is longer, as across a gap in a log.
+        None: there was none, or sound odometry tells of a way that is longer, as across a gap in a log.
         """
-        reach = np.minimum(_SLIP + _STEPS * self._usual, _FARTHEST)
+        reach = np.minimum(_SLIP + _STEPS * (self._unmatched + 1) * self._usual, _FARTHEST)
         gap = self._sound > 0.5 and self._moved > reach[0]
-        return None if self._pose is None or gap else Prediction(self._pose, reach)
+        return None if self._matched is None or gap else Prediction(self._matched, reach)
 
     def found(self, pose: Array, sigma: Array) -> MotionHypothesis:
         """Return the hypothesis that the motion, of which the odometry knew nothing, led to `pose` (3,).
@@ -168,8 +200,14 @@ class SwitchingMotion:
             self._sound = min(max(self._sound, _BREAKS**2), 1.0 - _BREAKS**2)
             self._extrapolator.correct(chosen.odometry, pose)
             self._doubt = np.zeros(2)
-        if self._pose is not None:
-            step = between(self._pose, pose)
+            self._learn(pose)
+        else:
+            self._unmatched += 1
+
+    def _learn(self, pose: Array) -> None:
+        """Remember how far the robot goes between two scans; `pose` (3,) is that of the last match."""
+        assert self.odometry is not None
+        if self._matched is not None and self._unmatched == 0:
+            step = self._step = between(self._matched, pose)
             self._usual += _MEMORY * (np.array([math.hypot(step[0], step[1]), abs(step[2])]) - self._usual)
-            self._velocity = step / self._step_s if self._step_s >= _SHORTEST else None
-        self._pose = pose
+        self._matched, self._matched_odometry, self._unmatched = pose, self.odometry, 0

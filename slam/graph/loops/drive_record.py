@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from ...pose_log import PoseLog
 from ...scan import LaserScan
-from ..local.local_slam import LocalResult
 from .between_nodes import between_nodes
 from .trimming import Renumbering
 
@@ -28,7 +27,6 @@ class DriveRecord:
         self.scans: list[LaserScan] = []
         self._trimmed = array("q")  # scans that were nodes and have left the graph
         self._breaks: list[int] = []  # first scans of drive segments
-        self._unconfirmed: list[tuple[int, Array]] = []  # inconsistent scans, and the poses of their matches
 
     def __len__(self) -> int:
         return len(self._poses)
@@ -43,29 +41,16 @@ class DriveRecord:
         self.nodes.append(len(self))
         self.scans.append(scan)
 
-    def append(self, result: LocalResult) -> None:
-        """Append a scan.
+    def append(self, pose: Array) -> None:
+        """Append a scan at `pose` (3,) T_local_robot."""
+        self._poses.append(pose)
 
-        A scan that contradicts its submap stands where the odometry has it. If scans are consistent again later, and no
-        drive segment has begun meanwhile, people were in the way: then it was where it had been matched after all.
-        """
-        if result.inconsistent and result.match:
-            fits = result.pose if result.match.retried else result.match.pose
-            self._unconfirmed.append((len(self), fits))
-        else:
-            for k, pose in self._unconfirmed:
-                self._poses[k] = pose
-            self._unconfirmed = []
-        self._poses.append(result.pose)
-
-    def begin_segment(self, first: int) -> None:
-        """Begin a drive segment with the scan `first`."""
-        self._breaks.append(first)
-        self._unconfirmed = []
-
-    def nodes_since(self, first: int) -> int:
-        """Return how many nodes are scans from `first` on."""
-        return sum(k >= first for k in self.nodes)
+    def rewind(self, scans: int) -> None:
+        """Take back all but the first so many scans: a drive segment begins with the next one."""
+        self._poses = PoseLog.of(self._poses.array()[:scans])
+        stay = sum(k < scans for k in self.nodes)
+        del self.nodes[stay:], self.scans[stay:]
+        self._breaks.append(scans)
 
     def trim(self, stay: Renumbering) -> None:
         """Forget the scans of nodes that have left the graph, but not where they were taken."""

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ...geometry import between, compose
+from ...geometry import between
 from ...processes.threads import Workers
 from ...scan import LaserScan
 from ..local.sweep import Sweep
@@ -111,9 +111,8 @@ class FinalOptimisation:
         """Draw the submaps `start` to `stop` - 1 with their nodes where the graph has them."""
         graph, sweeps = self._graph, dict[int, Sweep]()  # a node stands in two submaps, one after the other
         for s in range(start, stop):
-            submap, nodes = graph.submaps[s], list(graph.drawn[s])
+            nodes = list(graph.drawn[s])
             poses = between(graph.submap_poses[s], np.array([graph.node_poses[k] for k in nodes]))
             graph.drawn[s] = dict(zip(nodes, poses, strict=True))
-            places = compose(submap.pose_local, poses)
             sweeps = {k: sweeps.get(k) or self._sweep(graph.nodes[k].scan) for k in nodes}
-            graph.submaps[s] = submap.redrawn(sweeps[k].at(place) for k, place in zip(nodes, places, strict=True))
+            graph.redraw(s, sweeps)

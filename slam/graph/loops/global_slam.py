@@ -20,7 +20,7 @@ from .loop_schedule import LoopSchedule
 from .node import Node
 from .node_matching import NodeMatching
 from .optimisation import optimise
-from .submap_graph import SubmapGraph
+from .submap_graph import GraphMark, SubmapGraph
 from .trimming import Renumbering, TrimmedNodes
 
 Array = NDArray[np.float64]
@@ -52,7 +52,6 @@ class GlobalSlam:
         self._matching = NodeMatching(self.graph, self._builder, self._schedule)
         self._matched = 0  # nodes that local SLAM has matched, for their mean score
         self._T_global_local = np.zeros(3)  # of a drive segment without any node yet
-        self._bridge: tuple[Array, Prediction | None] = (np.zeros(3), None)  # T_global_local and motion at a loss
         self._finished_nodes = self._adjusted = 0  # nodes at the end of the drive, and when the graph was adjusted last
         self._trimmed = TrimmedNodes.none()
         self._trim_due = False
@@ -74,43 +73,29 @@ class GlobalSlam:
         """(m, 3) T_global_robot of every node that has left the graph, in the order in which they left."""
         return self._trimmed.on(self.graph.submap_poses.array())
 
-    @property
-    def submaps(self) -> int:
-        """How many submaps there are in which a node stands."""
-        return len(self.graph.submap_poses)
+    def mark(self) -> GraphMark:
+        """Return what `rewind` needs to take back all that is added from now on."""
+        graph = self.graph
+        growing = tuple(s for s in range(len(graph.submap_poses)) if not graph.submaps[s].finished)
+        return GraphMark(
+            self.node_poses, graph.submap_poses.array(), list(graph.constraints), growing, self.local_to_global
+        )
 
-    @property
-    def search_sigma(self) -> Array:
-        """(2,) how far off a node may be for a loop search to find it, as standard deviations [m, rad]."""
-        constraints = self._config.constraints
-        return np.array([0.5 * constraints.search_linear, constraints.search_angular])
+    def rewind(self, mark: GraphMark) -> None:
+        """Take back all nodes and submaps since `mark`: those to come are a drive segment without a place.
 
-    @property
-    def drift(self) -> float:
-        """Standard deviation of the way since the robot came back to old submaps, as the odometry would know it [m].
-
-        It is that over as many nodes as a submap that tied one counts as well placed for, at least.
+        Nothing may have left the graph since.
         """
-        nodes = self.graph.nodes
-        since = min(self._schedule.returned_at, len(nodes) - self._config.known_for)
-        steps = np.array([node.motion.sigma[0] for node in nodes[max(since, 0) :]])
-        return float(np.sqrt((steps**2).sum()))
+        graph = self.graph
+        graph.rewind(mark, self._sweep)
+        self._schedule.rewind(len(graph.nodes), len(graph.submap_poses))
+        self._T_global_local = mark.local_to_global
+        self._finished_nodes, self._adjusted = 0, min(self._adjusted, len(graph.nodes))
 
-    def begin_segment(self, disowned: int = 0, kidnapped: bool = True) -> None:
-        """The robot is lost: nodes from now on are a drive segment of their own, tied to nothing until it is placed.
+    def place_segment(self, pose: Array, pose_local: Array) -> None:
+        """Say where the newest segment lies: `pose` (3,) T_global_robot belongs to `pose_local` (3,) T_local_robot.
 
-        Args:
-            disowned: So many of the last nodes were added when it was lost already; their place is not known any more.
-            kidnapped: Whether the odometry knows nothing of how the robot came there.
-        """
-        self._T_global_local = self.local_to_global
-        self._bridge = self._T_global_local, None
-        self.graph.segments.begin(disowned, kidnapped)
-
-    def suppose_segment(self, pose: Array, pose_local: Array) -> None:
-        """Say where the newest segment may lie: `pose` (3,) T_global_robot belongs to `pose_local` (3,) T_local_robot.
-
-        Its poses move there, but nothing is tied to anything yet.
+        It is tied to the submaps around that place: the segment before may have drifted by where the robot was carried.
         """
         graph, segments = self.graph, self.graph.segments
         self._T_global_local = compose(pose, inverse(pose_local))
@@ -120,30 +105,12 @@ class GlobalSlam:
         nodes = segments.current_nodes()
         for k in nodes:
             graph.node_poses[k] = compose(self._T_global_local, graph.nodes[k].pose_local)
-        if nodes and nodes[0] > 0 and segments.current_kidnapped:
+        if nodes and nodes[0] > 0:
             tie = between(graph.node_poses[nodes[0] - 1], graph.node_poses[nodes[0]])
             graph.nodes[nodes[0]] = replace(graph.nodes[nodes[0]], motion=Prediction(tie, _LOOSE))
-
-    def place_segment(self, pose: Array, pose_local: Array) -> None:
-        """Say where the newest segment lies, as `suppose_segment` takes it.
-
-        It is tied to the submaps around that place: the segment before may have drifted by where the robot was lost.
-        """
-        self.suppose_segment(pose, pose_local)
-        self.graph.segments.place_current()
-        nodes = self.graph.segments.current_nodes()
+        segments.place_current()
         if nodes:
             self._tie_segment(nodes)
-
-    def go_on_by_odometry(self) -> None:
-        """Place the newest segment where the odometry has it, as if the robot had never been lost."""
-        graph, segments = self.graph, self.graph.segments
-        T_lost, bridge = self._bridge
-        self.suppose_segment(T_lost, np.zeros(3))
-        nodes = segments.current_nodes()
-        if nodes and bridge is not None:
-            graph.nodes[nodes[0]] = replace(graph.nodes[nodes[0]], motion=bridge)
-        segments.place_lost()
 
     def _tie_segment(self, nodes: list[int]) -> None:
         """Tie the nodes of a segment that was just placed to the submaps around its last node."""
@@ -175,12 +142,9 @@ class GlobalSlam:
 
     def _motion(self, insertion: Insertion, pose: Array) -> Prediction:
         """Return how the next node, at `pose` (3,) T_global_node, is tied to the one before by the odometry."""
-        segments = self.graph.segments
-        if not self.graph.nodes or segments.current_has_nodes or not segments.current_kidnapped:
+        if not self.graph.nodes or self.graph.segments.current_has_nodes:
             return insertion.motion
-        self._bridge = self._bridge[0], insertion.motion
-        sigma = _RELOCALIZED if segments.current_placed else _LOOSE
-        return Prediction(between(self.graph.node_poses[-1], pose), sigma)
+        return Prediction(between(self.graph.node_poses[-1], pose), _LOOSE)
 
     def close_loops(self) -> None:
         """Match the newest node against older submaps, search for it on one of them, optimise the graph when due."""
@@ -202,7 +166,6 @@ class GlobalSlam:
         self.rejected += optimise(self.graph, self._config, final)
         self._matching.news, self._trim_due = False, not final
         self._adjusted = len(self.graph.nodes)
-        self._schedule.optimised()
 
     def finish(self) -> None:
         """Match every node with every near submap and optimise; does nothing where no node is new.

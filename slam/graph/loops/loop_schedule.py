@@ -1,6 +1,5 @@
 """Which submaps a new node is matched with: all that are well tied already, and one at a time that is searched."""
 
-from .constraints import Constraint
 from .global_config import GlobalSlamConfig
 from .trimming import Renumbering
 
@@ -12,9 +11,6 @@ class LoopSchedule:
 
     Args:
         config: Settings of global SLAM.
-
-    Attributes:
-        returned_at: The node at which the robot last came back to an old submap, as of the last optimisation.
     """
 
     def __init__(self, config: GlobalSlamConfig) -> None:
@@ -23,8 +19,6 @@ class LoopSchedule:
         self._searched_at: dict[int, int] = {}
         self._travelled = float("inf")  # since the last search [m]: the first one is due at once
         self._first_submap = 0  # since local SLAM last began anew
-        self._returning_at = 0
-        self.returned_at = 0
 
     def begin_anew(self, submap: int) -> None:
         """Local SLAM has begun anew with this submap: nothing ties it to those before."""
@@ -33,16 +27,6 @@ class LoopSchedule:
     def place(self, submap: int, node: int) -> None:
         """Count a submap as tied at a node."""
         self._tied_at[submap] = node
-
-    def note(self, constraint: Constraint, last_own_node: int) -> None:
-        """Take a new constraint into account; `last_own_node` is the last one that stands in its submap."""
-        self._tied_at[constraint.submap] = constraint.node
-        if constraint.node - last_own_node > self._config.known_for:
-            self._returning_at = max(self._returning_at, constraint.node)
-
-    def optimised(self) -> None:
-        """The graph was adjusted with all constraints so far."""
-        self.returned_at = self._returning_at
 
     def split(self, near: list[int], node: int, own_submap: int) -> tuple[list[int], list[int]]:
         """Return which submaps near a node are well placed, so that a match suffices, and which need a search.
@@ -76,8 +60,13 @@ class LoopSchedule:
         self._searched_at[submap] = node
         return submap
 
+    def rewind(self, nodes: int, submaps: int) -> None:
+        """Forget all but the first so many nodes and submaps."""
+        self._tied_at = {s: min(k, nodes) for s, k in self._tied_at.items() if s < submaps}
+        self._searched_at = {s: min(k, nodes) for s, k in self._searched_at.items() if s < submaps}
+        self._first_submap = min(self._first_submap, submaps)
+
     def renumber(self, stay: Renumbering) -> None:
         """Take the new numbers of the nodes and submaps that stay."""
         self._tied_at, self._searched_at = stay.by_submap(self._tied_at), stay.by_submap(self._searched_at)
-        self.returned_at, self._returning_at = stay.node(self.returned_at), stay.node(self._returning_at)
         self._first_submap = stay.submap(self._first_submap)

@@ -42,7 +42,7 @@ class NodeMatching:
         """Add constraints to the graph."""
         for constraint in constraints:
             self._graph.constraints.append(constraint)
-            self._schedule.note(constraint, next(reversed(self._graph.drawn[constraint.submap]), 0))
+            self._schedule.place(constraint.submap, constraint.node)
             self.news = True
 
     def track(self, submap: int, nodes: list[int]) -> None:

@@ -1,19 +1,41 @@
 """The state of global SLAM: nodes, submaps, the constraints between them, and where they stand."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry import between, compose
 from ...pose_log import PoseLog
+from ...scan import LaserScan
 from ..local.submap import Submap
+from ..local.sweep import Sweep
 from .constraints import Constraint
 from .drive_segments import DriveSegments
 from .node import Node
 from .trimming import Renumbering
 
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class GraphMark:
+    """A graph as it was.
+
+    Attributes:
+        node_poses: (n, 3) T_global_node of its nodes.
+        submap_poses: (s, 3) T_global_submap of its submaps.
+        constraints: Its constraints.
+        growing: Those of its submaps that were not finished.
+        local_to_global: (3,) T_global_local.
+    """
+
+    node_poses: Array
+    submap_poses: Array
+    constraints: list[Constraint]
+    growing: tuple[int, ...]
+    local_to_global: Array
 
 
 class SubmapGraph:
@@ -92,6 +114,35 @@ class SubmapGraph:
             offsets = np.array([(*submap.centre, 0.0) for submap in self.submaps[:count]]).reshape(-1, 3)
             self._middles = compose(self.submap_poses.array()[:count], offsets)[:, :2]
         return self._middles
+
+    def rewind(self, mark: GraphMark, sweep: Callable[[LaserScan], Sweep]) -> None:
+        """Take back all nodes, submaps and constraints since `mark`; those to come are a drive segment of their own.
+
+        Args:
+            mark: The graph then.
+            sweep: What a scan draws into a submap, robot frame: submaps that were growing are drawn anew and finished.
+        """
+        nodes, submaps = len(mark.node_poses), len(mark.submap_poses)
+        del self.nodes[nodes:], self.submaps[submaps:]
+        self.constraints = list(mark.constraints)
+        self.drawn = [{k: pose for k, pose in drawn.items() if k < nodes} for drawn in self.drawn[:submaps]]
+        self.node_poses, self.submap_poses = PoseLog.of(mark.node_poses), PoseLog.of(mark.submap_poses)
+        self.segments.begin(nodes, submaps)
+        for s in mark.growing:
+            self.redraw(s, {k: sweep(self.nodes[k].scan) for k in self.drawn[s]})
+        self.moved()
+
+    def redraw(self, submap: int, sweeps: dict[int, Sweep]) -> None:
+        """Draw a submap anew, with its nodes where `drawn` has them.
+
+        Args:
+            submap: Its index.
+            sweeps: What the scan of each of its nodes draws, robot frame.
+        """
+        old = self.submaps[submap]
+        self.submaps[submap] = old.redrawn(
+            sweeps[k].at(compose(old.pose_local, pose)) for k, pose in self.drawn[submap].items()
+        )
 
     def renumber(self, stay: Renumbering) -> None:
         """Drop the nodes and submaps that do not stay; the list of submaps itself is local SLAM's to shorten."""

@@ -1,229 +1,149 @@
-"""What graph SLAM does about a robot that was kidnapped or slipped far: notice it, relocalize, join the map again."""
+"""What graph SLAM does about a robot that was carried: notice it, find it on the map, and go back to where it began."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry import between, compose
+from ...geometry import compose
 from ...scan import LaserScan
-from ..local.local_slam import LocalResult, LocalSlam
-from ..local.match_monitor import MatchMonitor
-from ..loops.drive_record import DriveRecord
-from ..loops.global_slam import GlobalSlam
-from ..loops.trimming import Renumbering
-from .kidnap_hypothesis import KidnapHypothesis, Verdict
+from ..local.local_slam import LocalResult
+from ..mapping import DriveMapping, DriveMark
+from .doubt import Doubt
 from .node_map import NodeMap
-from .place_comparison import compare_places
-from .relocalization import Relocalization
-from .scan_consistency import ScanConsistency
-from .search_region import SearchRegion
-from .verdict import BLOCKED, verdict
 
 Array = NDArray[np.float64]
 
-_PROBATION = 3.0, 10  # [m, scans] for which the robot must be followed on the map before it is believed to be there
-_SAME = 0.5  # [m] within which the place that was found goes on as the robot does
-_GIVE_UP = 20.0  # [m] after which a place that was not found is not sought any longer
-_DRIFT = 2.0  # standard deviations of the odometry by which local SLAM may be led astray
+_GIVE_UP = 20.0  # [m] after which a doubt that nothing confirms is dropped
+_MOST_SCANS = 5000  # that are kept to be taken again
+_KNOWN = 5  # of the last scans of before say how well scans usually fit the map
 
 
 class KidnapRecovery:
-    """Weighs scans that contradict the map, and begins a new drive segment where the robot turns out to be elsewhere.
+    """Looks on while a drive is mapped, and changes nothing unless the robot is found elsewhere on its map.
 
-    Two things make it suspicious: a scan that is inconsistent with the one before, and scans in a row that contradict
-    the submap they were matched on. From then on it collects scans and compares the place where the robot is thought to
-    be with all others on the map. If another one wins, the robot is lost: a new drive segment begins, apart from the
-    map, and is joined to it once relocalization has found the robot. After a gap in the log, where a scan has no
-    overlap with its submap, new submaps begin; if the odometry over the gap is good, it ties them to the map at once.
+    In words:
+
+    - Scans in a row that contradict the submap raise a doubt. Mapping goes on meanwhile: loop closure may decide, too.
+    - The doubt ends where the scans fit the map of before where local SLAM has the robot.
+    - It ends, too, after a while, unless that map rules out that it is there.
+    - Where the map rules it out, and the robot has been followed on it elsewhere for a while, it was carried. All
+      scans since the doubt began are taken back and mapped again as a drive segment, at the place that was found.
+    - Where it is ruled out but the robot is never found, the drive ends with such a segment that has no place.
+
+    So a drive on which no robot is found elsewhere is mapped as if nobody looked on.
 
     Args:
-        monitor: Judges matches by the submap that they were made on.
-        consistency: Compares each scan with the one before.
-        local: Local SLAM.
-        graph: Global SLAM.
-        record: The drive.
+        mapping: Maps the drive.
 
     Attributes:
-        losses: How often the robot was lost.
+        losses: How often the robot was carried.
         relocalizations: How often it was found again.
     """
 
-    def __init__(
-        self,
-        monitor: MatchMonitor,
-        consistency: ScanConsistency,
-        local: LocalSlam,
-        graph: GlobalSlam,
-        record: DriveRecord,
-    ) -> None:
-        self._monitor, self._consistency = monitor, consistency
-        self._local, self._graph, self._record = local, graph, record
-        self._map = NodeMap(graph, record)
-        self._hypothesis = KidnapHypothesis()
-        self._search: Relocalization | None = None
-        self._lost_for = 0.0  # [m] driven since the robot was lost
-        self._found_for: float | None = None  # [m] driven since it was found; None: it is not
-        self._found_scans = 0
-        self._patience = np.inf  # [m] for which it is sought; for good where it was carried, or crossed a gap
-        self._carried = False  # whether walls of the map stop beams where the robot was thought to be
+    def __init__(self, mapping: DriveMapping) -> None:
+        assert mapping.graph
+        self._monitor, self._mapping, self._graph = mapping.local.monitor, mapping, mapping.graph
+        self._map = NodeMap(mapping.graph, mapping.record)
+        self._mark: DriveMark | None = None  # before the first of the scans in a row that contradict the submap
+        self._scans: list[tuple[Array, LaserScan]] = []  # since then, at the odometry as told
+        self._unweighed: list[tuple[Array, LaserScan, Array]] = []  # odometry as believed, scan and T_local_robot
+        self._doubt: Doubt | None = None
+        self._apart = False  # whether the drive segment has no place
         self.losses = self.relocalizations = 0
 
     def review(self, result: LocalResult, odometry: Array, scan: LaserScan) -> LocalResult:
         """Return the result that counts: as given, or what local SLAM makes of the same scan in a new segment.
 
         Args:
-            result: What local SLAM made of the scan.
+            result: What local SLAM made of the scan, which is in no graph yet.
             odometry: (3,) T_odom_robot.
             scan: The scan.
         """
-        suspect = result.inconsistent and self._monitor.rejected == 1
-        inconsistency = self._consistency.inconsistency(scan, odometry, result.matched_pose, suspect)
-        beside = result.no_overlap and inconsistency > 0.0  # all that is known, and unlike what was seen just before
-        if result.no_overlap and result.sigma is not None:
-            if not self._hypothesis.inconsistency:
-                self._hypothesis = KidnapHypothesis()
-            self._cross_gap(result.pose, result.sigma, odometry, scan)
-            result = self._local.update(odometry, scan)
-            if self._search or not (inconsistency or self._hypothesis.inconsistency):
-                return result
-        self._collect(result, inconsistency, odometry, scan)
-        self._hypothesis.unsure |= beside
-        if not (self._monitor.alarmed or (self._hypothesis.due and not self._search)):
+        if not (self._doubt or result.contradicts):
+            self._forget()
             return result
-        return self._conclude(result, odometry, scan)
-
-    def _collect(self, result: LocalResult, inconsistency: float, odometry: Array, scan: LaserScan) -> None:
-        """Keep the scans since something began to be wrong."""
-        hypothesis = self._hypothesis
-        if inconsistency > hypothesis.inconsistency and not self._search:
-            hypothesis.begin(inconsistency, len(self._record.scans))
-        elif not hypothesis.inconsistency and (not result.inconsistent or self._monitor.rejected == 1):
-            hypothesis.restart()
-        if result.inconsistent or hypothesis.inconsistency:
-            hypothesis.add(odometry, scan)
-        else:
-            hypothesis.unsure = False
-
-    def _conclude(self, result: LocalResult, odometry: Array, scan: LaserScan) -> LocalResult:
-        """Weigh the hypothesis and act on the verdict; return what local SLAM makes of the scan then."""
-        alarmed = self._monitor.alarmed
-        outcome = self._verdict(result)
-        if outcome is Verdict.KIDNAPPED:
-            self._lose()
-            return self._local.update(odometry, scan)
-        self._hypothesis.conclude(outcome)
-        if not alarmed:
+        if not self._apart:
+            self._mark = self._mark or self._mapping.mark()
+            self._scans.append((odometry, scan))
+        believed = self._mapping.local.odometry
+        self._unweighed.append((odometry if believed is None else believed, scan, result.pose))
+        if not self._doubt and self._monitor.alarmed:
+            self._doubt = self._new_doubt()
+        if not self._doubt:
             return result
-        matched = result.match.pose if result.match else None
-        if matched is not None and result.sigma is not None and self._monitor.far_off(result.pose, matched):
-            # The match leads where the odometry cannot have led, and no other place is known to be better.
-            self._cross_gap(result.pose, result.sigma, odometry, scan)
-        else:
-            self._monitor.accept_next()
-        return self._local.update(odometry, scan)
+        for at, seen, pose in self._unweighed:
+            self._doubt.weigh(at, seen, compose(self._mapping.T_global_local, pose))
+        self._unweighed = []
+        return self._concluded(self._doubt, result)
 
-    def _verdict(self, result: LocalResult) -> Verdict:
-        """Return what the hypothesis comes to; who is lost already can only be lost again, where nothing fits."""
-        place, graph = self._map.up_to(self._hypothesis.trusted_nodes), self._graph
-        if self._search and self._found_for is not None:
-            return Verdict.HERE  # it is followed on the map; what its young submap does not know says nothing
-        if self._search or not result.match:
-            return Verdict.KIDNAPPED if self._monitor.clearly_lost else Verdict.UNSURE
-        here, hypothesis = compose(graph.local_to_global, result.match.pose), self._hypothesis
-        trust, drift = hypothesis.trust, _DRIFT * graph.drift
-        comparison = place and compare_places(place, hypothesis.scans, here, trust=trust, drift=drift)
-        self._carried = comparison is not None and comparison.blocked >= BLOCKED
-        return verdict(hypothesis, self._monitor, comparison)
+    def _new_doubt(self, lost: bool = False) -> Doubt:
+        assert self._mark
+        poses = self._mark.graph.node_poses
+        known = [(self._mapping.record.scans[k], poses[k]) for k in range(len(poses))[-_KNOWN:]]
+        return Doubt(self._map.of(poses), known, lost)
 
-    def _cross_gap(self, pose: Array, sigma: Array, odometry: Array, scan: LaserScan) -> None:
-        """Begin new submaps with the next update, tied to those before by the odometry alone, as after a gap in a log.
-
-        Where the odometry does not know the place so well that a loop search would find it, the robot is lost.
-
-        Args:
-            pose: (3,) T_local_robot by the odometry.
-            sigma: (2,) its standard deviations [m, rad].
-            odometry: (3,) T_odom_robot at this scan.
-            scan: The scan.
-        """
-        if (sigma <= self._graph.search_sigma).all():
-            self._record.begin_segment(len(self._record))
-            self._local.restart(self._graph.submaps)
-            return
-        distance = float(np.hypot(*(pose - self._record.last_pose)[:2]))
-        region: SearchRegion | None = SearchRegion.across(distance, sigma, compose(self._graph.local_to_global, pose))
-        if self._search:
-            region = self._search.region.widened(region) if self._search.region and region else None
-        self._hypothesis.add(odometry, scan)
-        self._lose(region)
-
-    def _lose(self, region: SearchRegion | None = None) -> None:
-        """Begin a new drive segment with the next update, and the search on the map without it.
-
-        Args:
-            region: Where the robot should be if nobody has kidnapped it; None: it may be anywhere.
-        """
-        hypothesis, record = self._hypothesis, self._record
-        self.losses += 1
-        self._search = Relocalization(self._map.up_to(hypothesis.trusted_nodes), hypothesis.scans, region)
-        self._lost_for, self._found_for = 0.0, None
-        self._patience = np.inf if self._carried or region else _GIVE_UP
-        first = len(record) + 1 - len(hypothesis.scans)
-        self._graph.begin_segment(record.nodes_since(first), kidnapped=region is None)
-        record.begin_segment(first)
-        self._local.restart(self._graph.submaps)
-        self._hypothesis = KidnapHypothesis()
-
-    def relocalize(self, odometry: Array, scan: LaserScan, pose_local: Array) -> None:
-        """Go on with the search, if there is one; when it succeeds, place the newest drive segment on the map.
-
-        A place that was found is on probation first: the graph is tied to it only when the robot has been followed on
-        the map for a while. Where none stands the test, the drive goes on by the odometry: loop closure decides.
-
-        Args:
-            odometry: (3,) T_odom_robot.
-            scan: The scan.
-            pose_local: (3,) T_local_robot of the scan, after review.
-        """
-        if not self._search:
-            return
-        step = float(np.hypot(*between(self._record.last_pose, pose_local)[:2]))
-        self._lost_for += step
-        expected = compose(self._graph.local_to_global, pose_local)
-        found = self._search.update(odometry, scan, expected)
-        if found is None:
-            self._found_for = None if self._search.searching else self._found_for
-        elif self._found_for is None or float(np.hypot(*between(expected, found)[:2])) > _SAME:
-            self._found_for, self._found_scans = 0.0, 0
-            self._graph.suppose_segment(found, pose_local)
-        else:
-            self._found_for, self._found_scans = self._found_for + step, self._found_scans + 1
-            if self._found_for >= _PROBATION[0] and self._found_scans >= _PROBATION[1]:
-                self._place(found, pose_local)
-        if self._search and self._found_for is None and self._lost_for >= self._patience:
-            self._graph.go_on_by_odometry()
-            self._search = None
-
-    def _place(self, pose: Array, pose_local: Array) -> None:
-        self._graph.place_segment(pose, pose_local)
-        self._search = None
-        self.relocalizations += 1
+    def _concluded(self, doubt: Doubt, result: LocalResult) -> LocalResult:
+        """End the doubt where there is reason to; return the result that counts."""
+        if doubt.found:
+            assert doubt.elsewhere is not None
+            if not self._apart:
+                result = self._set_apart()
+            self._graph.place_segment(doubt.elsewhere, result.pose)
+            self.relocalizations += 1
+            self._forget()
+        elif doubt.settled:
+            self._forget()
+        elif not self._apart and doubt.scans >= _MOST_SCANS and doubt.impossible:
+            self._doubt = self._new_doubt(lost=True)
+            result = self._set_apart()
+        elif not doubt.impossible and (doubt.travelled >= _GIVE_UP or doubt.scans >= _MOST_SCANS):
+            self._forget()
+        return result
 
     def finish(self) -> None:
-        """Take note that the drive has ended: a place on probation is believed if enough scans stand for it."""
-        if self._search and self._found_for is not None and self._found_scans >= _PROBATION[1]:
-            self._place(compose(self._graph.local_to_global, self._record.last_pose), self._record.last_pose)
+        """Take note that the drive has ended: what a doubt has come to by now counts."""
+        doubt = self._doubt
+        if doubt and doubt.impossible and not self._apart:
+            odometry, _ = self._scans[-1]
+            self._mapping.add(odometry, self._set_apart())
+        if doubt and doubt.followed and self._apart:
+            assert doubt.elsewhere is not None
+            self._graph.place_segment(doubt.elsewhere, self._mapping.record.last_pose)
+            self.relocalizations += 1
+            self._forget()
 
-    def located(self, result: LocalResult) -> bool:
-        """Return whether it is known where on the map the robot is, after a scan of which this came."""
-        if self._search:  # the whole map vouches for it, whatever its young submap does not know
-            return self._found_for is not None and not self._search.searching
-        return not (result.inconsistent or result.doubtful or self._hypothesis.unsure)
+    @property
+    def pose(self) -> Array | None:
+        """(3,) T_map_robot at the last scan where the robot seems to be elsewhere than local SLAM has it; else None."""
+        return self._doubt.elsewhere if self._doubt else None
+
+    @property
+    def located(self) -> bool:
+        """Whether it is known where on the map the robot is."""
+        if self._doubt:
+            return self._doubt.vouched or self._doubt.elsewhere is not None
+        return self._mark is None
 
     @property
     def holds_nodes(self) -> bool:
-        """Whether a search goes on, or a hypothesis is about a map of certain nodes: none may leave the graph now."""
-        return self._search is not None or self._hypothesis.trusted_nodes is not None
+        """Whether scans may have to be taken back, so that no node may leave the graph now."""
+        return self._doubt is not None or self._mark is not None
 
-    def trim(self, stay: Renumbering) -> None:
-        """Take the new numbers of the nodes that stay in the graph."""
-        self._map.trim(stay)
+    def trimmed(self) -> None:
+        """Take note that nodes have left the graph."""
+        self._map.forget()
+
+    def _set_apart(self) -> LocalResult:
+        """Map all scans of the doubt anew as a segment of its own; return what local SLAM makes of the last one."""
+        assert self._mark
+        self._mapping.rewind(self._mark)
+        for odometry, scan in self._scans[:-1]:
+            self._mapping.add(odometry, self._mapping.match(odometry, scan))
+        result = self._mapping.match(*self._scans[-1])
+        self._apart, self._mark, self._scans = True, None, []
+        self.losses += 1
+        return result
+
+    def _forget(self) -> None:
+        """Take the robot for where local SLAM has it."""
+        self._doubt, self._mark, self._scans, self._unweighed, self._apart = None, None, [], [], False
+        self._monitor.restart()

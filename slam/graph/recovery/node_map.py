@@ -1,6 +1,7 @@
 """The map on which a lost robot is searched for, drawn from the nodes of the graph."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...grid import GridConfig, ScanRays, draw
@@ -8,10 +9,12 @@ from ...localization.place_map import PlaceMap
 from ...occupancy_map import OccupancyMap
 from ..loops.drive_record import DriveRecord
 from ..loops.global_slam import GlobalSlam
-from ..loops.trimming import Renumbering
+
+Array = NDArray[np.float64]
 
 _GRID = GridConfig(resolution=0.05)
-_NEW_NODES = 10  # a map without so many of the last nodes still serves: to draw it anew takes long
+_NEW_NODES = 10  # a map without so many of the last nodes still serves: to draw it anew takes long ...
+_MOVED = 0.1  # [m] ... if no node has been moved farther since
 
 
 def searchable(grid: OccupancyMap) -> PlaceMap | None:
@@ -23,7 +26,7 @@ def searchable(grid: OccupancyMap) -> PlaceMap | None:
 
 
 class NodeMap:
-    """The map of all nodes whose place is known, kept until enough new nodes are there.
+    """The map of the nodes whose place is known, kept until enough is new.
 
     Args:
         graph: Global SLAM.
@@ -32,24 +35,24 @@ class NodeMap:
 
     def __init__(self, graph: GlobalSlam, record: DriveRecord) -> None:
         self._graph, self._record = graph, record
-        self._rays: list[ScanRays] = []  # of each node, as far as maps were drawn
-        self._nodes = -_NEW_NODES  # so many nodes the map is of
+        self._poses: Array | None = None  # of the nodes that the map is of
         self._map: PlaceMap | None = None
 
-    def up_to(self, nodes: int | None) -> PlaceMap | None:
-        """Return the map of the first so many nodes, all if `nodes` is None; None: hardly anything is mapped yet."""
-        scans = self._record.scans
-        known = len(scans) if nodes is None else nodes
-        if known >= self._nodes + _NEW_NODES:
-            placed = np.flatnonzero(self._graph.graph.segments.placed_nodes[:known])
-            self._rays += [ScanRays.of(scan, _GRID) for scan in scans[len(self._rays) :]]
-            grid = draw(self._graph.node_poses[placed], [self._rays[k] for k in placed], _GRID)
-            self._nodes, self._map = known, searchable(grid)
+    def of(self, poses: Array) -> PlaceMap | None:
+        """Return the map of the first nodes, at `poses` (n, 3) T_map_robot; None: hardly anything is mapped yet."""
+        if self._poses is None or not self._serves(self._poses, poses):
+            placed = np.flatnonzero(self._graph.graph.segments.placed_nodes[: len(poses)])
+            grid = draw(poses[placed], [ScanRays.of(self._record.scans[k], _GRID) for k in placed], _GRID)
+            self._poses, self._map = poses, searchable(grid)
         return self._map
 
-    def trim(self, stay: Renumbering) -> None:
-        """Take the new numbers of the nodes that stay in the graph; the map itself stays as it is drawn."""
-        kept = np.flatnonzero(stay.nodes).tolist()
-        self._rays = [self._rays[k] for k in kept if k < len(self._rays)]
-        if self._map:
-            self._nodes = stay.node(self._nodes)
+    @staticmethod
+    def _serves(drawn: Array, poses: Array) -> bool:
+        """Return whether what was `drawn` (m, 3) is nearly all of the nodes at `poses` (n, 3), and where these are."""
+        both = min(len(drawn), len(poses))
+        moved = np.abs(drawn[:both, :2] - poses[:both, :2]).max(initial=0.0)
+        return 0 <= len(poses) - len(drawn) < _NEW_NODES and bool(moved < _MOVED)
+
+    def forget(self) -> None:
+        """Draw the map anew next time: nodes have left the graph."""
+        self._poses = None

@@ -1,0 +1,93 @@
+"""Local SLAM, the graph and the record of a drive, which take each scan together and can take scans back."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry import compose
+from ..scan import LaserScan
+from .local.local_slam import LocalResult, LocalSlam
+from .loops.drive_record import DriveRecord
+from .loops.global_slam import GlobalSlam
+from .loops.submap_graph import GraphMark
+from .loops.trimming import Renumbering
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class DriveMark:
+    """A drive as it was before a scan.
+
+    Attributes:
+        scans: So many scans there were.
+        odometry: (3,) T_odom_robot at the last of them ...
+        pose_local: ... and (3,) T_local_robot.
+        graph: The graph.
+    """
+
+    scans: int
+    odometry: Array
+    pose_local: Array
+    graph: GraphMark
+
+
+class DriveMapping:
+    """Maps a drive.
+
+    Args:
+        local: Local SLAM.
+        graph: Global SLAM; None: no loop is closed.
+
+    Attributes:
+        local: As given.
+        graph: As given.
+        record: The drive so far.
+    """
+
+    def __init__(self, local: LocalSlam, graph: GlobalSlam | None) -> None:
+        self.local, self.graph = local, graph
+        self.record = DriveRecord()
+        self._odometry = np.zeros(3)  # of the last scan
+
+    @property
+    def T_global_local(self) -> Array:
+        """(3,) by what is known now."""
+        return self.graph.local_to_global if self.graph else np.zeros(3)
+
+    @property
+    def pose(self) -> Array:
+        """(3,) T_global_robot at the last scan, by what is known now."""
+        return compose(self.T_global_local, self.record.last_pose)
+
+    def match(self, odometry: Array, scan: LaserScan) -> LocalResult:
+        """Predict, match and insert: return what local SLAM makes of a scan at T_odom_robot (3,); `add` comes next."""
+        return self.local.update(odometry, scan)
+
+    def add(self, odometry: Array, result: LocalResult) -> None:
+        """Add the scan of a `result` to the graph if it was inserted, and close loops."""
+        if result.insertion:
+            self.record.add_node(result.insertion.scan)
+            if self.graph:
+                self.graph.add_node(result.pose, result.insertion)
+                self.graph.close_loops()
+        self.record.append(result.pose)
+        self._odometry = odometry
+
+    def trim(self, stay: Renumbering) -> None:
+        """Take note that only these nodes and submaps have stayed in the graph."""
+        self.local.trim(stay.submaps)
+        self.record.trim(stay)
+
+    def mark(self) -> DriveMark:
+        """Return what `rewind` needs to take back all scans since the last that was added."""
+        assert self.graph
+        return DriveMark(len(self.record), self._odometry, self.record.last_pose, self.graph.mark())
+
+    def rewind(self, mark: DriveMark) -> None:
+        """Take back all scans since `mark`; those to come are a drive segment of their own, tied to nothing."""
+        assert self.graph
+        self.graph.rewind(mark.graph)
+        self.record.rewind(mark.scans)
+        self.local.restart(mark.odometry, mark.pose_local)

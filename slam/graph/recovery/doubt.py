@@ -1,0 +1,149 @@
+"""A doubt where the robot is: local SLAM's opinion against the map of before, by all scans since the doubt began."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry import between
+from ...localization.beam_fit import BeamFit, Sight
+from ...localization.hypotheses import HypothesesConfig, near
+from ...localization.localizer import Localizer, LocalizerConfig
+from ...localization.place_map import PlaceMap
+from ...localization.prepared_scan import ScanPreparation
+from ...scan import LaserScan
+
+Array = NDArray[np.float64]
+
+# The map is of a minute ago, by the same laser: what fits it badly is elsewhere, and a look around decides.
+_FRESH_MAP = LocalizerConfig(hypotheses=HypothesesConfig(evidence=4.0, maxima=60), fresh=2.5, search_every=2.0)
+_AGREE = 1.0, 0.35  # [m, rad] by which local SLAM may have drifted since, or the map
+_DRIFT = np.array([0.3, 0.1])  # [m, rad] standard deviations of that: where it has the robot is refined so far
+_VOUCHED = 3  # scans in a row that fit the map where local SLAM has the robot end the doubt
+_PROBATION = 3.0, 10  # [m, scans] for which the robot must be followed elsewhere before it is believed to be there
+
+
+class Doubt:
+    """Weighs where local SLAM has the robot on a map, and once that is refuted searches the map for it.
+
+    Where the map knows nothing no scan can contradict it, so only what the map knows refutes it; nor does any vouch
+    for it there.
+
+    Args:
+        place: The map before the doubt; None: hardly anything is mapped yet, and nothing can be said.
+        known: Scans of before and (3,) T_map_robot of each: so well do scans usually fit.
+        lost: Whether local SLAM has no opinion where on the map the robot is: then it is refuted from the beginning.
+
+    Attributes:
+        travelled: How far the robot has driven since [m].
+        scans: So many scans there were since.
+        elsewhere: (3,) T_map_robot where it seems to be instead; None: not known, or nowhere else.
+        vouched: Whether the last scan fits the map where local SLAM has the robot.
+    """
+
+    def __init__(self, place: PlaceMap | None, known: Sequence[tuple[LaserScan, Array]], lost: bool = False) -> None:
+        self._place, self._config = place, _FRESH_MAP
+        self._localizer: Localizer | None = None  # once refuted
+        self._preparation = ScanPreparation(self._config.voxel_filter)
+        self._before: Array | None = None  # where local SLAM had the robot at the last scan
+        self._lost, self._against = lost, 0.0  # by how much another place is likelier, as a logarithm
+        self._misfit = self._weight = 0.0  # mean over what was weighed
+        self._unweighed, self._fitting = np.inf, 0  # way since a scan was weighed; scans in a row that fit
+        self._followed, self._followed_scans = 0.0, 0  # how long it was followed elsewhere [m]
+        self.travelled, self.scans, self.vouched = 0.0, 0, False
+        self.elsewhere: Array | None = None
+        if place is not None:
+            self._fit = BeamFit(place, self._config.fit)
+            self._lenient = BeamFit(place, replace(self._config.fit, unseen=1.0))
+            self._level = self._usual(known)
+
+    def _usual(self, known: Sequence[tuple[LaserScan, Array]]) -> float:
+        """Return how much scans misfit the map where they were taken."""
+        config = self._config.hypotheses
+        misfits = [
+            float(self._fit.judge(sight, pose[None])[0][0])
+            for scan, pose in known
+            if (sight := self._sight(np.zeros(3), scan)) is not None
+        ]
+        return float(np.clip(np.mean(misfits or config.level), config.least_level, config.most_level))
+
+    def _sight(self, odometry: Array, scan: LaserScan) -> Sight | None:
+        """Return a scan made ready; None: it has too few returns to say anything."""
+        prepared = self._preparation.prepare(odometry, scan)
+        if len(prepared.points) < self._config.min_points:
+            return None
+        return self._fit.sight(odometry, prepared.points, prepared.sensor)
+
+    def weigh(self, odometry: Array, scan: LaserScan, pose: Array) -> None:
+        """Take a scan at T_odom_robot (3,), with `pose` (3,) T_map_robot where local SLAM has it."""
+        moved = np.zeros(3) if self._before is None else between(self._before, pose)
+        way = float(np.hypot(moved[0], moved[1]))
+        self._before, self.travelled, self.scans = pose, self.travelled + way, self.scans + 1
+        if self._place is None:
+            return
+        if not self._lost:
+            self._judge(odometry, scan, pose, way + abs(float(moved[2])))
+        if self.refuted and self._localizer is None:
+            self._localizer = Localizer(self._place, self._config)
+        if self._localizer:
+            self._search(self._localizer, odometry, scan, pose, way)
+        self._fitting = self._fitting + 1 if self.vouched else 0
+
+    def _judge(self, odometry: Array, scan: LaserScan, pose: Array, moved: float) -> None:
+        """Add up how much worse than usual the scan fits the map where local SLAM has it."""
+        self._unweighed += moved
+        sight = self._sight(odometry, scan)
+        self.vouched = False
+        if sight is None:
+            return
+        config = self._config.hypotheses
+        here, _ = self._fit.follow(sight, pose[None], np.zeros(3), _DRIFT)
+        most = self._level + config.excess
+        self.vouched = bool(self._fit.judge(sight, here)[0][0] < most)
+        if self.scans > _VOUCHED and self._unweighed < self._config.step:
+            return
+        fresh = 1.0 if self.scans <= _VOUCHED else min(1.0, self._unweighed / self._config.fresh)
+        misfit = float(self._lenient.judge(sight, here)[0][0])
+        self._against += fresh * config.evidence * (misfit - most) / self._level
+        self._misfit += fresh * (misfit - self._misfit) / (self._weight + fresh)
+        self._weight += fresh
+        self._unweighed = 0.0
+
+    def _search(self, localizer: Localizer, odometry: Array, scan: LaserScan, pose: Array, way: float) -> None:
+        """Look for the robot on all of the map."""
+        found = localizer.update(odometry, scan).pose
+        here = found is not None and not self._lost and bool(near(pose[None], found, _AGREE)[0])
+        self.vouched |= here
+        self.elsewhere = found if self.refuted and not here else None
+        followed = self.elsewhere is not None
+        self._followed = self._followed + way if followed else 0.0
+        self._followed_scans = self._followed_scans + 1 if followed else 0
+
+    @property
+    def refuted(self) -> bool:
+        """Whether the map rules out that the robot is where local SLAM has it."""
+        config = self._config.hypotheses
+        return self._lost or self._against > -config.jump - np.log(1.0 - config.sure)
+
+    @property
+    def settled(self) -> bool:
+        """Whether the map says that the robot is where local SLAM has it."""
+        return not self._lost and self._fitting >= _VOUCHED
+
+    @property
+    def impossible(self) -> bool:
+        """Whether hardly anything on a stretch of the drive fits: people may surround a laser, but not hide it all."""
+        way, scans = _PROBATION
+        most = -0.5 * np.log(self._config.fit.stray)  # where half the beams end away from all walls
+        return self._lost or (self._misfit > most and self.travelled >= way and self.scans >= scans)
+
+    @property
+    def followed(self) -> bool:
+        """Whether the robot has been followed `elsewhere` for some scans."""
+        return self.elsewhere is not None and self._followed_scans >= _PROBATION[1]
+
+    @property
+    def found(self) -> bool:
+        """Whether the robot is `elsewhere` beyond doubt."""
+        return self.followed and self._followed >= _PROBATION[0]
