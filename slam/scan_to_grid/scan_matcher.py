@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ..bounds import Angle, Rounds, Within, check_numbers
+from ..bounds import Angle, Rounds, Share, Within, check_numbers
 from ..errors import InputError
 from ..geometry import transform_points, wrap_one
 from .correlative import correlate
@@ -42,6 +42,8 @@ class GridScanMatcherConfig:
         retry_sigmas: How many times wider the odometry's errors count then.
         explained: A scan says that the robot is far from where it was expected only if its score there is at least so
             much of the typical one.
+        beside: A scan sees nothing of what it was matched on if its score is below so much of the typical one.
+        independent: Share of the points that tell, where places are compared: beside each other they err alike.
     """
 
     weight: float = 1.5
@@ -55,6 +57,8 @@ class GridScanMatcherConfig:
     retry_below: float = 0.7
     retry_found: float = 0.75
     explained: float = 0.5
+    beside: float = 0.25
+    independent: Share = 0.25
     retry_sigmas: float = 10.0
 
     def __post_init__(self) -> None:
@@ -169,9 +173,9 @@ class GridScanMatcher:
         """Learn from a match that holds which scores are typical."""
         self._typical_score += _SCORE_MEMORY * (match.score - self._typical_score)
 
-    def says_nothing(self, match: GridMatch, share: float) -> bool:
+    def is_beside(self, match: GridMatch) -> bool:
         """Return whether a scan sees hardly anything of what it was matched on."""
-        return match.score < share * self._typical_score
+        return match.score < self._config.beside * self._typical_score
 
     def is_poor(self, match: GridMatch) -> bool:
         """Return whether a match is so bad that the robot may well be elsewhere."""
@@ -183,7 +187,7 @@ class GridScanMatcher:
 
     def cost(self, match: GridMatch, points: int) -> float:
         """Return the negative log-likelihood of a scan of so many `points` where it was matched, up to a constant."""
-        return self._config.weight * points * (1.0 - match.score)
+        return self._config.independent * self._config.weight * points * (1.0 - match.score)
 
     def _match(self, submap: Walls, points: Array, prediction: Prediction, degenerate: Array | None) -> GridMatch:
         config = self._config

@@ -143,50 +143,44 @@ class LocalSlam:
         """Take one scan and the odometry pose T_odom_robot (3,) at that time: predict, match, insert."""
         hypotheses = self._motion.predict(odometry, scan.time_s)
         points = self._voxel_filter.apply(scan.points_robot)
+        repeated, self._ranges = np.array_equal(scan.ranges, self._ranges), scan.ranges
+        if repeated:  # a driver has sent a scan once more: it tells nothing new
+            return self._by_odometry(hypotheses[0], None, False)
         ambiguous = len(hypotheses) > 1
         motion, match = self._match(scan, points, hypotheses)
-        sensor = np.array(scan.T_robot_lidar[:2], dtype=np.float64)
         contradicts, told = False, match is not None
-        repeated, self._ranges = np.array_equal(scan.ranges, self._ranges), scan.ranges
-        if repeated:
-            return self._repeated(hypotheses, match)
-        import os
-        if match and self._matcher.says_nothing(match, float(os.environ.get("SN", "0.25"))) and not match.retried:
-            self._active.restart()
-            match, told, motion = None, False, hypotheses[0]
         if match:
+            sensor = np.array(scan.T_robot_lidar[:2], dtype=np.float64)
             contradicts = self._monitor.rejects(self._active.front, points, sensor, match.pose, match.score)
             far = match.retried or not motion.sound
             if contradicts and (far or not self._matcher.explains(match)):
                 if ambiguous:
-                    return self._unexplained(hypotheses, scan, points, match)
+                    return self._by_odometry(hypotheses[0], match, True)
                 motion, told = hypotheses[0], not far
-            self._matcher.believe(match)
+            if self._matcher.is_beside(match):  # the robot has left the submap behind, as after a gap in a log
+                self._active.restart()
+                self._monitor.alarm()
+                motion, told, contradicts = hypotheses[0], False, True
+            else:
+                self._matcher.believe(match)
         pose = match.pose if match and told else motion.prediction.pose
-        self._motion.take(hypotheses, motion, pose, told or not self._active.begun, bool(match and told and match.retried))
+        self._motion.take(
+            hypotheses, motion, pose, told or not self._active.begun, bool(match and told and match.retried)
+        )
         insertion = self._insert(motion.odometry, scan, points, pose, match if told else None)
         return LocalResult(pose, match, insertion, contradicts, not motion.sound, self._motion.jumped)
 
-    def _repeated(self, hypotheses: list[MotionHypothesis], match: GridMatch | None) -> LocalResult:
-        """Take a scan that a driver has sent once more: it tells nothing."""
-        motion = hypotheses[0]
-        self._motion.take(hypotheses, motion, motion.prediction.pose, False)
-        return LocalResult(motion.prediction.pose, match, None, False, False, self._motion.jumped)
+    def _by_odometry(self, motion: MotionHypothesis, match: GridMatch | None, contradicts: bool) -> LocalResult:
+        """Take a scan that does not tell where the robot went: its odometry alone does, and it is not inserted.
 
-    def _unexplained(
-        self, hypotheses: list[MotionHypothesis], scan: LaserScan, points: Array, match: GridMatch
-    ) -> LocalResult:
-        """Take a scan that contradicts the submap: it does not tell where the robot went, its odometry alone does.
-
-        It is not inserted, until there have been so many that the submap can hardly be right.
+        Where too many scans in a row contradict the submap, that can hardly be right, and is given up.
         """
-        motion, insertion = hypotheses[0], None
-        self._motion.take(hypotheses, motion, motion.prediction.pose, False)
+        pose = motion.prediction.pose
+        self._motion.take([motion], motion, pose, False)
         if self._monitor.worn_out:
             self._active.restart()
             self._monitor.restart()
-            insertion = self._insert(motion.odometry, scan, points, motion.prediction.pose, None)
-        return LocalResult(motion.prediction.pose, match, insertion, True, False, self._motion.jumped)
+        return LocalResult(pose, match, None, contradicts, False, self._motion.jumped)
 
     def _match(
         self, scan: LaserScan, points: Array, hypotheses: list[MotionHypothesis]
