@@ -7,9 +7,10 @@ from numba import njit
 from numpy.typing import NDArray
 
 from ..scan_to_grid.refine_kernels import refine_pose
-from .evidence_kernels import OCCUPIED, UNKNOWN
 
 Array = NDArray[np.float64]
+
+UNKNOWN, FREE, OCCUPIED = 0, 1, 2
 
 
 class BeamModel(NamedTuple):

@@ -14,8 +14,6 @@ from ..scan import LaserScan
 from ..scan_to_grid.extrapolator import ExtrapolatorConfig
 from ..scan_to_grid.voxel_filter import AdaptiveVoxelConfig
 from .beam_fit import BeamFit, BeamFitConfig, Sight
-from .evidence import EvidenceConfig
-from .global_search import GlobalSearchConfig
 from .hypotheses import Hypotheses, HypothesesConfig
 from .place_belief import PlaceBelief
 from .place_map import PlaceMap, PlaceMapConfig
@@ -42,8 +40,6 @@ class LocalizerConfig:
         place: How the map is made ready.
         fit: How poses are judged and refined.
         hypotheses: How places are found, followed and weighed.
-        evidence: How a kidnapping while mapping is judged (`slam.graph.recovery`).
-        search: How other places are searched for then.
         voxel_filter: Which points of a scan are used.
         extrapolator: Error model of the odometry.
         min_points: A scan with fewer points says nothing.
@@ -52,15 +48,12 @@ class LocalizerConfig:
         search_every: Where none of the hypotheses may be right, the map is searched each so many metres and radians.
         least_of_usual: A scan is surprising when the best hypothesis explains less of it than so much of what is usual.
         patience: So many surprising scans are weighed where the robot stands; people may stand there, too.
-        trust: How many times likelier than elsewhere a robot that maps is where it was thought to be.
         blind_distance: After so many metres without a scan that says anything it is not sure [m].
     """
 
     place: PlaceMapConfig = field(default_factory=PlaceMapConfig)
     fit: BeamFitConfig = field(default_factory=BeamFitConfig)
     hypotheses: HypothesesConfig = field(default_factory=HypothesesConfig)
-    evidence: EvidenceConfig = field(default_factory=EvidenceConfig)
-    search: GlobalSearchConfig = field(default_factory=GlobalSearchConfig)
     voxel_filter: AdaptiveVoxelConfig = field(default_factory=AdaptiveVoxelConfig)
     extrapolator: ExtrapolatorConfig = field(default_factory=ExtrapolatorConfig)
     min_points: int = 20
@@ -69,12 +62,11 @@ class LocalizerConfig:
     search_every: float = 0.5
     least_of_usual: float = 0.85
     patience: int = 3
-    trust: float = 150.0
     blind_distance: float = 5.0
 
     def __post_init__(self) -> None:
         check_numbers(self)
-        for name in ("min_points", "step", "fresh", "search_every", "least_of_usual", "patience", "trust"):
+        for name in ("min_points", "step", "fresh", "search_every", "least_of_usual", "patience"):
             if not getattr(self, name) > 0:
                 raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
         if not self.blind_distance > 0:

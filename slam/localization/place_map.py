@@ -13,7 +13,7 @@ from ..errors import InputError
 from ..geometry import wrap_angle
 from ..occupancy_map import OccupancyMap
 from ..search.score_pyramid import ScoreGrid, ScorePyramid, build_pyramid
-from .evidence_kernels import FREE, OCCUPIED, UNKNOWN
+from .beam_fit_kernels import FREE, OCCUPIED, UNKNOWN
 
 Array = NDArray[np.float64]
 
@@ -168,18 +168,6 @@ class PlaceMap:
         x, y = cells[:, 0], cells[:, 1]
         inside = (x >= 0) & (y >= 0) & (x < cols) & (y < rows)
         return inside & (self._to_free[np.clip(y, 0, rows - 1), np.clip(x, 0, cols - 1)] <= reach)
-
-    def is_free(self, places: Array) -> NDArray[np.bool_]:
-        """Return (k,) whether the places (k, 2) [m] lie in free cells or beside one."""
-        cells = np.floor((places - self.outer_corner) / self.resolution).astype(np.int64)
-        rows, cols = self.states.shape
-        result = np.zeros(len(cells), dtype=np.bool_)
-        for dy in (-1, 0, 1):
-            for dx in (-1, 0, 1):
-                x, y = cells[:, 0] + dx, cells[:, 1] + dy
-                inside = (x >= 0) & (y >= 0) & (x < cols) & (y < rows)
-                result |= inside & (self.states[np.clip(y, 0, rows - 1), np.clip(x, 0, cols - 1)] == FREE)
-        return result
 
 
 def _window(known: NDArray[np.bool_], factor: int) -> tuple[NDArray[np.int64], tuple[int, int]]:

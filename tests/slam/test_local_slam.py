@@ -66,11 +66,11 @@ def test_scans_that_say_nothing_leave_the_pose_to_the_odometry():
     assert not engine.map().occupied.any()
 
 
-def test_a_pose_out_of_this_world_is_an_error_and_no_huge_grid():
+def test_a_pose_out_of_this_world_begins_a_submap_there_and_its_map_is_an_error_and_no_huge_grid():
     scan = cast(WALLS, np.zeros(3), np.random.default_rng(0), bearings=BEARINGS)
-    engine = run(make_slam("cartographer"), [np.zeros(3)], [scan])
-    with pytest.raises(InputError, match="a submap would grow to"):
-        run(engine, [[9e3, 0.0, 0.0]], [scan])
+    engine = run(make_slam("cartographer"), [np.zeros(3), np.array([9e3, 0.0, 0.0])], [scan, scan])
+    with pytest.raises(InputError, match="map"):
+        engine.map()
 
 
 def test_a_second_round_is_tied_to_the_submaps_of_the_first():

@@ -1,16 +1,12 @@
 """Localization on maps of synthetic buildings: found where it can be, "not sure" where it cannot."""
 
-import localization_reference as reference
 import numpy as np
 import pytest
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between, compose
 from tagalong.slam.grid import GridConfig, render_map
-from tagalong.slam.localization.evidence import Evidence, EvidenceConfig
-from tagalong.slam.localization.evidence_kernels import FREE, OCCUPIED, beam_likelihoods
 from tagalong.slam.localization.localizer import Localizer, LocalizerConfig, State
 from tagalong.slam.localization.place_map import PlaceMap, PlaceMapConfig
-from tagalong.slam.localization.prepared_scan import PreparedScan
 from tagalong.slam.localization.whole_drive import smooth_drive
 from tagalong.slam.logs.drive import RecordedDrive
 from tagalong.slam.occupancy_map import OccupancyMap
@@ -189,64 +185,6 @@ def test_two_runs_are_equal_to_the_byte(room):
         driven(localizer, ROOM, (0.2, 0.7, -2.9), (0.05, 0.0, 0.05), 6, np.random.default_rng(3))
         paths.append(localizer.trajectory().tobytes())
     assert paths[0] == paths[1]
-
-
-def test_the_kernel_of_the_evidence_equals_its_reference(room):
-    rng = np.random.default_rng(0)
-    place = PlaceMap(room)
-    points, sensor = rng.uniform(-5.0, 5.0, (60, 2)), np.array([0.2, 0.05])
-    poses = np.column_stack((rng.uniform(-5.0, 5.0, (20, 2)), rng.uniform(-3.0, 3.0, 20)))
-    fast = np.empty((20, 60), np.float32)
-    setting = (place.states, place.distances, place.outer_corner, place.resolution, sensor, points, poses, 0.12, 0.4)
-    beam_likelihoods(*setting, fast)
-    slow = reference.beam_likelihoods(*setting)
-    assert (np.abs(fast - slow) > 1e-5).mean() < 0.002  # a beam through a corner may pass on either side
-    assert 0.05 < (slow > 0.06).mean() < 0.95
-
-
-def test_blocked_beams_are_among_those_that_contradict_the_map(room):
-    rng = np.random.default_rng(0)
-    place = PlaceMap(room)
-    evidence, sensor = Evidence(place, EvidenceConfig()), np.array([0.2, 0.05])
-    points, total = rng.uniform(-5.0, 5.0, (60, 2)), 0.0
-    for pose in np.column_stack((rng.uniform(-5.0, 5.0, (20, 2)), rng.uniform(-3.0, 3.0, 20))):
-        likely = np.empty((1, 60), np.float32)
-        setting = place.states, place.distances, place.outer_corner, place.resolution, sensor, points, pose[None]
-        beam_likelihoods(*setting, 0.12, 0.4, likely)
-        stopped = [evidence.blocked(PreparedScan(np.zeros(3), point[None], sensor), pose) for point in points]
-        total += sum(stopped)
-        assert (likely[0][np.array(stopped) == 1.0] < 0.051).all()
-        assert 60 * evidence.blocked(PreparedScan(np.zeros(3), points, sensor), pose) == pytest.approx(sum(stopped))
-    assert 60 < total < 1140
-
-
-def likelihood(states, sensor, point):
-    """Return how likely a beam is on `states` of 5 cm cells, whose end, far from its way, is explained."""
-    result = np.empty((1, 1), np.float32)
-    near = np.zeros(states.shape, np.float32)
-    beam_likelihoods(
-        states, near, np.zeros(2), 0.05, np.array(sensor), np.array([point]), np.zeros((1, 3)), 0.08, 0.4, result
-    )
-    return float(result[0, 0])
-
-
-def test_a_beam_may_have_passed_next_to_a_leg_of_a_chair_but_not_through_a_wall():
-    free = np.full((80, 80), FREE, np.uint8)
-    leg, wall, gap = free.copy(), free.copy(), free.copy()
-    leg[40, 40] = wall[:, 40] = gap[:, 40] = OCCUPIED
-    gap[40:46, 40] = FREE
-    for turn in np.radians([0.0, 10.0, 30.0, 50.0, 70.0]):
-        for shift in (-0.02, 0.0, 0.02):
-            way = np.array([np.cos(turn), np.sin(turn)])
-            middle = np.array([2.025, 2.025]) + shift * np.array([-way[1], way[0]])
-            sensor, point = middle - 1.0 * way, middle + 1.0 * way
-            assert likelihood(leg, sensor, point) == 1.0
-            assert likelihood(wall, sensor, point) == pytest.approx(0.05)
-            short = middle + 0.2 * way  # a wall so near the end does not contradict it
-            assert likelihood(wall, sensor, short) == 1.0
-    assert likelihood(gap, (1.0, 2.02), (3.0, 2.02)) == 1.0
-    assert likelihood(gap, (1.0, 1.98), (3.0, 1.98)) == 1.0  # the end of the wall
-    assert likelihood(gap, (1.0, 1.88), (3.0, 1.88)) == pytest.approx(0.05)
 
 
 def test_a_robot_that_was_pushed_aside_is_not_sure_of_where_it_was_before(room):

@@ -1,7 +1,5 @@
 """A robot that is kidnapped while it maps: SLAM notices, says so, and joins the rest of the drive to its map."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from tagalong.slam.engine import make_slam
@@ -81,8 +79,8 @@ def test_slam_finds_a_kidnapped_robot_on_its_map_within_ten_scans(mapped):
     after = ahead((-3.8, 0.9, -1.2), (0.1, 0.0, 0.03), 40)
     updates, _ = fed(engine, after, odometry, rng)
     located = [update.located for update in updates]
-    assert not any(located[:2])  # inconsistent from the first scan on
-    assert sum(located[9:]) >= 30  # a scan of what the young submap has not seen may be inconsistent, too
+    assert not any(located[:2])  # contradicted from the first scan on
+    assert all(located[9:])
     for update, pose in zip(updates[9:], after[9:], strict=True):
         assert distance(update.pose, pose) < 0.1
     engine.finish()
@@ -128,14 +126,13 @@ def test_kidnapped_into_another_building_it_is_not_located_and_its_map_stays(map
     assert len(engine.trajectory()) == 115
 
 
-def test_what_a_lost_robot_sees_is_not_drawn_until_it_is_found(mapped):
+def test_what_a_robot_sees_that_is_never_found_is_not_drawn(mapped):
     engine, odometry, _, rng = mapped
     engine.finish()
     before = engine.map().occupied_points
-    updates, _ = fed(engine, ahead((-4.0, 0.0, 0.0), (0.15, 0.0, 0.0), 25), odometry, rng, ELSEWHERE)
-    assert engine.losses == 1
-    assert sum(update.integrated for update in updates) >= 10  # it maps on, apart from the map
+    fed(engine, ahead((-4.0, 0.0, 0.0), (0.15, 0.0, 0.0), 25), odometry, rng, ELSEWHERE)
     engine.finish()
+    assert engine.losses == 1
     drawn = engine.map().occupied_points
     new = np.linalg.norm(drawn[:, None] - before[None], axis=-1).min(axis=1) > 0.1
     assert not new.any()
@@ -150,7 +147,7 @@ def test_people_all_around_do_not_make_the_robot_lost(mapped):
         located.append(update.located)
         assert distance(update.pose, pose) < 0.05
     assert (engine.losses, engine.relocalizations) == (0, 0)
-    assert located == [False, False, True] * 6 + [False, False]  # nothing on the map fits better: the third is believed
+    assert sum(located) >= 2  # once a doubt is raised the map says so
 
 
 def test_what_score_is_usual_follows_the_scores_up_and_down():
@@ -175,18 +172,6 @@ def test_what_score_is_usual_follows_the_scores_up_and_down():
     assert not rejected([0.8, 0.4], 0.595)  # 0.75 of 0.78
 
 
-def test_where_another_place_looks_almost_the_same_it_does_not_stay_sure_of_the_wrong_one():
-    hall = np.array(ring((-5.0, -3.0), (5.0, -3.0), (5.0, 3.0), (-5.0, 3.0)) + ring((2.0, 2.3), (2.9, 2.3), (2.9, 3.0)))
-    engine, rng, poses = make_slam("cartographer"), np.random.default_rng(0), tour() * [0.8, 1.0, 1.0]
-    updates, odometry = fed(engine, poses, poses[0], rng, hall)
-    assert all(update.located for update in updates)
-    turned = compose(np.array([0.0, 0.0, np.pi]), poses[-1])  # the hall looks the same from there, but for a niche
-    after = ahead(turned, (0.05, 0.0, 0.02), 30)
-    updates, _ = fed(engine, after, odometry, rng, hall)
-    wrong = [u.located and distance(u.pose, pose) > 0.3 for u, pose in zip(updates, after, strict=True)]
-    assert not any(wrong[4:])
-
-
 def test_kidnapped_along_a_corridor_that_looks_alike_everywhere_it_is_found_and_not_sure_before():
     niches = [(1.0, 0.9), (4.5, 0.9), (6.0, 1.4), (11.0, 0.9), (15.5, 2.0), (19.0, 0.9), (21.0, 0.9), (26.0, 1.4)]
     outline = [(0.0, -1.2), (30.0, -1.2), (30.0, 1.2)]
@@ -207,25 +192,13 @@ def test_kidnapped_along_a_corridor_that_looks_alike_everywhere_it_is_found_and_
     assert (engine.losses, engine.relocalizations) == (1, 1)
 
 
-def test_drift_is_that_since_the_graph_was_last_tied_to_old_submaps(mapped):
-    engine, odometry, _, rng = mapped
-    graph = engine._global  # pyright: ignore[reportPrivateUsage]
-    assert graph is not None
-    steps = np.array([node.motion.sigma[0] for node in graph.graph.nodes])
-    assert graph.drift == pytest.approx(np.sqrt((steps**2).sum()), rel=1e-9)  # one tour: never back at old submaps
-    fed(engine, np.concatenate((tour()[1:], tour()[1:30])), odometry, rng)
-    engine.finish()
-    steps = np.array([node.motion.sigma[0] for node in graph.graph.nodes[-20:]])
-    assert graph.drift == pytest.approx(np.sqrt((steps**2).sum()), rel=1e-9)  # as many as a tie is good for
-
-
-def test_without_a_monitor_or_a_graph_nobody_notices():
+def test_without_recovery_or_a_graph_nobody_notices():
     for settings in ({"recovery": False}, {"global_": None}):
         engine = Cartographer(CartographerConfig(**settings))
         rng, poses = np.random.default_rng(0), tour()
         _, odometry = fed(engine, poses, poses[0], rng)
-        updates, _ = fed(engine, ahead((-3.8, 0.9, -1.2), (0.1, 0.0, 0.03), 12), odometry, rng)
-        assert all(update.located for update in updates)
+        fed(engine, ahead((-3.8, 0.9, -1.2), (0.1, 0.0, 0.03), 12), odometry, rng)
+        engine.finish()
         assert engine.losses == 0
 
 
@@ -253,5 +226,3 @@ def test_the_kernel_of_the_monitor_counts_beams_through_walls_and_ends_in_seen_f
 def test_a_monitor_without_sense_is_refused():
     with pytest.raises(ValueError, match="patience"):
         MatchMonitorConfig(patience=0)
-
-

@@ -51,7 +51,7 @@ def test_laps_of_one_room_leave_a_graph_that_grows_no_more(lapped):
     assert max(nodes[len(nodes) // 2 :]) <= 1.1 * max(nodes[: len(nodes) // 2])
     assert nodes[-1] < 0.8 * len(engine._record)
     assert len(engine._record.scans) == len(engine.node_scans) == len(engine.node_poses)
-    assert len(engine.submap_nodes) == len(engine._local.submaps)
+    assert len(engine.submap_nodes) == len(engine._mapping.local.submaps)
 
 
 def test_the_trajectory_keeps_every_scan_of_what_has_left_the_graph(lapped):

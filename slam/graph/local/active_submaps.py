@@ -65,7 +65,9 @@ class ActiveSubmaps:
         return len(self.submaps) > self._first
 
     def restart(self) -> None:
-        """Let the next scan begin a new submap, apart from all that there are, which are finished."""
+        """Finish the active submaps: the next scan begins a new one, apart from all before."""
+        for submap in self.submaps[self._first :][-2:]:
+            submap.finish()
         self._first = len(self.submaps)
         self._last = None
 

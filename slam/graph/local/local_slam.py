@@ -152,12 +152,12 @@ class LocalSlam:
         if match:
             sensor = np.array(scan.T_robot_lidar[:2], dtype=np.float64)
             contradicts = self._monitor.rejects(self._active.front, points, sensor, match.pose, match.score)
-            far = match.retried or not motion.sound
+            far, beside = match.retried or not motion.sound, self._matcher.is_beside(match)
             if contradicts and (far or not self._matcher.explains(match)):
-                if ambiguous:
+                if ambiguous or (beside and not self._monitor.alarmed):
                     return self._by_odometry(hypotheses[0], match, True)
                 motion, told = hypotheses[0], not far
-            if self._matcher.is_beside(match):  # the robot has left the submap behind, as after a gap in a log
+            if beside:  # the robot has left the submap behind, as after a gap in a log
                 self._active.restart()
                 self._monitor.alarm()
                 motion, told, contradicts = hypotheses[0], False, True

@@ -19,6 +19,7 @@ class DriveRecord:
     Attributes:
         nodes: The number of the scan that each node of the graph is, ascending.
         scans: Those scans.
+        way: How far the robot has driven [m].
     """
 
     def __init__(self) -> None:
@@ -27,6 +28,7 @@ class DriveRecord:
         self.scans: list[LaserScan] = []
         self._trimmed = array("q")  # scans that were nodes and have left the graph
         self._breaks: list[int] = []  # first scans of drive segments
+        self.way = 0.0
 
     def __len__(self) -> int:
         return len(self._poses)
@@ -43,6 +45,8 @@ class DriveRecord:
 
     def append(self, pose: Array) -> None:
         """Append a scan at `pose` (3,) T_local_robot."""
+        if len(self):
+            self.way += float(np.hypot(*(pose - self.last_pose)[:2]))
         self._poses.append(pose)
 
     def rewind(self, scans: int) -> None:

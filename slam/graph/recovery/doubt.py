@@ -21,6 +21,7 @@ _FRESH_MAP = LocalizerConfig(hypotheses=HypothesesConfig(evidence=4.0, maxima=60
 _AGREE = 1.0, 0.35  # [m, rad] by which local SLAM may have drifted since, or the map
 _DRIFT = np.array([0.3, 0.1])  # [m, rad] standard deviations of that: where it has the robot is refined so far
 _VOUCHED = 3  # scans in a row that fit the map where local SLAM has the robot end the doubt
+_CONFIRMED = 3  # scans in a row that find it elsewhere
 _PROBATION = 3.0, 10  # [m, scans] for which the robot must be followed elsewhere before it is believed to be there
 
 
@@ -40,6 +41,7 @@ class Doubt:
         scans: So many scans there were since.
         elsewhere: (3,) T_map_robot where it seems to be instead; None: not known, or nowhere else.
         vouched: Whether the last scan fits the map where local SLAM has the robot.
+        contradicted: Whether the map contradicts it there; where that knows nothing, it does neither.
     """
 
     def __init__(self, place: PlaceMap | None, known: Sequence[tuple[LaserScan, Array]], lost: bool = False) -> None:
@@ -51,7 +53,8 @@ class Doubt:
         self._misfit = self._weight = 0.0  # mean over what was weighed
         self._unweighed, self._fitting = np.inf, 0  # way since a scan was weighed; scans in a row that fit
         self._followed, self._followed_scans = 0.0, 0  # how long it was followed elsewhere [m]
-        self.travelled, self.scans, self.vouched = 0.0, 0, False
+        self.travelled, self.scans = 0.0, 0
+        self.vouched, self.contradicted = False, True
         self.elsewhere: Array | None = None
         if place is not None:
             self._fit = BeamFit(place, self._config.fit)
@@ -100,11 +103,11 @@ class Doubt:
         config = self._config.hypotheses
         here, _ = self._fit.follow(sight, pose[None], np.zeros(3), _DRIFT)
         most = self._level + config.excess
-        self.vouched = bool(self._fit.judge(sight, here)[0][0] < most)
+        misfit = float(self._lenient.judge(sight, here)[0][0])
+        self.vouched, self.contradicted = bool(self._fit.judge(sight, here)[0][0] < most), misfit >= most
         if self.scans > _VOUCHED and self._unweighed < self._config.step:
             return
         fresh = 1.0 if self.scans <= _VOUCHED else min(1.0, self._unweighed / self._config.fresh)
-        misfit = float(self._lenient.judge(sight, here)[0][0])
         self._against += fresh * config.evidence * (misfit - most) / self._level
         self._misfit += fresh * (misfit - self._misfit) / (self._weight + fresh)
         self._weight += fresh
@@ -115,10 +118,11 @@ class Doubt:
         found = localizer.update(odometry, scan).pose
         here = found is not None and not self._lost and bool(near(pose[None], found, _AGREE)[0])
         self.vouched |= here
-        self.elsewhere = found if self.refuted and not here else None
-        followed = self.elsewhere is not None
-        self._followed = self._followed + way if followed else 0.0
-        self._followed_scans = self._followed_scans + 1 if followed else 0
+        self.contradicted &= not here
+        away = found is not None and self.refuted and not here
+        self._followed = self._followed + way if away else 0.0
+        self._followed_scans = self._followed_scans + 1 if away else 0
+        self.elsewhere = found if self._followed_scans >= _CONFIRMED else None
 
     @property
     def refuted(self) -> bool:

@@ -14,6 +14,7 @@ Array = NDArray[np.float64]
 
 _GIVE_UP = 20.0  # [m] after which a doubt that nothing confirms is dropped
 _MOST_SCANS = 5000  # that are kept to be taken again
+_SETTLED = 2.0  # [m] for which that the map has settled a doubt holds: people walk along
 _KNOWN = 5  # of the last scans of before say how well scans usually fit the map
 
 
@@ -42,12 +43,14 @@ class KidnapRecovery:
     def __init__(self, mapping: DriveMapping) -> None:
         assert mapping.graph
         self._monitor, self._mapping, self._graph = mapping.local.monitor, mapping, mapping.graph
+        self._record = mapping.record
         self._map = NodeMap(mapping.graph, mapping.record)
         self._mark: DriveMark | None = None  # before the first of the scans in a row that contradict the submap
         self._scans: list[tuple[Array, LaserScan]] = []  # since then, at the odometry as told
         self._unweighed: list[tuple[Array, LaserScan, Array]] = []  # odometry as believed, scan and T_local_robot
         self._doubt: Doubt | None = None
         self._apart = False  # whether the drive segment has no place
+        self._settled_at = -np.inf  # way at which the map said last that the robot is where local SLAM has it [m]
         self.losses = self.relocalizations = 0
 
     def review(self, result: LocalResult, odometry: Array, scan: LaserScan) -> LocalResult:
@@ -66,7 +69,7 @@ class KidnapRecovery:
             self._scans.append((odometry, scan))
         believed = self._mapping.local.odometry
         self._unweighed.append((odometry if believed is None else believed, scan, result.pose))
-        if not self._doubt and self._monitor.alarmed:
+        if not self._doubt and self._monitor.alarmed and self._record.way - self._settled_at >= _SETTLED:
             self._doubt = self._new_doubt()
         if not self._doubt:
             return result
@@ -78,7 +81,7 @@ class KidnapRecovery:
     def _new_doubt(self, lost: bool = False) -> Doubt:
         assert self._mark
         poses = self._mark.graph.node_poses
-        known = [(self._mapping.record.scans[k], poses[k]) for k in range(len(poses))[-_KNOWN:]]
+        known = [(self._record.scans[k], poses[k]) for k in range(len(poses))[-_KNOWN:]]
         return Doubt(self._map.of(poses), known, lost)
 
     def _concluded(self, doubt: Doubt, result: LocalResult) -> LocalResult:
@@ -92,6 +95,7 @@ class KidnapRecovery:
             self._forget()
         elif doubt.settled:
             self._forget()
+            self._settled_at = self._record.way
         elif not self._apart and doubt.scans >= _MOST_SCANS and doubt.impossible:
             self._doubt = self._new_doubt(lost=True)
             result = self._set_apart()
@@ -102,12 +106,11 @@ class KidnapRecovery:
     def finish(self) -> None:
         """Take note that the drive has ended: what a doubt has come to by now counts."""
         doubt = self._doubt
-        if doubt and doubt.impossible and not self._apart:
+        if doubt and (doubt.impossible or doubt.followed) and not self._apart:
             odometry, _ = self._scans[-1]
             self._mapping.add(odometry, self._set_apart())
-        if doubt and doubt.followed and self._apart:
-            assert doubt.elsewhere is not None
-            self._graph.place_segment(doubt.elsewhere, self._mapping.record.last_pose)
+        if doubt and doubt.followed and doubt.elsewhere is not None:
+            self._graph.place_segment(doubt.elsewhere, self._record.last_pose)
             self.relocalizations += 1
             self._forget()
 
@@ -120,7 +123,7 @@ class KidnapRecovery:
     def located(self) -> bool:
         """Whether it is known where on the map the robot is."""
         if self._doubt:
-            return self._doubt.vouched or self._doubt.elsewhere is not None
+            return not self._doubt.contradicted or self._doubt.elsewhere is not None
         return self._mark is None
 
     @property
