@@ -9,6 +9,7 @@ from ..processes.threads import Workers
 from .config import MatcherConfig
 from .match_kernels import match_particles
 from .search_kernels import search_particles
+from .thinning_kernel import first_of_squares
 from .tile_kernels import SIDE
 from .tile_maps import TileMaps
 
@@ -67,9 +68,7 @@ class ParticleScanMatcher:
 
     def thinned(self, points: Array, cell: float) -> Array:
         """Return the first of `points` (n, 2) [m] in each square, in their order."""
-        squares = np.floor(points / (cell * self.config.thinning)).astype(np.int64)
-        keys = squares[:, 0] * 2**32 + squares[:, 1]
-        return points[np.sort(np.unique(keys, return_index=True)[1])]
+        return first_of_squares(points, cell * self.config.thinning)
 
     def _search(
         self, maps: TileMaps, points: Array, priors: Array, covariances: Array, rng: np.random.Generator
