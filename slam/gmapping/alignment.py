@@ -108,7 +108,7 @@ class MapAlignment:
         pose = self._to_cells(expected)
         search_samples(
             pose.copy(), root, samples, self._few, self._config.weight, self._config.unseen, self._directory,
-            maps.counts, maps.bits, pose,
+            maps.counts, maps.near, pose,
         )  # fmt: skip
         return self.refined(self._to_metres(pose), expected, covariance)
 
@@ -162,7 +162,7 @@ class MapAlignment:
         maps, config, n = self._maps, self._config, max(len(self._points), 1)
         x, y, theta = pose.tolist()
         against, unknown = compare(
-            x, y, theta, self._points, config.unseen, np.inf, self._directory, maps.counts, maps.bits
+            x, y, theta, self._points, config.unseen, np.inf, self._directory, maps.counts, maps.near
         )
         value = -config.weight * against / n - distance
         spoken = (against - config.unseen * unknown) / n

@@ -78,10 +78,10 @@ class ParticleScanMatcher:
         few = points[:: max(1, len(points) // self.config.sample_points)]
         roots = np.linalg.cholesky(covariances)
         poses = priors.copy()
-        weight, directory, bits = self.config.sample_weight, maps.directory, maps.bits
+        weight, directory, near = self.config.sample_weight, maps.directory, maps.near
         self._workers.run(
             lambda start, stop: search_particles(
-                start, stop, priors, roots, samples, few, weight, directory, bits, poses
+                start, stop, priors, roots, samples, few, weight, directory, near, poses
             ),
             len(priors),
         )

@@ -42,6 +42,7 @@ class TileMaps:
         self.counts = np.zeros((1, SIDE * SIDE, 2), dtype=np.uint16)
         self.means = np.zeros((1, SIDE * SIDE, 2), dtype=np.float32)
         self.bits = np.zeros((1, SIDE), dtype=np.uint32)
+        self.near = np.zeros((1, SIDE), dtype=np.uint64)
         self._references = np.zeros(1, dtype=np.int64)
         self._free = np.zeros(1, dtype=np.int64)
         self._free_count = 0
@@ -83,10 +84,12 @@ class TileMaps:
                 is_hit,
                 self.margin,
                 self.fullness,
+                needed,
                 self.directory,
                 self.counts,
                 self.means,
                 self.bits,
+                self.near,
             ),
             count,
         )
@@ -117,7 +120,15 @@ class TileMaps:
         shared = needed & ((self.directory == 0) | (self._references[self.directory] > 1))
         self._reserve(int(np.count_nonzero(shared)))
         self._free_count = own_tiles(
-            needed, self.directory, self._references, self._free, self._free_count, self.counts, self.means, self.bits
+            needed,
+            self.directory,
+            self._references,
+            self._free,
+            self._free_count,
+            self.counts,
+            self.means,
+            self.bits,
+            self.near,
         )
 
     def _reserve(self, count: int) -> None:
@@ -132,7 +143,7 @@ class TileMaps:
                 f"the maps of {len(self.directory)} particles would take {new} tiles of {SIDE} x {SIDE} cells, more "
                 f"than {most}; take fewer particles, larger cells or a shorter `max_urange`"
             )
-        names = ("counts", "means", "bits", "_references", "_free")
+        names = ("counts", "means", "bits", "near", "_references", "_free")
         # All or none: where memory runs out, the maps stay as they are.
         more = [np.zeros((new, *getattr(self, name).shape[1:]), dtype=getattr(self, name).dtype) for name in names]
         for name, grown in zip(names, more, strict=True):
