@@ -137,7 +137,7 @@ class TileMaps:
             return
         old = len(self.bits)
         most = _FREE_TILES + _TILES_A_SCAN * self._scans
-        new = max(old + count, min(old * 3 // 2, most))
+        new = max(old + count, min(2 * old, most))  # what is not used yet takes no memory
         if new > most:
             raise InputError(
                 f"the maps of {len(self.directory)} particles would take {new} tiles of {SIDE} x {SIDE} cells, more "
