@@ -127,7 +127,7 @@ def write_particles(
 
 
 @njit(cache=True, nogil=True)
-def own_tiles(needed, directory, references, free, free_count, counts, means, bits, near):
+def own_tiles(needed, directory, references, free, free_count, used, counts, means, bits, near):
     """Give each particle a tile of its own at every needed place; return how many of `free` are left.
 
     A missing tile is taken empty from the end of `free`; one shared with another particle is copied first.
@@ -140,10 +140,12 @@ def own_tiles(needed, directory, references, free, free_count, counts, means, bi
                     continue
                 free_count -= 1
                 new = free[free_count]
-                counts[new] = counts[tile]
-                means[new] = means[tile]
-                bits[new] = bits[tile]
-                near[new] = near[tile]
+                if tile != 0 or used[new]:  # else it is as empty
+                    counts[new] = counts[tile]
+                    means[new] = means[tile]
+                    bits[new] = bits[tile]
+                    near[new] = near[tile]
+                used[new] = True
                 references[tile] -= 1
                 references[new] = 1
                 directory[p, r, c] = new
