@@ -169,8 +169,10 @@ class GMapping:
         covariances = turned(self._motion.covariance, self._poses[:, 2])
         matches = self._matcher.match(self._maps, points_robot, means, covariances, self._rng)
         lost = matches.losses > 1.0 - self.config.minimum_score
-        modes = np.where(lost[:, None], compose(self._poses, self._motion.mean), matches.modes)
-        roots = np.where(lost[:, None, None], np.linalg.cholesky(covariances), matches.roots)
+        modes, roots = matches.modes, matches.roots
+        if lost.any():
+            modes = np.where(lost[:, None], compose(self._poses, self._motion.mean), modes)
+            roots = np.where(lost[:, None, None], np.linalg.cholesky(covariances), roots)
         self._poses = modes + np.einsum("pij,pj->pi", roots, self._rng.standard_normal(means.shape))
         self._poses[:, 2] = wrap_angle(self._poses[:, 2])
         gains = -self.config.observation_gain * matches.losses

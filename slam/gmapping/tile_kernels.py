@@ -117,9 +117,7 @@ def mark_particles(start, stop, origins, ends, needed):
 
 
 @njit(cache=True, nogil=True)
-def write_particles(
-    start, stop, origins, ends, is_hit, margin, fullness, needed, directory, counts, means, bits, near
-):
+def write_particles(start, stop, origins, ends, is_hit, margin, fullness, needed, directory, counts, means, bits, near):
     """`write_rays` for particles start..stop, whose `needed` tiles are theirs alone."""
     for p in range(start, stop):
         write_rays(origins[p, 0], origins[p, 1], ends[p], is_hit, margin, fullness, directory[p], counts, means, bits)
