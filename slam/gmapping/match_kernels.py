@@ -280,6 +280,7 @@ def match(
             pose += step
             if step[0] * step[0] + step[1] * step[1] < 1e-4 and abs(step[2]) < 1e-4:
                 break
+    half, scale = int(stages[-1, 0]), stages[-1, 3]
     met, loss = accumulate(
         pose, points, 1, half, scale, straightness, directory, counts, means, bits, remembered, system
     )
