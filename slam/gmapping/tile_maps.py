@@ -15,7 +15,6 @@ Array = NDArray[np.float64]
 _MOST_PLACES = 30_000_000  # of all directories; for 30 particles and cells of 0.05 m that is 1.6 x 1.6 km
 _FREE_TILES = 48_000  # 600 MB; a drive through a large building (ACES, 57 m x 57 m) takes 5600
 _TILES_A_SCAN = 200  # more for each scan: half of what one sees 20 m around it, by 30 particles that all differ
-_FIRST_TILES = 8192  # 110 MB, of which a system gives only what is written to; copying maps as they grow takes longer
 _OCCUPIED_SHARE = 0.25  # of the visits that were hits, as the ROS wrapper draws its map
 
 
@@ -142,7 +141,7 @@ class TileMaps:
             return
         old = len(self.bits)
         most = _FREE_TILES + _TILES_A_SCAN * self._scans
-        new = max(old + count, min(max(2 * old, _FIRST_TILES), most))
+        new = max(old + count, min(2 * old, most))
         if new > most:
             raise InputError(
                 f"the maps of {len(self.directory)} particles would take {new} tiles of {SIDE} x {SIDE} cells, more "
