@@ -68,7 +68,7 @@ def scan_rays(
     a return are left out unless `clear_no_return`.
     """
     limit = min(max_range, scan.range_max)
-    chosen = scan.is_return | (scan.is_open & clear_no_return)
+    chosen = scan.is_return | scan.is_open if clear_no_return else scan.is_return
     ranges = np.minimum(scan.ranges[chosen], limit)
     is_hit = scan.is_return[chosen] & (scan.ranges[chosen] <= max_range)
     return ranges[:, None] * scan.directions[chosen], is_hit

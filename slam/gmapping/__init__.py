@@ -5,9 +5,9 @@ The path of a matched scan, file by file:
     tracking.py        where each scan, matched or not, has the robot on the best particle's map, beginning with the
                        odometry; where the map contradicts that, look around (alignment.py, fit_kernels.py)
     motion.py          odometry since the last matched scan: mean and covariance
-    matcher.py         start among samples of that covariance (search_kernels.py), then Gauss-Newton steps on the
-                       distance to lines through mean hit points, odometry as a prior (match_kernels.py); the result is
-                       the Gaussian of the improved proposal
+    matcher.py         points thinned (thinning_kernel.py), start among samples of that covariance (search_kernels.py),
+                       then Gauss-Newton steps on the distance to lines through mean hit points, odometry as a prior
+                       (match_kernels.py); the result is the Gaussian of the improved proposal
     engine.py          draw from it, weigh, resample when few particles carry the weight (resampling.py)
     tile_maps.py       write the scan into each particle's counted cells, shared copy-on-write (tile_kernels.py)
     paths.py           remember where each particle came from

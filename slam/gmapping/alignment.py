@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..geometry import wrap_angle, wrap_one
+from ..geometry import wrap_one
 from ..search.branch_and_bound import SearchWindow, Separation, branch_and_bound
 from ..search.score_pyramid import ScoreGrid, build_pyramid
 from .config import TrackingConfig
@@ -67,8 +67,11 @@ class MapAlignment:
         self._scale = np.array([1.0 / maps.cell, 1.0 / maps.cell, 1.0])
         self._corner = np.array([maps.origin[0] * SIDE, maps.origin[1] * SIDE, 0.0])
         self._points = np.ascontiguousarray(matcher.thinned(points_robot, maps.cell) / maps.cell)
-        few = max(1, len(self._points) // matcher.config.sample_points)
-        self._few = np.ascontiguousarray(self._points[::few])
+
+    @property
+    def _few(self) -> Array:
+        """(m, 2) the points that judge a sample."""
+        return np.ascontiguousarray(self._points[:: max(1, len(self._points) // self._matcher.config.sample_points)])
 
     def refined(self, start: Array, expected: Array, covariance: Array, *, near: bool = False) -> Candidate:
         """Return where Gauss-Newton steps lead from `start` (3,), with a Gaussian around `expected` (3,) as a prior.
@@ -77,7 +80,7 @@ class MapAlignment:
         """
         maps, matcher = self._maps, self._matcher
         pose, prior = self._to_cells(start), self._to_cells(expected)
-        pose[2] = prior[2] + wrap_one(pose[2] - prior[2])
+        pose[2] = prior.item(2) + wrap_one(pose.item(2) - prior.item(2))
         information = np.linalg.inv(covariance * self._scale[:, None] * self._scale)
         system = np.zeros((3, 4))
         _, loss = match(
@@ -105,7 +108,7 @@ class MapAlignment:
         pose = self._to_cells(expected)
         search_samples(
             pose.copy(), root, samples, self._few, self._config.weight, self._config.unseen, self._directory,
-            maps.counts, maps.bits, pose,
+            maps.counts, maps.near, pose,
         )  # fmt: skip
         return self.refined(self._to_metres(pose), expected, covariance)
 
@@ -138,7 +141,7 @@ class MapAlignment:
         """Return the better one of a pose of a search and what it is refined to."""
         pose, step = np.array(start, dtype=np.float64), np.array([_SEARCH_CELL, _SEARCH_CELL, self._config.window_turn])
         off = pose - expected
-        off[2] = wrap_angle(off[2])
+        off[2] = wrap_one(off.item(2))
         rough = np.diag((step * self._scale) ** 2)
         kept = self._judged(self._to_cells(pose), rough, 0.5 * float(off @ np.linalg.inv(covariance) @ off))
         return max(kept, self.refined(pose, expected, covariance), key=_value)
@@ -157,9 +160,9 @@ class MapAlignment:
 
     def _judged(self, pose: Array, covariance: NDArray[np.floating], distance: float, loss: float = 1.0) -> Candidate:
         maps, config, n = self._maps, self._config, max(len(self._points), 1)
-        x, y, theta = pose
+        x, y, theta = pose.tolist()
         against, unknown = compare(
-            x, y, theta, self._points, config.unseen, np.inf, self._directory, maps.counts, maps.bits
+            x, y, theta, self._points, config.unseen, np.inf, self._directory, maps.counts, maps.near
         )
         value = -config.weight * against / n - distance
         spoken = (against - config.unseen * unknown) / n
@@ -172,7 +175,7 @@ class MapAlignment:
 
     def _to_metres(self, pose: Array) -> Array:
         pose = (pose + self._corner) / self._scale
-        pose[2] = wrap_angle(pose[2])
+        pose[2] = wrap_one(pose.item(2))
         return pose
 
 

@@ -18,7 +18,7 @@ from ..scan import LaserScan
 from ..settings import with_settings
 from .config import GMappingConfig
 from .matcher import ParticleScanMatcher
-from .motion import MotionModel, turned
+from .motion import MotionModel, turned, turned_once
 from .paths import PathTree
 from .resampling import effective_number, normalised, systematic
 from .tile_maps import TileMaps
@@ -60,7 +60,7 @@ class GMapping:
         self._log_weights = np.zeros(self.config.particles)  # since the last resampling
         self._log_evidence = np.zeros(self.config.particles)  # of the whole path
         self._odometry: Array | None = None
-        self._ranges = np.zeros(0)  # of the last scan
+        self._ranges = b""  # of the last scan
         self._spread = np.zeros((3, 3))  # covariance of the particles' poses
         self._online = PoseLog()
         self._layers = array("q")  # the matched scan that each scan follows
@@ -94,10 +94,10 @@ class GMapping:
         self._odometry = odometry
         self._layers.append(len(self._paths) - 1)
         self._offsets.append(self._tracker.pose)
-        self._online.append(self.pose)
-        covariance = self._covariance()
-        near = np.trace(covariance[:2, :2]) <= self.config.tracking.spread**2
-        return SlamUpdate(self.pose, integrated, diagnostics, bool(near and self._tracker.located), covariance)
+        pose, covariance = self.pose, self._covariance()
+        self._online.append(pose)
+        near = covariance[0, 0] + covariance[1, 1] <= self.config.tracking.spread**2
+        return SlamUpdate(pose, integrated, diagnostics, bool(near and self._tracker.located), covariance)
 
     def finish(self) -> None:
         """Do nothing: the filter has no further work after the last scan."""
@@ -110,7 +110,7 @@ class GMapping:
     @property
     def best_particle(self) -> int:
         """The particle whose whole path explains the scans best."""
-        return int(np.argmax(self._log_evidence))
+        return int(self._log_evidence.argmax())
 
     def trajectory(self) -> Array:
         """Return (n, 3) T_map_robot for every scan so far, along the best particle's path."""
@@ -141,12 +141,15 @@ class GMapping:
 
     def _points(self, scan: LaserScan) -> Array:
         """Return (n, 2) returns in the robot frame [m]; none of a scan that a driver gave a second time."""
-        repeated, self._ranges = np.array_equal(scan.ranges, self._ranges, equal_nan=True), scan.ranges
-        near = scan.ranges[scan.is_return] <= self.config.max_urange
-        return scan.points_robot[near & (not repeated)]
+        last, self._ranges = self._ranges, scan.ranges.tobytes()
+        if self._ranges == last:
+            return np.zeros((0, 2))
+        if scan.range_max <= self.config.max_urange:
+            return scan.points_robot
+        return scan.points_robot[scan.ranges[scan.beams] <= self.config.max_urange]
 
     def _is_due(self) -> bool:
-        x, y, heading = self._tracker.pose
+        x, y, heading = self._tracker.pose.tolist()
         way, turn = max(self._motion.travelled, np.hypot(x, y)), max(self._motion.turned, abs(heading))
         return bool(way >= self.config.linear_update or turn >= self.config.angular_update)
 
@@ -158,7 +161,7 @@ class GMapping:
 
     def _covariance(self) -> Array:
         """Return the covariance (3, 3) of the pose, map frame: that of the particles, and of the motion since."""
-        return self._spread + turned(self._tracker.covariance, self._poses[self.best_particle, 2])
+        return self._spread + turned_once(self._tracker.covariance, self._poses.item(self.best_particle, 2))
 
     def _process(self, points_robot: Array) -> dict[str, float]:
         """Match, draw, weigh and resample."""
@@ -166,8 +169,10 @@ class GMapping:
         covariances = turned(self._motion.covariance, self._poses[:, 2])
         matches = self._matcher.match(self._maps, points_robot, means, covariances, self._rng)
         lost = matches.losses > 1.0 - self.config.minimum_score
-        modes = np.where(lost[:, None], compose(self._poses, self._motion.mean), matches.modes)
-        roots = np.where(lost[:, None, None], np.linalg.cholesky(covariances), matches.roots)
+        modes, roots = matches.modes, matches.roots
+        if lost.any():
+            modes = np.where(lost[:, None], compose(self._poses, self._motion.mean), modes)
+            roots = np.where(lost[:, None, None], np.linalg.cholesky(covariances), roots)
         self._poses = modes + np.einsum("pij,pj->pi", roots, self._rng.standard_normal(means.shape))
         self._poses[:, 2] = wrap_angle(self._poses[:, 2])
         gains = -self.config.observation_gain * matches.losses

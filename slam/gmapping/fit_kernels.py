@@ -7,12 +7,13 @@ contradicts the map; where no ray has been yet the map says nothing about it.
 import numpy as np
 from numba import njit
 
-from .search_kernels import NEAR
-from .tile_kernels import MASK, SHIFT, SIDE
+from .tile_kernels import MASK, SHIFT
+
+_SHIFT, _ONE, _HALF = np.uintp(SHIFT), np.uint64(1), np.uint64(32)
 
 
 @njit(cache=True, nogil=True)
-def compare(x, y, theta, points, unseen, most, directory, counts, bits):
+def compare(x, y, theta, points, unseen, most, directory, counts, near):
     """Return (contradicted, unknown) of `points` (n, 2) seen from a pose: what speaks against them, and how many lie
     where nothing is known.
 
@@ -34,20 +35,13 @@ def compare(x, y, theta, points, unseen, most, directory, counts, bits):
                 against += unseen
                 unknown += 1
                 continue
-            row, shift = row & MASK, np.uint64(col & MASK)
-            wide = (np.uint64(31) << shift) >> np.uint64(2)
-            narrow = (np.uint64(7) << shift) >> np.uint64(1)
-            beside, around = np.uint64(0), np.uint64(0)
-            for r in range(max(row - NEAR, 0), min(row + NEAR + 1, SIDE)):
-                word = np.uint64(bits[tile, np.uintp(r)])
-                around |= word & wide
-                if abs(r - row) <= 1:
-                    beside |= word & narrow
-            if beside != 0:
+            row, shift = np.uintp(row & MASK), np.uintp(col & MASK)
+            word = near[tile, row] >> shift
+            if word & _ONE:
                 continue
-            if around != 0:
+            if (word >> _HALF) & _ONE:
                 against += 0.5
-            elif counts[tile, np.uintp((row << SHIFT) | (col & MASK)), 1] == 0:
+            elif counts[tile, (row << _SHIFT) | shift, 1] == 0:
                 against += unseen
                 unknown += 1
             else:
@@ -91,7 +85,7 @@ def _widen(values, near):
 
 
 @njit(cache=True, nogil=True)
-def search_samples(prior, root, samples, points, weight, unseen, directory, counts, bits, pose):
+def search_samples(prior, root, samples, points, weight, unseen, directory, counts, near, pose):
     """Write into `pose` (3,) the best of the poses `prior + root @ sample`.
 
     A pose is worth -`weight` times the mean of what speaks against it (see `compare`), less half the square of its
@@ -107,7 +101,7 @@ def search_samples(prior, root, samples, points, weight, unseen, directory, coun
         most = (top - best) * len(points) / weight
         if most <= 0.0:
             continue
-        against, _ = compare(x, y, theta, points, unseen, most, directory, counts, bits)
+        against, _ = compare(x, y, theta, points, unseen, most, directory, counts, near)
         if against < most:
             best = top - weight * against / len(points)
             pose[0], pose[1], pose[2] = x, y, theta

@@ -12,38 +12,101 @@ from numba import njit
 from .tile_kernels import MASK, SHIFT, SIDE
 
 _ONE = np.uint64(1)
+_ROUNDING = 1e-3  # far more than what means (float32) are off by
 _SHIFT, _MASK, _SIDE = np.uintp(SHIFT), np.uintp(MASK), np.uintp(SIDE)  # unsigned: numba asks of no index if it is < 0
 
 
 @njit(cache=True, nogil=True)
-def find_cells(pose, points, stride, half, directory, means, bits, squares, cells):
-    """Find the occupied cell whose mean hit point is nearest to each `stride`-th of `points`, seen from `pose`.
+def _row_bits(row, first, width, directory, bits):
+    """Return the bits of `width` cells of a row from column `first` on; they lie in two tiles at most.
 
-    Looks at cells at most `half` rows and columns away; first at the closest nine, beyond which all are farther than 1.
-
-    Args:
-        squares: (n,) its squared distance; inf if there is none.
-        cells: (n,) its row and column, row << 32 | column; -1 if there is none.
+    Without a branch: with one, numba counts references to the arrays in every call, eight times the work.
     """
+    tiles = directory[row >> _SHIFT]
+    left = np.uint64(bits[np.uintp(tiles[first >> _SHIFT]), row & _MASK])
+    right = np.uint64(bits[np.uintp(tiles[(first + width - _ONE) >> _SHIFT]), row & _MASK])
+    return ((left | (right << _SIDE)) >> (first & _MASK)) & ((_ONE << width) - _ONE)
+
+
+@njit(cache=True, nogil=True)
+def _gather(pose, points, stride, directory, means, bits, seen, near, names):
+    """Keep `seen`, `near` and `names` of `find_cells` up to date for each `stride`-th of `points`."""
     cos, sin = np.cos(pose[2]), np.sin(pose[2])
     rows, cols = directory.shape[0] << SHIFT, directory.shape[1] << SHIFT
     for k in range(0, len(points), stride):
+        col = int(np.floor(pose[0] + (cos * points[k, 0] - sin * points[k, 1])))
+        row = int(np.floor(pose[1] + (sin * points[k, 0] + cos * points[k, 1])))
+        here = (row << 32) | col
+        if seen[k, 0] == here:
+            continue
+        n = 0
+        if row >= 1 and col >= 1 and row < rows - 1 and col < cols - 1:
+            for r in range(np.uintp(row - 1), np.uintp(row + 2)):
+                c = np.uintp(col - 1)
+                word = _row_bits(r, c, np.uintp(3), directory, bits)
+                while word != 0:
+                    if word & _ONE:
+                        tile = np.uintp(directory[r >> _SHIFT, c >> _SHIFT])
+                        cell = ((r & _MASK) << _SHIFT) | (c & _MASK)
+                        near[k, n, 0] = np.float64(c) + means[tile, cell, 0]
+                        near[k, n, 1] = np.float64(r) + means[tile, cell, 1]
+                        names[k, n] = (np.int64(r) << 32) | np.int64(c)
+                        n += 1
+                    word >>= _ONE
+                    c += _ONE
+        seen[k, 0], seen[k, 1] = here, n
+
+
+@njit(cache=True, nogil=True)
+def find_cells(pose, points, stride, half, directory, means, bits, seen, near, names, squares, cells):
+    """Find the occupied cell whose mean hit point is nearest to each `stride`-th of `points`, seen from `pose`.
+
+    Looks at cells at most `half` rows and columns away; first at the closest nine, beyond which all are farther than 1.
+    What is among the nine is remembered: a point hardly leaves its cell from step to step.
+
+    Args:
+        seen: (n, 3) the cell where each point was, -1 at first; how many of the nine around it are occupied; the cell
+            around which nothing is within `half`, -1 where that is not known.
+        near, names: (n, 9, 2) the mean hit points of the nine, and (n, 9) their cells.
+        squares: (n,) the squared distance; inf if there is none.
+        cells: (n,) row and column of the nearest, row << 32 | column; -1 if there is none.
+    """
+    _gather(pose, points, stride, directory, means, bits, seen, near, names)
+    cos, sin = np.cos(pose[2]), np.sin(pose[2])
+    for k in range(0, len(points), stride):
+        x = pose[0] + (cos * points[k, 0] - sin * points[k, 1])
+        y = pose[1] + (sin * points[k, 0] + cos * points[k, 1])
+        best, found = np.inf, -1
+        for i in range(seen[k, 1]):
+            dx, dy = near[k, i, 0] - x, near[k, i, 1] - y
+            square = dx * dx + dy * dy
+            if square < best:
+                best, found = square, names[k, i]
+        squares[k], cells[k] = best, found
+    _look_wide(pose, points, stride, half, directory, means, bits, seen, squares, cells)
+
+
+@njit(cache=True, nogil=True)
+def _look_wide(pose, points, stride, half, directory, means, bits, seen, squares, cells):
+    """Look at the whole window for each `stride`-th of `points` with nothing within 1 cell; see `find_cells`."""
+    cos, sin = np.cos(pose[2]), np.sin(pose[2])
+    rows, cols = directory.shape[0] << SHIFT, directory.shape[1] << SHIFT
+    width = np.uintp(2 * half + 1)
+    for k in range(0, len(points), stride):
+        if squares[k] <= 1.0:
+            continue
         x = pose[0] + (cos * points[k, 0] - sin * points[k, 1])
         y = pose[1] + (sin * points[k, 0] + cos * points[k, 1])
         row, col = int(np.floor(y)), int(np.floor(x))
-        for reach in (1, half):
-            best, found = np.inf, -1
-            if row < reach or col < reach or row >= rows - reach or col >= cols - reach:
-                continue
-            first, width = np.uintp(col - reach), np.uintp(2 * reach + 1)
-            for r in range(np.uintp(row - reach), np.uintp(row + reach + 1)):
-                tile = np.uintp(directory[r >> _SHIFT, first >> _SHIFT])
-                word = np.uint64(bits[tile, r & _MASK]) >> (first & _MASK)
-                if (first & _MASK) + width > _SIDE:
-                    tile = np.uintp(directory[r >> _SHIFT, (first >> _SHIFT) + _ONE])
-                    word |= np.uint64(bits[tile, r & _MASK]) << (_SIDE - (first & _MASK))
-                word &= (_ONE << width) - _ONE
-                c = first
+        most, best, found = squares[k], np.inf, -1
+        inside = row >= half and col >= half and row < rows - half and col < cols - half
+        if inside and seen[k, 2] != seen[k, 0]:
+            for r in range(np.uintp(row - half), np.uintp(row + half + 1)):
+                apart = max(np.float64(r) - y, y - np.float64(r) - 1.0) - _ROUNDING
+                if apart > 0.0 and apart * apart > most:
+                    continue  # the whole row is farther
+                c = np.uintp(col - half)
+                word = _row_bits(r, c, width, directory, bits)
                 while word != 0:
                     if word & _ONE:
                         tile = np.uintp(directory[r >> _SHIFT, c >> _SHIFT])
@@ -53,10 +116,10 @@ def find_cells(pose, points, stride, half, directory, means, bits, squares, cell
                         square = dx * dx + dy * dy
                         if square < best:
                             best, found = square, (np.int64(r) << 32) | np.int64(c)
+                            most = min(most, best)
                     word >>= _ONE
                     c += _ONE
-            if best <= 1.0:
-                break
+            seen[k, 2] = seen[k, 0] if found < 0 else -1
         squares[k], cells[k] = best, found
 
 
@@ -73,9 +136,11 @@ def draw_lines(cells, stride, half, straightness, directory, counts, means, bits
         row, col = cells[k] >> 32, cells[k] & 0xFFFFFFFF
         n, weights, sx, sy, sxx, sxy, syy = 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         for r in range(np.uintp(row - half), np.uintp(row + half + 1)):
-            for c in range(np.uintp(col - half), np.uintp(col + half + 1)):
-                tile = np.uintp(directory[r >> _SHIFT, c >> _SHIFT])
-                if (np.uint64(bits[tile, r & _MASK]) >> (c & _MASK)) & _ONE:
+            c = np.uintp(col - half)
+            word = _row_bits(r, c, np.uintp(2 * half + 1), directory, bits)
+            while word != 0:
+                if word & _ONE:
+                    tile = np.uintp(directory[r >> _SHIFT, c >> _SHIFT])
                     cell = ((r & _MASK) << _SHIFT) | (c & _MASK)
                     dx = np.float64(np.int64(c) - col) + means[tile, cell, 0]
                     dy = np.float64(np.int64(r) - row) + means[tile, cell, 1]
@@ -87,6 +152,8 @@ def draw_lines(cells, stride, half, straightness, directory, counts, means, bits
                     sxx += w * dx * dx
                     sxy += w * dx * dy
                     syy += w * dy * dy
+                word >>= _ONE
+                c += _ONE
         lines[k, 0] = 0.0
         if n < 3:
             continue
@@ -102,13 +169,21 @@ def draw_lines(cells, stride, half, straightness, directory, counts, means, bits
 
 
 @njit(cache=True, nogil=True)
-def accumulate(pose, points, stride, half, scale, straightness, directory, counts, means, bits, known, lines, system):
+def new_memory(n):
+    """Return what `accumulate` remembers of n points from step to step: see `find_cells` and `draw_lines`."""
+    seen, near, names = np.full((n, 3), -1), np.empty((n, 9, 2)), np.empty((n, 9), dtype=np.int64)
+    known, lines = np.full(n, -1), np.empty((n, 5))
+    return seen, near, names, np.empty(n), np.empty(n, dtype=np.int64), known, lines
+
+
+@njit(cache=True, nogil=True)
+def accumulate(pose, points, stride, half, scale, straightness, directory, counts, means, bits, remembered, system):
     """Fill `system` (3, 4), the weighted normal equations [H | g] at `pose`; return (points met, mean loss).
 
-    `known` (n,) is the cell whose line stands in `lines` (n, 5) for each point, -1 at first; both are kept up to date.
+    `remembered` is what `new_memory` returned for these points, and is kept up to date.
     """
-    squares, cells = np.empty(len(points)), np.empty(len(points), dtype=np.int64)
-    find_cells(pose, points, stride, half, directory, means, bits, squares, cells)
+    seen, near, names, squares, cells, known, lines = remembered
+    find_cells(pose, points, stride, half, directory, means, bits, seen, near, names, squares, cells)
     draw_lines(cells, stride, 2, straightness, directory, counts, means, bits, known, lines)
     return add_up(pose, points, stride, scale, directory, means, squares, cells, lines, system)
 
@@ -190,12 +265,13 @@ def match(
 ):
     """Move `pose` (3,) to the best alignment; leave the information matrix in `system`[:, :3]; return (met, loss)."""
     step = np.zeros(3)
-    known, lines = np.full(len(points), -1), np.zeros((len(points), 5))
+    remembered = new_memory(len(points))
     for s in range(len(stages)):
         half, stride, scale = int(stages[s, 0]), int(stages[s, 1]), stages[s, 3]
+        remembered[0][:, 2] = -1  # another window
         for _ in range(int(stages[s, 2])):
             met, loss = accumulate(
-                pose, points, stride, half, scale, straightness, directory, counts, means, bits, known, lines, system
+                pose, points, stride, half, scale, straightness, directory, counts, means, bits, remembered, system
             )
             _weigh(system, met, beams, sigma)
             _add_prior(system, pose, prior, prior_information)
@@ -206,7 +282,7 @@ def match(
                 break
     half, scale = int(stages[-1, 0]), stages[-1, 3]
     met, loss = accumulate(
-        pose, points, 1, half, scale, straightness, directory, counts, means, bits, known, lines, system
+        pose, points, 1, half, scale, straightness, directory, counts, means, bits, remembered, system
     )
     _weigh(system, met, beams, sigma)
     _add_prior(system, pose, prior, prior_information)

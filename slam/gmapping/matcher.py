@@ -9,6 +9,7 @@ from ..processes.threads import Workers
 from .config import MatcherConfig
 from .match_kernels import match_particles
 from .search_kernels import search_particles
+from .thinning_kernel import first_of_squares
 from .tile_kernels import SIDE
 from .tile_maps import TileMaps
 
@@ -60,59 +61,47 @@ class ParticleScanMatcher:
         covariances = covariances * scale[:, None] * scale
         points = np.ascontiguousarray(self.thinned(points_robot, maps.cell) / maps.cell)
         priors = means * scale - corner
-        poses = self._search(maps, points, priors, covariances, rng)
-        systems, losses = self._refine(maps, points, priors, covariances, poses)
+        samples = rng.standard_normal((self.config.samples, 3))
+        samples[0] = 0.0
+        poses, systems, losses = self._aligned(maps, points, priors, covariances, samples)
         roots = np.linalg.cholesky(np.linalg.inv(systems[:, :, :3])) / scale[:, None]
         return Matches((poses + corner) / scale, roots, losses)
 
     def thinned(self, points: Array, cell: float) -> Array:
         """Return the first of `points` (n, 2) [m] in each square, in their order."""
-        squares = np.floor(points / (cell * self.config.thinning)).astype(np.int64)
-        keys = squares[:, 0] * 2**32 + squares[:, 1]
-        return points[np.sort(np.unique(keys, return_index=True)[1])]
+        return first_of_squares(points, cell * self.config.thinning)
 
-    def _search(
-        self, maps: TileMaps, points: Array, priors: Array, covariances: Array, rng: np.random.Generator
-    ) -> Array:
-        samples = rng.standard_normal((self.config.samples, 3))
-        samples[0] = 0.0
-        few = points[:: max(1, len(points) // self.config.sample_points)]
-        roots = np.linalg.cholesky(covariances)
-        poses = priors.copy()
-        weight, directory, bits = self.config.sample_weight, maps.directory, maps.bits
-        self._workers.run(
-            lambda start, stop: search_particles(
-                start, stop, priors, roots, samples, few, weight, directory, bits, poses
-            ),
-            len(priors),
-        )
-        return poses
+    def _aligned(
+        self, maps: TileMaps, points: Array, priors: Array, covariances: Array, samples: Array
+    ) -> tuple[Array, Array, Array]:
+        """Return the modes (P, 3), (P, 3, 4) systems, whose first three columns are information, and losses (P,)."""
+        config, directory = self.config, maps.directory
+        few = points[:: max(1, len(points) // config.sample_points)]
+        roots, informations = np.linalg.cholesky(covariances), np.linalg.inv(covariances)
+        poses, systems, losses = priors.copy(), np.zeros((len(priors), 3, 4)), np.ones(len(priors))
 
-    def _refine(
-        self, maps: TileMaps, points: Array, priors: Array, covariances: Array, poses: Array
-    ) -> tuple[Array, Array]:
-        """Move `poses` to their modes; return (P, 3, 4) systems, whose first three columns are information, losses."""
-        config, information = self.config, np.linalg.inv(covariances)
-        systems, losses = np.zeros((len(poses), 3, 4)), np.ones(len(poses))
-        self._workers.run(
-            lambda start, stop: match_particles(
+        def align(start: int, stop: int) -> None:
+            search_particles(
+                start, stop, priors, roots, samples, few, config.sample_weight, directory, maps.near, poses
+            )
+            match_particles(
                 start,
                 stop,
                 poses,
                 priors,
-                information,
+                informations,
                 points,
                 self.stages,
                 config.independent_points,
                 config.sigma / maps.cell,
                 config.straightness,
-                maps.directory,
+                directory,
                 maps.counts,
                 maps.means,
                 maps.bits,
                 systems,
                 losses,
-            ),
-            len(poses),
-        )
-        return systems, losses
+            )
+
+        self._workers.run(align, len(priors))
+        return poses, systems, losses

@@ -1,5 +1,7 @@
 """The odometry motion model: how far the true motion may be from the measured one."""
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -41,13 +43,13 @@ class MotionModel:
 
     def add(self, increment: Array) -> None:
         """Append `increment` (3,), T_before_after by odometry."""
-        dx, dy, dtheta = increment
-        carry, turn = carried(self.mean[2], increment)
+        dx, dy, dtheta = increment.tolist()
+        carry, turn = carried(self.mean.item(2), increment)
         self._root = carry @ self._root + turn * self.deviations(increment)
         self._floor = carry @ self._floor
         self.mean = compose(self.mean, increment)
         self.travelled += float(np.hypot(dx, dy))
-        self.turned += abs(float(dtheta))
+        self.turned += abs(dtheta)
 
     @property
     def covariance(self) -> Array:
@@ -56,23 +58,23 @@ class MotionModel:
 
     def deviations(self, increment: Array) -> Array:
         """Return the standard deviations (3,) of an increment (3,) [m, m, rad]."""
-        dx, dy, dtheta = np.abs(increment)
+        dx, dy, dtheta = map(abs, increment.tolist())  # plain numbers: half the time of numpy's
         return np.array(
-            [
+            (
                 self.srr * dx + self.str_ * dtheta + _SIDEWAYS * self.srr * dy,
                 self.srr * dy + self.str_ * dtheta + _SIDEWAYS * self.srr * dx,
-                self.stt * dtheta + self.srt * np.hypot(dx, dy),
-            ]
+                self.stt * dtheta + self.srt * float(np.hypot(dx, dy)),
+            )
         )
 
 
 def carried(heading: float, increment: Array) -> tuple[Array, Array]:
     """Return what an increment (3,) from a pose of that heading [rad] does to errors: (3, 3) of the pose before, and
     (3, 3) of the increment itself."""
-    dx, dy, _ = increment
-    cos, sin = np.cos(heading), np.sin(heading)
-    carry = np.array([[1.0, 0.0, -sin * dx - cos * dy], [0.0, 1.0, cos * dx - sin * dy], [0.0, 0.0, 1.0]])
-    return carry, np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+    dx, dy, _ = increment.tolist()
+    cos, sin = math.cos(heading), math.sin(heading)
+    carry = np.array(((1.0, 0.0, -sin * dx - cos * dy), (0.0, 1.0, cos * dx - sin * dy), (0.0, 0.0, 1.0)))
+    return carry, np.array(((cos, -sin, 0.0), (sin, cos, 0.0), (0.0, 0.0, 1.0)))
 
 
 def turned(covariance: Array, angles: ArrayLike) -> Array:
@@ -84,3 +86,10 @@ def turned(covariance: Array, angles: ArrayLike) -> Array:
     turns[..., 0, 1] = -sin
     turns[..., 2, 2] = 1.0
     return turns @ covariance @ turns.swapaxes(-1, -2)
+
+
+def turned_once(covariance: Array, angle: float) -> Array:
+    """`turned` for one `angle` [rad], at a third of the cost."""
+    cos, sin = math.cos(angle), math.sin(angle)
+    turn = np.array(((cos, -sin, 0.0), (sin, cos, 0.0), (0.0, 0.0, 1.0)))
+    return turn @ covariance @ turn.T

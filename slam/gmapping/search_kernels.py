@@ -1,19 +1,20 @@
 """Kernels that look for a good start of the alignment among samples of the odometry's error. Lengths are in cells.
 
 A sample's score is the share of the points that fall near an occupied cell, less its own improbability. It is read from
-the bits of the tiles, five words a point; samples that can no longer win are left early, which changes no result.
+the tiles' words of what is near, one a point; samples that can no longer win are left early, which changes no result.
 """
 
 import numpy as np
 from numba import njit
 
-from .tile_kernels import MASK, SHIFT, SIDE
+from .tile_kernels import MASK, SHIFT
 
 NEAR = 2  # cells; a point counts fully within one cell (either axis), half within NEAR; tiles end the sight
+_ONE, _HALF = np.uint64(1), np.uint64(32)
 
 
 @njit(cache=True, nogil=True)
-def count_missed(x, y, theta, points, chance, directory, bits):
+def count_missed(x, y, theta, points, chance, directory, near):
     """Return what `points` (n, 2) miss, seen from a pose: 0 each where an occupied cell is within one cell, 1 within
     NEAR, else 2; the count may stop where it reaches `chance`."""
     cos, sin = np.cos(theta), np.sin(theta)
@@ -30,21 +31,13 @@ def count_missed(x, y, theta, points, chance, directory, bits):
             tile = np.uintp(directory[np.uintp(row >> SHIFT), np.uintp(col >> SHIFT)])
             if tile == 0:
                 continue
-            row, shift = row & MASK, np.uint64(col & MASK)
-            wide = (np.uint64(31) << shift) >> np.uint64(2)
-            narrow = (np.uint64(7) << shift) >> np.uint64(1)
-            beside, around = np.uint64(0), np.uint64(0)
-            for r in range(max(row - NEAR, 0), min(row + NEAR + 1, SIDE)):
-                word = np.uint64(bits[tile, np.uintp(r)])
-                around |= word & wide
-                if abs(r - row) <= 1:
-                    beside |= word & narrow
-            missed -= 2 if beside != 0 else 1 if around != 0 else 0
+            word = near[tile, np.uintp(row & MASK)] >> np.uint64(col & MASK)
+            missed -= np.int64((word & _ONE) + ((word >> _HALF) & _ONE))
     return missed
 
 
 @njit(cache=True, nogil=True)
-def search(prior, root, samples, points, weight, directory, bits, pose):
+def search(prior, root, samples, points, weight, directory, near, pose):
     """Write into `pose` (3,) the best of the poses `prior + root @ sample`.
 
     Args:
@@ -53,7 +46,7 @@ def search(prior, root, samples, points, weight, directory, bits, pose):
         samples: (m, 3) standard normal draws.
         points: (n, 2) of the scan.
         weight: Log-likelihood that lies between no point and every point near an occupied cell.
-        directory, bits: The map.
+        directory, near: The map.
         pose: (3,) the result.
     """
     best = -np.inf
@@ -64,7 +57,7 @@ def search(prior, root, samples, points, weight, directory, bits, pose):
         theta = prior[2] + root[2, 0] * z0 + root[2, 1] * z1 + root[2, 2] * z2
         top = weight - 0.5 * (z0 * z0 + z1 * z1 + z2 * z2)
         chance = (top - best) * 2 * len(points) / weight  # more than this, and another sample is better
-        missed = count_missed(x, y, theta, points, chance, directory, bits)
+        missed = count_missed(x, y, theta, points, chance, directory, near)
         value = top - weight * missed / (2 * max(len(points), 1))
         if missed < chance and value > best:
             best = value
@@ -72,7 +65,7 @@ def search(prior, root, samples, points, weight, directory, bits, pose):
 
 
 @njit(cache=True, nogil=True)
-def search_particles(start, stop, priors, roots, samples, points, weight, directory, bits, poses):
+def search_particles(start, stop, priors, roots, samples, points, weight, directory, near, poses):
     """`search` for particles start..stop."""
     for p in range(start, stop):
-        search(priors[p], roots[p], samples, points, weight, directory[p], bits, poses[p])
+        search(priors[p], roots[p], samples, points, weight, directory[p], near, poses[p])

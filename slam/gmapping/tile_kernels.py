@@ -4,6 +4,8 @@ A tile is a square of SIDE x SIDE cells. Tile 0 is the empty one, shared by all,
     counts (T, SIDE*SIDE, 2) uint16: hits, visits (hits included)
     means (T, SIDE*SIDE, 2) float32: mean hit point, from the lower corner of its cell
     bits (T, SIDE) uint32: bit c of word r is set where cell (r, c) is occupied
+    near (T, SIDE) uint64: bit c of word r is set where an occupied cell of the tile is within one cell (either axis) of
+        cell (r, c); bit 32 + c where one is within two
 A directory (rows, cols) int32 names the tile of each place.
 """
 
@@ -16,7 +18,7 @@ SIDE = 32
 SHIFT = 5
 MASK = SIDE - 1
 _MOST = np.uint16(65535)
-_ONE = np.uint32(1)
+_ONE, _TWO = np.uint32(1), np.uint32(2)
 _SHIFT, _MASK = np.uintp(SHIFT), np.uintp(MASK)  # unsigned: numba asks of no index whether it is below zero
 
 
@@ -34,6 +36,25 @@ def _mark_ray(x0, y0, x1, y1, needed):
         needed[row, col] = True
         row, col, next_y, next_x = ray_step(row, col, row_step, col_step, next_y, next_x, y_stride, x_stride)
     needed[row, col] = True
+
+
+@njit(cache=True, nogil=True)
+def draw_near(needed, directory, bits, near):
+    """Write the words of `near` of the `needed` (rows, cols) tiles anew."""
+    for i in range(needed.shape[0]):
+        for j in range(needed.shape[1]):
+            if not needed[i, j]:
+                continue
+            tile = directory[i, j]
+            beside, around = np.zeros(SIDE + 4, dtype=np.uint32), np.zeros(SIDE + 4, dtype=np.uint32)
+            for r in range(SIDE):
+                word = bits[tile, r]
+                beside[r + 2] = word | (word << _ONE) | (word >> _ONE)
+                around[r + 2] = beside[r + 2] | (word << _TWO) | (word >> _TWO)
+            for r in range(SIDE):
+                one = np.uint64(beside[r + 1] | beside[r + 2] | beside[r + 3])
+                two = around[r] | around[r + 1] | around[r + 2] | around[r + 3] | around[r + 4]
+                near[tile, r] = one | (np.uint64(two) << np.uint64(SIDE))
 
 
 @njit(cache=True, nogil=True)
@@ -96,14 +117,15 @@ def mark_particles(start, stop, origins, ends, needed):
 
 
 @njit(cache=True, nogil=True)
-def write_particles(start, stop, origins, ends, is_hit, margin, fullness, directory, counts, means, bits):
-    """`write_rays` for particles start..stop, whose needed tiles are theirs alone."""
+def write_particles(start, stop, origins, ends, is_hit, margin, fullness, needed, directory, counts, means, bits, near):
+    """`write_rays` for particles start..stop, whose `needed` tiles are theirs alone."""
     for p in range(start, stop):
         write_rays(origins[p, 0], origins[p, 1], ends[p], is_hit, margin, fullness, directory[p], counts, means, bits)
+        draw_near(needed[p], directory[p], bits, near)
 
 
 @njit(cache=True, nogil=True)
-def own_tiles(needed, directory, references, free, free_count, counts, means, bits):
+def own_tiles(needed, directory, references, free, free_count, used, counts, means, bits, near):
     """Give each particle a tile of its own at every needed place; return how many of `free` are left.
 
     A missing tile is taken empty from the end of `free`; one shared with another particle is copied first.
@@ -116,9 +138,12 @@ def own_tiles(needed, directory, references, free, free_count, counts, means, bi
                     continue
                 free_count -= 1
                 new = free[free_count]
-                counts[new] = counts[tile]
-                means[new] = means[tile]
-                bits[new] = bits[tile]
+                if tile != 0 or used[new]:  # else it is as empty
+                    counts[new] = counts[tile]
+                    means[new] = means[tile]
+                    bits[new] = bits[tile]
+                    near[new] = near[tile]
+                used[new] = True
                 references[tile] -= 1
                 references[new] = 1
                 directory[p, r, c] = new

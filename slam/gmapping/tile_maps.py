@@ -5,9 +5,9 @@ from numpy.typing import NDArray
 
 from ..bounds import cell_numbers, check_size, memory_for
 from ..errors import InputError
-from ..geometry import transform_points
 from ..occupancy_map import OccupancyMap
 from ..processes.threads import Workers
+from ..rigid_kernel import move_points
 from .tile_kernels import SIDE, mark_particles, own_tiles, write_particles
 
 Array = NDArray[np.float64]
@@ -42,9 +42,11 @@ class TileMaps:
         self.counts = np.zeros((1, SIDE * SIDE, 2), dtype=np.uint16)
         self.means = np.zeros((1, SIDE * SIDE, 2), dtype=np.float32)
         self.bits = np.zeros((1, SIDE), dtype=np.uint32)
+        self.near = np.zeros((1, SIDE), dtype=np.uint64)
         self._references = np.zeros(1, dtype=np.int64)
         self._free = np.zeros(1, dtype=np.int64)
         self._free_count = 0
+        self._used = np.zeros(1, dtype=np.bool_)  # whether a tile was ever given to a particle
         self._scans = 0  # written so far
 
     @property
@@ -65,10 +67,12 @@ class TileMaps:
             is_hit: (n,) whether the ray hit something at its end.
         """
         self._scans += 1
-        ends_map = transform_points(T_map_lidar, points_lidar[None])
+        ends, starts = _placed(T_map_lidar, points_lidar), T_map_lidar[:, :2]
         with memory_for("the maps of all particles"):
-            self._reach(np.concatenate((ends_map.reshape(-1, 2), T_map_lidar[:, :2])))
-        ends, origins = self.to_cells(ends_map), self.to_cells(T_map_lidar[:, :2])
+            self._reach(np.concatenate((_corners(ends.reshape(-1, 2)), _corners(starts))))
+        origins = self.to_cells(starts)
+        ends /= self.cell
+        ends -= self.origin * SIDE
         needed = np.zeros(self.directory.shape, dtype=np.bool_)
         count = len(T_map_lidar)
         self._workers.run(lambda start, stop: mark_particles(start, stop, origins, ends, needed), count)
@@ -83,10 +87,12 @@ class TileMaps:
                 is_hit,
                 self.margin,
                 self.fullness,
+                needed,
                 self.directory,
                 self.counts,
                 self.means,
                 self.bits,
+                self.near,
             ),
             count,
         )
@@ -117,7 +123,16 @@ class TileMaps:
         shared = needed & ((self.directory == 0) | (self._references[self.directory] > 1))
         self._reserve(int(np.count_nonzero(shared)))
         self._free_count = own_tiles(
-            needed, self.directory, self._references, self._free, self._free_count, self.counts, self.means, self.bits
+            needed,
+            self.directory,
+            self._references,
+            self._free,
+            self._free_count,
+            self._used,
+            self.counts,
+            self.means,
+            self.bits,
+            self.near,
         )
 
     def _reserve(self, count: int) -> None:
@@ -126,13 +141,13 @@ class TileMaps:
             return
         old = len(self.bits)
         most = _FREE_TILES + _TILES_A_SCAN * self._scans
-        new = max(old + count, min(old * 3 // 2, most))
+        new = max(old + count, min(2 * old, most))
         if new > most:
             raise InputError(
                 f"the maps of {len(self.directory)} particles would take {new} tiles of {SIDE} x {SIDE} cells, more "
                 f"than {most}; take fewer particles, larger cells or a shorter `max_urange`"
             )
-        names = ("counts", "means", "bits", "_references", "_free")
+        names = ("counts", "means", "bits", "near", "_references", "_free", "_used")
         # All or none: where memory runs out, the maps stay as they are.
         more = [np.zeros((new, *getattr(self, name).shape[1:]), dtype=getattr(self, name).dtype) for name in names]
         for name, grown in zip(names, more, strict=True):
@@ -144,8 +159,7 @@ class TileMaps:
     def _reach(self, points_map: Array) -> None:
         """Grow the directories so that `points_map` (n, 2) and a margin lie inside; the first ones begin there."""
         size = np.array(self.directory.shape[:0:-1])
-        corners = [[side.min() for side in points_map.T], [side.max() for side in points_map.T]]
-        least, most = cell_numbers(np.array(corners) / (self.cell * SIDE))
+        least, most = cell_numbers(_corners(points_map) / (self.cell * SIDE))
         first = self.tiles == 0
         low, high = (least, least) if first else (self.origin, self.origin + size)
         lower = np.minimum(least - 1, low)
@@ -163,3 +177,16 @@ class TileMaps:
             grown[:, row : row + size[1], column : column + size[0]] = self.directory
         self.directory, self.origin = grown, lower
         self._references[0] = np.count_nonzero(grown == 0)
+
+
+def _placed(poses: Array, points: Array) -> Array:
+    """Return `points` (n, 2) seen from each of `poses` (P, 3) in their frame, (P, n, 2)."""
+    placed, cos, sin = np.empty((len(poses), *points.shape)), np.cos(poses[:, 2]), np.sin(poses[:, 2])
+    for p in range(len(poses)):
+        move_points(poses[p, 0], poses[p, 1], cos[p], sin[p], points, placed[p])
+    return placed
+
+
+def _corners(points: Array) -> Array:
+    """Return (2, 2) the lowest and the highest x and y of `points` (n, 2)."""
+    return np.array([[side.min() for side in points.T], [side.max() for side in points.T]])

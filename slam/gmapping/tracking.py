@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import between, compose, wrap_angle
+from ..geometry import between, compose, wrap_one
 from .alignment import Candidate, MapAlignment
 from .config import TrackingConfig
 from .matcher import ParticleScanMatcher
-from .motion import FLOOR, MotionModel, carried, turned
+from .motion import FLOOR, MotionModel, carried, turned_once
 from .tile_maps import TileMaps
 
 Array = NDArray[np.float64]
@@ -54,7 +54,8 @@ class Tracker:
         self._matcher = matcher
         self._model = model
         self._most_loss = 1.0 - minimum_score
-        self._reach = np.array([config.least_way, config.least_turn])  # [m, rad] the largest motions of late
+        self._least = np.array([config.least_way, config.least_turn])  # [m, rad]
+        self._reach = self._least.copy()  # [m, rad] the largest motions of late
         self._time_s, self._usual_s = np.inf, np.inf  # of the last scan; between two scans
         self._timed = False  # whether the clock ran from the last scan to this one
         self.located = True  # whether the last scan leaves no doubt where the robot is
@@ -82,23 +83,23 @@ class Tracker:
             increment: (3,) T_before_now by odometry.
             time_s: When the scan was taken.
         """
-        longer = self._longer(time_s)
-        covariance, last = self._predicted(increment), self.pose
+        longer, deviations, last = self._longer(time_s), self._model.deviations(increment), self.pose
+        covariance = self._predicted(increment, deviations)
         found, believed = None, True
         if len(points_robot):
             found, believed = self._found(
                 MapAlignment(maps, particle, points_robot, self._matcher, self.config),
                 compose(origin, last),
                 compose(origin, compose(last, increment)),
-                turned(covariance, origin[2]),
+                turned_once(covariance, origin.item(2)),
                 self._reach * max(longer, 1.0 + self._poor),
             )
         if found is None or found.loss > self._most_loss:
             self.pose, self.covariance = compose(last, increment), covariance
             return Tracked(increment, True)
-        self.pose, self.covariance = between(origin, found.pose), turned(found.covariance, -origin[2])
+        self.pose, self.covariance = between(origin, found.pose), turned_once(found.covariance, -origin.item(2))
         motion = between(last, self.pose)
-        self._learn(motion, increment, longer)
+        self._learn(motion, increment, deviations, longer)
         self.located = found.against <= self.config.lost and (believed or -found.value <= self.config.suspicion)
         self._poor = min(self._poor + 1, _MOST_POOR) if -found.value > self.config.lie else 0
         return Tracked(motion, believed)
@@ -132,15 +133,14 @@ class Tracker:
         believed = other.value <= enough
         return best if believed else other, believed
 
-    def _learn(self, motion: Array, increment: Array, longer: float) -> None:
+    def _learn(self, motion: Array, increment: Array, deviations: Array, longer: float) -> None:
         """Remember how far the robot goes between two scans, and how far off the odometry is."""
         config, self._motion = self.config, motion
-        off = between(increment, motion) / (self._model.deviations(increment) + FLOOR)
+        off = between(increment, motion) / (deviations + FLOOR)
         square = min(float(off @ off) / 3.0, _MOST_NOISE**2)
         self._noise += (max(square, 1.0) - self._noise) / config.memory
-        least = np.array([config.least_way, config.least_turn])
-        self._reach += (least - self._reach) / config.memory
-        self._reach = np.maximum(self._reach, least + config.agility * _sizes(motion) / longer)
+        self._reach += (self._least - self._reach) / config.memory
+        self._reach = np.maximum(self._reach, self._least + config.agility * _sizes(motion) / longer)
 
     def _longer(self, time_s: float) -> float:
         """Return how many times as long as usual it is since the scan before; 1 where it is not, or clocks stand."""
@@ -153,13 +153,14 @@ class Tracker:
         self._usual_s += (min(passed, 2.0 * self._usual_s) - self._usual_s) / self.config.memory
         return longer
 
-    def _predicted(self, increment: Array) -> Array:
+    def _predicted(self, increment: Array, deviations: Array) -> Array:
         """Return the covariance (3, 3) of the pose after an increment, in the frame of the matched scan."""
-        carry, turn = carried(self.pose[2], increment)
-        deviations = self._model.deviations(increment)
-        return carry @ self.covariance @ carry.T + turn @ np.diag(self._noise * (deviations**2 + FLOOR**2)) @ turn.T
+        carry, turn = carried(self.pose.item(2), increment)
+        own = turn * (self._noise * (deviations**2 + FLOOR**2))
+        return carry @ self.covariance @ carry.T + own @ turn.T
 
 
 def _sizes(motion: Array) -> Array:
     """Return way [m] and turn [rad] of a motion (3,)."""
-    return np.array([np.hypot(motion[0], motion[1]), abs(wrap_angle(motion[2]))])
+    x, y, heading = motion.tolist()
+    return np.array((np.hypot(x, y), abs(wrap_one(heading))))

@@ -9,10 +9,11 @@ from hypothesis import strategies as st
 from tagalong.slam.errors import InputError
 from tagalong.slam.gmapping.config import MatcherConfig
 from tagalong.slam.gmapping.fit_kernels import compare, draw_scores
-from tagalong.slam.gmapping.match_kernels import accumulate, solve
+from tagalong.slam.gmapping.match_kernels import accumulate, new_memory, solve
 from tagalong.slam.gmapping.matcher import ParticleScanMatcher
 from tagalong.slam.gmapping.search_kernels import count_missed, search
-from tagalong.slam.gmapping.tile_kernels import SIDE
+from tagalong.slam.gmapping.thinning_kernel import first_of_squares
+from tagalong.slam.gmapping.tile_kernels import SIDE, draw_near
 from tagalong.slam.gmapping.tile_maps import TileMaps
 from tagalong.slam.grid import GridConfig, OccupancyGrid, render_map
 from tagalong.slam.grid_kernels import write_observation
@@ -103,10 +104,10 @@ def test_normal_equations_equal_numpy_and_a_step_solves_them():
     pose = np.append(maps.to_cells(np.array([0.05, -0.03])), 0.02)
     points = room_scan(rng, 150) / 0.05
     system = np.zeros((3, 4))
-    known, lines = np.full(len(points), -1), np.zeros((len(points), 5))
+    remembered = new_memory(len(points))
     tiles = maps.directory[0], maps.counts, maps.means, maps.bits
-    for _ in range(2):  # lines looked up anew, then remembered
-        _, loss = accumulate(pose, points, 1, 3, 2.0, 0.15, *tiles, known, lines, system)
+    for _ in range(2):  # looked up anew, then remembered
+        _, loss = accumulate(pose, points, 1, 3, 2.0, 0.15, *tiles, remembered, system)
     expected, expected_loss = reference.normal_equations(pose, points, 3, 2.0, 0.15, centres, hits)
     np.testing.assert_allclose(system, expected, rtol=1e-6, atol=1e-4)
     assert loss == pytest.approx(expected_loss, rel=1e-6)
@@ -130,15 +131,38 @@ def test_more_points_than_are_independent_make_a_pose_no_surer():
     assert (np.diag(all_of_them) < 0.55 * np.diag(hundred)).all()
 
 
+def test_a_match_that_remembers_its_last_step_finds_what_one_that_looks_anew_does():
+    rng = np.random.default_rng(7)
+    maps = written_maps(rng)
+    points, remembered = room_scan(rng, 150) / 0.05, new_memory(150)
+    tiles = maps.directory[0], maps.counts, maps.means, maps.bits
+    for shift in ((0.0, 0.0, 0.0), (0.01, 0.0, 0.001), (0.1, -0.05, 0.02), (0.1, -0.04, 0.02), (40.0, 0.0, 0.0)):
+        pose = np.append(maps.to_cells(np.array(shift[:2])), shift[2])
+        again, anew = np.zeros((3, 4)), np.zeros((3, 4))
+        told = accumulate(pose, points, 1, 3, 2.0, 0.15, *tiles, remembered, again)
+        assert told == accumulate(pose, points, 1, 3, 2.0, 0.15, *tiles, new_memory(150), anew)
+        np.testing.assert_array_equal(again, anew)
+
+
+def test_thinning_keeps_the_first_point_of_each_square_in_order():
+    points = np.random.default_rng(8).normal(0.0, 0.3, (300, 2))
+    squares = np.floor(points / 0.1)
+    firsts = np.sort(np.unique(squares, axis=0, return_index=True)[1])
+    assert len(firsts) < 200
+    np.testing.assert_array_equal(first_of_squares(points, 0.1), points[firsts])
+    assert first_of_squares(points[:0], 0.1).shape == (0, 2)
+
+
 @pytest.mark.parametrize("theta", [0.0, 0.7])
 def test_a_point_misses_half_where_a_wall_is_two_cells_away_and_all_where_it_is_three(theta):
-    rng, bits = np.random.default_rng(3), np.zeros((2, SIDE), np.uint32)
+    rng, bits, near = np.random.default_rng(3), np.zeros((2, SIDE), np.uint32), np.zeros((2, SIDE), np.uint64)
     bits[1, 15], bits[1, 20] = np.uint32(1 << 12), np.uint32(1 << 21)
+    draw_near(np.ones((1, 1), np.bool_), np.ones((1, 1), np.int32), bits, near)
     points = rng.uniform(-9.0, 9.0, (200, 2))
     cos, sin = np.cos(theta), np.sin(theta)
     cells = np.floor(points @ np.array([[cos, sin], [-sin, cos]]) + 16.0)
     apart = np.abs(cells[:, None] - [(12, 15), (21, 20)]).max(axis=-1).min(axis=1)
-    missed = count_missed(16.0, 16.0, theta, points, np.inf, np.ones((1, 1), np.uint32), bits)
+    missed = count_missed(16.0, 16.0, theta, points, np.inf, np.ones((1, 1), np.int32), near)
     assert missed == np.clip(apart - 1, 0, 2).sum()
     assert set(np.clip(apart - 1, 0, 2)) == {0, 1, 2}
 
@@ -151,7 +175,7 @@ def test_the_search_finds_the_best_of_all_samples():
     root = np.linalg.cholesky(np.diag([5.0, 5.0, 0.1]) ** 2)
     samples, points = rng.standard_normal((200, 3)), room_scan(rng, 60) / 0.05
     pose = np.zeros(3)
-    search(prior, root, samples, points, 30.0, maps.directory[0], maps.bits, pose)
+    search(prior, root, samples, points, 30.0, maps.directory[0], maps.near, pose)
     poses, values = reference.sample_values(prior, root, samples, points, 30.0, occupied)
     np.testing.assert_allclose(pose, poses[np.argmax(values)], rtol=1e-12)
 
@@ -163,7 +187,7 @@ def test_what_speaks_against_a_pose_equals_numpy():
     for shift in ([0.0, 0.0, 0.0], [0.3, -0.2, 0.2], [3.0, 1.0, 2.0]):
         pose = np.append(maps.to_cells(np.array(shift[:2])), shift[2])
         points = room_scan(rng, 150) / 0.05
-        found = compare(*pose, points, 0.25, np.inf, maps.directory[0], maps.counts, maps.bits)
+        found = compare(*pose, points, 0.25, np.inf, maps.directory[0], maps.counts, maps.near)
         assert found == reference.spoken_against(pose, points, 0.25, counts[..., 1] > 0, occupied)
 
 
