@@ -54,6 +54,7 @@ def table_ii(config: PeopleFilterConfig) -> dict[str, float]:
 
 PRESETS: dict[str, PerceptionConfig] = {
     "table2": PerceptionConfig(),
+    "recorded": PerceptionConfig(method="hypotheses"),
     "outdoor": PerceptionConfig(
         detector=LegDetectorConfig(gamma=0.35),
         tracker=TrackerConfig(
@@ -66,6 +67,7 @@ PRESETS: dict[str, PerceptionConfig] = {
 """Named configurations.
 
 `table2`: the paper's numbers.
+`recorded`: hypotheses of whole people, for recorded scans of any kind: moving robots, people seen as one cluster.
 `outdoor`: a robot without odometry that follows one person. Its frame moves with it, so that what stands moves too, and
 more confidence is asked of a leg (`gamma`); a turn of the robot throws the person across the view
 (`reidentification.distance`) and out of it (`max_age_s`); thin legs in coarse beams are missed for longer (`epsilon`).
