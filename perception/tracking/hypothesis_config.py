@@ -42,7 +42,7 @@ class PersonEvidenceConfig:
     empty: float = 3.28
     alike: float = 0.6
     most_looks: float = 10.0
-    look: float = 0.3
+    look: float = 0.5
     jitter: float = 0.1
     hidden_rate: float = 4.0
     missing_rate: float = 12.0
@@ -64,7 +64,7 @@ class HypothesisConfig:
         start: Log odds from which a hypothesis is a person (4.5 to 1).
         sure: And has moved `least_way`, unless its log odds are as high as this (20 to 1).
         stop: Log odds below which a person is none any more (evens).
-        least_way: More than the width of a leg [m].
+        least_way: As far as a leg must move in Table II (delta) [m].
         clutter: Things that could be legs, a square metre.
         stride: Farthest that two legs of one person are apart [m].
         merge: Two hypotheses so near are one [m].
@@ -81,7 +81,7 @@ class HypothesisConfig:
     start: float = 1.5
     sure: float = 3.0
     stop: float = 0.0
-    least_way: float = 0.15
+    least_way: float = 0.5
     clutter: float = 0.2
     stride: float = 0.9
     merge: float = 0.35

@@ -33,6 +33,7 @@ from ...slam.geometry import compose, inverse, transform_points
 from ...slam.logs.scans_npz import read_scans_npz
 from ...slam.scan import LaserScan
 from ...slam.scan_to_scan.laser_odometry import laser_odometry
+from ..console.arguments import at_least
 from ..console.tables import format_table
 from ..training.leg_forests import left_out_forests
 from ..training.leg_recordings import NEGATIVE, read_leg_recordings
@@ -179,7 +180,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--forest", choices=("left-out", "shipped"), default="left-out", help="who tells legs (default: %(default)s)"
     )
     parser.add_argument(
-        "--scans", type=int, default=TrainConfig().scans, metavar="N", help="simulated scans of a forest left out"
+        "--scans",
+        type=at_least(1),
+        default=TrainConfig().scans,
+        metavar="N",
+        help="simulated scans of each forest",
     )
 
 
