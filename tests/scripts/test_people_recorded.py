@@ -1,9 +1,10 @@
 """What `tagalong bench people-recorded` counts."""
 
+from argparse import Namespace
+
 import numpy as np
 import pytest
-from tagalong.perception import PerceptionConfig
-from tagalong.perception.legs.forest import LegForest
+from tagalong.perception import LegForest, PerceptionConfig
 from tagalong.scripts.benchmarks.people_recorded import Judge, judge_recording, read_people_recording, run
 from tagalong.slam import InputError
 
@@ -27,8 +28,10 @@ def test_found_extra_and_changed_numbers_are_counted():
 
 
 def test_an_empty_hall_without_odometry_has_nobody(tmp_path):
-    arrays = {"angle_min": -1.0, "angle_increment": 0.01, "range_min": 0.1, "range_max": 10.0}
-    np.savez(tmp_path / "hall_scans.npz", ranges=np.full((4, 200), 3.0), stamp=0.1 * np.arange(4), **arrays)
+    laser = {"angle_min": np.array(-1.0), "angle_increment": np.array(0.01), "range_min": np.array(0.1)}
+    scans = {"ranges": np.full((4, 200), 3.0), "stamp": 0.1 * np.arange(4), "range_max": np.array(10.0)}
+    with (tmp_path / "hall_scans.npz").open("wb") as file:
+        np.savez(file, allow_pickle=False, **laser, **scans)
     recording = read_people_recording(tmp_path / "hall_scans.npz")
     figures = judge_recording(recording, PerceptionConfig(method="hypotheses"), [LegForest.load("real")] * 2)
     assert (figures["people"], figures["truths"]) == (0.0, 0)
@@ -36,4 +39,4 @@ def test_an_empty_hall_without_odometry_has_nobody(tmp_path):
 
 def test_a_folder_without_recordings_is_refused(tmp_path):
     with pytest.raises(InputError, match="no recordings"):
-        run(type("Options", (), {"data": tmp_path})())
+        run(Namespace(data=tmp_path))
