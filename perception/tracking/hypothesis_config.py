@@ -15,8 +15,8 @@ class PersonEvidenceConfig:
     `vote` L + `second` S + `empty` E: L is the log odds of the forest of its better leg, S that of the other leg above
     `second_from`, E the share of recent scans in which the place was empty. The five weights are a logistic regression
     (`alike` by likelihood from 0.3, 0.6, 0.9) on hypotheses of 48 drawn drives and of the recordings positive_1 to 3,
-    negative_2 and demo_stationary, with forests that had not seen them; no recording of a moving robot among people, and
-    nothing from outdoors. Written for the confidence of the shipped forest for real scans: the fit was to its votes
+    negative_2 and demo_stationary, with forests that had not seen them; none of a moving robot among people, and none
+    from outdoors. Written for the confidence of the shipped forest for real scans: the fit was to its votes
     before they are weighed by its odds (0.485).
 
     Attributes:
