@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..slam.errors import unknown_name
 from ..slam.geometry import inverse, transform_points
 from ..slam.logs.drive import RecordedDrive
 from ..slam.scan import LaserScan
@@ -15,6 +16,8 @@ from .legs.forest import LegForest
 from .nearness_kernel import near_any
 from .tracking.camera import SeenPeople
 from .tracking.config import TrackerConfig, check_positive
+from .tracking.hypothesis_config import HypothesisConfig
+from .tracking.hypothesis_tracker import HypothesisTracker
 from .tracking.people import People
 from .tracking.tracker import PeopleTracker
 
@@ -38,6 +41,10 @@ class RemovalConfig:
         check_positive(self, "unconfirmed_radius")
 
 
+METHODS = ("leg pairs", "hypotheses")
+"""How people are tracked: as pairs of leg tracks (Ye 2021), or as hypotheses of whole people."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class PeopleFilterConfig:
     """Numbers of the people filter and of all that it consists of.
@@ -46,14 +53,23 @@ class PeopleFilterConfig:
         forest: Leg forest: "real" for recorded scans, "simulation" for those of the environments, or a file that
             `tagalong train legs` wrote.
         detector: Of legs in single scans.
+        method: How people are tracked, one of `METHODS`: "leg pairs" asks for two legs that move, each seen apart;
+            "hypotheses" for what is more likely a person than a thing, be it one cluster, from moving robots, too.
         tracker: Of people.
+        hypotheses: What the method "hypotheses" has of its own.
         removal: Which returns are dropped.
     """
 
     forest: str = "real"
     detector: LegDetectorConfig = field(default_factory=LegDetectorConfig)
+    method: str = "leg pairs"
     tracker: TrackerConfig = field(default_factory=TrackerConfig)
+    hypotheses: HypothesisConfig = field(default_factory=HypothesisConfig)
     removal: RemovalConfig = field(default_factory=RemovalConfig)
+
+    def __post_init__(self) -> None:
+        if self.method not in METHODS:
+            raise unknown_name("method", self.method, METHODS)
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +128,10 @@ class PeopleFilter:
     def __init__(self, config: PeopleFilterConfig | None = None, detector: Detector | None = None) -> None:
         self.config = config or PeopleFilterConfig()
         detector = detector or LegDetector(LegForest.load(self.config.forest), self.config.detector)
-        self._tracker = PeopleTracker(self.config.tracker, detector)
+        if self.config.method == "hypotheses":
+            self._tracker = HypothesisTracker(self.config.hypotheses, self.config.tracker, detector)
+        else:
+            self._tracker = PeopleTracker(self.config.tracker, detector)
 
     def update(self, scan: LaserScan, odometry: ArrayLike, seen: SeenPeople | None = None) -> FilteredScan:
         """Take the next scan of a drive; return it with the people in it and without them.

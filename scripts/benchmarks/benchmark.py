@@ -14,6 +14,7 @@ BENCHMARKS: dict[str, str] = {
     "slam-scale": "time and memory of SLAM as buildings and drives grow, on campus corridors that look alike",
     "kidnapping": "how soon a robot that woke up or was carried somewhere knows where it is",
     "people": "how well people are tracked and kept out of scans, in simulated drives",
+    "people-recorded": "who is found and who is none in recorded scans, each with what was chosen without it",
     "people-by-sensor": "the same, known by laser, by camera and by both, in the lab",
     "recall-by-distance": "how far people are seen, with few and with many beams",
     "following": "how long a followed person is held in a recorded drive with clicked positions",

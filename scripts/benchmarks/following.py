@@ -6,7 +6,7 @@ keeps its own. `anybody`: so is anybody. `switches`: changes of the track that i
 off, a scan.
 
 example:
-  tagalong bench following person_following_outdoor_1.npz --preset outdoor
+  tagalong bench following person_following_outdoor_1.npz --preset recorded
 """
 
 import argparse

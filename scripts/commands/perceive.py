@@ -19,6 +19,7 @@ from ...slam.files.output import write_json, write_text
 from ...slam.logs.log import read_log
 from ...slam.logs.scans_npz import read_scans_npz
 from ...slam.scan import LaserScan
+from ...slam.scan_to_scan.laser_odometry import laser_odometry
 from ..console.log_options import add_topics
 
 LEGS_HEADER, PEOPLE_HEADER = "scan,x,y,confidence", "scan,id,x,y,vx,vy,confidence"
@@ -35,7 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "gamma = 0.3 and more), people.csv (scan, id, x, y, vx, vy, confidence) and config.json. Scans count from 0.\n"
         "Whoever is nearest at first is the leader: looked for when lost, and kept under one id."
     )
-    parser.epilog = "example: tagalong perceive person_following_outdoor_1.npz --out out/people --preset outdoor"
+    parser.epilog = "example: tagalong perceive lobby.bag --out out/people --preset recorded --odometry scans"
     parser.add_argument("scans", metavar="SCANS", type=Path, help="recorded scans: log, ROS bag or .npz")
     add_topics(parser)
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the results")
@@ -45,9 +46,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--forest", default="real", help='leg forest: "real", "simulation" or a file (default: real)')
     parser.add_argument(
         "--odometry",
-        choices=("log", "none"),
+        choices=("log", "scans", "none"),
         default="log",
-        help="the log's own (an .npz has none: the laser counts as standing), or none (default: log)",
+        help="the log's own (an .npz has none: the laser counts as standing), of its scans, or none (default: log)",
     )
     parser.add_argument(
         "--frame",
@@ -89,9 +90,11 @@ def _read(options: argparse.Namespace) -> tuple[list[LaserScan], NDArray[np.floa
         raise InputError(f"no file {path}; give a CARMEN log, a ROS bag or an .npz of scans")
     if path.suffix == ".npz" or (path.is_file() and is_zipfile(path)):
         scans = read_scans_npz(path)
-        return scans, np.zeros((len(scans), 3))
-    drive = read_log(path, options.scan_topic, options.odometry_topic)
-    return drive.scans, drive.odometry if options.odometry == "log" else np.zeros((len(drive), 3))
+        odometry = np.zeros((len(scans), 3))
+    else:
+        drive = read_log(path, options.scan_topic, options.odometry_topic)
+        scans, odometry = drive.scans, drive.odometry if options.odometry == "log" else np.zeros((len(drive), 3))
+    return scans, laser_odometry(scans).poses if options.odometry == "scans" else odometry
 
 
 def _timed(scans: list[LaserScan], rate_hz: float | None, path: Path) -> list[LaserScan]:

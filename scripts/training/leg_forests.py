@@ -29,6 +29,8 @@ from .train_legs import TrainConfig, train_legs
 from .world_scans import draw_drive
 
 GAMMA = 0.3
+Fold = tuple[LegForest, LegRecording, list[LaserScan]]
+"""A forest, and the recording and the people-free scans that it was not trained on."""
 RECORDED = "recordings not trained on"
 LIMITS = (
     "Ankle to shin height, 0.25 to 1 degree between beams, legs within 6 m, one scan at a time. Seats and tables with "
@@ -72,16 +74,35 @@ def train_real(
 ) -> TrainedLegs:
     """Train on simulated scans and all recordings; the scores come from forests that left a recording out."""
     simulated = _simulated(config, seed)
+    folds = _folds(simulated, config, seed, positive, people_free)
+    odds = folds[0][0].odds
+    left_out = [score_legs(forest, [legs], block) for forest, legs, block in folds]
+    forest = replace(train_legs(simulated, config, seed, positive, people_free), odds=odds)
+    scores = {"simulated scans": _simulated_scores(forest, config, seed), RECORDED: LegScores.joined(left_out)}
+    return TrainedLegs(forest, scores, _card("real", forest, scores, config, seed))
 
+
+def left_out_forests(
+    config: TrainConfig, seed: int, positive: Sequence[LegRecording], people_free: Sequence[LaserScan]
+) -> list[Fold]:
+    """Return for each of `positive` a forest trained as the one for real scans, but without it and without a block of
+    the people-free scans: (forest, recording, block)."""
+    return _folds(_simulated(config, seed), config, seed, positive, people_free)
+
+
+def _folds(
+    simulated: Samples,
+    config: TrainConfig,
+    seed: int,
+    positive: Sequence[LegRecording],
+    people_free: Sequence[LaserScan],
+) -> list[Fold]:
     def fold(legs: list[LegRecording], others: list[LaserScan]) -> LegForest:
         return train_legs(simulated, config, seed, legs, others)
 
     folds = cross_validate(fold, positive, people_free)
     odds = odds_for(LegScores.joined([scores for *_, scores in folds]).threshold(config.false_legs_recorded))
-    left_out = [score_legs(replace(forest, odds=odds), [legs], block) for forest, legs, block, _ in folds]
-    forest = replace(train_legs(simulated, config, seed, positive, people_free), odds=odds)
-    scores = {"simulated scans": _simulated_scores(forest, config, seed), RECORDED: LegScores.joined(left_out)}
-    return TrainedLegs(forest, scores, _card("real", forest, scores, config, seed))
+    return [(replace(forest, odds=odds), legs, block) for forest, legs, block, _ in folds]
 
 
 def odds_for(threshold: float) -> float:

@@ -12,7 +12,7 @@ from ...slam.scan import LaserScan
 from .pedestrians import draw_people
 
 SCREENED = 0.35  # share of scans with things close before the laser
-FARTHEST_PERSON = 5.0  # so that the odd few points far away are rather called furniture [m]
+FARTHEST_PERSON = 10.0  # people are looked for as far as three beams meet a leg [m]
 FAR = 1e3  # stands for nothing met [m]
 
 

@@ -97,3 +97,13 @@ def stage():
 @pytest.fixture
 def make_stage():
     return Stage
+
+
+@pytest.fixture
+def scripted_detector():
+    return ScriptedDetector
+
+
+@pytest.fixture
+def step():
+    return feet_of_walker

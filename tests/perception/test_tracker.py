@@ -3,8 +3,19 @@ import dataclasses
 import numpy as np
 import pytest
 from tagalong.perception.config import PRESETS, PerceptionConfig, perception_preset, table_ii
-from tagalong.perception.tracking.config import ConfirmationConfig
+from tagalong.perception.tracking.config import (
+    ConfirmationConfig,
+    ReidentificationConfig,
+    TerminationConfig,
+    TrackerConfig,
+)
 from tagalong.slam import InputError
+
+CARRIED = TrackerConfig(  # for a frame that moves with the robot: patient, and known again from far
+    confirmation=ConfirmationConfig(gamma=0.35),
+    termination=TerminationConfig(epsilon=2.0),
+    reidentification=ReidentificationConfig(max_age_s=60.0, distance=6.0),
+)
 
 
 def test_table_two_is_the_default():
@@ -150,7 +161,7 @@ def test_clusters_below_gamma_never_start_a_person_and_block_their_cells(stage):
 
 def test_who_is_recognised_leaves_nobody_behind_to_be_met_again(make_stage):
     """A track that nobody was seen of for long is somebody who walks a metre beside it: it ends, and is nobody lost."""
-    stage = make_stage(config=perception_preset("outdoor").tracker)
+    stage = make_stage(config=CARRIED)
     stage.walk([[2.0, -3.0]], [[0.0, 0.8]], 6.0)
     hidden = [stage.show(np.zeros((0, 2))) for _ in range(12)]
     assert len(hidden[-1]) == 1

@@ -23,6 +23,7 @@ from tagalong.slam import InputError
         "people --people none",
         "people --seconds 0",
         "people --first-seed -1",
+        "people-recorded --scans 0",
         "people-by-sensor --seconds -3",
         "people-by-sensor --first-seed -1",
         "rgbd-people --seeds 0",

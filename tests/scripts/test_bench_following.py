@@ -19,9 +19,9 @@ def test_recordings_without_clicks_are_refused(tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.skipif(not OUTDOOR.is_file(), reason="TAGALONG_DATA names no folder with person_following_outdoor_1.npz")
-@pytest.mark.parametrize(("preset", "held"), [("table2", 0.80), ("outdoor", 0.96)])
-def test_the_person_of_the_outdoor_recording_is_held(preset, held):
+@pytest.mark.parametrize(("preset", "held", "false"), [("table2", 0.95, 0.02), ("recorded", 0.97, 0.15)])
+def test_the_person_of_the_outdoor_recording_is_held(preset, held, false):
     figures = judge_following(OUTDOOR, preset, "real")
     assert figures["held"] >= held
     assert figures["switches"] <= 5
-    assert figures["false"] <= 0.02
+    assert figures["false"] <= false

@@ -1,0 +1,264 @@
+"""All hypotheses of people as one array, and the kernels that move, weigh and correct them."""
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+PATH = 8
+"""So many former places of a hypothesis are kept."""
+
+HYPOTHESIS = np.dtype(
+    [
+        ("id", np.int64),  # number of the person; -1: not believed in yet
+        ("x", np.float64, 4),  # state (x, y, vx, vy) of the centre between the legs, odometry frame
+        ("p", np.float64, 3),  # covariance, see kalman.py
+        ("looks", np.float64),  # how many looks from elsewhere its evidence comes from
+        ("evidence", np.float64),  # mean log likelihood ratio of a look, person against thing
+        ("way", np.float64),  # how far it has moved of its own in the time that `path` reaches back [m]
+        ("missing", np.float64),  # what being unseen says: log likelihood ratio, 0 while it is seen
+        ("viewed", np.float64, 2),  # where it was, in the laser's frame, at the last look [m]
+        ("legs", np.float64, (2, 2)),  # of both legs from the centre [m]
+        ("clusters", np.int64, 2),  # rows of the clusters that are its legs in this scan; -1: none
+        ("path", np.float64, (PATH, 2)),  # former places [m]
+        ("marked_s", np.float64),  # age at which the last of them was written [s]
+        ("places", np.int64),  # how many were written
+        ("age_s", np.float64),
+        ("unseen_s", np.float64),
+    ]
+)
+
+
+@njit(cache=True, nogil=True)
+def predict(rows: Any, dt: float, q: float) -> None:
+    """Move hypotheses `rows` (n,) `dt` [s] ahead (eq. 4a, 4b) with process noise `q`."""
+    x, p = rows["x"], rows["p"]
+    for i in range(len(rows)):
+        x[i, 0] += dt * x[i, 2]
+        x[i, 1] += dt * x[i, 3]
+        a, b, c = p[i, 0], p[i, 1], p[i, 2]
+        p[i, 0], p[i, 1], p[i, 2] = a + 2.0 * dt * b + dt * dt * c + q, b + dt * c, c + q
+
+
+@njit(cache=True, nogil=True)
+def first_costs(rows: Any, z: Any, e: Any, r: float, clutter: float, cost: Any) -> None:
+    """Write into `cost` (n, m) how unlikely each cluster is a leg of each hypothesis: negative log likelihood ratio.
+
+    A leg is around the predicted centre with the variance of the prediction and `r` [m^2]; other things are anywhere,
+    `clutter` of them a square metre; `e` (m,) is the evidence of what the cluster itself shows.
+    """
+    x, p = rows["x"], rows["p"]
+    for i in range(len(rows)):
+        s = p[i, 0] + r
+        base = np.log(2.0 * np.pi * s * clutter)
+        for j in range(len(z)):
+            dx, dy = z[j, 0] - x[i, 0], z[j, 1] - x[i, 1]
+            cost[i, j] = 0.5 * (dx * dx + dy * dy) / s + base - e[j]
+
+
+@njit(cache=True, nogil=True)
+def second_costs(rows: Any, first: Any, z: Any, e: Any, r: float, stride: float, clutter: float, cost: Any) -> None:
+    """Write into `cost` (n, m) how unlikely each cluster is the other leg of hypotheses with first legs `first` (n,).
+
+    The other leg is within a `stride` [m] of the first (standard deviation half of it), and the middle between both is
+    around the predicted centre.
+    """
+    x, p = rows["x"], rows["p"]
+    apart = (0.5 * stride) ** 2
+    cost[:] = np.inf
+    for i in range(len(rows)):
+        if first[i] < 0:
+            continue
+        s = p[i, 0] + 0.5 * r
+        ax, ay = z[first[i], 0], z[first[i], 1]
+        base = np.log(2.0 * np.pi * apart * clutter)
+        alone = 0.5 * ((ax - x[i, 0]) ** 2 + (ay - x[i, 1]) ** 2) / (p[i, 0] + r)
+        for j in range(len(z)):
+            dx, dy = z[j, 0] - ax, z[j, 1] - ay
+            if j == first[i] or dx * dx + dy * dy > stride * stride:
+                continue
+            mx, my = ax + 0.5 * dx - x[i, 0], ay + 0.5 * dy - x[i, 1]
+            both = 0.5 * (mx * mx + my * my) / s
+            cost[i, j] = both - alone + 0.5 * (dx * dx + dy * dy) / apart + base - e[j]
+
+
+@njit(cache=True, nogil=True)
+def correct(rows: Any, z: Any, r: float, r_one: float, dt: float, fade: float) -> None:
+    """Correct hypotheses by the clusters `z` (m, 2) that are their legs (eq. 4c to 4e), and age all of them.
+
+    Two legs measure the centre with variance `r`, one with `r_one`. `fade` is the share of what is known of an unseen
+    leg's place that is kept.
+    """
+    x, p, legs, clusters = rows["x"], rows["p"], rows["legs"], rows["clusters"]
+    for i in range(len(rows)):
+        rows["age_s"][i] += dt
+        a, b = clusters[i, 0], clusters[i, 1]
+        if a < 0:
+            rows["unseen_s"][i] += dt
+            continue
+        rows["unseen_s"][i] = 0.0
+        zx, zy, noise = z[a, 0], z[a, 1], r_one
+        if b >= 0:
+            zx, zy, noise = 0.5 * (zx + z[b, 0]), 0.5 * (zy + z[b, 1]), r
+        k, gain = p[i, 0] / (p[i, 0] + noise), p[i, 1] / (p[i, 0] + noise)
+        dx, dy = zx - x[i, 0], zy - x[i, 1]
+        x[i, 0] += k * dx
+        x[i, 1] += k * dy
+        x[i, 2] += gain * dx
+        x[i, 3] += gain * dy
+        p[i, 2] -= gain * p[i, 1]
+        p[i, 0], p[i, 1] = (1.0 - k) * p[i, 0], (1.0 - k) * p[i, 1]
+        place_legs(legs[i], clusters[i], z, x[i], fade)
+
+
+@njit(cache=True, nogil=True)
+def place_legs(legs: Any, clusters: Any, z: Any, x: Any, fade: float) -> None:
+    """Write the `legs` (2, 2) of a person at `x` from its `clusters` (2,), each leg as the one that it was before."""
+    a, b = clusters[0], clusters[1]
+    near = np.zeros(2)
+    for s in range(2):
+        near[s] = (z[a, 0] - x[0] - legs[s, 0]) ** 2 + (z[a, 1] - x[1] - legs[s, 1]) ** 2
+        if b >= 0:
+            near[s] += (z[b, 0] - x[0] - legs[1 - s, 0]) ** 2 + (z[b, 1] - x[1] - legs[1 - s, 1]) ** 2
+    own = 0 if near[0] <= near[1] else 1
+    clusters[own], clusters[1 - own] = a, b
+    for s in range(2):
+        if clusters[s] >= 0:
+            legs[s, 0], legs[s, 1] = z[clusters[s], 0] - x[0], z[clusters[s], 1] - x[1]
+        else:
+            legs[s, 0], legs[s, 1] = fade * legs[s, 0], fade * legs[s, 1]
+
+
+@njit(cache=True, nogil=True)
+def note_path(rows: Any, z: Any, spacing_s: float) -> None:
+    """Note how far a leg of each hypothesis has moved, and, each `spacing_s` [s], where one of the clusters `z` is."""
+    for i in range(len(rows)):
+        a, b = rows["clusters"][i, 0], rows["clusters"][i, 1]
+        if a < 0 and b < 0:
+            continue
+        way = 0.0
+        for k in range(min(rows["places"][i], PATH)):
+            nearest = np.inf
+            for c in (a, b):
+                if c >= 0:
+                    dx, dy = rows["path"][i, k, 0] - z[c, 0], rows["path"][i, k, 1] - z[c, 1]
+                    nearest = min(nearest, np.sqrt(dx * dx + dy * dy))
+            way = max(way, nearest)
+        rows["way"][i] = way
+        if rows["age_s"][i] - rows["marked_s"][i] >= spacing_s - 1e-9:
+            slot, c = rows["places"][i] % PATH, a if a >= 0 else b
+            rows["path"][i, slot, 0], rows["path"][i, slot, 1] = z[c, 0], z[c, 1]
+            rows["places"][i] += 1
+            rows["marked_s"][i] = rows["age_s"][i]
+
+
+@njit(cache=True, nogil=True)
+def weigh(
+    rows: Any,
+    first: Any,
+    second: Any,
+    empty: Any,
+    viewed: Any,
+    dt: float,
+    look: float,
+    jitter: float,
+    most: float,
+    hidden: float,
+    missing: float,
+) -> None:
+    """Take the evidence of one scan into the hypotheses.
+
+    Args:
+        rows: (n,) hypotheses.
+        first: (m,) evidence of each cluster as the better leg.
+        second: (m,) as the other one.
+        empty: (n, 2) whether the laser sees that nothing is where each hypothesis is.
+        viewed: (n, 2) where they are in the laser's frame [m].
+        dt: Since the last scan [s].
+        look: Motion relative to the laser that counts as one look [m].
+        jitter: Less than this is none [m].
+        most: Looks that are remembered.
+        hidden: Log odds lost a second while unseen [1/s].
+        missing: The same where nothing hides it [1/s].
+    """
+    for i in range(len(rows)):
+        a, b = rows["clusters"][i, 0], rows["clusters"][i, 1]
+        if a < 0 and b < 0:
+            rows["missing"][i] -= dt * (hidden + (missing - hidden) * empty[i, 0])
+            continue
+        rows["missing"][i] = 0.0
+        dx, dy = viewed[i, 0] - rows["viewed"][i, 0], viewed[i, 1] - rows["viewed"][i, 1]
+        way = np.sqrt(dx * dx + dy * dy)
+        if way < jitter:
+            continue
+        value = max(first[a], first[b]) + min(second[a], second[b]) if a >= 0 and b >= 0 else first[max(a, b)]
+        weight = min(way / look, 1.0)
+        looks = rows["looks"][i] + weight
+        rows["evidence"][i] += weight / looks * (value - rows["evidence"][i])
+        rows["looks"][i] = min(looks, most)
+        rows["viewed"][i, 0], rows["viewed"][i, 1] = viewed[i, 0], viewed[i, 1]
+
+
+@njit(cache=True, nogil=True)
+def log_odds(rows: Any, prior: float, alike: float) -> Any:
+    """Return (n,) the log odds that each is a person: looks at one thing are `alike` (intraclass correlation)."""
+    out = np.empty(len(rows))
+    for i in range(len(rows)):
+        n = rows["looks"][i]
+        out[i] = prior + n / (1.0 + alike * max(n - 1.0, 0.0)) * rows["evidence"][i] + rows["missing"][i]
+    return out
+
+
+@njit(cache=True, nogil=True)
+def fresh_clusters(rows: Any, z: Any, order: Any, able: Any, merge: float, own: float) -> Any:
+    """Return (k, 2) clusters that begin new hypotheses, and the nearest that may be the other leg of each or -1.
+
+    Args:
+        rows: (n,) hypotheses, with their clusters.
+        z: (m, 2) clusters [m].
+        order: (m,) rows of the clusters, the surest leg first.
+        able: (m,) whether each may begin a hypothesis; overwritten.
+        merge: None begins so near to a hypothesis [m].
+        own: Nor so near to a person; two legs of one person are no farther apart [m].
+    """
+    for i in range(len(rows)):
+        limit = own if rows["id"][i] >= 0 else merge
+        for j in range(len(z)):
+            dx, dy = z[j, 0] - rows["x"][i, 0], z[j, 1] - rows["x"][i, 1]
+            if dx * dx + dy * dy < limit * limit or j == rows["clusters"][i, 0] or j == rows["clusters"][i, 1]:
+                able[j] = False
+    found = np.empty((len(z), 2), np.int64)
+    count = 0
+    for j in order:
+        if not able[j]:
+            continue
+        able[j] = False
+        mate, nearest = -1, own
+        for k in range(len(z)):
+            apart = np.sqrt((z[k, 0] - z[j, 0]) ** 2 + (z[k, 1] - z[j, 1]) ** 2)
+            if able[k] and apart < nearest:
+                mate, nearest = k, apart
+        if mate >= 0:
+            able[mate] = False
+        found[count, 0], found[count, 1] = j, mate
+        count += 1
+    return found[:count]
+
+
+@njit(cache=True, nogil=True)
+def without_duplicates(rows: Any, odds: Any, merge: float, own: float) -> Any:
+    """Return (n,) which hypotheses stay where two are nearer than `merge` [m], or one than `own` to a person.
+
+    People stay before others, and likelier ones, by `odds` (n,), before others.
+    """
+    keep = np.ones(len(rows), np.bool_)
+    for i in range(len(rows)):
+        for j in range(len(rows)):
+            known_i, known_j = rows["id"][i] >= 0, rows["id"][j] >= 0
+            if i == j or (known_j and not known_i) or (known_i == known_j and (odds[j], i) > (odds[i], j)):
+                continue
+            limit = merge if known_i == known_j else own
+            dx, dy = rows["x"][i, 0] - rows["x"][j, 0], rows["x"][i, 1] - rows["x"][j, 1]
+            if keep[i] and dx * dx + dy * dy < limit * limit:
+                keep[j] = False
+    return keep

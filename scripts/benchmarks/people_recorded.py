@@ -1,0 +1,207 @@
+"""People in recorded scans: who is found, who is none, and whose number changes, recording by recording.
+
+DATA holds .npz recordings in the layout of the leg_tracker ones. What is chosen by data is chosen without the
+recording that it is tried on: forests for positive_1 to 3 and for each third of negative_2 are trained without it
+(`--forest left-out`; a few minutes), all others never saw theirs. The tracker's numbers are its preset's. A recording
+without odometry gets that of its scans (scan matching), as any user's would.
+
+`found`: annotated people, or labelled legs, with somebody tracked within 0.75 m. `extra`: people farther than that from
+all annotated ones, a scan with annotations; annotations leave out people, so not all of them are wrong. `walked`: those
+of them that walk more than a metre while they are tracked. `switches`: changes of number. `people`: tracked a scan;
+where nobody is, all are false.
+
+example:
+  tagalong bench people-recorded recordings
+"""
+
+import argparse
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...perception.config import PRESETS, PerceptionConfig, perception_preset
+from ...perception.legs.detector import LegDetector
+from ...perception.legs.forest import LegForest
+from ...perception.people_filter import PeopleFilter
+from ...perception.tracking.data_association import assign, distances
+from ...slam.errors import InputError
+from ...slam.geometry import compose, inverse, transform_points
+from ...slam.logs.scans_npz import read_scans_npz
+from ...slam.scan import LaserScan
+from ...slam.scan_to_scan.laser_odometry import laser_odometry
+from ..console.arguments import at_least
+from ..console.tables import format_table
+from ..training.leg_forests import left_out_forests
+from ..training.leg_recordings import NEGATIVE, read_leg_recordings
+from ..training.train_legs import TrainConfig
+from .results import write_results
+
+RADIUS = 0.75
+WALKED = 1.0
+HEADER = ("recording", "preset", "truths", "found", "extra", "walked", "switches", "people", "numbers")
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class PeopleRecording:
+    """Recorded scans, the laser's way, and who was annotated.
+
+    Attributes:
+        name: Of the file.
+        scans: In order; the laser is the robot.
+        poses: (n, 3) T_odom_laser of each.
+        truths: Scan -> numbers (k,) and places (k, 2) in the laser frame; the number -1 says that it is not known.
+    """
+
+    name: str
+    scans: list[LaserScan]
+    poses: Array
+    truths: Mapping[int, tuple[NDArray[np.int64], Array]]
+
+
+@dataclass(eq=False)
+class Judge:
+    """Counts over the scans of one recording."""
+
+    truths: int = 0
+    found: int = 0
+    annotated: int = 0
+    switches: int = 0
+    people: int = 0
+    scans: int = 0
+    extra: list[int] = field(default_factory=list)
+    _partner: dict[int, int] = field(default_factory=dict)
+    _ways: dict[int, list[Array]] = field(default_factory=dict)
+
+    def add(self, ids: NDArray[np.int64], places: Array, in_odom: Array, truth: Any) -> None:
+        """Take one scan: people `ids` (n,) at `places` (n, 2), laser frame, and `in_odom` (n, 2), and who is there."""
+        self.scans += 1
+        self.people += len(ids)
+        for number, place in zip(ids.tolist(), in_odom, strict=True):
+            self._ways.setdefault(number, []).append(place)
+        if truth is None:
+            return
+        numbers, there = truth
+        apart = distances(there, places)
+        self.annotated += 1
+        self.truths += len(there)
+        self.found += int((apart.min(axis=1, initial=np.inf) < RADIUS).sum())
+        self.extra += ids[apart.min(axis=0, initial=np.inf) >= RADIUS].tolist()
+        for person, track in zip(*assign(apart, RADIUS), strict=True):
+            known, now = int(numbers[person]), int(ids[track])
+            if known >= 0:
+                self.switches += int(self._partner.get(known, now) != now)
+                self._partner[known] = now
+
+    def figures(self) -> dict[str, float]:
+        """Return the figures named in the module's docstring."""
+        walked = {number for number, way in self._ways.items() if np.ptp(way, axis=0).max() >= WALKED}
+        annotated = max(1, self.annotated)
+        return {
+            "truths": self.truths,
+            "found": self.found / self.truths if self.truths else float("nan"),
+            "extra": len(self.extra) / annotated if self.truths else float("nan"),
+            "walked": sum(number in walked for number in self.extra) / annotated if self.truths else float("nan"),
+            "switches": self.switches,
+            "people": self.people / max(1, self.scans),
+            "numbers": len(self._ways),
+        }
+
+
+def read_people_recording(path: Path) -> PeopleRecording:
+    """Read a recording: `ranges`, ..., and `gt_xy`, `gt_id`, `gt_scan_index`, `odom_t_x_y_theta` where it has them.
+
+    Raises:
+        InputError: If the file is missing or has another layout.
+    """
+    scans = read_scans_npz(path)
+    truths: dict[int, tuple[NDArray[np.int64], Array]] = {}
+    with np.load(path, allow_pickle=False) as content:
+        if "odom_t_x_y_theta" in content:
+            odometry, mounts = content["odom_t_x_y_theta"], content["tf_base_link__left_laser"]
+            columns = odometry[:, 1], odometry[:, 2], np.unwrap(odometry[:, 3])
+            robot = np.stack([np.interp(content["stamp"], odometry[:, 0], column) for column in columns], axis=1)
+            poses = np.array([compose(pose, mounts[0, 1:]) for pose in robot])
+        else:
+            poses = laser_odometry(scans).poses
+        if "gt_xy" in content:
+            rows = content["gt_scan_index"]
+            truths = {int(k): (content["gt_id"][rows == k], content["gt_xy"][rows == k]) for k in np.unique(rows)}
+    labelled = path.with_name(path.name.replace("_scans", "_labelled"))
+    if not truths and labelled != path and labelled.exists():
+        truths = _labelled_legs(labelled, scans)
+    return PeopleRecording(path.stem, scans, poses, truths)
+
+
+def _labelled_legs(path: Path, scans: list[LaserScan]) -> dict[int, tuple[NDArray[np.int64], Array]]:
+    with np.load(path, allow_pickle=False) as content:
+        ranges, legs, rows = content["ranges"], content["leg_xy"], content["leg_scan_index"]
+    number = {scan.ranges.astype(np.float32).tobytes(): k for k, scan in enumerate(scans)}
+    where = [number.get(row.tobytes()) for row in ranges]
+    places = [legs[rows == k] for k in range(len(ranges))]
+    return {k: (np.full(len(p), -1), p) for k, p in zip(where, places, strict=True) if k is not None and len(p)}
+
+
+def judge_recording(recording: PeopleRecording, config: PerceptionConfig, forests: list[LegForest]) -> dict[str, float]:
+    """Return the figures of one recording, whose n-th part has the n-th of `forests`; the tracker is one for all."""
+    parts = np.array_split(np.arange(len(recording.scans)), len(forests))
+    detector = LegDetector(forests[0], config.detector)
+    people_filter, judge = PeopleFilter(config, detector), Judge()
+    for forest, part in zip(forests, parts, strict=True):
+        detector.forest = forest
+        for k in part.tolist():
+            people = people_filter.update(recording.scans[k], recording.poses[k]).people
+            places = transform_points(inverse(recording.poses[k]), people.positions)
+            judge.add(people.ids, places, people.positions, recording.truths.get(k))
+    return judge.figures()
+
+
+def forests_for(folder: Path, names: list[str], left_out: bool, scans: int) -> dict[str, list[LegForest]]:
+    """Return the forests of each recording, those of its parts in order."""
+    forests = {name: [LegForest.load("real")] for name in names}
+    if left_out:
+        positive, people_free = read_leg_recordings(folder)
+        folds = left_out_forests(TrainConfig(scans=scans), 0, positive, people_free.scans)
+        for forest, recording, _ in folds:
+            forests[recording.name.replace("labelled", "scans")] = [forest]
+        forests[Path(NEGATIVE).stem] = [forest for forest, *_ in folds]
+    return forests
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("data", type=Path, metavar="DATA", help="folder of recordings (.npz)")
+    parser.add_argument("--preset", choices=list(PRESETS), help="parameters of the tracker (default: all)")
+    parser.add_argument(
+        "--forest", choices=("left-out", "shipped"), default="left-out", help="who tells legs (default: %(default)s)"
+    )
+    parser.add_argument(
+        "--scans",
+        type=at_least(1),
+        default=TrainConfig().scans,
+        metavar="N",
+        help="simulated scans of each forest",
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Measure, print, write results.json."""
+    paths = sorted(path for path in options.data.glob("*.npz") if "labelled" not in path.name)
+    if not paths:
+        raise InputError(f"no recordings (.npz) in {options.data}")
+    forests = forests_for(options.data, [path.stem for path in paths], options.forest == "left-out", options.scans)
+    rows = []
+    for path in paths:
+        recording = read_people_recording(path)
+        for preset in [options.preset] if options.preset else PRESETS:
+            config = replace(perception_preset(preset), forest="real")
+            figures = judge_recording(recording, config, forests[recording.name])
+            rows.append({"recording": recording.name, "preset": preset, **figures})
+    shown = [[f"{row[key]:.3f}" if isinstance(row[key], float) else str(row[key]) for key in HEADER] for row in rows]
+    print(format_table(HEADER, shown))
+    write_results(options, {"figures": rows})
+    return 0

@@ -1,0 +1,137 @@
+"""People as hypotheses: one cluster, two legs or a hidden one, from standing and from moving robots."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+from tagalong.perception import PeopleFilter, PeopleFilterConfig
+from tagalong.perception.tracking.camera import SeenPeople
+from tagalong.perception.tracking.config import TrackerConfig
+from tagalong.perception.tracking.hypothesis_config import HypothesisConfig, PersonEvidenceConfig
+from tagalong.perception.tracking.hypothesis_tracker import HypothesisTracker
+from tagalong.slam import InputError, LaserScan
+from tagalong.slam.geometry import inverse, transform_points
+
+BEARINGS = np.radians(np.arange(-135.0, 135.0, 0.3516))
+
+
+def scan_of(places, time_s, radius=0.08, wall=9.0):
+    """A scan of posts at `places` (n, 2) in a round hall."""
+    ranges = np.full(len(BEARINGS), wall)
+    for x, y in places:
+        away, off = np.hypot(x, y), BEARINGS - np.arctan2(y, x)
+        hit = np.abs(away * np.sin(off)) < radius
+        ranges[hit & (np.cos(off) > 0.0)] = np.minimum(ranges[hit & (np.cos(off) > 0.0)], away)
+    return LaserScan(ranges, BEARINGS, 0.1, 11.0, time_s=time_s)
+
+
+@dataclass
+class Hall:
+    """A tracker in a round hall that is shown places of clusters in the odometry frame, 7.5 times a second."""
+
+    detector: Any
+    rate_hz: float = 7.5
+    scans: int = 0
+
+    def __post_init__(self):
+        self.tracker = HypothesisTracker(HypothesisConfig(), TrackerConfig(), self.detector)
+
+    def show(self, places, confidence=0.3, odometry=(0.0, 0.0, 0.0), hidden=False):
+        self.scans += 1
+        seen = transform_points(inverse(np.asarray(odometry, dtype=float)), np.reshape(places, (-1, 2)))
+        scan = scan_of(seen, self.scans / self.rate_hz, wall=0.5 if hidden else 9.0)
+        self.detector.positions = seen[:0] if hidden else seen
+        self.detector.confidence = np.full(len(self.detector.positions), confidence)
+        return self.tracker.update(scan, odometry).people
+
+
+@pytest.fixture
+def make_hall(scripted_detector):
+    return lambda rate_hz=7.5: Hall(scripted_detector(), rate_hz)
+
+
+@pytest.fixture
+def hall(make_hall):
+    return make_hall()
+
+
+def test_somebody_seen_as_one_doubtful_cluster_by_a_moving_robot_is_a_person_within_a_second(hall):
+    counts = []
+    for k in range(20):  # they meet at more than 2 m/s: 0.3 m between two scans
+        people = hall.show([[5.0 - 0.16 * k, 0.6]], odometry=(0.13 * k - 1.5, 0.0, 0.0))
+        counts.append(len(people))
+    assert counts[0] == 0
+    assert counts[8:] == [1] * 12
+    assert people.positions[0] == pytest.approx([5.0 - 0.16 * 19, 0.6], abs=0.15)
+    assert people.velocities[0] == pytest.approx([-1.2, 0.0], abs=0.3)
+
+
+@pytest.mark.parametrize("rate_hz", [5.0, 10.0, 40.0])
+def test_two_legs_that_step_are_one_person_at_any_rate(make_hall, step, rate_hz):
+    hall = make_hall(rate_hz)
+    counts = []
+    for k in range(int(4 * rate_hz)):
+        time_s = k / rate_hz
+        people = hall.show(step(np.array([2.0, -2.0 + time_s]), (0.0, 1.0), time_s), confidence=0.5)
+        counts.append(len(people))
+    assert set(counts[int(1.5 * rate_hz) :]) == {1}
+    assert list(people.ids) == [0]
+    assert people.positions[0] == pytest.approx([2.0, 2.0], abs=0.25)
+
+
+def test_furniture_is_nobody_to_a_robot_that_stands_and_to_one_that_drives_by(hall):
+    chair = np.array([[1.5, 1.0], [1.9, 1.0], [1.5, 1.4], [1.9, 1.4]])
+    for _ in range(40):
+        assert len(hall.show(chair, confidence=0.3)) == 0
+    for k in range(30):
+        assert len(hall.show(chair, confidence=0.08, odometry=(0.1 * k, 0.0, 0.0))) == 0
+
+
+def test_a_walker_hidden_for_a_second_keeps_the_number_and_one_who_vanished_in_plain_view_is_gone(hall, step):
+    for k in range(25):
+        people = hall.show(step(np.array([2.0, -2.0 + k / 7.5]), (0.0, 1.0), k / 7.5), confidence=0.6)
+    assert list(people.ids) == [0]
+    for _ in range(7):
+        hall.show((), hidden=True)
+    for k in range(33, 45):
+        people = hall.show(step(np.array([2.0, -2.0 + k / 7.5]), (0.0, 1.0), k / 7.5), confidence=0.6)
+    assert list(people.ids) == [0]
+    gone = [len(hall.show(())) for _ in range(10)]
+    assert gone[-1] == 0
+
+
+def test_two_people_who_cross_keep_their_numbers(hall, step):
+    before: dict[int, float] = {}
+    for k in range(30):
+        time_s = k / 7.5
+        ways = (np.array([2.0, -2.0 + time_s]), (0.0, 1.0)), (np.array([2.8, 2.0 - time_s]), (0.0, -1.0))
+        people = hall.show(np.concatenate([step(*way, time_s) for way in ways]), confidence=0.6)
+        if k == 12:
+            before = dict(zip(people.ids.tolist(), people.positions[:, 0], strict=True))
+    after = dict(zip(people.ids.tolist(), people.positions[:, 0], strict=True))
+    assert sorted(before) == sorted(after)
+    assert all(abs(before[number] - after[number]) < 0.4 for number in before)
+
+
+def test_two_runs_are_equal_and_a_reset_tracker_starts_anew(make_hall):
+    first, second = make_hall(), make_hall()
+    for k in range(20):
+        places = [hall.show([[3.0, -1.0 + 0.12 * k]]).positions for hall in (first, second)]
+        np.testing.assert_array_equal(*places)
+    assert len(places[0]) == 1
+    first.tracker.reset()
+    assert len(first.show([[3.0, 0.0]])) == 0
+
+
+def test_what_makes_no_sense_is_refused(hall):
+    hall.show(())
+    hall.scans -= 1
+    with pytest.raises(InputError, match="scan times must increase"):
+        hall.show(())
+    with pytest.raises(InputError, match="no camera"):
+        hall.tracker.update(scan_of((), 9.0), np.zeros(3), SeenPeople(9.0, np.zeros((0, 2)), np.zeros(0)))
+    with pytest.raises(InputError, match="`look` must be positive"):
+        PersonEvidenceConfig(look=0.0)
+    with pytest.raises(InputError, match="unknown method 'guess'"):
+        PeopleFilter(PeopleFilterConfig(method="guess"))

@@ -1,0 +1,46 @@
+"""Recent scans, asked what stood at a place."""
+
+import numpy as np
+import pytest
+from tagalong.perception.legs.recent_views import RecentViews, RecentViewsConfig
+from tagalong.slam import InputError, LaserScan
+
+BEARINGS = np.linspace(-1.0, 1.0, 201)
+PLACES = np.array([[2.0, 0.0], [4.0, 0.0], [6.0, 0.0], [-2.0, 0.0]])
+
+
+def wall_at(distance, time_s=0.0):
+    return LaserScan(np.full(201, distance), BEARINGS, 0.1, 10.0, time_s=time_s)
+
+
+def test_a_place_before_the_wall_was_empty_one_at_it_not_and_of_one_behind_it_nothing_is_known():
+    views = RecentViews()
+    views.keep(wall_at(4.0), np.zeros(3))
+    np.testing.assert_allclose(views.look(PLACES), [[1.0, 0.0], [0.0, 1.0], [0.0, 0.0], [0.0, 0.0]])
+
+
+def test_a_beam_without_return_was_empty_and_one_without_measurement_says_nothing():
+    views = RecentViews()
+    views.keep(wall_at(np.inf), np.zeros(3))
+    assert views.look(PLACES[:1]).tolist() == [[1.0, 0.0]]
+    views.reset()
+    views.keep(wall_at(np.nan), np.zeros(3))
+    assert views.look(PLACES[:1]).tolist() == [[0.0, 0.0]]
+
+
+def test_scans_are_kept_by_time_and_the_oldest_go():
+    views = RecentViews(RecentViewsConfig(spacing_s=0.2, count=4))
+    for k in range(9):
+        views.keep(wall_at(2.0 if k < 5 else 4.0, 0.1 * k), np.zeros(3))  # of these 0, 2, 4, 6, 8 are kept, then 2 on
+    np.testing.assert_allclose(views.look(PLACES[:1]), [[0.5, 0.5]])
+
+
+def test_places_are_seen_from_where_the_laser_was():
+    views = RecentViews()
+    views.keep(wall_at(2.0), np.array([0.0, 3.0, -np.pi / 2.0]))
+    np.testing.assert_allclose(views.look(np.array([[0.0, 1.0], [0.0, 2.0]])), [[0.0, 1.0], [1.0, 0.0]])
+
+
+def test_numbers_that_make_no_sense_are_refused():
+    with pytest.raises(InputError, match="positive"):
+        RecentViewsConfig(margin=0.0)
