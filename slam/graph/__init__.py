@@ -6,11 +6,12 @@ The path of a scan, file by file:
     local/local_slam.py               local SLAM: predict by odometry, match on the older growing submap
                                       (`scan_to_grid`), insert where the robot has moved (motion_filter.py,
                                       active_submaps.py, submap.py, sweep.py)
-    local/match_monitor.py            rejects matches where the scan contradicts the submap
-    recovery/kidnap_recovery.py       after rejected matches, or where a scan is inconsistent with the one before
-                                      (scan_consistency.py): collect scans (kidnap_hypothesis.py), compare the place
-                                      with all others (place_comparison.py), decide (verdict.py), and begin a drive
-                                      segment that relocalization.py places on the map (node_map.py) again
+    local/switching_motion.py         whether the odometry tells the truth
+    local/match_monitor.py            notices scans that contradict the submap
+    recovery/kidnap_recovery.py       where they do, one after the other: is the robot where it is thought to be
+                                      (doubt.py), by the map of before (node_map.py)? If it turns out to be elsewhere,
+                                      all since is taken back and mapped again there
+    loops/drive_mapping.py            local SLAM, graph and record, which take scans and take them back
     loops/global_slam.py              an inserted scan is a node of the graph (submap_graph.py); it is matched with near
                                       submaps (loop_schedule.py, node_matching.py, constraints.py), and all poses are
                                       adjusted (optimisation.py)

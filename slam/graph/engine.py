@@ -16,9 +16,9 @@ from ..scan import LaserScan
 from ..settings import with_settings
 from .local.local_slam import LocalSlam, LocalSlamConfig
 from .loops.constraints import Constraint
+from .loops.drive_mapping import DriveMapping
 from .loops.global_config import GlobalSlamConfig
 from .loops.global_slam import GlobalSlam
-from .mapping import DriveMapping
 from .recovery.kidnap_recovery import KidnapRecovery
 
 Array = NDArray[np.float64]
@@ -92,7 +92,7 @@ class Cartographer:
             self._live.follow(self.node_poses, self._record.nodes, self._record.scans)
         diagnostics = {"odometry_fault": float(result.odometry_fault)}
         diagnostics |= {"score": result.match.score} if result.match else {}
-        located = not result.jumped and (self._recovery is None or self._recovery.located)
+        located = elsewhere is not None or (not result.jumped and (not self._recovery or self._recovery.located))
         return SlamUpdate(self.pose, result.insertion is not None, diagnostics, located)
 
     def _trim(self) -> None:

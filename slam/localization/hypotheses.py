@@ -165,11 +165,6 @@ class Hypotheses:
         misfit, prior = self._elsewhere.tolist()
         return float(prior - self._config.evidence * misfit / self._bounded_level)
 
-    def beyond_usual(self, misfit: float) -> float:
-        """Return by how much a robot that is elsewhere is likelier than one that misfits so, as a logarithm."""
-        level, config = self._bounded_level, self._config
-        return config.evidence * (misfit - level - config.excess) / level
-
     def cost(self, misfits: Array, fresh: Array) -> float:
         """Return what a trajectory with such `misfits` (n,) at scans of such freshness (n,) loses in log-likelihood."""
         return self._config.evidence * float(misfits @ fresh) / self._bounded_level

@@ -66,11 +66,21 @@ def test_scans_that_say_nothing_leave_the_pose_to_the_odometry():
     assert not engine.map().occupied.any()
 
 
-def test_a_pose_out_of_this_world_begins_a_submap_there_and_its_map_is_an_error_and_no_huge_grid():
+def test_a_pose_out_of_this_world_is_an_error_and_no_huge_grid():
     scan = cast(WALLS, np.zeros(3), np.random.default_rng(0), bearings=BEARINGS)
-    engine = run(make_slam("cartographer"), [np.zeros(3), np.array([9e3, 0.0, 0.0])], [scan, scan])
-    with pytest.raises(InputError, match="map"):
-        engine.map()
+    engine = run(make_slam("cartographer"), [np.zeros(3)], [scan])
+    with pytest.raises(InputError, match="a submap would grow to"):
+        run(engine, [[9e3, 0.0, 0.0]], [cast(WALLS, np.zeros(3), np.random.default_rng(1), bearings=BEARINGS)])
+
+
+def test_a_scan_that_a_driver_sends_once_more_tells_nothing():
+    rng = np.random.default_rng(0)
+    engine, poses = make_slam("cartographer"), [np.array([0.3 * k, 0.0, 0.0]) for k in range(6)]
+    scans = [cast(WALLS, pose, rng, bearings=BEARINGS) for pose in poses]
+    scans[5] = scans[4]
+    updates = [engine.update(pose, scan) for pose, scan in zip(poses, scans, strict=True)]
+    np.testing.assert_allclose(between(updates[4].pose, updates[5].pose), [0.3, 0.0, 0.0], atol=1e-9)
+    assert not updates[5].integrated
 
 
 def test_a_second_round_is_tied_to_the_submaps_of_the_first():

@@ -117,11 +117,6 @@ class LocalSlam:
         """Every submap so far; the last two are still growing."""
         return self._active.submaps
 
-    @property
-    def odometry(self) -> Array | None:
-        """(3,) T_odom_robot of the odometry without its faults, as far as they were noticed; None before any scan."""
-        return self._motion.odometry
-
     def restart(self, odometry: Array, pose: Array) -> None:
         """Begin anew: the next scan begins submaps apart from those before.
 

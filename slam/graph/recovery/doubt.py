@@ -41,7 +41,6 @@ class Doubt:
         scans: So many scans there were since.
         elsewhere: (3,) T_map_robot where it seems to be instead; None: not known, or nowhere else.
         vouched: Whether the last scan fits the map where local SLAM has the robot.
-        contradicted: Whether the map contradicts it there; where that knows nothing, it does neither.
     """
 
     def __init__(self, place: PlaceMap | None, known: Sequence[tuple[LaserScan, Array]], lost: bool = False) -> None:
@@ -54,7 +53,7 @@ class Doubt:
         self._unweighed, self._fitting = np.inf, 0  # way since a scan was weighed; scans in a row that fit
         self._followed, self._followed_scans = 0.0, 0  # how long it was followed elsewhere [m]
         self.travelled, self.scans = 0.0, 0
-        self.vouched, self.contradicted = False, True
+        self.vouched, self._possible = False, 0  # scans in a row that the map does not contradict
         self.elsewhere: Array | None = None
         if place is not None:
             self._fit = BeamFit(place, self._config.fit)
@@ -104,7 +103,8 @@ class Doubt:
         here, _ = self._fit.follow(sight, pose[None], np.zeros(3), _DRIFT)
         most = self._level + config.excess
         misfit = float(self._lenient.judge(sight, here)[0][0])
-        self.vouched, self.contradicted = bool(self._fit.judge(sight, here)[0][0] < most), misfit >= most
+        self.vouched = bool(self._fit.judge(sight, here)[0][0] < most)
+        self._possible = self._possible + 1 if misfit < most else 0
         if self.scans > _VOUCHED and self._unweighed < self._config.step:
             return
         fresh = 1.0 if self.scans <= _VOUCHED else min(1.0, self._unweighed / self._config.fresh)
@@ -118,7 +118,6 @@ class Doubt:
         found = localizer.update(odometry, scan).pose
         here = found is not None and not self._lost and bool(near(pose[None], found, _AGREE)[0])
         self.vouched |= here
-        self.contradicted &= not here
         away = found is not None and self.refuted and not here
         self._followed = self._followed + way if away else 0.0
         self._followed_scans = self._followed_scans + 1 if away else 0
@@ -141,6 +140,11 @@ class Doubt:
         way, scans = _PROBATION
         most = -0.5 * np.log(self._config.fit.stray)  # where half the beams end away from all walls
         return self._lost or (self._misfit > most and self.travelled >= way and self.scans >= scans)
+
+    @property
+    def possible(self) -> bool:
+        """Whether nothing contradicts (any more) where local SLAM has the robot."""
+        return self.vouched or (self._possible >= _VOUCHED and not self.impossible)
 
     @property
     def followed(self) -> bool:

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from ...geometry import compose
 from ...scan import LaserScan
 from ..local.local_slam import LocalResult
-from ..mapping import DriveMapping, DriveMark
+from ..loops.drive_mapping import DriveMapping, DriveMark
 from .doubt import Doubt
 from .node_map import NodeMap
 
@@ -47,7 +47,7 @@ class KidnapRecovery:
         self._map = NodeMap(mapping.graph, mapping.record)
         self._mark: DriveMark | None = None  # before the first of the scans in a row that contradict the submap
         self._scans: list[tuple[Array, LaserScan]] = []  # since then, at the odometry as told
-        self._unweighed: list[tuple[Array, LaserScan, Array]] = []  # odometry as believed, scan and T_local_robot
+        self._unweighed: list[tuple[Array, LaserScan, Array]] = []  # odometry, scan and T_local_robot
         self._doubt: Doubt | None = None
         self._apart = False  # whether the drive segment has no place
         self._settled_at = -np.inf  # way at which the map said last that the robot is where local SLAM has it [m]
@@ -67,8 +67,7 @@ class KidnapRecovery:
         if not self._apart:
             self._mark = self._mark or self._mapping.mark()
             self._scans.append((odometry, scan))
-        believed = self._mapping.local.odometry
-        self._unweighed.append((odometry if believed is None else believed, scan, result.pose))
+        self._unweighed.append((odometry, scan, result.pose))
         if not self._doubt and self._monitor.alarmed and self._record.way - self._settled_at >= _SETTLED:
             self._doubt = self._new_doubt()
         if not self._doubt:
@@ -123,7 +122,7 @@ class KidnapRecovery:
     def located(self) -> bool:
         """Whether it is known where on the map the robot is."""
         if self._doubt:
-            return not self._doubt.contradicted or self._doubt.elsewhere is not None
+            return self._doubt.possible or self._doubt.elsewhere is not None
         return self._mark is None
 
     @property

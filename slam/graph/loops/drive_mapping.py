@@ -5,13 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import compose
-from ..scan import LaserScan
-from .local.local_slam import LocalResult, LocalSlam
-from .loops.drive_record import DriveRecord
-from .loops.global_slam import GlobalSlam
-from .loops.submap_graph import GraphMark
-from .loops.trimming import Renumbering
+from ...geometry import compose
+from ...scan import LaserScan
+from ..local.local_slam import LocalResult, LocalSlam
+from .drive_record import DriveRecord
+from .global_slam import GlobalSlam
+from .submap_graph import GraphMark
+from .trimming import Renumbering
 
 Array = NDArray[np.float64]
 
