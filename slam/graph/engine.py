@@ -47,9 +47,9 @@ class CartographerConfig:
 class Cartographer:
     """Graph SLAM of Cartographer's kind (Hess, Kohler, Rapp, Andor 2016); a `SlamEngine`.
 
-    A scan that is inconsistent with the one before tells that the robot may have been kidnapped, or slipped far. Where
-    the map then shows that it is elsewhere, a new drive segment begins, apart from the map, and is joined to it once
-    the robot has been found on the map again. Until then it is not located.
+    Scans in a row that contradict what was mapped tell that the robot may have been carried, or slipped far. Mapping
+    goes on, and once the robot has been found and followed elsewhere on the map of before, all that was mapped since is
+    taken back and mapped again there.
 
     `SlamUpdate.diagnostics`: `score` (mean occupancy of the submap under the scan's points, 0 .. 1), `odometry_fault`
     (1: the robot moved otherwise than its odometry says).

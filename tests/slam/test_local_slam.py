@@ -73,6 +73,17 @@ def test_a_pose_out_of_this_world_is_an_error_and_no_huge_grid():
         run(engine, [[9e3, 0.0, 0.0]], [cast(WALLS, np.zeros(3), np.random.default_rng(1), bearings=BEARINGS)])
 
 
+def test_while_odometry_stands_still_scans_that_contradict_what_was_mapped_are_not_inserted():
+    rng, poses = np.random.default_rng(0), [np.array([-3.0 + 0.9 * k, -2.0, 0.0]) for k in range(8)]
+    engine, odometry = make_slam("cartographer", global_=None), [*poses[:4], poses[3], *poses[5:]]
+    away = [np.array([3.5, 3.0, -2.0])]  # what the laser sees at the scan that the odometry does not tell of
+    seen = [*poses[:4], *away, *poses[5:]]
+    updates = [engine.update(o, cast(WALLS, p, rng, bearings=BEARINGS)) for o, p in zip(odometry, seen, strict=True)]
+    assert [update.integrated for update in updates[3:6]] == [True, False, True]
+    off = between(np.array(poses), engine.trajectory())
+    assert np.hypot(off[[3, 5, 6, 7], 0], off[[3, 5, 6, 7], 1]).max() < 0.06
+
+
 def test_a_scan_that_a_driver_sends_once_more_tells_nothing():
     rng = np.random.default_rng(0)
     engine, poses = make_slam("cartographer"), [np.array([0.3 * k, 0.0, 0.0]) for k in range(6)]

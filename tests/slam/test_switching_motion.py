@@ -79,3 +79,29 @@ def test_stamps_that_hardly_differ_tell_no_velocity():
         hypotheses = model.predict(pose, 1e-310 * k)
         assert len(hypotheses) == 1
         model.take(hypotheses, hypotheses[0], pose, True)
+
+
+def test_odometry_that_has_caught_up_with_a_robot_of_which_no_scan_told_is_believed():
+    """While it stands still there are two hypotheses, from where the robot was seen last; afterwards one again."""
+    truth, told = straight(30, step=0.6), straight(30, step=0.6)
+    told[12:15] = told[11]
+    model, counts = SwitchingMotion(ExtrapolatorConfig()), []
+    for k, (odometry, pose) in enumerate(zip(told, truth, strict=True)):
+        hypotheses = model.predict(odometry, STEP_S * k)
+        counts.append(len(hypotheses))
+        matched = not 12 <= k < 15
+        model.take(hypotheses, hypotheses[0], pose if matched else hypotheses[0].prediction.pose, matched)
+        if k == 14:
+            np.testing.assert_allclose(hypotheses[1].prediction.pose, truth[14], atol=1e-9)
+    assert counts == [1] * 12 + [2] * 3 + [1] * 15
+    assert model.faults == 0
+
+
+def test_without_stamps_the_robot_goes_on_by_the_scan():
+    model, told = SwitchingMotion(ExtrapolatorConfig()), straight(10, step=0.8)
+    told[9] = told[8]
+    for k, pose in enumerate(told[:9]):
+        hypotheses = model.predict(pose, 0.0)
+        model.take(hypotheses, hypotheses[0], pose, True)
+    hypotheses = model.predict(told[9], 0.0)
+    np.testing.assert_allclose(hypotheses[1].prediction.pose, [7.2, 0.0, 0.0], atol=1e-9)

@@ -1,10 +1,11 @@
 """What moves the robot: its odometry, or, where that stands still, jumps or slips, the motion that it had before.
 
 Odometry of real robots freezes for some scans while the robot drives on and catches up in one, lags, or slips. So each
-scan has two predictions: by the odometry, and by going on as before (constant velocity, as far as a robot can brake or
-speed up between two scans). Which of them holds is a hidden state of two values, odometry sound or faulty, that mostly
-stays as it was; it is filtered by how well each predicted the motions that matching found (a Markov switching model;
-Blom, Bar-Shalom 1988). Where both agree, as nearly always, the second is not looked at.
+scan has two predictions since the last one that told where the robot was: by the odometry, and by going on as before
+(constant velocity, as far as a robot can brake or speed up meanwhile). Which of them holds is a hidden state of two
+values, odometry sound or faulty, that mostly stays as it was; it is filtered by how well each predicted the motions
+that matching found (a Markov switching model; Blom, Bar-Shalom 1988). Where both agree, as nearly always, the second is
+not looked at.
 """
 
 import math

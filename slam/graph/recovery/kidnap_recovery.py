@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 _GIVE_UP = 20.0  # [m] after which a doubt that nothing confirms is dropped
 _MOST_SCANS = 5000  # that are kept to be taken again
-_SETTLED = 2.0  # [m] for which that the map has settled a doubt holds: people walk along
+_SETTLED = 2.0  # [m] for which it holds that a doubt was settled: people walk along
 _KNOWN = 5  # of the last scans of before say how well scans usually fit the map
 
 
@@ -30,7 +30,7 @@ class KidnapRecovery:
       scans since the doubt began are taken back and mapped again as a drive segment, at the place that was found.
     - Where it is ruled out but the robot is never found, the drive ends with such a segment that has no place.
 
-    So a drive on which no robot is found elsewhere is mapped as if nobody looked on.
+    So a drive on which no robot is found elsewhere is mapped as if nobody looked on; only nodes leave the graph later.
 
     Args:
         mapping: Maps the drive.
@@ -50,7 +50,7 @@ class KidnapRecovery:
         self._unweighed: list[tuple[Array, LaserScan, Array]] = []  # odometry, scan and T_local_robot
         self._doubt: Doubt | None = None
         self._apart = False  # whether the drive segment has no place
-        self._settled_at = -np.inf  # way at which the map said last that the robot is where local SLAM has it [m]
+        self._settled_at = -np.inf  # way at which the last doubt ended [m]
         self.losses = self.relocalizations = 0
 
     def review(self, result: LocalResult, odometry: Array, scan: LaserScan) -> LocalResult:
@@ -61,7 +61,7 @@ class KidnapRecovery:
             odometry: (3,) T_odom_robot.
             scan: The scan.
         """
-        if not (self._doubt or result.contradicts):
+        if not self._doubt and (not result.contradicts or len(self._scans) >= _MOST_SCANS):
             self._forget()
             return result
         if not self._apart:
@@ -92,14 +92,13 @@ class KidnapRecovery:
             self._graph.place_segment(doubt.elsewhere, result.pose)
             self.relocalizations += 1
             self._forget()
-        elif doubt.settled:
+        elif doubt.settled or (not doubt.impossible and doubt.travelled >= _GIVE_UP):
             self._forget()
             self._settled_at = self._record.way
-        elif not self._apart and doubt.scans >= _MOST_SCANS and doubt.impossible:
-            self._doubt = self._new_doubt(lost=True)
-            result = self._set_apart()
-        elif not doubt.impossible and (doubt.travelled >= _GIVE_UP or doubt.scans >= _MOST_SCANS):
-            self._forget()
+        elif not self._apart and doubt.scans >= _MOST_SCANS:
+            lost = self._new_doubt(lost=True) if doubt.impossible else None
+            result = self._set_apart() if lost else result
+            self._doubt = lost
         return result
 
     def finish(self) -> None:
@@ -148,4 +147,3 @@ class KidnapRecovery:
     def _forget(self) -> None:
         """Take the robot for where local SLAM has it."""
         self._doubt, self._mark, self._scans, self._unweighed, self._apart = None, None, [], [], False
-        self._monitor.restart()

@@ -1,0 +1,79 @@
+"""A doubt where the robot is: refuted only by what the map knows, settled only by what it knows."""
+
+import numpy as np
+import pytest
+from tagalong.slam.geometry import compose
+from tagalong.slam.graph.recovery.doubt import Doubt
+from tagalong.slam.grid import GridConfig, render_map
+from tagalong.slam.localization.place_map import PlaceMap
+from walls import cast
+
+
+def ring(*corners):
+    return [(*a, *b) for a, b in zip(corners, [*corners[1:], corners[0]], strict=True)]
+
+
+ROOM = np.array(ring((-4.0, -3.0), (5.0, -3.0), (5.0, 4.0), (-4.0, 4.0)) + ring((1.0, 1.5), (2.2, 1.5), (2.2, 2.5)))
+HALL = np.array(ring((-12.0, -1.0), (12.0, -1.0), (12.0, 1.2), (-12.0, 1.2)) + ring((3.0, 0.6), (4.0, 0.6), (4.0, 1.2)))
+
+
+@pytest.fixture(scope="module")
+def mapped():
+    """Return the map of the room, and the scans and poses that it is of."""
+    rng = np.random.default_rng(0)
+    poses = np.array([[x, y, h] for x in (-2.0, 0.0, 3.0) for y in (-1.5, 0.5) for h in (0.0, 2.0)])
+    scans = [cast(ROOM, pose, rng) for pose in poses]
+    place = PlaceMap(render_map(poses, scans, GridConfig()))
+    return place, list(zip(scans, poses, strict=True))
+
+
+def weighed(mapped, believed, true, lines=ROOM, scans=12):
+    """Return a doubt after a drive ahead from `true`, which local SLAM takes for one from `believed`."""
+    place, known = mapped
+    doubt, rng = Doubt(place, known), np.random.default_rng(1)
+    for k in range(scans):
+        step = np.array([0.1 * k, 0.0, 0.0])
+        doubt.weigh(step, cast(lines, compose(np.array(true), step), rng), compose(np.array(believed), step))
+    return doubt
+
+
+def test_where_scans_fit_the_map_the_doubt_is_settled(mapped):
+    doubt = weighed(mapped, (-2.0, -1.0, 0.1), (-2.0, -1.0, 0.1))
+    assert doubt.settled
+    assert doubt.possible
+    assert not doubt.refuted
+
+
+def test_local_slam_may_have_drifted_a_little(mapped):
+    assert weighed(mapped, (-1.9, -1.15, 0.12), (-2.0, -1.0, 0.1)).settled
+
+
+def test_a_robot_that_is_elsewhere_on_the_map_is_found_there(mapped):
+    doubt = weighed(mapped, (-2.0, -1.0, 0.1), (2.0, -2.0, 1.9))
+    assert doubt.refuted
+    assert not doubt.possible
+    assert doubt.elsewhere is not None
+    np.testing.assert_allclose(
+        doubt.elsewhere, compose(np.array([2.0, -2.0, 1.9]), np.array([1.1, 0.0, 0.0])), atol=0.1
+    )
+    assert doubt.followed
+    assert not doubt.found  # not yet: a little more of the way
+
+
+def test_where_the_map_knows_nothing_nothing_is_refuted_nor_settled(mapped):
+    doubt = weighed(mapped, (30.0, 0.0, 0.0), (-8.0, 0.0, 0.0), HALL)
+    assert not doubt.refuted
+    assert not doubt.settled
+    assert doubt.possible
+
+
+def test_in_another_building_where_local_slam_has_the_robot_is_impossible_and_no_other_place_is_found(mapped):
+    doubt = weighed(mapped, (-3.0, -1.0, 0.1), (-9.0, 0.0, 0.0), HALL, scans=40)
+    assert doubt.impossible
+    assert doubt.elsewhere is None
+
+
+def test_without_a_map_nothing_can_be_said():
+    doubt = Doubt(None, [])
+    doubt.weigh(np.zeros(3), cast(ROOM, np.zeros(3), np.random.default_rng(0)), np.zeros(3))
+    assert not (doubt.refuted or doubt.settled or doubt.found)
