@@ -76,4 +76,6 @@ def test_in_another_building_where_local_slam_has_the_robot_is_impossible_and_no
 def test_without_a_map_nothing_can_be_said():
     doubt = Doubt(None, [])
     doubt.weigh(np.zeros(3), cast(ROOM, np.zeros(3), np.random.default_rng(0)), np.zeros(3))
-    assert not (doubt.refuted or doubt.settled or doubt.found)
+    assert not (doubt.refuted)
+    assert not (doubt.settled)
+    assert not (doubt.found)

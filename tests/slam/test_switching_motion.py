@@ -100,7 +100,7 @@ def test_odometry_that_has_caught_up_with_a_robot_of_which_no_scan_told_is_belie
 def test_without_stamps_the_robot_goes_on_by_the_scan():
     model, told = SwitchingMotion(ExtrapolatorConfig()), straight(10, step=0.8)
     told[9] = told[8]
-    for k, pose in enumerate(told[:9]):
+    for _k, pose in enumerate(told[:9]):
         hypotheses = model.predict(pose, 0.0)
         model.take(hypotheses, hypotheses[0], pose, True)
     hypotheses = model.predict(told[9], 0.0)
