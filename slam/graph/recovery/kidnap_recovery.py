@@ -15,6 +15,7 @@ Array = NDArray[np.float64]
 _GIVE_UP = 20.0  # [m] after which a doubt that nothing confirms is dropped
 _MOST_SCANS = 5000  # that are kept to be taken again
 _SETTLED = 2.0  # [m] for which it holds that a doubt was settled: people walk along
+_TIES = 3  # constraints that speak for where local SLAM has the robot
 _KNOWN = 5  # of the last scans of before say how well scans usually fit the map
 
 
@@ -85,14 +86,14 @@ class KidnapRecovery:
 
     def _concluded(self, doubt: Doubt, result: LocalResult) -> LocalResult:
         """End the doubt where there is reason to; return the result that counts."""
-        if doubt.found:
+        if doubt.found and not self._tied():
             assert doubt.elsewhere is not None
             if not self._apart:
                 result = self._set_apart()
             self._graph.place_segment(doubt.elsewhere, result.pose)
             self.relocalizations += 1
             self._forget()
-        elif doubt.settled or (not doubt.impossible and doubt.travelled >= _GIVE_UP):
+        elif doubt.settled or doubt.found or (not doubt.impossible and doubt.travelled >= _GIVE_UP):
             self._forget()
             self._settled_at = self._record.way
         elif not self._apart and doubt.scans >= _MOST_SCANS:
@@ -100,6 +101,15 @@ class KidnapRecovery:
             result = self._set_apart() if lost else result
             self._doubt = lost
         return result
+
+    def _tied(self) -> bool:
+        """Return whether loop closure has tied scans of the doubt to submaps of before: then it has decided."""
+        if self._mark is None:
+            return False
+        graph = self._mark.graph
+        first, submaps = len(graph.node_poses), set(range(len(graph.submap_poses))) - set(graph.growing)
+        ties = [c for c in self._graph.graph.constraints if c.node >= first and c.submap in submaps]
+        return len(ties) >= _TIES
 
     def finish(self) -> None:
         """Take note that the drive has ended: what a doubt has come to by now counts."""
