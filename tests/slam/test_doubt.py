@@ -30,7 +30,7 @@ def mapped():
 def weighed(mapped, believed, true, lines=ROOM, scans=12):
     """Return a doubt after a drive ahead from `true`, which local SLAM takes for one from `believed`."""
     place, known = mapped
-    doubt, rng = Doubt(place, known), np.random.default_rng(1)
+    doubt, rng = Doubt(place, known, (1.0, 0.5)), np.random.default_rng(1)
     for k in range(scans):
         step = np.array([0.1 * k, 0.0, 0.0])
         doubt.weigh(step, cast(lines, compose(np.array(true), step), rng), compose(np.array(believed), step))
@@ -74,7 +74,7 @@ def test_in_another_building_where_local_slam_has_the_robot_is_impossible_and_no
 
 
 def test_without_a_map_nothing_can_be_said():
-    doubt = Doubt(None, [])
+    doubt = Doubt(None, [], (1.0, 0.5))
     doubt.weigh(np.zeros(3), cast(ROOM, np.zeros(3), np.random.default_rng(0)), np.zeros(3))
     assert not (doubt.refuted)
     assert not (doubt.settled)

@@ -85,7 +85,7 @@ class ConstraintConfig:
     search_min_score: Share = 0.7
     bound: Share = 0.4
     search_linear: Annotated[float, Within(0.0, 100.0)] = 4.0
-    search_angular: Angle = 0.5
+    search_angular: Angle = 0.8
     search_points: Annotated[int, Within(1, 10_000)] = 100
     max_shift: Annotated[tuple[float, float], Within(0.0, 10.0)] = (0.25, 0.1)
     min_points: int = 30

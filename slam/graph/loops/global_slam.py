@@ -73,6 +73,11 @@ class GlobalSlam:
         """(m, 3) T_global_robot of every node that has left the graph, in the order in which they left."""
         return self._trimmed.on(self.graph.submap_poses.array())
 
+    @property
+    def closable(self) -> tuple[float, float]:
+        """How far off a node may be for a loop search to find it [m, rad]."""
+        return self._config.constraints.search_linear, self._config.constraints.search_angular
+
     def mark(self) -> GraphMark:
         """Return what `rewind` needs to take back all that is added from now on."""
         graph = self.graph

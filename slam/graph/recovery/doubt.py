@@ -34,6 +34,7 @@ class Doubt:
     Args:
         place: The map before the doubt; None: hardly anything is mapped yet, and nothing can be said.
         known: Scans of before and (3,) T_map_robot of each: so well do scans usually fit.
+        closable: How far off local SLAM may be for loop closure to find that by itself [m, rad].
         lost: Whether local SLAM has no opinion where on the map the robot is: then it is refuted from the beginning.
 
     Attributes:
@@ -43,8 +44,14 @@ class Doubt:
         vouched: Whether the last scan fits the map where local SLAM has the robot.
     """
 
-    def __init__(self, place: PlaceMap | None, known: Sequence[tuple[LaserScan, Array]], lost: bool = False) -> None:
-        self._place, self._config = place, _FRESH_MAP
+    def __init__(
+        self,
+        place: PlaceMap | None,
+        known: Sequence[tuple[LaserScan, Array]],
+        closable: tuple[float, float],
+        lost: bool = False,
+    ) -> None:
+        self._place, self._config, self._closable = place, _FRESH_MAP, closable
         self._localizer: Localizer | None = None  # once refuted
         self._preparation = ScanPreparation(self._config.voxel_filter)
         self._before: Array | None = None  # where local SLAM had the robot at the last scan
@@ -116,9 +123,11 @@ class Doubt:
     def _search(self, localizer: Localizer, odometry: Array, scan: LaserScan, pose: Array, way: float) -> None:
         """Look for the robot on all of the map."""
         found = localizer.update(odometry, scan).pose
-        here = found is not None and not self._lost and bool(near(pose[None], found, _AGREE)[0])
+        here = beside = False
+        if found is not None and not self._lost:
+            here, beside = bool(near(pose[None], found, _AGREE)[0]), bool(near(pose[None], found, self._closable)[0])
         self.vouched |= here
-        away = found is not None and self.refuted and not here
+        away = found is not None and self.refuted and not (here or beside)
         self._followed = self._followed + way if away else 0.0
         self._followed_scans = self._followed_scans + 1 if away else 0
         self.elsewhere = found if self._followed_scans >= _CONFIRMED else None

@@ -82,7 +82,7 @@ class KidnapRecovery:
         assert self._mark
         poses = self._mark.graph.node_poses
         known = [(self._record.scans[k], poses[k]) for k in range(len(poses))[-_KNOWN:]]
-        return Doubt(self._map.of(poses), known, lost)
+        return Doubt(self._map.of(poses), known, self._graph.closable, lost)
 
     def _concluded(self, doubt: Doubt, result: LocalResult) -> LocalResult:
         """End the doubt where there is reason to; return the result that counts."""
