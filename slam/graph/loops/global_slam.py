@@ -75,8 +75,8 @@ class GlobalSlam:
 
     @property
     def closable(self) -> tuple[float, float]:
-        """How far off a node may be for a loop search to find it [m, rad]."""
-        return self._config.constraints.search_linear, self._config.constraints.search_angular
+        """How far off a node may be to lie well inside the window of a loop search [m, rad]."""
+        return 0.5 * self._config.constraints.search_linear, 0.5 * self._config.constraints.search_angular
 
     def mark(self) -> GraphMark:
         """Return what `rewind` needs to take back all that is added from now on."""
