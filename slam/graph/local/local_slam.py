@@ -143,26 +143,40 @@ class LocalSlam:
             return self._by_odometry(hypotheses[0], None, False)
         ambiguous = len(hypotheses) > 1
         motion, match = self._match(scan, points, hypotheses)
-        contradicts, told = False, match is not None
+        contradicts = self._contradicts(scan, points, match)
+        far = match is not None and (match.retried or not motion.sound)
+        if match and contradicts and (far or not self._matcher.explains(match)):
+            if ambiguous or (self._matcher.is_beside(match) and not self._monitor.alarmed):
+                return self._by_odometry(hypotheses[0], match, True)
+            motion, match = hypotheses[0], None if far else match
+        if match and self._matcher.is_beside(match):  # the robot has left the submap behind, as after a gap in a log
+            self._active.restart()
+            self._monitor.alarm()
+            motion, match, contradicts = hypotheses[0], None, True
+        return self._taken(hypotheses, motion, match, scan, points, contradicts)
+
+    def _contradicts(self, scan: LaserScan, points: Array, match: GridMatch | None) -> bool:
+        if match is None:
+            return False
+        sensor = np.array(scan.T_robot_lidar[:2], dtype=np.float64)
+        return self._monitor.rejects(self._active.front, points, sensor, match.pose, match.score)
+
+    def _taken(
+        self,
+        hypotheses: list[MotionHypothesis],
+        motion: MotionHypothesis,
+        match: GridMatch | None,
+        scan: LaserScan,
+        points: Array,
+        contradicts: bool,
+    ) -> LocalResult:
+        """Take a scan for where it was matched, or where `motion` has it, and insert it."""
         if match:
-            sensor = np.array(scan.T_robot_lidar[:2], dtype=np.float64)
-            contradicts = self._monitor.rejects(self._active.front, points, sensor, match.pose, match.score)
-            far, beside = match.retried or not motion.sound, self._matcher.is_beside(match)
-            if contradicts and (far or not self._matcher.explains(match)):
-                if ambiguous or (beside and not self._monitor.alarmed):
-                    return self._by_odometry(hypotheses[0], match, True)
-                motion, told = hypotheses[0], not far
-            if beside:  # the robot has left the submap behind, as after a gap in a log
-                self._active.restart()
-                self._monitor.alarm()
-                motion, told, contradicts = hypotheses[0], False, True
-            else:
-                self._matcher.believe(match)
-        pose = match.pose if match and told else motion.prediction.pose
-        self._motion.take(
-            hypotheses, motion, pose, told or not self._active.begun, bool(match and told and match.retried)
-        )
-        insertion = self._insert(motion.odometry, scan, points, pose, match if told else None)
+            self._matcher.believe(match)
+        pose = match.pose if match else motion.prediction.pose
+        told = match is not None or not self._active.begun
+        self._motion.take(hypotheses, motion, pose, told, bool(match and match.retried))
+        insertion = self._insert(motion.odometry, scan, points, pose, match)
         return LocalResult(pose, match, insertion, contradicts, not motion.sound, self._motion.jumped)
 
     def _by_odometry(self, motion: MotionHypothesis, match: GridMatch | None, contradicts: bool) -> LocalResult:
