@@ -27,10 +27,10 @@ def mapped():
     return place, list(zip(scans, poses, strict=True))
 
 
-def weighed(mapped, believed, true, lines=ROOM, scans=12):
+def weighed(mapped, believed, true, lines=ROOM, scans=12, closable=(1.0, 0.5)):
     """Return a doubt after a drive ahead from `true`, which local SLAM takes for one from `believed`."""
     place, known = mapped
-    doubt, rng = Doubt(place, known, (1.0, 0.5)), np.random.default_rng(1)
+    doubt, rng = Doubt(place, known, closable), np.random.default_rng(1)
     for k in range(scans):
         step = np.array([0.1 * k, 0.0, 0.0])
         doubt.weigh(step, cast(lines, compose(np.array(true), step), rng), compose(np.array(believed), step))
@@ -58,6 +58,13 @@ def test_a_robot_that_is_elsewhere_on_the_map_is_found_there(mapped):
     )
     assert doubt.followed
     assert not doubt.found  # not yet: a little more of the way
+
+
+def test_what_a_loop_search_finds_by_itself_is_not_elsewhere(mapped):
+    doubt = weighed(mapped, (-2.0, -1.0, 0.1), (2.0, -2.0, 1.9), closable=(8.0, 3.2))
+    assert doubt.refuted
+    assert doubt.elsewhere is None
+    assert not doubt.possible
 
 
 def test_where_the_map_knows_nothing_nothing_is_refuted_nor_settled(mapped):

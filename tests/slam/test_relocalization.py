@@ -226,3 +226,21 @@ def test_the_kernel_of_the_monitor_counts_beams_through_walls_and_ends_in_seen_f
 def test_a_monitor_without_sense_is_refused():
     with pytest.raises(ValueError, match="patience"):
         MatchMonitorConfig(patience=0)
+
+
+def test_constraints_that_tie_the_scans_of_a_doubt_to_what_was_mapped_before_decide_it(mapped):
+    engine, odometry, _, rng = mapped
+    mapping, recovery = engine._mapping, engine._recovery  # pyright: ignore[reportPrivateUsage]
+    mark = mapping.mark()
+    recovery._mark = mark  # pyright: ignore[reportPrivateUsage]
+    assert not recovery._tied()  # pyright: ignore[reportPrivateUsage]
+    fed(engine, tour()[:60], odometry, rng)
+    recovery._mark = mark  # pyright: ignore[reportPrivateUsage]
+    assert recovery._tied()  # pyright: ignore[reportPrivateUsage]
+
+
+def test_a_robot_that_closures_have_tied_is_not_taken_elsewhere(mapped, monkeypatch):
+    engine, odometry, _, rng = mapped
+    monkeypatch.setattr(engine._recovery, "_tied", lambda: True)  # pyright: ignore[reportPrivateUsage]
+    fed(engine, ahead((-3.8, 0.9, -1.2), (0.1, 0.0, 0.03), 40), odometry, rng)
+    assert engine.losses == 0
