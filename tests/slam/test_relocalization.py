@@ -244,3 +244,18 @@ def test_a_robot_that_closures_have_tied_is_not_taken_elsewhere(mapped, monkeypa
     monkeypatch.setattr(engine._recovery, "_tied", lambda: True)  # pyright: ignore[reportPrivateUsage]
     fed(engine, ahead((-3.8, 0.9, -1.2), (0.1, 0.0, 0.03), 40), odometry, rng)
     assert engine.losses == 0
+
+
+def test_submaps_that_grew_lose_what_was_drawn_into_them_since_the_scans_that_are_taken_back(mapped):
+    engine, odometry, last, rng = mapped
+    mapping = engine._mapping  # pyright: ignore[reportPrivateUsage]
+    mark, submaps = mapping.mark(), mapping.local.submaps
+    growing = [s for s, submap in enumerate(submaps) if not submap.finished]
+    walls = [submaps[s].field > 0.5 for s in growing]
+    fed(engine, ahead(last, (0.1, 0.0, 0.0), 12), odometry, rng, ELSEWHERE)
+    mapping.rewind(mark)
+    assert len(submaps) == len(mark.graph.submap_poses)
+    assert growing
+    for s, before in zip(growing, walls, strict=True):
+        assert submaps[s].finished
+        assert (submaps[s].field > 0.5).sum() == before.sum()
