@@ -33,7 +33,7 @@ def weighed(mapped, believed, true, lines=ROOM, scans=12, closable=(1.0, 0.5)):
     doubt, rng = Doubt(place, known, closable), np.random.default_rng(1)
     for k in range(scans):
         step = np.array([0.1 * k, 0.0, 0.0])
-        doubt.weigh(step, cast(lines, compose(np.array(true), step), rng), compose(np.array(believed), step))
+        doubt.weigh(step, cast(lines, compose(np.array(true), step), rng), step, np.array(believed))
     return doubt
 
 
@@ -82,7 +82,30 @@ def test_in_another_building_where_local_slam_has_the_robot_is_impossible_and_no
 
 def test_without_a_map_nothing_can_be_said():
     doubt = Doubt(None, [], (1.0, 0.5))
-    doubt.weigh(np.zeros(3), cast(ROOM, np.zeros(3), np.random.default_rng(0)), np.zeros(3))
+    doubt.weigh(np.zeros(3), cast(ROOM, np.zeros(3), np.random.default_rng(0)), np.zeros(3), np.zeros(3))
     assert not (doubt.refuted)
     assert not (doubt.settled)
     assert not (doubt.found)
+
+
+def test_when_the_robot_was_carried_is_told_by_the_scans(mapped):
+    place, known = mapped
+    doubt, rng, believed = Doubt(place, known, (1.0, 0.5)), np.random.default_rng(1), np.array([-2.0, -1.0, 0.1])
+    for k in range(24):
+        step = np.array([0.1 * k, 0.0, 0.0])
+        true = believed if k < 2 else np.array([2.0, -2.0, 1.9])
+        doubt.weigh(step, cast(ROOM, compose(true, step), rng), step, believed)
+    assert doubt.followed
+    assert doubt.changed == 2
+
+
+def test_a_robot_that_turns_while_its_odometry_stands_still_is_not_found_there(mapped):
+    place, known = mapped
+    doubt, rng, true = Doubt(place, known, (1.0, 0.5)), np.random.default_rng(1), np.array([0.0, -2.0, 0.6])
+    for k in range(40):
+        step = np.array([0.1 * k, 0.0, 0.0])
+        doubt.weigh(step, cast(ROOM, compose(true, step), rng), step, np.array([-2.0, -1.0, 2.5]))
+    assert doubt.found
+    turned = compose(step, np.array([0.0, 0.0, 1.2]))  # as local SLAM sees by the scans
+    doubt.weigh(step, cast(ROOM, compose(true, turned), rng), turned, np.array([-2.0, -1.0, 2.5]))
+    assert not doubt.found

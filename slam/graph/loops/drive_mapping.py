@@ -1,5 +1,6 @@
 """Local SLAM, the graph and the record of a drive, which take each scan together and can take scans back."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -85,9 +86,14 @@ class DriveMapping:
         assert self.graph
         return DriveMark(len(self.record), self._odometry, self.record.last_pose, self.graph.mark())
 
-    def rewind(self, mark: DriveMark) -> None:
-        """Take back all scans since `mark`; those to come are a drive segment of their own, tied to nothing."""
+    def rewind(self, mark: DriveMark, known: Sequence[tuple[Array, Array]] = ()) -> None:
+        """Take back all scans since `mark`; those to come are a drive segment of their own, tied to nothing.
+
+        Args:
+            mark: What to go back to.
+            known: (3,) T_odom_robot and T_local_robot of the first scans since: they stay there, but on no map.
+        """
         assert self.graph
         self.graph.rewind(mark.graph)
-        self.record.rewind(mark.scans)
-        self.local.restart(mark.odometry, mark.pose_local)
+        self.record.rewind(mark.scans, [pose for _, pose in known])
+        self.local.restart(*(known[-1] if known else (mark.odometry, mark.pose_local)))

@@ -1,6 +1,7 @@
 """What graph SLAM keeps of a drive: the local pose of every scan, and the scans that are nodes of the graph."""
 
 from array import array
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,12 +50,12 @@ class DriveRecord:
             self.way += float(np.hypot(*(pose - self.last_pose)[:2]))
         self._poses.append(pose)
 
-    def rewind(self, scans: int) -> None:
-        """Take back all but the first so many scans: a drive segment begins with the next one."""
-        self._poses = PoseLog.of(self._poses.array()[:scans])
+    def rewind(self, scans: int, known: Sequence[Array] = ()) -> None:
+        """Take back all but the first so many scans and add some at `known` T_local_robot; then a segment begins."""
+        self._poses = PoseLog.of(np.concatenate((self._poses.array()[:scans], np.array(known).reshape(-1, 3))))
         stay = sum(k < scans for k in self.nodes)
         del self.nodes[stay:], self.scans[stay:]
-        self._breaks.append(scans)
+        self._breaks.append(len(self))
 
     def trim(self, stay: Renumbering) -> None:
         """Forget the scans of nodes that have left the graph, but not where they were taken."""

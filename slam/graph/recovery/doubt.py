@@ -1,12 +1,12 @@
 """A doubt where the robot is: local SLAM's opinion against the map of before, by all scans since the doubt began."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry import between
+from ...geometry import between, compose
 from ...localization.beam_fit import BeamFit, Sight
 from ...localization.hypotheses import HypothesesConfig, near
 from ...localization.localizer import Localizer, LocalizerConfig
@@ -23,6 +23,19 @@ _DRIFT = np.array([0.3, 0.1])  # [m, rad] standard deviations of that: where it 
 _VOUCHED = 3  # scans in a row that fit the map where local SLAM has the robot end the doubt
 _CONFIRMED = 3  # scans in a row that find it elsewhere
 _PROBATION = 3.0, 10  # [m, scans] for which the robot must be followed elsewhere before it is believed to be there
+
+
+@dataclass(frozen=True, eq=False)
+class _Judged:
+    """A scan, where local SLAM had the robot in its own frame (3,), and how badly it fits the map there."""
+
+    sight: Sight
+    pose_local: Array
+    misfit: float
+
+    def back_to(self, before: "_Judged") -> list[Array]:
+        """Return (3,) T_robot_before by the odometry and by local SLAM."""
+        return [between(self.sight.odometry, before.sight.odometry), between(self.pose_local, before.pose_local)]
 
 
 class Doubt:
@@ -54,11 +67,12 @@ class Doubt:
         self._place, self._config, self._closable = place, _FRESH_MAP, closable
         self._localizer: Localizer | None = None  # once refuted
         self._preparation = ScanPreparation(self._config.voxel_filter)
-        self._before: Array | None = None  # where local SLAM had the robot at the last scan
+        self._before: Array | None = None  # T_local_robot at the last scan
         self._lost, self._against = lost, 0.0  # by how much another place is likelier, as a logarithm
         self._misfit = self._weight = 0.0  # mean over what was weighed
         self._unweighed, self._fitting = np.inf, 0  # way since a scan was weighed; scans in a row that fit
         self._followed, self._followed_scans = 0.0, 0  # how long it was followed elsewhere [m]
+        self._judged: list[_Judged | None] = []  # None: too few returns
         self.travelled, self.scans = 0.0, 0
         self.vouched, self._possible = False, 0  # scans in a row that the map does not contradict
         self.elsewhere: Array | None = None
@@ -84,32 +98,42 @@ class Doubt:
             return None
         return self._fit.sight(odometry, prepared.points, prepared.sensor)
 
-    def weigh(self, odometry: Array, scan: LaserScan, pose: Array) -> None:
-        """Take a scan at T_odom_robot (3,), with `pose` (3,) T_map_robot where local SLAM has it."""
-        moved = np.zeros(3) if self._before is None else between(self._before, pose)
+    def weigh(self, odometry: Array, scan: LaserScan, pose_local: Array, T_map_local: Array) -> None:
+        """Take a scan.
+
+        Args:
+            odometry: (3,) T_odom_robot.
+            scan: The scan.
+            pose_local: (3,) T_local_robot: where local SLAM has the robot in its own frame, which loop closures leave.
+            T_map_local: (3,) where that frame lies by now.
+        """
+        pose = compose(T_map_local, pose_local)
+        moved = np.zeros(3) if self._before is None else between(self._before, pose_local)
         way = float(np.hypot(moved[0], moved[1]))
-        self._before, self.travelled, self.scans = pose, self.travelled + way, self.scans + 1
+        self._before, self.travelled, self.scans = pose_local, self.travelled + way, self.scans + 1
         if self._place is None:
             return
         if not self._lost:
-            self._judge(odometry, scan, pose, way + abs(float(moved[2])))
+            self._judge(odometry, scan, pose, pose_local, way + abs(float(moved[2])))
         if self.refuted and self._localizer is None:
             self._localizer = Localizer(self._place, self._config)
         if self._localizer:
             self._search(self._localizer, odometry, scan, pose, way)
         self._fitting = self._fitting + 1 if self.vouched else 0
 
-    def _judge(self, odometry: Array, scan: LaserScan, pose: Array, moved: float) -> None:
+    def _judge(self, odometry: Array, scan: LaserScan, pose: Array, pose_local: Array, moved: float) -> None:
         """Add up how much worse than usual the scan fits the map where local SLAM has it."""
         self._unweighed += moved
         sight = self._sight(odometry, scan)
         self.vouched = False
         if sight is None:
+            self._judged.append(None)
             return
         config = self._config.hypotheses
-        here, _ = self._fit.follow(sight, pose[None], np.zeros(3), _DRIFT)
         most = self._level + config.excess
+        here = self._refined(sight, pose)
         misfit = float(self._lenient.judge(sight, here)[0][0])
+        self._judged.append(_Judged(sight, pose_local, misfit))
         self.vouched = bool(self._fit.judge(sight, here)[0][0] < most)
         self._possible = self._possible + 1 if misfit < most else 0
         if self.scans > _VOUCHED and self._unweighed < self._config.step:
@@ -119,6 +143,29 @@ class Doubt:
         self._misfit += fresh * (misfit - self._misfit) / (self._weight + fresh)
         self._weight += fresh
         self._unweighed = 0.0
+
+    def _refined(self, sight: Sight, pose: Array) -> Array:
+        """Return (1, 3) where near `pose` (3,) a scan fits the map best."""
+        return self._fit.follow(sight, pose[None], np.zeros(3), _DRIFT)[0]
+
+    @property
+    def changed(self) -> int:
+        """The scan from which on the robot was elsewhere: those before fit better where local SLAM had it.
+
+        The robot is followed back from where it was found, by the odometry or by local SLAM, whichever fits.
+        """
+        gains = np.zeros(len(self._judged))  # of that way over where local SLAM had it
+        there, after = self.elsewhere, None
+        for k in range(len(self._judged) - 1, -1, -1):
+            judged = self._judged[k]
+            if there is None or judged is None:
+                continue
+            steps = [np.zeros(3)] if after is None else after.back_to(judged)
+            ways = [self._refined(judged.sight, compose(there, step)) for step in steps]
+            misfits = [float(self._lenient.judge(judged.sight, way)[0][0]) for way in ways]
+            best = int(np.argmin(misfits))
+            gains[k], there, after = judged.misfit - misfits[best], ways[best][0], judged
+        return int(np.argmax(np.append(np.cumsum(gains[::-1])[::-1], 0.0)))
 
     def _search(self, localizer: Localizer, odometry: Array, scan: LaserScan, pose: Array, way: float) -> None:
         """Look for the robot on all of the map."""
@@ -131,6 +178,14 @@ class Doubt:
         self._followed = self._followed + way if away else 0.0
         self._followed_scans = self._followed_scans + 1 if away else 0
         self.elsewhere = found if self._followed_scans >= _CONFIRMED else None
+
+    def _fits(self, pose: Array) -> bool:
+        """Whether the last scan fits the map at `pose` (3,): odometry that stands still leads no search on."""
+        last = self._judged[-1] if self._judged else None
+        if last is None:
+            return self._lost
+        most = self._level + self._config.hypotheses.excess
+        return bool(self._fit.judge(last.sight, self._refined(last.sight, pose))[0][0] < most)
 
     @property
     def refuted(self) -> bool:
@@ -163,4 +218,5 @@ class Doubt:
     @property
     def found(self) -> bool:
         """Whether the robot is `elsewhere` beyond doubt."""
-        return self.followed and self._followed >= _PROBATION[0]
+        fits = self.elsewhere is not None and self._fits(self.elsewhere)
+        return fits and self.followed and self._followed >= _PROBATION[0]

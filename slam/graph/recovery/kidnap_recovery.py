@@ -3,7 +3,6 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry import compose
 from ...scan import LaserScan
 from ..local.local_slam import LocalResult
 from ..loops.drive_mapping import DriveMapping, DriveMark
@@ -27,8 +26,9 @@ class KidnapRecovery:
     - Scans in a row that contradict the submap raise a doubt. Mapping goes on meanwhile: loop closure may decide, too.
     - The doubt ends where the scans fit the map of before where local SLAM has the robot.
     - It ends, too, after a while, unless that map rules out that it is there.
-    - Where the map rules it out, and the robot has been followed on it elsewhere for a while, it was carried. All
-      scans since the doubt began are taken back and mapped again as a drive segment, at the place that was found.
+    - Where the map rules it out, and the robot has been followed on it elsewhere for a while, it was carried. When,
+      is told by the scans: first they fit better where local SLAM had the robot, then along the way to where it was
+      found. The latter are taken back and mapped again as a drive segment, at the place that was found.
     - Where it is ruled out but the robot is never found, the drive ends with such a segment that has no place.
 
     So a drive on which no robot is found elsewhere is mapped as if nobody looked on; only nodes leave the graph later.
@@ -47,7 +47,7 @@ class KidnapRecovery:
         self._record = mapping.record
         self._map = NodeMap(mapping.graph, mapping.record)
         self._mark: DriveMark | None = None  # before the first of the scans in a row that contradict the submap
-        self._scans: list[tuple[Array, LaserScan]] = []  # since then, at the odometry as told
+        self._scans: list[tuple[Array, LaserScan, Array]] = []  # since then: odometry, scan and T_local_robot
         self._unweighed: list[tuple[Array, LaserScan, Array]] = []  # odometry, scan and T_local_robot
         self._doubt: Doubt | None = None
         self._apart = False  # whether the drive segment has no place
@@ -67,14 +67,14 @@ class KidnapRecovery:
             return result
         if not self._apart:
             self._mark = self._mark or self._mapping.mark()
-            self._scans.append((odometry, scan))
+            self._scans.append((odometry, scan, result.pose))
         self._unweighed.append((odometry, scan, result.pose))
         if not self._doubt and self._monitor.alarmed and self._record.way - self._settled_at >= _SETTLED:
             self._doubt = self._new_doubt()
         if not self._doubt:
             return result
         for at, seen, pose in self._unweighed:
-            self._doubt.weigh(at, seen, compose(self._mapping.T_global_local, pose))
+            self._doubt.weigh(at, seen, pose, self._mapping.T_global_local)
         self._unweighed = []
         return self._concluded(self._doubt, result)
 
@@ -86,10 +86,10 @@ class KidnapRecovery:
 
     def _concluded(self, doubt: Doubt, result: LocalResult) -> LocalResult:
         """End the doubt where there is reason to; return the result that counts."""
-        if doubt.found and not self._tied():
+        if doubt.found and doubt.changed < doubt.scans and not self._tied():
             assert doubt.elsewhere is not None
             if not self._apart:
-                result = self._set_apart()
+                result = self._set_apart(doubt.changed)
             self._graph.place_segment(doubt.elsewhere, result.pose)
             self.relocalizations += 1
             self._forget()
@@ -115,8 +115,9 @@ class KidnapRecovery:
         """Take note that the drive has ended: what a doubt has come to by now counts."""
         doubt = self._doubt
         if doubt and (doubt.impossible or doubt.followed) and not self._apart:
-            odometry, _ = self._scans[-1]
-            self._mapping.add(odometry, self._set_apart())
+            odometry, _, _ = self._scans[-1]
+            first = min(doubt.changed, len(self._scans) - 1) if doubt.followed else 0
+            self._mapping.add(odometry, self._set_apart(first))
         if doubt and doubt.followed and doubt.elsewhere is not None:
             self._graph.place_segment(doubt.elsewhere, self._record.last_pose)
             self.relocalizations += 1
@@ -143,13 +144,15 @@ class KidnapRecovery:
         """Take note that nodes have left the graph."""
         self._map.forget()
 
-    def _set_apart(self) -> LocalResult:
-        """Map all scans of the doubt anew as a segment of its own; return what local SLAM makes of the last one."""
+    def _set_apart(self, first: int = 0) -> LocalResult:
+        """Map the scans of the doubt from the `first` on anew as a segment; return what became of the last one."""
         assert self._mark
-        self._mapping.rewind(self._mark)
-        for odometry, scan in self._scans[:-1]:
+        before, (*scans, last) = self._scans[:first], self._scans[first:]
+        self._mapping.rewind(self._mark, [(odometry, pose) for odometry, _, pose in before])
+        for odometry, scan, _ in scans:
             self._mapping.add(odometry, self._mapping.match(odometry, scan))
-        result = self._mapping.match(*self._scans[-1])
+        odometry, scan, _ = last
+        result = self._mapping.match(odometry, scan)
         self._apart, self._mark, self._scans = True, None, []
         self.losses += 1
         return result
