@@ -1,6 +1,7 @@
 """A scan sought all around is found where one place stands out, and nowhere where two look alike."""
 
 import numpy as np
+from tagalong.slam.scan_to_grid.scan_matcher import GridMatch, GridScanMatcher, GridScanMatcherConfig
 from tagalong.slam.scan_to_grid.wide_search import search_widely
 
 SIDE = 0.05
@@ -30,3 +31,10 @@ def test_of_two_places_that_look_alike_none_is_found():
     points = corner_of_walls(field, 60, 60)
     corner_of_walls(field, 95, 60)
     assert found(field, points) is None
+
+
+def test_a_scan_that_fits_a_tenth_better_elsewhere_does_not_outweigh_odometry_that_was_sound():
+    matcher = GridScanMatcher(GridScanMatcherConfig())
+    usual, better = (GridMatch(np.zeros(3), np.eye(3), score, searched=True) for score in (0.4, 0.5))
+    gain = matcher.cost(usual, 180) - matcher.cost(better, 180)
+    assert 0.0 < gain < -np.log(0.001)  # the probability that sound odometry fails with a scan
