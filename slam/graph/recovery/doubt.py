@@ -207,8 +207,8 @@ class Doubt:
 
     @property
     def possible(self) -> bool:
-        """Whether nothing contradicts (any more) where local SLAM has the robot."""
-        return self.vouched or (self._possible >= _VOUCHED and not self.impossible)
+        """Whether the map does not rule out, or does no longer, that the robot is where local SLAM has it."""
+        return not self.refuted or self.vouched or (self._possible >= _VOUCHED and not self.impossible)
 
     @property
     def followed(self) -> bool:
