@@ -78,6 +78,7 @@ class GridMatch:
         score: Mean occupancy under the points, in [0, 1].
         searched: Whether the correlative search was needed.
         retried: Whether it was found only far from where the odometry expects it.
+        seen: Share of the points that the match is of: the others lie where nothing is known.
     """
 
     pose: Array
@@ -85,6 +86,7 @@ class GridMatch:
     score: float
     searched: bool
     retried: bool = False
+    seen: float = 1.0
 
 
 class Walls(Protocol):
@@ -171,7 +173,8 @@ class GridScanMatcher:
 
     def believe(self, match: GridMatch) -> None:
         """Learn from a match that holds which scores are typical."""
-        self._typical_score += _SCORE_MEMORY * (match.score - self._typical_score)
+        memory = _SCORE_MEMORY if self._typical_score else 1.0
+        self._typical_score += memory * (match.score - self._typical_score)
 
     def is_beside(self, match: GridMatch) -> bool:
         """Return whether a scan sees hardly anything of what it was matched on."""
@@ -179,7 +182,7 @@ class GridScanMatcher:
 
     def is_poor(self, match: GridMatch) -> bool:
         """Return whether a match is so bad that the robot may well be elsewhere."""
-        return match.score < self._config.retry_below * self._typical_score
+        return match.score < self._config.retry_below * self._typical_score * match.seen
 
     def explains(self, match: GridMatch) -> bool:
         """Return whether a match is so good that it tells where the robot is, even far from where it was expected."""

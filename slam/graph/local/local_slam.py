@@ -16,6 +16,7 @@ from ...scan_to_grid.voxel_filter import AdaptiveVoxelConfig, AdaptiveVoxelFilte
 from .active_submaps import ActiveSubmaps, ActiveSubmapsConfig
 from .match_monitor import MatchMonitor, MatchMonitorConfig
 from .motion_filter import MotionFilter, MotionFilterConfig
+from .seen_points import seen_points
 from .submap import Submap
 from .sweep import Sweep
 from .switching_motion import MotionHypothesis, SwitchingMotion
@@ -199,8 +200,7 @@ class LocalSlam:
             return hypotheses[0], None
         degenerate = degenerate_direction(scan, points)
         front, anywhere = self._active.front, self._motion.anywhere
-        match = self._matcher.match if anywhere else self._matcher.match_anyhow
-        found = [(motion, match(front, points, motion.prediction, degenerate)) for motion in hypotheses]
+        found = [(motion, self._matched(points, motion.prediction, degenerate)) for motion in hypotheses]
         best = self._best(found, len(points))
         if best[1] and anywhere and self._matcher.is_poor(best[1]):
             wide = self._matcher.search(front, points, anywhere)
@@ -209,6 +209,17 @@ class LocalSlam:
                 best = self._best([*found, (hypotheses[0], wide), (jumped, wide)], len(points))
                 hypotheses[1:] = [jumped] if best[1] is wide else hypotheses[1:]
         return best
+
+    def _matched(self, points: Array, prediction: Prediction, degenerate: Array | None) -> GridMatch | None:
+        """Return the match of a scan near one prediction, by what of it the submap may have seen before."""
+        front = self._active.front
+        match = self._matcher.match if self._motion.anywhere else self._matcher.match_anyhow
+        seen = seen_points(front, points, prediction)
+        if len(seen) < self._config.matcher.min_points:
+            seen = points
+        found = match(front, seen, prediction, degenerate)
+        share = len(seen) / max(1, len(points))
+        return replace(found, score=share * found.score, seen=share) if found else None
 
     def _best(
         self, found: list[tuple[MotionHypothesis, GridMatch | None]], points: int

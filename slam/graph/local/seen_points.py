@@ -1,0 +1,45 @@
+"""Which points of a scan can tell where the robot is: those that fall where the submap has seen something.
+
+What a scan sees for the first time fits nowhere yet. If it counted as a misfit, every match would be drawn towards what
+is known: a robot that comes into a new room, or drives backwards with a laser that looks ahead, would lag behind.
+"""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from ...scan_to_grid.extrapolator import Prediction
+from .submap import Submap
+
+Array = NDArray[np.float64]
+
+
+def seen_points(submap: Submap, points: Array, prediction: Prediction) -> Array:
+    """Return those of `points` (N, 2), robot frame [m], that a submap may have seen before.
+
+    A point may be off by a cell and by a standard deviation of the prediction.
+    """
+    reach = 1 + int(prediction.sigma[0] / submap.resolution)
+    return points[near_visits(submap.visits, submap.corner, submap.resolution, points, prediction.pose, reach)]
+
+
+@njit(cache=True, nogil=True)
+def near_visits(
+    visits: NDArray[np.float32], corner: Array, resolution: float, points: Array, pose: Array, reach: int
+) -> NDArray[np.bool_]:
+    """Return (N,) whether there is a cell with visits within `reach` cells of each of `points`, the robot at `pose`."""
+    rows, cols = visits.shape
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    near = np.zeros(len(points), np.bool_)
+    for n in range(len(points)):
+        x = (pose[0] + c * points[n, 0] - s * points[n, 1] - corner[0]) / resolution + 0.5
+        y = (pose[1] + s * points[n, 0] + c * points[n, 1] - corner[1]) / resolution + 0.5
+        j, i = int(np.floor(x)), int(np.floor(y))
+        for row in range(max(i - reach, 0), min(i + reach + 1, rows)):
+            for col in range(max(j - reach, 0), min(j + reach + 1, cols)):
+                if visits[row, col] > 0:
+                    near[n] = True
+                    break
+            if near[n]:
+                break
+    return near
