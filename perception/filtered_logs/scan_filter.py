@@ -89,8 +89,8 @@ def removed_readings(filtered: FilteredScan, order: NDArray[np.intp], readings: 
     """
     removed = np.zeros(readings, dtype=np.bool_)
     removed[order] = filtered.removed
-    again = np.setdiff1d(np.arange(readings), order)
-    if len(again):
+    if len(order) < readings:
+        again = np.setdiff1d(np.arange(readings), order)
         circle = round(2.0 * np.pi / abs(step))
         removed[again] = removed[np.where(again >= circle, again - circle, again + circle)]
     return removed

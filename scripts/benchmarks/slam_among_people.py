@@ -125,7 +125,7 @@ def judged(job: DriveAmongPeople, options: argparse.Namespace) -> Iterator[dict[
             figures = job.judge(read_tum(path).poses, recording.scans)
         except InputError as error:
             raise InputError(f"{path}: {error}") from error
-        yield {"drive": recording.name, "engine": path.name.split(".tum")[0], "scans": "raw", **figures}
+        yield {"drive": recording.name, "engine": f"others/{path.name.split('.tum')[0]}", "scans": "raw", **figures}
 
 
 def averages(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 from tagalong.perception.config import perception_preset
 from tagalong.perception.filtered_logs.log import filter_log
-from tagalong.perception.filtered_logs.scan_filter import IncreasingClock
+from tagalong.perception.filtered_logs.scan_filter import IncreasingClock, ScanFilter, removed_readings
 from tagalong.scripts.cli import main
+from tagalong.slam import LaserScan
 
 CONFIG = perception_preset("recorded")
 STEP, FIRST = np.radians(0.5), -np.pi / 2
@@ -89,7 +90,58 @@ def test_stamps_that_stand_still_or_go_back_become_times_that_increase():
     np.testing.assert_allclose(times, [5.0, 5.1, 5.3, 5.5, 5.7])
 
 
+def test_a_reading_in_the_direction_of_another_one_goes_with_it():
+    """A driver that goes once round and one step more says the first direction twice; the circle is cut behind."""
+    scan = LaserScan(np.full(360, 2.0), np.radians(np.arange(-180.0, 180.0)), 0.1, 8.0)
+    order = (np.arange(360) + 180) % 360
+    people_filter = ScanFilter(CONFIG)
+    filtered = people_filter.update(scan, np.zeros(3))
+    filtered.__dict__["removed"] = np.isin(order, [0, 7])
+    removed = removed_readings(filtered, order, 361, np.radians(1.0))
+    assert np.flatnonzero(removed).tolist() == [0, 7, 360]
+
+
+def test_people_before_a_laser_upside_down_are_where_its_own_frame_has_them(tmp_path):
+    rosbag1 = pytest.importorskip("rosbags.rosbag1")
+    types = store(ros1=True)
+    for name, turned in (("upright", 0.0), ("over", 1.0)):
+        with rosbag1.Writer(tmp_path / f"{name}.bag") as writer:
+            scans = writer.add_connection("/scan", SCAN, typestore=types)
+            frames = writer.add_connection("/tf_static", "tf/msg/tfMessage", msgdef=TF, md5sum=TF_MD5)
+            writer.write(frames, 1, mounted(turned))
+            for t in 1000.0 + TIMES:
+                writer.write(scans, round(t * 1e9), bytes(message(types, True, t)))
+        filter_log(tmp_path / f"{name}.bag", tmp_path / f"{name}_out.bag", CONFIG)
+    kind = "geometry_msgs/msg/PoseArray"
+    last = [contents(tmp_path / f"{name}_out.bag")[0]["/scan_filtered/people"][-1][1] for name in ("upright", "over")]
+    upright, over = (types.deserialize_ros1(raw, kind).poses[0].position for raw in last)
+    assert (upright.x, upright.y) == pytest.approx((over.x, over.y), abs=0.05)
+
+
 # ---- bags
+
+TF = "geometry_msgs/TransformStamped[] transforms\n"
+TF_MD5 = "94810edda583a504dfda3829e70d7eec"
+
+
+def mounted(turned):
+    """A transform from the robot to the laser, upright or `turned` about its x axis, as ROS 1 writes it."""
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+    types = get_typestore(Stores.ROS1_NOETIC)
+    types.register(get_types_from_msg(TF, "tf/msg/tfMessage"))
+    make = types.types
+    header = make["std_msgs/msg/Header"](
+        seq=0, stamp=make["builtin_interfaces/msg/Time"](sec=0, nanosec=1), frame_id="base_link"
+    )
+    transform = make["geometry_msgs/msg/Transform"](
+        translation=make["geometry_msgs/msg/Vector3"](x=0.0, y=0.0, z=0.2),
+        rotation=make["geometry_msgs/msg/Quaternion"](x=turned, y=0.0, z=0.0, w=1.0 - turned),
+    )
+    stamped = make["geometry_msgs/msg/TransformStamped"](header=header, child_frame_id="laser", transform=transform)
+    whole = make["tf/msg/tfMessage"](transforms=[stamped])
+    return bytes(types.serialize_ros1(whole, "tf/msg/tfMessage"))
+
 
 SCAN = "sensor_msgs/msg/LaserScan"
 

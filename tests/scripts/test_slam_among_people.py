@@ -63,7 +63,7 @@ def test_trajectories_of_others_are_judged_on_the_logs_that_were_written(simulat
     words += [str(tmp_path / "second"), "--logs", str(logs), "--others", str(tmp_path / "others")]
     assert main(words) == 0
     (row,) = json.loads((tmp_path / "second" / "results.json").read_text())["drives"]
-    assert (row["engine"], row["scans"]) == ("oracle", "raw")
+    assert (row["engine"], row["scans"]) == ("others/oracle", "raw")
     assert row["ate_cm"] == pytest.approx(0.0, abs=1e-3)
     assert row["missing_cm"] < 1.0
 
