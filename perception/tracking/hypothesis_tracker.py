@@ -85,7 +85,7 @@ class HypothesisTracker:
         self._end(scan.time_s)
         self._believe(sight, scan.time_s)
         self._mark_grid(transform_points(lidar, scan.points), pose, scan.time_s, dt)
-        return TrackerUpdate(self._people(scan.time_s, sight.z), detections, pose)
+        return TrackerUpdate(self._people(scan.time_s, sight.z), self._remembering(detections, sight.free), pose)
 
     def _step(self, time_s: float) -> float:
         before, self._time_s = self._time_s, time_s
@@ -107,6 +107,13 @@ class HypothesisTracker:
         affinity = np.clip(first - self._config.indifferent, *self._config.affinity)
         affinity = np.where(possible, affinity, -np.inf)
         return _Sight(z, first, second, affinity, free, free & (empty >= self._config.came))
+
+    def _remembering(self, detections: Detections, free: NDArray[np.bool_]) -> Detections:
+        """Return `detections` (m,) less sure where something has stood still, and surer where it is `free` (m,)."""
+        vote = np.clip(detections.confidence, 1e-6, 1.0 - 1e-6)
+        odds = vote / (1.0 - vote) * np.exp(np.where(free, 1.0, -1.0) * self._config.memory)
+        confidence = np.where(detections.confidence > 0.0, odds / (1.0 + odds), 0.0)
+        return replace(detections, confidence=confidence, human=confidence >= self._tracker.confirmation.gamma)
 
     def _associate(self, sight: "_Sight") -> None:
         """Give each hypothesis its most likely cluster, then another of those left as its other leg."""

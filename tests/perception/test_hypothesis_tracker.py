@@ -110,6 +110,17 @@ def test_what_has_stood_still_is_a_person_only_when_it_moves(hall):
     assert len(people) == 1
 
 
+def test_a_leg_is_less_sure_where_something_has_stood_still_and_surer_where_nothing_has(hall):
+    for k in range(10):
+        hall.show([[2.0, 1.0]], confidence=0.3, odometry=(0.05 * k, 0.0, 0.0))
+    hall.detector.positions, hall.detector.confidence = np.array([[2.0, 1.0], [2.0, -1.0], [3.0, -2.0]]), np.zeros(3)
+    hall.detector.confidence[:2] = 0.3
+    scan = scan_of(hall.detector.positions, 11 / hall.rate_hz)
+    still, fresh, none = hall.tracker.update(scan, np.zeros(3)).detections.confidence
+    assert still < 0.2 < 0.4 < fresh
+    assert none == 0.0
+
+
 def test_a_walker_hidden_for_a_second_keeps_the_number_and_one_who_vanished_in_plain_view_is_gone(hall, step):
     for k in range(25):
         people = hall.show(step(np.array([2.0, -2.0 + k / 7.5]), (0.0, 1.0), k / 7.5), confidence=0.6)
