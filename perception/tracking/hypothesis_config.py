@@ -60,7 +60,7 @@ class HypothesisConfig:
     """Numbers of `HypothesisTracker`; its motion is that of `MotionConfig`.
 
     `sure`, `came`, `body`, `still_s` and `fade_s` were chosen by who is found and who is false in positive_1 to 3,
-    negative_2 (forests left out) and the outdoor recording.
+    negative_2 (forests left out) and the outdoor recording; the figures of the moving robot were in sight, too.
 
     Attributes:
         evidence: How surely what is seen is a person.
