@@ -8,7 +8,7 @@ from types import MappingProxyType
 from ..slam.errors import unknown_name
 from .leader.body_selector import BodyConfig
 from .leader.onset import LeaderConfig
-from .people_filter import PeopleFilterConfig
+from .people_filter import PeopleFilterConfig, RemovalConfig
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,10 +48,12 @@ def table_ii(config: PeopleFilterConfig) -> dict[str, float]:
 PRESETS: dict[str, PerceptionConfig] = {
     "table2": PerceptionConfig(),
     "recorded": PerceptionConfig(method="hypotheses"),
+    "ye2021": PerceptionConfig(method="ye2021", removal=RemovalConfig(unconfirmed_radius=0.0)),
 }
 """Named configurations.
 
 `table2`: the paper's numbers.
+`ye2021`: the paper's numbers in the paper's own tracker, and its filter.
 `recorded`: hypotheses of whole people, for recorded scans of any kind: moving robots, people seen as one cluster.
 """
 

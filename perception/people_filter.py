@@ -20,6 +20,7 @@ from .tracking.hypothesis_config import HypothesisConfig
 from .tracking.hypothesis_tracker import HypothesisTracker
 from .tracking.people import People
 from .tracking.tracker import PeopleTracker
+from .tracking.ye2021 import Ye2021Tracker
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,8 +42,8 @@ class RemovalConfig:
         check_positive(self, "unconfirmed_radius")
 
 
-METHODS = ("leg pairs", "hypotheses")
-"""How people are tracked: as pairs of leg tracks (Ye 2021), or as hypotheses of whole people."""
+METHODS = ("leg pairs", "hypotheses", "ye2021")
+"""How people are tracked: as pairs of leg tracks, as hypotheses of whole people, or as Ye 2021 tells it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,7 +55,8 @@ class PeopleFilterConfig:
             `tagalong train legs` wrote.
         detector: Of legs in single scans.
         method: How people are tracked, one of `METHODS`: "leg pairs" asks for two legs that move, each seen apart;
-            "hypotheses" for what is more likely a person than a thing, be it one cluster, from moving robots, too.
+            "hypotheses" for what is more likely a person than a thing, be it one cluster, from moving robots, too;
+            "ye2021" is the paper's own tracker and nothing more, for comparison.
         tracker: Of people.
         hypotheses: What the method "hypotheses" has of its own.
         removal: Which returns are dropped.
@@ -130,6 +132,8 @@ class PeopleFilter:
         detector = detector or LegDetector(LegForest.load(self.config.forest), self.config.detector)
         if self.config.method == "hypotheses":
             self._tracker = HypothesisTracker(self.config.hypotheses, self.config.tracker, detector)
+        elif self.config.method == "ye2021":
+            self._tracker = Ye2021Tracker(self.config.tracker, detector)
         else:
             self._tracker = PeopleTracker(self.config.tracker, detector)
 

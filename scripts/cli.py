@@ -17,6 +17,7 @@ from .console.subcommands import CommandParser, add_subcommands
 COMMANDS: dict[str, str] = {
     "demo": "follow a person, map raw and filtered, compare: the main job",
     "slam": "map a recorded drive (log or ROS bag)",
+    "filter": "take people out of a recorded drive (log, ROS bag, MCAP): the same out, for any SLAM",
     "localize": "find a recorded drive on a finished map",
     "score": "judge a trajectory or a map by a reference",
     "train": "train the leg forests, the classifier of people, or a follower",

@@ -11,6 +11,7 @@ BENCHMARKS: dict[str, str] = {
     "graph-slam": "graph SLAM on recorded and simulated logs beside the original engines",
     "drawn-worlds": "SLAM in buildings, lasers and drives that are drawn at random",
     "slam-faults": "SLAM on drives with faults of odometry, clock and laser: errors, and whether it knows",
+    "slam-among-people": "SLAM beside walking people: raw, by our filter, by the true one; others' trajectories, too",
     "slam-scale": "time and memory of SLAM as buildings and drives grow, on campus corridors that look alike",
     "kidnapping": "how soon a robot that woke up or was carried somewhere knows where it is",
     "people": "how well people are tracked and kept out of scans, in simulated drives",

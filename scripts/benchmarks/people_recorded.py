@@ -10,6 +10,9 @@ all annotated ones, a scan with annotations; annotations leave out people, so no
 of them that walk more than a metre while they are tracked. `switches`: changes of number. `people`: tracked a scan;
 where nobody is, all are false.
 
+A second table tells of labelled legs within 5 m: the share found by a cluster within 0.2 m, at so many false legs a
+scan of the people-free recording. A tracker that knows where something has stood still tells its detector.
+
 example:
   tagalong bench people-recorded recordings
 """
@@ -24,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...perception.config import PRESETS, PerceptionConfig, perception_preset
-from ...perception.legs.detector import LegDetector
+from ...perception.legs.detector import Detections, LegDetector
 from ...perception.legs.forest import LegForest
 from ...perception.people_filter import PeopleFilter
 from ...perception.tracking.data_association import assign, distances
@@ -35,6 +38,7 @@ from ...slam.scan import LaserScan
 from ...slam.scan_to_scan.laser_odometry import laser_odometry
 from ..console.arguments import at_least
 from ..console.tables import format_table
+from ..training.evaluate_legs import FARTHEST_LEG, MATCH_DISTANCE, RATES, LegScores
 from ..training.leg_forests import left_out_forests
 from ..training.leg_recordings import NEGATIVE, read_leg_recordings
 from ..training.train_legs import TrainConfig
@@ -55,12 +59,14 @@ class PeopleRecording:
         scans: In order; the laser is the robot.
         poses: (n, 3) T_odom_laser of each.
         truths: Scan -> numbers (k,) and places (k, 2) in the laser frame; the number -1 says that it is not known.
+        has_legs: Whether these are single legs.
     """
 
     name: str
     scans: list[LaserScan]
     poses: Array
     truths: Mapping[int, tuple[NDArray[np.int64], Array]]
+    has_legs: bool = False
 
 
 @dataclass(eq=False)
@@ -74,6 +80,8 @@ class Judge:
     people: int = 0
     scans: int = 0
     extra: list[int] = field(default_factory=list)
+    legs: list[float] = field(default_factory=list)
+    clusters: list[Array] = field(default_factory=list)
     _partner: dict[int, int] = field(default_factory=dict)
     _ways: dict[int, list[Array]] = field(default_factory=dict)
 
@@ -96,6 +104,13 @@ class Judge:
             if known >= 0:
                 self.switches += int(self._partner.get(known, now) != now)
                 self._partner[known] = now
+
+    def add_legs(self, found: Detections, legs: Array) -> None:
+        """Take the clusters of one scan and the labelled `legs` (n, 2) in it, robot frame."""
+        self.clusters.append(found.confidence)
+        for leg in legs[np.hypot(*legs.T) <= FARTHEST_LEG]:
+            near = np.hypot(*(found.positions - leg).T) <= MATCH_DISTANCE
+            self.legs.append(float(found.confidence[near].max(initial=0.0)))
 
     def figures(self) -> dict[str, float]:
         """Return the figures named in the module's docstring."""
@@ -132,9 +147,10 @@ def read_people_recording(path: Path) -> PeopleRecording:
             rows = content["gt_scan_index"]
             truths = {int(k): (content["gt_id"][rows == k], content["gt_xy"][rows == k]) for k in np.unique(rows)}
     labelled = path.with_name(path.name.replace("_scans", "_labelled"))
-    if not truths and labelled != path and labelled.exists():
+    has_legs = not truths and labelled != path and labelled.exists()
+    if has_legs:
         truths = _labelled_legs(labelled, scans)
-    return PeopleRecording(path.stem, scans, poses, truths)
+    return PeopleRecording(path.stem, scans, poses, truths, has_legs)
 
 
 def _labelled_legs(path: Path, scans: list[LaserScan]) -> dict[int, tuple[NDArray[np.int64], Array]]:
@@ -146,18 +162,31 @@ def _labelled_legs(path: Path, scans: list[LaserScan]) -> dict[int, tuple[NDArra
     return {k: (np.full(len(p), -1), p) for k, p in zip(where, places, strict=True) if k is not None and len(p)}
 
 
-def judge_recording(recording: PeopleRecording, config: PerceptionConfig, forests: list[LegForest]) -> dict[str, float]:
-    """Return the figures of one recording, whose n-th part has the n-th of `forests`; the tracker is one for all."""
+def judge_recording(recording: PeopleRecording, config: PerceptionConfig, forests: list[LegForest]) -> Judge:
+    """Return the judge of one recording, whose n-th part has the n-th of `forests`; the tracker is one for all."""
     parts = np.array_split(np.arange(len(recording.scans)), len(forests))
     detector = LegDetector(forests[0], config.detector)
     people_filter, judge = PeopleFilter(config, detector), Judge()
     for forest, part in zip(forests, parts, strict=True):
         detector.forest = forest
         for k in part.tolist():
-            people = people_filter.update(recording.scans[k], recording.poses[k]).people
+            update = people_filter.update(recording.scans[k], recording.poses[k])
+            people = update.people
             places = transform_points(inverse(recording.poses[k]), people.positions)
             judge.add(people.ids, places, people.positions, recording.truths.get(k))
-    return judge.figures()
+            legs = recording.truths[k][1] if recording.has_legs and k in recording.truths else np.empty((0, 2))
+            judge.add_legs(update.detections, legs)
+    return judge
+
+
+def leg_scores(judges: Mapping[str, Judge]) -> dict[str, float]:
+    """Return the recall of the labelled legs of all recordings, by the rate of false legs on the people-free one."""
+    free = judges.get(Path(NEGATIVE).stem)
+    legs = np.array([confidence for judge in judges.values() for confidence in judge.legs])
+    if free is None or len(legs) == 0:
+        return {}
+    scores = LegScores(legs, np.concatenate(free.clusters), free.scans)
+    return {f"{rate:g}": scores.recall(rate) for rate in RATES}
 
 
 def forests_for(folder: Path, names: list[str], left_out: bool, scans: int) -> dict[str, list[LegForest]]:
@@ -194,14 +223,19 @@ def run(options: argparse.Namespace) -> int:
     if not paths:
         raise InputError(f"no recordings (.npz) in {options.data}")
     forests = forests_for(options.data, [path.stem for path in paths], options.forest == "left-out", options.scans)
-    rows = []
+    rows, presets = [], [options.preset] if options.preset else list(PRESETS)
+    judges: dict[str, dict[str, Judge]] = {preset: {} for preset in presets}
     for path in paths:
         recording = read_people_recording(path)
-        for preset in [options.preset] if options.preset else PRESETS:
+        for preset in presets:
             config = replace(perception_preset(preset), forest="real")
-            figures = judge_recording(recording, config, forests[recording.name])
-            rows.append({"recording": recording.name, "preset": preset, **figures})
+            judge = judges[preset][recording.name] = judge_recording(recording, config, forests[recording.name])
+            rows.append({"recording": recording.name, "preset": preset, **judge.figures()})
     shown = [[f"{row[key]:.3f}" if isinstance(row[key], float) else str(row[key]) for key in HEADER] for row in rows]
     print(format_table(HEADER, shown))
-    write_results(options, {"figures": rows})
+    legs = {preset: scores for preset in presets if (scores := leg_scores(judges[preset]))}
+    if legs:
+        header = ("preset", *(f"legs at {rate:g}" for rate in RATES))
+        print("\n" + format_table(header, [[p, *(f"{share:.3f}" for share in legs[p].values())] for p in legs]))
+    write_results(options, {"figures": rows, "legs": legs})
     return 0

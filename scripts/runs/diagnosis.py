@@ -20,10 +20,21 @@ CORE = ("gymnasium", "mujoco", "numpy", "scipy", "scikit-learn", "filterpy", "th
 EXTRAS: Mapping[str, tuple[str, ...]] = {
     "learn": ("torch", "stable-baselines3", "sb3-contrib", "tensorboard", "safetensors", "onnx", "onnxruntime"),
     "viz": ("matplotlib", "moviepy"),
-    "ros": ("rosbags",),
+    "ros": ("rosbags", "mcap"),
     "cluster": ("ray", "distributed"),
     "dev": (
-        *("build", "basedpyright", "evo", "hypothesis", "pysocialforce", "pytest", "pytest-xdist", "rosbags", "ruff"),
+        *(
+            "build",
+            "basedpyright",
+            "evo",
+            "hypothesis",
+            "mcap",
+            "pysocialforce",
+            "pytest",
+            "pytest-xdist",
+            "rosbags",
+            "ruff",
+        ),
         "scikit-image",
     ),
 }

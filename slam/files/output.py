@@ -46,6 +46,26 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 @contextmanager
+def new_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Yield a temporary folder beside `path`; on success it becomes `path`, on failure it goes.
+
+    Raises:
+        InputError: If something is there already, or nothing can be written there; also for any other `OSError` in the
+            body.
+    """
+    target = checked_name(path)
+    with _told(path, "written"):
+        if _exists(target):
+            raise InputError(f"{named(path)}: is there already; give the name of a new folder")
+        target.absolute().parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(prefix=f".{target.name[:20]}-", dir=target.absolute().parent) as holder:
+            temporary = Path(holder) / "new"
+            temporary.mkdir()
+            yield temporary
+            temporary.replace(target)
+
+
+@contextmanager
 def _told(path: str | os.PathLike[str], done: str) -> Iterator[None]:
     """Tell in one line what the system finds wrong with a path that is to be `done` ("written", "made")."""
     try:

@@ -13,11 +13,11 @@ from typing import Any, NamedTuple
 
 from ..errors import InputError, MissingExtraError, one_line, shown
 from ..files.input import checked_name, named, require_regular, unreadable
+from .message_types import MessageTypes
 
 _MAGIC = b"#ROSBAG V"
 _NS = 1e-9
-_TRANSFORMS = "geometry_msgs/TransformStamped[] transforms"  # of both types of tf, which the library's ROS 1 lacks
-_MOST_CHUNK = 1 << 28  # bytes; recorders write chunks of one or a few MB, or one message that is larger
+MOST_CHUNK = 1 << 28  # bytes; recorders write chunks of one or a few MB, or one message that is larger
 _MOST_DESCRIPTION = 1 << 24  # bytes of metadata.yaml: thousands of topics, with all that is said of their quality
 
 
@@ -31,15 +31,32 @@ class Message(NamedTuple):
 class Bag:
     """An open bag.
 
+    Attributes:
+        types: Of its messages.
+
     Args:
         reader: The library's reader, open.
-        types: The library's definitions of types.
+        types: Of its messages.
         path: For errors.
     """
 
-    def __init__(self, reader: Any, types: Any, path: Path) -> None:
-        self._reader, self._types = reader, types
+    def __init__(self, reader: Any, types: MessageTypes, path: Path) -> None:
+        self._reader, self.types = reader, types
         self._path = path
+
+    @property
+    def connections(self) -> Sequence[Any]:
+        """What the library knows of each topic and who sent it, also of those without messages."""
+        return tuple(self._reader.connections)
+
+    @property
+    def compression(self) -> str:
+        """How the chunks of a ROS 1 bag are compressed: "none", "bz2" or "lz4"; "none" for other bags."""
+        chunks = getattr(self._reader, "chunks", None) or {}
+        for name, unpack in (("bz2", unpacked_bz2), ("lz4", unpacked_lz4)):
+            if any(chunk.decompressor is unpack for chunk in chunks.values()):
+                return name
+        return "none"
 
     @property
     def topics(self) -> Mapping[str, str]:
@@ -83,7 +100,7 @@ class Bag:
                 otherwise than ROS does.
         """
         wanted, count = [each for each in self._reader.connections if each.topic in topics], 0
-        with _damage_told(self._path):
+        with damage_told(self._path):
             read = self._as_ros_defines(wanted)
             for connection, time_ns, raw in self._reader.messages(wanted) if wanted else ():
                 yield Message(time_ns * _NS, read(raw, connection.msgtype))
@@ -91,18 +108,22 @@ class Bag:
         if wanted and count == 0:
             raise InputError(f"{self._path}: no readable ROS bag (there is no message of {', '.join(topics)} in it)")
 
+    def raw(self) -> Iterator[tuple[Any, int, bytes]]:
+        """Yield all messages as they stand there: connection, time of the recorder [ns], bytes.
+
+        Raises:
+            InputError: If the bag is damaged there.
+        """
+        with damage_told(self._path):
+            yield from self._reader.messages(self._reader.connections) if self._reader.connections else ()
+
     def _as_ros_defines(self, connections: Sequence[Any]) -> Callable[[bytes, str], Any]:
         """Return what reads the messages of `connections`; in ROS 1 each says by a digest how its type is defined."""
-        if not _is_ros1(self._reader):
-            return self._types.deserialize_cdr
-        for kind, digest in {(each.msgtype, each.digest) for each in connections}:
-            if digest not in ("*", self._types.generate_msgdef(kind)[1]):
-                raise ValueError(f"it defines {kind} otherwise than ROS does")
-        return self._types.deserialize_ros1
-
-
-def _is_ros1(reader: Any) -> bool:
-    return reader.__class__.__module__.startswith("rosbags.rosbag1")
+        if self.types.ros1:
+            for kind, digest in {(each.msgtype, each.digest) for each in connections}:
+                if digest not in ("*", self.types.digest(kind)):
+                    raise ValueError(f"it defines {kind} otherwise than ROS does")
+        return self.types.read
 
 
 def is_bag(path: str | os.PathLike[str]) -> bool:
@@ -132,16 +153,12 @@ def open_bag(path: str | os.PathLike[str]) -> Iterator[Bag]:
     try:
         from rosbags.rosbag1 import Reader as Reader1
         from rosbags.rosbag2 import Reader as Reader2
-        from rosbags.typesys import Stores, get_types_from_msg, get_typestore
     except ImportError:
         raise MissingExtraError("ROS bags", "ros") from None
     _require_files(path)
-    first = path.suffix == ".bag" and path.is_file()
-    types: Any = get_typestore(Stores.ROS1_NOETIC if first else Stores.ROS2_HUMBLE)
-    if first:
-        for name in ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage"):
-            types.register(get_types_from_msg(_TRANSFORMS, name))
-    with _damage_told(path):
+    first = path.is_file() and path.suffix not in (".mcap", ".db3")
+    types = MessageTypes(ros1=first)
+    with damage_told(path):
         reader: Any = Reader1(path) if first else Reader2(path)
         reader.open()
     try:
@@ -166,28 +183,30 @@ def _require_files(path: Path) -> None:
 
 
 def _bound_chunks(reader: Any) -> None:
-    """Let no compressed chunk of a ROS 1 bag unpack to more than `_MOST_CHUNK`."""
+    """Let no compressed chunk of a ROS 1 bag unpack to more than `MOST_CHUNK`."""
     for position, chunk in reader.chunks.items():
         if chunk.decompressor is bz2.decompress:
-            reader.chunks[position] = chunk._replace(decompressor=_unpacked_bz2)
+            reader.chunks[position] = chunk._replace(decompressor=unpacked_bz2)
         elif "lz4" in chunk.decompressor.__module__:
-            reader.chunks[position] = chunk._replace(decompressor=_unpacked_lz4)
+            reader.chunks[position] = chunk._replace(decompressor=unpacked_lz4)
 
 
-def _unpacked_bz2(data: bytes) -> bytes:
+def unpacked_bz2(data: bytes) -> bytes:
+    """Return what bz2 `data` unpacks to, `MOST_CHUNK` bytes at most."""
     return _unpacked(bz2.BZ2Decompressor(), data)
 
 
-def _unpacked_lz4(data: bytes) -> bytes:
+def unpacked_lz4(data: bytes) -> bytes:
+    """Return what lz4 `data` unpacks to, `MOST_CHUNK` bytes at most."""
     from lz4.frame import LZ4FrameDecompressor
 
     return _unpacked(LZ4FrameDecompressor(), data)
 
 
 def _unpacked(unpacker: Any, data: bytes) -> bytes:
-    result = unpacker.decompress(data, _MOST_CHUNK)
+    result = unpacker.decompress(data, MOST_CHUNK)
     if not unpacker.eof:
-        raise ValueError(f"a chunk is cut, or unpacks to more than {_MOST_CHUNK} bytes")
+        raise ValueError(f"a chunk is cut, or unpacks to more than {MOST_CHUNK} bytes")
     return result
 
 
@@ -203,7 +222,7 @@ def as_defined(where: str) -> Iterator[None]:
 
 
 @contextmanager
-def _damage_told(path: Path) -> Iterator[None]:
+def damage_told(path: Path) -> Iterator[None]:
     """Tell in one line what the library finds wrong with a bag; nothing but the library's code runs in here."""
     try:
         yield

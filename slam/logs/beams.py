@@ -1,5 +1,7 @@
 """Beams as a log has them, put into the order and the meaning of a `LaserScan`."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,14 +17,14 @@ def measured(ranges: Array, range_min: float = 0.0) -> Array:
     return np.where(ranges > 0.0, ranges, np.nan) if range_min <= 0.0 else ranges
 
 
-def cut_behind(ranges: Array, bearings: Array, yaw: float = 0.0) -> tuple[Array, Array]:
+def cut_behind(ranges: Any, bearings: Array, yaw: float = 0.0) -> tuple[Any, Array]:
     """Return a sweep's ranges and bearings (N,), those of a full circle such that it begins and ends behind the robot.
 
     Drivers that count from 0 to 2 pi cut the circle straight ahead, where a leg would fall into two pieces. Beams in
     the direction of one before, as of those that end where they began, are left out then.
 
     Args:
-        ranges: (N,) [m].
+        ranges: (N,) [m], or whatever else each beam has.
         bearings: (N,) ascending [rad].
         yaw: How the laser is turned on the robot [rad].
     """

@@ -31,7 +31,7 @@ _NO_RETURN_SHARE = 0.995
 _SAME_POSE = 1e-3  # [m, rad] two pose fields that differ by less say the same
 
 
-class _Record(NamedTuple):
+class LaserRecord(NamedTuple):
     """One laser line: ranges as written, bearings (same shape), what the line says about range limits and poses."""
 
     ranges: NDArray[np.float64]
@@ -78,10 +78,10 @@ def read_carmen(path: str | os.PathLike[str], T_robot_lidar: Pose | None = None)
     return RecordedDrive(odometry=odometry, scans=scans, reference=reference, name=path.name.split(".")[0])
 
 
-def _parse(path: Path) -> tuple[list[_Record], list[_Record], float]:
+def _parse(path: Path) -> tuple[list[LaserRecord], list[LaserRecord], float]:
     """Return FLASER records, ROBOTLASER1 records and the offset of the front laser [m]."""
-    flaser: list[_Record] = []
-    robotlaser: list[_Record] = []
+    flaser: list[LaserRecord] = []
+    robotlaser: list[LaserRecord] = []
     offset, length = 0.0, DriveLength(path)
     for number, line in numbered_bytes(path):
         words = line.split()
@@ -90,18 +90,40 @@ def _parse(path: Path) -> tuple[list[_Record], list[_Record], float]:
         kind = words[0]
         try:
             if kind in (b"FLASER", b"ROBOTLASER1"):
-                record = _flaser(words) if kind == b"FLASER" else _robotlaser(words)
+                record = laser_record(words)
                 length.add(len(record.ranges))
                 (flaser if kind == b"FLASER" else robotlaser).append(record)
             elif kind == b"ODOM":
                 _floats(words[1:8], 7, "x y theta tv rv accel time")
-            elif words[:2] == [b"PARAM", b"robot_frontlaser_offset"]:
-                offset = float(_floats(words[2:3], 1, "the offset of the front laser")[0])
+            else:
+                found = front_offset(words)
+                offset = offset if found is None else found
         except InputError:
             raise
         except ValueError as error:
             raise InputError(f"{path}, line {number}: {kind.decode('latin-1')}: {error}") from error
     return flaser, robotlaser, offset
+
+
+def laser_record(words: list[bytes]) -> LaserRecord:
+    """Return what the words of a FLASER or ROBOTLASER1 line say.
+
+    Raises:
+        ValueError: If the line is cut, or a word is no number.
+    """
+    return _flaser(words) if words[0] == b"FLASER" else _robotlaser(words)
+
+
+def first_reading(words: list[bytes]) -> int:
+    """Return which of the words of a sound FLASER or ROBOTLASER1 line is its first range."""
+    return 2 if words[0] == b"FLASER" else 9
+
+
+def front_offset(words: list[bytes]) -> float | None:
+    """Return how far ahead of the robot's centre the laser of FLASER lines is [m], if a PARAM line says that."""
+    if words[:2] != [b"PARAM", b"robot_frontlaser_offset"]:
+        return None
+    return float(_floats(words[2:3], 1, "the offset of the front laser")[0])
 
 
 def _floats(words: list[bytes], count: int, what: str) -> NDArray[np.float64]:
@@ -137,15 +159,15 @@ def _ranges(words: list[bytes], count: int) -> NDArray[np.float64]:
     return ranges
 
 
-def _flaser(words: list[bytes]) -> _Record:
+def _flaser(words: list[bytes]) -> LaserRecord:
     count = _count(words, 1, "ranges")
     ranges = _ranges(words[2:], count)
     tail = _floats(words[2 + count :], 7, "x y theta odom_x odom_y odom_theta time")
     laser, robot = _poses(tail)
-    return _Record(ranges, _half_circle(count), None, laser, robot, float(tail[6]))
+    return LaserRecord(ranges, _half_circle(count), None, laser, robot, float(tail[6]))
 
 
-def _robotlaser(words: list[bytes]) -> _Record:
+def _robotlaser(words: list[bytes]) -> LaserRecord:
     head = _floats(words[1:8], 7, "type start_angle fov resolution max_range accuracy remission_mode")
     count = _count(words, 8, "ranges")
     ranges = _ranges(words[9:], count)
@@ -159,7 +181,7 @@ def _robotlaser(words: list[bytes]) -> _Record:
         raise ValueError(f"expected finite angles, a positive resolution and a positive max_range, got {head[1:5]}")
     bearings = _fan(count, float(head[1]), float(head[3]))
     laser, robot = _poses(tail)
-    return _Record(ranges, bearings, float(head[4]), laser, robot, float(tail[11]))
+    return LaserRecord(ranges, bearings, float(head[4]), laser, robot, float(tail[11]))
 
 
 @lru_cache(maxsize=8)
@@ -175,18 +197,36 @@ def _fan(count: int, start: float, step: float) -> NDArray[np.float64]:
     return bearings
 
 
-def _scans(records: list[_Record], mounts: NDArray[np.float64]) -> list[LaserScan]:
-    largest = max((float(np.nanmax(r.ranges, initial=0.0, where=np.isfinite(r.ranges))) for r in records), default=0.0)
-    log_maximum = (largest or 1.0) * _NO_RETURN_SHARE
-    scans = []
-    for record, (x, y, theta) in zip(records, mounts.tolist(), strict=True):
-        limit = log_maximum if record.max_range is None else record.max_range
-        beyond = record.ranges >= limit
-        record.ranges[:] = measured(record.ranges)  # in place: a long drive should not stand twice in memory
-        record.ranges[beyond] = np.inf
-        ranges, bearings = cut_behind(record.ranges, record.bearings, theta)
-        scans.append(LaserScan(ranges, bearings, 0.0, limit, record.time_s, (x, y, theta)))
-    return scans
+def _scans(records: list[LaserRecord], mounts: NDArray[np.float64]) -> list[LaserScan]:
+    log_maximum = no_return_from(max((largest_range(record) for record in records), default=0.0))
+    return [scan_of(record, mount, log_maximum)[0] for record, mount in zip(records, mounts.tolist(), strict=True)]
+
+
+def largest_range(record: LaserRecord) -> float:
+    """Return the largest finite range of a line [m], 0 where there is none."""
+    return float(np.nanmax(record.ranges, initial=0.0, where=np.isfinite(record.ranges)))
+
+
+def no_return_from(largest: float) -> float:
+    """Return the range [m] from which on a FLASER line means "no return", by the `largest` one of its log [m]."""
+    return (largest or 1.0) * _NO_RETURN_SHARE
+
+
+def scan_of(record: LaserRecord, mount: Pose, log_maximum: float) -> tuple[LaserScan, NDArray[np.intp]]:
+    """Return the scan that a line says, and which of its ranges each beam is; the ranges of the line are overwritten.
+
+    Args:
+        record: The line.
+        mount: T_robot_lidar.
+        log_maximum: As of `no_return_from`, for lines that do not say the largest range themselves [m].
+    """
+    limit = log_maximum if record.max_range is None else record.max_range
+    beyond = record.ranges >= limit
+    record.ranges[:] = measured(record.ranges)  # in place: a long drive should not stand twice in memory
+    record.ranges[beyond] = np.inf
+    order, bearings = cut_behind(np.arange(len(record.ranges)), record.bearings, mount[2])
+    ranges = record.ranges if len(order) == len(record.ranges) and bearings is record.bearings else record.ranges[order]
+    return LaserScan(ranges, bearings, 0.0, limit, record.time_s, (mount[0], mount[1], mount[2])), order
 
 
 def _reference(

@@ -36,7 +36,7 @@ def _lines(drive: RecordedDrive) -> Iterator[str]:
         "side_safety_dist turn_axis ipc_timestamp host logger_timestamp"
     )
     for number, (pose, scan) in enumerate(zip(drive.odometry, drive.scans, strict=True)):
-        step = _step(scan, number)
+        step = angular_step(scan, number)
         laser = compose(pose, scan.T_robot_lidar)
         fan = f"{scan.bearings[0]:.9g} {step * (len(scan) - 1):.9g} {step:.9g}"
         poses = " ".join(f"{value:.6f}" for value in (*laser, *pose))
@@ -48,14 +48,18 @@ def _lines(drive: RecordedDrive) -> Iterator[str]:
         )
 
 
-def _step(scan: LaserScan, number: int) -> float:
-    """Return the angle between neighbouring beams [rad]."""
+def angular_step(scan: LaserScan, number: int) -> float:
+    """Return the angle between neighbouring beams [rad]; `number` names the scan in errors.
+
+    Raises:
+        InputError: If there is no one angle, as CARMEN lines and ROS messages need it.
+    """
     if len(scan) < 2:
-        raise InputError(f"scan {number}: a CARMEN line needs at least 2 beams, got {len(scan)}")
+        raise InputError(f"scan {number}: CARMEN and ROS need at least 2 beams, got {len(scan)}")
     steps = np.diff(scan.bearings)
     if np.ptp(steps) > 1e-4:
         raise InputError(
-            f"scan {number}: a CARMEN line needs evenly spaced beams, got steps of {steps.min()} to {steps.max()} rad"
+            f"scan {number}: CARMEN and ROS need evenly spaced beams, got steps of {steps.min()} to {steps.max()} rad"
         )
     return float((scan.bearings[-1] - scan.bearings[0]) / (len(scan) - 1))
 

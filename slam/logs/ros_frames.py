@@ -69,12 +69,16 @@ class FrameTree:
         messages: Of tf topics.
     """
 
-    def __init__(self, messages: Iterable[Message]) -> None:
+    def __init__(self, messages: Iterable[Message] = ()) -> None:
         self._tracks: dict[str, Track] = {}
         for message in messages:
-            with as_defined("a transform"):
-                for each in message.content.transforms:
-                    self._add(each, message.recorded_s)
+            self.add(message)
+
+    def add(self, message: Message) -> None:
+        """Take one more message."""
+        with as_defined("a transform"):
+            for each in message.content.transforms:
+                self._add(each, message.recorded_s)
 
     def _add(self, stamped: Any, recorded_s: float) -> None:
         rotation = rotation_matrix(stamped.transform.rotation)

@@ -4,7 +4,7 @@ import os
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,7 +33,7 @@ _GAP_S = 1.0  # nor has one between two poses of it that are farther apart in ti
 
 
 @dataclass(eq=False)
-class _Poses:
+class Poses:
     """Odometry: times by header and by recorder [s], poses (3,), name of the robot's frame and what told it."""
 
     robot: str = ""
@@ -42,8 +42,15 @@ class _Poses:
     recorded_s: list[float] = field(default_factory=list)
     poses: list[Array] = field(default_factory=list)
 
+    def add(self, content: Any, recorded_s: float) -> None:
+        """Take a `nav_msgs/Odometry` that was recorded at `recorded_s` [s]."""
+        self.robot = frame_name(content.child_frame_id)
+        self.times_s.append(stamp_s(content.header))
+        self.recorded_s.append(recorded_s)
+        self.poses.append(planar(content.pose.pose.position, rotation_matrix(content.pose.pose.orientation)))
 
-class _Sweep(NamedTuple):
+
+class SaidScan(NamedTuple):
     """What a message of a scan says; times by header and by recorder [s]."""
 
     frame: str
@@ -54,6 +61,14 @@ class _Sweep(NamedTuple):
     angle_increment: float
     range_min: float
     range_max: float
+
+    @classmethod
+    def said_by(cls, content: Any, recorded_s: float) -> "SaidScan":
+        """Return what a `sensor_msgs/LaserScan` says that was recorded at `recorded_s` [s]."""
+        limits = (content.angle_min, content.angle_increment, content.range_min, content.range_max)
+        ranges = np.asarray(content.ranges, dtype=np.float64).reshape(-1)
+        frame, stamp = frame_name(content.header.frame_id), stamp_s(content.header)
+        return cls(frame, stamp, recorded_s, ranges, *map(float, limits))
 
 
 @names_file
@@ -82,20 +97,20 @@ def read_rosbag(
     if not path.exists():
         raise InputError(f"{path}: cannot be read (no such file or folder)")
     with open_bag(path) as bag:
-        topic = _scan_topic(bag, scan_topic, path)
+        topic = choose_scans(bag, scan_topic, path)
         sweeps = _sweeps(bag, topic, path)
         tree = FrameTree(bag.messages(*bag.of_type(*TRANSFORMS)))
         frame = sweeps[0].frame
         odometry = _odometry(bag, tree, frame, odometry_topic, path)
     notes: list[str] = []
-    mount, flipped = _mount(tree, odometry.robot if odometry else None, frame, notes, path)
-    headers = np.array([sweep.stamp_s for sweep in sweeps])
-    recorded = np.array([sweep.recorded_s for sweep in sweeps])
-    by_header = _headers_are_good(headers, recorded, odometry)
+    mount, flipped = laser_mount(tree, odometry.robot if odometry else None, frame, notes, path)
+    headers, recorded = (np.array(times) for times in zip(*((s.stamp_s, s.recorded_s) for s in sweeps), strict=True))
+    by_header = headers_are_good(headers, recorded, odometry)
     times = headers if by_header else recorded
     where = f"{path}: {topic}"
     reach = _farthest(sweeps)
-    scans = [_scan(sweep, float(t), reach, mount, flipped, where) for sweep, t in zip(sweeps, times, strict=True)]
+    placed = zip(sweeps, times.tolist(), strict=True)
+    scans = [placed_scan(sweep, time_s, reach, mount, flipped, where)[0] for sweep, time_s in placed]
     if odometry is None:
         notes.append("no odometry in the bag")
         return RecordedDrive(np.zeros((len(scans), 3)), scans, None, path.stem, has_odometry=False, notes=tuple(notes))
@@ -109,7 +124,8 @@ def read_rosbag(
     return RecordedDrive(poses[inside], kept, None, path.stem, notes=tuple(notes))
 
 
-def _scan_topic(bag: Bag, wanted: str | None, path: Path) -> str:
+def choose_scans(bag: Bag, wanted: str | None, path: Path) -> str:
+    """Return the topic of the scans: the only one, or the `wanted` one."""
     topic = bag.choose(wanted, SCAN, "--scan-topic")
     if topic is None:
         known = ", ".join(f"{name} ({kind})" for name, kind in sorted(bag.topics.items()))
@@ -117,41 +133,38 @@ def _scan_topic(bag: Bag, wanted: str | None, path: Path) -> str:
     return topic
 
 
-def _sweeps(bag: Bag, topic: str, path: Path) -> list[_Sweep]:
+def _sweeps(bag: Bag, topic: str, path: Path) -> list[SaidScan]:
     """Return what the scans of a topic say."""
     sweeps, room = [], DriveLength(path)
     for recorded_s, content in bag.messages(topic):
         with as_defined(f"{path}: {topic}"), np.errstate(invalid="ignore"):  # bytes that are no number stay none
             room.add(len(content.ranges))
-            limits = (content.angle_min, content.angle_increment, content.range_min, content.range_max)
-            ranges = np.asarray(content.ranges, dtype=np.float64).reshape(-1)
-            frame, stamp = frame_name(content.header.frame_id), stamp_s(content.header)
-            sweeps.append(_Sweep(frame, stamp, recorded_s, ranges, *map(float, limits)))
+            sweeps.append(SaidScan.said_by(content, recorded_s))
     return sweeps
 
 
-def _odometry(bag: Bag, tree: FrameTree, laser: str, wanted: str | None, path: Path) -> _Poses | None:
+def _odometry(bag: Bag, tree: FrameTree, laser: str, wanted: str | None, path: Path) -> Poses | None:
     """Return the odometry of the robot that carries the frame `laser`; None: the bag says nothing of it."""
     topic = bag.choose(wanted, ODOMETRY, "--odometry-topic")
     if topic is not None:
-        result = _Poses(source=topic)
+        result = Poses(source=topic)
         for recorded_s, content in bag.messages(topic):
             with as_defined(f"{path}: {topic}"):
-                result.robot = frame_name(content.child_frame_id)
-                result.times_s.append(stamp_s(content.header))
-                result.recorded_s.append(recorded_s)
-                pose = content.pose.pose
-                result.poses.append(planar(pose.position, rotation_matrix(pose.orientation)))
+                result.add(content, recorded_s)
         return result
-    names = tree.upwards(laser)
-    for child, parent in pairwise(names):
+    return odometry_of_frames(tree, laser)
+
+
+def odometry_of_frames(tree: FrameTree, laser: str) -> Poses | None:
+    """Return how the ancestor of the frame `laser` moved in a frame that is called odom; None: there is none."""
+    for child, parent in pairwise(tree.upwards(laser)):
         if "odom" in parent:
             track = tree.track(child)
-            return _Poses(child, f"tf {parent} -> {child}", track.times_s, track.recorded_s, track.poses)
+            return Poses(child, f"tf {parent} -> {child}", track.times_s, track.recorded_s, track.poses)
     return None
 
 
-def _mount(tree: FrameTree, robot: str | None, laser: str, notes: list[str], path: Path) -> tuple[Pose, bool]:
+def laser_mount(tree: FrameTree, robot: str | None, laser: str, notes: list[str], path: Path) -> tuple[Pose, bool]:
     """Return T_robot_lidar in the plane, and whether the laser hangs upside down."""
     for base in (robot, *_BASES) if robot else _BASES:
         matrix = tree.between(base, laser)
@@ -167,7 +180,7 @@ def _mount(tree: FrameTree, robot: str | None, laser: str, notes: list[str], pat
     return (0.0, 0.0, 0.0), False
 
 
-def _headers_are_good(headers: Array, recorded: Array, odometry: _Poses | None) -> bool:
+def headers_are_good(headers: Array, recorded: Array, odometry: Poses | None) -> bool:
     """Return whether the times in the headers are of use: they move on, and are of one clock."""
     if len(headers) > 1 and not (np.diff(headers) > 0.0).all():
         return False
@@ -177,26 +190,37 @@ def _headers_are_good(headers: Array, recorded: Array, odometry: _Poses | None) 
     return bool(abs(offset - np.median(headers - recorded)) < _CLOCKS_S)
 
 
-def _farthest(sweeps: list[_Sweep]) -> float:
+def _farthest(sweeps: list[SaidScan]) -> float:
     """Return the largest range of all sweeps [m], 0 where nothing was met."""
     return float(max(np.max(sweep.ranges, initial=0.0, where=np.isfinite(sweep.ranges)) for sweep in sweeps))
 
 
-def _scan(message: _Sweep, time_s: float, reach: float, mount: Pose, flipped: bool, where: str) -> LaserScan:
-    """Return the scan of a message, its bearings ascending; a limit of `inf` is taken to be `reach` [m]."""
+def placed_scan(
+    message: SaidScan, time_s: float, reach: float, mount: Pose, flipped: bool, where: str
+) -> tuple[LaserScan, NDArray[np.intp]]:
+    """Return the scan of a message, its bearings ascending, and which reading of the message each of its beams is.
+
+    Args:
+        message: What it says.
+        time_s: Of the scan [s].
+        reach: What a limit of `inf` is taken to be [m].
+        mount: T_robot_lidar.
+        flipped: Whether the laser hangs upside down.
+        where: File and topic, for errors.
+    """
     ranges = measured(message.ranges, message.range_min)
     first, step = message.angle_min, message.angle_increment
     if not (np.isfinite(first) and np.isfinite(step) and (step != 0.0 or len(ranges) < 2)):
         raise InputError(f"{where}: beams need a finite angle and step [rad], got {first} and {step}")
-    bearings = first + step * np.arange(len(ranges), dtype=np.float64)
+    bearings, order = first + step * np.arange(len(ranges), dtype=np.float64), np.arange(len(ranges))
     if flipped:
         bearings = -bearings
     if len(bearings) > 1 and bearings[1] < bearings[0]:
-        ranges, bearings = ranges[::-1], bearings[::-1]
-    ranges, bearings = cut_behind(ranges, bearings, mount[2])
+        order, bearings = order[::-1], bearings[::-1]
+    order, bearings = cut_behind(order, bearings, mount[2])
     limit = message.range_max if message.range_max < np.inf else max(reach, message.range_min + 1.0)
     try:
-        return LaserScan(ranges, bearings, message.range_min, limit, time_s, mount)
+        return LaserScan(ranges[order], bearings, message.range_min, limit, time_s, mount), order
     except InputError as error:
         raise InputError(f"{where}: {error}") from error
 

@@ -142,6 +142,12 @@ def test_the_trackers_and_the_filters_numbers_are_arguments():
     assert env.unwrapped.belief.filtered.is_return.sum() < usual.unwrapped.belief.filtered.is_return.sum()
 
 
+def test_the_papers_own_tracker_is_an_argument():
+    with gym.make(CORRIDOR, slam=None, **{"perception.method": "ye2021"}, **FEW) as env:
+        beliefs = [info for *_, info in driven(env, 30)]
+    assert len(beliefs) == 30
+
+
 def test_the_laser_is_an_argument():
     laser = {"lidar.height": 0.3, "lidar.mount": (0.2, 0.0, 0.0), "lidar.sigma_near": 0.0, "lidar.rate_hz": 20.0}
     env = gym.make(CORRIDOR, slam=None, people_count=1, **laser)

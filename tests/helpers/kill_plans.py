@@ -34,6 +34,7 @@ PLANS = {
     "slam graph": _tagalong("slam IN/room.log.gz --method cartographer --out out"),
     "localize": _tagalong("localize IN/room.log.gz --map IN/map/map.yaml --out out"),
     "perceive": _tagalong("perceive IN/room.log.gz --out out"),
+    "filter": _tagalong("filter IN/room.log.gz out/room.log.gz"),
     "score": _tagalong("score IN/map/map.yaml IN/map/map.yaml --json out/scores.json --overlay out/overlay.png"),
     "reproduce following": _tagalong("reproduce following --quick --repeats 2 --no-sweep --jobs 2 --out out"),
     "reproduce scan-matching": _tagalong("reproduce scan-matching --quick --trials 10 --jobs 2 --out out"),

@@ -31,7 +31,7 @@ def quick(monkeypatch):
 
 
 def test_what_is_missing_comes_with_its_remedy_and_is_no_failure(quick, monkeypatch, capsys):
-    monkeypatch.setattr(doctor, "check_extras", lambda: [Check("ros", False, "rosbags"), Check("viz", True)])
+    monkeypatch.setattr(doctor, "check_extras", lambda: [Check("ros", False, "rosbags, mcap"), Check("viz", True)])
     assert cli.main(["doctor"]) == 0
     out = capsys.readouterr().out
     assert re.search(r'ros +no +pip install "tagalong\[ros\]"', out)

@@ -1,12 +1,14 @@
 """What `tagalong bench people-recorded` counts."""
 
 from argparse import Namespace
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from tagalong.perception import LegForest, PerceptionConfig
-from tagalong.scripts.benchmarks.people_recorded import Judge, judge_recording, read_people_recording, run
-from tagalong.slam import InputError
+from tagalong.perception.tracking import NoLegs
+from tagalong.scripts.benchmarks.people_recorded import Judge, judge_recording, leg_scores, read_people_recording, run
+from tagalong.slam import InputError, LaserScan
 
 
 def place(*xy):
@@ -33,10 +35,28 @@ def test_an_empty_hall_without_odometry_has_nobody(tmp_path):
     with (tmp_path / "hall_scans.npz").open("wb") as file:
         np.savez(file, allow_pickle=False, **laser, **scans)
     recording = read_people_recording(tmp_path / "hall_scans.npz")
-    figures = judge_recording(recording, PerceptionConfig(method="hypotheses"), [LegForest.load("real")] * 2)
+    judge = judge_recording(recording, PerceptionConfig(method="hypotheses"), [LegForest.load("real")] * 2)
+    figures = judge.figures()
     assert (figures["people"], figures["truths"]) == (0.0, 0)
 
 
 def test_a_folder_without_recordings_is_refused(tmp_path):
     with pytest.raises(InputError, match="no recordings"):
         run(Namespace(data=tmp_path))
+
+
+def test_legs_are_found_at_a_rate_of_false_ones_on_the_people_free_recording():
+    def seen(confidence, at=((1.0, 0.0), (3.0, 0.0))):
+        nothing = NoLegs().detect(LaserScan(np.ones(2), np.array([0.0, 0.1]), 0.1, 8.0))
+        return replace(nothing, positions=np.array(at), confidence=np.array(confidence))
+
+    people, nobody = Judge(), Judge(scans=2)
+    people.add_legs(seen([0.6, 0.9]), place(1.1, 0, 3.5, 0, 9, 0))
+    people.add_legs(seen([0.2, 0.0]), place(1.1, 0))
+    nobody.add_legs(seen([0.5, 0.1]), place())
+    nobody.add_legs(seen([0.15, 0.1]), place())
+    scores = leg_scores({"hall": people, "negative_2_left_scans": nobody})
+    assert people.legs == [0.6, 0.0, 0.2]
+    assert scores["0.1"] == pytest.approx(1 / 3)
+    assert scores["0.5"] == pytest.approx(2 / 3)
+    assert leg_scores({"hall": people}) == {}

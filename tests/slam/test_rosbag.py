@@ -15,8 +15,7 @@ import pytest
 from tagalong.scripts.cli import main
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between
-from tagalong.slam.logs.bag_messages import _unpacked_bz2 as unpacked_bz2
-from tagalong.slam.logs.bag_messages import as_defined, open_bag
+from tagalong.slam.logs.bag_messages import as_defined, open_bag, unpacked_bz2
 from tagalong.slam.logs.log import read_log
 from tagalong.slam.logs.rosbag import read_rosbag
 from tagalong.slam.scan_to_scan.laser_odometry import laser_odometry
@@ -238,7 +237,7 @@ def test_a_message_that_is_not_what_its_type_says_is_one_error():
 
 
 def test_a_chunk_that_unpacks_to_gigabytes_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr("tagalong.slam.logs.bag_messages._MOST_CHUNK", 1000)
+    monkeypatch.setattr("tagalong.slam.logs.bag_messages.MOST_CHUNK", 1000)
     with pytest.raises(ValueError, match="unpacks to more than 1000 bytes"):
         unpacked_bz2(bz2.compress(bytes(100_000)))
     monkeypatch.setattr(Writer1, "__init__", compressed(Writer1.__init__))

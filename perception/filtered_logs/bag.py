@@ -1,0 +1,80 @@
+"""A ROS bag in, the same out with more topics: the scans without people, the people, their legs."""
+
+import os
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ...slam.errors import InputError
+from ...slam.files.input import named
+from ...slam.logs.bag_copy.copied import FileCopy, copied_bag
+from ...slam.logs.rosbag import SCAN
+from ...slam.logs.scan_stream import BagBeginning, ScanStream, StreamedScan
+from ..people_filter import PeopleFilterConfig
+from .people_messages import CLOUD, POSES, PeopleMessages
+from .scan_filter import FilterCounts, ScanFilter, removed_readings
+
+
+def filter_bag(
+    bag: BagBeginning,
+    target: str | os.PathLike[str],
+    config: PeopleFilterConfig,
+    counts: FilterCounts,
+    topic: str | None = None,
+) -> str:
+    """Copy a bag to `target`, and its scans without people: their returns become NaN (REP 117: no measurement).
+
+    Added are TOPIC, the filtered scans; TOPIC/people and TOPIC/legs (`geometry_msgs/PoseArray`) and TOPIC/tracks
+    (`sensor_msgs/PointCloud2`, with numbers, velocities and confidences), all with the headers of the scans.
+
+    Args:
+        bag: What its beginning tells.
+        target: Where the copy goes.
+        config: Of the people filter.
+        counts: Where is counted what was filtered.
+        topic: Of the filtered scans; None: that of the scans, and "_filtered".
+
+    Returns:
+        That topic.
+
+    Raises:
+        InputError: If one of these topics is in the bag already, or the bag is damaged.
+    """
+    topic = topic or f"{bag.scans}_filtered"
+    added = {topic: SCAN, f"{topic}/people": POSES, f"{topic}/tracks": CLOUD, f"{topic}/legs": POSES}
+    for name in added:
+        if name in bag.topics:
+            raise InputError(f"{named(bag.path)}: has a topic {name} already; give another name by --topic")
+    job = _BagFilter(bag, topic, config, counts)
+    with copied_bag(bag.path, target, bag.types, added) as files:
+        for file in files:
+            for message in file.messages():
+                for streamed in job.stream.take(*message):
+                    job.write(file, streamed)
+            for streamed in job.stream.rest():
+                job.write(file, streamed)
+    return topic
+
+
+class _BagFilter:
+    def __init__(self, bag: BagBeginning, topic: str, config: PeopleFilterConfig, counts: FilterCounts) -> None:
+        self.stream, self._filter = ScanStream(bag), ScanFilter(config)
+        self._messages = PeopleMessages(bag.types, flipped=bag.flipped)
+        self._topic, self._counts = topic, counts
+
+    def write(self, file: FileCopy, streamed: StreamedScan) -> None:
+        """Filter a scan; write what comes of it."""
+        message: Any = streamed.message
+        filtered = self._filter.update(streamed.scan, streamed.odometry)
+        self._counts.add(filtered)
+        removed = removed_readings(filtered, streamed.order, len(message.ranges), float(message.angle_increment))
+        ranges = np.where(removed, np.float32(np.nan), message.ranges).astype(np.float32, copy=False)
+        out = {
+            self._topic: replace(message, ranges=ranges),
+            f"{self._topic}/people": self._messages.people(message.header, filtered),
+            f"{self._topic}/tracks": self._messages.tracks(message.header, filtered),
+            f"{self._topic}/legs": self._messages.legs(message.header, filtered),
+        }
+        for topic, content in out.items():
+            file.write(topic, streamed.time_ns, content)

@@ -1,0 +1,96 @@
+"""A people filter for scans whose stamps, odometry and order of beams are what logs have."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...slam.scan import LaserScan
+from ...slam.scan_to_scan.laser_odometry import ScanToScanOdometry
+from ..people_filter import FilteredScan, PeopleFilter, PeopleFilterConfig
+
+
+@dataclass(eq=False)
+class FilterCounts:
+    """What was filtered.
+
+    Attributes:
+        scans: Number of scans.
+        returns: Of all of them.
+        removed: Those that were near people.
+        people: Numbers of the people.
+        progress: Called after each scan.
+    """
+
+    scans: int = 0
+    returns: int = 0
+    removed: int = 0
+    people: set[int] = field(default_factory=set)
+    progress: Callable[[], object] = int
+
+    def add(self, filtered: FilteredScan) -> None:
+        """Count one scan."""
+        self.scans += 1
+        self.returns += int(np.count_nonzero(filtered.scan.is_return))
+        self.removed += int(np.count_nonzero(filtered.scan.is_return & filtered.removed))
+        self.people.update(filtered.people.ids.tolist())
+        self.progress()
+
+
+class ScanFilter:
+    """Takes people out of the scans of one laser, whatever their stamps; makes odometry of scans that have none.
+
+    Args:
+        config: Of the people filter.
+    """
+
+    def __init__(self, config: PeopleFilterConfig) -> None:
+        self._filter = PeopleFilter(config)
+        self._clock = IncreasingClock(config.tracker.motion.reference_rate_hz)
+        self._odometry = ScanToScanOdometry()
+
+    def update(self, scan: LaserScan, odometry: NDArray[np.float64] | None) -> FilteredScan:
+        """Take the next scan, with T_odom_robot (3,) or None, where there is no odometry."""
+        pose = self._odometry.update(scan).pose if odometry is None else odometry
+        return self._filter.update(replace(scan, time_s=self._clock.update(scan.time_s)), pose)
+
+
+class IncreasingClock:
+    """Turns stamps into times that increase: a step that does not is taken to be as long as the one before.
+
+    Args:
+        rate_hz: Of the stamps, until two are known [1/s].
+    """
+
+    def __init__(self, rate_hz: float) -> None:
+        self._step_s, self._stamp_s, self._time_s = 1.0 / rate_hz, -np.inf, 0.0
+
+    def update(self, stamp_s: float) -> float:
+        """Return the time [s] of the next scan, whose stamp is `stamp_s` [s]."""
+        if self._stamp_s == -np.inf:
+            self._time_s = stamp_s
+        else:
+            self._step_s = stamp_s - self._stamp_s if stamp_s > self._stamp_s else self._step_s
+            self._time_s += self._step_s
+        self._stamp_s = stamp_s
+        return self._time_s
+
+
+def removed_readings(filtered: FilteredScan, order: NDArray[np.intp], readings: int, step: float) -> NDArray[np.bool_]:
+    """Return (n,) which readings of a message are removed.
+
+    Args:
+        filtered: The scan that the message says.
+        order: (N,) which reading each of its beams is. One that is none goes in the direction of another one, a full
+            circle away, and is removed with it.
+        readings: Number of readings n.
+        step: Angle between two of them [rad].
+    """
+    removed = np.zeros(readings, dtype=np.bool_)
+    removed[order] = filtered.removed
+    if len(order) < readings:
+        again = np.setdiff1d(np.arange(readings), order)
+        circle = round(2.0 * np.pi / abs(step))
+        removed[again] = removed[np.where(again >= circle, again - circle, again + circle)]
+    return removed
