@@ -20,6 +20,7 @@ COMMANDS: dict[str, str] = {
     "localize": "find a recorded drive on a finished map",
     "score": "judge a trajectory or a map by a reference",
     "train": "train the leg forests, the classifier of people, or a follower",
+    "data": "say which public recordings the figures rest on, and check a folder of them",
     "doctor": "say what is installed and what works here",
     "teleop": "drive by stick, record it, replay it",
     "evaluate": "drive a follower through many episodes",
@@ -38,7 +39,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return told(lambda: _run(words), is_program=arguments is None)
 
 
-def _run(words: list[str]) -> int:
+def make_parser() -> CommandParser:
+    """Return what understands the words of every command."""
     parser = CommandParser(
         prog="tagalong",
         description="Follow a person through a building, map it on the way, keep the people out of the map.",
@@ -46,6 +48,11 @@ def _run(words: list[str]) -> int:
     )
     parser.add_argument("--version", action="version", version=f"tagalong {__version__}")
     add_subcommands(parser, "command", COMMANDS, _declare)
+    return parser
+
+
+def _run(words: list[str]) -> int:
+    parser = make_parser()
     options = parser.parse_args(words)
     if options.command is None:
         parser.print_help()

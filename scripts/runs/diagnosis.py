@@ -21,10 +21,12 @@ EXTRAS: Mapping[str, tuple[str, ...]] = {
     "learn": ("torch", "stable-baselines3", "sb3-contrib", "tensorboard", "safetensors", "onnx", "onnxruntime"),
     "viz": ("matplotlib", "moviepy"),
     "ros": ("rosbags",),
+    "rerun": ("rerun-sdk",),
     "cluster": ("ray", "distributed"),
+    "docs": ("mkdocs", "mkdocs-material", "latex2mathml"),
     "dev": (
-        *("build", "basedpyright", "evo", "hypothesis", "pysocialforce", "pytest", "pytest-xdist", "rosbags", "ruff"),
-        "scikit-image",
+        *("build", "basedpyright", "evo", "hypothesis", "mcap", "pysocialforce", "pytest", "pytest-xdist", "rosbags"),
+        *("ruff", "scikit-image"),
     ),
 }
 """Distributions that each extra brings."""
