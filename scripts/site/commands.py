@@ -5,7 +5,7 @@ import argparse
 from ..cli import COMMANDS
 from .named import module_named
 
-_WIDTH = 110
+_WIDTH = 92
 
 
 def commands_page() -> tuple[str, str]:

@@ -4,6 +4,7 @@
 <!-- made: files slam/gmapping -->                           every file of a folder, with the first line of each
 <!-- made: limits agents/models/follower.json -->            the limits that a shipped model's card states
 <!-- made: recordings all -->                               the catalogue of public recordings
+    <!-- made: results README.md -->                            the table between the README's marks
 """
 
 import ast
@@ -14,6 +15,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from ...slam.errors import InputError
+from ..benchmarks.acceptance_table import BEGIN, END
 from ..public_data.catalogue import catalogue
 from .named import thing_named
 from .parameters import cell, table
@@ -83,9 +85,16 @@ def _recordings(what: str, root: Path) -> str:
     return "\n\n".join(parts)
 
 
+def _results(what: str, root: Path) -> str:
+    """Return the table of results, which `tagalong results --readme` writes into the README."""
+    text = (root / what).read_text(encoding="utf-8")
+    return text.partition(BEGIN)[2].partition(END)[0].strip()
+
+
 _KINDS: dict[str, Callable[[str, Path], str]] = {
     "parameters": _parameters,
     "files": _files,
     "limits": _limits,
     "recordings": _recordings,
+    "results": _results,
 }

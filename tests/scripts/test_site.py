@@ -143,6 +143,12 @@ def test_a_page_that_the_navigation_lacks_is_named_here():
     ]
 
 
+def test_every_extra_of_the_package_is_told_on_the_first_page_of_instructions():
+    extras = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
+    told = re.findall(r"^\| `(\w+)` \|", (ROOT / "docs" / "start.md").read_text(), flags=re.M)
+    assert set(told) == set(extras) - {"dev"}
+
+
 def test_every_public_door_has_a_page():
     lending = [path for path in ROOT.glob("*/**/__init__.py") if "= lends(" in path.read_text()]
     found = {".".join(path.relative_to(ROOT).parts[:-1]) for path in lending} | {"envs.scenes"}
