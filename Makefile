@@ -9,7 +9,7 @@ DOCS := .venv/.installed-docs
 MINUTES ?= 2
 SEED ?= 1
 
-.PHONY: demo test check bench docs pictures fuzz kill-tests clean
+.PHONY: demo test check bench docs pictures dist fuzz kill-tests clean
 
 demo: $(STAMP)
 	$(BIN)/tagalong demo --out out/demo
@@ -41,6 +41,10 @@ docs: $(DOCS)
 # the pictures of the site, drawn anew
 pictures: $(STAMP)
 	$(BIN)/python -m tagalong.scripts.site.pictures docs/images
+
+# wheel and sdist in dist/, equal to the byte wherever the same commit is built
+dist: $(STAMP)
+	$(BIN)/python .ci/build_dist.py dist
 
 $(STAMP): pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "tagalong needs Python 3.11 or newer; set PYTHON=...")'
