@@ -22,6 +22,7 @@ def main(folder: Path) -> None:
     """Build both into `folder`."""
     epoch = os.environ.get("SOURCE_DATE_EPOCH") or commit_time()
     os.environ["SOURCE_DATE_EPOCH"] = str(max(int(epoch), EARLIEST))
+    os.umask(0o022)  # a wheel keeps the modes of its files
     folder.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as made:
         build("--sdist", "--outdir", made, str(ROOT))
