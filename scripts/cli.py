@@ -9,6 +9,7 @@ from importlib import import_module
 from .. import __version__
 from ..slam.errors import InputError, shown
 from ..slam.files.output import require_writable
+from .console.first_call import tell_first_call
 from .console.last_words import told
 from .console.only_writer import only_writer
 from .console.subcommands import CommandParser, add_subcommands
@@ -58,6 +59,8 @@ def _run(words: list[str]) -> int:
         parser.print_help()
         return 0
     out_is_folder = getattr(options, "out_is_folder", True)
+    if options.command != "data":
+        tell_first_call()
     if getattr(options, "out", None) is not None:
         require_writable(options.out, folder=out_is_folder)
     if not 0 <= (getattr(options, "seed", None) or 0) <= _LARGEST_SEED:
