@@ -9,11 +9,14 @@ from ...slam.errors import InputError
 from ..console.subcommands import add_subcommands
 from ..console.tables import format_table
 from ..public_data.catalogue import DAMAGED, MISSING, OK, Collection, catalogue
+from ..public_data.derive import RECIPES, derive
 
 EPILOG = """\
 None of these recordings is part of the package: most are free for research with credit to who made them, and no more.
 Get them from where they come from, lay them as the paths say, and name the folder in the variable TAGALONG_DATA.
 docs/data.md says how each file that is not an original derives from one.
+
+derive makes those of them that a program here makes, and says whether they are equal to ours.
 
 check exits with 0 if every file is there and holds what it should, with 1 if not. A checksum is that of what a file
 unpacks to, so it may be packed anew; that of an .npz is of its arrays.
@@ -22,19 +25,26 @@ examples:
   tagalong data
   tagalong data check DIR
   tagalong data check DIR --only slam_logs
+  tagalong data derive DIR
 """
-_CHECK = "say what is there, damaged, missing"
+_ACTIONS = {
+    "check": "say what is there, damaged, missing",
+    "derive": "make files that derive from originals, where a program here does so",
+}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.epilog = EPILOG
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
-    add_subcommands(parser, "action", {"check": _CHECK}, _declare)
+    add_subcommands(parser, "action", _ACTIONS, _declare)
 
 
 def _declare(name: str, parser: argparse.ArgumentParser) -> None:
     parser.add_argument("folder", type=Path, nargs="?", metavar="DIR", help="(default: TAGALONG_DATA)")
+    if name == "derive":
+        parser.add_argument("--into", type=Path, metavar="DIR", help="(default: the same folder); overwrites nothing")
+        return
     parser.add_argument("--only", metavar="PATH", default="", help="only files whose path begins so, e.g. slam_logs")
 
 
@@ -42,6 +52,8 @@ def run(options: argparse.Namespace) -> int:
     """Print the table, or check a folder."""
     if options.action == "check":
         return _check(_folder(options.folder), options.only)
+    if options.action == "derive":
+        return _derive(_folder(options.folder), options.into)
     for each in catalogue():
         print(f"{each.name}\n{_told(each)}\n")
     print("tagalong data check DIR says what of it is in a folder")
@@ -57,6 +69,17 @@ def _told(collection: Collection) -> str:
         ("lies in", f"{', '.join(_folders(collection))} ({len(collection.files)} files)"),
     ]
     return "\n".join(f"  {name + ':':<13}{value}" for name, value in rows)
+
+
+def _derive(folder: Path, into: Path | None) -> int:
+    known = {file.path: file for collection in catalogue() for file in collection.files}
+    into, worst = into or folder, 0
+    for path in RECIPES:
+        told = derive(path, folder, into)
+        state = known[path].state_in(into)
+        worst = max(worst, int(state != OK))
+        print(f"{path}: {told}{'' if state == MISSING else ', ' + state}")
+    return worst
 
 
 def _folders(collection: Collection) -> list[str]:

@@ -17,6 +17,7 @@ from pathlib import Path
 from ...slam.errors import InputError
 from ..benchmarks.acceptance_table import BEGIN, END
 from ..public_data.catalogue import catalogue
+from ..public_data.derive import RECIPES
 from .named import thing_named
 from .parameters import cell, table
 
@@ -80,6 +81,7 @@ def _recordings(what: str, root: Path) -> str:
         rows = ["| file | SHA-256 of its content | derives from |", "|---|---|---|"]
         for file in each.files:
             how = f"{cell(file.made_from)}: {cell(file.how)}" if file.made_from else "original"
+            how += " (`tagalong data derive`)" if file.path in RECIPES else ""
             rows.append(f"| `{file.path}` | `{file.sha256[:16]}` | {how} |")
         parts.append("\n".join(rows))
     return "\n\n".join(parts)

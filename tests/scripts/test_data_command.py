@@ -3,6 +3,7 @@
 import gzip
 import json
 import os
+import re
 from pathlib import Path
 
 import numpy as np
@@ -62,6 +63,38 @@ def test_a_folder_that_is_none_is_told_in_one_line(tmp_path, monkeypatch, capsys
     assert "needs a folder: DIR, or the variable TAGALONG_DATA" in capsys.readouterr().err
     assert main(["data", "check", str(tmp_path / "nowhere")]) == 2
     assert main(["data", "check", str(tmp_path), "--only", "nowhere/"]) == 2
+
+
+def test_odometry_is_integrated_over_the_readings_of_a_corrected_log(tmp_path, capsys):
+    source = tmp_path / "slam_logs" / "aces-corrected.log.gz"
+    source.parent.mkdir()
+    lines = [
+        "# a log",
+        "ODOM 0 0 0 0 0 0 0.1 h 0.1",
+        "ODOM 1 0 0 0 0 0 0.2 h 0.2",
+        "FLASER 2 1.5 2 5 5 1.5708 5 5 1.5708 0.2 h 0.2",  # corrected: elsewhere
+        "ODOM 5 5 1.570796326794 0 0 0 0.2 h 0.2",  # the reset after a scan, no reading
+        "ODOM 5 6 1.570796326794 0 0 0 0.3 h 0.3",  # a metre ahead
+        "FLASER 2 1.5 2 5 6 1.5708 5 6 1.5708 0.3 h 0.3",
+    ]
+    source.write_bytes(gzip.compress("\n".join(lines).encode()))
+    assert main(["data", "derive", str(tmp_path)]) == 1  # the checksums are those of the true log
+    told = capsys.readouterr().out
+    assert "slam_logs/aces_with_odometry.log.gz: made, damaged" in told
+    assert "legs/positive_1_scans.npz: not made: legs/positive_1.bag.xz is missing" in told
+    made = gzip.decompress((tmp_path / "slam_logs" / "aces_with_odometry.log.gz").read_bytes()).decode().splitlines()
+    assert made[2].split()[4:10] == ["5.000000", "5.000000", "1.570800", "1.000000", "0.000000", "0.000000"]
+    assert made[3].split()[7:10] == ["2.000000", "0.000000", "0.000000"]
+
+
+@pytest.mark.skipif("TAGALONG_DATA" not in os.environ, reason="TAGALONG_DATA names no folder of recordings")
+def test_what_is_derived_anew_of_the_recordings_at_hand_is_equal(tmp_path, capsys):
+    folder = Path(os.environ["TAGALONG_DATA"])
+    if not (folder / "slam_logs").is_dir():
+        pytest.skip("no recordings in TAGALONG_DATA")
+    pytest.importorskip("rosbags")
+    assert main(["data", "derive", str(folder), "--into", str(tmp_path)]) == 0
+    assert set(re.findall(r": (.*)", capsys.readouterr().out)) == {"made, ok"}
 
 
 def test_every_collection_says_whose_it_is_and_what_rests_on_it():
