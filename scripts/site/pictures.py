@@ -15,24 +15,37 @@ from PIL import Image
 from ...agents.roster import make_follower
 from ...agents.tour import FollowingTour, TourConfig, following_tour
 from ...envs.follow_env import FollowEnv
+from ...envs.recording.operator import Operator
 from ...envs.recording.rollout import rollout
 from ...envs.registration import IDS
+from ...envs.sensors.camera.config import RgbdConfig
+from ...envs.world.config import WorldConfig
+from ...envs.world.world import World
+from ...perception.rgbd.frame import RgbdFrame
+from ...perception.rgbd.people import RgbdPeople
+from ...perception.rgbd.people_finder import PeopleFinder
+from ...perception.rgbd.planes import PlaneFinder
 from ...slam.engine import make_slam
 from ...slam.geometry import between, compose, transform_points
+from ...slam.localization.localizer import Localizer
+from ...slam.runner import run_slam
 from ...slam.scan import LaserScan
 from ...slam.scan_to_scan.matchers import make_matcher
 from ..figures.canvas import BLUE, GREEN, INK, ORANGE, PlanCanvas, save_png, side_by_side
+from ..figures.detections import save_detections
 from ..figures.scans import scan_pair_picture
 from ..figures.trajectory import trajectory_picture
 
 WIDTH = 900
 """Of a picture [px]."""
-COLOURS = 48
-"""Of a picture's palette: plans have few."""
+COLOURS = 256
+"""Of a picture's palette: with fewer, rare ones are lost, such as of a start."""
 SEED = 3
 """Of everything that is drawn here."""
 MATCHED = (200, 208)
 """Scans of the drive that the matchers lay on each other."""
+CAMERA_FRAMES, CAMERA_S = 4, 120.0
+"""So many frames of the camera are shown, of so long a drive at most [s]."""
 _WALLS = (190, 195, 202)
 
 
@@ -47,6 +60,9 @@ def draw_all(folder: Path) -> None:
     for name in ("gmapping", "cartographer"):
         _save(folder / "methods" / f"{name}.png", engine_picture(tour, name))
     _save(folder / "methods" / "followers.png", followers_picture())
+    _save(folder / "methods" / "localization.png", localization_picture(tour))
+    _save(folder / "methods" / "explorers.png", explorer_picture())
+    save_detections(folder / "methods" / "camera.png", camera_frames())
 
 
 def environment_picture(arguments: dict[str, Any]) -> Image.Image:
@@ -123,6 +139,49 @@ def followers_picture() -> Image.Image:
         canvas.line(way, colours[name], 2.0)
     canvas.legend([("leader", INK), *colours.items()])
     return canvas.finished()
+
+
+def localization_picture(tour: FollowingTour) -> Image.Image:
+    """Return where a robot that does not know where it is finds itself on the map of the same drive."""
+    drive = tour.drive.recording
+    run = run_slam(make_slam("gmapping", seed=SEED), drive)
+    grid, localizer, found = run.map(), Localizer(run.map()), []
+    half = len(drive) // 2
+    for odometry, scan in zip(drive.odometry[half:], drive.scans[half:], strict=True):
+        pose = localizer.update(odometry, scan).pose
+        found.append(np.full(3, np.nan) if pose is None else pose)
+    poses = np.array(found)
+    sure = poses[~np.isnan(poses[:, 0])]
+    title = f"sure at {len(sure)} of {len(poses)} scans, no start given"
+    return trajectory_picture(grid, {"by localization": sure, "by SLAM": run.trajectory[half:]}, title)
+
+
+def explorer_picture() -> Image.Image:
+    """Return the way of the frontier explorer, and the map that it has made of the meeting room."""
+    env = gym.make("tagalong/MeetingRoom-v0", leader=False, people_count=1, slam="cartographer")
+    inner = env.unwrapped
+    assert isinstance(inner, FollowEnv)
+    history = rollout(env, make_follower("frontier", inner.interface), seed=SEED).history
+    title = f"{100 * history.coverage[-1]:.0f} % of the floor seen in {history.time_s[-1]:.0f} s"
+    return trajectory_picture(inner.own_map().map, {"by frontiers": history.estimated_pose}, title)
+
+
+def camera_frames() -> list[tuple[RgbdFrame, RgbdPeople]]:
+    """Return frames of the laboratory in which somebody was found, and who."""
+    config = WorldConfig(scene="lab", route="operator", leader=False, people=0, camera=RgbdConfig())
+    world = World(config, np.random.default_rng(SEED))
+    operator, planes, people = Operator(world.scene), PlaneFinder(), PeopleFinder.load()
+    shown: list[tuple[RgbdFrame, RgbdPeople]] = []
+    last_s = -np.inf
+    while len(shown) < CAMERA_FRAMES and world.time_s < CAMERA_S:
+        world.step(operator.command(world.truth))
+        frame = world.frames[-1] if world.frames else None
+        if frame is not None and frame.time_s > last_s + 4.0:
+            found = people.find(frame, planes.find(frame))
+            if len(found):
+                last_s = frame.time_s
+                shown.append((frame, found))
+    return shown
 
 
 def _save(path: Path, picture: Image.Image) -> None:
