@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ...slam.errors import InputError, MissingExtraError
+from ...slam.errors import InputError, MissingExtraError, one_line
 from ...slam.files.output import replacing
 from ...slam.geometry import between, compose
 from ...slam.logs.text import numbered_lines, write_lines
@@ -153,4 +153,6 @@ def derive(path: str, folder: Path, into: Path) -> str:
         make(folder / source, into / path)
     except (InputError, MissingExtraError) as error:
         return f"not made: {error}"
+    except (ValueError, IndexError) as error:  # words that are no numbers, or too few of them
+        return f"not made: {source} is damaged ({one_line(str(error), 80)})"
     return "made"

@@ -17,7 +17,18 @@ from ...slam.files.npz import read_arrays
 _PIECE = 1 << 20
 _MOST_BYTES = 1 << 30
 """What a file may unpack to; the largest recording has a tenth of it."""
-_DAMAGE = (OSError, EOFError, lzma.LZMAError, zlib.error, zipfile.BadZipFile, InputError, ValueError, RuntimeError)
+_DAMAGE = (
+    OSError,
+    EOFError,
+    lzma.LZMAError,
+    zlib.error,
+    zipfile.BadZipFile,
+    InputError,
+    ValueError,
+    RuntimeError,
+    IndexError,
+    NotImplementedError,
+)
 
 
 def content_digest(path: Path) -> str | None:

@@ -1,6 +1,7 @@
 """`tagalong data` says what a folder of recordings holds, by content and not by packing."""
 
 import gzip
+import hashlib
 import json
 import os
 import re
@@ -11,6 +12,7 @@ import pytest
 from tagalong.scripts.cli import main
 from tagalong.scripts.public_data import catalogue as catalogue_module
 from tagalong.scripts.public_data.catalogue import catalogue
+from tagalong.scripts.public_data.derive import derive
 from tagalong.scripts.public_data.digest import content_digest
 
 
@@ -46,6 +48,18 @@ def test_a_file_that_was_packed_anew_is_the_same_and_one_with_other_content_is_d
     told = capsys.readouterr().out
     assert "damaged: logs/a.log.gz" in told
     assert "damaged: logs/b.npz" in told
+
+
+def test_what_cannot_even_be_unpacked_is_damaged(small_catalogue, tmp_path):
+    for name in ("a.gz", "a.xz", "a.zip", "a.npz", "a.bz2"):
+        for content in (b"", b"nothing of the kind", b"PK\x05\x06" + bytes(18)):
+            (tmp_path / name).write_bytes(content)
+            assert content_digest(tmp_path / name) in (None, hashlib.sha256().hexdigest()), (name, content)
+    (small_catalogue / "slam_logs").mkdir()
+    (small_catalogue / "slam_logs" / "aces-corrected.log.gz").write_bytes(gzip.compress(b"ODOM 1 no number\n"))
+    told = derive("slam_logs/aces_with_odometry.log.gz", small_catalogue, tmp_path)
+    assert told.startswith("not made: slam_logs/aces-corrected.log.gz is damaged")
+    assert list(tmp_path.rglob("aces_with*")) == []
 
 
 def test_what_is_missing_is_named_by_file_or_all_together(small_catalogue, capsys):
