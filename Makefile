@@ -3,12 +3,13 @@ PYTHON ?= python3
 BIN := .venv/bin
 STAMP := .venv/.installed
 LEARN := .venv/.installed-learn
+DOCS := .venv/.installed-docs
 
 # of `make fuzz`: about how long, and the seed of all inputs
 MINUTES ?= 2
 SEED ?= 1
 
-.PHONY: demo test check bench fuzz kill-tests clean
+.PHONY: demo test check bench docs pictures dist fuzz kill-tests clean
 
 demo: $(STAMP)
 	$(BIN)/tagalong demo --out out/demo
@@ -32,6 +33,19 @@ fuzz: $(LEARN)
 bench: $(STAMP)
 	$(BIN)/tagalong bench speed
 
+# the site, in out/site; a warning, such as a broken link, is an error
+docs: $(DOCS)
+	$(BIN)/python -m tagalong.scripts.site out/site-source
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict --clean
+
+# the pictures of the site, drawn anew
+pictures: $(STAMP)
+	$(BIN)/python -m tagalong.scripts.site.pictures docs/images
+
+# wheel and sdist in dist/, equal to the byte wherever the same commit is built
+dist: $(STAMP)
+	$(BIN)/python .ci/build_dist.py dist
+
 $(STAMP): pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "tagalong needs Python 3.11 or newer; set PYTHON=...")'
 	$(PYTHON) -m venv .venv
@@ -41,6 +55,10 @@ $(STAMP): pyproject.toml constraints.txt
 # torch and what comes with it: for tests and types only, a demo needs none of it
 $(LEARN): $(STAMP)
 	$(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt -e ".[dev,viz,learn]"
+	@touch $@
+
+$(DOCS): $(LEARN)
+	$(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt -e ".[dev,viz,learn,docs]"
 	@touch $@
 
 clean:

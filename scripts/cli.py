@@ -9,6 +9,7 @@ from importlib import import_module
 from .. import __version__
 from ..slam.errors import InputError, shown
 from ..slam.files.output import require_writable
+from .console.first_call import tell_first_call
 from .console.last_words import told
 from .console.only_writer import only_writer
 from .console.subcommands import CommandParser, add_subcommands
@@ -21,6 +22,7 @@ COMMANDS: dict[str, str] = {
     "localize": "find a recorded drive on a finished map",
     "score": "judge a trajectory or a map by a reference",
     "train": "train the leg forests, the classifier of people, or a follower",
+    "data": "say which public recordings the figures rest on, and check a folder of them",
     "doctor": "say what is installed and what works here",
     "teleop": "drive by stick, record it, replay it",
     "evaluate": "drive a follower through many episodes",
@@ -39,7 +41,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return told(lambda: _run(words), is_program=arguments is None)
 
 
-def _run(words: list[str]) -> int:
+def make_parser() -> CommandParser:
+    """Return what understands the words of every command."""
     parser = CommandParser(
         prog="tagalong",
         description="Follow a person through a building, map it on the way, keep the people out of the map.",
@@ -47,11 +50,18 @@ def _run(words: list[str]) -> int:
     )
     parser.add_argument("--version", action="version", version=f"tagalong {__version__}")
     add_subcommands(parser, "command", COMMANDS, _declare)
+    return parser
+
+
+def _run(words: list[str]) -> int:
+    parser = make_parser()
     options = parser.parse_args(words)
     if options.command is None:
         parser.print_help()
         return 0
     out_is_folder = getattr(options, "out_is_folder", True)
+    if options.command != "data":
+        tell_first_call()
     if getattr(options, "out", None) is not None:
         require_writable(options.out, folder=out_is_folder)
     if not 0 <= (getattr(options, "seed", None) or 0) <= _LARGEST_SEED:

@@ -27,10 +27,11 @@ SURFACE = {
 """What users may rely on. A name that goes, or comes, is a decision: it is made here, and told in the changelog."""
 
 FOLDERS = {
-    "slam.logs": "Trajectory read_carmen read_tum write_carmen write_tum",
+    "slam.logs": "RerunRecording RosRecording Trajectory open_recording read_carmen read_tum write_carmen write_tum",
     "perception.immobile": "CameraViewMaker",
     "perception.rgbd": "PersonSvm Pinhole RgbdFrame RgbdPeople Surface",
     "perception.tracking": "NoLegs SeenPeople",
+    "envs.recording": "EpisodeRecording",
     "envs.scenes": """Door Errand RUN_OUT SCENES Scene SceneMaker SceneRequest Solid Walk box choose_route make_scene
         post room rounded""",
     "envs.task": "FollowInterface OwnMap",

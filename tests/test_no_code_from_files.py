@@ -6,7 +6,8 @@ Every source file of the package is looked at as a syntax tree, tests are not. W
   program has started, and no file or socket that somebody else could write to lies between; on a cluster (`--backend
   ray` or `dask`) it is the user's own, which runs the user's code by its nature. Files of joblib are not read.
 - `tagalong evaluate my_module:Bold` imports a module of the user's own, who asks for it by name:
-  `agents/protocol/user.py`. The other places that import by name, the doors of the floors among them, take it from a
+  `agents/protocol/user.py`. `scripts/site/named.py` imports modules of this package that the pages of `docs/` name,
+  when the site is built. The other places that import by name, the doors of the floors among them, take it from a
   table in the program.
 - The compiled kernels of numba (`cache=True`) lie in `__pycache__` beside the sources, or in `NUMBA_CACHE_DIR`, and
   numba's index of them is a pickle. They are a part of the installation: who can write there can change the program.
@@ -33,7 +34,7 @@ CALLS = {
 STABLE_BASELINES = {"load", "save", "load_from_zip_file", "load_replay_buffer", "save_replay_buffer"}
 IMPORTS_BY_NAME = {
     "agents/protocol/user.py", "slam/engine.py", "scripts/cli.py", "scripts/benchmarks/benchmark.py",
-    "scripts/reproduce/experiment.py", "slam/door.py",
+    "scripts/reproduce/experiment.py", "slam/door.py", "scripts/site/named.py",
 }  # fmt: skip
 
 

@@ -25,6 +25,7 @@ def test_what_is_pushed_is_checked_and_tested():
     steps = (ROOT / ".ci" / "run").read_text().splitlines()
     assert "make check" in steps
     assert "make test" in steps
+    assert "make docs" in steps
     assert "- run: .ci/run" in (ROOT / ".github" / "workflows" / "ci.yml").read_text()
 
 

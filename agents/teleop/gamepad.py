@@ -70,7 +70,7 @@ def gamepad_events(device: str | os.PathLike[str] = "/dev/input/js0") -> Iterato
         InputError: If there is no such gamepad, or it may not be read.
     """
     try:
-        number = os.open(Path(device), os.O_RDONLY | os.O_NONBLOCK)
+        number = os.open(Path(device), os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
         if Path(device).is_dir():
             os.close(number)
             raise IsADirectoryError(EISDIR, os.strerror(EISDIR))

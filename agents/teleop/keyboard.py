@@ -68,12 +68,15 @@ def terminal_keys() -> Iterator[Callable[[], str]]:
     """Give a function that returns what was typed since its last call, without waiting for the return key.
 
     Raises:
-        InputError: If the input is no terminal.
+        InputError: If the input is no terminal, or one that cannot be read key by key.
     """
     if not sys.stdin.isatty():
         raise InputError("the keyboard needs a terminal; --operator model needs none")
-    import termios  # only where there is a terminal of this kind
-    import tty
+    try:
+        import termios
+        import tty
+    except ImportError:
+        raise InputError("the keyboard is read on Linux and macOS; --operator model needs none") from None
 
     number = sys.stdin.fileno()
     before = termios.tcgetattr(number)

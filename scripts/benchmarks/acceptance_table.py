@@ -1,6 +1,6 @@
 """From the cells of `tagalong results` to the table in the README."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from datetime import date
 from pathlib import Path
 from typing import Any
@@ -66,13 +66,55 @@ def write_readme_table(readme: Path, rows: list[Row], machine: Mapping[str, Any]
     """
     text = require_readme(readme)
     before, after = text.split(BEGIN)[0], text.split(END)[1]
-    lines = ["| measured | mean [95 % interval] | others | n |", "|---|---|---|---|"]
-    lines += [f"| {' | '.join(row)} |" for row in rows]
     note = (
         f"By `tagalong results` on {day.isoformat()}, {machine['processor']}, {machine['cores']} cores. Intervals are "
         "Student's over n runs (shares: Wilson's), each of them alone."
     )
-    write_text(readme, f"{before}{BEGIN}\n" + "\n".join(lines) + f"\n\n{note}\n{END}{after}")
+    write_text(readme, f"{before}{BEGIN}\n{side_by_side(rows)}\n\n{note}\n{END}{after}")
+
+
+def side_by_side(rows: Sequence[Row]) -> str:
+    """Return the rows as two short tables of Markdown: scene beside scene, and engine beside engine for each log."""
+    tables = [
+        _folded(
+            rows,
+            tuple(SCENE_TITLES.values()),
+            ("measured in simulation", *SCENE_TITLES.values(), "paper: corridor; meeting room"),
+        ),
+        _folded(
+            [_turned(row) for row in rows if " log, " in row[0]],
+            ("GMapping", "graph SLAM"),
+            ("recorded log", "GMapping", "graph SLAM", "original programs"),
+        ),
+    ]
+    return "\n\n".join(table for table in tables if table)
+
+
+def _folded(rows: Sequence[Row], columns: tuple[str, ...], head: tuple[str, ...]) -> str:
+    """Return a table with one row for all that is called "COLUMN: WHAT", by what was measured; "" if there is none."""
+    found: dict[str, dict[str, Row]] = {}
+    for row in rows:
+        column, _, what = row[0].partition(": ")
+        if column in columns:
+            found.setdefault(what, {})[column] = row
+    lines = [f"| {' | '.join((*head, 'n'))} |", "|---" * (len(head) + 1) + "|"]
+    for what, parts in found.items():
+        values = [parts[column][1] if column in parts else "" for column in columns]
+        others = list(
+            dict.fromkeys(
+                parts[column][2].removeprefix("paper: ") for column in columns if column in parts and parts[column][2]
+            )
+        )
+        counts = list(dict.fromkeys(parts[column][3] for column in columns if column in parts))
+        lines.append(f"| {' | '.join((what, *values, '; '.join(others), ', '.join(counts)))} |")
+    return "\n".join(lines) if found else ""
+
+
+def _turned(row: Row) -> Row:
+    """Return a row called "X log, ENGINE: WHAT" as "ENGINE: X, WHAT"."""
+    title, _, what = row[0].partition(": ")
+    log, _, engine = title.partition(" log, ")
+    return f"{engine}: {log}, {what}", *row[1:]
 
 
 def _group(results: Mapping[str, dict[str, Any]], prefix: str) -> list[dict[str, Any]]:

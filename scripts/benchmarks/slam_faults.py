@@ -29,7 +29,8 @@ from ...slam.runner import run_slam
 from ..console.arguments import at_least
 from ..figures.plots import require_matplotlib
 from ..lab.cells import TIMING, Cell, run_cells
-from ..lab.trend import give_back_memory, memory_mb
+from ..lab.memory import memory_mb
+from ..lab.trend import give_back_memory
 from .fault_drives import LOGS, fault_drive, related_truth, world_names
 from .fault_report import write_report
 from .fault_scores import honesty

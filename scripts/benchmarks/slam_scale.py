@@ -9,8 +9,6 @@ example:
 """
 
 import argparse
-import resource
-import sys
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -26,8 +24,9 @@ from ..console.arguments import at_least
 from ..console.tables import format_table
 from ..figures.plots import new_figure, require_matplotlib, save_figure
 from ..lab.cells import TIMING, Cell
+from ..lab.memory import memory_mb, peak_memory_mb
 from ..lab.own_process import run_alone
-from ..lab.trend import give_back_memory, memory_mb
+from ..lab.trend import give_back_memory
 from .results import write_results
 from .slam_faults import ENGINES
 
@@ -56,7 +55,7 @@ def grown(size: float, km: float, engine: str, seed: int) -> dict[str, Any]:
     points = _drive(robot, drive, POINTS)
     start = time.process_time()
     robot.finish()
-    ending = {"final_s": time.process_time() - start, "end_mb": memory_mb() - idle, "most_mb": _most_mb() - idle}
+    ending = {"final_s": time.process_time() - start, "end_mb": memory_mb() - idle, "most_mb": peak_memory_mb() - idle}
     error = absolute_error(robot.trajectory(), drive.truth).translation
     way = float(np.hypot(*np.diff(drive.truth[:, :2], axis=0).T).sum()) / 1000.0
     timing = {"idle_mb": idle, "points": [{**point, "memory_mb": point["memory_mb"] - idle} for point in points]}
@@ -78,12 +77,6 @@ def _drive(robot: SlamEngine, drive: CampusDrive, points: int) -> list[dict[str,
 
 def _new(engine: str) -> SlamEngine:
     return make_slam(**ENGINES[engine])
-
-
-def _most_mb() -> float:
-    """Return the most memory that this process has held so far [MB]."""
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return peak / (1e6 if sys.platform == "darwin" else 1e3 / 1.024)  # bytes there, KiB elsewhere
 
 
 def cells(sizes: Sequence[float], kms: Sequence[float], engines: Sequence[str], seed: int) -> list[Cell]:

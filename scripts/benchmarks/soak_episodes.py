@@ -16,7 +16,8 @@ from ...agents.protocol.follower import Follower
 from ...envs.follow_env import FollowEnv
 from ...envs.registration import IDS
 from ..lab.cells import TIMING
-from ..lab.trend import Pace, Row, memory_mb
+from ..lab.memory import memory_mb
+from ..lab.trend import Pace, Row
 
 VISIT = 200
 """Steps in one building before the next one is looked at; at 10 Hz 20 s."""

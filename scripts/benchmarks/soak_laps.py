@@ -22,7 +22,8 @@ from ...slam.logs.drive import RecordedDrive
 from ...slam.logs.log import read_log
 from ...slam.scan import LaserScan
 from ..lab.cells import TIMING
-from ..lab.trend import Pace, Row, memory_mb
+from ..lab.memory import memory_mb
+from ..lab.trend import Pace, Row
 
 Array = NDArray[np.float64]
 

@@ -9,6 +9,7 @@ from ...agents.tour import SCENES, TourConfig
 from ...envs.follow_config import make_config
 from ...slam.engine import ENGINES, make_slam
 from ...slam.errors import InputError
+from ..console.record_option import add_record, check_record
 from ..console.setting_words import add_settings, read_settings
 from ..console.tables import format_table
 from ..lab.map_comparison import MapComparisonConfig
@@ -49,6 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--seed", type=int, default=0, help="seed of everything (default: %(default)s)")
     add_settings(parser, "an argument of the environment, e.g. robot=pioneer or lidar.height=0.3")
+    add_record(parser)
     parser.add_argument("--out", type=Path, default=Path("out/demo"), metavar="DIR", help="(default: %(default)s)")
 
 
@@ -76,6 +78,7 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(f"--people counts the leader and must be at least 1, got {options.people}")
     if options.standing < 0:
         raise InputError(f"--standing must not be negative, got {options.standing}")
+    check_record(options.record)
     make_slam(options.method)  # what is unknown is told before the drive
     settings = _own_settings(options)
     tour = TourConfig(
@@ -84,7 +87,7 @@ def run(options: argparse.Namespace) -> int:
     mapping = MapComparisonConfig(method=options.method, seed=options.seed)
     print(f"tagalong demo: {tour.name}, {mapping.method}")
     watch = demo_run.Stopwatch()
-    result = demo_run.run_demo(tour, mapping, watch, settings)
+    result = demo_run.run_demo(tour, mapping, watch, settings, options.record)
     rows = _bounds(result.metrics, options.scene)
     with watch.stage("pictures, maps and logs"):
         demo_run.write_demo(options.out, result)

@@ -4,8 +4,19 @@ import argparse
 import platform
 
 from ... import __version__
+from ..console.first_call import HINT, kernels_are_kept
 from ..console.tables import format_table
-from ..runs.diagnosis import CORE, EXTRAS, Check, check_drive, check_extras, check_opengl, installed_version
+from ..runs.diagnosis import (
+    CORE,
+    EXTRAS,
+    OPENGL_REMEDIES,
+    Check,
+    check_drive,
+    check_extras,
+    check_opengl,
+    check_surroundings,
+    installed_version,
+)
 
 EPILOG = """\
 exits with 0 when the core works, with 1 when it does not; extras and OpenGL are not needed for the core:
@@ -26,16 +37,25 @@ def run(options: argparse.Namespace) -> int:
     """Print the findings."""
     print(f"tagalong {__version__}, Python {platform.python_version()}, {platform.system()} {platform.machine()}\n")
     versions = {name: installed_version(name) for name in CORE}
-    print(format_table(("core", "version"), [(name, found or "MISSING") for name, found in versions.items()]))
+    core = [(name, found or "MISSING", "" if found else f"pip install {name}") for name, found in versions.items()]
+    print(format_table(("core", "version", "what to do"), core))
     print()
-    print(format_table(("extra", "installed", "remedy"), [_extra_row(check) for check in check_extras()]))
+    print(format_table(("extra", "installed", "what to do"), [_extra_row(check) for check in check_extras()]))
+    print()
+    rows = [(check.name, _yes(check.works), check.note) for check in check_surroundings()]
+    print(format_table(("around it", "there", "what to do"), rows))
     print()
     if not options.no_opengl:
-        rows = [(check.name, _yes(check.works), check.note) for check in check_opengl()]
-        print(format_table(("OpenGL", "works", "reason"), rows))
-        print("(needed only for MuJoCo's camera and viewer: set MUJOCO_GL to one that works)\n")
+        _print_opengl(check_opengl())
+    if not kernels_are_kept():
+        print(f"{HINT} ...", flush=True)
     drive = check_drive()
     print(f"self-test: {drive.name}: {'ok' if drive.works else 'FAILED'} ({drive.note})")
+    if not drive.works:
+        print(
+            "the core does not work as it should: install anew into an empty environment (python -m venv), and if that"
+        )
+        print("does not help, report this whole output")
     return 0 if drive.works and all(versions.values()) else 1
 
 
@@ -45,6 +65,20 @@ def _extra_row(check: Check) -> tuple[str, str, str]:
     remedy = "" if check.works else f'pip install "tagalong[{check.name}]"'
     state = "yes" if check.works else ("no" if missing == count else f"partly, without {check.note}")
     return check.name, state, remedy
+
+
+def _print_opengl(checks: list[Check]) -> None:
+    """Print which back ends work, and what to do about the others: nothing, if one does."""
+    one = next((check.name for check in checks if check.works), None)
+    rows = [(check.name, _yes(check.works), check.note, _remedy(check, one)) for check in checks]
+    print(format_table(("OpenGL", "works", "reason", "what to do"), rows))
+    print("(needed only for MuJoCo's camera and viewer; the top view is drawn without)\n")
+
+
+def _remedy(check: Check, one: str | None) -> str:
+    if check.works:
+        return f"MUJOCO_GL={check.name}"
+    return f"nothing: {one} works" if one else OPENGL_REMEDIES.get(check.name, "")
 
 
 def _yes(works: bool) -> str:

@@ -16,8 +16,10 @@ from ...envs.suites import FIRST_SEED, SUITES, Scenario, suite
 from ...slam.errors import InputError
 from ...slam.files.output import write_json
 from ..console.arguments import require_count
+from ..console.record_option import add_record, check_record
 from ..console.setting_words import add_settings, read_settings
 from ..console.tables import format_table
+from ..lab.episode_recordings import Recording, recorded_episodes
 from ..lab.hardware import describe_machine
 from ..lab.statistics import Estimate, metric_mean, share
 
@@ -91,13 +93,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--beams", type=int, default=1081, metavar="N", help="beams of the laser (%(default)s)")
     add_settings(parser, "an argument of the environment, e.g. robot=pioneer, lidar.height=0.3 or slam=gmapping")
+    add_record(parser)
     parser.add_argument("--out", type=Path, metavar="DIR", help="write evaluation.json there")
 
 
 def run(options: argparse.Namespace) -> int:
     """Drive, print the table, write what was asked for."""
     require_count("--episodes", options.episodes, 100_000, "each takes some seconds: days")
-    rows = _drive(options)
+    check_record(options.record)
+    with recorded_episodes(options.record) as recording:
+        rows = _drive(options, recording)
     estimates = summary(rows)
     print(format_table(("figure", "mean", "95 % interval"), _lines(estimates)))
     if options.suite is not None and len(suite(options.suite)) > 1:
@@ -113,7 +118,7 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _drive(options: argparse.Namespace) -> list[dict[str, Any]]:
+def _drive(options: argparse.Namespace, recording: Recording) -> list[dict[str, Any]]:
     """Return one row of figures for each episode."""
     if options.suite is None:
         options.people = 2 if options.people is None else options.people
@@ -136,7 +141,8 @@ def _drive(options: argparse.Namespace) -> list[dict[str, Any]]:
     for k in tqdm(range(options.episodes), unit="episode", leave=False):
         scenario, env = scenarios[k % len(scenarios)], envs[k % len(scenarios)]
         follower = make_follower(options.follower, env.get_wrapper_attr("interface"))
-        episode = rollout(env, follower, seed=first + k, options=scenario.options)
+        episode = rollout(env, follower, seed=first + k, options=scenario.options, after_step=recording.take)
+        recording.finish(episode)
         more = follow_bench_metrics(episode.history) if options.suite == "follow-bench" else {}
         rows.append({**_row(episode), **more, "scenario": scenario.name})
     for env in envs:

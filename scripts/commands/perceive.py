@@ -21,6 +21,8 @@ from ...slam.logs.scans_npz import read_scans_npz
 from ...slam.scan import LaserScan
 from ...slam.scan_to_scan.laser_odometry import laser_odometry
 from ..console.log_options import add_topics
+from ..console.record_option import add_record, check_record
+from ..lab.people_recordings import recorded_people
 
 LEGS_HEADER, PEOPLE_HEADER = "scan,x,y,confidence", "scan,id,x,y,vx,vy,confidence"
 
@@ -57,6 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="frame of people.csv: the robot's at each scan, or the odometry's (default: robot; legs: always robot)",
     )
     parser.add_argument("--rate", type=float, metavar="HZ", help="scans a second, for logs whose times are unusable")
+    add_record(parser)
     parser.add_argument("--min-confidence", type=float, default=0.1, help="of rows in legs.csv (default: 0.1)")
 
 
@@ -64,18 +67,21 @@ def run(options: argparse.Namespace) -> int:
     """Read the scans, track people through them, write the tables."""
     if not 0.0 <= options.min_confidence <= 1.0:
         raise InputError(f"--min-confidence must lie in [0, 1], got {options.min_confidence}")
+    check_record(options.record)
     config = replace(perception_preset(options.preset), forest=options.forest)
     people_filter, selector = PeopleFilter(config), LeaderSelector(config.leader, config.tracker.motion)
     scans, odometry = _read(options)
     scans = _timed(scans, options.rate, options.scans)
     legs, people, ids = [LEGS_HEADER], [PEOPLE_HEADER], set[int]()
     progress = tqdm(zip(scans, odometry, strict=True), total=len(scans), unit="scan", disable=not sys.stderr.isatty())
-    for number, (scan, pose) in enumerate(progress):
-        update = people_filter.update(scan, pose)
-        legs += _leg_rows(number, update, options.min_confidence)
-        found = numbered_by_leader(update.people, selector.update(update.people, pose))
-        people += _people_rows(number, found.in_frame_of(pose) if options.frame == "robot" else found)
-        ids |= {int(number) for number in found.ids}
+    with recorded_people(options.record, scans[0].time_s if scans else 0.0) as record:
+        for number, (scan, pose) in enumerate(progress):
+            update = people_filter.update(scan, pose)
+            legs += _leg_rows(number, update, options.min_confidence)
+            found = numbered_by_leader(update.people, selector.update(update.people, pose))
+            people += _people_rows(number, found.in_frame_of(pose) if options.frame == "robot" else found)
+            ids |= {int(number) for number in found.ids}
+            record(update, found)
     write_text(options.out / "legs.csv", "\n".join(legs) + "\n")
     write_text(options.out / "people.csv", "\n".join(people) + "\n")
     settings = {"preset": options.preset, "odometry": options.odometry}

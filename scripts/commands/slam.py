@@ -14,9 +14,11 @@ from ...slam.logs.drive import RecordedDrive
 from ...slam.logs.tum import read_tum
 from ...slam.runner import run_slam
 from ..console.log_options import add_odometry, add_topics, read_with_odometry
+from ..console.record_option import add_record, check_record
 from ..console.setting_words import add_settings, read_settings
 from ..console.tables import format_table
 from ..runs.people_removal import add_people_options, people_filter_config, remove_people
+from ..runs.slam_recording import record_run
 from ..runs.slam_run import prepare_folder, progress_bar, write_run
 
 EPILOG = """\
@@ -42,6 +44,7 @@ example:
   tagalong slam drive.bag --out out/drive --method cartographer --scan-topic /front/scan
   tagalong slam drive.log --out out/drive --odometry refined --matcher icp
   tagalong slam drive.bag --out out/drive --filter-people
+  tagalong slam drive.bag --out out/drive --record out/drive.mcap
 """
 
 
@@ -64,6 +67,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--resolution", type=float, metavar="M", help="side of a map cell [m] (default: the engine's)")
     add_settings(parser, "a field of the engine's configuration, e.g. particles=50 or local.insertion_voxel=0.1")
     add_people_options(parser)
+    add_record(parser)
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
 
 
@@ -71,6 +75,7 @@ def run(options: argparse.Namespace) -> int:
     """Map the log, write the results, print a table."""
     if options.resolution is not None and not 0.001 <= options.resolution <= 10.0:
         raise InputError(f"--resolution must lie in [0.001, 10] m, got {options.resolution}")
+    check_record(options.record)
     people = people_filter_config(options.filter_people, options.forest)
     engine = make_slam(options.method, seed=options.seed, **read_settings(options.settings))
     read = read_with_odometry(options)
@@ -83,6 +88,9 @@ def run(options: argparse.Namespace) -> int:
         drive, how["people_filter"] = remove_people(drive, people, options.out, not options.quiet)
     result = run_slam(engine, drive, progress=progress_bar(drive.name, not options.quiet))
     metrics = write_run(options.out, drive, result, how, reference, options.resolution)
+    if options.record is not None:
+        tracked = options.out / "people.json" if people is not None else None
+        record_run(options.record, drive, result, result.map(options.resolution), tracked)
     print(format_table(("quantity", "value", "unit"), _rows(metrics, float(result.seconds.sum()))))
     print(f"written to {options.out}")
     return 0

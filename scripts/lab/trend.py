@@ -2,19 +2,15 @@
 
 import ctypes
 import gc
-import os
-import resource
 import sys
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
 MOST_GROWTH = 0.05
 """Share by which memory or time may grow after the first tenth of a run: what the allocator and the clock scatter."""
-_STATM = Path("/proc/self/statm")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,15 +111,6 @@ def trend(rows: Sequence[Mapping[str, float]]) -> Trend:
         last_ms=float(np.median(times[-tenth:])),
         bytes_a_step=1e6 * float(slope),
     )
-
-
-def memory_mb() -> float:
-    """Return the memory that this process holds now, garbage collected [MB]; the peak where no system tells."""
-    gc.collect()
-    if _STATM.exists():
-        return int(_STATM.read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return peak / (1e6 if sys.platform == "darwin" else 1e3)  # bytes there, kilobytes elsewhere
 
 
 def give_back_memory() -> None:

@@ -23,6 +23,7 @@ from ..figures.maps import map_picture, overlay_picture
 from ..figures.scans import scan_pair_picture
 from ..figures.trajectory import trajectory_picture
 from ..figures.video import save_gif
+from ..lab.episode_recordings import recorded_episodes
 from ..lab.map_comparison import JudgedMap, MapComparisonConfig, MappedDrive, judge_map, map_reference
 
 FRAME_EVERY = 5
@@ -82,8 +83,17 @@ def run_demo(
     mapping: MapComparisonConfig,
     watch: Stopwatch,
     settings: Mapping[str, Any] | None = None,
+    record: Path | None = None,
 ) -> DemoResult:
-    """Drive, map and compare; `settings` are further arguments of the environment in which the robot follows."""
+    """Drive, map and compare.
+
+    Args:
+        tour_config: The drive.
+        mapping: How the maps are made.
+        watch: Times the stages.
+        settings: Further arguments of the environment in which the robot follows.
+        record: Where the drive is recorded for viewers (.mcap, .rrd); None: nowhere.
+    """
     frames: list[NDArray[np.uint8]] = []
 
     def film(env: FollowEnv) -> None:
@@ -92,8 +102,14 @@ def run_demo(
             assert picture is not None
             frames.append(picture)
 
-    with watch.stage("following the leader"):
-        tour = following_tour(tour_config, watch=film, render_mode="rgb_array", **(settings or {}))
+    with watch.stage("following the leader"), recorded_episodes(record) as recording:
+
+        def watched(env: FollowEnv) -> None:
+            film(env)
+            recording.take(env)
+
+        tour = following_tour(tour_config, watch=watched, render_mode="rgb_array", **(settings or {}))
+        recording.finish(tour.episode)
     with watch.stage("slow drive of the empty building"):
         reference_drive = slow_tour(WorldConfig(scene=tour_config.scene), tour_config.seed)
     with watch.stage("mapping: reference"):

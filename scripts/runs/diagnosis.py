@@ -7,9 +7,11 @@ import time
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 
 import numpy as np
 
+from ...envs.topview.rendering import has_display
 from ...envs.world.world import World, WorldConfig
 from ...slam.engine import make_slam
 from ...slam.geometry import between
@@ -21,26 +23,24 @@ EXTRAS: Mapping[str, tuple[str, ...]] = {
     "learn": ("torch", "stable-baselines3", "sb3-contrib", "tensorboard", "safetensors", "onnx", "onnxruntime"),
     "viz": ("matplotlib", "moviepy"),
     "ros": ("rosbags", "mcap"),
+    "rerun": ("rerun-sdk",),
     "cluster": ("ray", "distributed"),
+    "docs": ("mkdocs", "mkdocs-material", "latex2mathml"),
     "dev": (
-        *(
-            "build",
-            "basedpyright",
-            "evo",
-            "hypothesis",
-            "mcap",
-            "pysocialforce",
-            "pytest",
-            "pytest-xdist",
-            "rosbags",
-            "ruff",
-        ),
-        "scikit-image",
+        *("build", "basedpyright", "evo", "hypothesis", "mcap", "pysocialforce", "pytest", "pytest-xdist", "rosbags"),
+        *("ruff", "scikit-image"),
     ),
 }
 """Distributions that each extra brings."""
 
 OPENGL_BACKENDS = ("egl", "osmesa", "glfw")
+
+OPENGL_REMEDIES: Mapping[str, str] = {
+    "egl": "install a driver or Mesa (Debian: apt install libegl1 libgl1-mesa-dri)",
+    "osmesa": "install OSMesa (Debian: apt install libosmesa6)",
+    "glfw": "needs a display, or a virtual one (xvfb-run)",
+}
+"""What to do about a back end that does not work."""
 
 _DRAW = """
 import os, threading, time
@@ -88,6 +88,26 @@ def check_extras() -> list[Check]:
     """Return for each extra whether all that it brings is installed, and what is missing."""
     missing = {name: [d for d in parts if installed_version(d) is None] for name, parts in EXTRAS.items()}
     return [Check(name, not parts, ", ".join(parts)) for name, parts in missing.items()]
+
+
+def check_surroundings() -> list[Check]:
+    """Return what else commands look for; the notes say what to do where it is not there."""
+    cache = Path(os.environ.get("NUMBA_CACHE_DIR") or Path(__file__).parent)
+    data = os.environ.get("TAGALONG_DATA")
+    held = data is not None and (Path(data) / "slam_logs").is_dir()
+    wanted = (
+        "set TAGALONG_DATA to a folder with recordings; `tagalong data` lists them"
+        if data is None
+        else (f"`tagalong data check` says what {data} lacks")
+    )
+    kept = os.access(cache, os.W_OK)
+    return [
+        Check(
+            "compiled kernels are kept", kept, "" if kept else "set NUMBA_CACHE_DIR to a folder that you can write to"
+        ),
+        Check("recorded logs", held, "" if held else wanted),
+        Check("display", has_display(), "" if has_display() else "none is needed but for viewers and --viewer"),
+    ]
 
 
 def check_opengl(backends: Iterable[str] = OPENGL_BACKENDS, limit_s: float = 30.0) -> list[Check]:

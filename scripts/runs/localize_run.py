@@ -16,7 +16,8 @@ from ...slam.occupancy_map import OccupancyMap
 from ..figures.canvas import save_png
 from ..figures.trajectory import trajectory_picture
 from ..lab.hardware import describe_machine
-from .slam_run import peak_memory_mb, usable_times
+from ..lab.memory import peak_memory_mb
+from .slam_run import usable_times
 
 
 def write_localize_run(

@@ -1,6 +1,5 @@
 """The result folder of a recorded drive that went through a SLAM engine."""
 
-import resource
 import sys
 import tempfile
 from dataclasses import asdict
@@ -26,6 +25,7 @@ from ...slam.runner import Progress, SlamRun
 from ..figures.canvas import save_png
 from ..figures.trajectory import trajectory_picture
 from ..lab.hardware import describe_machine
+from ..lab.memory import peak_memory_mb
 
 
 def prepare_folder(folder: Path) -> None:
@@ -149,9 +149,3 @@ def run_timing(drive: RecordedDrive, run: SlamRun) -> dict[str, Any]:
         "peak_memory_mb": peak_memory_mb(),
         "machine": describe_machine(),
     }
-
-
-def peak_memory_mb() -> float:
-    """Return the largest memory that this process ever held [MB]."""
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return peak / (1e6 if sys.platform == "darwin" else 1e3)  # bytes there, kilobytes elsewhere

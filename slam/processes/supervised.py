@@ -127,7 +127,7 @@ class Worker:
         if code is None:
             return WorkerError(f"{who} gave no sign of life for {self._silent_s:g} s: stopped, or hung")
         if code < 0:
-            hint = "; the system may have run out of memory" if code == -signal.SIGKILL else ""
+            hint = "; the system may have run out of memory" if code == -getattr(signal, "SIGKILL", 9) else ""
             return WorkerError(f"{who} was ended by {signal.Signals(-code).name}{hint}")
         return WorkerError(f"{who} has ended with exit code {code}")
 

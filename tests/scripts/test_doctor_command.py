@@ -58,3 +58,20 @@ def test_a_back_end_that_does_not_exist_or_hangs_is_reported_in_one_line():
     assert not unknown.works
     assert "no-such-back-end" in unknown.note
     assert check_opengl(["egl"], limit_s=0.0)[0] == Check("egl", False, "did not answer in time")
+
+
+def test_each_gap_comes_with_what_to_do_about_it(quick, monkeypatch, capsys):
+    monkeypatch.delenv("TAGALONG_DATA", raising=False)
+    assert cli.main(["doctor"]) == 0
+    out = capsys.readouterr().out
+    assert re.search(r"egl +no +no driver +install a driver or Mesa", out)
+    assert re.search(r"recorded logs +no +set TAGALONG_DATA to a folder with recordings", out)
+    monkeypatch.setattr(doctor, "check_opengl", lambda: [Check("egl", False, "no driver"), Check("osmesa", True)])
+    monkeypatch.setattr(doctor, "installed_version", lambda name: None if name == "numba" else "1.0")
+    monkeypatch.setenv("TAGALONG_DATA", "/nowhere")
+    assert cli.main(["doctor"]) == 1
+    out = capsys.readouterr().out
+    assert re.search(r"egl +no +no driver +nothing: osmesa works", out)
+    assert re.search(r"osmesa +yes +MUJOCO_GL=osmesa", out)
+    assert re.search(r"numba +MISSING +pip install numba", out)
+    assert "`tagalong data check` says what /nowhere lacks" in out

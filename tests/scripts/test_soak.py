@@ -6,8 +6,9 @@ from tagalong.scripts.benchmarks import soak, soak_episodes
 from tagalong.scripts.benchmarks.soak_laps import there_and_back
 from tagalong.scripts.cli import main
 from tagalong.scripts.lab.cells import TIMING, Cell
+from tagalong.scripts.lab.memory import memory_mb
 from tagalong.scripts.lab.own_process import run_alone
-from tagalong.scripts.lab.trend import memory_mb, trend
+from tagalong.scripts.lab.trend import trend
 from tagalong.slam import LaserScan, RecordedDrive
 
 

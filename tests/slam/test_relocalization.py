@@ -86,7 +86,7 @@ def test_slam_finds_a_kidnapped_robot_on_its_map_within_ten_scans(mapped):
     engine.finish()
     assert (engine.losses, engine.relocalizations) == (1, 1)
     final = engine.trajectory()
-    assert max(distance(a, b) for a, b in zip(final[-40:], after, strict=True)) < 0.15  # one scan that contradicts its submap is taken by its odometry
+    assert max(distance(a, b) for a, b in zip(final[-40:], after, strict=True)) < 0.15
     assert max(distance(a, b) for a, b in zip(final[:90], tour(), strict=True)) < 0.1
 
 

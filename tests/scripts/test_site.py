@@ -1,0 +1,190 @@
+"""The site: every page is found, every program and command on it runs, and what is made of the code is made.
+
+A block of commands that would take longer than some seconds stands under `<!-- only parsed: WHY -->`: its words are
+checked by the command's own parser, and it is not run.
+"""
+
+import ast
+import re
+import runpy
+import shlex
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from tagalong.scripts import cli
+from tagalong.scripts.site import environments, markers, pages, reference
+from tagalong.slam import InputError, LaserScan, RecordedDrive
+from tagalong.slam.logs import open_recording, write_carmen
+
+ROOT = Path(__file__).resolve().parents[2]
+NAV = (ROOT / "mkdocs.yml").read_text(encoding="utf-8").partition("\nnav:\n")[2]
+BLOCK = re.compile(r"(<!-- only parsed: [^>]+ -->\n+)?^```(python|console)\n(.*?)^```$", flags=re.M | re.S)
+DOORS = {"tagalong", *(f"tagalong.{door}" for door in reference.DOORS)}
+OTHER_PROGRAMS = {"export TAGALONG_DATA=DIR"}
+"""Lines that are neither tagalong, make nor pip."""
+
+
+class Block(NamedTuple):
+    """A fence of a page."""
+
+    name: str
+    only_parsed: bool
+    language: str
+    text: str
+
+
+def blocks() -> Iterator[Block]:
+    """Every block of programs and commands of the pages that are written by hand, and of two that are made."""
+    texts = {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in hand_written()}
+    made = [("environments/meetingroom-v0.md", environments.environment_page("tagalong/MeetingRoom-v0"))]
+    for page, text in [*sorted(texts.items()), *made]:
+        for number, found in enumerate(BLOCK.finditer(text), 1):
+            yield Block(f"{page}, block {number}", bool(found[1]), found[2], found[3])
+
+
+def hand_written() -> list[Path]:
+    return sorted((ROOT / "docs").rglob("*.md"))
+
+
+BLOCKS = list(blocks())
+PROGRAMS = [block for block in BLOCKS if block.language == "python"]
+COMMANDS = [block for block in BLOCKS if block.language == "console"]
+
+
+def room_drive() -> RecordedDrive:
+    """A short drive along a square room, with time stamps."""
+    bearings = np.linspace(-np.pi / 2, np.pi / 2, 181)
+    odometry = np.stack((np.arange(12) * 0.1, np.zeros(12), np.zeros(12)), axis=-1)
+    scans = []
+    for number, x in enumerate(odometry[:, 0]):
+        ahead = (4.0 - x) / np.maximum(np.cos(bearings), 1e-9)
+        aside = 2.0 / np.maximum(np.abs(np.sin(bearings)), 1e-9)
+        scans.append(LaserScan(np.minimum(ahead, aside), bearings, 0.1, 30.0, 0.1 * number))
+    return RecordedDrive(odometry, scans, None, "drive")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A folder with a recorded drive, as a log and as a bag; the commands of one page find what earlier ones wrote."""
+    folder = tmp_path_factory.mktemp("site")
+    drive = room_drive()
+    write_carmen(folder / "drive.log.gz", drive)
+    pytest.importorskip("rosbags")
+    with open_recording(folder / "drive.mcap") as recording:
+        for odometry, scan in zip(drive.odometry, drive.scans, strict=True):
+            recording.scan(scan)
+            recording.odometry(scan.time_s, odometry)
+    return folder
+
+
+@pytest.mark.parametrize("block", PROGRAMS, ids=lambda block: block.name)
+def test_a_program_of_the_site_runs(block, folder, monkeypatch, capsys):
+    if "stable_baselines3" in block.text:
+        pytest.importorskip("stable_baselines3")
+    monkeypatch.chdir(folder)
+    name = "my_module.py" if block.text.startswith("# my_module.py") else "program.py"
+    (folder / name).write_text(block.text, encoding="utf-8")
+    runpy.run_path(str(folder / name), run_name="__main__")
+    assert capsys.readouterr().out or name == "my_module.py"
+
+
+@pytest.mark.parametrize("block", PROGRAMS, ids=lambda block: block.name)
+def test_a_program_of_the_site_comes_in_by_the_doors(block):
+    used = set()
+    for node in ast.walk(ast.parse(block.text)):
+        if isinstance(node, ast.Import):
+            used |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            used.add(node.module or "")
+    assert {name for name in used if name.partition(".")[0] == "tagalong"} <= DOORS
+
+
+@pytest.mark.parametrize("block", COMMANDS, ids=lambda block: block.name)
+def test_a_command_of_the_site_runs_or_is_at_least_understood(block, folder, monkeypatch, capsys):
+    monkeypatch.chdir(folder)
+    monkeypatch.syspath_prepend(str(folder))
+    monkeypatch.setenv("TAGALONG_DATA", str(folder))
+    for line in block.text.splitlines():
+        assert line.startswith("$ "), f"{block.name}: a command begins with `$ `: {line}"
+        words = shlex.split(line.removeprefix("$ "), comments=True)
+        if words[0] == "tagalong":
+            run_or_parse(words[1:], block)
+        elif words[0] == "make":
+            assert re.search(rf"^{words[1]}:", (ROOT / "Makefile").read_text(), flags=re.M), line
+        elif words[:2] == ["pip", "install"]:
+            extras = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
+            assert re.fullmatch(rf"\.(\[({'|'.join(extras)})\])?", words[2]), line
+        else:
+            assert " ".join(words) in OTHER_PROGRAMS, line
+
+
+def run_or_parse(words: list[str], block: Block) -> None:
+    """Run a command, or see whether it understands its words where it takes long or needs what is not here."""
+    parser = cli.make_parser()
+    parser.parse_args(words)
+    slow = words[0] in ("demo", "doctor") or (words[0] == "data" and len(words) > 1)
+    if not block.only_parsed and not slow:
+        assert cli.main(words) == 0, words
+
+
+def test_a_page_that_the_navigation_lacks_is_named_here():
+    """A page that is in `docs/` but not in the nav of mkdocs.yml is built, and nobody finds it: add a line there."""
+    listed = set(re.findall(r"([\w./-]+\.md)$", NAV, flags=re.M))
+    written = {path.relative_to(ROOT / "docs").as_posix() for path in hand_written()}
+    made = {environments.page_name(name).join(("environments/", "")) for name in environments.IDS}
+    made |= {f"reference/{door}.md" for door in reference.DOORS}
+    assert sorted((written | made) - listed) == []
+    assert sorted(listed - written - made - set(pages.FROM_ROOT.values())) == [
+        "environments/index.md",
+        "reference/commands.md",
+        "reference/index.md",
+    ]
+
+
+def test_every_extra_of_the_package_is_told_on_the_first_page_of_instructions():
+    extras = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
+    told = re.findall(r"^\| `(\w+)` \|", (ROOT / "docs" / "start.md").read_text(), flags=re.M)
+    assert set(told) == set(extras) - {"dev"}
+
+
+def test_every_public_door_has_a_page():
+    lending = [path for path in ROOT.glob("*/**/__init__.py") if "= lends(" in path.read_text()]
+    found = {".".join(path.relative_to(ROOT).parts[:-1]) for path in lending} | {"envs.scenes"}
+    assert set(reference.DOORS) == found
+
+
+def test_markers_are_replaced_and_unknown_ones_refused():
+    made = markers.with_made_parts("<!-- made: parameters tagalong.slam.GMappingConfig -->", ROOT)
+    assert "| `particles` | `30` | 1 .. 1000 | Number of particles. |" in made
+    assert "| `slam/gmapping/motion.py` |" in markers.with_made_parts("<!-- made: files slam/gmapping -->", ROOT)
+    with pytest.raises(InputError, match="unknown kind"):
+        markers.with_made_parts("<!-- made: nonsense slam -->", ROOT)
+    with pytest.raises(InputError, match="no file or folder"):
+        markers.with_made_parts("<!-- made: files slam/nonsense -->", ROOT)
+
+
+def test_links_between_pages_lead_to_pages():
+    """Also without mkdocs, which checks anchors, too."""
+    made = {"environments/index.md", "reference/index.md", "reference/commands.md"}
+    made |= {f"reference/{door}.md" for door in reference.DOORS}
+    made |= {f"environments/{environments.page_name(name)}" for name in environments.IDS}
+    known = {(ROOT / "docs" / name).resolve() for name in made | set(pages.FROM_ROOT.values())}
+    wrong = []
+    for path in hand_written():
+        for link in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", path.read_text(encoding="utf-8")):
+            target = (path.parent / link).resolve()
+            if not target.is_file() and target not in known:
+                wrong.append(f"{path.relative_to(ROOT)}: {link}")
+    assert wrong == []
+
+
+def test_every_environment_and_every_method_has_a_picture_that_is_there():
+    for path in hand_written():
+        for picture in re.findall(r"!\[[^]]*\]\(([^)]+)\)", path.read_text(encoding="utf-8")):
+            assert (path.parent / picture).is_file(), f"{path.name}: {picture}"
+    scenes = {str(arguments["scene"]) for arguments in environments.IDS.values()}
+    assert {path.stem for path in (ROOT / "docs" / "images" / "environments").glob("*.png")} == scenes
