@@ -45,19 +45,3 @@ def is_clear(x: float, y: float, boxes: Array, circles: Array, clearance: float)
     for k in range(len(circles)):
         clear = clear and np.hypot(x - circles[k, 0], y - circles[k, 1]) >= circles[k, 2] + clearance
     return clear
-
-
-@njit(cache=True, nogil=True)
-def keep_clear(x: float, y: float, room: float, boxes: Array, circles: Array) -> tuple[float, float]:
-    """Return the point (x, y) moved out of whatever is nearer than `room` [m]."""
-    for k in range(len(boxes)):
-        if abs(boxes[k, 0] - x) + abs(boxes[k, 1] - y) < boxes[k, 4] + boxes[k, 5] + 1.0:
-            distance, ux, uy = nearest_of_box(x, y, boxes[k])
-            push = max(room - distance, 0.0)
-            x, y = x + push * ux, y + push * uy
-    for k in range(len(circles)):
-        dx, dy = x - circles[k, 0], y - circles[k, 1]
-        away = max(np.hypot(dx, dy), 1e-6)
-        push = max(circles[k, 2] + room - away, 0.0)
-        x, y = x + push * dx / away, y + push * dy / away
-    return x, y

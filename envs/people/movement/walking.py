@@ -4,8 +4,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from .obstacles import is_clear, keep_clear, nearest_of_box
+from .obstacles import is_clear, nearest_of_box
 from .social_force import pair_force
+from .things import Things, cell_of, keep_clear
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -148,8 +149,7 @@ def advance_bodies(
     wish: Array,
     radius: Array,
     robot: Array,
-    boxes: Array,
-    circles: Array,
+    things: Things,
     force: Array,
 ) -> None:
     """Move n people for `dt` seconds, in place.
@@ -163,14 +163,14 @@ def advance_bodies(
         wish: (n,) wanted speeds [m/s]; 0 stands.
         radius: (n,) of the bodies [m].
         robot: (8,) x, y, cos, sin of its pose, velocity x and y [m/s], half length, half width [m].
-        boxes: (b, 6) furniture and walls, see `nearest_of_box`.
-        circles: (c, 3) x, y, radius of round furniture [m].
+        things: Furniture and walls.
         force: (9,) `SocialForceConfig.as_array()`.
     """
     n = len(position)
     before = position.copy()
+    chassis = np.array([robot[0], robot[1], robot[2], robot[3], robot[6], robot[7]])
     for i in range(n):
-        fx, fy = _forces(i, position, velocity, radius, robot, boxes, circles, force)
+        fx, fy = _forces(i, position, velocity, radius, robot, things, force)
         if wish[i] == 0.0 and np.hypot(fx, fy) < _UNMOVED:
             fx, fy = 0.0, 0.0
         facing = np.cos(heading[i]) * direction[i, 0] + np.sin(heading[i]) * direction[i, 1]
@@ -181,7 +181,7 @@ def advance_bodies(
         fy += (speed * direction[i, 1] - velocity[i, 1]) / force[0]
         _move(dt, i, fx, fy, max(1.2 * wish[i], 0.6), position, velocity)
     for _ in range(4):
-        _part(dt, position, radius, robot, boxes, circles)
+        _part(dt, position, radius, robot, chassis, things)
     for i in range(n):
         velocity[i, 0] = (position[i, 0] - before[i, 0]) / dt
         velocity[i, 1] = (position[i, 1] - before[i, 1]) / dt
@@ -209,8 +209,7 @@ def _forces(
     velocity: Array,
     radius: Array,
     robot: Array,
-    boxes: Array,
-    circles: Array,
+    things: Things,
     force: Array,
 ) -> tuple[float, float]:
     """Return the force on person i of the others, the robot and the obstacles [m/s^2]."""
@@ -222,27 +221,35 @@ def _forces(
                 position[j, 0] - x, position[j, 1] - y, vx - velocity[j, 0], vy - velocity[j, 1], 0.0, force
             )
             fx, fy = fx + px, fy + py
+    px, py = _force_of_things(x, y, radius[i], things, force)
+    return fx + px, fy + py
+
+
+@njit(cache=True, nogil=True)
+def _force_of_things(x: float, y: float, radius: float, things: Things, force: Array) -> tuple[float, float]:
+    """Return the force of walls and furniture on a body at a point [m/s^2]."""
+    fx = fy = 0.0
     reach, threshold = force[7], force[8]
-    for k in range(len(boxes)):
-        if abs(boxes[k, 0] - x) + abs(boxes[k, 1] - y) > boxes[k, 4] + boxes[k, 5] + 2.0:
-            continue
-        distance, ux, uy = nearest_of_box(x, y, boxes[k])
-        distance -= radius[i]
+    cell = cell_of(x, y, things.frame)
+    for k in range(things.first[cell], things.first[cell + 1]):
+        item = things.items[k]
+        if item >= 0:
+            distance, ux, uy = nearest_of_box(x, y, things.boxes[item])
+            distance -= radius
+        else:
+            circle = things.circles[-1 - item]
+            ux, uy = x - circle[0], y - circle[1]
+            away = max(np.hypot(ux, uy), 1e-6)
+            ux, uy = ux / away, uy / away
+            distance = away - circle[2] - radius
         if distance < threshold:
             push = force[6] * np.exp(-max(distance, 0.0) / reach)
-            fx, fy = fx + push * ux, fy + push * uy
-    for k in range(len(circles)):
-        ux, uy = x - circles[k, 0], y - circles[k, 1]
-        away = max(np.hypot(ux, uy), 1e-6)
-        distance = away - circles[k, 2] - radius[i]
-        if distance < threshold:
-            push = force[6] * np.exp(-max(distance, 0.0) / reach) / away
             fx, fy = fx + push * ux, fy + push * uy
     return fx, fy
 
 
 @njit(cache=True, nogil=True)
-def _part(dt: float, position: Array, radius: Array, robot: Array, boxes: Array, circles: Array) -> None:
+def _part(dt: float, position: Array, radius: Array, robot: Array, chassis: Array, things: Things) -> None:
     """Push apart who overlaps: from each other, from the robot (no faster than a person evades), from obstacles."""
     n = len(position)
     for i in range(n):
@@ -255,7 +262,6 @@ def _part(dt: float, position: Array, radius: Array, robot: Array, boxes: Array,
                 position[i, 1] -= push * dy / away
                 position[j, 0] += push * dx / away
                 position[j, 1] += push * dy / away
-    chassis = np.array([robot[0], robot[1], robot[2], robot[3], robot[6], robot[7]])
     for i in range(n):
         distance, ux, uy = nearest_of_box(position[i, 0], position[i, 1], chassis)
         push = min(radius[i] + _BESIDE - distance, _EVADE * dt / 4.0)
@@ -263,7 +269,7 @@ def _part(dt: float, position: Array, radius: Array, robot: Array, boxes: Array,
             position[i, 0] += push * ux
             position[i, 1] += push * uy
         room = radius[i] + _BESIDE
-        position[i, 0], position[i, 1] = keep_clear(position[i, 0], position[i, 1], room, boxes, circles)
+        position[i, 0], position[i, 1] = keep_clear(position[i, 0], position[i, 1], room, things)
 
 
 @njit(cache=True, nogil=True)
