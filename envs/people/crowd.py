@@ -24,7 +24,8 @@ from .posture import pose_bodies
 
 Array = NDArray[np.float64]
 
-_LAP_END = 1.5  # so far before the end of a route of several laps its start takes over [m]
+LAP_END = 1.5
+"""So far before the end of a route of several laps its start takes over [m]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -167,6 +168,7 @@ class Crowd:
             robot,
             self._things,
             self._force,
+            np.empty_like(b.position),
         )
         self._close_laps(b)
         locate(b.position, b.arc, *ways)
@@ -205,7 +207,7 @@ class Crowd:
         lap = self.terrain.lap
         if lap > 0.0:
             free = (np.arange(len(self)) >= self.casting.group) & (self._path == 0)
-            ahead = free & (bodies.arc > self.terrain.length - _LAP_END)
+            ahead = free & (bodies.arc > self.terrain.length - LAP_END)
             bodies.arc[ahead] -= lap
 
 

@@ -6,9 +6,9 @@ The landing place is as far ahead of the body as the stance foot will be behind 
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ...slam.view_kernel import view_kernel
 from .movement.things import Things, keep_clear
 
 Array = NDArray[np.float64]
@@ -21,7 +21,7 @@ _BETWEEN_LEGS = 0.02
 _BESIDE_LEG = 0.03
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def advance_gait(
     dt: float,
     position: Array,
@@ -51,7 +51,7 @@ def advance_gait(
         things: Furniture and walls, where no foot is set.
     """
     for i in range(len(position)):
-        speed = np.hypot(velocity[i, 0], velocity[i, 1])
+        speed = np.sqrt(velocity[i, 0] * velocity[i, 0] + velocity[i, 1] * velocity[i, 1])
         step_time = min(_SLOWEST, max(_FASTEST, np.sqrt(size[i, 4] / max(speed, 0.05))))
         if swing[i] < 0:
             foot = _restless_foot(position[i], velocity[i], heading[i], size[i, 3], feet[i], speed)
@@ -61,9 +61,9 @@ def advance_gait(
         phase[i] += dt / step_time
         foot = swing[i]
         if phase[i] - dt / step_time < SWING:
-            _swing(i, foot, step_time, position, velocity, heading, size, feet, origin, lift, phase)
+            _swing(i, foot, step_time, speed, position, velocity, heading, size, feet, origin, lift, phase)
             x, y, room = feet[i, foot, 0], feet[i, foot, 1], size[i, 2] + _BESIDE_LEG
-            feet[i, foot] = keep_clear(x, y, room, things)
+            feet[i, foot, 0], feet[i, foot, 1] = keep_clear(x, y, room, things)
         if phase[i] >= 1.0:
             remaining = phase[i] - 1.0
             swing[i] = -1
@@ -72,11 +72,12 @@ def advance_gait(
                 phase[i] = remaining
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def _swing(
     i: int,
     foot: int,
     step_time: float,
+    speed: float,
     position: Array,
     velocity: Array,
     heading: Array,
@@ -89,18 +90,17 @@ def _swing(
     """Put the swing foot on its way between where it lifted off and where it will land."""
     share = min(phase[i] / SWING, 1.0)
     ahead = step_time * (max(SWING - phase[i], 0.0) + 1.0 - SWING / 2.0)
-    side = size[i, 3] if foot == 0 else -size[i, 3]
-    target_x = position[i, 0] + ahead * velocity[i, 0] - side * np.sin(heading[i])
-    target_y = position[i, 1] + ahead * velocity[i, 1] + side * np.cos(heading[i])
+    side, cos, sin = size[i, 3] if foot == 0 else -size[i, 3], np.cos(heading[i]), np.sin(heading[i])
+    target_x = position[i, 0] + ahead * velocity[i, 0] - side * sin
+    target_y = position[i, 1] + ahead * velocity[i, 1] + side * cos
     blend = share * share * share * (10.0 - 15.0 * share + 6.0 * share * share)
     feet[i, foot, 0] = origin[i, 0] + blend * (target_x - origin[i, 0])
     feet[i, foot, 1] = origin[i, 1] + blend * (target_y - origin[i, 1])
-    _keep_apart(feet[i], foot, 2.0 * size[i, 2] + _BETWEEN_LEGS, np.cos(heading[i]), np.sin(heading[i]))
-    speed = min(np.hypot(velocity[i, 0], velocity[i, 1]), 1.3)
-    lift[i, foot] = (0.03 + 0.05 * speed) * np.sin(np.pi * share) if share < 1.0 else 0.0
+    _keep_apart(feet[i], foot, 2.0 * size[i, 2] + _BETWEEN_LEGS, cos, sin)
+    lift[i, foot] = (0.03 + 0.05 * min(speed, 1.3)) * np.sin(np.pi * share) if share < 1.0 else 0.0
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def _keep_apart(feet: Array, foot: int, room: float, cos: float, sin: float) -> None:
     """Move the swing foot aside where it would pass through the standing leg: legs do not cross in a turn."""
     side = 1.0 if foot == 0 else -1.0
@@ -112,24 +112,24 @@ def _keep_apart(feet: Array, foot: int, room: float, cos: float, sin: float) -> 
         feet[foot, 1] += side * (needed - aside) * cos
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def _lift_off(person: int, foot: int, feet: Array, origin: Array, phase: Array, swing: NDArray[np.int64]) -> None:
     swing[person] = foot
     phase[person] = 0.0
     origin[person, 0], origin[person, 1] = feet[person, foot, 0], feet[person, foot, 1]
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def _restless_foot(
     position: Array, velocity: Array, heading: float, half_width: float, feet: Array, speed: float
 ) -> int:
     """Return the foot that has to step next, -1 where both stand well."""
-    worst, found = _RESTLESS, -1
+    worst, found, cos, sin = _RESTLESS, -1, np.cos(heading), np.sin(heading)
     for foot in range(2):
         side = half_width if foot == 0 else -half_width
-        x = feet[foot, 0] - position[0] + side * np.sin(heading)
-        y = feet[foot, 1] - position[1] - side * np.cos(heading)
-        away = -(x * velocity[0] + y * velocity[1]) / speed + 1.0 if speed > 0.1 else np.hypot(x, y)
+        x = feet[foot, 0] - position[0] + side * sin
+        y = feet[foot, 1] - position[1] - side * cos
+        away = -(x * velocity[0] + y * velocity[1]) / speed + 1.0 if speed > 0.1 else np.sqrt(x * x + y * y)
         if away > worst:
             worst, found = away, foot
     return found

@@ -91,7 +91,8 @@ def test_two_who_meet_head_on_pass_each_other_without_touching():
     nearest = np.inf
     for _ in range(400):
         advance_bodies(0.025, position, velocity, heading, direction, np.ones(2), np.full(2, 0.23), far_robot,
-                       things_around(np.zeros((0, 6)), np.zeros((0, 3)), 1.0), CONFIG.as_array())  # fmt: skip
+                       things_around(np.zeros((0, 6)), np.zeros((0, 3)), 1.0), CONFIG.as_array(),
+                       np.empty((2, 2)))  # fmt: skip
         nearest = min(nearest, np.hypot(*(position[0] - position[1])))
     assert nearest > 0.46
     assert position[0, 0] > 5.0

@@ -1,9 +1,9 @@
 """Everybody decides, one after the other, and begins to do it: one compiled call for all worlds' people."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ....slam.view_kernel import view_kernel
 from .companion import companion_wish
 from .leader import leader_wish
 from .mind import Around, CompiledWish, Kind, Minds
@@ -17,14 +17,14 @@ _SIDESTEP = 0.4  # how fast a wished offset is [m/s]
 _LEADER, _COMPANION, _WALKER, _STANDER, _SCRIPTED, _WANDERER = (int(kind) for kind in Kind)
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def decide(minds: Minds, around: Around, dt: float) -> None:
     """Let the people of `minds`, the first of all, wish something for `dt` seconds, and begin to do it."""
     for person in range(len(minds.kind)):
         begin(person, _wish(person, minds, around, dt), around, dt)
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def _wish(person: int, minds: Minds, around: Around, dt: float) -> CompiledWish:
     kind, mind = minds.kind[person], minds.numbers[person]
     if kind == _LEADER:
@@ -40,7 +40,7 @@ def _wish(person: int, minds: Minds, around: Around, dt: float) -> CompiledWish:
     return wanderer_wish(person, mind, around, dt)
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def begin(person: int, wish: CompiledWish, around: Around, dt: float) -> None:
     """Take up what somebody wishes, as fast as people do: speed and offset change gradually."""
     speed, offset, sense, face, goal_x, goal_y = wish
@@ -51,7 +51,7 @@ def begin(person: int, wish: CompiledWish, around: Around, dt: float) -> None:
     around.goal[person, 0], around.goal[person, 1] = goal_x, goal_y
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def go_straight(goal: NDArray[np.float64], position: NDArray[np.float64], direction: NDArray[np.float64]) -> None:
     """Point those who have a goal to it; all (n, 2)."""
     for person in range(len(goal)):

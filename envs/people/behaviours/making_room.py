@@ -1,8 +1,8 @@
 """How the leader and those who keep the leader company make room for whom they meet."""
 
 import numpy as np
-from numba import njit
 
+from ....slam.view_kernel import view_kernel
 from ..movement.ground import Ground, row_at, turn_out, within_free
 from ..movement.meeting import first_coming
 from .mind import Around
@@ -10,7 +10,7 @@ from .mind import Around
 _BESIDE = int(Ground.BESIDE)
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def group_offset(person: int, side: float, around: Around) -> float:
     """Return the wanted offset from the route [m] of one of the group around the robot.
 
@@ -32,7 +32,7 @@ def group_offset(person: int, side: float, around: Around) -> float:
     return within_free(ways, around.way[person], arc, wanted)
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def first_met(person: int, around: Around) -> float:
     """Return the present offset [m] of the first of those who come towards one of the group; NaN: nobody."""
     a = around

@@ -5,9 +5,9 @@ of the mind: preferred speed [m/s], preferred offset from the route where it is 
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ....slam.view_kernel import view_kernel
 from ..movement.ground import length_of, narrows_before, passing, within_free
 from .mind import Around, CompiledWish, Kind, Mind
 
@@ -19,7 +19,7 @@ def walker(*, pace: float, side: float) -> Mind:
     return Mind(Kind.WALKER, (pace, side))
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def walker_wish(person: int, mind: NDArray[np.float64], around: Around) -> CompiledWish:
     """Return the pace, less or more where the group is near."""
     ways, way, arc, sense = around.ways, around.way[person], around.arc[person], around.sense[person]
@@ -33,7 +33,7 @@ def walker_wish(person: int, mind: NDArray[np.float64], around: Around) -> Compi
     return _speed(mind[0], arc, sense, around), offset, sense, np.nan, np.nan, np.nan
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def _speed(pace: float, arc: float, sense: float, around: Around) -> float:
     """Return the speed: slower behind the robot, faster before the leader, none before a narrow place."""
     front, lap = around.robot_arc, around.ways.sizes[0]

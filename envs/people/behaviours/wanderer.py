@@ -7,9 +7,9 @@ stay at the ends of their way [s], whether they stop for the leader and the robo
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ....slam.view_kernel import view_kernel
 from ..movement.ground import length_of, row_at, within_free
 from ..movement.meeting import group_comes
 from .mind import Around, CompiledWish, Kind, Mind
@@ -26,7 +26,7 @@ def wanderer(*, pace: float, side: float, patience: float, rest: float, gives_wa
     return Mind(Kind.WANDERER, (pace, side, patience, rest, float(gives_way), rests_s))
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def wanderer_wish(person: int, mind: Array, around: Around, dt: float) -> CompiledWish:
     """Return the pace, or 0 while they rest or give way."""
     a, ways, way = around, around.ways, around.way[person]
@@ -46,7 +46,7 @@ def wanderer_wish(person: int, mind: Array, around: Around, dt: float) -> Compil
     return mind[_PACE] if np.isnan(recorded) else recorded, offset, sense, np.nan, np.nan, np.nan
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def _loses_patience(mind: Array, wanted: float, speed: float, dt: float) -> bool:
     held_up = wanted > _WANTS_TO_WALK and speed < _STANDS
     mind[_HELD_UP] = mind[_HELD_UP] + dt if held_up else max(0.0, mind[_HELD_UP] - dt)

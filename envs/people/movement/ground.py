@@ -4,9 +4,9 @@ from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ....slam.view_kernel import view_kernel
 from .walking import SPACING
 
 Array = NDArray[np.float64]
@@ -51,54 +51,50 @@ class Ways(NamedTuple):
     sizes: Array
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def row_at(ways: Ways, way: int, arc: float) -> int:
     """Return the row of the point of a way at `arc` [m], or of its nearest end."""
     return int(ways.first[way]) + min(max(int(arc / SPACING), 0), int(ways.count[way]) - 1)
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def within_free(ways: Ways, way: int, arc: float, lateral: float) -> float:
     """Return the offset nearest to `lateral` [m] at which nothing stands beside a way at `arc` [m]."""
     row = row_at(ways, way, arc)
     return min(max(lateral, -ways.free[row, 1]), ways.free[row, 0])
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def heading_at(ways: Ways, way: int, arc: float) -> float:
     """Return the direction of a way at `arc` [m], in radians."""
     row = row_at(ways, way, arc)
     return np.arctan2(ways.tangents[row, 1], ways.tangents[row, 0])
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def length_of(ways: Ways, way: int) -> float:
     """Return the length of a way [m]."""
     return (ways.count[way] - 1) * SPACING
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def passing(ways: Ways) -> float:
     """Return the offset from the route at which somebody passes the group [m]."""
     return ways.sizes[1] - 0.15
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def turn_out(ways: Ways) -> float:
     """Return the offset from the route to which the group turns out for whom it meets [m]."""
     return min(0.35, max(0.0, ways.sizes[1] - 0.5))
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def narrows_before(ways: Ways, arc: float, front: float) -> bool:
     """Return whether two can pass at `arc` [m] of the route, but not on all of the next 2.5 m against its direction.
 
     No further than `front` [m]; two can pass where there is no bend and nothing stands on the route's left.
     """
     here = row_at(ways, 0, arc)
-    if not ways.wide[here]:
-        return False
-    for row in range(max(row_at(ways, 0, arc - 2.5), row_at(ways, 0, front)), here):
-        if not ways.wide[row]:
-            return True
-    return False
+    low = max(row_at(ways, 0, arc - 2.5), row_at(ways, 0, front))
+    return bool(ways.wide[here]) and not ways.wide[low:here].all()

@@ -6,6 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ....slam.view_kernel import view_kernel
 from .obstacles import nearest_of_box
 
 Array = NDArray[np.float64]
@@ -49,7 +50,7 @@ def things_around(boxes: Array, circles: Array, reach: float) -> Things:
     return Things(boxes, circles, frame, first, items)
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def cell_of(x: float, y: float, frame: Array) -> int:
     """Return the number of the cell at a point; the nearest one for points outside, near which nothing stands."""
     col = min(max((x - frame[0]) / frame[2], 0.0), frame[3] - 1.0)
@@ -96,20 +97,24 @@ def _sorted_in(frame: Array, boxes: Array, circles: Array, reach: float) -> tupl
     return first, items
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def keep_clear(x: float, y: float, room: float, things: Things) -> tuple[float, float]:
     """Return the point (x, y) moved out of whatever is nearer than `room` [m]."""
     cell = cell_of(x, y, things.frame)
     for k in range(things.first[cell], things.first[cell + 1]):
         item = things.items[k]
         if item >= 0:
-            distance, ux, uy = nearest_of_box(x, y, things.boxes[item])
+            box = things.boxes[item]
+            dx, dy = x - box[0], y - box[1]
+            if abs(box[2] * dx + box[3] * dy) >= box[4] + room or abs(box[2] * dy - box[3] * dx) >= box[5] + room:
+                continue
+            distance, ux, uy = nearest_of_box(x, y, box)
             push = max(room - distance, 0.0)
             x, y = x + push * ux, y + push * uy
         else:
             circle = things.circles[-1 - item]
-            dx, dy = x - circle[0], y - circle[1]
-            away = max(np.hypot(dx, dy), 1e-6)
-            push = max(circle[2] + room - away, 0.0)
-            x, y = x + push * dx / away, y + push * dy / away
+            dx, dy, apart = x - circle[0], y - circle[1], circle[2] + room
+            if dx * dx + dy * dy < apart * apart:
+                away = max(np.sqrt(dx * dx + dy * dy), 1e-6)
+                x, y = x + (apart - away) * dx / away, y + (apart - away) * dy / away
     return x, y
