@@ -16,7 +16,7 @@ from .moving import advance
 from .perceiving import perceive
 from .plans import Plans
 from .rules import Rules
-from .state import Array, Floats, Scratch, State, Told
+from .state import Array, Floats, Scratch, Told, WorldsState
 
 STEP, BEGIN, BEGIN_AGAIN, REST = 0, 1, 2, 3
 """What to do with a world: go on, begin the episode in its own row, begin one of those drawn ahead, or nothing."""
@@ -29,7 +29,7 @@ def step_worlds(
     actions: Array,
     rules: Rules,
     plans: Plans,
-    state: State,
+    state: WorldsState,
     told: Told,
     room: Scratch,
 ) -> None:
@@ -53,11 +53,11 @@ def step_worlds(
             advance(w, state.action[w, : actions.shape[1]], rules, plans, state, room)
             state.steps[w] += 1
         else:
-            change, slot = 0.0, w
+            change, slot = 0.0, rules.ahead + w
             if what[w] == BEGIN_AGAIN:
                 state.episode[w] += 1
                 lot = mixed(state.seed[w] ^ mixed(np.uint64(state.episode[w])))
-                slot = rules.first_plan + int(lot % np.uint64(rules.plans))
+                slot = np.int64(lot % np.uint64(rules.ahead))
             _begin(w, slot, plans, state)
         told.time_s[w] = state.steps[w] * rules.ticks * TICK
         perceive(w, rules, plans, state, told, room)
@@ -76,7 +76,7 @@ def _cut(action: Array, last: Array) -> float:
 
 
 @view_kernel
-def _begin(w: int, slot: int, plans: Plans, state: State) -> None:
+def _begin(w: int, slot: int, plans: Plans, state: WorldsState) -> None:
     """Put the episode of plan `slot` into world w."""
     n = plans.people[slot]
     state.slot[w], state.steps[w], state.ended[w] = slot, 0, False
@@ -101,7 +101,7 @@ def _begin(w: int, slot: int, plans: Plans, state: State) -> None:
 
 
 @view_kernel
-def _judge(w: int, change: float, rules: Rules, plans: Plans, state: State, told: Told, room: Scratch) -> None:
+def _judge(w: int, change: float, rules: Rules, plans: Plans, state: WorldsState, told: Told, room: Scratch) -> None:
     """Write what is so in world w, and what the step is worth; `change` is the norm of the action's."""
     s, pose, steps = state.slot[w], state.pose[w], state.steps[w]
     position, step_s = state.position[w, : plans.people[s]], rules.ticks * TICK

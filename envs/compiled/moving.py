@@ -20,11 +20,11 @@ from .draws import Words, normal
 from .driving import Base, cut_command, drive, ramp, touch_box, touch_circle, touch_things
 from .plans import HALF_LEAF, Plans, things_of, touchable_of, ways_of
 from .rules import Rules
-from .state import Array, Ints, Scratch, State
+from .state import Array, Ints, Scratch, WorldsState
 
 
 class Walkers(NamedTuple):
-    """The n people of one world: views of `State` and `Plans`, which say what each is."""
+    """The n people of one world: views of `WorldsState` and `Plans`, which say what each is."""
 
     position: Array
     velocity: Array
@@ -49,7 +49,7 @@ class Walkers(NamedTuple):
 
 
 @view_kernel
-def advance(w: int, action: Array, rules: Rules, plans: Plans, state: State, room: Scratch) -> None:
+def advance(w: int, action: Array, rules: Rules, plans: Plans, state: WorldsState, room: Scratch) -> None:
     """Move world w for one control period.
 
     Args:
@@ -113,7 +113,7 @@ def _robot_row(pose: Array, speed: Array, base: Base, row: Array) -> None:
 
 
 @view_kernel
-def _decide(w: int, s: int, period: float, plans: Plans, state: State, ways: Ways, robot: Array) -> None:
+def _decide(w: int, s: int, period: float, plans: Plans, state: WorldsState, ways: Ways, robot: Array) -> None:
     """Let the people of world w, which plays plan s, wish something for a control period."""
     n = plans.people[s]
     around = Around(
@@ -191,7 +191,7 @@ def _touch_people(pose: Array, base: Base, position: Array, radius: Array, conta
 def _roll(
     random: Words, odometry: Array, odometry_before: Array, rolled: Array, errors: Array, poses: Array, noise: Array
 ) -> None:
-    """Let the wheels believe what they measured of the period's `poses` (k, 3), see `State`."""
+    """Let the wheels believe what they measured of the period's `poses` (k, 3), see `WorldsState`."""
     for tick in range(len(poses)):
         for k in range(3):
             noise[tick, k] = normal(random)

@@ -14,11 +14,11 @@ from .leading import CHOSEN, VISIBLE, select
 from .moving import door_box
 from .plans import Plans
 from .rules import Laser, Rules
-from .state import Array, Flags, Floats, Scratch, State, Told
+from .state import Array, Flags, Floats, Scratch, Told, WorldsState
 
 
 @view_kernel
-def perceive(w: int, rules: Rules, plans: Plans, state: State, told: Told, room: Scratch) -> None:
+def perceive(w: int, rules: Rules, plans: Plans, state: WorldsState, told: Told, room: Scratch) -> None:
     """Take a sweep, see the people, choose the leader, and write the observation of world w."""
     s, pose, odometry = state.slot[w], state.pose[w], state.odometry[w]
     n, began = plans.people[s], state.steps[w] == 0
@@ -79,7 +79,7 @@ def _meet_people(
     ellipse: Array,
     beams: Array,
 ) -> None:
-    """Let the beams meet the legs of the people, see `State` and `Plans`; `ellipse` (2, 6) is scratch."""
+    """Let the beams meet the legs of the people, see `WorldsState` and `Plans`; `ellipse` (2, 6) is scratch."""
     x, y = _origin(pose, laser)
     first, reach = pose[2] + laser.first, laser.range_max + 2.0
     for i in range(len(position)):

@@ -15,7 +15,7 @@ from ..robot.robot import RobotConfig
 from ..scenes.scene import Scene
 from ..scenes.solids import Solid
 from ..world.doors import GAP, THICKNESS
-from ..world.drawing import Drawing
+from ..world.drawing import EpisodeDrawing
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -160,7 +160,7 @@ def ways_of(plans: Plans, s: int) -> Ways:
     )
 
 
-def plan_row(drawing: Drawing) -> dict[str, NDArray[Any]]:
+def plan_row(drawing: EpisodeDrawing) -> dict[str, NDArray[Any]]:
     """Return a drawn episode as a row of `Plans`, by name."""
     plan, config = drawing.plan, drawing.plan.config
     seen = [solid for solid in plan.scene.solids if solid.at_height(config.lidar.height)]
@@ -218,7 +218,7 @@ HALF_LEAF = THICKNESS / 2.0
 """Half of the thickness of a door's leaf [m]."""
 
 
-def _people(drawing: Drawing) -> dict[str, NDArray[Any]]:
+def _people(drawing: EpisodeDrawing) -> dict[str, NDArray[Any]]:
     casting, ways = drawing.plan.casting, drawing.terrain.ways
     sizes = casting.physiques
     size = [(p.thigh, p.shin, p.leg_radius, p.stance_half_width, p.walk_ratio) for p in sizes]

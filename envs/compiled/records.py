@@ -22,9 +22,11 @@ class Records:
     def __init__(self, count: int) -> None:
         self.count = count
         self.arrays: dict[str, Array] = {}
+        self._used = np.zeros(count, dtype=bool)
 
     def put(self, row: int, values: Mapping[str, Array]) -> None:
         """Write `values` into a row; what has grown is made larger for all rows, what is behind is left 0."""
+        self._used[row] = True
         for name, value in values.items():
             array = self._with_room(name, value)
             array[row] = 0
@@ -36,14 +38,15 @@ class Records:
             self.arrays[name] = np.zeros((self.count, *value.shape), dtype=value.dtype)
         elif any(size > room for size, room in zip(value.shape, old.shape[1:], strict=True)):
             shape = tuple(_roomy(size, room) for size, room in zip(value.shape, old.shape[1:], strict=True))
-            self.arrays[name] = np.zeros((self.count, *shape), dtype=old.dtype)
-            self.arrays[name][tuple(slice(size) for size in old.shape)] = old
+            larger = self.arrays[name] = np.zeros((self.count, *shape), dtype=old.dtype)
+            for row in np.flatnonzero(self._used):  # rows that were never used take no memory
+                larger[(row, *(slice(size) for size in old.shape[1:]))] = old[row]
         return self.arrays[name]
 
     @property
     def size(self) -> int:
-        """Memory of all rows [bytes]."""
-        return sum(array.nbytes for array in self.arrays.values())
+        """Memory of the rows that are used [bytes]."""
+        return sum(array.nbytes for array in self.arrays.values()) * int(self._used.sum()) // self.count
 
 
 def _roomy(size: int, room: int) -> int:

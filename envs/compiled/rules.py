@@ -71,8 +71,7 @@ class Rules(NamedTuple):
         substeps: Physics steps of a tick.
         sweeps: Sweeps of a control period.
         limit: Steps after which an episode is truncated; 0: never.
-        plans: How many plans there are for later episodes.
-        first_plan: Row of the first of them.
+        ahead: How many plans there are for episodes that follow by themselves; those of single worlds stand behind.
     """
 
     base: Base
@@ -90,8 +89,7 @@ class Rules(NamedTuple):
     substeps: int
     sweeps: int
     limit: int
-    plans: int
-    first_plan: int
+    ahead: int
 
 
 def compiled_config(fields: Mapping[str, Any]) -> FollowConfig:
@@ -129,7 +127,7 @@ def _unsupported(name: str, given: object, rule: str) -> InputError:
     return InputError(f'`simulator="compiled"` does not support {name} {shown(given)}: {rule}; "mujoco" does')
 
 
-def make_rules(config: FollowConfig, limit: int, plans: int, first_plan: int) -> Rules:
+def make_rules(config: FollowConfig, limit: int, ahead: int) -> Rules:
     """Return the rules of a configuration."""
     world, robot = world_config(config, None), config.robot
     sweeps = round(config.sensors.lidar.rate_hz / config.task.control_hz)
@@ -150,8 +148,7 @@ def make_rules(config: FollowConfig, limit: int, plans: int, first_plan: int) ->
         substeps=whole_ratio("tick", TICK, world.physics_dt),
         sweeps=sweeps,
         limit=limit,
-        plans=plans,
-        first_plan=first_plan,
+        ahead=ahead,
     )
 
 

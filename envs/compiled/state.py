@@ -17,7 +17,7 @@ Flags = NDArray[np.bool_]
 Floats = NDArray[np.float32]
 
 
-class State(NamedTuple):
+class WorldsState(NamedTuple):
     """What changes in w worlds of up to n people and d doors; kernels read and write it.
 
     Attributes:
@@ -116,7 +116,7 @@ _OF_PEOPLE: dict[str, tuple[tuple[int, ...], Any]] = {
 }  # fmt: skip
 
 
-def state_with_room(worlds: int, people: int, doors: int, old: State | None = None) -> State:
+def state_with_room(worlds: int, people: int, doors: int, old: WorldsState | None = None) -> WorldsState:
     """Return the state of `worlds` with room for so many people and doors; what `old` holds is kept."""
     arrays: dict[str, NDArray[Any]] = {
         name: np.zeros((worlds, *shape), kind) for name, (shape, kind) in _OF_WORLDS.items()
@@ -127,7 +127,7 @@ def state_with_room(worlds: int, people: int, doors: int, old: State | None = No
     if old is not None:
         for name, before in old._asdict().items():
             arrays[name][tuple(slice(size) for size in before.shape)] = before
-    return State(**arrays)
+    return WorldsState(**arrays)
 
 
 class Told(NamedTuple):

@@ -41,19 +41,20 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
     functions of one's own (`behaviours`, `reward.terms`, `observation.entries`). All else of `FollowConfig` and all
     options of `reset` are as there; what is not is refused.
 
-    World i of `reset(seed=s)` begins with the building, the people and the start that `FollowEnv` has for the seed
-    s + i. Episodes that follow by themselves are drawn from `episodes_ahead` that were drawn before: no world waits for
-    a drawing. Measurements have draws of their own: same seed, same bytes, for any number of workers, and for a world
-    beside any others.
+    Episodes are chosen by each world's seed, s + i for world i of `reset(seed=s)`, from `episodes_ahead` that are drawn
+    before: no world waits for a drawing. With `own_start`, or with options, `reset` draws for each world what
+    `FollowEnv` begins with for its seed. Measurements have draws of their own: same seed, same bytes, for any number of
+    workers, and for a world beside any others.
 
     Args:
         num_envs: How many worlds.
         workers: Threads that share them; None takes one a core.
         max_episode_steps: Steps after which an episode is truncated; None never.
         autoreset_mode: As of `FollowVectorEnv`.
-        episodes_ahead: How many episodes (building, people, start) are drawn ahead; an office takes about 0.1 s and
-            0.3 MB.
+        episodes_ahead: How many episodes (building, people, start) are drawn at the first reset; four each share a
+            building. An office takes about 0.1 s, and an episode 0.3 MB.
         episodes_seed: Of their draws.
+        own_start: Whether `reset(seed=...)` draws the buildings, people and starts of these seeds.
         fields: Keyword arguments of `FollowEnv`.
 
     Raises:
@@ -67,8 +68,9 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
         workers: int | None = None,
         max_episode_steps: int | None = None,
         autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
-        episodes_ahead: int = 64,
+        episodes_ahead: int = 128,
         episodes_seed: int = 0,
+        own_start: bool = False,
         **fields: Any,
     ) -> None:
         if not 1 <= num_envs <= MOST_ENVS:
@@ -91,11 +93,11 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self._pool = EpisodePool(self.config, num_envs, episodes_ahead, episodes_seed)
-        self._rules = make_rules(self.config, max_episode_steps or 0, episodes_ahead, num_envs)
+        self._rules = make_rules(self.config, max_episode_steps or 0, episodes_ahead)
         self._state = state_with_room(num_envs, 1, 0)
         beams, slots = self.config.sensors.lidar.beams, self.config.observation.people_slots
         self._told = nothing_told(num_envs, beams, slots, 3 if self.interface.holonomic else 2)
-        self._begun, self._closed = False, False
+        self._begun, self._closed, self._own_start = False, False, own_start
         self._executor = ThreadPoolExecutor(self._threads) if self._threads > 1 else None
 
     def reset(
@@ -115,26 +117,30 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
         wanted = dict(options or {})
         mask = chosen_by(wanted.pop("reset_mask", None), self.num_envs, begun=self._begun)
         check_options(wanted)
-        chosen = np.flatnonzero(mask)
-        for w in chosen.tolist():
-            self._draw(w, seeds[w], wanted)
+        what = np.full(self.num_envs, REST, dtype=np.int8)
+        for w in np.flatnonzero(mask).tolist():
+            what[w] = self._draw(w, seeds[w], wanted)
         self._pool.draw_ahead()
         self._make_room()
-        self._run(np.where(mask, BEGIN, REST).astype(np.int8), np.zeros(self.action_space.shape))
+        self._run(what, np.zeros(self.action_space.shape))
         self._begun = True
         return self._observations(), infos(self._told, mask)
 
-    def _draw(self, w: int, seed: int | None, options: dict[str, Any]) -> None:
-        """Draw the next episode of world w into its own row."""
-        state = self._state
+    def _draw(self, w: int, seed: int | None, options: dict[str, Any]) -> int:
+        """Draw the next episode of world w where it must be drawn; return how to begin it."""
+        state, drawn = self._state, bool(options) or (self._own_start and seed is not None)
         if seed is None and not self._begun:
             seed = int(self.np_random.integers(2**63))
         if seed is not None:
-            state.seed[w], state.episode[w] = seed, 0
-            self._pool.draw_own(w, seed, options)
-        else:
-            state.episode[w] += 1
+            state.seed[w], state.episode[w] = seed, -1
+        if not drawn:
+            return BEGIN_AGAIN
+        state.episode[w] += 1
+        if seed is None:
             self._pool.draw_another(w, int(state.seed[w]), int(state.episode[w]), options)
+        else:
+            self._pool.draw_own(w, seed, options)
+        return BEGIN
 
     def step(self, actions: Any) -> tuple[dict[str, NDArray[Any]], NDArray[np.float64], Flags, Flags, dict[str, Any]]:
         """Drive all worlds for one control period; `actions` (num_envs, a).
@@ -158,6 +164,28 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
         self._run(np.where(ended, BEGIN_AGAIN, REST).astype(np.int8), wanted)
         told_of = infos(told, np.ones(self.num_envs, bool))
         return self._observations(), rewards, terminated, truncated, {**told_of, **masked(final, ended)}
+
+    @property
+    def memory(self) -> int:
+        """Memory of episodes, state and what is told [bytes]."""
+        return self._pool.size + sum(array.nbytes for array in (*self._state, *self._told))
+
+    def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
+        """Return what a method of the whole returns, or its attribute, once for each world."""
+        value = getattr(self, name)
+        return (value(*args, **kwargs) if callable(value) else value,) * self.num_envs
+
+    def get_attr(self, name: str) -> tuple[Any, ...]:
+        """Return an attribute of the whole, once for each world."""
+        return (getattr(self, name),) * self.num_envs
+
+    def set_attr(self, name: str, values: Any) -> None:
+        """Refuse: worlds are rows of arrays, and have no attributes.
+
+        Raises:
+            InputError: Always.
+        """
+        raise InputError(f"compiled worlds have no attributes of their own: `{name}` cannot be set; make a new one")
 
     def close_extras(self, **kwargs: Any) -> None:
         """End the threads."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...slam.errors import InputError, shown
 from .behaviours.behaviour import Behaviour
-from .behaviours.mind import Kind, Mind
+from .behaviours.mind import Mind, MindKind
 from .body import draw_physique
 from .crowd import Casting, Person
 from .draft import CastRequest, people_of
@@ -37,7 +37,7 @@ def cast_people(request: CastRequest) -> Casting:
     drafts, leader = (draw_wanderers if request.scene.walks else draw_route_people)(asked)
     people = people_of(drafts, request.terrain, leader if request.with_leader else None)
     minds = [person.behaviour for person in people if isinstance(person.behaviour, Mind)]
-    group = sum(mind.kind in (Kind.LEADER, Kind.COMPANION) for mind in minds)
+    group = sum(mind.kind in (MindKind.LEADER, MindKind.COMPANION) for mind in minds)
     for behaviour in request.behaviours:
         people.append(_own_person(request, behaviour, people))
     return Casting(people=tuple(people), group=group)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from .behaviours.behaviour import Behaviour, Wish, checked_wish
 from .behaviours.deciding import begin, decide, go_straight
 from .behaviours.leader import DONE
-from .behaviours.mind import Around, Kind, Mind, Minds, minds_of
+from .behaviours.mind import Around, Mind, MindKind, Minds, minds_of
 from .behaviours.view import PersonView, Surroundings
 from .body import PARTS, WIDEST, Physique
 from .gait import advance_gait
@@ -82,7 +82,7 @@ class CrowdState:
     @property
     def led(self) -> bool:
         """Whether somebody leads: always the first."""
-        return len(self.minds.kind) > 0 and int(self.minds.kind[0]) == Kind.LEADER
+        return len(self.minds.kind) > 0 and int(self.minds.kind[0]) == MindKind.LEADER
 
     @property
     def leader_done(self) -> bool:

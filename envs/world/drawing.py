@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Drawing:
+class EpisodeDrawing:
     """What was drawn for an episode.
 
     Attributes:
@@ -38,7 +38,7 @@ class Drawing:
     odometry: WheelOdometry
 
 
-def draw_episode(config: WorldConfig, rng: np.random.Generator) -> Drawing:
+def draw_episode(config: WorldConfig, rng: np.random.Generator) -> EpisodeDrawing:
     """Draw an episode.
 
     All draws come from streams that are spawned from `rng` once, one each for the building, the leader, the other
@@ -52,8 +52,25 @@ def draw_episode(config: WorldConfig, rng: np.random.Generator) -> Drawing:
     scene = make_scene(config.scene, streams["scene"], request=config.request())
     if config.walking_paths is not None:
         scene = with_recorded_walks(scene, config.walking_paths, streams["scene"])
+    return _in_building(config, scene, None, streams)
+
+
+def draw_again(drawing: EpisodeDrawing, rng: np.random.Generator) -> EpisodeDrawing:
+    """Draw another episode in the building of `drawing`, on the same tour: other people, another start.
+
+    Args:
+        drawing: What was drawn there before.
+        rng: Source of all draws; used only here.
+    """
+    return _in_building(drawing.plan.config, drawing.plan.scene, drawing.terrain, _spawned(rng))
+
+
+def _in_building(
+    config: WorldConfig, scene: Scene, terrain: Terrain | None, streams: dict[str, np.random.Generator]
+) -> EpisodeDrawing:
+    """Draw people and start in a building; its terrain is made if it is not known yet."""
     start, start_arc = _draw_start(scene, streams["scene"])
-    terrain = Terrain(scene)
+    terrain = terrain or Terrain(scene)
     count = _how_many(config, scene, streams["people"])
     casting = cast_people(
         CastRequest(
@@ -73,7 +90,7 @@ def draw_episode(config: WorldConfig, rng: np.random.Generator) -> Drawing:
     plan = Plan(config, scene, start, casting, int(streams["looks"].integers(2**63)))
     quality = odometry_quality(config.odometry) if isinstance(config.odometry, str) else config.odometry
     kept = {name: streams[name] for name in ("odometry", "lidar", "camera", "behaviours")}
-    return Drawing(plan, terrain, kept, start_arc, WheelOdometry(quality, kept["odometry"], start))
+    return EpisodeDrawing(plan, terrain, kept, start_arc, WheelOdometry(quality, kept["odometry"], start))
 
 
 def _spawned(rng: np.random.Generator) -> dict[str, np.random.Generator]:

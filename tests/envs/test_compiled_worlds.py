@@ -29,16 +29,14 @@ SCENES = {
 
 
 def compiled(name="Corridor", worlds=3, **arguments):
-    given = {"workers": 1, "episodes_ahead": 2, "beams": 90, "people_count": 3, **arguments}
-    return gym.make_vec(
-        f"tagalong/{name}-v0", worlds, "vector_entry_point", simulator="compiled", **given
-    )
+    given = {"workers": 1, "episodes_ahead": 8, "beams": 90, "people_count": 3, **arguments}
+    return gym.make_vec(f"tagalong/{name}-v0", worlds, "vector_entry_point", simulator="compiled", **given)
 
 
 @pytest.mark.parametrize("name", SCENES)
 def test_a_drive_is_that_of_mujoco(name):
     fields = {**EXACT, **SCENES[name]}
-    many = compiled(name, 1, **{"people_count": 2, **fields})
+    many = compiled(name, 1, **{"people_count": 2, **fields}, own_start=True)
     one = gym.make(f"tagalong/{name}-v0", disable_env_checker=True, **fields)
     got, told = many.reset(seed=4)
     wanted, info = one.reset(seed=4)
@@ -67,7 +65,7 @@ def test_a_drive_is_that_of_mujoco(name):
 
 def test_a_push_against_a_wall_ends_where_mujoco_ends_it():
     fields = {**EXACT, "people_count": 1, "lost_limit_s": 1e6}
-    many = compiled("PlainCorridor", 1, **fields)
+    many = compiled("PlainCorridor", 1, own_start=True, **fields)
     one = gym.make("tagalong/PlainCorridor-v0", disable_env_checker=True, **fields)
     many.reset(seed=0)
     one.reset(seed=0)
@@ -117,6 +115,16 @@ def test_a_world_plays_the_same_beside_any_others():
         assert of_whole[1][4:].tobytes() == of_part[1].tobytes()
 
 
+def test_worlds_of_an_own_start_begin_as_the_single_environments_of_their_seeds():
+    many = compiled("Office", 2, own_start=True, **{**EXACT, "beams": 90})
+    observation, info = many.reset(seed=20)
+    for i in range(2):
+        one = gym.make("tagalong/Office-v0", disable_env_checker=True, **{**EXACT, "beams": 90, "people_count": 3})
+        wanted, told = one.reset(seed=20 + i)
+        assert info["robot_pose"][i] == pytest.approx(told["robot_pose"])
+        assert observation["people"][i] == pytest.approx(wanted["people"], abs=1e-4)
+
+
 def test_another_seed_is_another_episode_and_the_same_seed_the_same():
     env = compiled()
     first, again, other = (env.reset(seed=seed)[0]["scan"] for seed in (3, 3, 30))
@@ -154,7 +162,7 @@ def test_ended_episodes_are_followed_as_gymnasium_says(mode):
 
 def test_reset_options_hold_for_one_episode():
     env = compiled(people_count=1, autoreset_mode=AutoresetMode.SAME_STEP, max_episode_steps=2)
-    _, info = env.reset(seed=0, options={"people": 6, "scene": "doorway"})
+    env.reset(seed=0, options={"people": 6, "scene": "doorway"})
     assert env._pool.plans.people[env._state.slot].tolist() == [6] * 3
     for _ in range(2):
         env.step(np.zeros((3, 2)))

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from ....slam.view_kernel import view_kernel
 from ..movement.ground import heading_at
 from .making_room import group_offset
-from .mind import Around, CompiledWish, Kind, Mind
+from .mind import Around, CompiledWish, Mind, MindKind
 
 _FASTEST = 1.5
 _LEFT_BEHIND = 2.5  # who was overtaken by the leader stands until the robot is this far past them [m]
@@ -17,7 +17,7 @@ _LEFT_BEHIND = 2.5  # who was overtaken by the leader stands until the robot is 
 
 def companion(*, gap: float, side: float) -> Mind:
     """Return somebody who walks `gap` ahead of the leader and `side` to the left of the route [m]."""
-    return Mind(Kind.COMPANION, (gap, side))
+    return Mind(MindKind.COMPANION, (gap, side))
 
 
 @view_kernel

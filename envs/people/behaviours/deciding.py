@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from ....slam.view_kernel import view_kernel
 from .companion import companion_wish
 from .leader import leader_wish
-from .mind import Around, CompiledWish, Kind, Minds
+from .mind import Around, CompiledWish, MindKind, Minds
 from .scripted import scripted_wish
 from .stander import stander_wish
 from .walker import walker_wish
@@ -14,7 +14,7 @@ from .wanderer import wanderer_wish
 
 _SPEED_UP, _SLOW_DOWN = 0.7, 1.0  # how fast a wished speed is taken up and given up [m/s^2]
 _SIDESTEP = 0.4  # how fast a wished offset is [m/s]
-_LEADER, _COMPANION, _WALKER, _STANDER, _SCRIPTED, _WANDERER = (int(kind) for kind in Kind)
+_LEADER, _COMPANION, _WALKER, _STANDER, _SCRIPTED, _WANDERER = (int(kind) for kind in MindKind)
 
 
 @view_kernel

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ....slam.view_kernel import view_kernel
 from ..movement.ground import heading_at
 from .making_room import group_offset
-from .mind import Around, CompiledWish, Kind, Mind
+from .mind import Around, CompiledWish, Mind, MindKind
 
 Array = NDArray[np.float64]
 
@@ -40,7 +40,7 @@ def draw_leader(rng: np.random.Generator, style: str | None, start: float, stop_
         pauses.append((float(arc), float(rng.uniform(*_PAUSE_TIME)), float(rng.random() < 0.5)))
         arc += rng.uniform(*_PAUSE_EVERY)
     numbers = pace, side, stop_at, float((style or drawn) == "waits")
-    return Mind(Kind.LEADER, numbers, tuple(pauses))
+    return Mind(MindKind.LEADER, numbers, tuple(pauses))
 
 
 def sided(leader: Mind, side: float) -> Mind:

@@ -15,7 +15,7 @@ NUMBERS = 9
 """Numbers of a person; each behaviour says in its file what stands where."""
 
 
-class Kind(IntEnum):
+class MindKind(IntEnum):
     """How somebody behaves."""
 
     LEADER = 0
@@ -35,7 +35,7 @@ class Mind(NamedTuple):
         script: Three numbers of each thing that they do in turn.
     """
 
-    kind: Kind
+    kind: MindKind
     numbers: tuple[float, ...]
     script: tuple[tuple[float, float, float], ...] = ()
 
@@ -44,7 +44,7 @@ class Minds(NamedTuple):
     """The behaviours of n people; kernels read and write it.
 
     Attributes:
-        kind: (n,) `Kind` of each.
+        kind: (n,) `MindKind` of each.
         numbers: (n, NUMBERS).
         script: (n, s, 3); behind the end of each script all is inf.
     """

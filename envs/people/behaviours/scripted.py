@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ....slam.view_kernel import view_kernel
 from ...scenes.scene import Errand
-from .mind import Around, CompiledWish, Kind, Mind
+from .mind import Around, CompiledWish, Mind, MindKind
 
 Array = NDArray[np.float64]
 
@@ -18,7 +18,7 @@ _ARRIVED, _PASSED = 0.15, 0.35  # how near counts as there: at the last place, a
 
 def scripted(errand: Errand) -> Mind:
     """Return somebody who does an errand."""
-    return Mind(Kind.SCRIPTED, (errand.pace, errand.face), errand.places)
+    return Mind(MindKind.SCRIPTED, (errand.pace, errand.face), errand.places)
 
 
 @view_kernel

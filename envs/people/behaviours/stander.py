@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....slam.view_kernel import view_kernel
-from .mind import Around, CompiledWish, Kind, Mind
+from .mind import Around, CompiledWish, Mind, MindKind
 
 _SEES_ROBOT_M, _WALKS_ON_S, _STANDS_S = 6.0, 3.0, 25.0
 
 
 def stander(*, pace: float, side: float, window: tuple[float, float]) -> Mind:
     """Return somebody who walks at `pace` [m/s] between two arc lengths, `side` to the left of the route [m]."""
-    return Mind(Kind.STANDER, (pace, side, *window))
+    return Mind(MindKind.STANDER, (pace, side, *window))
 
 
 @view_kernel

@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 
 from ....slam.view_kernel import view_kernel
 from ..movement.ground import length_of, narrows_before, passing, within_free
-from .mind import Around, CompiledWish, Kind, Mind
+from .mind import Around, CompiledWish, Mind, MindKind
 
 _TURNS_BEFORE_END = 0.9
 
 
 def walker(*, pace: float, side: float) -> Mind:
     """Return somebody who walks at `pace` [m/s], and `side` to the left of a lap [m]."""
-    return Mind(Kind.WALKER, (pace, side))
+    return Mind(MindKind.WALKER, (pace, side))
 
 
 @view_kernel

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ....slam.view_kernel import view_kernel
 from ..movement.ground import length_of, row_at, within_free
 from ..movement.meeting import group_comes
-from .mind import Around, CompiledWish, Kind, Mind
+from .mind import Around, CompiledWish, Mind, MindKind
 
 Array = NDArray[np.float64]
 
@@ -23,7 +23,7 @@ _PACE, _SIDE, _PATIENCE, _REST, _GIVES_WAY, _RESTS, _HELD_UP = range(7)
 
 def wanderer(*, pace: float, side: float, patience: float, rest: float, gives_way: bool, rests_s: float = 0.0) -> Mind:
     """Return somebody with these numbers, see above, who rests for `rests_s` at first."""
-    return Mind(Kind.WANDERER, (pace, side, patience, rest, float(gives_way), rests_s))
+    return Mind(MindKind.WANDERER, (pace, side, patience, rest, float(gives_way), rests_s))
 
 
 @view_kernel
