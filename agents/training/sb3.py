@@ -75,7 +75,7 @@ class SB3VecEnv(VecEnv):
         for i in np.flatnonzero(ended).tolist():
             last, final = told["final_obs"], told["final_info"]
             infos[i] = {
-                "terminal_observation": {name: last[name][i] for name in observations},
+                "terminal_observation": last[i],
                 "TimeLimit.truncated": bool(truncated[i] and not terminated[i]),
                 "is_success": bool(final["is_success"][i]),
                 "ending": str(final["ending"][i]),

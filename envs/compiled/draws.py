@@ -39,7 +39,7 @@ _WIDTH, _HEIGHT = _ziggurat()
 
 
 @view_kernel
-def mixed(word: int) -> int:
+def mixed(word: np.uint64) -> np.uint64:
     """Return a word in which each bit of `word` counts everywhere."""
     z = np.uint64(word)
     z = (z ^ (z >> _S30)) * _MIX1
@@ -48,7 +48,7 @@ def mixed(word: int) -> int:
 
 
 @view_kernel
-def word(state: Words) -> int:
+def word(state: Words) -> np.uint64:
     """Return 64 random bits and advance `state` (1,)."""
     state[0] += _STEP
     return mixed(state[0])

@@ -58,7 +58,7 @@ def step_worlds(
                 state.episode[w] += 1
                 lot = mixed(state.seed[w] ^ mixed(np.uint64(state.episode[w])))
                 slot = np.int64(lot % np.uint64(rules.ahead))
-            _begin(w, slot, plans, state)
+            _begin(w, slot, plans, state)  # pyright: ignore[reportArgumentType]
         told.time_s[w] = state.steps[w] * rules.ticks * TICK
         perceive(w, rules, plans, state, told, room)
         _judge(w, change, rules, plans, state, told, room)

@@ -20,7 +20,7 @@ def observations(told: Told) -> dict[str, NDArray[Any]]:
 
 def infos(told: Told, mask: Flags) -> dict[str, Any]:
     """Return the infos of the worlds of `mask` (w,); new arrays, 0 for the others."""
-    kept = mask.all()
+    kept = bool(mask.all())
     table: dict[str, Any] = {
         "time_s": told.time_s,
         "ending": _REASONS[told.ending],
@@ -34,7 +34,7 @@ def infos(told: Told, mask: Flags) -> dict[str, Any]:
         "leader_id": told.track,
     }
     terms = {name: told.terms[:, k] for k, name in enumerate(FOLLOWING_TERMS)}
-    told_of = {name: _only(values, mask, kept) for name, values in table.items()}
+    told_of: dict[str, Any] = {name: _only(values, mask, kept) for name, values in table.items()}
     told_of["reward_terms"] = masked({name: _only(values, mask, kept) for name, values in terms.items()}, mask)
     return masked(told_of, mask)
 

@@ -61,7 +61,7 @@ def advance(w: int, action: Array, rules: Rules, plans: Plans, state: WorldsStat
         room: Scratch.
     """
     s = state.slot[w]
-    n, group, leaves, opened = plans.people[s], plans.group[s], plans.leaves[s, : plans.doors[s]], state.open[w]
+    n, group, leaves, opened = plans.people[s], int(plans.group[s]), plans.leaves[s, : plans.doors[s]], state.open[w]
     ways, things, touchable = ways_of(plans, s), things_of(plans, s), touchable_of(plans, s)
     _command(action, rules.top, rules.base, room.wanted)
     pose, speed, setpoint, touches = state.pose[w], state.speed[w], state.setpoint[w], state.touches[w]
@@ -93,7 +93,7 @@ def advance(w: int, action: Array, rules: Rules, plans: Plans, state: WorldsStat
     _roll(state.random[w], state.odometry[w], state.odometry_before[w], state.rolled[w], plans.errors[s], room.poses,
           room.noise)  # fmt: skip
     room.place[0, 0], room.place[0, 1] = pose[0], pose[1]
-    locate(room.place, state.progress[w], ways.points, ways.tangents, ways.first[:1], ways.count[:1])
+    locate(room.place, state.progress[w], ways.points, ways.tangents, ways.first[:1], ways.rows[:1])
 
 
 @view_kernel

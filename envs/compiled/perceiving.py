@@ -9,7 +9,7 @@ from ..sensors.ray_kernel import measured
 from ..task.observation import FARTHEST_M, FASTEST_MPS, FASTEST_TURN
 from ..world.config import TICK
 from .beams import cast_ellipse, cast_rectangle, point_beams
-from .draws import normal, until_failure
+from .draws import Words, normal, until_failure
 from .leading import CHOSEN, VISIBLE, select
 from .moving import door_box
 from .plans import Plans
@@ -103,7 +103,7 @@ def _meet_walls(pose: Array, laser: Laser, boxes: Array, circles: Array, beams: 
 
 
 @view_kernel
-def _measure(laser: Laser, random: Array, exact: Array, entry: Floats) -> None:
+def _measure(laser: Laser, random: Words, exact: Array, entry: Floats) -> None:
     """Write a measured sweep as the observation has it: shares of the largest range, 1 where there is no return."""
     failing = until_failure(random, laser.dropout)
     for j in range(len(exact)):

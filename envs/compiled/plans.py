@@ -193,7 +193,7 @@ def _named(prefix: str, things: Things) -> dict[str, NDArray[Any]]:
 
 
 def _named_ways(ways: Ways) -> dict[str, NDArray[Any]]:
-    names = {"first": "way_first", "count": "way_count", "sizes": "way_sizes"}
+    names = {"first": "way_first", "rows": "way_count", "sizes": "way_sizes"}
     return {names.get(name, name): np.asarray(value) for name, value in ways._asdict().items()}
 
 
@@ -237,7 +237,7 @@ def _people(drawing: EpisodeDrawing) -> dict[str, NDArray[Any]]:
         "ground": ground,
         "elsewhere": ground == Ground.ELSEWHERE,
         "own_first": ways.first[way],
-        "own_count": ways.count[way],
+        "own_count": ways.rows[way],
         "place": bodies.position,
         "heading": bodies.heading,
         "feet": bodies.feet,

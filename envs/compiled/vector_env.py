@@ -122,7 +122,7 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
             what[w] = self._draw(w, seeds[w], wanted)
         self._pool.draw_ahead()
         self._make_room()
-        self._run(what, np.zeros(self.action_space.shape))
+        self._run(what, np.zeros((self.num_envs, *(self.single_action_space.shape or ()))))
         self._begun = True
         return self._observations(), infos(self._told, mask)
 
@@ -159,8 +159,7 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
         ended = self._state.ended.copy()
         if mode != AutoresetMode.SAME_STEP or not ended.any():
             return self._observations(), rewards, terminated, truncated, infos(told, np.ones(self.num_envs, bool))
-        last = {name: _rows(values, ended) for name, values in observations(told).items()}
-        final = {"final_obs": masked(last, ended), "final_info": infos(told, ended)}
+        final = {"final_obs": _last(observations(told), ended), "final_info": infos(told, ended)}
         self._run(np.where(ended, BEGIN_AGAIN, REST).astype(np.int8), wanted)
         told_of = infos(told, np.ones(self.num_envs, bool))
         return self._observations(), rewards, terminated, truncated, {**told_of, **masked(final, ended)}
@@ -234,11 +233,12 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
         return {name: values.copy() for name, values in observations(self._told).items()}
 
 
-def _rows(values: NDArray[Any], mask: Flags) -> NDArray[Any]:
-    """Return `values` (w, ...), 0 where `mask` is false."""
-    kept = np.zeros_like(values)
-    kept[mask] = values[mask]
-    return kept
+def _last(batch: dict[str, NDArray[Any]], ended: Flags) -> NDArray[Any]:
+    """Return (w,) the observation of each world that has ended, as Gymnasium gives it; None of the others."""
+    last = np.full(len(ended), None, dtype=object)
+    for w in np.flatnonzero(ended).tolist():
+        last[w] = {name: values[w].copy() for name, values in batch.items()}
+    return last
 
 
 def telling(call: Callable[..., None], *arguments: Any) -> None:

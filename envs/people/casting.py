@@ -81,6 +81,6 @@ def _checked_start(behaviour: Behaviour, terrain: Terrain, radius: float) -> Sta
         raise InputError(f"{name} must be three numbers (x, y, heading), got {shown(behaviour.start)}") from None
     if not np.isfinite((x, y, heading)).all() or not is_clear(x, y, terrain.boxes, terrain.circles, radius):
         raise InputError(f"{name} must be a place that is {radius:.2f} m from all walls, got {shown(behaviour.start)}")
-    route = terrain.ways.points[: terrain.ways.count[0]]
+    route = terrain.ways.points[: terrain.ways.rows[0]]
     arc = float(np.hypot(*(route - (x, y)).T).argmin()) * SPACING
     return Start(x, y, heading, arc)

@@ -120,7 +120,7 @@ class Crowd:
         ).reshape(-1, 5)
         self._ground = np.array([person.ground for person in casting.people], dtype=np.int64)
         self._path = np.array([person.path for person in casting.people], dtype=np.int64)
-        self._first, self._count = terrain.ways.first[self._path], terrain.ways.count[self._path]
+        self._first, self._count = terrain.ways.first[self._path], terrain.ways.rows[self._path]
         self._elsewhere = self._ground == Ground.ELSEWHERE
         self._things = things_around(terrain.boxes, terrain.circles, reach_of_things(force))
 

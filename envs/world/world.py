@@ -130,7 +130,7 @@ class World:
         now.scans = tuple(scans) or now.scans[-1:]
         now.frames = tuple(frames) or now.frames[-1:]
         arc, ways = np.array([now.progress]), self._crowd.terrain.ways
-        locate(self.data.qpos[None, :2], arc, ways.points, ways.tangents, ways.first[:1], ways.count[:1])
+        locate(self.data.qpos[None, :2], arc, ways.points, ways.tangents, ways.first[:1], ways.rows[:1])
         now.progress = float(arc[0])
 
     def scan(self) -> LaserScan:

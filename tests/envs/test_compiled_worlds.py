@@ -145,7 +145,7 @@ def test_ended_episodes_are_followed_as_gymnasium_says(mode):
         assert info["_final_obs"].all()
         assert info["final_info"]["time_s"].tolist() == pytest.approx([0.3] * 3)
         assert info["time_s"].tolist() == [0.0] * 3
-        assert not np.array_equal(info["final_obs"]["scan"], last["scan"])
+        assert not np.array_equal(info["final_obs"][0]["scan"], last["scan"][0])
     elif mode == AutoresetMode.NEXT_STEP:
         _, reward, _, truncated, info = env.step(actions)
         assert not truncated.any()

@@ -40,5 +40,5 @@ def first_met(person: int, around: Around) -> float:
     for other in range(a.group, len(a.elsewhere) if coming < 0 else coming):
         comes = not a.elsewhere[other] and (a.sense[other] < 0.0 or a.ground[other] == _BESIDE)
         if comes and -1.0 < a.arc[other] - a.arc[person] < 6.0:
-            return a.lateral[other]
-    return a.lateral[coming] if coming >= 0 else np.nan
+            return float(a.lateral[other])
+    return float(a.lateral[coming]) if coming >= 0 else np.nan

@@ -42,7 +42,7 @@ def wanderer_wish(person: int, mind: Array, around: Around, dt: float) -> Compil
     stops = mind[_GIVES_WAY] > 0.0 and group_comes(person, a.group, a.robot, a.position, a.velocity, a.direction)
     if rests or stops:
         return 0.0, offset, sense, np.nan, np.nan, np.nan
-    recorded = ways.speed[row_at(ways, way, arc)]
+    recorded = float(ways.speed[row_at(ways, way, arc)])
     return mind[_PACE] if np.isnan(recorded) else recorded, offset, sense, np.nan, np.nan, np.nan
 
 

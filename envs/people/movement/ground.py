@@ -34,7 +34,7 @@ class Ways(NamedTuple):
         free: (m, 2) how far one can walk to the left and to the right there [m].
         speed: (m,) at which somebody was recorded there [m/s]; NaN where nobody was.
         first: (p,) row at which each way begins; way 0 is the route.
-        count: (p,) how many rows each has.
+        rows: (p,) how many each has.
         bends: (m,) whether the route bends nearby; of the route only.
         wide: (m,) whether two can pass there; of the route only.
         sizes: (2,) length of one lap where the route is a closed lap, else 0; clear space to both sides of it [m].
@@ -45,7 +45,7 @@ class Ways(NamedTuple):
     free: Array
     speed: Array
     first: Ints
-    count: Ints
+    rows: Ints
     bends: Flags
     wide: Flags
     sizes: Array
@@ -54,7 +54,7 @@ class Ways(NamedTuple):
 @view_kernel
 def row_at(ways: Ways, way: int, arc: float) -> int:
     """Return the row of the point of a way at `arc` [m], or of its nearest end."""
-    return int(ways.first[way]) + min(max(int(arc / SPACING), 0), int(ways.count[way]) - 1)
+    return int(ways.first[way]) + min(max(int(arc / SPACING), 0), int(ways.rows[way]) - 1)
 
 
 @view_kernel
@@ -74,7 +74,7 @@ def heading_at(ways: Ways, way: int, arc: float) -> float:
 @view_kernel
 def length_of(ways: Ways, way: int) -> float:
     """Return the length of a way [m]."""
-    return (ways.count[way] - 1) * SPACING
+    return (ways.rows[way] - 1) * SPACING
 
 
 @view_kernel
