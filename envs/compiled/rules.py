@@ -107,18 +107,18 @@ def compiled_config(fields: Mapping[str, Any]) -> FollowConfig:
             raise _unsupported(f"`{name}`", fields[name], "nothing can be drawn")
     said = {name.split(".")[0] for name in fields}
     config = make_config({**{name: value for name, value in DEFAULTS.items() if name not in said}, **fields})
-    for name, given, rule in (
-        ("`people`", config.people.source, '"truth"'),
-        ("`slam`", config.slam, "None"),
-        ("`camera`", config.sensors.camera, "None"),
-        ("`task.leader`", config.task.leader, "True"),
-        ("`task.coverage`", config.task.coverage, "False"),
-        ("`behaviours`", config.people.behaviours, "()"),
-        ("`reward.terms`", dict(config.reward.terms), "{}"),
-        ("`observation.entries`", dict(config.observation.entries), "{}"),
+    for name, given, only in (
+        ("`people`", config.people.source, "truth"),
+        ("`slam`", config.slam, None),
+        ("`camera`", config.sensors.camera, None),
+        ("`task.leader`", bool(config.task.leader), True),
+        ("`task.coverage`", bool(config.task.coverage), False),
+        ("`behaviours`", config.people.behaviours, ()),
+        ("`reward.terms`", dict(config.reward.terms), {}),
+        ("`observation.entries`", dict(config.observation.entries), {}),
     ):
-        if repr(given).replace("'", '"') != rule:
-            raise _unsupported(name, given, f"it must be {rule}")
+        if given != only:
+            raise _unsupported(name, given, f"it must be {only!r}")
     world_config(config, None)
     return config
 

@@ -222,9 +222,11 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
         blocks = [(first, end) for first, end in pairwise(edges) if first < end]
 
         def block(part: tuple[int, int]) -> None:
-            telling(step_worlds, part, what, actions, self._rules, plans, state, self._told, self._room())
+            step_worlds(part, what, actions, self._rules, plans, state, self._told, self._room())
 
-        if self._executor is None:
+        if not self._begun:  # the first call may compile
+            telling(block, (0, self.num_envs))
+        elif self._executor is None:
             block(blocks[0])
         else:
             list(self._executor.map(block, blocks))

@@ -79,7 +79,7 @@ def test_bystanders_are_of_several_temperaments():
     wanderers = [person for person in people if person.behaviour.kind == MindKind.WANDERER]
     assert len(wanderers) >= 11
     assert np.ptp([person.behaviour.numbers[0] for person in wanderers]) > 0.4
-    assert {person.behaviour.gives_way for person in wanderers} == {False, True}
+    assert {person.behaviour.numbers[4] for person in wanderers} == {0.0, 1.0}
     assert len({person.path for person in wanderers}) > 5
 
 
