@@ -184,6 +184,31 @@ def test_what_is_told_lies_in_its_spaces_and_belongs_to_the_caller():
     assert env.spec.kwargs["max_episode_steps"] == 3000
 
 
+def form(nest):
+    """Names, shapes and types in a nest of dicts and arrays."""
+    if isinstance(nest, dict):
+        return {name: form(value) for name, value in nest.items()}
+    return nest.shape, nest.dtype
+
+
+@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
+def test_both_simulators_tell_in_the_same_form(mode):
+    ours = compiled(autoreset_mode=mode, max_episode_steps=2)
+    theirs = gym.make_vec(
+        "tagalong/Corridor-v0", 3, "vector_entry_point", workers=1, beams=90, people_count=3, people="truth", slam=None,
+        autoreset_mode=mode, max_episode_steps=2,
+    )  # fmt: skip
+    assert form(ours.reset(seed=0)[0]) == form(theirs.reset(seed=0)[0])
+    assert form(ours.reset(seed=0)[1]) == form(theirs.reset(seed=0)[1])
+    assert ours.observation_space == theirs.observation_space
+    assert ours.action_space == theirs.action_space
+    for _ in range(4):
+        got, wanted = ours.step(np.zeros((3, 2))), theirs.step(np.zeros((3, 2)))
+        for part, other in zip(got, wanted, strict=True):
+            assert form(part) == form(other)
+    theirs.close()
+
+
 @pytest.mark.parametrize(
     ("fields", "named"),
     [
