@@ -7,6 +7,7 @@
     PIDFollower, PurePursuitFollower, DWAFollower     by rules, with PIDConfig, PurePursuitConfig, DWAConfig
     LearnedFollower        a trained network with a guard around it, in plain numpy
     RandomWalk, RandomWalkConfig, FrontierExplorer    explore without a leader; the last where a map is built
+    SB3VecEnv              many environments of `gymnasium.make_vec` for stable-baselines3 (extra `learn`)
     following_tour, TourConfig   one recorded drive behind a leader, with the scans filtered
 
 Example:
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
     from .scripted.pure_pursuit import PurePursuitConfig, PurePursuitFollower
     from .scripted.random_walk import RandomWalk, RandomWalkConfig
     from .tour import TourConfig, following_tour
+    from .training.sb3 import SB3VecEnv
 
 _MODULES = {
     "EXPLORERS": "roster",
@@ -53,6 +55,7 @@ _MODULES = {
     "PurePursuitFollower": "scripted.pure_pursuit",
     "RandomWalk": "scripted.random_walk",
     "RandomWalkConfig": "scripted.random_walk",
+    "SB3VecEnv": "training.sb3",
     "TourConfig": "tour",
     "following_tour": "tour",
     "make_follower": "roster",
@@ -72,6 +75,7 @@ __all__ = [
     "PurePursuitFollower",
     "RandomWalk",
     "RandomWalkConfig",
+    "SB3VecEnv",
     "TourConfig",
     "following_tour",
     "make_follower",

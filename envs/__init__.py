@@ -2,7 +2,8 @@
 
     gymnasium.make("tagalong/Corridor-v0", **settings)      one environment; `FollowEnv` is the manual of observations,
                                                             actions, rewards, endings and info
-    gymnasium.make_vec(..., vectorization_mode="vector_entry_point")   many on all cores: `FollowVectorEnv`
+    gymnasium.make_vec(..., vectorization_mode="vector_entry_point")   many on all cores: `FollowVectorEnv`; with
+                                                            simulator="compiled" thousands: `CompiledVectorEnv`
     rollout(env, follower, seed=0) -> Episode               one episode: history, metrics, total reward
 
     >>> import gymnasium
@@ -34,6 +35,7 @@ from typing import TYPE_CHECKING
 from ..slam.door import lends
 
 if TYPE_CHECKING:
+    from .compiled.vector_env import CompiledVectorEnv
     from .follow_config import FollowConfig
     from .follow_env import FollowEnv
     from .onboard.stack import Belief
@@ -52,6 +54,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Behaviour",
     "Belief",
+    "CompiledVectorEnv",
     "Episode",
     "FollowConfig",
     "FollowEnv",
@@ -72,6 +75,7 @@ __all__ = [
 _HOME = {
     "Behaviour": "people.behaviours",
     "Belief": "onboard.stack",
+    "CompiledVectorEnv": "compiled.vector_env",
     "Episode": "recording.rollout",
     "FollowConfig": "follow_config",
     "FollowEnv": "follow_env",

@@ -12,8 +12,14 @@ PARTS = ("torso", "head", "left thigh", "left shin", "right thigh", "right shin"
 """Mocap bodies of a person, in this order."""
 HIP_HALF_WIDTH = 0.085
 """Half of the distance between the hips [m]."""
+WIDEST = 0.25
+"""Largest radius of a body [m]."""
 ANKLE = 0.08
 """Height of the ankle of a standing foot [m]."""
+SHIN_SHAPE = (1.04, 0.96)
+"""Half axes of the shin's ellipsoid, forward and sideways, over the leg's radius."""
+SHIN_LENGTH = 0.72
+"""Its half axis along the shin, over the shin's length."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,7 +54,7 @@ def draw_physique(rng: np.random.Generator) -> Physique:
         thigh=0.245 * stature,
         shin=0.246 * stature,
         leg_radius=leg_radius,
-        radius=rng.uniform(0.21, 0.25),
+        radius=rng.uniform(0.21, WIDEST),
         stance_half_width=leg_radius + rng.uniform(0.025, 0.06),
         walk_ratio=rng.uniform(0.36, 0.43),
         colour=(red, green, blue),
@@ -96,7 +102,8 @@ def add_person(spec: MjSpec, index: int, physique: Physique) -> None:
 
 def shin_half_axes(physique: Physique) -> tuple[float, float, float]:
     """Return the half axes of the shin's ellipsoid [m]: forward, sideways, along."""
-    return (1.04 * physique.leg_radius, 0.96 * physique.leg_radius, 0.72 * physique.shin)
+    forward, sideways = SHIN_SHAPE
+    return (forward * physique.leg_radius, sideways * physique.leg_radius, SHIN_LENGTH * physique.shin)
 
 
 def _add(

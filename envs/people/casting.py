@@ -6,13 +6,12 @@ import numpy as np
 
 from ...slam.errors import InputError, shown
 from .behaviours.behaviour import Behaviour
-from .behaviours.companion import Companion
-from .behaviours.leader import Leader
-from .behaviours.view import Ground
+from .behaviours.mind import Mind, MindKind
 from .body import draw_physique
 from .crowd import Casting, Person
 from .draft import CastRequest, people_of
 from .movement.bodies import Start
+from .movement.ground import Ground
 from .movement.obstacles import is_clear
 from .movement.terrain import Terrain
 from .movement.walking import SPACING
@@ -37,7 +36,8 @@ def cast_people(request: CastRequest) -> Casting:
     asked = request if request.with_leader else replace(request, people=request.people + 1)
     drafts, leader = (draw_wanderers if request.scene.walks else draw_route_people)(asked)
     people = people_of(drafts, request.terrain, leader if request.with_leader else None)
-    group = sum(isinstance(person.behaviour, Leader | Companion) for person in people)
+    minds = [person.behaviour for person in people if isinstance(person.behaviour, Mind)]
+    group = sum(mind.kind in (MindKind.LEADER, MindKind.COMPANION) for mind in minds)
     for behaviour in request.behaviours:
         people.append(_own_person(request, behaviour, people))
     return Casting(people=tuple(people), group=group)
@@ -81,5 +81,6 @@ def _checked_start(behaviour: Behaviour, terrain: Terrain, radius: float) -> Sta
         raise InputError(f"{name} must be three numbers (x, y, heading), got {shown(behaviour.start)}") from None
     if not np.isfinite((x, y, heading)).all() or not is_clear(x, y, terrain.boxes, terrain.circles, radius):
         raise InputError(f"{name} must be a place that is {radius:.2f} m from all walls, got {shown(behaviour.start)}")
-    arc = float(np.hypot(*(terrain.path - (x, y)).T).argmin()) * SPACING
+    route = terrain.ways.points[: terrain.ways.rows[0]]
+    arc = float(np.hypot(*(route - (x, y)).T).argmin()) * SPACING
     return Start(x, y, heading, arc)

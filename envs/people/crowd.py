@@ -7,21 +7,25 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .behaviours.behaviour import Behaviour, checked_wish
-from .behaviours.leader import Leader
-from .behaviours.view import Ground, PersonView, Surroundings
-from .body import PARTS, Physique
-from .gait import advance_gait, pose_bodies
+from .behaviours.behaviour import Behaviour, Wish, checked_wish
+from .behaviours.deciding import begin, decide, go_straight
+from .behaviours.leader import DONE
+from .behaviours.mind import Around, Mind, MindKind, Minds, minds_of
+from .behaviours.view import PersonView, Surroundings
+from .body import PARTS, WIDEST, Physique
+from .gait import advance_gait
 from .movement.bodies import Bodies, Start, standing_bodies
+from .movement.ground import Ground
 from .movement.social_force import SocialForceConfig
 from .movement.terrain import Terrain
+from .movement.things import things_around
 from .movement.walking import advance_bodies, locate, turn_bodies, wanted_directions
+from .posture import pose_bodies
 
 Array = NDArray[np.float64]
 
-_SPEED_UP, _SLOW_DOWN = 0.7, 1.0  # how fast a wished speed is taken up and given up [m/s^2]
-_SIDESTEP = 0.4  # how fast a wished offset is [m/s]
-_LAP_END = 1.5  # so far before the end of a route of several laps its start takes over [m]
+LAP_END = 1.5
+"""So far before the end of a route of several laps its start takes over [m]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,14 +34,14 @@ class Person:
 
     Attributes:
         physique: Sizes.
-        behaviour: How it behaves; the episode begins with a copy.
+        behaviour: How it behaves; the episode begins with a copy. People with behaviours of one's own come last.
         start: Where it begins.
         ground: Where it walks.
         path: Which path of the terrain it walks on; 0 is the route.
     """
 
     physique: Physique
-    behaviour: Behaviour
+    behaviour: Mind | Behaviour
     start: Start
     ground: Ground = Ground.ROUTE
     path: int = 0
@@ -67,24 +71,32 @@ class CrowdState:
 
     Attributes:
         bodies: Where they are and how they move.
-        behaviours: How each behaves, with what it remembers.
+        minds: How the first of them behave, with what they remember.
+        behaviours: How the others do, whose behaviours are of one's own.
     """
 
     bodies: Bodies
+    minds: Minds
     behaviours: list[Behaviour]
 
     @property
-    def leader(self) -> Leader | None:
-        """Who leads, always the first; None where nobody does."""
-        first = self.behaviours[0] if self.behaviours else None
-        return first if isinstance(first, Leader) else None
+    def led(self) -> bool:
+        """Whether somebody leads: always the first."""
+        return len(self.minds.kind) > 0 and int(self.minds.kind[0]) == MindKind.LEADER
+
+    @property
+    def leader_done(self) -> bool:
+        """Whether somebody leads and has come to the tour's end."""
+        return self.led and bool(self.minds.numbers[0, DONE])
 
 
 def first_state(casting: Casting) -> CrowdState:
     """Return the state in which everybody stands where they begin."""
     stance = np.array([physique.stance_half_width for physique in casting.physiques])
     bodies = standing_bodies([person.start for person in casting.people], stance)
-    return CrowdState(bodies, [copy.deepcopy(person.behaviour) for person in casting.people])
+    behaviours = [person.behaviour for person in casting.people]
+    minds = minds_of([behaviour for behaviour in behaviours if isinstance(behaviour, Mind)])
+    return CrowdState(bodies, minds, [copy.deepcopy(own) for own in behaviours if isinstance(own, Behaviour)])
 
 
 class Crowd:
@@ -108,7 +120,9 @@ class Crowd:
         ).reshape(-1, 5)
         self._ground = np.array([person.ground for person in casting.people], dtype=np.int64)
         self._path = np.array([person.path for person in casting.people], dtype=np.int64)
-        self._first, self._count = terrain.first[self._path], terrain.count[self._path]
+        self._first, self._count = terrain.ways.first[self._path], terrain.ways.rows[self._path]
+        self._elsewhere = self._ground == Ground.ELSEWHERE
+        self._things = things_around(terrain.boxes, terrain.circles, reach_of_things(force))
 
     def __len__(self) -> int:
         return len(self.casting.people)
@@ -126,33 +140,23 @@ class Crowd:
         Raises:
             InputError: If a behaviour returns no wish.
         """
-        bodies = state.bodies
-        around = Surroundings(
-            bodies=bodies,
-            terrain=self.terrain,
-            path=self._path,
-            ground=self._ground,
-            group=self.casting.group,
-            robot=robot,
-            robot_arc=robot_arc,
-            robot_distance=np.hypot(bodies.position[:, 0] - robot[0], bodies.position[:, 1] - robot[1]),
-            rng=rng,
-        )
-        for person, behaviour in enumerate(state.behaviours):
-            wish = checked_wish(behaviour.wish(PersonView(person, around), dt), behaviour)
-            change = min(max(wish.speed - bodies.wish[person], -_SLOW_DOWN * dt), _SPEED_UP * dt)
-            bodies.wish[person] = max(0.0, bodies.wish[person] + change)
-            shift = wish.offset - bodies.lateral[person]
-            bodies.lateral[person] += min(max(shift, -_SIDESTEP * dt), _SIDESTEP * dt)
-            bodies.sense[person], bodies.face[person] = wish.sense, wish.face
-            bodies.goal[person] = (np.nan, np.nan) if wish.goal is None else wish.goal
+        b = state.bodies
+        around = Around(
+            b.position, b.velocity, b.direction, b.arc, b.sense, b.lateral, b.wish, b.face, b.goal, self._path,
+            self._ground, self._elsewhere, self.casting.group, robot, robot_arc, self.terrain.ways,
+        )  # fmt: skip
+        decide(state.minds, around, dt)
+        seen = Surroundings(around=around, heading=b.heading, terrain=self.terrain, rng=rng)
+        for person, behaviour in enumerate(state.behaviours, start=len(state.minds.kind)):
+            wish = checked_wish(behaviour.wish(PersonView(person, seen), dt), behaviour)
+            begin(person, _compiled(wish), around, dt)
 
     def advance(self, state: CrowdState, dt: float, robot: Array) -> None:
         """Move everybody of `state` for `dt` seconds; `robot` as in `advance_bodies`."""
         b, terrain = state.bodies, self.terrain
-        ways = (terrain.paths, terrain.tangents, self._first, self._count)
+        ways = (terrain.ways.points, terrain.ways.tangents, self._first, self._count)
         wanted_directions(b.position, b.arc, b.sense, b.lateral, *ways, b.direction)
-        _go_straight(b)
+        go_straight(b.goal, b.position, b.direction)
         advance_bodies(
             dt,
             b.position,
@@ -162,9 +166,9 @@ class Crowd:
             b.wish,
             self.radius,
             robot,
-            terrain.boxes,
-            terrain.circles,
+            self._things,
             self._force,
+            np.empty_like(b.position),
         )
         self._close_laps(b)
         locate(b.position, b.arc, *ways)
@@ -180,8 +184,7 @@ class Crowd:
             b.lift,
             b.phase,
             b.swing,
-            terrain.boxes,
-            terrain.circles,
+            self._things,
         )
 
     def pose(self, state: CrowdState, laser_height: float, mocap_position: Array, mocap_quaternion: Array) -> None:
@@ -204,13 +207,16 @@ class Crowd:
         lap = self.terrain.lap
         if lap > 0.0:
             free = (np.arange(len(self)) >= self.casting.group) & (self._path == 0)
-            ahead = free & (bodies.arc > self.terrain.length - _LAP_END)
+            ahead = free & (bodies.arc > self.terrain.length - LAP_END)
             bodies.arc[ahead] -= lap
 
 
-def _go_straight(bodies: Bodies) -> None:
-    """Point those who have a goal to it."""
-    for person in np.flatnonzero(~np.isnan(bodies.goal[:, 0])).tolist():
-        dx, dy = (bodies.goal[person] - bodies.position[person]).tolist()
-        away = max(math.hypot(dx, dy), 1e-6)
-        bodies.direction[person] = (dx / away, dy / away)
+def reach_of_things(force: SocialForceConfig) -> float:
+    """Return the distance of walls and furniture from a body or a foot beyond which they do not matter [m]."""
+    return max(force.obstacle_threshold + WIDEST, 2.0 * WIDEST)
+
+
+def _compiled(wish: Wish) -> tuple[float, float, float, float, float, float]:
+    """Return a wish as compiled behaviours tell it."""
+    x, y = (math.nan, math.nan) if wish.goal is None else wish.goal
+    return float(wish.speed), float(wish.offset), float(wish.sense), float(wish.face), float(x), float(y)

@@ -9,16 +9,17 @@ import numpy as np
 from ...slam.errors import InputError
 from ..scenes.scene import Errand, Scene
 from .behaviours.behaviour import Behaviour
-from .behaviours.companion import Companion
-from .behaviours.leader import Leader
-from .behaviours.scripted import Scripted
-from .behaviours.stander import Stander
-from .behaviours.view import Ground
-from .behaviours.walker import Walker
-from .behaviours.wanderer import Wanderer
+from .behaviours.companion import companion
+from .behaviours.leader import sided
+from .behaviours.mind import Mind
+from .behaviours.scripted import scripted
+from .behaviours.stander import stander
+from .behaviours.walker import walker
+from .behaviours.wanderer import wanderer
 from .body import Physique
 from .crowd import Person
 from .movement.bodies import Start
+from .movement.ground import Ground
 from .movement.terrain import Terrain
 
 
@@ -104,12 +105,12 @@ WANDERERS_REST_S = 3.0
 """Wanderers stand this long at first: the robot takes for its leader who walks off before it [s]."""
 
 
-def people_of(drafts: Sequence[Draft], terrain: Terrain, leader: Leader | None) -> list[Person]:
+def people_of(drafts: Sequence[Draft], terrain: Terrain, leader: Mind | None) -> list[Person]:
     """Return the people; without a leader the first draft, which was the leader's, is left out."""
     return [_person(draft, terrain, leader) for draft in (drafts if leader is not None else drafts[1:])]
 
 
-def _person(draft: Draft, terrain: Terrain, leader: Leader | None) -> Person:
+def _person(draft: Draft, terrain: Terrain, leader: Mind | None) -> Person:
     ground = {Part.STANDER: Ground.BESIDE, Part.WANDERER: Ground.ELSEWHERE}.get(draft.part, Ground.ROUTE)
     return Person(
         physique=draft.physique,
@@ -120,19 +121,18 @@ def _person(draft: Draft, terrain: Terrain, leader: Leader | None) -> Person:
     )
 
 
-def _behaviour(draft: Draft, leader: Leader | None) -> Behaviour:
+def _behaviour(draft: Draft, leader: Mind | None) -> Mind:
     match draft.part:
         case Part.LEADER if leader is not None:
-            leader.side = draft.side
-            return leader
+            return sided(leader, draft.side)
         case Part.COMPANION if leader is not None:
-            return Companion(gap=draft.gap, side=draft.side)
+            return companion(gap=draft.gap, side=draft.side)
         case Part.STANDER:
-            return Stander(pace=draft.pace, side=draft.side, window=draft.window)
+            return stander(pace=draft.pace, side=draft.side, window=draft.window)
         case Part.SCRIPTED if draft.errand is not None:
-            return Scripted(errand=draft.errand)
+            return scripted(draft.errand)
         case Part.WANDERER:
-            return Wanderer(
+            return wanderer(
                 pace=draft.pace,
                 side=draft.side,
                 patience=draft.patience,
@@ -141,7 +141,7 @@ def _behaviour(draft: Draft, leader: Leader | None) -> Behaviour:
                 rests_s=WANDERERS_REST_S,
             )
         case _:
-            return Walker(pace=draft.pace, side=draft.side)
+            return walker(pace=draft.pace, side=draft.side)
 
 
 def _start(draft: Draft, terrain: Terrain) -> Start:

@@ -6,11 +6,10 @@ The landing place is as far ahead of the body as the stance foot will be behind 
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from .body import ANKLE, HIP_HALF_WIDTH
-from .movement.obstacles import keep_clear
+from ...slam.view_kernel import view_kernel
+from .movement.things import Things, keep_clear
 
 Array = NDArray[np.float64]
 
@@ -22,7 +21,7 @@ _BETWEEN_LEGS = 0.02
 _BESIDE_LEG = 0.03
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def advance_gait(
     dt: float,
     position: Array,
@@ -34,8 +33,7 @@ def advance_gait(
     lift: Array,
     phase: Array,
     swing: NDArray[np.int64],
-    boxes: Array,
-    circles: Array,
+    things: Things,
 ) -> None:
     """Move the feet of n people for `dt` seconds, in place.
 
@@ -50,11 +48,10 @@ def advance_gait(
         lift: (n, 2) heights of the feet above the floor [m].
         phase: (n,) of the present step, in [0, 1); unused while standing.
         swing: (n,) the foot of the present step, 0 left, 1 right; -1 while standing.
-        boxes: (b, 6) furniture and walls, where no foot is set.
-        circles: (c, 3) round furniture.
+        things: Furniture and walls, where no foot is set.
     """
     for i in range(len(position)):
-        speed = np.hypot(velocity[i, 0], velocity[i, 1])
+        speed = np.sqrt(velocity[i, 0] * velocity[i, 0] + velocity[i, 1] * velocity[i, 1])
         step_time = min(_SLOWEST, max(_FASTEST, np.sqrt(size[i, 4] / max(speed, 0.05))))
         if swing[i] < 0:
             foot = _restless_foot(position[i], velocity[i], heading[i], size[i, 3], feet[i], speed)
@@ -64,9 +61,9 @@ def advance_gait(
         phase[i] += dt / step_time
         foot = swing[i]
         if phase[i] - dt / step_time < SWING:
-            _swing(i, foot, step_time, position, velocity, heading, size, feet, origin, lift, phase)
+            _swing(i, foot, step_time, speed, position, velocity, heading, size, feet, origin, lift, phase)
             x, y, room = feet[i, foot, 0], feet[i, foot, 1], size[i, 2] + _BESIDE_LEG
-            feet[i, foot] = keep_clear(x, y, room, boxes, circles)
+            feet[i, foot, 0], feet[i, foot, 1] = keep_clear(x, y, room, things)
         if phase[i] >= 1.0:
             remaining = phase[i] - 1.0
             swing[i] = -1
@@ -75,11 +72,12 @@ def advance_gait(
                 phase[i] = remaining
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def _swing(
     i: int,
     foot: int,
     step_time: float,
+    speed: float,
     position: Array,
     velocity: Array,
     heading: Array,
@@ -92,18 +90,17 @@ def _swing(
     """Put the swing foot on its way between where it lifted off and where it will land."""
     share = min(phase[i] / SWING, 1.0)
     ahead = step_time * (max(SWING - phase[i], 0.0) + 1.0 - SWING / 2.0)
-    side = size[i, 3] if foot == 0 else -size[i, 3]
-    target_x = position[i, 0] + ahead * velocity[i, 0] - side * np.sin(heading[i])
-    target_y = position[i, 1] + ahead * velocity[i, 1] + side * np.cos(heading[i])
+    side, cos, sin = size[i, 3] if foot == 0 else -size[i, 3], np.cos(heading[i]), np.sin(heading[i])
+    target_x = position[i, 0] + ahead * velocity[i, 0] - side * sin
+    target_y = position[i, 1] + ahead * velocity[i, 1] + side * cos
     blend = share * share * share * (10.0 - 15.0 * share + 6.0 * share * share)
     feet[i, foot, 0] = origin[i, 0] + blend * (target_x - origin[i, 0])
     feet[i, foot, 1] = origin[i, 1] + blend * (target_y - origin[i, 1])
-    _keep_apart(feet[i], foot, 2.0 * size[i, 2] + _BETWEEN_LEGS, np.cos(heading[i]), np.sin(heading[i]))
-    speed = min(np.hypot(velocity[i, 0], velocity[i, 1]), 1.3)
-    lift[i, foot] = (0.03 + 0.05 * speed) * np.sin(np.pi * share) if share < 1.0 else 0.0
+    _keep_apart(feet[i], foot, 2.0 * size[i, 2] + _BETWEEN_LEGS, cos, sin)
+    lift[i, foot] = (0.03 + 0.05 * min(speed, 1.3)) * np.sin(np.pi * share) if share < 1.0 else 0.0
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def _keep_apart(feet: Array, foot: int, room: float, cos: float, sin: float) -> None:
     """Move the swing foot aside where it would pass through the standing leg: legs do not cross in a turn."""
     side = 1.0 if foot == 0 else -1.0
@@ -115,127 +112,24 @@ def _keep_apart(feet: Array, foot: int, room: float, cos: float, sin: float) -> 
         feet[foot, 1] += side * (needed - aside) * cos
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def _lift_off(person: int, foot: int, feet: Array, origin: Array, phase: Array, swing: NDArray[np.int64]) -> None:
     swing[person] = foot
     phase[person] = 0.0
     origin[person, 0], origin[person, 1] = feet[person, foot, 0], feet[person, foot, 1]
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def _restless_foot(
     position: Array, velocity: Array, heading: float, half_width: float, feet: Array, speed: float
 ) -> int:
     """Return the foot that has to step next, -1 where both stand well."""
-    worst, found = _RESTLESS, -1
+    worst, found, cos, sin = _RESTLESS, -1, np.cos(heading), np.sin(heading)
     for foot in range(2):
         side = half_width if foot == 0 else -half_width
-        x = feet[foot, 0] - position[0] + side * np.sin(heading)
-        y = feet[foot, 1] - position[1] - side * np.cos(heading)
-        away = -(x * velocity[0] + y * velocity[1]) / speed + 1.0 if speed > 0.1 else np.hypot(x, y)
+        x = feet[foot, 0] - position[0] + side * sin
+        y = feet[foot, 1] - position[1] - side * cos
+        away = -(x * velocity[0] + y * velocity[1]) / speed + 1.0 if speed > 0.1 else np.sqrt(x * x + y * y)
         if away > worst:
             worst, found = away, foot
     return found
-
-
-@njit(cache=True, nogil=True)
-def pose_bodies(
-    position: Array,
-    heading: Array,
-    size: Array,
-    feet: Array,
-    lift: Array,
-    laser_height: float,
-    mocap_position: Array,
-    mocap_quaternion: Array,
-    legs: Array,
-) -> None:
-    """Place the six parts of every body by inverse kinematics of the legs, in place.
-
-    Args:
-        position: (n, 2) bodies [m].
-        heading: (n,) [rad].
-        size: (n, k) columns 0 and 1: length of thigh and shin [m].
-        feet: (n, 2, 2) on the floor [m].
-        lift: (n, 2) heights of the feet [m].
-        laser_height: Height of the laser's plane [m].
-        mocap_position: (6 n, 3) written.
-        mocap_quaternion: (6 n, 4) written.
-        legs: (n, 2, 2) written: where the axis of each shin meets the laser's plane [m].
-    """
-    for i in range(len(position)):
-        thigh, shin = size[i, 0], size[i, 1]
-        cos, sin = np.cos(heading[i]), np.sin(heading[i])
-        hip_height = _hip_height(position[i], cos, sin, thigh + shin, feet[i], lift[i])
-        base = 6 * i
-        for part, height in ((0, hip_height), (1, hip_height + 0.75)):
-            mocap_position[base + part, 0] = position[i, 0]
-            mocap_position[base + part, 1] = position[i, 1]
-            mocap_position[base + part, 2] = height
-            mocap_quaternion[base + part, 0] = np.cos(heading[i] / 2.0)
-            mocap_quaternion[base + part, 1] = 0.0
-            mocap_quaternion[base + part, 2] = 0.0
-            mocap_quaternion[base + part, 3] = np.sin(heading[i] / 2.0)
-        for foot in range(2):
-            side = HIP_HALF_WIDTH if foot == 0 else -HIP_HALF_WIDTH
-            hip = np.array([position[i, 0] - side * sin, position[i, 1] + side * cos, hip_height])
-            ankle = np.array([feet[i, foot, 0], feet[i, foot, 1], ANKLE + lift[i, foot]])
-            knee = _knee(hip, ankle, thigh, shin, cos, sin)
-            _place(base + 2 + 2 * foot, hip, knee, cos, sin, mocap_position, mocap_quaternion)
-            _place(base + 3 + 2 * foot, knee, ankle, cos, sin, mocap_position, mocap_quaternion)
-            share = (laser_height - ankle[2]) / (knee[2] - ankle[2])
-            legs[i, foot, 0] = ankle[0] + share * (knee[0] - ankle[0])
-            legs[i, foot, 1] = ankle[1] + share * (knee[1] - ankle[1])
-
-
-@njit(cache=True, nogil=True)
-def _hip_height(position: Array, cos: float, sin: float, leg: float, feet: Array, lift: Array) -> float:
-    """Return the largest height of the hips [m] at which legs of length `leg` reach both feet."""
-    reach = 0.995 * leg
-    height = ANKLE + 0.985 * leg
-    for foot in range(2):
-        side = HIP_HALF_WIDTH if foot == 0 else -HIP_HALF_WIDTH
-        flat = np.hypot(feet[foot, 0] - position[0] + side * sin, feet[foot, 1] - position[1] - side * cos)
-        height = min(height, ANKLE + lift[foot] + np.sqrt(max(0.04, reach * reach - flat * flat)))
-    return height
-
-
-@njit(cache=True, nogil=True)
-def _knee(hip: Array, ankle: Array, thigh: float, shin: float, cos: float, sin: float) -> Array:
-    """Return the knee (3,), bent towards the heading."""
-    line = hip - ankle
-    length = np.sqrt(line[0] ** 2 + line[1] ** 2 + line[2] ** 2)
-    line /= length
-    length = min(length, 0.9999 * (thigh + shin))
-    along = (shin * shin - thigh * thigh + length * length) / (2.0 * length)
-    out = np.sqrt(max(0.0, shin * shin - along * along))
-    forward = np.array([cos, sin, 0.0])
-    forward -= line * (cos * line[0] + sin * line[1])
-    forward /= np.sqrt(forward[0] ** 2 + forward[1] ** 2 + forward[2] ** 2)
-    return ankle + along * line + out * forward
-
-
-@njit(cache=True, nogil=True)
-def _place(part: int, upper: Array, lower: Array, cos: float, sin: float, positions: Array, quaternions: Array) -> None:
-    """Write the pose of a limb between two joints: z along it, x as near to the heading as possible.
-
-    The rotation is taken in the frame of the heading, where it is a small tilt, and turned by the heading then.
-    """
-    dx, dy, dz = upper[0] - lower[0], upper[1] - lower[1], upper[2] - lower[2]
-    length = np.sqrt(dx * dx + dy * dy + dz * dz)
-    z0, z1, z2 = (cos * dx + sin * dy) / length, (cos * dy - sin * dx) / length, dz / length
-    x0, x1, x2 = 1.0 - z0 * z0, -z0 * z1, -z0 * z2
-    norm = np.sqrt(x0 * x0 + x1 * x1 + x2 * x2)
-    x0, x1, x2 = x0 / norm, x1 / norm, x2 / norm
-    y0, y1, y2 = z1 * x2 - z2 * x1, z2 * x0 - z0 * x2, z0 * x1 - z1 * x0
-    w = np.sqrt(max(1e-9, 1.0 + x0 + y1 + z2)) / 2.0
-    qx, qy, qz = (y2 - z1) / (4.0 * w), (z0 - x2) / (4.0 * w), (x1 - y0) / (4.0 * w)
-    half = np.arctan2(sin, cos) / 2.0
-    c, s = np.cos(half), np.sin(half)
-    positions[part, 0] = (upper[0] + lower[0]) / 2.0
-    positions[part, 1] = (upper[1] + lower[1]) / 2.0
-    positions[part, 2] = (upper[2] + lower[2]) / 2.0
-    quaternions[part, 0] = c * w - s * qz
-    quaternions[part, 1] = c * qx - s * qy
-    quaternions[part, 2] = c * qy + s * qx
-    quaternions[part, 3] = c * qz + s * w

@@ -5,7 +5,8 @@ from numpy.typing import NDArray
 
 from ...slam.errors import InputError
 from ..scenes.scene import Errand
-from .behaviours.leader import Leader, draw_leader
+from .behaviours.leader import draw_leader
+from .behaviours.mind import Mind
 from .body import draw_physique
 from .draft import CastRequest, Draft, Part, stander_window
 from .movement.terrain import Terrain
@@ -15,7 +16,7 @@ Array = NDArray[np.float64]
 _FROM_ROBOT, _FROM_PEOPLE = 1.2, 0.6  # walkers begin no nearer, centre to centre [m]
 
 
-def draw_route_people(request: CastRequest) -> tuple[list[Draft], Leader]:
+def draw_route_people(request: CastRequest) -> tuple[list[Draft], Mind]:
     """Draw a leader, somebody who walks ahead with them, walkers on the route, standers, and the scene's scripted.
 
     Raises:

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...slam.errors import InputError
-from .behaviours.leader import Leader, draw_leader
+from .behaviours.leader import draw_leader
+from .behaviours.mind import Mind
 from .body import draw_physique
 from .draft import CastRequest, Draft, Part, stander_window
 
@@ -46,7 +47,7 @@ TEMPERAMENTS: dict[str, Temperament] = {
 """Name -> what such people are like."""
 
 
-def draw_wanderers(request: CastRequest) -> tuple[list[Draft], Leader]:
+def draw_wanderers(request: CastRequest) -> tuple[list[Draft], Mind]:
     """Draw a leader, now and then somebody with them, wanderers on the scene's walks, and standers.
 
     Raises:

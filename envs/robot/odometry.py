@@ -4,11 +4,11 @@ Random errors are scaled with the square root of the way and of the turn, so tha
 updates; their four numbers play the part of alpha1-4 of Thrun, Burgard, Fox 2005, section 5.4.
 """
 
-import math
 from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
+from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from ...slam.bounds import Within, check_numbers
@@ -103,40 +103,57 @@ class WheelOdometry:
     def __init__(self, config: OdometryConfig, rng: np.random.Generator, start: Array) -> None:
         self.config = config
         limits = np.array([config.scale_limit, config.turn_limit, config.drift_limit])
-        self.scale, self.turn_scale, self.drift = (rng.uniform(-1.0, 1.0, 3) * limits).tolist()
+        random = (config.alpha1, config.alpha2, config.alpha3, config.alpha4)
+        self._errors = np.array([*(rng.uniform(-1.0, 1.0, 3) * limits).tolist(), *random])
         self.pose = np.zeros(3)
         self.last_true = np.array(start, dtype=np.float64)
         self._rng = rng
+
+    @property
+    def errors(self) -> Array:
+        """(7,) the errors of this drive, as `believed_motion` takes them."""
+        return self._errors.copy()
 
     def update(self, T_world_robot: ArrayLike) -> Array:
         """Take the robot's true pose (3,) after a short motion, or those (k, 3) after k of them; return T_odom_robot
         (3,).
         """
-        poses = np.atleast_2d(np.asarray(T_world_robot, dtype=np.float64)).tolist()
-        x0, y0, theta0 = self.last_true.tolist()
-        believed = tuple(self.pose.tolist())
-        for (x1, y1, theta1), noise in zip(poses, self._rng.standard_normal((len(poses), 3)).tolist(), strict=True):
-            cos, sin = math.cos(theta0), math.sin(theta0)
-            x, y = cos * (x1 - x0) + sin * (y1 - y0), cos * (y1 - y0) - sin * (x1 - x0)
-            turn = math.remainder(theta1 - theta0, math.tau)
-            believed = _moved(*believed, *self._believed(x, y, turn, noise))
-            x0, y0, theta0 = x1, y1, theta1
-        self.last_true, self.pose = np.array((x0, y0, theta0)), np.array(believed)
+        poses = np.atleast_2d(np.asarray(T_world_robot, dtype=np.float64))
+        noise = self._rng.standard_normal((len(poses), 3))
+        self.pose = np.array(believed_motion(self.pose, self.last_true, poses, self._errors, noise))
+        self.last_true = poses[-1].copy()
         return self.pose
 
-    def _believed(self, x: float, y: float, turn: float, noise: list[float]) -> tuple[float, float, float]:
-        """Return the motion in the robot's frame that the wheels report for a true one [m, m, rad]."""
-        config = self.config
-        way, spin = math.hypot(x, y), abs(turn)
-        sigma_way = math.sqrt(config.alpha3**2 * way + config.alpha4**2 * spin)
-        sigma_turn = math.sqrt(config.alpha1**2 * spin + config.alpha2**2 * way)
-        stretch = 1.0 + self.scale + (sigma_way * noise[0] / way if way > 1e-9 else 0.0)
-        sideways = 0.25 * sigma_way * noise[1]
-        drift = self.drift * math.copysign(way, x)
-        return stretch * x, stretch * y + sideways, (1.0 + self.turn_scale) * turn + drift + sigma_turn * noise[2]
 
+@njit(cache=True, nogil=True)
+def believed_motion(
+    believed: Array, last: Array, poses: Array, errors: Array, noise: Array
+) -> tuple[float, float, float]:
+    """Return the pose that the wheels believe in after short motions.
 
-def _moved(x0: float, y0: float, theta: float, x: float, y: float, turn: float) -> tuple[float, float, float]:
-    """Return the pose that is (x, y, turn) further, seen from (x0, y0, theta)."""
-    cos, sin = math.cos(theta), math.sin(theta)
-    return x0 + cos * x - sin * y, y0 + sin * x + cos * y, (theta + turn + math.pi) % math.tau - math.pi
+    Args:
+        believed: (3,) what they believed before.
+        last: (3,) the true pose before.
+        poses: (k, 3) the true poses after each motion.
+        errors: (7,) systematic errors of distance, of turns [share] and of turns by way [rad/m], then `alpha1` to
+            `alpha4` of `OdometryConfig`.
+        noise: (k, 3) standard normal draws.
+    """
+    bx, by, b_theta = believed
+    x0, y0, theta0 = last
+    for k in range(len(poses)):
+        cos, sin = np.cos(theta0), np.sin(theta0)
+        x = cos * (poses[k, 0] - x0) + sin * (poses[k, 1] - y0)
+        y = cos * (poses[k, 1] - y0) - sin * (poses[k, 0] - x0)
+        turn = (poses[k, 2] - theta0 + np.pi) % (2.0 * np.pi) - np.pi
+        way, spin = np.sqrt(x * x + y * y), abs(turn)
+        sigma_way = np.sqrt(errors[5] ** 2 * way + errors[6] ** 2 * spin)
+        sigma_turn = np.sqrt(errors[3] ** 2 * spin + errors[4] ** 2 * way)
+        stretch = 1.0 + errors[0] + (sigma_way * noise[k, 0] / way if way > 1e-9 else 0.0)
+        ahead, aside = stretch * x, stretch * y + 0.25 * sigma_way * noise[k, 1]
+        turned = (1.0 + errors[1]) * turn + errors[2] * np.copysign(way, x) + sigma_turn * noise[k, 2]
+        cos, sin = np.cos(b_theta), np.sin(b_theta)
+        bx, by = bx + cos * ahead - sin * aside, by + sin * ahead + cos * aside
+        b_theta = (b_theta + turned + np.pi) % (2.0 * np.pi) - np.pi
+        x0, y0, theta0 = poses[k, 0], poses[k, 1], poses[k, 2]
+    return bx, by, b_theta

@@ -162,10 +162,17 @@ def add_robot(spec: MjSpec, config: RobotConfig, laser_height: float, laser_at: 
         group=GROUP_ROBOT,
     )
     body.add_site(name="wheels", pos=[0.0, 0.0, 0.0])
+    gains, limits = servo_gains(config)
+    for k, (name, axis) in enumerate((("forward", 0), ("sideways", 1), ("turn", 5))):
+        _add_servo(spec, name, axis, gains[k], limits[k])
+
+
+def servo_gains(config: RobotConfig) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+    """Return the gains [N s/m, N s/m, N m s] and limits [N, N, N m] of the servos forward, sideways and turn."""
+    length, width, _ = config.size
     inertia = config.mass * (length**2 + width**2) / 12.0
-    _add_servo(spec, "forward", 0, config.mass / 0.03, config.grip)
-    _add_servo(spec, "sideways", 1, config.mass / 0.01, config.grip)
-    _add_servo(spec, "turn", 5, inertia / 0.03, config.grip * width / 2.0)
+    gains = config.mass / 0.03, config.mass / 0.01, inertia / 0.03
+    return gains, (config.grip, config.grip, config.grip * width / 2.0)
 
 
 def _add_servo(spec: MjSpec, name: str, axis: int, gain: float, limit: float) -> None:

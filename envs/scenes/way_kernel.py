@@ -1,122 +1,138 @@
-"""Dijkstra's search over the cells of a floor, and the smoothing of what it finds."""
+"""Dijkstra's search over the cells of a floor, and the smoothing of what it finds.
+
+The queue is one of buckets (Dial 1969): a step costs at least 1, so that cells whose prices have the same whole part
+cannot improve each other, and may be settled in any order.
+"""
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-Prices, Cells, Flags = NDArray[np.float64], NDArray[np.int64], NDArray[np.bool_]
+from ...slam.view_kernel import view_kernel
 
-NEIGHBOURS = 8
+Prices, Cells, Flags = NDArray[np.float64], NDArray[np.int64], NDArray[np.bool_]
+Links = NDArray[np.int32]
+
 _ROW = np.array([0, 0, 1, -1, 1, 1, -1, -1])
 _COL = np.array([1, -1, 0, 0, 1, -1, 1, -1])
+_DIAGONAL = 1.4142135623730951
 
 
-@njit(cache=True, nogil=True)
+def buckets_for(cost: Prices) -> int:
+    """Return how many buckets a search needs where cells cost up to the largest finite one of `cost`."""
+    return int(_DIAGONAL * np.max(cost, where=np.isfinite(cost), initial=1.0)) + 3
+
+
+@view_kernel
 def explore(
     cost: Prices,
     price: Prices,
     before: Cells,
     settled: Flags,
-    heap: tuple[Prices, Cells],
-    size: int,
+    links: Links,
+    heads: Links,
+    bucket: int,
     goal: int,
     limit: float,
 ) -> int:
-    """Go on until the cell `goal` is settled, or all cells up to the price `limit` are, or the heap is full.
+    """Go on until the cell `goal` is settled, or all cells up to the price `limit` are, or none is left.
 
-    A step between two of the eight neighbours costs its length in cells times the mean of both cells' cost.
+    A step between two of the eight neighbours costs its length in cells times the mean of both cells' cost. Of ways
+    that cost the same, the one over the cell that is cheaper to reach counts, then that of the lower index.
 
     Args:
-        cost: (rows, cols) price of a cell; inf cannot be entered.
+        cost: (rows, cols) price of a cell, at least 1; inf cannot be entered.
         price: (rows, cols) price of the cheapest way known, inf without one.
         before: (rows, cols) flat index of the cell before on it, -1 at the start and where there is none.
         settled: (rows, cols) whether no cheaper way can be found.
-        heap: (h,) prices of the cells to be looked at, lowest first, and (h,) their flat indices; full when there is no
-            room for the `NEIGHBOURS` of one more cell.
-        size: How many there are.
+        links: (2, cells) the next and the previous cell in the same bucket, -1 for none.
+        heads: (`buckets_for`,) first cell of each bucket, -1 for none; that of the price p is int(p) modulo them.
+        bucket: Whole part of the least price that can be left.
         goal: Flat index of a cell; -1 for none.
         limit: A price.
 
     Returns:
-        How many cells are left to be looked at.
+        The same for the next call.
     """
-    cols = cost.shape[1]
-    heap_prices, heap_cells = heap
-    if goal >= 0 and settled[goal // cols, goal % cols]:
-        return size
-    while size > 0 and heap_prices[0] <= limit and size + NEIGHBOURS <= len(heap_prices):
-        now, flat = float(heap_prices[0]), int(heap_cells[0])
-        size -= 1
-        _sink(heap_prices, heap_cells, size)
-        r, c = flat // cols, flat % cols
-        if settled[r, c]:
+    cols, empty = cost.shape[1], 0
+    while bucket <= limit and empty < len(heads) and not (goal >= 0 and settled[goal // cols, goal % cols]):
+        flat = heads[bucket % len(heads)]
+        if flat < 0:
+            bucket += 1
+            empty += 1
             continue
-        settled[r, c] = True
-        size = _look_around(cost, price, before, settled, heap, size, now, flat)
-        if flat == goal:
-            break
-    return size
+        empty = 0
+        _take_out(flat, bucket % len(heads), links, heads)
+        settled[flat // cols, flat % cols] = True
+        _look_around(cost, price, before, settled, links, heads, flat)
+    return bucket - empty
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def _look_around(
-    cost: Prices,
-    price: Prices,
-    before: Cells,
-    settled: Flags,
-    heap: tuple[Prices, Cells],
-    size: int,
-    now: float,
-    flat: int,
-) -> int:
-    """Offer ways through the cell `flat`, settled at the price `now`, to its neighbours; return the heap's new size."""
+    cost: Prices, price: Prices, before: Cells, settled: Flags, links: Links, heads: Links, flat: int
+) -> None:
+    """Offer ways through the cell `flat`, which was settled, to its neighbours."""
     rows, cols = cost.shape
     r, c = flat // cols, flat % cols
-    for k in range(NEIGHBOURS):
+    now, own = price[r, c], cost[r, c]
+    for k in range(8):
         i, j = r + _ROW[k], c + _COL[k]
-        if i < 0 or j < 0 or i >= rows or j >= cols or settled[i, j] or not np.isfinite(cost[i, j]):
+        if i < 0 or j < 0 or i >= rows or j >= cols or settled[i, j] or cost[i, j] == np.inf:
             continue
-        length = 1.0 if k < 4 else 1.4142135623730951
-        reached = float(now + length * 0.5 * (cost[r, c] + cost[i, j]))
-        if reached < price[i, j]:
-            price[i, j] = reached
-            before[i, j] = flat
-            _rise(heap[0], heap[1], size, reached, i * cols + j)
-            size += 1
-    return size
+        reached, old = now + (1.0 if k < 4 else _DIAGONAL) * 0.5 * (own + cost[i, j]), price[i, j]
+        if reached < old:
+            cell = i * cols + j
+            if old < np.inf:
+                _take_out(cell, int(old) % len(heads), links, heads)
+            price[i, j], before[i, j] = reached, flat
+            _put_in(cell, int(reached) % len(heads), links, heads)
+        elif reached == old:
+            other = before[i, j]
+            past = price[other // cols, other % cols]
+            if now < past or (now == past and flat < other):
+                before[i, j] = flat
+
+
+@view_kernel
+def _put_in(cell: int, bucket: int, links: Links, heads: Links) -> None:
+    first = heads[bucket]
+    links[0, cell], links[1, cell], heads[bucket] = first, -1, cell
+    if first >= 0:
+        links[1, first] = cell
+
+
+@view_kernel
+def _take_out(cell: int, bucket: int, links: Links, heads: Links) -> None:
+    after, behind = links[0, cell], links[1, cell]
+    if behind >= 0:
+        links[0, behind] = after
+    else:
+        heads[bucket] = after
+    if after >= 0:
+        links[1, after] = behind
 
 
 @njit(cache=True, nogil=True)
-def _rise(prices: NDArray[np.float64], cells: NDArray[np.int64], at: int, price: float, cell: int) -> None:
-    """Put an entry into the heap of `at` entries."""
-    while at > 0:
-        up = (at - 1) >> 1
-        if prices[up] < price or (prices[up] == price and cells[up] <= cell):
-            break
-        prices[at], cells[at] = prices[up], cells[up]
-        at = up
-    prices[at], cells[at] = price, cell
+def traced(before: Cells, goal: int, x0: float, y0: float, side: float) -> Prices:
+    """Return (n, 2) the middles of the cells on the way to the cell `goal` [m].
 
-
-@njit(cache=True, nogil=True)
-def _sink(prices: NDArray[np.float64], cells: NDArray[np.int64], size: int) -> None:
-    """Fill the hole at the top of the heap with its last entry, the one at `size`."""
-    price, cell = prices[size], cells[size]
-    at = 0
-    while True:
-        down = 2 * at + 1
-        if down >= size:
-            break
-        right = down + 1
-        if right < size and (
-            prices[right] < prices[down] or (prices[right] == prices[down] and cells[right] < cells[down])
-        ):
-            down = right
-        if price < prices[down] or (price == prices[down] and cell <= cells[down]):
-            break
-        prices[at], cells[at] = prices[down], cells[down]
-        at = down
-    prices[at], cells[at] = price, cell
+    Args:
+        before: (rows, cols) as in `explore`.
+        goal: Flat index of a cell.
+        x0: Middle of cell [0, 0] [m].
+        y0: The same.
+        side: Of a cell [m].
+    """
+    cols, count, flat = before.shape[1], 0, goal
+    while flat >= 0:
+        count, flat = count + 1, before[flat // cols, flat % cols]
+    way, flat = np.empty((count, 2)), goal
+    while flat >= 0:
+        count -= 1
+        way[count, 0], way[count, 1] = (flat % cols) * side + x0, (flat // cols) * side + y0
+        flat = before[flat // cols, flat % cols]
+    return way
 
 
 @njit(cache=True, nogil=True)

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .cells import FreeSpace, regions
 from .polyline import resample
-from .way_kernel import NEIGHBOURS, explore, nearest, smooth
+from .way_kernel import buckets_for, explore, nearest, smooth, traced
 
 Array = NDArray[np.float64]
 
@@ -18,7 +18,6 @@ STEP = 0.1
 _COMFORT = 1.0
 _SMOOTHING = 80
 _REMEMBERED = 40
-_FIRST_HEAP = 1024  # entries; a search ahead of which the whole floor lies has some thousands
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,33 +42,30 @@ class WaySearch:
     """Dijkstra's search from one cell, carried only as far as it is asked for.
 
     Args:
-        cost: (rows, cols) price of a cell; inf cannot be entered.
+        cost: (rows, cols) price of a cell, at least 1; inf cannot be entered.
         row: Of the start.
         col: Of the start.
+        buckets: `buckets_for` of the cost, where it is known.
 
     Attributes:
         price: (rows, cols) price of the cheapest way to each cell that is settled.
         before: (rows, cols) flat index of the cell before on it, -1 at the start.
     """
 
-    def __init__(self, cost: Array, row: int, col: int) -> None:
+    def __init__(self, cost: Array, row: int, col: int, buckets: int | None = None) -> None:
         self._cost = cost
         self.price, self.before = np.full(cost.shape, np.inf), np.full(cost.shape, -1, dtype=np.int64)
         self._settled = np.zeros(cost.shape, dtype=bool)
-        self._heap = np.empty(_FIRST_HEAP), np.empty(_FIRST_HEAP, dtype=np.int64)
+        self._links = np.full((2, cost.size), -1, dtype=np.int32)
+        self._heads = np.full(buckets_for(cost) if buckets is None else buckets, -1, dtype=np.int32)
         self.price[row, col] = 0.0
-        self._heap[0][0], self._heap[1][0] = 0.0, row * cost.shape[1] + col
-        self._size = 1
+        self._heads[0] = row * cost.shape[1] + col
+        self._bucket = 0
 
     def settle(self, goal: int = -1, limit: float = np.inf) -> None:
         """Settle the cell of the flat index `goal`, or all cells up to the price `limit`."""
-        while True:
-            state = self.price, self.before, self._settled, self._heap, self._size
-            self._size = explore(self._cost, *state, goal, limit)
-            if self._size + NEIGHBOURS <= len(self._heap[0]):
-                return
-            prices, cells = self._heap
-            self._heap = np.concatenate((prices, np.empty_like(prices))), np.concatenate((cells, np.empty_like(cells)))
+        state = self.price, self.before, self._settled, self._links, self._heads, self._bucket
+        self._bucket = explore(self._cost, *state, goal, limit)
 
 
 class WayPlanner:
@@ -87,8 +83,10 @@ class WayPlanner:
         offset = 0.5 * space.resolution
         self._side = every * space.resolution
         self._origin = np.asarray(space.origin) + offset
+        self._corner = (float(self._origin[0]), float(self._origin[1]))
         narrow = np.clip((_COMFORT - self._coarse) / _COMFORT, 0.0, 1.0)
         self._cost = np.where(self._coarse >= clearance, 1.0 + 3.0 * narrow**2, np.inf)
+        self._buckets = buckets_for(self._cost)
         self._searches: dict[tuple[int, int], WaySearch] = {}
 
     @cached_property
@@ -148,28 +146,31 @@ class WayPlanner:
         rows, cols = self._cost.shape
         return np.clip(cells[..., 1], 0, rows - 1), np.clip(cells[..., 0], 0, cols - 1)
 
+    def _cell(self, point: ArrayLike) -> tuple[int, int]:
+        """Return row and column of one point, as `_cells`."""
+        x, y = np.asarray(point, dtype=np.float64).tolist()
+        rows, cols = self._cost.shape
+        col, row = round((x - self._corner[0]) / self._side), round((y - self._corner[1]) / self._side)
+        return min(max(row, 0), rows - 1), min(max(col, 0), cols - 1)
+
     def _search(self, start: ArrayLike) -> WaySearch:
-        row, col = (int(value) for value in self._cells(start))
+        row, col = self._cell(start)
         if len(self._searches) > _REMEMBERED:
             self._searches.clear()
         if (row, col) not in self._searches:
-            self._searches[row, col] = WaySearch(self._cost, row, col)
+            self._searches[row, col] = WaySearch(self._cost, row, col, self._buckets)
         return self._searches[row, col]
 
     def _leg(self, start: Array, goal: Array) -> Array | None:
         """Return (n, 2) the cheapest way, cell by cell."""
         search = self._search(start)
-        row, col = (int(value) for value in self._cells(goal))
+        row, col = self._cell(goal)
         width = self._cost.shape[1]
-        flat, cells = row * width + col, []
+        flat = row * width + col
         search.settle(goal=flat)
         if not np.isfinite(search.price[row, col]):
             return None
-        while flat >= 0:
-            cells.append(flat)
-            flat = int(search.before.flat[flat])
-        found = np.array(cells[::-1])
-        return np.stack((found % width, found // width), axis=-1) * self._side + self._origin
+        return traced(search.before, flat, *self._corner, self._side)
 
 
 def folds(points: Array, apart: float = 0.8) -> bool:

@@ -290,10 +290,11 @@ def add_noise(
         ranges: (n,) written [m].
     """
     for i in range(len(exact)):
-        if chance[i] < dropout:
-            ranges[i] = np.nan
-        elif np.isfinite(exact[i]):
-            measured = exact[i] + (sigma_near if exact[i] <= near else sigma_far) * noise[i]
-            ranges[i] = min(max(measured, 0.0), farthest)
-        else:
-            ranges[i] = np.inf
+        sigma = sigma_near if exact[i] <= near else sigma_far
+        ranges[i] = np.nan if chance[i] < dropout else measured(exact[i], sigma * noise[i], farthest)
+
+
+@njit(cache=True, nogil=True)
+def measured(exact: float, error: float, farthest: float) -> float:
+    """Return what is measured of a range, `inf` where nothing is met; at most `farthest` [m]."""
+    return min(max(exact + error, 0.0), farthest) if np.isfinite(exact) else np.inf

@@ -2,9 +2,14 @@
 
 from dataclasses import dataclass
 
+from numba import njit
+
 from ..world.truth import TrueState
 from .config import TaskConfig
 from .rewards import StepFacts
+
+REASONS = ("", "collision_person", "collision_static", "tour_done", "covered", "leader_lost")
+"""Why an episode ended; the first one that holds counts."""
 
 
 @dataclass(frozen=True)
@@ -42,11 +47,18 @@ class EndingRule:
         config = self._config
         looks_for_leader = config.leader and not facts.following_leader
         self._lost_s = self._lost_s + facts.step_s if looks_for_leader else 0.0
-        reasons = {
-            "collision_person": truth.contact_person and config.ends_on_contact,
-            "collision_static": truth.contact_static and config.ends_on_contact,
-            "tour_done": truth.tour_done and config.leader,
-            "covered": not config.leader and facts.coverage >= config.coverage_goal,
-            "leader_lost": self._lost_s > config.lost_limit_s,
-        }
-        return Ending(next((reason for reason, holds in reasons.items() if holds), ""), self._lost_s)
+        ends = config.ends_on_contact
+        code = ending_code(
+            truth.contact_person and ends,
+            truth.contact_static and ends,
+            truth.tour_done and config.leader,
+            not config.leader and facts.coverage >= config.coverage_goal,
+            self._lost_s > config.lost_limit_s,
+        )
+        return Ending(REASONS[code], self._lost_s)
+
+
+@njit(cache=True, nogil=True)
+def ending_code(person: bool, static: bool, tour: bool, covered: bool, lost: bool) -> int:
+    """Return the number in `REASONS` of the first reason that holds, 0 for none."""
+    return 1 if person else 2 if static else 3 if tour else 4 if covered else 5 if lost else 0

@@ -8,9 +8,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Any
 
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
 from ...slam.bounds import Within, check_numbers
 from ...slam.errors import InputError, shown
 
+Array = NDArray[np.float64]
 _Weight = Annotated[float, Within(0.0, 1e6)]
 _Length = Annotated[float, Within(1e-3, 1e3)]
 _Angle = Annotated[float, Within(1e-3, math.pi)]
@@ -105,22 +110,58 @@ class RewardConfig:
             if not callable(function):
                 raise InputError(f"`reward.terms[{name!r}]` must be a function of `StepFacts`, got {shown(function)}")
 
+    @property
+    def weights(self) -> Array:
+        """(7,) of the terms behind a leader, in the order of `FOLLOWING_TERMS`."""
+        return np.array([float(getattr(self, name)) for name in FOLLOWING_TERMS])
+
+    @property
+    def shapes(self) -> Array:
+        """(6,) following distance, distance's bound and margin [m], facing's [rad], personal space [m]."""
+        distance = self.following_distance, self.distance_bound, self.distance_margin
+        return np.array([*distance, self.facing_bound, self.facing_margin, self.space], dtype=np.float64)
+
 
 def reward_terms(facts: StepFacts, config: RewardConfig) -> dict[str, float]:
     """Return each term behind a leader by name; the manual of `FollowEnv` gives formulas and reasons."""
-    share, off = facts.step_s * 10.0, facts.distance - config.following_distance
-    near = tolerance(off, bound=config.distance_bound, margin=config.distance_margin)
-    faced = tolerance(facts.bearing, bound=config.facing_bound, margin=config.facing_margin)
-    return {
-        "distance": share * config.distance * near,
-        "facing": share * config.facing * faced,
-        "personal_space": -share * config.personal_space * intrusion(facts.bystander_space, config.space),
-        "smoothness": -config.smoothness * facts.action_change,
-        "lost": 0.0 if facts.following_leader else -config.lost * share,
-        "collision": -float(config.collision) if facts.collided else 0.0,
-        "tour": float(config.tour) if facts.tour_done and not facts.collided else 0.0,
-        **_further_terms(facts, config),
-    }
+    truth = np.array((facts.distance, facts.bearing, facts.bystander_space, facts.action_change))
+    terms = np.empty(len(FOLLOWING_TERMS))
+    flags = facts.following_leader, facts.collided, facts.tour_done
+    following_terms(truth, *flags, facts.step_s, config.weights, config.shapes, terms)
+    return {**dict(zip(FOLLOWING_TERMS, terms.tolist(), strict=True)), **_further_terms(facts, config)}
+
+
+@njit(cache=True, nogil=True)
+def following_terms(
+    truth: Array,
+    following: bool,
+    collided: bool,
+    done: bool,
+    step_s: float,
+    weights: Array,
+    shapes: Array,
+    terms: Array,
+) -> None:
+    """Write the terms behind a leader into `terms` (7,), in the order of `FOLLOWING_TERMS`.
+
+    Args:
+        truth: (4,) distance [m], bearing [rad], bystander_space [m] and action_change of `StepFacts`.
+        following: Whether the robot follows its leader.
+        collided: Whether it touched something.
+        done: Whether the tour is over.
+        step_s: Length of the step [s].
+        weights: (7,) of the terms.
+        shapes: (6,) as `RewardConfig.shapes`.
+        terms: (7,) written.
+    """
+    share = step_s * 10.0
+    terms[0] = share * weights[0] * tolerance(truth[0] - shapes[0], shapes[1], shapes[2])
+    terms[1] = share * weights[1] * tolerance(truth[1], shapes[3], shapes[4])
+    terms[2] = -share * weights[2] * intrusion(truth[2], shapes[5])
+    terms[3] = -weights[3] * truth[3]
+    terms[4] = 0.0 if following else -weights[4] * share
+    terms[5] = -weights[5] if collided else 0.0
+    terms[6] = weights[6] if done and not collided else 0.0
 
 
 def exploration_terms(facts: StepFacts, goal: float, config: RewardConfig) -> dict[str, float]:
@@ -150,12 +191,14 @@ def _finite(name: str, value: Any) -> float:
     return number
 
 
-def tolerance(value: float, *, bound: float, margin: float) -> float:
+@njit(cache=True, nogil=True)
+def tolerance(value: float, bound: float, margin: float) -> float:
     """Return 1 where |value| <= bound, falling as a Gaussian to 0.1 at bound + margin (dm_control's `tolerance`)."""
     beyond = abs(value) - bound
     return 1.0 if beyond <= 0.0 else math.exp(math.log(0.1) * (beyond / margin) ** 2)
 
 
+@njit(cache=True, nogil=True)
 def intrusion(space: float, wanted: float = PERSONAL_SPACE_M) -> float:
     """Return how deep the robot is in a bystander's personal space: 0 at `wanted` [m] or more, 1 in contact."""
     return min(max(1.0 - space / wanted, 0.0), 1.0)

@@ -13,7 +13,6 @@ import multiprocessing as mp
 import os
 from collections.abc import Sequence
 from functools import partial
-from numbers import Integral
 from typing import Any
 
 import numpy as np
@@ -29,6 +28,7 @@ from ..episode_setup import interface
 from ..follow_config import FollowConfig
 from ..follow_env import FollowEnv
 from ..limits.field_checks import finite_numbers
+from .arguments import chosen_by, each_seed
 from .worker import Rows, WorkerShare, asked, joined, split, stacked, worker_share
 
 Flags = NDArray[np.bool_]
@@ -110,9 +110,9 @@ class FollowVectorEnv(VectorEnv[Any, Any, Any]):
         Raises:
             InputError: If a seed for each, the mask or an option is wrong, or not all begin at first.
         """
-        seeds = self._seeds(seed)
+        seeds = each_seed(seed, self.num_envs)
         wanted = dict(options or {})
-        mask = self._chosen(wanted.pop("reset_mask", np.ones(self.num_envs, dtype=bool)))
+        mask = chosen_by(wanted.pop("reset_mask", None), self.num_envs, begun=self._last is not None)
         tasks = [([seeds[i] for i in part], wanted, [bool(mask[i]) for i in part]) for part in self._shares]
         results = [result for results in self._ask("reset", tasks) for result in results]
         infos: dict[str, Any] = {}
@@ -124,30 +124,6 @@ class FollowVectorEnv(VectorEnv[Any, Any, Any]):
             fresh = {key: self._place(self._last[key], fresh[key], mask) for key in fresh}
         self._last = fresh
         return {key: values.copy() for key, values in fresh.items()}, infos
-
-    def _seeds(self, seed: int | Sequence[int | None] | None) -> list[int | None]:
-        """Return the seed of each environment."""
-        if seed is None:
-            return [None] * self.num_envs
-        if isinstance(seed, Integral):
-            return [int(seed) + i for i in range(self.num_envs)]
-        if not isinstance(seed, Sequence | np.ndarray) or not all(one is None or _is_whole(one) for one in seed):
-            raise InputError(f"`seed` must be None, a whole number, or one of these for each, got {shown(seed)}")
-        seeds = [None if one is None else int(one) for one in seed]
-        if len(seeds) != self.num_envs:
-            raise InputError(f"needs a seed for each of the {self.num_envs} environments, got {len(seeds)}")
-        return seeds
-
-    def _chosen(self, reset_mask: Any) -> Flags:
-        """Return (num_envs,) which environments begin anew."""
-        mask = np.asarray(reset_mask)
-        if mask.shape != (self.num_envs,) or mask.dtype != bool:
-            raise InputError(f"`reset_mask` must be boolean of shape ({self.num_envs},), got {mask.dtype} {mask.shape}")
-        if not mask.any():
-            raise InputError("`reset_mask` chooses nobody: at least one must be true")
-        if self._last is None and not mask.all():
-            raise InputError("`reset_mask` is for later: reset the environments as a whole at first")
-        return mask
 
     def step(self, actions: Any) -> tuple[Any, NDArray[np.float64], Flags, Flags, dict[str, Any]]:
         """Drive all environments for one control period; `actions` (num_envs, a).
@@ -231,7 +207,3 @@ def _require_passing(config: FollowConfig, context: str | None) -> None:
         if method != "fork" and "<" in getattr(function, "__qualname__", ""):
             rule = f'must be a function of a module to reach processes that start by "{method}"'
             raise InputError(f"{name} {rule}, got {shown(function)}")
-
-
-def _is_whole(value: Any) -> bool:
-    return isinstance(value, Integral) and not isinstance(value, bool)

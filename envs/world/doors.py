@@ -13,7 +13,8 @@ THICKNESS = 0.05
 """Thickness of a leaf [m]."""
 SPEED = 1.3
 """How fast a leaf turns [rad/s]."""
-_GAP = 0.01
+GAP = 0.01
+"""Between a leaf and its frame, and the floor [m]."""
 
 
 def add_door(spec: MjSpec, index: int, door: Door) -> None:
@@ -21,8 +22,8 @@ def add_door(spec: MjSpec, index: int, door: Door) -> None:
     body = spec.worldbody.add_body(name=f"door {index}", mocap=True, pos=[*door.hinge, 0.0])
     body.add_geom(
         type=mujoco.mjtGeom.mjGEOM_BOX,
-        size=[door.width / 2.0 - _GAP, THICKNESS / 2.0, (door.top - _GAP) / 2.0],
-        pos=[door.width / 2.0, 0.0, (door.top + _GAP) / 2.0],
+        size=[door.width / 2.0 - GAP, THICKNESS / 2.0, (door.top - GAP) / 2.0],
+        pos=[door.width / 2.0, 0.0, (door.top + GAP) / 2.0],
         rgba=[0.55, 0.35, 0.2, 1.0],
         contype=0,
         conaffinity=1,

@@ -12,23 +12,17 @@ from ...slam.scan import LaserScan
 from ..appearance.looks import dress
 from ..appearance.wardrobe import Outfit, draw_outfit, wardrobe
 from ..people.body import PARTS
-from ..people.casting import MOST_ON_ROUTE, cast_people
 from ..people.crowd import Crowd, first_state
-from ..people.draft import CastRequest
 from ..people.movement.terrain import Terrain
 from ..people.movement.walking import locate
-from ..people.wanderers import MOST_DRAWN
 from ..physics.mj import MjData, mujoco
-from ..robot.odometry import WheelOdometry, odometry_quality
 from ..robot.robot import Robot
-from ..scenes.catalogue import make_scene
-from ..scenes.recorded_walks import with_recorded_walks
-from ..scenes.scene import Scene
 from ..sensors.camera.rgbd import RgbdCamera
 from ..sensors.lidar import Lidar
 from .building import build
 from .config import TICK, WorldConfig, whole_ratio
 from .doors import Doors
+from .drawing import draw_episode
 from .state import Changing, Plan, WorldState
 from .truth import TruePeople, TrueState
 
@@ -40,9 +34,8 @@ _PHYSICS = int(mujoco.mjtState.mjSTATE_INTEGRATION)
 class World:
     """One episode's simulator.
 
-    `step` advances one control period. All draws come from streams that are spawned from `rng` once, one each for the
-    building, the leader, the other people, the odometry and the laser: the same seed gives the same building and start
-    whoever walks in it.
+    `step` advances one control period. All draws come from streams of `draw_episode`: the same seed gives the same
+    building and start whoever walks in it.
 
     Args:
         config: What to simulate.
@@ -50,41 +43,18 @@ class World:
     """
 
     def __init__(self, config: WorldConfig, rng: np.random.Generator) -> None:
-        streams = _spawned(rng)
-        scene = make_scene(config.scene, streams["scene"], request=config.request())
-        if config.walking_paths is not None:
-            scene = with_recorded_walks(scene, config.walking_paths, streams["scene"])
-        start, start_arc = _draw_start(scene, streams["scene"])
-        terrain = Terrain(scene)
-        count = _how_many(config, scene, streams["people"])
-        casting = cast_people(
-            CastRequest(
-                scene=scene,
-                terrain=terrain,
-                people=count,
-                standing=config.standing,
-                style=config.leader_style,
-                with_leader=config.leader and count > 0,
-                start_arc=start_arc,
-                leader_rng=streams["leader"],
-                rng=streams["people"],
-                behaviours=config.behaviours,
-                own_rng=streams["behaviours"],
-            )
-        )
-        self._plan = Plan(config, scene, start, casting, int(streams["looks"].integers(2**63)))
-        quality = odometry_quality(config.odometry) if isinstance(config.odometry, str) else config.odometry
-        kept = {name: streams[name] for name in ("odometry", "lidar", "camera", "behaviours")}
+        drawn = draw_episode(config, rng)
+        self._plan, casting = drawn.plan, drawn.plan.casting
         self._now = Changing(
             crowd=first_state(casting),
-            doors=Doors(scene.doors),
+            doors=Doors(drawn.plan.scene.doors),
             robot=Robot(config.robot),
-            odometry=WheelOdometry(quality, kept["odometry"], start),
-            streams=kept,
-            progress=start_arc,
+            odometry=drawn.odometry,
+            streams=drawn.streams,
+            progress=drawn.start_arc,
         )
-        self._build(terrain)
-        self.data.qpos[:3] = start
+        self._build(drawn.terrain)
+        self.data.qpos[:3] = self.start
         self._pose_movers()
         mujoco.mj_forward(self.model, self.data)
         self._take_scan()
@@ -159,8 +129,8 @@ class World:
         now.odometry.update(poses)
         now.scans = tuple(scans) or now.scans[-1:]
         now.frames = tuple(frames) or now.frames[-1:]
-        arc, ways = np.array([now.progress]), self._crowd.terrain
-        locate(self.data.qpos[None, :2], arc, ways.paths, ways.tangents, ways.first[:1], ways.count[:1])
+        arc, ways = np.array([now.progress]), self._crowd.terrain.ways
+        locate(self.data.qpos[None, :2], arc, ways.points, ways.tangents, ways.first[:1], ways.rows[:1])
         now.progress = float(arc[0])
 
     def scan(self) -> LaserScan:
@@ -211,15 +181,15 @@ class World:
     @property
     def truth(self) -> TrueState:
         """What is really so, now."""
-        people, leader = self._now.crowd.bodies, self._now.crowd.leader
+        people, led = self._now.crowd.bodies, self._now.crowd.led
         pose = _robot_pose(self.data)
         x, y, turn = self.data.qvel[:3]
         cos, sin = np.cos(pose[2]), np.sin(pose[2])
         speed = np.hypot(people.velocity[:, 0], people.velocity[:, 1])
-        if leader is None:
+        if not led:
             done = self._now.progress >= self.scene.tour_length
         else:
-            done = leader.done and float(np.hypot(*(people.position[0] - pose[:2]))) < 2.0
+            done = self._now.crowd.leader_done and float(np.hypot(*(people.position[0] - pose[:2]))) < 2.0
         return TrueState(
             time_s=self.time_s,
             robot_pose=pose,
@@ -234,8 +204,8 @@ class World:
                 self._crowd.leg_radius.copy(),
                 speed > 0.2,
             ),
-            leader_index=-1 if leader is None else 0,
-            leader_walking=bool(leader is not None and people.wish[0] > 0.05 and speed[0] > 0.2),
+            leader_index=0 if led else -1,
+            leader_walking=bool(led and people.wish[0] > 0.05 and speed[0] > 0.2),
             contact_person=self._now.contact_person,
             contact_static=self._now.contact_static,
             tour_done=bool(done),
@@ -274,29 +244,6 @@ class World:
             self.data, self.data.qpos[:3], self._now.streams["camera"], self.time_s
         )
         self._now.frames = (frame,)
-
-
-def _spawned(rng: np.random.Generator) -> dict[str, np.random.Generator]:
-    """Return a source of draws for each subject, so that none depends on how much is drawn for another."""
-    names = ("scene", "leader", "people", "odometry", "lidar", "camera", "looks", "behaviours")
-    children = np.random.SeedSequence([int(word) for word in rng.integers(0, 2**63, 4)]).spawn(len(names))
-    return {name: np.random.default_rng(child) for name, child in zip(names, children, strict=True)}
-
-
-def _how_many(config: WorldConfig, scene: Scene, rng: np.random.Generator) -> int:
-    if config.people is not None:
-        return config.people
-    bystanders = int(rng.integers(0, 1 + (MOST_DRAWN if scene.walks else MOST_ON_ROUTE)))
-    return bystanders + int(config.leader)
-
-
-def _draw_start(scene: Scene, rng: np.random.Generator) -> tuple[Array, float]:
-    """Return the robot's start pose (3,) near the beginning of the route, and its way along it [m]."""
-    arc, lateral, turn = rng.uniform(0.0, 0.5), rng.uniform(-0.1, 0.1), rng.uniform(-0.12, 0.12)
-    ahead = scene.route[1] - scene.route[0]
-    ahead = ahead / np.hypot(*ahead)
-    x, y = scene.route[0] + arc * ahead + lateral * np.array([-ahead[1], ahead[0]])
-    return np.array([x, y, np.arctan2(ahead[1], ahead[0]) + turn]), float(arc)
 
 
 def _outfits(plan: Plan) -> tuple[Outfit, ...]:

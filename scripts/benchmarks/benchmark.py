@@ -8,6 +8,7 @@ from ...slam.errors import unknown_name
 
 BENCHMARKS: dict[str, str] = {
     "speed": "environment steps, perception, SLAM and the immobile-area map, timed on this machine",
+    "worlds": "compiled worlds: steps a second by people, beams, worlds and threads, beside the single environment",
     "graph-slam": "graph SLAM on recorded and simulated logs beside the original engines",
     "drawn-worlds": "SLAM in buildings, lasers and drives that are drawn at random",
     "slam-faults": "SLAM on drives with faults of odometry, clock and laser: errors, and whether it knows",

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ...envs.appearance.looks import dress
 from ...envs.appearance.wardrobe import draw_outfit, wardrobe
 from ...envs.people.body import PARTS, Physique, draw_physique
-from ...envs.people.gait import pose_bodies
+from ...envs.people.posture import pose_bodies
 from ...envs.physics.mj import MjData, mujoco
 from ...envs.robot.robot import RobotConfig
 from ...envs.scenes.catalogue import make_scene

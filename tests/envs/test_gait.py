@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 from tagalong.envs.people.body import ANKLE, HIP_HALF_WIDTH
-from tagalong.envs.people.gait import advance_gait, pose_bodies
+from tagalong.envs.people.gait import advance_gait
+from tagalong.envs.people.movement.things import things_around
+from tagalong.envs.people.posture import pose_bodies
 
 DT = 0.025
 THIGH, SHIN, LEG, HALF, RATIO = 0.43, 0.43, 0.06, 0.1, 0.4
-NOTHING = (np.zeros((0, 6)), np.zeros((0, 3)))
+NOTHING = things_around(np.zeros((0, 6)), np.zeros((0, 3)), 1.0)
 SIZE = np.array([[THIGH, SHIN, LEG, HALF, RATIO]])
 
 
@@ -20,7 +22,7 @@ def walk(velocities, turn_rate=0.0):
     for velocity in velocities:
         position += DT * velocity
         heading += DT * turn_rate
-        advance_gait(DT, position, velocity[None], heading, SIZE, feet, origin, lift, phase, swing, *NOTHING)
+        advance_gait(DT, position, velocity[None], heading, SIZE, feet, origin, lift, phase, swing, NOTHING)
         history.append((feet[0].copy(), lift[0].copy(), position[0].copy()))
     return tuple(np.array(rows) for rows in zip(*history, strict=True))
 

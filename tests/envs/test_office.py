@@ -4,9 +4,10 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from tagalong.envs.people.behaviours.view import Ground, PersonView, Surroundings
-from tagalong.envs.people.behaviours.wanderer import Wanderer
+from tagalong.envs.people.behaviours.mind import Around, MindKind, minds_of
+from tagalong.envs.people.behaviours.wanderer import wanderer, wanderer_wish
 from tagalong.envs.people.movement.bodies import Start, standing_bodies
+from tagalong.envs.people.movement.ground import Ground
 from tagalong.envs.people.movement.terrain import Terrain
 from tagalong.envs.scenes.catalogue import make_scene
 from tagalong.envs.scenes.office_layout import TESTING, TRAINING
@@ -75,10 +76,10 @@ def test_the_number_of_bystanders_is_drawn_between_0_and_12():
 
 def test_bystanders_are_of_several_temperaments():
     people = world(0, people=13)._plan.casting.people
-    wanderers = [person for person in people if isinstance(person.behaviour, Wanderer)]
+    wanderers = [person for person in people if person.behaviour.kind == MindKind.WANDERER]
     assert len(wanderers) >= 11
-    assert np.ptp([person.behaviour.pace for person in wanderers]) > 0.4
-    assert {person.behaviour.gives_way for person in wanderers} == {False, True}
+    assert np.ptp([person.behaviour.numbers[0] for person in wanderers]) > 0.4
+    assert {person.behaviour.numbers[4] for person in wanderers} == {0.0, 1.0}
     assert len({person.path for person in wanderers}) > 5
 
 
@@ -110,31 +111,23 @@ def test_in_a_crowd_no_two_bodies_overlap_and_everybody_keeps_walking(seed, spli
 
 
 def test_who_is_held_up_turns_round():
-    wanderer = Wanderer(pace=1.0, side=0.3, patience=1.0, rest=5.0, gives_way=False)
-    terrain = Terrain(office(5))
-    bodies = standing_bodies([Start(0.0, 0.0, 0.0, arc=2.0)], np.array([0.1]))
-    bodies.wish[0] = 1.0
+    mind = minds_of([wanderer(pace=1.0, side=0.3, patience=1.0, rest=5.0, gives_way=False)]).numbers[0]
+    around = alone_in(Terrain(office(5)))
+    around.wish[0] = 1.0
     senses = []
     for _ in range(12):
-        view = PersonView(0, alone_in(terrain, bodies, path=1))
-        bodies.sense[0] = wanderer.wish(view, 0.1).sense
-        senses.append(float(bodies.sense[0]))
+        around.sense[0] = wanderer_wish(0, mind, around, 0.1)[2]
+        senses.append(float(around.sense[0]))
     assert senses == [1.0] * 10 + [-1.0] * 2
 
 
-def alone_in(terrain, bodies, path):
-    """What somebody sees who is alone in a building."""
-    return Surroundings(
-        bodies=bodies,
-        terrain=terrain,
-        path=np.array([path]),
-        ground=np.array([Ground.ELSEWHERE]),
-        group=0,
-        robot=np.zeros(8),
-        robot_arc=0.0,
-        robot_distance=np.array([9.0]),
-        rng=np.random.default_rng(0),
-    )
+def alone_in(terrain):
+    """What somebody sees who is alone in a building, 2 m along the first way beside the route."""
+    b = standing_bodies([Start(0.0, 0.0, 0.0, arc=2.0)], np.array([0.1]))
+    return Around(
+        b.position, b.velocity, b.direction, b.arc, b.sense, b.lateral, b.wish, b.face, b.goal, np.array([1]),
+        np.array([int(Ground.ELSEWHERE)]), np.array([True]), 0, np.zeros(8), 0.0, terrain.ways,
+    )  # fmt: skip
 
 
 def test_without_a_leader_the_same_people_walk_in_the_same_places():

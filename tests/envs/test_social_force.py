@@ -5,8 +5,9 @@ import logging
 import numpy as np
 import pytest
 from social_force_reference import social_force
-from tagalong.envs.people.movement.obstacles import keep_clear, nearest_of_box
+from tagalong.envs.people.movement.obstacles import nearest_of_box
 from tagalong.envs.people.movement.social_force import SocialForceConfig, pair_force
+from tagalong.envs.people.movement.things import cell_of, keep_clear, things_around
 from tagalong.envs.people.movement.walking import advance_bodies
 from tagalong.envs.scenes.solids import Solid
 from tagalong.slam import InputError
@@ -62,10 +63,25 @@ def test_the_nearest_point_of_a_box_agrees_with_the_scene():
 
 
 def test_a_point_too_near_to_furniture_is_moved_to_its_edge():
-    boxes, circles = np.array([[0.0, 0.0, 1.0, 0.0, 1.0, 0.5]]), np.array([[5.0, 0.0, 0.3]])
-    assert keep_clear(0.2, 0.6, 0.25, boxes, circles) == pytest.approx((0.2, 0.75))
-    assert keep_clear(5.1, 0.0, 0.25, boxes, circles) == pytest.approx((5.55, 0.0))
-    assert keep_clear(3.0, 3.0, 0.25, boxes, circles) == (3.0, 3.0)
+    things = things_around(np.array([[0.0, 0.0, 1.0, 0.0, 1.0, 0.5]]), np.array([[5.0, 0.0, 0.3]]), reach=0.5)
+    assert keep_clear(0.2, 0.6, 0.25, things) == pytest.approx((0.2, 0.75))
+    assert keep_clear(5.1, 0.0, 0.25, things) == pytest.approx((5.55, 0.0))
+    assert keep_clear(3.0, 3.0, 0.25, things) == (3.0, 3.0)
+
+
+def test_what_is_near_is_found_on_the_grid_wherever_somebody_stands():
+    rng = np.random.default_rng(2)
+    yaw = rng.uniform(-np.pi, np.pi, 30)
+    middles, halves = rng.uniform(-8.0, 8.0, (30, 2)), rng.uniform(0.05, 2.5, (30, 2))
+    boxes = np.column_stack((middles, np.cos(yaw), np.sin(yaw), halves))
+    circles = np.column_stack((rng.uniform(-8.0, 8.0, (20, 2)), rng.uniform(0.02, 0.8, 20)))
+    few = things_around(boxes, circles, reach=0.85)
+    for x, y in rng.uniform(-14.0, 14.0, (500, 2)):
+        cell = cell_of(x, y, few.frame)
+        near = set(few.items[few.first[cell] : few.first[cell + 1]].tolist())
+        wanted = {k for k in range(30) if nearest_of_box(x, y, boxes[k])[0] < 0.85}
+        wanted |= {-1 - k for k in range(20) if np.hypot(x - circles[k, 0], y - circles[k, 1]) - circles[k, 2] < 0.85}
+        assert wanted <= near
 
 
 def test_two_who_meet_head_on_pass_each_other_without_touching():
@@ -75,7 +91,8 @@ def test_two_who_meet_head_on_pass_each_other_without_touching():
     nearest = np.inf
     for _ in range(400):
         advance_bodies(0.025, position, velocity, heading, direction, np.ones(2), np.full(2, 0.23), far_robot,
-                       np.zeros((0, 6)), np.zeros((0, 3)), CONFIG.as_array())  # fmt: skip
+                       things_around(np.zeros((0, 6)), np.zeros((0, 3)), 1.0), CONFIG.as_array(),
+                       np.empty((2, 2)))  # fmt: skip
         nearest = min(nearest, np.hypot(*(position[0] - position[1])))
     assert nearest > 0.46
     assert position[0, 0] > 5.0

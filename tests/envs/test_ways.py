@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
-from tagalong.envs.scenes import ways
 from tagalong.envs.scenes.cells import FreeSpace, merged_boxes, walls_around
 from tagalong.envs.scenes.solids import box, post
 from tagalong.envs.scenes.way_kernel import apart, nearest, smooth
@@ -125,14 +124,12 @@ def test_a_hairpin_folds_and_a_wide_turn_does_not():
     assert not folds(turn)
 
 
-def test_a_heap_that_grows_on_the_way_changes_nothing_and_stays_small(monkeypatch):
-    cost = 1.0 + np.random.default_rng(0).random((150, 150))
-    roomy = WaySearch(cost, 3, 4)
-    monkeypatch.setattr(ways, "_FIRST_HEAP", 9)
-    growing = WaySearch(cost, 3, 4)
-    for search in (roomy, growing):
-        search.settle(goal=75 * 150 + 20)
-        search.settle(limit=90.0)
-    assert np.array_equal(roomy.price, growing.price)
-    assert np.array_equal(roomy.before, growing.before)
-    assert 9 < len(growing._heap[0]) < cost.size / 5
+def test_a_search_carried_on_bit_by_bit_finds_what_one_in_a_go_finds():
+    cost = 1.0 + np.random.default_rng(0).integers(0, 3, (60, 60)) / 2.0  # many ways that cost the same
+    whole, lazy = WaySearch(cost, 3, 4), WaySearch(cost, 3, 4)
+    whole.settle()
+    lazy.settle(goal=30 * 60 + 20)
+    for limit in (7.5, 8.0, 40.0, np.inf):
+        lazy.settle(limit=limit)
+    assert np.array_equal(whole.price, lazy.price)
+    assert np.array_equal(whole.before, lazy.before)

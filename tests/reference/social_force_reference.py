@@ -2,7 +2,7 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from tagalong.envs.people.movement.social_force import SocialForceConfig
+from tagalong.envs.people.movement.social_force import NOTICED, SocialForceConfig
 
 Array = NDArray[np.float64]
 
@@ -19,7 +19,7 @@ def social_force(offset: Array, relative_velocity: Array, config: SocialForceCon
     direction = offset / distance
     interaction = config.velocity_weight * relative_velocity + direction
     reach = config.gamma * float(np.hypot(*interaction))
-    if reach == 0.0:
+    if reach == 0.0 or distance > NOTICED * reach:
         return np.zeros(2)
     ahead = interaction / np.hypot(*interaction)
     angle = float(np.arctan2(ahead[1], ahead[0]) - np.arctan2(direction[1], direction[0]))

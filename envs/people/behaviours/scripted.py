@@ -1,42 +1,46 @@
-"""Somebody who follows a script."""
+"""Somebody who follows a script: goes straight from place to place and waits at each, as an errand says.
 
-import math
-from dataclasses import dataclass
+The numbers of the mind: walking speed [m/s], direction to look to while standing [rad], number of the place that they
+go to or wait at, for how long they have waited there [s]. The script: x, y [m] and time to wait [s] of each place.
+"""
 
+import numpy as np
+from numpy.typing import NDArray
+
+from ....slam.view_kernel import view_kernel
 from ...scenes.scene import Errand
-from .behaviour import Behaviour, Wish
-from .view import PersonView
+from .mind import Around, CompiledWish, Mind, MindKind
+
+Array = NDArray[np.float64]
 
 _ARRIVED, _PASSED = 0.15, 0.35  # how near counts as there: at the last place, at those on the way [m]
 
 
-@dataclass(kw_only=True)
-class Scripted(Behaviour):
-    """Goes straight from place to place and waits at each, as an errand says.
+def scripted(errand: Errand) -> Mind:
+    """Return somebody who does an errand."""
+    return Mind(MindKind.SCRIPTED, (errand.pace, errand.face), errand.places)
 
-    Attributes:
-        errand: The script.
-        place: Number of the place that they go to, or wait at.
-        waited_s: For how long they have waited there [s].
-    """
 
-    errand: Errand
-    place: int = 0
-    waited_s: float = 0.0
+@view_kernel
+def scripted_wish(person: int, mind: Array, script: Array, around: Around, dt: float) -> CompiledWish:
+    """Return the pace towards the place, 0 while they wait, and at the last one."""
+    place = script[int(mind[2])]
+    speed = _speed(
+        mind, script, np.hypot(place[0] - around.position[person, 0], place[1] - around.position[person, 1]), dt
+    )
+    goal = script[int(mind[2])]
+    return speed, 0.0, 1.0, mind[1], goal[0], goal[1]
 
-    def wish(self, view: PersonView, dt: float) -> Wish:
-        """Return the pace towards the place, 0 while they wait, and at the last one."""
-        speed = self._speed(view, dt)
-        return Wish(speed, face=self.errand.face, goal=self.errand.places[self.place][:2])
 
-    def _speed(self, view: PersonView, dt: float) -> float:
-        x, y, wait = self.errand.places[self.place]
-        away = math.hypot(x - view.position[0], y - view.position[1])
-        last = self.place + 1 == len(self.errand.places)
-        if away > (_ARRIVED if last else _PASSED) and self.waited_s == 0.0:
-            return min(self.errand.pace, 0.25 + 0.8 * away)
-        if self.waited_s < wait:
-            self.waited_s += dt
-        elif not last:
-            self.place, self.waited_s = self.place + 1, 0.0
-        return 0.0
+@view_kernel
+def _speed(mind: Array, script: Array, away: float, dt: float) -> float:
+    """Return the speed `away` from the present place [m]."""
+    place = int(mind[2])
+    last = not np.isfinite(script[place + 1, 0])
+    if away > (_ARRIVED if last else _PASSED) and mind[3] == 0.0:
+        return min(mind[0], 0.25 + 0.8 * away)
+    if mind[3] < script[place, 2]:
+        mind[3] += dt
+    elif not last:
+        mind[2], mind[3] = mind[2] + 1.0, 0.0
+    return 0.0

@@ -1,53 +1,33 @@
 """What one person sees when it decides what to do: itself, its way, the robot and the other people."""
 
+import math
 from dataclasses import dataclass
-from enum import IntEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..movement.bodies import Bodies
-from ..movement.meeting import first_coming, group_comes
+from ..movement.meeting import group_comes
 from ..movement.terrain import Terrain
+from .making_room import first_met
+from .mind import Around
 
 Array = NDArray[np.float64]
 
 
-class Ground(IntEnum):
-    """Where somebody walks; the group around the robot goes by it to see who comes towards them."""
-
-    ROUTE = 0
-    """On the robot's route: comes towards the group if against its direction."""
-    BESIDE = 1
-    """To and fro at one place beside the route: the group makes room there whichever way this person goes."""
-    ELSEWHERE = 2
-    """On other ways, or freely: comes towards the group if it walks towards it."""
-
-
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Surroundings:
-    """What all n people see alike at one time.
+    """What all people see alike at one time.
 
     Attributes:
-        bodies: Everybody's body.
+        around: Everybody, their ways and the robot.
+        heading: (n,) directions of the bodies [rad].
         terrain: The building.
-        path: (n,) which path of the terrain each walks on; 0 is the route.
-        ground: (n,) `Ground` of each.
-        group: How many of them, the first ones, walk with the robot: the leader, and who keeps the leader company.
-        robot: (8,) the robot as in `walking.advance_bodies`.
-        robot_arc: Its way along the route [m].
-        robot_distance: (n,) distances of the bodies from it, centre to centre [m].
         rng: Source of draws of those who decide.
     """
 
-    bodies: Bodies
+    around: Around
+    heading: Array
     terrain: Terrain
-    path: NDArray[np.int64]
-    ground: NDArray[np.int64]
-    group: int
-    robot: Array
-    robot_arc: float
-    robot_distance: Array
     rng: np.random.Generator
 
 
@@ -128,30 +108,34 @@ class PersonView:
         rng: Source of random numbers; one for all who decide.
     """
 
-    __slots__ = ("_around", "arc", "face", "person", "rng", "robot_arc", "robot_distance", "sense", "speed", "way")
+    __slots__ = (
+        "_around", "_heading", "arc", "face", "person", "rng", "robot_arc", "robot_distance", "sense", "speed", "way",
+    )  # fmt: skip
 
     def __init__(self, person: int, around: Surroundings) -> None:
-        bodies = around.bodies
-        self._around, self.person, self.rng = around, person, around.rng
-        self.arc, self.sense = float(bodies.arc[person]), float(bodies.sense[person])
-        self.speed, self.face = float(bodies.wish[person]), float(bodies.face[person])
-        self.way = OwnWay(around.terrain, int(around.path[person]), self.arc)
-        self.robot_arc, self.robot_distance = around.robot_arc, float(around.robot_distance[person])
+        seen = around.around
+        self._around, self._heading, self.person, self.rng = seen, around.heading, person, around.rng
+        self.arc, self.sense = float(seen.arc[person]), float(seen.sense[person])
+        self.speed, self.face = float(seen.wish[person]), float(seen.face[person])
+        self.way = OwnWay(around.terrain, int(seen.way[person]), self.arc)
+        self.robot_arc = seen.robot_arc
+        x, y = (seen.position[person] - seen.robot[:2]).tolist()
+        self.robot_distance = math.hypot(x, y)
 
     @property
     def position(self) -> Array:
         """(2,) where the person is, world frame [m]."""
-        return self._around.bodies.position[self.person].copy()
+        return self._around.position[self.person].copy()
 
     @property
     def velocity(self) -> Array:
         """(2,) how it really moves [m/s]."""
-        return self._around.bodies.velocity[self.person].copy()
+        return self._around.velocity[self.person].copy()
 
     @property
     def heading(self) -> float:
         """Direction of its body [rad]."""
-        return float(self._around.bodies.heading[self.person])
+        return float(self._heading[self.person])
 
     @property
     def robot_position(self) -> Array:
@@ -166,48 +150,40 @@ class PersonView:
     @property
     def robot_direction(self) -> float:
         """Direction from the person to the robot, world frame [rad]."""
-        position, robot = self._around.bodies.position, self._around.robot
+        position, robot = self._around.position, self._around.robot
         return float(np.arctan2(robot[1] - position[self.person, 1], robot[0] - position[self.person, 0]))
 
     @property
     def other_positions(self) -> Array:
         """(n - 1, 2) where all other people are [m]; the leader, if there is one, comes first."""
-        return np.delete(self._around.bodies.position, self.person, axis=0)
+        return np.delete(self._around.position, self.person, axis=0)
 
     @property
     def other_velocities(self) -> Array:
         """(n - 1, 2) how they move [m/s], in the same order."""
-        return np.delete(self._around.bodies.velocity, self.person, axis=0)
+        return np.delete(self._around.velocity, self.person, axis=0)
 
     @property
     def leader_arc(self) -> float:
         """How far along the route the leader is [m]; only where somebody leads."""
-        return float(self._around.bodies.arc[0])
+        return float(self._around.arc[0])
 
     @property
     def leader_speed(self) -> float:
         """Speed that the leader wants at present [m/s]; only where somebody leads."""
-        return float(self._around.bodies.wish[0])
+        return float(self._around.wish[0])
 
     @property
     def group_arcs(self) -> list[float]:
         """How far along the route those are who walk with the robot [m], the leader first; [] where nobody leads."""
-        return self._around.bodies.arc[: self._around.group].tolist()
+        return self._around.arc[: self._around.group].tolist()
 
     def group_comes(self) -> bool:
         """Return whether the robot or one of its group is within 2 m before this person, walking towards it."""
-        around, b = self._around, self._around.bodies
-        return bool(group_comes(self.person, around.group, around.robot, b.position, b.velocity, b.direction))
+        a = self._around
+        return bool(group_comes(self.person, a.group, a.robot, a.position, a.velocity, a.direction))
 
     def first_met(self) -> float | None:
         """Return the present offset [m] of the first of those who come towards this one of the group; None: nobody."""
-        around, b = self._around, self._around.bodies
-        elsewhere = around.ground == Ground.ELSEWHERE
-        coming = int(first_coming(self.person, elsewhere, b.position, b.velocity, b.direction))
-        for other in range(around.group, len(elsewhere) if coming < 0 else coming):
-            if elsewhere[other]:
-                continue
-            comes = b.sense[other] < 0.0 or around.ground[other] == Ground.BESIDE
-            if comes and -1.0 < b.arc[other] - self.arc < 6.0:
-                return float(b.lateral[other])
-        return float(b.lateral[coming]) if coming >= 0 else None
+        met = float(first_met(self.person, self._around))
+        return None if math.isnan(met) else met

@@ -1,13 +1,14 @@
 """Who comes towards whom; called for everybody in every step, and so compiled."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from ....slam.view_kernel import view_kernel
 
 Array = NDArray[np.float64]
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def group_comes(person: int, in_group: int, robot: Array, position: Array, velocity: Array, direction: Array) -> bool:
     """Return whether the robot or one of the first `in_group` people is within 2 m before a person, walking to them.
 
@@ -32,7 +33,7 @@ def group_comes(person: int, in_group: int, robot: Array, position: Array, veloc
     return False
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def first_coming(person: int, candidates: NDArray[np.bool_], position: Array, velocity: Array, direction: Array) -> int:
     """Return the first of the `candidates` (n,) within 5 m who comes towards a person on their way; -1 for nobody.
 

@@ -4,13 +4,14 @@ A box is a row of centre x and y, cos and sin of its yaw, half length, half widt
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from ....slam.view_kernel import view_kernel
 
 Array = NDArray[np.float64]
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def nearest_of_box(x: float, y: float, box: Array) -> tuple[float, float, float]:
     """Return the distance from a point to a box (negative inside) and the unit vector away from it.
 
@@ -21,19 +22,27 @@ def nearest_of_box(x: float, y: float, box: Array) -> tuple[float, float, float]
     """
     along = box[2] * (x - box[0]) + box[3] * (y - box[1])
     across = box[2] * (y - box[1]) - box[3] * (x - box[0])
-    out_along, out_across = abs(along) - box[4], abs(across) - box[5]
+    return nearest_of_rectangle(along, across, box[2], box[3], box[4], box[5])
+
+
+@view_kernel
+def nearest_of_rectangle(
+    along: float, across: float, cos: float, sin: float, half_length: float, half_width: float
+) -> tuple[float, float, float]:
+    """Return what `nearest_of_box` does of a point that is given in the box' own frame [m]; cos and sin of its yaw."""
+    out_along, out_across = abs(along) - half_length, abs(across) - half_width
     if out_along <= 0.0 and out_across <= 0.0:
         distance = max(out_along, out_across)
         u = (1.0 if along >= 0.0 else -1.0) if out_along > out_across else 0.0
         v = (1.0 if across >= 0.0 else -1.0) if out_along <= out_across else 0.0
     else:
         u, v = max(out_along, 0.0), max(out_across, 0.0)
-        distance = np.hypot(u, v)
+        distance = np.sqrt(u * u + v * v)
         u, v = u / distance * np.sign(along), v / distance * np.sign(across)
-    return distance, box[2] * u - box[3] * v, box[3] * u + box[2] * v
+    return distance, cos * u - sin * v, sin * u + cos * v
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def is_clear(x: float, y: float, boxes: Array, circles: Array, clearance: float) -> bool:
     """Return whether nothing is nearer to a point than `clearance` [m]."""
     for k in range(len(boxes)):
@@ -45,19 +54,3 @@ def is_clear(x: float, y: float, boxes: Array, circles: Array, clearance: float)
     for k in range(len(circles)):
         clear = clear and np.hypot(x - circles[k, 0], y - circles[k, 1]) >= circles[k, 2] + clearance
     return clear
-
-
-@njit(cache=True, nogil=True)
-def keep_clear(x: float, y: float, room: float, boxes: Array, circles: Array) -> tuple[float, float]:
-    """Return the point (x, y) moved out of whatever is nearer than `room` [m]."""
-    for k in range(len(boxes)):
-        if abs(boxes[k, 0] - x) + abs(boxes[k, 1] - y) < boxes[k, 4] + boxes[k, 5] + 1.0:
-            distance, ux, uy = nearest_of_box(x, y, boxes[k])
-            push = max(room - distance, 0.0)
-            x, y = x + push * ux, y + push * uy
-    for k in range(len(circles)):
-        dx, dy = x - circles[k, 0], y - circles[k, 1]
-        away = max(np.hypot(dx, dy), 1e-6)
-        push = max(circles[k, 2] + room - away, 0.0)
-        x, y = x + push * dx / away, y + push * dy / away
-    return x, y

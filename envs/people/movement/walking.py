@@ -4,8 +4,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from .obstacles import is_clear, keep_clear, nearest_of_box
+from ....slam.view_kernel import view_kernel
+from .obstacles import is_clear, nearest_of_box, nearest_of_rectangle
 from .social_force import pair_force
+from .things import Things, cell_of, keep_clear
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -19,7 +21,7 @@ _PATIENCE = 0.6
 _UNMOVED = 1.5
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def locate(position: Array, arc: Array, path: Array, tangent: Array, first: Ints, count: Ints) -> None:
     """Update `arc` (n,), the way of each person along their path [m], by a search near its last value.
 
@@ -79,7 +81,7 @@ def free_sides(path: Array, tangent: Array, boxes: Array, circles: Array, cleara
     return found
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def wanted_directions(
     position: Array,
     arc: Array,
@@ -115,11 +117,11 @@ def wanted_directions(
         tx, ty = tangent[k, 0], tangent[k, 1]
         x = path[k, 0] + part * (path[k + 1, 0] - path[k, 0]) + beyond * SPACING * tx - lateral[i] * ty - position[i, 0]
         y = path[k, 1] + part * (path[k + 1, 1] - path[k, 1]) + beyond * SPACING * ty + lateral[i] * tx - position[i, 1]
-        length = max(np.hypot(x, y), 1e-6)
+        length = max(np.sqrt(x * x + y * y), 1e-6)
         direction[i, 0], direction[i, 1] = x / length, y / length
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def _patience(i: int, position: Array, direction: Array, speed: float, radius: Array, robot: Array) -> float:
     """Return the share in [0, 1] of the wanted speed that those who stand in the way leave to person i."""
     share = 1.0
@@ -138,7 +140,7 @@ def _patience(i: int, position: Array, direction: Array, speed: float, radius: A
     return share
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def advance_bodies(
     dt: float,
     position: Array,
@@ -148,9 +150,9 @@ def advance_bodies(
     wish: Array,
     radius: Array,
     robot: Array,
-    boxes: Array,
-    circles: Array,
+    things: Things,
     force: Array,
+    before: Array,
 ) -> None:
     """Move n people for `dt` seconds, in place.
 
@@ -163,15 +165,16 @@ def advance_bodies(
         wish: (n,) wanted speeds [m/s]; 0 stands.
         radius: (n,) of the bodies [m].
         robot: (8,) x, y, cos, sin of its pose, velocity x and y [m/s], half length, half width [m].
-        boxes: (b, 6) furniture and walls, see `nearest_of_box`.
-        circles: (c, 3) x, y, radius of round furniture [m].
+        things: Furniture and walls.
         force: (9,) `SocialForceConfig.as_array()`.
+        before: (n, 2) written: where they were [m].
     """
     n = len(position)
-    before = position.copy()
     for i in range(n):
-        fx, fy = _forces(i, position, velocity, radius, robot, boxes, circles, force)
-        if wish[i] == 0.0 and np.hypot(fx, fy) < _UNMOVED:
+        before[i, 0], before[i, 1] = position[i, 0], position[i, 1]
+    for i in range(n):
+        fx, fy = _forces(i, position, velocity, radius, robot, things, force)
+        if wish[i] == 0.0 and fx * fx + fy * fy < _UNMOVED * _UNMOVED:
             fx, fy = 0.0, 0.0
         facing = np.cos(heading[i]) * direction[i, 0] + np.sin(heading[i]) * direction[i, 1]
         speed = wish[i] * min(max(1.5 * facing, 0.0), 1.0)
@@ -181,20 +184,21 @@ def advance_bodies(
         fy += (speed * direction[i, 1] - velocity[i, 1]) / force[0]
         _move(dt, i, fx, fy, max(1.2 * wish[i], 0.6), position, velocity)
     for _ in range(4):
-        _part(dt, position, radius, robot, boxes, circles)
+        if not _part(dt, position, radius, robot, things):
+            break
     for i in range(n):
         velocity[i, 0] = (position[i, 0] - before[i, 0]) / dt
         velocity[i, 1] = (position[i, 1] - before[i, 1]) / dt
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def _move(dt: float, i: int, fx: float, fy: float, fastest: float, position: Array, velocity: Array) -> None:
     """Accelerate person i by a force [m/s^2], at most 3 m/s^2 and up to the speed `fastest`, and move them."""
-    strength = np.hypot(fx, fy)
+    strength = np.sqrt(fx * fx + fy * fy)
     scale = 3.0 / strength if strength > 3.0 else 1.0
     velocity[i, 0] += dt * fx * scale
     velocity[i, 1] += dt * fy * scale
-    now = np.hypot(velocity[i, 0], velocity[i, 1])
+    now = np.sqrt(velocity[i, 0] * velocity[i, 0] + velocity[i, 1] * velocity[i, 1])
     slower = fastest / now if now > fastest else 1.0
     velocity[i, 0] *= slower
     velocity[i, 1] *= slower
@@ -202,15 +206,14 @@ def _move(dt: float, i: int, fx: float, fy: float, fastest: float, position: Arr
     position[i, 1] += dt * velocity[i, 1]
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
 def _forces(
     i: int,
     position: Array,
     velocity: Array,
     radius: Array,
     robot: Array,
-    boxes: Array,
-    circles: Array,
+    things: Things,
     force: Array,
 ) -> tuple[float, float]:
     """Return the force on person i of the others, the robot and the obstacles [m/s^2]."""
@@ -222,51 +225,77 @@ def _forces(
                 position[j, 0] - x, position[j, 1] - y, vx - velocity[j, 0], vy - velocity[j, 1], 0.0, force
             )
             fx, fy = fx + px, fy + py
+    px, py = _force_of_things(x, y, radius[i], things, force)
+    return fx + px, fy + py
+
+
+@view_kernel
+def _force_of_things(x: float, y: float, radius: float, things: Things, force: Array) -> tuple[float, float]:
+    """Return the force of walls and furniture on a body at a point [m/s^2]."""
+    fx = fy = 0.0
     reach, threshold = force[7], force[8]
-    for k in range(len(boxes)):
-        if abs(boxes[k, 0] - x) + abs(boxes[k, 1] - y) > boxes[k, 4] + boxes[k, 5] + 2.0:
-            continue
-        distance, ux, uy = nearest_of_box(x, y, boxes[k])
-        distance -= radius[i]
+    cell = cell_of(x, y, things.frame)
+    for k in range(things.first[cell], things.first[cell + 1]):
+        item = things.items[k]
+        if item >= 0:
+            distance, ux, uy = nearest_of_box(x, y, things.boxes[item])
+            distance -= radius
+        else:
+            circle = things.circles[-1 - item]
+            ux, uy = x - circle[0], y - circle[1]
+            away = max(np.sqrt(ux * ux + uy * uy), 1e-6)
+            ux, uy = ux / away, uy / away
+            distance = away - circle[2] - radius
         if distance < threshold:
             push = force[6] * np.exp(-max(distance, 0.0) / reach)
-            fx, fy = fx + push * ux, fy + push * uy
-    for k in range(len(circles)):
-        ux, uy = x - circles[k, 0], y - circles[k, 1]
-        away = max(np.hypot(ux, uy), 1e-6)
-        distance = away - circles[k, 2] - radius[i]
-        if distance < threshold:
-            push = force[6] * np.exp(-max(distance, 0.0) / reach) / away
             fx, fy = fx + push * ux, fy + push * uy
     return fx, fy
 
 
-@njit(cache=True, nogil=True)
-def _part(dt: float, position: Array, radius: Array, robot: Array, boxes: Array, circles: Array) -> None:
-    """Push apart who overlaps: from each other, from the robot (no faster than a person evades), from obstacles."""
-    n = len(position)
+@view_kernel
+def _part(dt: float, position: Array, radius: Array, robot: Array, things: Things) -> bool:
+    """Push apart who overlaps: from each other, from the robot (no faster than a person evades), from obstacles.
+
+    Return whether anybody was pushed: if nobody was, nobody would be by doing it again.
+    """
+    n, pushed = len(position), False
     for i in range(n):
         for j in range(i + 1, n):
             dx, dy = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
-            away = max(np.hypot(dx, dy), 1e-6)
-            push = (radius[i] + radius[j] + _BESIDE - away) / 2.0
-            if push > 0.0:
+            room = radius[i] + radius[j] + _BESIDE
+            if dx * dx + dy * dy < room * room:
+                away = max(np.sqrt(dx * dx + dy * dy), 1e-6)
+                push = (room - away) / 2.0
                 position[i, 0] -= push * dx / away
                 position[i, 1] -= push * dy / away
                 position[j, 0] += push * dx / away
                 position[j, 1] += push * dy / away
-    chassis = np.array([robot[0], robot[1], robot[2], robot[3], robot[6], robot[7]])
+                pushed = True
     for i in range(n):
-        distance, ux, uy = nearest_of_box(position[i, 0], position[i, 1], chassis)
-        push = min(radius[i] + _BESIDE - distance, _EVADE * dt / 4.0)
-        if push > 0.0:
-            position[i, 0] += push * ux
-            position[i, 1] += push * uy
         room = radius[i] + _BESIDE
-        position[i, 0], position[i, 1] = keep_clear(position[i, 0], position[i, 1], room, boxes, circles)
+        x, y = _beside_robot(position[i, 0], position[i, 1], room, _EVADE * dt / 4.0, robot)
+        x, y = keep_clear(x, y, room, things)
+        pushed = pushed or x != position[i, 0] or y != position[i, 1]
+        position[i, 0], position[i, 1] = x, y
+    return pushed
 
 
-@njit(cache=True, nogil=True)
+@view_kernel
+def _beside_robot(x: float, y: float, room: float, fastest: float, robot: Array) -> tuple[float, float]:
+    """Return the point (x, y) moved away from the robot's chassis where it is nearer than `room`, at most so far [m].
+
+    `robot` as in `advance_bodies`.
+    """
+    dx, dy = x - robot[0], y - robot[1]
+    along, across = robot[2] * dx + robot[3] * dy, robot[2] * dy - robot[3] * dx
+    if abs(along) >= robot[6] + room or abs(across) >= robot[7] + room:
+        return x, y
+    distance, ux, uy = nearest_of_rectangle(along, across, robot[2], robot[3], robot[6], robot[7])
+    push = min(room - distance, fastest)
+    return (x + push * ux, y + push * uy) if push > 0.0 else (x, y)
+
+
+@view_kernel
 def turn_bodies(dt: float, velocity: Array, direction: Array, wish: Array, face: Array, heading: Array) -> None:
     """Turn `heading` (n,) in place, at most 2.6 rad/s.
 

@@ -1,0 +1,247 @@
+"""The robot's base on its wheels: what MuJoCo's slides, hinge, servos and contacts do, in the plane.
+
+As `mjINT_IMPLICITFAST` integrates them: a servo that is not at its limit brakes implicitly. Contacts are MuJoCo's soft
+constraints at its default `solref` and `solimp`, solved point by point; upright walls and people leave nothing of the
+third dimension. Held to MuJoCo by tests.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...slam.view_kernel import view_kernel
+from ..people.movement.things import Things, cell_of
+
+Array = NDArray[np.float64]
+
+MOST_CONTACTS = 64
+"""Points of contact that are looked at: a chassis touches a handful."""
+_ROUNDS = 12
+_FRICTION = 0.3
+_DEPTH, _SOFTEST, _HARDEST = 0.001, 0.9, 0.95  # solimp
+_TIME_CONSTANT = 0.02  # solref
+
+
+class Base(NamedTuple):
+    """Size and servos of the robot; kernels take it as it is.
+
+    Attributes:
+        half_length: Of the chassis [m].
+        half_width: Of the chassis [m].
+        mass: [kg].
+        inertia: About the vertical [kg m^2].
+        gains: (3,) of the servos forward, sideways [N s/m] and turn [N m s].
+        limits: (3,) largest force of each [N, N, N m].
+        slopes: (3,) largest change of the setpoints [m/s^2, m/s^2, rad/s^2].
+        max_speed: Largest linear speed of a command [m/s].
+        max_turn_rate: Largest angular speed of a command [rad/s].
+        dt: Time step of the physics [s].
+    """
+
+    half_length: float
+    half_width: float
+    mass: float
+    inertia: float
+    gains: Array
+    limits: Array
+    slopes: Array
+    max_speed: float
+    max_turn_rate: float
+    dt: float
+
+
+@view_kernel
+def cut_command(wanted: Array, base: Base) -> None:
+    """Cut a wanted body velocity (3,) to the limits, in place."""
+    speed = np.hypot(wanted[0], wanted[1])
+    scale = min(1.0, base.max_speed / speed) if speed > 0.0 else 1.0
+    wanted[0] *= scale
+    wanted[1] *= scale
+    wanted[2] = min(max(wanted[2], -base.max_turn_rate), base.max_turn_rate)
+
+
+@view_kernel
+def ramp(setpoint: Array, wanted: Array, base: Base, dt: float) -> None:
+    """Move the setpoints (3,) towards `wanted` (3,) for `dt` seconds, in place."""
+    for k in range(3):
+        step = base.slopes[k] * dt
+        setpoint[k] += min(max(wanted[k] - setpoint[k], -step), step)
+
+
+@view_kernel
+def drive(
+    pose: Array, velocity: Array, setpoint: Array, base: Base, contacts: Array, touched: int, work: Array
+) -> None:
+    """Advance the base by one time step of the physics, in place.
+
+    Args:
+        pose: (3,) x, y [m], heading [rad], which is not wrapped.
+        velocity: (3,) in the world [m/s, m/s, rad/s].
+        setpoint: (3,) of the servos, in the body's frame.
+        base: Size and servos.
+        contacts: (MOST_CONTACTS, 5) point x, y [m], unit vector away from what is touched, depth [m].
+        touched: How many there are.
+        work: (MOST_CONTACTS, 2) scratch.
+    """
+    cos, sin = np.cos(pose[2]), np.sin(pose[2])
+    ahead, aside = cos * velocity[0] + sin * velocity[1], cos * velocity[1] - sin * velocity[0]
+    force_u, soft_u = _servo(0, setpoint[0] - ahead, base)
+    force_v, soft_v = _servo(1, setpoint[1] - aside, base)
+    torque, soft_turn = _servo(2, setpoint[2] - velocity[2], base)
+    force_x, force_y = cos * force_u - sin * force_v, sin * force_u + cos * force_v
+    if touched > 0:
+        px, py, pt = _contact_forces(pose, velocity, (force_x, force_y, torque), base, contacts, touched, work)
+        force_x, force_y, torque = force_x + px, force_y + py, torque + pt
+    ahead = base.dt * (cos * force_x + sin * force_y) / (base.mass + soft_u)
+    aside = base.dt * (cos * force_y - sin * force_x) / (base.mass + soft_v)
+    velocity[0] += cos * ahead - sin * aside
+    velocity[1] += sin * ahead + cos * aside
+    velocity[2] += base.dt * torque / (base.inertia + soft_turn)
+    for k in range(3):
+        pose[k] += base.dt * velocity[k]
+
+
+@view_kernel
+def _servo(k: int, missing: float, base: Base) -> tuple[float, float]:
+    """Return the force of servo k that is so much too slow, and what its implicit braking adds to the mass [kg]."""
+    force, limit = base.gains[k] * missing, base.limits[k]
+    if -limit < force < limit:
+        return force, base.dt * base.gains[k]
+    return min(max(force, -limit), limit), 0.0
+
+
+@view_kernel
+def _contact_forces(
+    pose: Array,
+    velocity: Array,
+    acting: tuple[float, float, float],
+    base: Base,
+    contacts: Array,
+    touched: int,
+    work: Array,
+) -> tuple[float, float, float]:
+    """Return force x, y [N] and torque [N m] of all contacts, by projected Gauss-Seidel."""
+    time_constant = max(_TIME_CONSTANT, 2.0 * base.dt)
+    damping = 2.0 / (_HARDEST * time_constant)
+    stiffness = 1.0 / (_HARDEST * time_constant) ** 2
+    fx, fy, torque = acting
+    work[:touched] = 0.0
+    for _ in range(_ROUNDS):
+        for k in range(touched):
+            nx, ny, depth = contacts[k, 2], contacts[k, 3], contacts[k, 4]
+            rx, ry = contacts[k, 0] - pose[0], contacts[k, 1] - pose[1]
+            share = min(depth / _DEPTH, 1.0)
+            share = 2.0 * share * share if share < 0.5 else 1.0 - 2.0 * (1.0 - share) ** 2
+            impedance = _SOFTEST + share * (_HARDEST - _SOFTEST)
+            for axis in range(2):
+                ux, uy = (nx, ny) if axis == 0 else (-ny, nx)
+                arm = rx * uy - ry * ux
+                mobility = 1.0 / base.mass + arm * arm / base.inertia
+                speed = ux * velocity[0] + uy * velocity[1] + arm * velocity[2]
+                wanted = -damping * speed + (stiffness * depth if axis == 0 else 0.0)
+                gives = (1.0 - impedance) / impedance * mobility
+                present = (ux * fx + uy * fy) / base.mass + arm * torque / base.inertia
+                change = (wanted - present - gives * work[k, axis]) / (mobility + gives)
+                if axis == 0:
+                    change = max(change, -work[k, 0])
+                else:
+                    most = _FRICTION * work[k, 0]
+                    change = min(max(work[k, 1] + change, -most), most) - work[k, 1]
+                work[k, axis] += change
+                fx, fy, torque = fx + change * ux, fy + change * uy, torque + change * arm
+    return fx - acting[0], fy - acting[1], torque - acting[2]
+
+
+@view_kernel
+def touch_things(pose: Array, base: Base, things: Things, contacts: Array, touched: int) -> int:
+    """Add where the chassis touches walls and furniture to `contacts`; return how many there are then."""
+    cos, sin = np.cos(pose[2]), np.sin(pose[2])
+    cell = cell_of(pose[0], pose[1], things.frame)
+    for k in range(things.first[cell], things.first[cell + 1]):
+        item = things.items[k]
+        if item >= 0:
+            touched = touch_box(pose, cos, sin, base, things.boxes[item], contacts, touched)
+        else:
+            circle = things.circles[-1 - item]
+            touched = touch_circle(pose, cos, sin, base, circle[0], circle[1], circle[2], contacts, touched)
+    return touched
+
+
+@view_kernel
+def touch_circle(
+    pose: Array, cos: float, sin: float, base: Base, x: float, y: float, radius: float, contacts: Array, touched: int
+) -> int:
+    """Add where the chassis touches a circle; return how many contacts there are then."""
+    dx, dy = x - pose[0], y - pose[1]
+    u, v = cos * dx + sin * dy, cos * dy - sin * dx
+    near_u = min(max(u, -base.half_length), base.half_length)
+    near_v = min(max(v, -base.half_width), base.half_width)
+    away = np.hypot(u - near_u, v - near_v)
+    if away > radius or touched == len(contacts):
+        return touched
+    if away > 1e-9:
+        nu, nv, depth = (near_u - u) / away, (near_v - v) / away, radius - away
+    elif base.half_length - abs(u) < base.half_width - abs(v):
+        nu, nv, depth = -np.sign(u), 0.0, radius + base.half_length - abs(u)
+    else:
+        nu, nv, depth = 0.0, -np.sign(v), radius + base.half_width - abs(v)
+    _note(pose, cos, sin, near_u, near_v, nu, nv, depth, contacts[touched])
+    return touched + 1
+
+
+@view_kernel
+def _note(
+    pose: Array, cos: float, sin: float, u: float, v: float, nu: float, nv: float, depth: float, row: Array
+) -> None:
+    """Write a contact at (u, v) with the unit vector (nu, nv), both in the chassis' frame."""
+    row[0], row[1] = pose[0] + cos * u - sin * v, pose[1] + sin * u + cos * v
+    row[2], row[3], row[4] = cos * nu - sin * nv, sin * nu + cos * nv, depth
+
+
+@view_kernel
+def touch_box(pose: Array, cos: float, sin: float, base: Base, box: Array, contacts: Array, touched: int) -> int:
+    """Add where the chassis touches a box; return how many contacts there are then.
+
+    By the four directions in which two rectangles can be apart. The way out is the one of least depth; points are the
+    corners of each that are in the other.
+    """
+    dx, dy = box[0] - pose[0], box[1] - pose[1]
+    u, v = cos * dx + sin * dy, cos * dy - sin * dx
+    c, s = cos * box[2] + sin * box[3], cos * box[3] - sin * box[2]  # the box' yaw in the chassis' frame
+    long, wide, half_x, half_y = base.half_length, base.half_width, box[4], box[5]
+    ac, as_ = abs(c), abs(s)
+    by_u, by_v = long + half_x * ac + half_y * as_ - abs(u), wide + half_x * as_ + half_y * ac - abs(v)
+    if by_u < 0.0 or by_v < 0.0:
+        return touched
+    p, q = -(c * u + s * v), -(c * v - s * u)  # the chassis, seen from the box
+    by_p, by_q = half_x + long * ac + wide * as_ - abs(p), half_y + long * as_ + wide * ac - abs(q)
+    if by_p < 0.0 or by_q < 0.0:
+        return touched
+    least = min(by_u, by_v, by_p, by_q)
+    if least == by_u:
+        nu, nv = -np.copysign(1.0, u), 0.0
+    elif least == by_v:
+        nu, nv = 0.0, -np.copysign(1.0, v)
+    elif least == by_p:
+        nu, nv = np.copysign(1.0, p) * c, np.copysign(1.0, p) * s
+    else:
+        nu, nv = -np.copysign(1.0, q) * s, np.copysign(1.0, q) * c
+    before = touched
+    for corner in range(4):
+        a, b = (1.0 if corner < 2 else -1.0), (1.0 if corner % 2 else -1.0)
+        cu, cv = a * long, b * wide  # of the chassis
+        eu, ev = c * (cu - u) + s * (cv - v), c * (cv - v) - s * (cu - u)
+        if abs(eu) <= half_x and abs(ev) <= half_y and touched < len(contacts):
+            depth = half_x * abs(c * nu + s * nv) + half_y * abs(c * nv - s * nu) - nu * (cu - u) - nv * (cv - v)
+            _note(pose, cos, sin, cu, cv, nu, nv, max(min(depth, least), 0.0), contacts[touched])
+            touched += 1
+        cu, cv = u + a * half_x * c - b * half_y * s, v + a * half_x * s + b * half_y * c  # of the box
+        if abs(cu) <= long and abs(cv) <= wide and touched < len(contacts):
+            depth = long * abs(nu) + wide * abs(nv) + nu * cu + nv * cv
+            _note(pose, cos, sin, cu, cv, nu, nv, max(min(depth, least), 0.0), contacts[touched])
+            touched += 1
+    if touched == before and touched < len(contacts):  # two that cross: no corner of either is in the other
+        _note(pose, cos, sin, 0.5 * u, 0.5 * v, nu, nv, least, contacts[touched])
+        touched += 1
+    return touched

@@ -1,0 +1,206 @@
+"""What the robot of one world measures and believes after a control period."""
+
+import numpy as np
+
+from ...slam.view_kernel import view_kernel
+from ..oracle import FARTHEST_M as KNOWN_M
+from ..people.posture import cut_shins
+from ..sensors.ray_kernel import measured
+from ..task.observation import FARTHEST_M, FASTEST_MPS, FASTEST_TURN
+from ..world.config import TICK
+from .beams import cast_ellipse, cast_rectangle, point_beams
+from .draws import Words, normal, until_failure
+from .leading import CHOSEN, VISIBLE, select
+from .moving import door_box
+from .plans import Plans
+from .rules import Laser, Rules
+from .state import Array, Flags, Floats, Scratch, Told, WorldsState
+
+
+@view_kernel
+def perceive(w: int, rules: Rules, plans: Plans, state: WorldsState, told: Told, room: Scratch) -> None:
+    """Take a sweep, see the people, choose the leader, and write the observation of world w."""
+    s, pose, odometry = state.slot[w], state.pose[w], state.odometry[w]
+    n, began = plans.people[s], state.steps[w] == 0
+    position = state.position[w, :n]
+    _start_sweep(pose, rules.laser, room.beams)
+    _meet_people(
+        pose, position, state.heading[w], plans.size[s], state.feet[w], state.lift[w], rules.laser, room.ellipse,
+        room.beams,
+    )  # fmt: skip
+    for d in range(plans.doors[s]):
+        door_box(plans.leaves[s, d], state.open[w, d], room.robot[:6])
+        _meet_walls(pose, rules.laser, room.robot[:6].reshape((1, 6)), plans.seen_circles[s, :0], room.beams)
+    boxes, circles = plans.seen_boxes[s, : plans.rectangles[s]], plans.seen_circles[s, : plans.rounds[s]]
+    _meet_walls(pose, rules.laser, boxes, circles, room.beams)
+    _measure(rules.laser, state.random[w], room.beams[2], told.scan[w])
+    known, apart, places, motions = room.known[:n], room.apart[:n], room.places[:n], room.motions[:n]
+    told.tracked[w] = _know(pose, odometry, position, state.velocity[w], known, apart, places, motions)
+    sweeps, memory, estimate = 1 if began else rules.sweeps, state.memory[w], state.estimate[w]
+    dt = 0.0 if began else rules.ticks * TICK / sweeps
+    for sweep in range(sweeps):
+        time_s = told.time_s[w] - (sweeps - 1 - sweep) * dt
+        state.track[w] = select(
+            time_s, dt, known, apart, places, motions, rules.selecting, state.track[w], memory, estimate,
+            state.covariance[w], state.duplicate[w, :n],
+        )  # fmt: skip
+    told.track[w] = state.track[w]
+    _leader_entry(memory, estimate, odometry, told.leader[w])
+    _people_entry(state.track[w], odometry, known, apart, places, motions, told.people[w])
+    if began:
+        told.velocity[w] = 0.0
+    else:
+        _velocity(state.odometry_before[w], odometry, dt, sweeps, told.velocity[w])
+
+
+@view_kernel
+def _start_sweep(pose: Array, laser: Laser, beams: Array) -> None:
+    """Point the beams (3, n) from the robot's pose (3,); they have met nothing yet."""
+    point_beams(pose[2], laser.cos_bearing, laser.sin_bearing, beams[0], beams[1])
+    beams[2] = np.inf
+
+
+@view_kernel
+def _origin(pose: Array, laser: Laser) -> tuple[float, float]:
+    cos, sin = np.cos(pose[2]), np.sin(pose[2])
+    x, y = laser.mount[0], laser.mount[1]
+    return pose[0] + cos * x - sin * y, pose[1] + sin * x + cos * y
+
+
+@view_kernel
+def _meet_people(
+    pose: Array,
+    position: Array,
+    heading: Array,
+    size: Array,
+    feet: Array,
+    lift: Array,
+    laser: Laser,
+    ellipse: Array,
+    beams: Array,
+) -> None:
+    """Let the beams meet the legs of the people, see `WorldsState` and `Plans`; `ellipse` (2, 6) is scratch."""
+    x, y = _origin(pose, laser)
+    first, reach = pose[2] + laser.first, laser.range_max + 2.0
+    for i in range(len(position)):
+        if (position[i, 0] - x) ** 2 + (position[i, 1] - y) ** 2 < reach * reach:
+            legs = cut_shins(position[i], heading[i], size[i], feet[i], lift[i], laser.height, ellipse)
+            for leg in range(legs):
+                e = ellipse[leg]
+                cast_ellipse(e[0] - x, e[1] - y, e[2], e[3], e[4], e[5], first, laser.spacing, beams)
+
+
+@view_kernel
+def _meet_walls(pose: Array, laser: Laser, boxes: Array, circles: Array, beams: Array) -> None:
+    """Let the beams meet boxes (b, 6) and circles (c, 3)."""
+    x, y = _origin(pose, laser)
+    first, spacing = pose[2] + laser.first, laser.spacing
+    for k in range(len(boxes)):
+        cast_rectangle(x, y, boxes[k], first, spacing, beams)
+    for k in range(len(circles)):
+        form, radius = 1.0 / (circles[k, 2] * circles[k, 2]), circles[k, 2]
+        cast_ellipse(circles[k, 0] - x, circles[k, 1] - y, form, 0.0, form, radius, first, spacing, beams)
+
+
+@view_kernel
+def _measure(laser: Laser, random: Words, exact: Array, entry: Floats) -> None:
+    """Write a measured sweep as the observation has it: shares of the largest range, 1 where there is no return."""
+    failing = until_failure(random, laser.dropout)
+    for j in range(len(exact)):
+        noise = normal(random)
+        beyond = exact[j] if exact[j] <= laser.range_max else np.inf
+        sigma = laser.sigma_near if beyond <= laser.near else laser.sigma_far
+        range_ = measured(beyond, sigma * noise, laser.range_max)
+        if j == failing:
+            failing += 1 + until_failure(random, laser.dropout)
+            range_ = np.inf
+        entry[j] = range_ / laser.range_max if laser.range_min <= range_ <= laser.range_max else 1.0
+
+
+@view_kernel
+def _know(
+    pose: Array,
+    odometry: Array,
+    position: Array,
+    velocity: Array,
+    known: Flags,
+    apart: Array,
+    places: Array,
+    motions: Array,
+) -> int:
+    """Write what the robot knows of the people, the last four as in `Scratch`; return how many it knows."""
+    turn = odometry[2] - pose[2]
+    cos, sin = np.cos(turn), np.sin(turn)
+    tracked = 0
+    for i in range(len(position)):
+        dx, dy, vx, vy = position[i, 0] - pose[0], position[i, 1] - pose[1], velocity[i, 0], velocity[i, 1]
+        apart[i] = np.sqrt(dx * dx + dy * dy)
+        known[i] = apart[i] < KNOWN_M
+        tracked += known[i]
+        places[i, 0], places[i, 1] = odometry[0] + cos * dx - sin * dy, odometry[1] + sin * dx + cos * dy
+        motions[i, 0], motions[i, 1] = cos * vx - sin * vy, sin * vx + cos * vy
+    return tracked
+
+
+@view_kernel
+def _leader_entry(memory: Array, place: Array, odometry: Array, entry: Floats) -> None:
+    """Write the leader in the robot's frame; zeros before there is one."""
+    entry[:] = 0.0
+    if memory[CHOSEN] > 0.0:
+        _in_robot_frame(odometry, place[0], place[1], place[2], place[3], entry)
+        entry[4] = entry[5] = memory[VISIBLE]
+
+
+@view_kernel
+def _in_robot_frame(odometry: Array, x: float, y: float, vx: float, vy: float, row: Floats) -> None:
+    """Write place and motion, given in the odometry frame, into the first four of an observation's row."""
+    cos, sin = np.cos(odometry[2]), np.sin(odometry[2])
+    dx, dy = x - odometry[0], y - odometry[1]
+    row[0] = min(max(cos * dx + sin * dy, -FARTHEST_M), FARTHEST_M)
+    row[1] = min(max(cos * dy - sin * dx, -FARTHEST_M), FARTHEST_M)
+    row[2] = min(max(cos * vx + sin * vy, -FASTEST_MPS), FASTEST_MPS)
+    row[3] = min(max(cos * vy - sin * vx, -FASTEST_MPS), FASTEST_MPS)
+
+
+@view_kernel
+def _people_entry(
+    track: int, odometry: Array, known: Flags, apart: Array, places: Array, motions: Array, table: Floats
+) -> None:
+    """Write who does not lead, the nearest first; `known` is used up."""
+    table[:] = 0.0
+    if track >= 0:
+        known[track] = False
+    for row in range(len(table)):
+        nearest = -1
+        for i in range(len(known)):
+            if known[i] and (nearest < 0 or apart[i] < apart[nearest]):
+                nearest = i
+        if nearest < 0:
+            return
+        known[nearest] = False
+        place, motion = places[nearest], motions[nearest]
+        _in_robot_frame(odometry, place[0], place[1], motion[0], motion[1], table[row])
+        table[row, 4] = table[row, 5] = 1.0
+
+
+@view_kernel
+def _velocity(before: Array, now: Array, dt: float, sweeps: int, entry: Floats) -> None:
+    """Write the robot's velocity by odometry, from the last sweep but one to the last one, `dt` [s] later."""
+    x, y, turn = _between(before[0], before[1], before[2], now[0], now[1], now[2])
+    share = (sweeps - 1.0) / sweeps
+    if share > 0.0:  # the sweep before this one was taken on the way, which is taken to be even
+        x, y, turn = _between(share * x, share * y, share * turn, x, y, turn)
+    last = len(entry) - 1
+    entry[0] = min(max(x / dt, -FASTEST_MPS), FASTEST_MPS)
+    if last == 2:
+        entry[1] = min(max(y / dt, -FASTEST_MPS), FASTEST_MPS)
+    entry[last] = min(max(turn / dt, -FASTEST_TURN), FASTEST_TURN)
+
+
+@view_kernel
+def _between(x0: float, y0: float, theta0: float, x1: float, y1: float, theta1: float) -> tuple[float, float, float]:
+    """Return the second pose seen from the first."""
+    cos, sin = np.cos(theta0), np.sin(theta0)
+    dx, dy = x1 - x0, y1 - y0
+    turn = (theta1 - theta0 + np.pi) % (2.0 * np.pi) - np.pi
+    return cos * dx + sin * dy, cos * dy - sin * dx, turn

@@ -1,0 +1,74 @@
+"""Episodes as they are drawn: ahead for all worlds, and for one world where it was asked for."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from gymnasium.utils import seeding
+
+from ..episode_setup import world_config
+from ..follow_config import FollowConfig
+from ..world.drawing import draw_again, draw_episode
+from .plans import Plans, plan_row
+from .records import Records
+
+_LATER = 0x7A6A  # sets the draws of later episodes apart from those of seeds
+
+
+SHARING = 4
+"""Episodes drawn ahead that share a building and its tour: drawing a building takes ten times as long as people."""
+
+
+class EpisodePool:
+    """Draws episodes and keeps them as arrays.
+
+    Rows 0 to `ahead` - 1 hold the episodes that are drawn ahead, the `worlds` rows behind them what each world was
+    last reset to where that had to be drawn. Those ahead depend on `seed` alone, so that a world plays the same ones
+    beside any others.
+
+    Args:
+        config: What to draw.
+        worlds: How many worlds.
+        ahead: How many episodes are drawn ahead.
+        seed: Of their draws.
+    """
+
+    def __init__(self, config: FollowConfig, worlds: int, ahead: int, seed: int) -> None:
+        self._config, self._ahead, self._seed = config, ahead, seed
+        self._records = Records(ahead + worlds)
+        self._drawn_ahead = False
+
+    def draw_own(self, world: int, seed: int, options: Mapping[str, Any]) -> None:
+        """Draw the episode that `FollowEnv` begins with `reset(seed=seed, options=options)`."""
+        self._put_own(world, seeding.np_random(seed)[0], options)
+
+    def draw_another(self, world: int, seed: int, episode: int, options: Mapping[str, Any]) -> None:
+        """Draw a later episode of the world that was last given `seed`."""
+        self._put_own(world, np.random.default_rng([seed, episode]), options)
+
+    def draw_ahead(self) -> None:
+        """Draw the episodes ahead, once."""
+        if self._drawn_ahead:
+            return
+        config = world_config(self._config, {})
+        for building in range(0, self._ahead, SHARING):
+            drawing = draw_episode(config, np.random.default_rng([_LATER, self._seed, building]))
+            self._records.put(building, plan_row(drawing))
+            for row in range(building + 1, min(building + SHARING, self._ahead)):
+                again = draw_again(drawing, np.random.default_rng([_LATER, self._seed, row]))
+                self._records.put(row, plan_row(again))
+        self._drawn_ahead = True
+
+    @property
+    def plans(self) -> Plans:
+        """All episodes, as kernels take them."""
+        return Plans(**self._records.arrays)
+
+    @property
+    def size(self) -> int:
+        """Memory of all episodes [bytes]."""
+        return self._records.size
+
+    def _put_own(self, world: int, rng: np.random.Generator, options: Mapping[str, Any]) -> None:
+        drawing = draw_episode(world_config(self._config, options), rng)
+        self._records.put(self._ahead + world, plan_row(drawing))

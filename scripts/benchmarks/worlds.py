@@ -1,0 +1,119 @@
+"""How many steps a second compiled worlds make, beside the single environment, with what they take of memory.
+
+Random actions, resets included; contacts end episodes, as they do in training. Times are the processor's of all
+threads, and the clock's beside them: on a machine that does other things the first is the one to compare. Everything
+is compiled and drawn before it is timed.
+
+example:
+  tagalong bench worlds --seconds 5
+"""
+
+import argparse
+from time import perf_counter, process_time
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+
+from ...envs import CompiledVectorEnv
+from ..console.arguments import require_count
+from ..console.tables import format_table
+from ..lab.hardware import describe_machine, reference_kernel_s
+from .results import write_results
+
+CASES: dict[str, dict[str, Any]] = {
+    "office, 5 bystanders, 360 beams": {"id": "Office", "people_count": 6, "beams": 360},
+    "office, 5 bystanders, 180 beams": {"id": "Office", "people_count": 6, "beams": 180},
+    "office, 5 bystanders, 1081 beams": {"id": "Office", "people_count": 6, "beams": 1081},
+    "office, nobody else, 360 beams": {"id": "Office", "people_count": 1, "beams": 360},
+    "office, 12 bystanders, 360 beams": {"id": "Office", "people_count": 13, "beams": 360},
+    "corridor, 1 bystander, 360 beams": {"id": "Corridor", "people_count": 2, "beams": 360},
+}
+"""Name -> the environment's id and arguments."""
+THREADS = (1, 2)
+_LEAST = 20  # steps before and in a measurement
+
+
+def world_speed(worlds: int, workers: int, seconds: float, **fields: Any) -> dict[str, float]:
+    """Return steps a second of `worlds` on `workers` threads, by the processor's time and by the clock's.
+
+    Args:
+        worlds: How many.
+        workers: Threads.
+        seconds: For how long to measure [s].
+        fields: The environment's id and arguments.
+    """
+    name, given = fields["id"], {key: value for key, value in fields.items() if key != "id"}
+    start = perf_counter()
+    env = gym.make_vec(
+        f"tagalong/{name}-v0", worlds, "vector_entry_point", simulator="compiled", workers=workers, **given
+    )
+    assert isinstance(env, CompiledVectorEnv)
+    env.reset(seed=0)
+    ready_s, rng = perf_counter() - start, np.random.default_rng(0)
+    actions = rng.uniform(-1.0, 1.0, (16, worlds, 2)).astype(np.float32)
+    for k in range(_LEAST):
+        env.step(actions[k % 16])
+    steps, begun, used = 0, perf_counter(), process_time()
+    while perf_counter() - begun < seconds or steps < _LEAST:
+        env.step(actions[steps % 16])
+        steps += 1
+    clock, used = perf_counter() - begun, process_time() - used
+    memory = env.memory
+    env.close()
+    count = float(steps * worlds)
+    return {"per_core": count / used, "per_clock": count / clock, "ready_s": ready_s, "memory_mb": memory / 1e6}
+
+
+def single_speed(seconds: float, **fields: Any) -> float:
+    """Return steps per second of processor time of one `FollowEnv` with the same people and laser, resets included."""
+    name, given = fields["id"], {key: value for key, value in fields.items() if key != "id"}
+    env = gym.make(f"tagalong/{name}-v0", disable_env_checker=True, people="truth", slam=None, **given)
+    env.action_space.seed(0)
+    env.reset(seed=0)
+    steps, begun, used = 0, perf_counter(), process_time()
+    while perf_counter() - begun < seconds or steps < _LEAST:
+        _, _, terminated, truncated, _ = env.step(env.action_space.sample())
+        if terminated or truncated:
+            env.reset()
+        steps += 1
+    used = process_time() - used
+    env.close()
+    return steps / used
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("--seconds", type=int, default=10, help="duration of each measurement (default: %(default)s)")
+    parser.add_argument("--worlds", type=int, default=256, help="worlds of each (default: %(default)s)")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Measure, print tables, write results.json."""
+    require_count("--seconds", options.seconds, 86_400, "a day of each")
+    require_count("--worlds", options.worlds, 65_536, "more than fit into memory")
+    machine, kernel_ms = describe_machine(), 1e3 * reference_kernel_s()
+    print(f"{machine['processor']}, {machine['cores']} cores; reference numpy kernel: {kernel_ms:.1f} ms\n")
+    rows: dict[str, dict[str, float]] = {}
+    for name, fields in CASES.items():
+        for threads in THREADS:
+            rows[f"{name}, {threads} thread{'s' * (threads > 1)}"] = world_speed(
+                options.worlds, threads, options.seconds, **fields
+            )
+        single = single_speed(options.seconds, **fields)
+        rows[f"{name}, the single environment"] = {"per_core": single, "per_clock": single}
+    for worlds in (16, 1024):
+        rows[f"office, 5 bystanders, 360 beams, {worlds} worlds"] = world_speed(
+            worlds, 1, options.seconds, **CASES["office, 5 bystanders, 360 beams"]
+        )
+    table = [
+        (name, *(_shown(row, key) for key in ("per_core", "per_clock", "memory_mb"))) for name, row in rows.items()
+    ]
+    title = f"{options.worlds} compiled worlds"
+    print(format_table((title, "steps a second of processor", "of the clock", "MB"), table))
+    write_results(options, {"reference_kernel_ms": kernel_ms, "worlds": rows})
+    return 0
+
+
+def _shown(row: dict[str, float], key: str) -> str:
+    return f"{row[key]:.0f}" if key in row else ""

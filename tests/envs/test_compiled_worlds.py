@@ -1,0 +1,248 @@
+"""Compiled worlds: what MuJoCo's worlds do, in arrays; the same bytes however they are grouped."""
+
+import gymnasium as gym
+import numpy as np
+import pytest
+from gymnasium.vector import AutoresetMode
+from tagalong.envs import FollowEnv
+from tagalong.slam import InputError
+
+EXACT = {
+    "lidar.sigma_near": 0.0,
+    "lidar.sigma_far": 0.0,
+    "lidar.dropout": 0.0,
+    "odometry": "perfect",
+    "people": "truth",
+    "slam": None,
+    "ends_on_contact": False,
+    "beams": 720,
+}
+SCENES = {
+    "Corridor": {"people_count": 3},
+    "FloorPlan": {"people_count": 5},
+    "Lab": {},
+    "Landmarks": {"field_of_view": 3.1, "robot": "dingo-o"},
+    "MeetingRoom": {"standing": 1},
+    "Office": {"people_count": 7, "split": "test"},
+    "PlainCorridor": {"control_hz": 5.0},
+}
+
+
+def compiled(name="Corridor", worlds=3, **arguments):
+    given = {"workers": 1, "episodes_ahead": 8, "beams": 90, "people_count": 3, **arguments}
+    return gym.make_vec(f"tagalong/{name}-v0", worlds, "vector_entry_point", simulator="compiled", **given)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_drive_is_that_of_mujoco(name):
+    fields = {**EXACT, **SCENES[name]}
+    many = compiled(name, 1, **{"people_count": 2, **fields}, own_start=True)
+    one = gym.make(f"tagalong/{name}-v0", disable_env_checker=True, **fields)
+    got, told = many.reset(seed=4)
+    wanted, info = one.reset(seed=4)
+    inner, rng, compared = one.unwrapped, np.random.default_rng(0), 0
+    assert isinstance(inner, FollowEnv)
+    for _ in range(50 if fields.get("control_hz") is None else 25):
+        touched = inner.truth.contact_person or inner.truth.contact_static
+        assert told["reward_terms"]["collision"][0] == info["reward_terms"]["collision"]
+        if touched:
+            break
+        compared += 1
+        assert np.abs(got["scan"][0] - wanted["scan"]).max() * many.interface.range_max < 1e-3
+        assert np.hypot(*(told["robot_pose"][0] - info["robot_pose"])[:2]) < 0.01
+        for key in ("leader", "people", "velocity"):
+            assert got[key][0] == pytest.approx(wanted[key], abs=1e-3)
+        for key in ("leader_distance", "lost_s", "leader_id", "following_leader", "tracked_people", "time_s"):
+            assert float(told[key][0]) == pytest.approx(float(info[key]), abs=1e-6), key
+        for term, value in info["reward_terms"].items():
+            assert told["reward_terms"][term][0] == pytest.approx(value, abs=1e-4)
+        action = rng.uniform(-0.5, 1.0, many.single_action_space.shape).astype(np.float32)
+        got, *_, told = many.step(action[None])
+        wanted, *_, info = one.step(action)
+    assert compared > 10
+    many.close()
+
+
+def test_a_push_against_a_wall_ends_where_mujoco_ends_it():
+    fields = {**EXACT, "people_count": 1, "lost_limit_s": 1e6}
+    many = compiled("PlainCorridor", 1, own_start=True, **fields)
+    one = gym.make("tagalong/PlainCorridor-v0", disable_env_checker=True, **fields)
+    many.reset(seed=0)
+    one.reset(seed=0)
+    pressed = 0
+    for k in range(60):
+        action = np.array([1.0, 0.5 if k < 12 else 0.0], dtype=np.float32)
+        *_, told = many.step(action[None])
+        *_, info = one.step(action)
+        pressed += info["reward_terms"]["collision"] < 0.0
+        gap = told["robot_pose"][0] - info["robot_pose"]
+        assert np.hypot(gap[0], gap[1]) < 0.02
+    assert pressed > 20
+    many.close()
+
+
+def played(env, steps, seed=7, columns=slice(None)):
+    """All that is told in `steps` steps, of the worlds `columns`, as bytes."""
+    observation, info = env.reset(seed=seed)
+    rng, bytes_ = np.random.default_rng(0), []
+    actions = rng.uniform(-1.0, 1.0, (steps, 6, 2))[:, columns]
+    for action in actions:
+        bytes_ += [np.ascontiguousarray(observation[key]).tobytes() for key in sorted(observation)]
+        bytes_.append(np.ascontiguousarray(info["robot_pose"]).tobytes())
+        observation, reward, _, _, info = env.step(action)
+        bytes_.append(reward.tobytes())
+    env.close()
+    return bytes_
+
+
+def test_the_same_bytes_for_any_number_of_workers():
+    options = {"max_episode_steps": 7}
+    assert played(compiled(worlds=6, **options), 20) == played(compiled(worlds=6, workers=3, **options), 20)
+
+
+def test_a_world_plays_the_same_beside_any_others():
+    options = {"max_episode_steps": 7}
+    whole = compiled(worlds=6, **options)
+    part = compiled(worlds=2, **options)
+    whole.reset(seed=7)
+    part.reset(seed=11)
+    rng = np.random.default_rng(0)
+    for _ in range(20):
+        actions = rng.uniform(-1.0, 1.0, (6, 2))
+        of_whole, of_part = whole.step(actions), part.step(actions[4:])
+        for key in of_part[0]:
+            assert of_whole[0][key][4:].tobytes() == of_part[0][key].tobytes()
+        assert of_whole[1][4:].tobytes() == of_part[1].tobytes()
+
+
+def test_worlds_of_an_own_start_begin_as_the_single_environments_of_their_seeds():
+    many = compiled("Office", 2, own_start=True, **{**EXACT, "beams": 90})
+    observation, info = many.reset(seed=20)
+    for i in range(2):
+        one = gym.make("tagalong/Office-v0", disable_env_checker=True, **{**EXACT, "beams": 90, "people_count": 3})
+        wanted, told = one.reset(seed=20 + i)
+        assert info["robot_pose"][i] == pytest.approx(told["robot_pose"])
+        assert observation["people"][i] == pytest.approx(wanted["people"], abs=1e-4)
+
+
+def test_another_seed_is_another_episode_and_the_same_seed_the_same():
+    env = compiled()
+    first, again, other = (env.reset(seed=seed)[0]["scan"] for seed in (3, 3, 30))
+    assert first.tobytes() == again.tobytes()
+    assert first.tobytes() != other.tobytes()
+
+
+@pytest.mark.parametrize("mode", list(AutoresetMode))
+def test_ended_episodes_are_followed_as_gymnasium_says(mode):
+    env = compiled(autoreset_mode=mode, max_episode_steps=3)
+    env.reset(seed=0)
+    actions = np.zeros((3, 2))
+    for _ in range(2):
+        env.step(actions)
+    last, _, _, truncated, info = env.step(actions)
+    assert truncated.all()
+    if mode == AutoresetMode.SAME_STEP:
+        assert info["_final_obs"].all()
+        assert info["final_info"]["time_s"].tolist() == pytest.approx([0.3] * 3)
+        assert info["time_s"].tolist() == [0.0] * 3
+        assert not np.array_equal(info["final_obs"][0]["scan"], last["scan"][0])
+    elif mode == AutoresetMode.NEXT_STEP:
+        _, reward, _, truncated, info = env.step(actions)
+        assert not truncated.any()
+        assert reward.tolist() == [0.0] * 3
+        assert info["time_s"].tolist() == [0.0] * 3
+    else:
+        with pytest.raises(InputError, match="has ended: reset it first"):
+            env.step(actions)
+        mask = np.array([True, False, False])
+        observation, info = env.reset(options={"reset_mask": mask})
+        assert info["_time_s"].tolist() == mask.tolist()
+        assert observation["scan"][1].tobytes() == last["scan"][1].tobytes()
+
+
+def test_reset_options_hold_for_one_episode():
+    env = compiled(people_count=1, autoreset_mode=AutoresetMode.SAME_STEP, max_episode_steps=2)
+    env.reset(seed=0, options={"people": 6, "scene": "doorway"})
+    assert env._pool.plans.people[env._state.slot].tolist() == [6] * 3
+    for _ in range(2):
+        env.step(np.zeros((3, 2)))
+    assert env._pool.plans.people[env._state.slot].tolist() == [1] * 3
+    with pytest.raises(InputError, match="unknown reset option"):
+        env.reset(options={"peple": 2})
+
+
+def test_what_is_told_lies_in_its_spaces_and_belongs_to_the_caller():
+    env = compiled("Office", people_count=None)
+    first, _ = env.reset(seed=1)
+    kept = {key: value.copy() for key, value in first.items()}
+    observation, reward, *_ = env.step(env.action_space.sample())
+    assert env.observation_space.contains(observation)
+    assert reward.shape == (3,)
+    for key in first:
+        assert np.array_equal(first[key], kept[key])
+    assert env.spec is not None
+    assert env.spec.kwargs["max_episode_steps"] == 3000
+
+
+def form(nest):
+    """Names, shapes and types in a nest of dicts and arrays."""
+    if isinstance(nest, dict):
+        return {name: form(value) for name, value in nest.items()}
+    return nest.shape, nest.dtype
+
+
+@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
+def test_both_simulators_tell_in_the_same_form(mode):
+    ours = compiled(autoreset_mode=mode, max_episode_steps=2)
+    theirs = gym.make_vec(
+        "tagalong/Corridor-v0", 3, "vector_entry_point", workers=1, beams=90, people_count=3, people="truth", slam=None,
+        autoreset_mode=mode, max_episode_steps=2,
+    )  # fmt: skip
+    assert form(ours.reset(seed=0)[0]) == form(theirs.reset(seed=0)[0])
+    assert form(ours.reset(seed=0)[1]) == form(theirs.reset(seed=0)[1])
+    assert ours.observation_space == theirs.observation_space
+    assert ours.action_space == theirs.action_space
+    for _ in range(4):
+        got, wanted = ours.step(np.zeros((3, 2))), theirs.step(np.zeros((3, 2)))
+        for part, other in zip(got, wanted, strict=True):
+            assert form(part) == form(other)
+    theirs.close()
+
+
+@pytest.mark.parametrize(
+    ("fields", "named"),
+    [
+        ({"people": "tracker"}, "`people` 'tracker'"),
+        ({"slam": "gmapping"}, "`slam`"),
+        ({"camera": "kinect-v2"}, "`camera`"),
+        ({"leader": False}, "`task.leader` False"),
+        ({"coverage": True}, "`task.coverage` True"),
+        ({"reward.terms": {"mine": float}}, "`reward.terms`"),
+        ({"render_mode": "rgb_array"}, "`render_mode`"),
+        ({"workers": 4}, "`workers`"),
+        ({"episodes_ahead": 0}, "`episodes_ahead`"),
+        ({"pepole": 3}, "unknown argument"),
+    ],
+)
+def test_what_is_not_supported_is_refused_in_one_line(fields, named):
+    with pytest.raises(InputError) as refused:
+        compiled(**fields)
+    assert named in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_wrong_action_moves_nobody():
+    env = compiled()
+    env.reset(seed=0)
+    for wrong in (np.zeros((2, 2)), np.zeros((3, 3)), np.full((3, 2), np.nan)):
+        with pytest.raises(InputError):
+            env.step(wrong)
+    assert env._state.steps.tolist() == [0] * 3
+    env.close()
+    with pytest.raises(InputError, match="closed"):
+        env.step(np.zeros((3, 2)))
+
+
+def test_an_unknown_simulator_is_refused():
+    with pytest.raises(InputError, match="unknown simulator 'gazebo'; simulators: compiled, mujoco"):
+        gym.make_vec("tagalong/Corridor-v0", 2, "vector_entry_point", simulator="gazebo")
