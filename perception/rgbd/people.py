@@ -19,7 +19,7 @@ class RgbdPeople:
     Attributes:
         positions: (n, 2) centres, robot frame [m].
         likelihood: (n,) calibrated probability that it is somebody, in [0, 1].
-        label: (h, w) int32 row of the person whom each pixel belongs to, -1 for nobody.
+        label: (h, w) int32 row of the person whom each pixel of `Planes.frame` belongs to, -1 for nobody.
     """
 
     positions: Array
@@ -39,7 +39,7 @@ class RgbdPeopleFinder(Protocol):
     """Finds people in frames."""
 
     def find(self, frame: RgbdFrame, planes: Planes) -> RgbdPeople:
-        """Return the people in `frame`, whose planes are known."""
+        """Return the people in `frame`, whose planes are known; their pixels are those of `planes.frame`."""
         ...
 
 
@@ -48,4 +48,4 @@ class NoPeopleFinder:
 
     def find(self, frame: RgbdFrame, planes: Planes) -> RgbdPeople:
         """Return nobody."""
-        return nobody(frame.camera.height, frame.camera.width)
+        return nobody(*planes.surface.shape)

@@ -63,7 +63,7 @@ class PeopleFinder:
 
     def find(self, frame: RgbdFrame, planes: Planes) -> RgbdPeople:
         """Return the people in `frame`, whose planes are known; the likeliest first."""
-        config = self._config
+        config, frame = self._config, planes.frame
         candidates = find_candidates(planes, config.heads)
         likelihood = self._svm.likelihood(candidate_features(frame, planes, candidates))
         middles = body_centres(candidates, config.behind)
