@@ -108,7 +108,7 @@ def make_view(frame: RgbdFrame, planes: Planes, people: RgbdPeople, config: View
     config = config or ViewConfig()
     objects = find_clusters(planes)
     alone = (planes.surface == Surface.OTHER) & (objects.label < 0) & (people.label < 0)
-    chosen = (planes.surface != Surface.NOTHING) & ~alone
+    chosen = (planes.surface != Surface.NOTHING) & ~alone & planes.mount.known  # else no height is
     people = _whole_objects(people, objects)
     lambdas = _lambdas(planes, people, config)
     thing = np.isin(planes.surface, (Surface.TOP, Surface.OTHER, Surface.FACE)) & (people.label < 0)

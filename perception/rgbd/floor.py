@@ -15,9 +15,9 @@ from .noise import DepthNoise, Depths
 
 Array = NDArray[np.float64]
 
-_SAMPLE = 2000  # points that hypotheses are judged by
-_MOST = 12  # hypotheses, those of the largest regions first
-_FITS = 4
+_SAMPLE = 1000  # points that hypotheses are judged by
+_MOST = 8  # hypotheses, those of the largest regions first
+_FITS = 3
 _LEAST = 0.02  # share of the measured points that lie on a floor
 _SURFACE = 0.5  # share of the points near a floor whose normals say so, too: else it is a plane through edges of things
 _TOGETHER = 30.0  # so many neighbouring pixels are off by the same error: the fit knows less than its points are many
@@ -47,6 +47,7 @@ class Regions:
     Attributes:
         points: (h, w, 3) camera frame [m], NaN where nothing was measured.
         normals: (h, w, 3) at the points, NaN where unknown.
+        flatness: (h, w) of their surroundings, see `surface_normals`.
         region: (h, w) int32 number of each pixel's region, -1 for none.
         planes: (k, 4) their normals towards the camera and offsets, n p = d.
         count: (k,) pixels of each.
@@ -55,6 +56,7 @@ class Regions:
 
     points: Array
     normals: Array
+    flatness: Array
     region: NDArray[np.int32]
     planes: Array
     count: NDArray[np.int64]

@@ -20,11 +20,13 @@ class RgbdPeople:
         positions: (n, 2) centres, robot frame [m].
         likelihood: (n,) calibrated probability that it is somebody, in [0, 1].
         label: (h, w) int32 row of the person whom each pixel of `Planes.frame` belongs to, -1 for nobody.
+        floor_known: Whether the floor was, by this frame or before; else heights, and with them people, are guesses.
     """
 
     positions: Array
     likelihood: Array
     label: NDArray[np.int32]
+    floor_known: bool = True
 
     def __len__(self) -> int:
         return len(self.likelihood)

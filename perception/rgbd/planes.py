@@ -13,7 +13,7 @@ from .floor import Regions, find_floor, floor_tolerance, with_ceiling
 from .frame import RgbdFrame
 from .growing import grow_regions, settle
 from .mount import Mount, MountConfig, believed, by_ceiling
-from .noise import DepthNoise
+from .noise import DepthNoise, measured_noise
 from .reduction import reduced_frame
 
 Array = NDArray[np.float64]
@@ -42,7 +42,9 @@ class PlaneConfig:
 
     Attributes:
         mount: What mounts there are.
-        noise: Of the depths.
+        noise: Of the depths: how far from its plane a point may lie.
+        blurred: Where the standard deviation of the depths, as the frame itself shows it, is larger than this, things
+            the size of a body are no more told apart [m]: a quarter of its thickness.
         least_pixels: Smallest region, as a share of the picture.
         turn: Largest angle between the normal of a pixel and of its plane [rad].
         flat: Seeds are no less flat than this, as a relative error of depth.
@@ -57,6 +59,7 @@ class PlaneConfig:
 
     mount: MountConfig = field(default_factory=MountConfig)
     noise: DepthNoise = field(default_factory=DepthNoise)
+    blurred: float = 0.06
     least_pixels: float = 0.0012
     turn: float = float(np.radians(22.0))
     flat: float = 0.05
@@ -93,6 +96,7 @@ class Planes:
         kinds: (k,) int8 `Surface` of each plane.
         likelihood: (k,) how sure the kind is, in [0, 1].
         mount: How the camera is held: by this frame's floor, or what was known before.
+        reach: Depth up to which the camera's noise lets things the size of a body be told apart [m].
     """
 
     frame: RgbdFrame
@@ -105,6 +109,7 @@ class Planes:
     kinds: NDArray[np.int8]
     likelihood: Array
     mount: Mount
+    reach: float
 
     @property
     def tilt(self) -> tuple[float, float]:
@@ -149,7 +154,9 @@ class PlaneFinder:
         surface = np.where(measured, int(Surface.OTHER), int(Surface.NOTHING)).astype(np.int8)
         surface = np.where(scene.region >= 0, np.append(kinds, np.int8(0))[scene.region], surface)
         surface[on_floor] = Surface.FLOOR
-        return Planes(small, step, level, surface, scene.region, normals, offsets, kinds, likelihood, mount)
+        shown = measured_noise(small.depth, scene.flatness, self.config.noise)
+        reach = shown.depth_of(self.config.blurred)
+        return Planes(small, step, level, surface, scene.region, normals, offsets, kinds, likelihood, mount, reach)
 
     def _regions(self, frame: RgbdFrame) -> Regions:
         """Return the planar regions, camera frame."""
@@ -169,7 +176,7 @@ class PlaneFinder:
             settle(points, planes[:found], region, _REACH, settled)
             region, settled = settled, region
         count, mean = _sizes(points, region, found)
-        return Regions(points, normals, region, planes[:found].copy(), count, mean)
+        return Regions(points, normals, flatness, region, planes[:found].copy(), count, mean)
 
     def _mount(self, frame: RgbdFrame, scene: Regions, before: Mount | None) -> Mount:
         """Return the mount by the floor, or the tilt by the ceiling, or what is known without them."""

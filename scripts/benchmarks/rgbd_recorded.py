@@ -6,8 +6,8 @@ FOLDER holds frames (`perception/rgbd/pictures.py` says how); each NAME.json als
 
 The floor counts within 5 m: points within 2 cm + 0.4 % of depth squared of the reference plane are of the floor, those
 more than twice as far from it are not, and those between count for nothing. It is recognised where it is called seen
-and its tilt is within 5 degrees and its height within 0.15 m of the reference. A table top is found where there is a
-top of at least 0.1 m2 between 0.5 and 1.1 m. Somebody is found by one detection most of whose pixels lie in the box. A
+and its tilt is within 5 degrees and its height within 0.15 m of the reference. A table top is found where a plane
+is called one between 0.5 and 1.1 m. Somebody is found by one detection most of whose pixels lie in the box. A
 detection of nobody counts as false within 5 m, and as far beyond.
 
 The shipped classifier was trained with frames of some of these sources; --left-out takes, for each source, the one that
@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 
 from ...perception.rgbd.frame import Pinhole, RgbdFrame
 from ...perception.rgbd.people import RgbdPeople
-from ...perception.rgbd.people_finder import PeopleFinder, PeopleFinderConfig
+from ...perception.rgbd.people_finder import PeopleFinder
 from ...perception.rgbd.person_svm import MODEL, PersonSvm
 from ...perception.rgbd.pictures import RecordedFrame, read_frames
 from ...perception.rgbd.planes import PlaneFinder, Planes, Surface
@@ -38,16 +38,14 @@ from ...slam.errors import InputError
 from ..console.arguments import at_least
 from ..console.tables import format_table
 from ..figures.planes import save_planes
+from ..training.rgbd_recordings import SEATED_LEFT, boxes_of, source_of
 from .results import write_results
 
 Array = NDArray[np.float64]
 
 NEAR_M = 5.0
-SEATED_LEFT = {"tue": 2.5}
-"""Source -> left of the boxes and farther than this [m] people sit who are not boxed: neither found nor false."""
-_MARGIN = 6.0  # the boxes are by hand, +- 6 pixels of 320 columns
 _RECOGNISED = (5.0, 0.15)
-_TOP_HEIGHTS, _TOP_AREA = (0.5, 1.1), 0.1
+_TOP_HEIGHTS = (0.5, 1.1)
 
 
 @dataclass
@@ -116,19 +114,12 @@ class Tally:
         """Count whether a labelled table top was found."""
         if notes["table_top_visible"]:
             self.tops += 1
-            across, down = planes.frame.camera.focal
-            ray = np.linalg.norm(planes.frame.camera.rays, axis=-1)
-            toward = np.abs((planes.points - (0.0, 0.0, planes.mount.height))[..., 2]) / planes.frame.depth / ray
-            heights = planes.points[..., 2]
-            top = (planes.surface == Surface.TOP) & (heights > _TOP_HEIGHTS[0]) & (heights < _TOP_HEIGHTS[1])
-            area = (planes.frame.depth[top] ** 2 / (across * down) / np.maximum(toward[top], 0.05)).sum()
-            self.tops_found += bool(area >= _TOP_AREA)
+            heights = [planes.points[planes.region == k, 2].mean() for k in np.flatnonzero(planes.kinds == Surface.TOP)]
+            self.tops_found += any(_TOP_HEIGHTS[0] < height < _TOP_HEIGHTS[1] for height in heights)
 
-    def add_people(self, planes: Planes, people: RgbdPeople, notes: Mapping[str, Any], source: str) -> None:
+    def add_people(self, planes: Planes, people: RgbdPeople, recorded: RecordedFrame, source: str) -> None:
         """Count who was found in one frame, and who is nobody."""
-        scale = planes.frame.camera.width / notes["width"]
-        boxes = np.array(notes["people_boxes_xyxy"], dtype=np.float64).reshape(-1, 4) * scale
-        boxes += np.array([-1.0, -1.0, 1.0, 1.0]) * _MARGIN * scale
+        boxes = boxes_of(recorded, planes.frame.camera.width)
         found = np.zeros(len(boxes), dtype=bool)
         for k in range(len(people)):
             rows, cols = np.nonzero(people.label == k)
@@ -205,24 +196,22 @@ def tally(recorded: Iterable[RecordedFrame], options: argparse.Namespace) -> dic
     tallies: dict[str, Tally] = {}
     planes_finder, finders = PlaneFinder(), {}
     for each in recorded:
-        source = each.name.split("_")[0]
+        source = source_of(each.name)
         if source not in finders:
-            model = options.left_out / f"without_{source}.npz" if options.left_out else options.model
-            finders[source] = PeopleFinder(PersonSvm.load(model), PeopleFinderConfig(**_people_settings(options)))
+            model = options.model
+            if options.left_out and (options.left_out / f"without_{source}.npz").exists():
+                model = options.left_out / f"without_{source}.npz"
+            finders[source] = PeopleFinder(PersonSvm.load(model))
         counted = tallies.setdefault(source, Tally())
         planes = planes_finder.find(at_columns(_told(each, options), options.columns))
         people = finders[source].find(planes.frame, planes)
         counted.frames += 1
         counted.add_floor(planes, each.notes)
         counted.add_tops(planes, each.notes)
-        counted.add_people(planes, people, each.notes, source)
+        counted.add_people(planes, people, each, source)
         if options.overlays:
             save_planes(options.out / "overlays" / f"{each.name}.png", planes, people)
     return tallies
-
-
-def _people_settings(options: argparse.Namespace) -> dict[str, Any]:
-    return {}
 
 
 def _told(each: RecordedFrame, options: argparse.Namespace) -> RgbdFrame:

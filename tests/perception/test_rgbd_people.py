@@ -79,7 +79,12 @@ def test_a_body_whose_head_is_above_the_picture_is_a_candidate():
     found = candidates(standing(*person(1.0, 0.0)))
     assert len(found) == 1
     assert found.pixels[0, 0] < 2
-    assert candidate_windows(standing(*person(1.0, 0.0)), found).shape == (1, CHANNELS, ROWS, COLUMNS)
+    assert candidate_windows(PlaneFinder().find(standing(*person(1.0, 0.0))), found).shape == (
+        1,
+        CHANNELS,
+        ROWS,
+        COLUMNS,
+    )
 
 
 def test_points_alone_in_space_are_left_out():
@@ -93,7 +98,8 @@ def test_points_alone_in_space_are_left_out():
 
 def test_windows_show_people_of_any_distance_in_the_same_size():
     near, far = (
-        candidate_windows(f, candidates(f))[0] for f in (standing(*person(2.5, 0.0)), standing(*person(4.5, 0.0)))
+        candidate_windows(PlaneFinder().find(f), candidates(f))[0]
+        for f in (standing(*person(2.5, 0.0)), standing(*person(4.5, 0.0)))
     )
     assert np.abs(near[2] - far[2]).mean() < 0.06
     assert 0.15 < near[2].mean() < 0.6
@@ -106,7 +112,7 @@ def test_the_middle_of_a_window_is_that_of_head_and_chest_whatever_is_carried_be
     frame = standing(*person(3.0, 0.3), (3.0, 0.3 + low, 0.3 + high, 0.1, 0.7))
     found = candidates(frame)
     assert len(found) == 1
-    own = candidate_windows(frame, found)[0, 2]
+    own = candidate_windows(PlaneFinder().find(frame), found)[0, 2]
     columns = np.arange(COLUMNS) + 0.5
     upper, lower = ((part * columns).sum() / part.sum() for part in (own[: ROWS // 3], own[ROWS * 2 // 3 :]))
     assert upper == pytest.approx(COLUMNS / 2, abs=0.7)
@@ -116,7 +122,7 @@ def test_the_middle_of_a_window_is_that_of_head_and_chest_whatever_is_carried_be
 def measured(frame):
     """Shares of the borders at the sides and above, extents and flatness of the frame's only candidate."""
     planes = PlaneFinder().find(frame)
-    (row,) = candidate_measures(frame, planes, find_candidates(planes))
+    (row,) = candidate_measures(planes, find_candidates(planes))
     return row[:5], row[5:10], row[10:16], row[16:]
 
 
@@ -140,7 +146,7 @@ def test_what_is_seen_through_a_gap_has_nearer_things_at_its_sides():
     planes = PlaneFinder().find(frame)
     found = find_candidates(planes)
     between = np.argmin(np.abs(found.axes - (3.0, 0.0)).sum(axis=1))
-    row = candidate_measures(frame, planes, found)[between]
+    row = candidate_measures(planes, found)[between]
     assert row[Border.HIDDEN] > 0.9
     assert row[5 + Border.FREE] > 0.9
 
@@ -182,7 +188,7 @@ def test_soft_bins_share_a_value_out_between_its_neighbours():
 
 def test_what_is_beside_and_behind_a_candidate_is_as_bright_as_it_is():
     frame = standing(*person(3.0, 0.0))
-    window = candidate_windows(frame, candidates(frame))[0]
+    window = candidate_windows(PlaneFinder().find(frame), candidates(frame))[0]
     inside, outside = window[0][window[2] > 0.99], window[0][window[2] < 0.01]
     assert inside.min() < 0.1 < inside.max()  # head and body
     assert outside == pytest.approx(np.average(window[0], weights=window[2]), abs=0.02)
@@ -190,7 +196,7 @@ def test_what_is_beside_and_behind_a_candidate_is_as_bright_as_it_is():
 
 def test_an_empty_room_has_no_features():
     planes = PlaneFinder().find(standing())
-    assert candidate_features(standing(), planes, find_candidates(planes)).shape == (0, LENGTH)
+    assert candidate_features(planes, find_candidates(planes)).shape == (0, LENGTH)
 
 
 def patches(count=3, channels=2):
