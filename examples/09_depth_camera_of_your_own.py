@@ -3,7 +3,6 @@
 import numpy as np
 from tagalong.envs import RgbdConfig, World, WorldConfig
 from tagalong.perception import PeopleFinder, Pinhole, PlaneFinder, RgbdFrame
-from tagalong.perception.rgbd import Surface
 
 # In place of a camera's driver: depth in millimetres, colour, and the intrinsics that its calibration tells.
 simulated = RgbdConfig(pitch=np.radians(20.0), camera_height=1.3)
@@ -21,7 +20,6 @@ people = PeopleFinder.load().find(planes.frame, planes)
 
 mount = planes.mount
 print(f"floor seen: {mount.floor_seen}; camera {mount.height:.2f} m high, {np.degrees(mount.pitch):.1f} degrees down")
-for surface in (Surface.FLOOR, Surface.WALL, Surface.TOP):
-    print(f"{surface.name.lower()}: {(planes.surface == surface).mean():.0%} of the pixels")
+print(f"{len(planes.kinds)} planes; {np.isfinite(planes.points[..., 0]).mean():.0%} of the pixels were measured")
 for (x, y), likelihood in zip(people.positions, people.likelihood, strict=True):
     print(f"somebody at ({x:.1f}, {y:.1f}) m, likelihood {likelihood:.2f}; floor known: {people.floor_known}")

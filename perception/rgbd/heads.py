@@ -30,7 +30,6 @@ class HeadConfig:
         lowest_cut: What the picture's upper edge cuts reaches this [m], the height of the hips: legs alone, as a low
             camera sees them that looks down, are not told from furniture.
         highest: Points above this belong to nobody [m].
-        farthest: Nobody farther off is looked at [m]: about what the noise of a Kinect V1 allows, and the training.
         apart: Heads of one cluster are at least this far from each other, on the floor [m]: people who walk shoulder
             to shoulder were 0.37 m apart.
         radius: Points of a cluster this far from a head's vertical axis are its person's [m].
@@ -45,7 +44,6 @@ class HeadConfig:
     lowest: float = 1.1
     lowest_cut: float = 0.8
     highest: float = 2.2
-    farthest: float = 6.4
     apart: float = 0.3
     radius: float = 0.5
     near: float = 0.3
@@ -94,8 +92,7 @@ def find_candidates(planes: Planes, config: HeadConfig | None = None) -> Candida
     owner = np.empty_like(label)
     counts = np.zeros(found, dtype=np.int64)
     assign_points(points, label, pixels, axes, config.radius, config.near, owner, counts)
-    near = np.hypot(*axes.T) <= config.farthest
-    return _without_small(Candidates(owner, heads, pixels, axes), (counts >= config.least_pixels) & near)
+    return _without_small(Candidates(owner, heads, pixels, axes), counts >= config.least_pixels)
 
 
 def _standing(planes: Planes, config: HeadConfig) -> NDArray[np.bool_]:
