@@ -1,5 +1,7 @@
 """People in RGB-D: candidates by heads, gradients' histograms, the shipped classifier."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from hog_rgbd_reference import hog_reference
@@ -307,3 +309,59 @@ def test_impossible_configurations_are_errors():
         PeopleFinderConfig(apart=-1.0)
     with pytest.raises(InputError, match="lowest"):
         HeadConfig(lowest=0.0)
+
+
+def from_above(pitch, height=1.4):
+    """A frame of one upright cut-out 2.5 m away by a camera whose nose is down, and of the same by a level one."""
+    c, s = np.cos(pitch), np.sin(pitch)
+    rays = CAMERA.rays @ np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]]).T
+    with np.errstate(divide="ignore"):
+        depth = np.minimum(6.0 / rays[..., 0], np.where(rays[..., 2] < 0.0, -height / rays[..., 2], np.inf))
+    colour = np.full((*depth.shape, 3), 150, dtype=np.uint8)
+    for number, (away, right, left, bottom, top) in enumerate(person(2.5, 0.2)):
+        at = away / rays[..., 0]
+        y, z = rays[..., 1] * at, rays[..., 2] * at + height
+        inside = (y > right) & (y < left) & (z > bottom) & (z < top) & (depth > at)
+        depth[inside], colour[inside] = at[inside], 40 * number
+    return RgbdFrame(depth.astype(np.float32), colour, CAMERA, 0.0, camera_height=None)
+
+
+def test_a_person_stands_upright_in_the_window_however_the_camera_is_tilted():
+    pictures = []
+    for pitch in (0.0, np.radians(15.0)):
+        planes = PlaneFinder().find(from_above(pitch))
+        assert planes.mount.height == pytest.approx(1.4, abs=0.02)
+        (window,) = candidate_windows(planes, find_candidates(planes))
+        pictures.append(window)
+    assert np.abs(pictures[0][2] - pictures[1][2]).mean() < 0.05
+
+
+def test_people_beyond_what_the_noise_allows_are_not_told():
+    frame, svm = standing(*person(3.0, 0.0)), PersonSvm.load()
+    finder = PeopleFinder(Certain(svm.weights, svm.bias, svm.slope, svm.offset))
+    planes = PlaneFinder().find(frame)
+    assert len(finder.find(frame, planes)) == 1
+    assert len(finder.find(frame, dataclasses.replace(planes, reach=2.5))) == 0
+
+
+def test_a_noisy_frame_reaches_less_far():
+    frame, rng = standing(), np.random.default_rng(0)
+    reaches = []
+    for quadratic in (0.0005, 0.002, 0.006):
+        noise = (quadratic * frame.depth**2 * rng.standard_normal(frame.depth.shape)).astype(np.float32)
+        reaches.append(PlaneFinder().find(dataclasses.replace(frame, depth=frame.depth + noise)).reach)
+    assert reaches[0] > reaches[1] > reaches[2]
+    assert reaches[1] == pytest.approx(np.sqrt(0.058 / 0.002), rel=0.3)
+
+
+def test_people_are_marked_as_guesses_where_the_floor_is_not_known_or_left_out():
+    frame = standing(*person(2.0, 0.0))
+    blind = dataclasses.replace(frame, depth=np.where(CAMERA.rays[..., 2] < -0.15, np.nan, frame.depth))
+    planes, svm = PlaneFinder().find(blind), PersonSvm.load()
+    certain = Certain(svm.weights, svm.bias, svm.slope, svm.offset)
+    assert not planes.mount.known
+    people = PeopleFinder(certain).find(blind, planes)
+    assert len(people) >= 1
+    assert not people.floor_known
+    assert len(PeopleFinder(certain, PeopleFinderConfig(without_floor=False)).find(blind, planes)) == 0
+    assert PeopleFinder(certain).find(frame, PlaneFinder().find(frame)).floor_known
