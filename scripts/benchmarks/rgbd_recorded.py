@@ -13,6 +13,11 @@ detection of nobody counts as false within 5 m, and as far beyond.
 The shipped classifier was trained with frames of some of these sources; --left-out takes, for each source, the one that
 was trained without it.
 
+On 28 frames of seven sources, nothing being told of the camera and each source judged by a classifier trained without
+it: floor in 23 of 23, height within 2.3 cm, tilt within 1.75 degrees (0.55 on average), recall 0.970, precision
+0.999; table tops 2 of 2; people 10 of 10, false ones 0.14 a frame; the same floor with a height told 5 cm too low,
+and at 160 and 640 columns (false ones 0.18 and 0.21 a frame).
+
 examples:
   tagalong bench rgbd-recorded FOLDER
   tagalong bench rgbd-recorded FOLDER --camera-height reference --height-error -0.05
