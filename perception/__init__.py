@@ -22,8 +22,19 @@ Detection    LegDetector (LegDetectorConfig) finds legs in one scan, by a LegFor
              `detect(scan) -> Detections`: PeopleFilter(detector=...).
 Tracking     PeopleTracker (TrackerConfig, a node for each stage) turns legs into People, with identities.
 Leader       LeaderSelector keeps to the person chosen first; BodyLeaderSelector by its body, in a crowd.
-Camera       PlaneFinder and PeopleFinder read RGB-D frames; ImmobileMapper maps what stays.
+Camera       PlaneFinder and PeopleFinder read RGB-D frames, of any camera (see below); ImmobileMapper maps what stays.
 Numbers      PerceptionConfig is the tree of all of them; `perception_preset` has named ones; `table_ii` the paper's.
+
+A frame of your own depth camera, with what its calibration says (fx, fy, cx, cy); here a floor seen from 1.2 m:
+
+>>> from tagalong.perception import PeopleFinder, Pinhole, PlaneFinder, RgbdFrame
+>>> camera = Pinhole.from_intrinsics((320, 240), (262.5, 262.5), (159.5, 119.5))
+>>> depth = (1200.0 / np.fmax(0.2, np.arange(240)[:, None] / 262.5 - 0.2) * np.ones(320)).astype(np.uint16)
+>>> colour = np.zeros((240, 320, 3), np.uint8)
+>>> planes = PlaneFinder().find(RgbdFrame(depth, colour, camera, camera_height=None))
+>>> people = PeopleFinder.load().find(planes.frame, planes)
+>>> planes.mount.floor_seen, len(people), people.floor_known
+(True, 0, True)
 
 What is listed here is public; everything else may change. Names are imported when they are first used.
 """
@@ -40,6 +51,7 @@ if TYPE_CHECKING:
     from .legs.detector import Detections, LegDetector, LegDetectorConfig
     from .legs.forest import LegForest
     from .people_filter import FilteredScan, PeopleFilter, PeopleFilterConfig, filtered_scans
+    from .rgbd.frame import Pinhole, RgbdFrame
     from .rgbd.people_finder import PeopleFinder
     from .rgbd.planes import PlaneFinder
     from .tracking.config import TrackerConfig
@@ -61,7 +73,9 @@ __all__ = [
     "PeopleFinder",
     "PeopleTracker",
     "PerceptionConfig",
+    "Pinhole",
     "PlaneFinder",
+    "RgbdFrame",
     "TrackerConfig",
     "filtered_scans",
     "perception_preset",
@@ -76,6 +90,7 @@ _MODULES = {
     "legs.detector": ("Detections", "LegDetector", "LegDetectorConfig"),
     "legs.forest": ("LegForest",),
     "people_filter": ("FilteredScan", "PeopleFilter", "PeopleFilterConfig", "filtered_scans"),
+    "rgbd.frame": ("Pinhole", "RgbdFrame"),
     "rgbd.people_finder": ("PeopleFinder",),
     "rgbd.planes": ("PlaneFinder",),
     "tracking.config": ("TrackerConfig",),

@@ -18,7 +18,7 @@ SURFACE = {
         write_ros_map""",
     "perception": """BodyLeaderSelector Detections FilteredScan ImmobileMapper LeaderSelector LegDetector
         LegDetectorConfig LegForest People PeopleFilter PeopleFilterConfig PeopleFinder PeopleTracker PerceptionConfig
-        PlaneFinder TrackerConfig filtered_scans perception_preset table_ii""",
+        Pinhole PlaneFinder RgbdFrame TrackerConfig filtered_scans perception_preset table_ii""",
     "envs": """Behaviour Belief CompiledVectorEnv Episode FollowConfig FollowEnv FollowVectorEnv Operator PersonView
         RgbdConfig RobotConfig Scene SceneRequest StepFacts Wish World WorldConfig rollout""",
     "agents": """DWAConfig DWAFollower EXPLORERS FOLLOWERS Follower FrontierExplorer LearnedFollower PIDConfig
@@ -30,7 +30,7 @@ SURFACE = {
 FOLDERS = {
     "slam.logs": "RerunRecording RosRecording Trajectory open_recording read_carmen read_tum write_carmen write_tum",
     "perception.immobile": "CameraViewMaker",
-    "perception.rgbd": "PersonSvm Pinhole RgbdFrame RgbdPeople Surface",
+    "perception.rgbd": "PersonSvm Pinhole RgbdFrame RgbdPeople Surface read_frames",
     "perception.tracking": "NoLegs SeenPeople",
     "envs.recording": "EpisodeRecording",
     "envs.scenes": """Door Errand RUN_OUT SCENES Scene SceneMaker SceneRequest Solid Walk box choose_route make_scene

@@ -10,6 +10,7 @@ from ...slam.errors import InputError
 from ...slam.immobile.grid import UNKNOWN, moving_lambda, still_lambda
 from ..rgbd.clusters import ObjectClusters, find_clusters
 from ..rgbd.frame import RgbdFrame
+from ..rgbd.mount import Mount
 from ..rgbd.people import NoPeopleFinder, RgbdPeople, RgbdPeopleFinder
 from ..rgbd.planes import PlaneFinder, Planes, Surface
 
@@ -89,10 +90,12 @@ class CameraViewMaker:
     ) -> None:
         self._people, self._planes = people or NoPeopleFinder(), planes or PlaneFinder()
         self._config = config or ViewConfig()
+        self._mount: Mount | None = None
 
     def make(self, frame: RgbdFrame) -> CameraView:
-        """Return what `frame` says."""
-        planes = self._planes.find(frame)
+        """Return what `frame` says; the mount that the frames before it showed is remembered."""
+        planes = self._planes.find(frame, self._mount)
+        self._mount = planes.mount
         return make_view(frame, planes, self._people.find(frame, planes), self._config)
 
 
@@ -105,7 +108,7 @@ def make_view(frame: RgbdFrame, planes: Planes, people: RgbdPeople, config: View
     config = config or ViewConfig()
     objects = find_clusters(planes)
     alone = (planes.surface == Surface.OTHER) & (objects.label < 0) & (people.label < 0)
-    chosen = (planes.surface != Surface.NOTHING) & ~alone
+    chosen = (planes.surface != Surface.NOTHING) & ~alone & planes.mount.known  # else no height is
     people = _whole_objects(people, objects)
     lambdas = _lambdas(planes, people, config)
     thing = np.isin(planes.surface, (Surface.TOP, Surface.OTHER, Surface.FACE)) & (people.label < 0)
@@ -113,7 +116,7 @@ def make_view(frame: RgbdFrame, planes: Planes, people: RgbdPeople, config: View
     return CameraView(
         time_s=frame.time_s,
         T_robot_camera=frame.T_robot_camera,
-        camera_height=frame.camera_height,
+        camera_height=planes.mount.height,
         points=_flattened(planes)[chosen],
         surface=planes.surface[chosen],
         lambdas=lambdas[chosen],

@@ -2,6 +2,7 @@
 
     RgbdFrame(depth, colour, Pinhole(...), ...)      what `tagalong.perception.PlaneFinder` and `PeopleFinder` are given
     Surface                                          what a point lies on: floor, ceiling, wall, top of a table ...
+    read_frames(folder)                              recorded frames: depth, colour, intrinsics of each
     RgbdPeople                                       who is in a frame; what a people finder of one's own returns
     PersonSvm.load(path)                             a classifier that `tagalong train people` wrote
 
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from .frame import Pinhole, RgbdFrame
     from .people import RgbdPeople
     from .person_svm import PersonSvm
+    from .pictures import read_frames
     from .planes import Surface
 
 __all__ = [
@@ -24,6 +26,7 @@ __all__ = [
     "RgbdFrame",
     "RgbdPeople",
     "Surface",
+    "read_frames",
 ]
 
 _HOME = {
@@ -32,6 +35,7 @@ _HOME = {
     "RgbdFrame": "frame",
     "RgbdPeople": "people",
     "Surface": "planes",
+    "read_frames": "pictures",
 }
 """Public name -> module; imported when it is asked for."""
 

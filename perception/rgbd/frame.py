@@ -8,28 +8,38 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...slam.bounds import FARTHEST_MOUNT_M, Within, check_mount, check_numbers, check_time
-from ...slam.errors import InputError
+from ...slam.errors import InputError, shown
 
 Array = NDArray[np.float64]
 
 _DEEPEST_M = 1e4  # no camera measures depths so far
+_NO_METRES = 100.0  # a frame whose depths are more than this in the middle is not in metres: cameras see 20 m
+_UNDISTORT_ROUNDS = 20
+_Focal = Annotated[tuple[float, float], Within(1e-3, 1e6)]
+_Centre = Annotated[tuple[float, float], Within(-1e5, 1e5)]
+_Coefficients = Annotated[tuple[float, ...], Within(-1e3, 1e3)]
+_GREY = 128
 
 
 @dataclass(frozen=True, kw_only=True)
 class Pinhole:
-    """A camera without distortion; pixel (0, 0) is the upper left one, its centre at (0.5, 0.5).
+    """A camera's geometry; pixel (0, 0) is the upper left one, its centre at (0.5, 0.5).
 
     Attributes:
         width: Columns [pixels].
         height: Rows [pixels].
-        horizontal_fov: Angle between the left and the right edge of the picture [rad].
+        horizontal_fov: Angle between the left and the right edge of a picture whose middle is on the axis [rad].
         vertical_fov: Angle between its upper and lower edge [rad].
+        centre: Where the camera's axis meets the picture, column and row [pixels]; None: in the middle.
+        distortion: Coefficients k1, k2, p1, p2, k3 of Brown's model ("plumb_bob" of ROS), or the first few of them.
     """
 
     width: Annotated[int, Within(0, 8192)]
     height: Annotated[int, Within(0, 8192)]
     horizontal_fov: float
     vertical_fov: float
+    centre: _Centre | None = None
+    distortion: _Coefficients = ()
 
     def __post_init__(self) -> None:
         check_numbers(self)
@@ -38,6 +48,33 @@ class Pinhole:
         for name in ("horizontal_fov", "vertical_fov"):
             if not 0.0 < getattr(self, name) < np.pi:
                 raise InputError(f"`{name}` must be in (0, pi) [rad], got {getattr(self, name)}")
+        if len(self.distortion) > 5:
+            raise InputError(f"`distortion` must be at most 5 numbers, got {shown(self.distortion)}")
+
+    @classmethod
+    def from_intrinsics(
+        cls, size: tuple[int, int], focal: _Focal, centre: _Centre, distortion: _Coefficients = ()
+    ) -> "Pinhole":
+        """Return the camera with what a `camera_info` or a calibration says.
+
+        Args:
+            size: Columns and rows [pixels].
+            focal: fx and fy [pixels].
+            centre: cx and cy [pixels]; as in OpenCV and ROS the centre of pixel (0, 0) is at (0, 0).
+            distortion: k1, k2, p1, p2, k3, or the first few of them.
+        """
+        for name, value in (("fx", focal[0]), ("fy", focal[1])):
+            if not value > 0.0:
+                raise InputError(f"`{name}` must be positive [pixels], got {shown(value)}")
+        (width, height), (cx, cy) = size, centre
+        return cls(
+            width=width,
+            height=height,
+            horizontal_fov=float(2.0 * np.arctan2(width / 2.0, focal[0])),
+            vertical_fov=float(2.0 * np.arctan2(height / 2.0, focal[1])),
+            centre=(cx + 0.5, cy + 0.5),
+            distortion=tuple(distortion),
+        )
 
     @property
     def focal(self) -> tuple[float, float]:
@@ -47,39 +84,77 @@ class Pinhole:
             self.height / 2.0 / float(np.tan(self.vertical_fov / 2.0)),
         )
 
+    @property
+    def axis(self) -> tuple[float, float]:
+        """Column and row where the camera's axis meets the picture [pixels]."""
+        return self.centre or (self.width / 2.0, self.height / 2.0)
+
     @cached_property
     def rays(self) -> Array:
         """(height, width, 3) directions of the pixels' centres: x forward, y left, z up; the forward part is 1."""
-        across, down = self.focal
-        left = (self.width / 2.0 - 0.5 - np.arange(self.width)) / across
-        up = (self.height / 2.0 - 0.5 - np.arange(self.height)) / down
+        (across, down), (column, row) = self.focal, self.axis
+        left = (column - 0.5 - np.arange(self.width)) / across
+        up = (row - 0.5 - np.arange(self.height)) / down
         rays = np.ones((self.height, self.width, 3))
         rays[..., 1], rays[..., 2] = left[None, :], up[:, None]
+        if any(self.distortion):
+            right, below = _undistorted(-rays[..., 1], -rays[..., 2], self.distortion)
+            rays[..., 1], rays[..., 2] = -right, -below
         return rays
+
+    def reduced(self, step: int) -> "Pinhole":
+        """Return the camera of a picture in which each pixel stands for `step` x `step` of this one's."""
+        across, down = self.focal
+        columns, rows = self.width // step, self.height // step
+        column, row = self.axis
+        return Pinhole.from_intrinsics(
+            (columns, rows),
+            (across / step, down / step),
+            (column / step - 0.5, row / step - 0.5),
+            self.distortion,
+        )
+
+
+def _undistorted(right: Array, below: Array, coefficients: tuple[float, ...]) -> tuple[Array, Array]:
+    """Return where rays would meet a picture without distortion, by iteration as in OpenCV's `undistortPoints`."""
+    k1, k2, p1, p2, k3 = (*coefficients, *([0.0] * (5 - len(coefficients))))
+    x, y = right.copy(), below.copy()
+    for _ in range(_UNDISTORT_ROUNDS):
+        r2 = x * x + y * y
+        radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
+        radial = np.where(np.abs(radial) > 0.1, radial, 0.1)
+        across = 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x)
+        down = p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y
+        x, y = (right - across) / radial, (below - down) / radial
+    return x, y
 
 
 @dataclass(frozen=True, eq=False)
 class RgbdFrame:
     """What the camera delivers at one time.
 
-    The camera frame: x forward along its axis, y left, z up; it is believed to be level.
+    The camera frame: x forward along its axis, y left, z up.
 
     Attributes:
         depth: (height, width) float32, distance along the camera's axis [m]; NaN where nothing was measured, which is
-            what 0, less than 0 and more than a camera can see become: they write 0 or `inf` there.
-        colour: (height, width, 3) uint8, red, green, blue.
+            what 0, less than 0 and more than a camera can see become: they write 0 or `inf` there. Whole numbers are
+            taken for millimetres, as cameras write them, and become metres.
+        colour: (height, width, 3) uint8, red, green, blue; `grey(camera)` where there is only depth.
         camera: The camera's geometry.
         time_s: Time of the exposure [s].
         T_robot_camera: Pose (x, y, theta) of the camera in the robot frame [m, m, rad].
-        camera_height: Height of the camera above the floor [m].
+        camera_height: Height of the camera above the floor, about [m]; None if it is not known.
+        tilt: Pitch (nose down positive) and roll (left side up positive) of the mount, about [rad]; None if they are
+            not known. Where the floor is in sight, it tells them better.
     """
 
     depth: NDArray[np.float32]
     colour: NDArray[np.uint8]
     camera: Pinhole
-    time_s: float
+    time_s: float = 0.0
     T_robot_camera: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    camera_height: float = 1.0
+    camera_height: float | None = 1.0
+    tilt: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         size = (self.camera.height, self.camera.width)
@@ -90,8 +165,40 @@ class RgbdFrame:
             )
         check_time(self.time_s)
         check_mount(self.T_robot_camera, "T_robot_camera")
-        if not abs(self.camera_height) <= FARTHEST_MOUNT_M:
-            raise InputError(f"`camera_height` must be within {FARTHEST_MOUNT_M:g} m, got {self.camera_height}")
-        unmeasured = (self.depth <= 0.0) | (self.depth > _DEEPEST_M)
-        if unmeasured.any():
-            object.__setattr__(self, "depth", np.where(unmeasured, np.float32(np.nan), self.depth))
+        if self.camera_height is not None and not abs(self.camera_height) <= FARTHEST_MOUNT_M:
+            raise InputError(
+                f"`camera_height` must be within {FARTHEST_MOUNT_M:g} m, or None, got {shown(self.camera_height)}"
+            )
+        if self.tilt is not None and not np.all(np.abs(self.tilt) <= np.pi):
+            raise InputError(f"`tilt` must be two angles within pi [rad], or None, got {shown(self.tilt)}")
+        object.__setattr__(self, "depth", _metres(self.depth))
+
+
+def grey(camera: Pinhole) -> NDArray[np.uint8]:
+    """Return the colour of a frame whose depth alone is known: what finds people goes by depth then."""
+    return np.full((camera.height, camera.width, 3), _GREY, dtype=np.uint8)
+
+
+def _metres(depth: NDArray[np.generic]) -> NDArray[np.float32]:
+    """Return (h, w) depths in metres, NaN where nothing was measured; those of whole numbers are millimetres.
+
+    Raises:
+        InputError: If they are floats, and such as only millimetres can be.
+    """
+    if depth.dtype.kind in "iu":
+        metres = depth.astype(np.float32) * np.float32(1e-3)
+    elif depth.dtype.kind == "f":
+        metres = depth.astype(np.float32, copy=False)
+    else:
+        raise InputError(f"depths must be millimetres as whole numbers or metres as floats, got {depth.dtype}")
+    unmeasured = ~((metres > 0.0) & (metres <= _DEEPEST_M))
+    if unmeasured.any():
+        metres = np.where(unmeasured, np.float32(np.nan), metres)
+    seen = metres[::4, ::4]
+    seen = seen[np.isfinite(seen)]
+    if len(seen) and np.median(seen) > _NO_METRES:
+        raise InputError(
+            f"depths given as floats must be metres, got {np.median(seen):g} in the middle: divide millimetres by "
+            "1000, or give them as uint16"
+        )
+    return metres

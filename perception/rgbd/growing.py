@@ -126,12 +126,13 @@ def settle(points, planes, region, radius, settled):
             p = points[row, col]
             if not np.isfinite(p[0]):
                 continue
-            best = tolerance(p[0])
+            best, tried = tolerance(p[0]), -1
             for i in range(max(0, row - radius), min(height, row + radius + 1)):
                 for j in range(max(0, col - radius), min(width, col + radius + 1)):
                     k = region[i, j]
-                    if k < 0 or k == settled[row, col]:
+                    if k < 0 or k == tried:
                         continue
+                    tried = k
                     away = abs(planes[k, 0] * p[0] + planes[k, 1] * p[1] + planes[k, 2] * p[2] - planes[k, 3])
                     if away < best:
                         best = away

@@ -26,9 +26,12 @@ class HeadConfig:
         gap_per_m: How much that grows with each metre of depth [1].
         reach: How far away neighbours are [pixels]; more than 1 bridges pixels that measured nothing.
         least_pixels: Fewest points of a candidate.
-        lowest: A head is no lower than this [m].
+        lowest: A head is no lower than this [m]: those of people who sit are, backs of chairs are lower.
+        lowest_cut: What the picture's upper edge cuts reaches this [m], the height of the hips: legs alone, as a low
+            camera sees them that looks down, are not told from furniture.
         highest: Points above this belong to nobody [m].
-        apart: Heads of one cluster are at least this far from each other, on the floor [m].
+        apart: Heads of one cluster are at least this far from each other, on the floor [m]: people who walk shoulder
+            to shoulder were 0.37 m apart.
         radius: Points of a cluster this far from a head's vertical axis are its person's [m].
         near: So are points of any cluster this near, which legs can be that noise has cut off [m].
         thin_wall: A piece of wall that is cut by the picture's edge and narrower than this may be somebody [m].
@@ -38,9 +41,10 @@ class HeadConfig:
     gap_per_m: float = 0.03
     reach: int = 2
     least_pixels: int = 30
-    lowest: float = 1.25
+    lowest: float = 1.1
+    lowest_cut: float = 0.8
     highest: float = 2.2
-    apart: float = 0.4
+    apart: float = 0.3
     radius: float = 0.5
     near: float = 0.3
     thin_wall: float = 0.8
@@ -80,7 +84,7 @@ def find_candidates(planes: Planes, config: HeadConfig | None = None) -> Candida
     label = np.empty(chosen.shape, dtype=np.int32)
     clusters = connect(points, chosen, config.gap, config.gap_per_m, config.reach, label)
     pixels = np.empty((_MOST_HEADS, 2), dtype=np.int64)
-    found = find_heads(points, label, clusters, config.lowest, config.apart, pixels)
+    found = find_heads(points, label, clusters, config.lowest, config.lowest_cut, config.apart, pixels)
     pixels = pixels[:found]
     heads = points[pixels[:, 0], pixels[:, 1]]
     axes = np.empty((found, 2))
@@ -154,7 +158,7 @@ def _by_cluster(label, clusters):
 
 
 @njit(cache=True, nogil=True)
-def find_heads(points, label, clusters, lowest, apart, pixels):
+def find_heads(points, label, clusters, lowest, lowest_cut, apart, pixels):
     """Write the heads' pixels (row, column) cluster by cluster; return how many there are.
 
     A head is the highest point of all that are not within `apart` of a higher head of its cluster; and no point of the
@@ -165,6 +169,7 @@ def find_heads(points, label, clusters, lowest, apart, pixels):
         label: (h, w) cluster of each pixel, -1 for none.
         clusters: How many clusters there are.
         lowest: Least height of a head [m].
+        lowest_cut: The same in the picture's two uppermost rows [m].
         apart: Least distance between heads [m].
         pixels: (k, 2) written.
     """
@@ -175,10 +180,10 @@ def find_heads(points, label, clusters, lowest, apart, pixels):
         members = order[start[c] : start[c + 1]]
         free = np.ones(len(members), dtype=np.bool_)
         while found < len(pixels):
-            top, best = lowest, -1
+            top, best = min(lowest, lowest_cut), -1
             for m in range(len(members)):
                 z = points[members[m] // width, members[m] % width, 2]
-                if free[m] and z > top:
+                if free[m] and z > top and (z > lowest or (z > lowest_cut and members[m] // width < 2)):
                     top, best = z, m
             if best < 0:
                 break

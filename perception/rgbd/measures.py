@@ -37,7 +37,7 @@ _KNOTS = np.array(
         *[_SHARES] * (2 * len(Border)),
         (0.03, 0.08, 0.13, 0.18, 0.25, 0.35),  # spread sideways
         (0.01, 0.03, 0.06, 0.09, 0.13, 0.2),  # spread in depth
-        (1.25, 1.4, 1.55, 1.7, 1.85, 2.05),  # highest point
+        (0.6, 0.95, 1.25, 1.5, 1.75, 2.05),  # highest point
         (0.0, 0.15, 0.4, 0.8, 1.1, 1.4),  # lowest point
         (0.6, 1.0, 1.5, 2.5, 4.0, 6.0),  # distance
         (0.02, 0.1, 0.2, 0.35, 0.55, 0.9),  # area in sight
@@ -49,7 +49,7 @@ MEASURES_LENGTH = _KNOTS.size
 """How many numbers describe a candidate."""
 
 
-def candidate_measures(frame: RgbdFrame, planes: Planes, candidates: Candidates) -> Array:
+def candidate_measures(planes: Planes, candidates: Candidates) -> Array:
     """Return (n, MEASURES) of the candidates.
 
     Shares of the edge at the sides that are `Border.FREE` and so on, the same of the upper edge; standard deviation of
@@ -57,7 +57,7 @@ def candidate_measures(frame: RgbdFrame, planes: Planes, candidates: Candidates)
     distance [m]; area across the line of sight [m2]; shares of the points on upright planes that are no walls, on
     walls, and on the plane that holds most of them.
     """
-    measures = np.empty((len(candidates), MEASURES))
+    frame, measures = planes.frame, np.empty((len(candidates), MEASURES))
     counts = np.zeros((len(candidates), 2, len(Border)))
     count_borders(frame.depth, candidates.label, BORDER_STEP, counts)
     shares = counts / np.maximum(counts.sum(axis=2, keepdims=True), 1.0)

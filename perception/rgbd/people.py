@@ -19,12 +19,14 @@ class RgbdPeople:
     Attributes:
         positions: (n, 2) centres, robot frame [m].
         likelihood: (n,) calibrated probability that it is somebody, in [0, 1].
-        label: (h, w) int32 row of the person whom each pixel belongs to, -1 for nobody.
+        label: (h, w) int32 row of the person whom each pixel of `Planes.frame` belongs to, -1 for nobody.
+        floor_known: Whether the floor was, by this frame or before; else heights, and with them people, are guesses.
     """
 
     positions: Array
     likelihood: Array
     label: NDArray[np.int32]
+    floor_known: bool = True
 
     def __len__(self) -> int:
         return len(self.likelihood)
@@ -39,7 +41,7 @@ class RgbdPeopleFinder(Protocol):
     """Finds people in frames."""
 
     def find(self, frame: RgbdFrame, planes: Planes) -> RgbdPeople:
-        """Return the people in `frame`, whose planes are known."""
+        """Return the people in `frame`, whose planes are known; their pixels are those of `planes.frame`."""
         ...
 
 
@@ -48,4 +50,4 @@ class NoPeopleFinder:
 
     def find(self, frame: RgbdFrame, planes: Planes) -> RgbdPeople:
         """Return nobody."""
-        return nobody(frame.camera.height, frame.camera.width)
+        return nobody(*planes.surface.shape)

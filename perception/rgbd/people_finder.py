@@ -1,6 +1,6 @@
 """People in RGB-D frames: clusters, heads, gradients, support vectors (Munaro et al. 2012)."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numba import njit
@@ -11,7 +11,7 @@ from ...slam.errors import InputError
 from ...slam.geometry import transform_points
 from .frame import RgbdFrame
 from .heads import Candidates, HeadConfig, find_candidates
-from .people import RgbdPeople
+from .people import RgbdPeople, nobody
 from .person_svm import PersonSvm, candidate_features
 from .planes import Planes, Surface
 
@@ -28,6 +28,8 @@ class PeopleFinderConfig:
         behind: The middle of a body is this far behind what is seen of it [m].
         apart: Two people are at least this far from each other; the likelier one stays [m].
         ragged: Pixels beside a person, and this near to it in space, are its too [m].
+        without_floor: Whether people are looked for though the floor is not known: the camera counts as level then,
+            and `RgbdPeople.floor_known` says so.
     """
 
     heads: HeadConfig = field(default_factory=HeadConfig)
@@ -35,6 +37,7 @@ class PeopleFinderConfig:
     behind: float = 0.08
     apart: float = 0.35
     ragged: float = 0.15
+    without_floor: bool = True
 
     def __post_init__(self) -> None:
         check_numbers(self)
@@ -64,8 +67,10 @@ class PeopleFinder:
     def find(self, frame: RgbdFrame, planes: Planes) -> RgbdPeople:
         """Return the people in `frame`, whose planes are known; the likeliest first."""
         config = self._config
+        if not planes.mount.known and not config.without_floor:
+            return replace(nobody(*planes.surface.shape), floor_known=False)
         candidates = find_candidates(planes, config.heads)
-        likelihood = self._svm.likelihood(candidate_features(frame, planes, candidates))
+        likelihood = self._svm.likelihood(candidate_features(planes, candidates))
         middles = body_centres(candidates, config.behind)
         order = np.argsort(-likelihood, kind="stable")
         owner = np.full(len(order), -1, dtype=np.int64)
@@ -73,6 +78,8 @@ class PeopleFinder:
         for k in order.tolist():
             if likelihood[k] < config.least_likelihood:
                 break
+            if np.hypot(*candidates.axes[k]) > planes.reach:
+                continue
             near = [n for n, other in enumerate(kept) if np.hypot(*(middles[k] - middles[other])) < config.apart]
             owner[k] = near[0] if near else len(kept)
             if not near:
@@ -82,7 +89,8 @@ class PeopleFinder:
             open_to = (planes.surface != Surface.FLOOR) & (planes.surface != Surface.CEILING)
             for _ in range(2):
                 label = spread(planes.points, label, open_to, config.ragged)
-        return RgbdPeople(transform_points(frame.T_robot_camera, middles[kept]), likelihood[kept], label)
+        places = transform_points(frame.T_robot_camera, middles[kept])
+        return RgbdPeople(places, likelihood[kept], label, planes.mount.known)
 
 
 def body_centres(candidates: Candidates, behind: float) -> Array:

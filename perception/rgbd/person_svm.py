@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from ...slam.errors import InputError, shown
 from ...slam.files.input import checked_name, named
 from ...slam.files.output import read_arrays, read_json, replacing, write_json
-from .frame import RgbdFrame
 from .heads import Candidates
 from .hog import hog, hog_length
 from .measures import MEASURES_LENGTH, candidate_measures, soft_bins
@@ -95,13 +94,13 @@ class PersonSvm:
         return 1.0 / (1.0 + np.exp(-(self.slope * self.score(features) + self.offset)))
 
 
-def candidate_features(frame: RgbdFrame, planes: Planes, candidates: Candidates) -> NDArray[np.float32]:
+def candidate_features(planes: Planes, candidates: Candidates) -> NDArray[np.float32]:
     """Return (n, LENGTH): gradients' histograms of the candidates' windows, then the soft bins of their measures."""
     features = np.empty((len(candidates), LENGTH), dtype=np.float32)
     histograms = np.empty((len(candidates), _OF_WINDOW), dtype=np.float32)
-    hog(candidate_windows(frame, candidates), SOFTNESS, histograms)
+    hog(candidate_windows(planes, candidates), SOFTNESS, histograms)
     features[:, :_OF_WINDOW] = histograms
-    features[:, _OF_WINDOW:] = soft_bins(candidate_measures(frame, planes, candidates))
+    features[:, _OF_WINDOW:] = soft_bins(candidate_measures(planes, candidates))
     return features
 
 

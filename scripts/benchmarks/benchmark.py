@@ -21,6 +21,7 @@ BENCHMARKS: dict[str, str] = {
     "recall-by-distance": "how far people are seen, with few and with many beams",
     "following": "how long a followed person is held in a recorded drive with clicked positions",
     "rgbd-people": "how well people are found in RGB-D frames",
+    "rgbd-recorded": "floor, table tops and people in recorded, labelled RGB-D frames",
     "rgbd-planes": "how well planes and the camera's tilt are found in RGB-D frames",
     "follower-comparison": "followers on the same episodes of the suites, with paired tests",
     "soak": "hours of episodes and laps: whether memory and time stay flat",

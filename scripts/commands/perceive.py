@@ -1,4 +1,4 @@
-"""`tagalong perceive`: legs and people in recorded scans."""
+"""`tagalong perceive`: legs and people in recorded scans; planes and people in recorded RGB-D frames."""
 
 import argparse
 import sys
@@ -23,6 +23,7 @@ from ...slam.scan_to_scan.laser_odometry import laser_odometry
 from ..console.log_options import add_topics
 from ..console.record_option import add_record, check_record
 from ..lab.people_recordings import recorded_people
+from ..runs.perceive_frames import add_camera_options, is_frame_folder, perceive_frames
 
 LEGS_HEADER, PEOPLE_HEADER = "scan,x,y,confidence", "scan,id,x,y,vx,vy,confidence"
 
@@ -36,10 +37,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "bag_time or stamp.\n"
         "Writes legs.csv (scan, x, y, confidence: clusters of at least --min-confidence; the tracker takes those of\n"
         "gamma = 0.3 and more), people.csv (scan, id, x, y, vx, vy, confidence) and config.json. Scans count from 0.\n"
-        "Whoever is nearest at first is the leader: looked for when lost, and kept under one id."
+        "Whoever is nearest at first is the leader: looked for when lost, and kept under one id.\n\n"
+        "A folder of RGB-D frames (NAME_depth.png of 16 bit in millimetres, NAME.jpg or .png, and NAME.json or one\n"
+        "camera.json with width, height, fx, fy, cx, cy) gives planes.csv, people.csv, mounts.csv, report.txt and\n"
+        "overlays/NAME.png. Height and tilt of the camera are told by the floor; where it is not in sight, by the\n"
+        "options or, with --sequence, by the frames before; else people are marked as guesses (floor_known 0)."
     )
-    parser.epilog = "example: tagalong perceive lobby.bag --out out/people --preset recorded --odometry scans"
-    parser.add_argument("scans", metavar="SCANS", type=Path, help="recorded scans: log, ROS bag or .npz")
+    parser.epilog = (
+        "examples:\n  tagalong perceive lobby.bag --out out/people --preset recorded --odometry scans\n"
+        "  tagalong perceive frames/ --out out/frames --camera-height 1.3"
+    )
+    parser.add_argument("scans", metavar="SCANS", type=Path, help="recorded scans: log, ROS bag or .npz; or frames")
     add_topics(parser)
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the results")
     parser.add_argument(
@@ -60,11 +68,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--rate", type=float, metavar="HZ", help="scans a second, for logs whose times are unusable")
     add_record(parser)
+    add_camera_options(parser)
     parser.add_argument("--min-confidence", type=float, default=0.1, help="of rows in legs.csv (default: 0.1)")
 
 
 def run(options: argparse.Namespace) -> int:
-    """Read the scans, track people through them, write the tables."""
+    """Read the scans, track people through them, write the tables; or look at frames."""
+    if is_frame_folder(options.scans):
+        return perceive_frames(options)
     if not 0.0 <= options.min_confidence <= 1.0:
         raise InputError(f"--min-confidence must lie in [0, 1], got {options.min_confidence}")
     check_record(options.record)

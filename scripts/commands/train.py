@@ -16,7 +16,7 @@ from ..training.leg_recordings import read_leg_recordings
 from ..training.train_legs import TrainConfig
 from ..training.train_people import PeopleTrainConfig, train_people
 
-PEOPLE_COUNTS = ("buildings", "frames", "test_buildings")
+PEOPLE_COUNTS = ("buildings", "level_buildings", "frames", "test_buildings")
 COUNTS = ("scans", "drives", "test_scans", "test_drives", "trees")
 MOST = 100_000
 """Of each of them: many times what the shipped models were trained with, and days of work."""
@@ -29,7 +29,8 @@ examples:
   tagalong train legs --forest real --data recordings --out out/legs
 """
 PEOPLE_EPILOG = """\
-writes into DIR: people_rgbd.npz (the classifier), people_rgbd.json (its card: data, seeds, figures, limits)
+writes into DIR: people_rgbd.npz (the classifier), people_rgbd.json (its card: data, seeds, figures, limits), and with
+--recorded without_SOURCE.npz for each source of recorded frames (the same trained without them)
 
 example: tagalong train people --out out/people
 """
@@ -83,6 +84,9 @@ def _add_people(models: "argparse._SubParsersAction[argparse.ArgumentParser]") -
     )
     people.add_argument("--out", type=Path, default=Path("out/people"), metavar="DIR", help="default: %(default)s")
     people.add_argument("--seed", type=int, default=0, help="of all random draws (default: %(default)s)")
+    people.add_argument(
+        "--recorded", type=Path, metavar="FOLDER", help="labelled frames to train on, too, as of `bench rgbd-recorded`"
+    )
     for name in PEOPLE_COUNTS:
         default = getattr(PeopleTrainConfig(), name)
         flag = f"--{name.replace('_', '-')}"
@@ -110,11 +114,13 @@ def _train_people(options: argparse.Namespace) -> int:
     counts = _counts(options, PEOPLE_COUNTS)
     if options.buildings < PeopleTrainConfig().folds:
         raise InputError(f"--buildings must be at least {PeopleTrainConfig().folds}, got {options.buildings}")
-    svm, card, scores = train_people(PeopleTrainConfig(**counts), options.seed)
+    trained = train_people(PeopleTrainConfig(**counts), options.seed, options.recorded)
     path = options.out / MODEL.name
-    svm.save(path, card)
+    trained.svm.save(path, trained.card)
+    for source, svm in trained.left_out.items():
+        svm.save(options.out / f"without_{source}.npz", {"trained": f"as {MODEL.name}, without {source}"})
     print(f"wrote {path}")
-    print(format_table(["figure", "value"], [[name, str(value)] for name, value in scores.figures().items()]))
+    print(format_table(["figure", "value"], [[name, str(value)] for name, value in trained.scores.figures().items()]))
     return 0
 
 

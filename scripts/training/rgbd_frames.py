@@ -22,6 +22,7 @@ from ...envs.world.building import build
 from ...perception.rgbd.frame import RgbdFrame
 from ...slam.geometry import inverse, transform_points
 from .rgbd_props import before, draw_props
+from .rgbd_seats import draw_chairs, seat_person
 from .rgbd_truth import WholeBodies, people_of
 
 Array = NDArray[np.float64]
@@ -40,16 +41,24 @@ class LabelledFrame:
         person: (h, w) int32 person that each pixel really met, -1 for nobody.
         places: (n, 2) people, robot frame [m].
         whole: (n,) pixels that each person would have in the picture with nothing before them.
+        seated: (n,) who sits.
     """
 
     frame: RgbdFrame
     person: NDArray[np.int32]
     places: Array
     whole: NDArray[np.int64]
+    seated: NDArray[np.bool_]
 
 
 def draw_frames(
-    rng: Generator, scenes: Sequence[str], clothing: str, props: str, count: int, camera: RgbdConfig | None = None
+    rng: Generator,
+    scenes: Sequence[str],
+    clothing: str,
+    props: str,
+    count: int,
+    camera: RgbdConfig | None = None,
+    seated: float = 0.0,
 ) -> list[LabelledFrame]:
     """Draw one building of `scenes` with people in it, and return `count` frames from places along its route.
 
@@ -60,12 +69,15 @@ def draw_frames(
         props: Name of the kinds of things that stand about, see `rgbd_props.py`.
         count: How many frames.
         camera: The camera; its wardrobe is not looked at.
+        seated: Share of the frames with somebody on a chair.
     """
     scene = make_scene(scenes[int(rng.integers(len(scenes)))], rng)
     if scene.ceiling is None and rng.random() < 0.7:
         scene = replace(scene, ceiling=HEADROOM)
     spots = _spots(rng, scene, count)
     scene = replace(scene, solids=(*scene.solids, *draw_props(rng, scene, spots, props)))
+    chairs, seats = draw_chairs(rng, scene, spots, seated) if seated else ([], {})
+    scene = replace(scene, solids=(*scene.solids, *chairs))
     physiques = tuple(draw_physique(rng) for _ in range(_PEOPLE))
     outfits = tuple(draw_outfit(rng, wardrobe(clothing)) for _ in range(_PEOPLE))
     lidar = LidarConfig()
@@ -73,14 +85,18 @@ def draw_frames(
     looks = dress(model, rng, outfits)
     taker, data = RgbdCamera(camera or RgbdConfig(), model, looks), mujoco.MjData(model)
     whole, frames = WholeBodies(taker.config, model, _PEOPLE), []
-    for spot in spots:
+    for number, spot in enumerate(spots):
         people = _place_people(rng, scene, spot)
         _pose(rng, data, people, physiques, lidar.height)
+        sits = np.zeros(_PEOPLE, dtype=bool)
+        if number in seats:
+            sits[-1], people[-1] = True, seats[number][:2]
+            seat_person(data, _PEOPLE - 1, seats[number], physiques[-1])
         mujoco.mj_kinematics(model, data)
         mujoco.mj_camlight(model, data)
         frame, geoms = taker.take(data, spot, rng, 0.0)
         places = transform_points(inverse(spot), people)
-        frames.append(LabelledFrame(frame, people_of(model, geoms), places, whole.count(data, spot)))
+        frames.append(LabelledFrame(frame, people_of(model, geoms), places, whole.count(data, spot), sits))
     return frames
 
 

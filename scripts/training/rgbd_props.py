@@ -80,9 +80,66 @@ def _hat_stand(rng: Generator, x: float, y: float) -> list[Solid]:
     return [post("prop", x, y, 0.035, 1.6), _drum(x, y, float(rng.uniform(0.14, 0.2)), 1.6, 1.72)]
 
 
+def _clutter(rng: Generator, x: float, y: float) -> list[Solid]:
+    """Return blocks, drums and posts in a heap, of any sizes and up to any height."""
+    found: list[Solid] = []
+    for _ in range(int(rng.integers(2, 7))):
+        (dx, dy), bottom = rng.uniform(-0.3, 0.3, 2), float(max(0.0, rng.uniform(-1.0, 1.2)))
+        top = bottom + float(rng.uniform(0.05, 1.2))
+        if rng.random() < 0.6:
+            size = (float(rng.uniform(0.02, 0.35)), float(rng.uniform(0.02, 0.25)))
+            found.append(_block(rng, x + dx, y + dy, size, top, bottom))
+        else:
+            found.append(_drum(x + dx, y + dy, float(rng.uniform(0.02, 0.2)), bottom, top))
+    return found
+
+
+def _shelf(rng: Generator, x: float, y: float) -> list[Solid]:
+    """Return boards on four posts, and things on the boards."""
+    yaw, half_length, half_width = float(rng.uniform(-np.pi, np.pi)), float(rng.uniform(0.3, 0.5)), 0.18
+    turned = np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
+    height, found = float(rng.uniform(1.2, 2.1)), []
+    for sx, sy in ((1, 1), (1, -1), (-1, 1), (-1, -1)):
+        dx, dy = turned @ (sx * half_length, sy * half_width)
+        found.append(post("prop", x + float(dx), y + float(dy), 0.02, height))
+    for board in np.arange(0.3, height + 0.01, float(rng.uniform(0.3, 0.45))).tolist():
+        found.append(_plate(x, y, yaw, (half_length, half_width), board - 0.03, board))
+        if rng.random() < 0.7:
+            dx, dy = turned @ (rng.uniform(-0.7, 0.7) * half_length, 0.0)
+            size = (float(rng.uniform(0.05, 0.2)), float(rng.uniform(0.05, 0.15)))
+            top = float(board) + float(rng.uniform(0.08, 0.3))
+            found.append(_block(rng, x + float(dx), y + float(dy), size, top, float(board), kind="carton"))
+    return found
+
+
+def _curtain(rng: Generator, x: float, y: float) -> list[Solid]:
+    """Return a row of drums that stand close: folds of cloth."""
+    yaw, radius = float(rng.uniform(-np.pi, np.pi)), float(rng.uniform(0.03, 0.08))
+    along = 1.6 * radius * (np.arange(int(rng.integers(4, 14))) - 4.0)
+    bottom, top = float(rng.uniform(0.0, 0.8)), float(rng.uniform(1.4, 2.4))
+    return [_drum(x + float(np.cos(yaw) * s), y + float(np.sin(yaw) * s), radius, bottom, top) for s in along]
+
+
+def _high_chair(rng: Generator, x: float, y: float) -> list[Solid]:
+    """Return a chair with a back as high as that of an armchair, turned anywhere."""
+    yaw, seat = float(rng.uniform(-np.pi, np.pi)), float(rng.uniform(0.4, 0.5))
+    behind = np.array([x, y]) - 0.25 * np.array([np.cos(yaw), np.sin(yaw)])
+    half_width, back = float(rng.uniform(0.2, 0.35)), float(rng.uniform(1.0, 1.3))
+    bottom = float(rng.choice((0.05, 0.35)))
+    return [
+        _plate(x, y, yaw, (0.25, half_width), bottom, seat),
+        _plate(float(behind[0]), float(behind[1]), yaw, (0.05, half_width), seat, back),
+    ]
+
+
+def _plate(x: float, y: float, yaw: float, size: tuple[float, float], bottom: float, top: float) -> Solid:
+    half_length, half_width = size
+    return Solid(kind="prop", x=x, y=y, yaw=yaw, half_length=half_length, half_width=half_width, bottom=bottom, top=top)
+
+
 PROPS: dict[str, tuple[Maker, ...]] = {
     "none": (),
-    "training": (_lamp, _coat_stand, _plant, _stack, _dress_form),
+    "training": (_lamp, _coat_stand, _plant, _stack, _dress_form, _clutter, _shelf, _curtain, _high_chair, _clutter),
     "unseen": (_speaker, _dispenser, _banner, _statue, _hat_stand),
 }
 """Name -> what there is; what a detector is tested among is nothing that it was trained among."""

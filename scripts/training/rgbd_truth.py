@@ -8,6 +8,7 @@ from ...envs.physics.groups import GROUP_ABOVE, GROUP_SEEN
 from ...envs.physics.mj import MjData, MjModel, mujoco
 from ...envs.sensors.camera.config import RgbdConfig
 from ...envs.sensors.camera.rays import FARTHEST
+from ...envs.sensors.camera.rgbd import camera_axes
 
 Array = NDArray[np.float64]
 _HIDDEN = 5
@@ -42,7 +43,7 @@ class WholeBodies:
         cos, sin = np.cos(theta), np.sin(theta)
         origin = np.array([x + cos * ahead - sin * left, y + sin * ahead + cos * left, self._config.camera_height])
         yaw = theta + turn
-        turned = np.array([[np.cos(yaw), -np.sin(yaw), 0.0], [np.sin(yaw), np.cos(yaw), 0.0], [0.0, 0.0, 1.0]])
+        turned = camera_axes(yaw, self._config.pitch, self._config.roll)
         groups = self._model.geom_group.copy()
         counts = np.zeros(self._people, dtype=np.int64)
         for person in range(self._people):

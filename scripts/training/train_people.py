@@ -1,7 +1,9 @@
-"""Train the classifier of people in RGB-D frames on simulated frames."""
+"""Train the classifier of people in RGB-D frames: on simulated frames under any mount, and on recorded ones."""
 
+import os
 from collections.abc import Iterable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -14,7 +16,9 @@ from ...perception.rgbd.heads import find_candidates
 from ...perception.rgbd.person_svm import LENGTH, PersonSvm, candidate_features
 from ...perception.rgbd.planes import PlaneFinder
 from .evaluate_people import PeopleScores, score_people
+from .rgbd_cameras import draw_camera, shake_depth
 from .rgbd_frames import LabelledFrame, draw_frames
+from .rgbd_recordings import recorded_candidates
 
 Array = NDArray[np.float64]
 
@@ -24,8 +28,8 @@ MINE, OTHERS, FOUND = 0.5, 0.1, 0.3
 """A candidate shows somebody if this share of its pixels is that person's, and this share of the person's pixels is in
 it; nobody if no more than the second share is anybody's. The rest is neither."""
 LIMITS = (
-    "simulated people only, upright, with the head or its place below the upper edge in sight; real recordings may "
-    "differ; sitting people are not in the training"
+    "simulated people who stand, walk and sit on chairs; recorded frames of few sources, most of them without anybody; "
+    "nobody lies or crouches"
 )
 
 
@@ -39,13 +43,24 @@ class PeopleTrainConfig:
         test_buildings: Buildings to score on.
         penalty: Of errors against the margin's width (C of the support vector machine).
         folds: Parts of the buildings that are left out in turn, for the calibration.
+        any_mount: Share of these that are seen by a camera of any mount (`rgbd_cameras.py`), the others by the usual
+            level one.
+        level_buildings: Further buildings, all seen by the usual camera.
+        stereo: Share of these cameras that measure by stereo.
+        seated: Share of the frames with somebody on a chair.
+        recorded: How many simulated candidates a recorded one weighs as much as.
     """
 
-    buildings: int = 240
+    buildings: int = 320
     frames: int = 12
     test_buildings: int = 40
     penalty: float = 0.005
     folds: int = 5
+    any_mount: float = 0.5
+    level_buildings: int = 200
+    stereo: float = 0.4
+    seated: float = 0.3
+    recorded: float = 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,18 +70,24 @@ class PeopleSamples:
     Attributes:
         features: (n, LENGTH) float32.
         is_person: (n,) bool.
-        building: (n,) number of the building.
+        building: (n,) number of the building; of a recording that of its source.
+        weight: (n,) how much each counts.
     """
 
     features: NDArray[np.float32]
     is_person: NDArray[np.bool_]
     building: NDArray[np.int64]
+    weight: Array
 
 
 def training_frames(rng: np.random.Generator, config: PeopleTrainConfig) -> Iterator[list[LabelledFrame]]:
     """Yield the frames of one building after the other."""
     for _ in range(config.buildings):
-        yield draw_frames(rng, TRAIN_SCENES, "training", "training", config.frames)
+        camera = draw_camera(rng) if rng.random() < config.any_mount else None
+        frames = draw_frames(rng, TRAIN_SCENES, "training", "training", config.frames, camera, config.seated)
+        if camera is not None and rng.random() < config.stereo:
+            frames = [replace(f, frame=shake_depth(f.frame, rng, rng.uniform(0.002, 0.01))) for f in frames]
+        yield frames
 
 
 def collect(buildings: Iterable[list[LabelledFrame]]) -> PeopleSamples:
@@ -78,10 +99,11 @@ def collect(buildings: Iterable[list[LabelledFrame]]) -> PeopleSamples:
             planes = finder.find(drawn.frame)
             candidates = find_candidates(planes)
             person, sure = _truth(drawn.person, candidates.label, len(candidates))
-            features.append(candidate_features(drawn.frame, planes, candidates)[sure])
+            features.append(candidate_features(planes, candidates)[sure])
             persons.append(person[sure])
             numbers.append(np.full(np.count_nonzero(sure), number))
-    return PeopleSamples(np.concatenate(features), np.concatenate(persons), np.concatenate(numbers))
+    persons = np.concatenate(persons)
+    return PeopleSamples(np.concatenate(features), persons, np.concatenate(numbers), np.ones(len(persons)))
 
 
 def _truth(
@@ -100,51 +122,108 @@ def _truth(
     return is_person, is_person | (anybody / total <= OTHERS)
 
 
+def collect_recorded(folder: str | os.PathLike[str], weight: float) -> tuple[PeopleSamples, tuple[str, ...]]:
+    """Return the candidates in the recorded frames of `folder`, each with the number of its source, and the sources."""
+    parts = list(recorded_candidates(folder))
+    sources = tuple(sorted({source for source, *_ in parts}))
+    numbers = [np.full(len(person), sources.index(source)) for source, _, person in parts]
+    persons = np.concatenate([person for *_, person in parts])
+    features = np.concatenate([features for _, features, _ in parts])
+    return PeopleSamples(features, persons, np.concatenate(numbers), np.full(len(persons), weight)), sources
+
+
+def with_recorded(simulated: PeopleSamples, recorded: PeopleSamples, without: int | None = None) -> PeopleSamples:
+    """Return all of them together, but for those `recorded` at one source."""
+    kept = recorded.building != without
+    after = recorded.building + (simulated.building.max(initial=-1) + 1)
+    pairs = ((getattr(simulated, name), getattr(recorded, name)) for name in ("features", "is_person"))
+    features, persons = (np.concatenate((ours, theirs[kept])) for ours, theirs in pairs)
+    buildings = np.concatenate((simulated.building, after[kept]))
+    return PeopleSamples(features, persons, buildings, np.concatenate((simulated.weight, recorded.weight[kept])))
+
+
 def fit_people(samples: PeopleSamples, config: PeopleTrainConfig) -> PersonSvm:
-    """Fit scikit-learn's linear support vector machine; calibrate it on buildings left out in turn."""
+    """Fit scikit-learn's linear support vector machine; calibrate it on buildings and sources left out in turn."""
     scores = np.empty(len(samples.is_person))
     fold = samples.building % config.folds
     for left_out in range(config.folds):
-        machine = _machine(config).fit(samples.features[fold != left_out], samples.is_person[fold != left_out])
-        scores[fold == left_out] = machine.decision_function(samples.features[fold == left_out])
-    platt = LogisticRegression(C=1e3).fit(scores[:, None], samples.is_person)
+        mine = fold == left_out
+        scores[mine] = _machine(config, samples, ~mine).decision_function(samples.features[mine])
+    platt = LogisticRegression(C=1e3).fit(scores[:, None], samples.is_person, samples.weight)
     calibration = float(np.ravel(platt.coef_)[0]), float(np.ravel(platt.intercept_)[0])
-    machine = _machine(config).fit(samples.features, samples.is_person)
+    machine = _machine(config, samples, np.ones(len(fold), dtype=bool))
     weights = machine.coef_[0].astype(np.float32)
     return PersonSvm(weights, float(np.ravel(machine.intercept_)[0]), *calibration)
 
 
-def _machine(config: PeopleTrainConfig) -> LinearSVC:
-    return LinearSVC(C=config.penalty, dual="auto", tol=1e-3, random_state=0)
+def _machine(config: PeopleTrainConfig, samples: PeopleSamples, chosen: NDArray[np.bool_]) -> LinearSVC:
+    machine = LinearSVC(C=config.penalty, dual="auto", tol=1e-3, random_state=0)
+    return machine.fit(samples.features[chosen], samples.is_person[chosen], samples.weight[chosen])
 
 
-def train_people(config: PeopleTrainConfig, seed: int) -> tuple[PersonSvm, dict[str, Any], PeopleScores]:
-    """Return the classifier, its card, and how it does on clothing, poses, things and a scene not trained on."""
-    samples = collect(training_frames(np.random.default_rng([seed, 0]), config))
+@dataclass(frozen=True, eq=False)
+class TrainedPeople:
+    """What a training made.
+
+    Attributes:
+        svm: The classifier.
+        card: What it was trained on, how well it does.
+        scores: On clothing, poses, things and a scene not trained on.
+        left_out: Source of recorded frames -> the classifier trained without them.
+    """
+
+    svm: PersonSvm
+    card: dict[str, Any]
+    scores: PeopleScores
+    left_out: dict[str, PersonSvm]
+
+
+def train_people(config: PeopleTrainConfig, seed: int, recorded: str | os.PathLike[str] | None = None) -> TrainedPeople:
+    """Train on simulated frames, and on the folder of `recorded` ones if there is one."""
+    usual = replace(config, buildings=config.level_buildings, any_mount=0.0, seated=0.0)
+    drawn = training_frames(np.random.default_rng([seed, 0]), config)
+    samples = collect(chain(drawn, training_frames(np.random.default_rng([seed, 2]), usual)))
+    left_out: dict[str, PersonSvm] = {}
+    sources: tuple[str, ...] = ()
+    if recorded is not None:
+        simulated = samples
+        real, sources = collect_recorded(recorded, config.recorded)
+        left_out = {name: fit_people(with_recorded(simulated, real, k), config) for k, name in enumerate(sources)}
+        samples = with_recorded(simulated, real)
     svm = fit_people(samples, config)
     rng = np.random.default_rng([seed, 1])
     tested = (draw_frames(rng, TEST_SCENES, "everyday", "unseen", config.frames) for _ in range(config.test_buildings))
     scores = score_people(svm, (frame for frames in tested for frame in frames))
-    return svm, _card(svm, samples, scores, config, seed), scores
+    return TrainedPeople(svm, _card(svm, samples, scores, config, seed, sources), scores, left_out)
 
 
 def _card(
-    svm: PersonSvm, samples: PeopleSamples, scores: PeopleScores, config: PeopleTrainConfig, seed: int
+    svm: PersonSvm,
+    samples: PeopleSamples,
+    scores: PeopleScores,
+    config: PeopleTrainConfig,
+    seed: int,
+    sources: tuple[str, ...],
 ) -> dict[str, Any]:
     return {
         "model": "people in RGB-D frames: HOG of brightness and depth, measures, linear SVM, Platt's calibration",
-        "command": f"tagalong train people --seed {seed} --out DIR",
+        "command": f"tagalong train people --seed {seed}{' --recorded FOLDER' * bool(sources)} --out DIR",
         "seed": seed,
         "config": asdict(config),
         "training": {
             "scenes": TRAIN_SCENES,
             "wardrobe": "training",
             "props": "training",
+            "recorded": sources,
             "candidates": len(samples.is_person),
             "people": int(samples.is_person.sum()),
         },
         "test": {"scenes": TEST_SCENES, "wardrobe": "everyday", "props": "unseen", **scores.figures()},
-        "calibration": {"slope": svm.slope, "offset": svm.offset, "fitted_on": "buildings left out in turn"},
+        "calibration": {
+            "slope": svm.slope,
+            "offset": svm.offset,
+            "fitted_on": "buildings and sources left out in turn",
+        },
         "limits": LIMITS,
         "scikit_learn": sklearn.__version__,
     }

@@ -1,5 +1,7 @@
 """People in RGB-D: candidates by heads, gradients' histograms, the shipped classifier."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from hog_rgbd_reference import hog_reference
@@ -79,7 +81,12 @@ def test_a_body_whose_head_is_above_the_picture_is_a_candidate():
     found = candidates(standing(*person(1.0, 0.0)))
     assert len(found) == 1
     assert found.pixels[0, 0] < 2
-    assert candidate_windows(standing(*person(1.0, 0.0)), found).shape == (1, CHANNELS, ROWS, COLUMNS)
+    assert candidate_windows(PlaneFinder().find(standing(*person(1.0, 0.0))), found).shape == (
+        1,
+        CHANNELS,
+        ROWS,
+        COLUMNS,
+    )
 
 
 def test_points_alone_in_space_are_left_out():
@@ -93,7 +100,8 @@ def test_points_alone_in_space_are_left_out():
 
 def test_windows_show_people_of_any_distance_in_the_same_size():
     near, far = (
-        candidate_windows(f, candidates(f))[0] for f in (standing(*person(2.5, 0.0)), standing(*person(4.5, 0.0)))
+        candidate_windows(PlaneFinder().find(f), candidates(f))[0]
+        for f in (standing(*person(2.5, 0.0)), standing(*person(4.5, 0.0)))
     )
     assert np.abs(near[2] - far[2]).mean() < 0.06
     assert 0.15 < near[2].mean() < 0.6
@@ -106,7 +114,7 @@ def test_the_middle_of_a_window_is_that_of_head_and_chest_whatever_is_carried_be
     frame = standing(*person(3.0, 0.3), (3.0, 0.3 + low, 0.3 + high, 0.1, 0.7))
     found = candidates(frame)
     assert len(found) == 1
-    own = candidate_windows(frame, found)[0, 2]
+    own = candidate_windows(PlaneFinder().find(frame), found)[0, 2]
     columns = np.arange(COLUMNS) + 0.5
     upper, lower = ((part * columns).sum() / part.sum() for part in (own[: ROWS // 3], own[ROWS * 2 // 3 :]))
     assert upper == pytest.approx(COLUMNS / 2, abs=0.7)
@@ -116,7 +124,7 @@ def test_the_middle_of_a_window_is_that_of_head_and_chest_whatever_is_carried_be
 def measured(frame):
     """Shares of the borders at the sides and above, extents and flatness of the frame's only candidate."""
     planes = PlaneFinder().find(frame)
-    (row,) = candidate_measures(frame, planes, find_candidates(planes))
+    (row,) = candidate_measures(planes, find_candidates(planes))
     return row[:5], row[5:10], row[10:16], row[16:]
 
 
@@ -140,7 +148,7 @@ def test_what_is_seen_through_a_gap_has_nearer_things_at_its_sides():
     planes = PlaneFinder().find(frame)
     found = find_candidates(planes)
     between = np.argmin(np.abs(found.axes - (3.0, 0.0)).sum(axis=1))
-    row = candidate_measures(frame, planes, found)[between]
+    row = candidate_measures(planes, found)[between]
     assert row[Border.HIDDEN] > 0.9
     assert row[5 + Border.FREE] > 0.9
 
@@ -182,7 +190,7 @@ def test_soft_bins_share_a_value_out_between_its_neighbours():
 
 def test_what_is_beside_and_behind_a_candidate_is_as_bright_as_it_is():
     frame = standing(*person(3.0, 0.0))
-    window = candidate_windows(frame, candidates(frame))[0]
+    window = candidate_windows(PlaneFinder().find(frame), candidates(frame))[0]
     inside, outside = window[0][window[2] > 0.99], window[0][window[2] < 0.01]
     assert inside.min() < 0.1 < inside.max()  # head and body
     assert outside == pytest.approx(np.average(window[0], weights=window[2]), abs=0.02)
@@ -190,7 +198,7 @@ def test_what_is_beside_and_behind_a_candidate_is_as_bright_as_it_is():
 
 def test_an_empty_room_has_no_features():
     planes = PlaneFinder().find(standing())
-    assert candidate_features(standing(), planes, find_candidates(planes)).shape == (0, LENGTH)
+    assert candidate_features(planes, find_candidates(planes)).shape == (0, LENGTH)
 
 
 def patches(count=3, channels=2):
@@ -301,3 +309,59 @@ def test_impossible_configurations_are_errors():
         PeopleFinderConfig(apart=-1.0)
     with pytest.raises(InputError, match="lowest"):
         HeadConfig(lowest=0.0)
+
+
+def from_above(pitch, height=1.4):
+    """A frame of one upright cut-out 2.5 m away by a camera whose nose is down, and of the same by a level one."""
+    c, s = np.cos(pitch), np.sin(pitch)
+    rays = CAMERA.rays @ np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]]).T
+    with np.errstate(divide="ignore"):
+        depth = np.minimum(6.0 / rays[..., 0], np.where(rays[..., 2] < 0.0, -height / rays[..., 2], np.inf))
+    colour = np.full((*depth.shape, 3), 150, dtype=np.uint8)
+    for number, (away, right, left, bottom, top) in enumerate(person(2.5, 0.2)):
+        at = away / rays[..., 0]
+        y, z = rays[..., 1] * at, rays[..., 2] * at + height
+        inside = (y > right) & (y < left) & (z > bottom) & (z < top) & (depth > at)
+        depth[inside], colour[inside] = at[inside], 40 * number
+    return RgbdFrame(depth.astype(np.float32), colour, CAMERA, 0.0, camera_height=None)
+
+
+def test_a_person_stands_upright_in_the_window_however_the_camera_is_tilted():
+    pictures = []
+    for pitch in (0.0, np.radians(15.0)):
+        planes = PlaneFinder().find(from_above(pitch))
+        assert planes.mount.height == pytest.approx(1.4, abs=0.02)
+        (window,) = candidate_windows(planes, find_candidates(planes))
+        pictures.append(window)
+    assert np.abs(pictures[0][2] - pictures[1][2]).mean() < 0.05
+
+
+def test_people_beyond_what_the_noise_allows_are_not_told():
+    frame, svm = standing(*person(3.0, 0.0)), PersonSvm.load()
+    finder = PeopleFinder(Certain(svm.weights, svm.bias, svm.slope, svm.offset))
+    planes = PlaneFinder().find(frame)
+    assert len(finder.find(frame, planes)) == 1
+    assert len(finder.find(frame, dataclasses.replace(planes, reach=2.5))) == 0
+
+
+def test_a_noisy_frame_reaches_less_far():
+    frame, rng = standing(), np.random.default_rng(0)
+    reaches = []
+    for quadratic in (0.0005, 0.002, 0.006):
+        noise = (quadratic * frame.depth**2 * rng.standard_normal(frame.depth.shape)).astype(np.float32)
+        reaches.append(PlaneFinder().find(dataclasses.replace(frame, depth=frame.depth + noise)).reach)
+    assert reaches[0] > reaches[1] > reaches[2]
+    assert reaches[1] == pytest.approx(np.sqrt(0.058 / 0.002), rel=0.3)
+
+
+def test_people_are_marked_as_guesses_where_the_floor_is_not_known_or_left_out():
+    frame = standing(*person(2.0, 0.0))
+    blind = dataclasses.replace(frame, depth=np.where(CAMERA.rays[..., 2] < -0.15, np.nan, frame.depth))
+    planes, svm = PlaneFinder().find(blind), PersonSvm.load()
+    certain = Certain(svm.weights, svm.bias, svm.slope, svm.offset)
+    assert not planes.mount.known
+    people = PeopleFinder(certain).find(blind, planes)
+    assert len(people) >= 1
+    assert not people.floor_known
+    assert len(PeopleFinder(certain, PeopleFinderConfig(without_floor=False)).find(blind, planes)) == 0
+    assert PeopleFinder(certain).find(frame, PlaneFinder().find(frame)).floor_known

@@ -193,7 +193,7 @@ def test_the_plan_holds_every_disturbance_for_every_seed():
         with pytest.raises(InputError, match="--"):
             plan_of(options(**wrong))
     with pytest.raises(InputError, match="poses"):
-        lab_drive(0, "guess", 2.0, 0.3, 0.0, 0.0, 0.0, 1.0, [], files=None)  # pyright: ignore[reportArgumentType]
+        lab_drive(0, "guess", 2.0, 0.3, 0.0, 0.0, 0.0, 0.0, 1.0, [], files=None)  # pyright: ignore[reportArgumentType]
 
 
 def test_a_short_drive_ends_in_a_report_with_all_its_figures(tmp_path):
@@ -215,7 +215,7 @@ def test_a_short_drive_ends_in_a_report_with_all_its_figures(tmp_path):
 
 def test_planes_are_counted_against_what_the_rays_met():
     counts = rgbd_planes.Counts()
-    rgbd_planes.count_drive(0, 0.0, counts, longest_s=6.0)
+    rgbd_planes.count_drive(0, rgbd_planes.MOUNTS["level"], counts, longest_s=6.0)
     assert counts.whole["wall"] > 5000
     assert counts.right["wall"] > 0.95 * counts.whole["wall"]
     assert max(counts.slopes) < np.radians(0.3)

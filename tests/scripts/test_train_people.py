@@ -60,7 +60,9 @@ def labelled(places, whole=200):
     person = np.full(frame.depth.shape, -1, dtype=np.int32)
     for who in range(len(places)):
         person[2 * who : 2 * who + 2, :100] = who
-    return LabelledFrame(frame, person, np.array(places, dtype=float), np.full(len(places), whole))
+    return LabelledFrame(
+        frame, person, np.array(places, dtype=float), np.full(len(places), whole), np.zeros(len(places), bool)
+    )
 
 
 def found(places, likelihood):

@@ -13,6 +13,7 @@ from ...limits.field_checks import PIXELS, Rate, check_fields
 
 BACKENDS = ("rays", "opengl")
 _View = Annotated[float, Within(0.01, np.pi - 0.01)]
+_Tilt = Annotated[float, Within(-0.5 * np.pi, 0.5 * np.pi)]
 _Depth = Annotated[float, Within(0.0, 1000.0)]
 _Mount = Annotated[tuple[float, float, float], Within(-FARTHEST_MOUNT_M, FARTHEST_MOUNT_M)]
 
@@ -21,8 +22,8 @@ _Mount = Annotated[tuple[float, float, float], Within(-FARTHEST_MOUNT_M, FARTHES
 class RgbdConfig:
     """An RGB-D camera. Defaults follow the Kinect V2 on the robot of Zhang et al. 2019 (section 3).
 
-    It looks level and straight ahead, on the vertical axis of the laser if their mounts are the same. A frame is taken
-    at one instant; its pixels are samples of the sensor's, not means of several.
+    It looks level and straight ahead if not told otherwise, on the vertical axis of the laser if their mounts are the
+    same. A frame is taken at one instant; its pixels are samples of the sensor's, not means of several.
 
     Attributes:
         width: Columns [pixels]; 512 on the real one.
@@ -34,6 +35,8 @@ class RgbdConfig:
         rate_hz: Frames a second [Hz].
         mount: Pose (x, y, theta) of the camera in the robot frame [m, m, rad].
         camera_height: Height above the floor [m].
+        pitch: How far its nose points down [rad].
+        roll: How far its left side is up [rad].
         noise: Scale of the noise of depth, 1 for that of the literature (see `noise.py`), 0 for none.
         edge_missing: Probability that a pixel whose neighbour is much farther or nearer measures nothing.
         missing: Probability that any other pixel measures nothing.
@@ -51,6 +54,8 @@ class RgbdConfig:
     rate_hz: Rate = 10.0
     mount: _Mount = (0.1, 0.0, 0.0)
     camera_height: Annotated[float, Within(0.01, FARTHEST_MOUNT_M)] = 1.0
+    pitch: _Tilt = 0.0
+    roll: _Tilt = 0.0
     noise: Annotated[float, Within(0.0, 1000.0)] = 1.0
     edge_missing: Share = 0.7
     missing: Share = 0.002

@@ -50,13 +50,14 @@ class RgbdCamera:
         cos, sin = np.cos(theta), np.sin(theta)
         ahead, left, turn = config.mount
         origin = np.array([x + cos * ahead - sin * left, y + sin * ahead + cos * left, config.camera_height])
-        exact = self._caster.cast(data, origin, _rotation(theta + turn, pitch, roll))
+        exact = self._caster.cast(data, origin, camera_axes(theta + turn, config.pitch + pitch, config.roll + roll))
         depth = measure_depth(exact.depth, exact.incidence, config, rng)
-        frame = RgbdFrame(depth, exact.colour, self._pinhole, time_s, config.mount, config.camera_height)
+        tilt = (config.pitch, config.roll)
+        frame = RgbdFrame(depth, exact.colour, self._pinhole, time_s, config.mount, config.camera_height, tilt)
         return frame, exact.geom
 
 
-def _rotation(yaw: float, pitch: float, roll: float) -> Array:
+def camera_axes(yaw: float, pitch: float, roll: float) -> Array:
     """Return (3, 3) the camera's axes as columns: turned by roll about x, pitch about y, yaw about z, in this order."""
     cy, sy, cp, sp, cr, sr = *_cs(yaw), *_cs(pitch), *_cs(roll)
     about_z = np.array([[cy, -sy, 0.0], [sy, cy, 0.0], [0.0, 0.0, 1.0]])

@@ -4,6 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from ...lab.statistics import Estimate, ratio, upper_bound
 from .measures import HIDDEN
 from .plan import CLEAN, cell_name
@@ -116,6 +118,10 @@ class Counted:
     def row(self, seed: int, disturbance: str = CLEAN) -> Mapping[str, Any]:
         """Return everything of one drive."""
         return self._rows(disturbance, seed)[0]
+
+    def pose_error(self, disturbance: str = CLEAN) -> float:
+        """Return the error of the poses, the root mean square over the drives [m]."""
+        return float(np.sqrt(np.mean([row["pose_error_m"] ** 2 for row in self._rows(disturbance, None)])))
 
     def _rows(self, disturbance: str, seed: int | None) -> list[Mapping[str, Any]]:
         return [self.results[cell_name(disturbance, s)] for s in (self.seeds if seed is None else [seed])]

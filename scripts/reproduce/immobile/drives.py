@@ -53,6 +53,7 @@ def lab_drive(
     camera_hz: float,
     delay_s: float,
     vibration_deg: float,
+    pitch_deg: float,
     missing: float,
     wrong: float,
     longest_s: float | None,
@@ -67,6 +68,7 @@ def lab_drive(
         camera_hz: Frames a second [Hz].
         delay_s: Views are ready this long after their exposure [s].
         vibration_deg: Standard deviation of the camera's pitch and roll [degrees].
+        pitch_deg: How far the camera's nose points down [degrees].
         missing: Share of the pixels that measure nothing, besides the usual ones.
         wrong: Share of the recognised things whose likelihood l is taken for 1 - l.
         longest_s: Where the drive is cut off [s]; None: at its end.
@@ -75,7 +77,8 @@ def lab_drive(
     """
     if poses not in POSES:
         raise unknown_name("source of poses", poses, POSES)
-    camera = RgbdConfig(rate_hz=camera_hz, vibration=float(np.radians(vibration_deg)), missing=max(missing, 0.002))
+    vibration, pitch = np.radians((vibration_deg, pitch_deg)).tolist()
+    camera = RgbdConfig(rate_hz=camera_hz, vibration=vibration, pitch=pitch, missing=max(missing, 0.002))
     drive = _Drive(lab_world(seed, camera), poses, delay_s, wrong, seed, ways)
     operator = Operator(drive.world.scene)
     while not operator.done(drive.world.truth) and drive.world.time_s < (longest_s or _LONGEST_S):

@@ -108,7 +108,9 @@ where the robot was at the exposure.
 """
 _SHAKEN = """\
 Vibration turns the camera by a random pitch and roll in each frame, with this standard deviation. Wrong likelihoods:
-in each frame, each plane and each person has its likelihood l taken for 1 - l with this probability.
+in each frame, each plane and each person has its likelihood l taken for 1 - l with this probability. The last two rows
+are no disturbances: a camera that looks down, and poses by the map itself: each scan is matched on the laser's layer
+that the scans before it drew.
 """
 
 EXPERIMENT = Immobile()

@@ -12,14 +12,16 @@ from .drives import MAPPERS, METHOD, POSES, lab_drive
 SEEDS, QUICK_SEEDS = 5, 1
 CAMERA_HZ, QUICK_CAMERA_HZ = 10.0, 2.0
 CLEAN = "as it is"
-SHAKEN: dict[str, dict[str, float]] = {
+SHAKEN: dict[str, dict[str, float | str]] = {
     CLEAN: {},
     "vibration 1 deg": {"vibration_deg": 1.0},
     "vibration 2 deg": {"vibration_deg": 2.0},
     "10 % missing depth": {"missing": 0.1},
     "5 % wrong likelihoods": {"wrong": 0.05},
+    "camera 20 deg down": {"pitch_deg": 20.0},
+    "poses by the map itself": {"poses": "immobile"},
 }
-"""Disturbance -> what it changes."""
+"""Disturbance -> what it changes of `lab_drive`'s arguments."""
 QUICK_SHAKEN = (CLEAN, "vibration 2 deg")
 
 
@@ -39,7 +41,7 @@ class ImmobilePlan:
 
     def cells(self) -> list[Cell]:
         """Return a cell for each drive, the undisturbed ones first."""
-        calm = {"vibration_deg": 0.0, "missing": 0.0, "wrong": 0.0}
+        calm = {"vibration_deg": 0.0, "pitch_deg": 0.0, "missing": 0.0, "wrong": 0.0}
         return [
             Cell(
                 name=cell_name(disturbance, seed),

@@ -86,8 +86,9 @@ def disturbed_table(counted: Counted, disturbances: Sequence[str]) -> Table:
     for disturbance in disturbances:
         errors = counted.errors(METHOD, disturbance)
         gains = [_gain(counted.known(METHOD, mark, disturbance)) for mark in HIDDEN]
-        rows.append((disturbance, *(str(errors[name]) for name in BOUNDS), *gains))
-    columns = ("disturbance", *BOUNDS, *(f"known {mark}" for mark in HIDDEN))
+        off = f"{counted.pose_error(disturbance):.3f}"
+        rows.append((disturbance, off, *(str(errors[name]) for name in BOUNDS), *gains))
+    columns = ("disturbance", "pose error [m]", *BOUNDS, *(f"known {mark}" for mark in HIDDEN))
     return Table(title="Disturbed: the errors, all drives together", columns=columns, rows=rows)
 
 

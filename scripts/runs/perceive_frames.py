@@ -1,0 +1,150 @@
+"""Planes and people in a folder of recorded RGB-D frames: tables, overlays and a report."""
+
+import argparse
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from ...perception.rgbd.frame import RgbdFrame
+from ...perception.rgbd.mount import Mount
+from ...perception.rgbd.noise import NOISE, depth_noise
+from ...perception.rgbd.people import RgbdPeople
+from ...perception.rgbd.people_finder import PeopleFinder
+from ...perception.rgbd.pictures import read_frames
+from ...perception.rgbd.planes import PlaneConfig, PlaneFinder, Planes, Surface
+from ...slam.errors import InputError
+from ...slam.files.output import write_json, write_text
+from ..console.tables import format_table
+from ..figures.planes import save_planes
+
+PLANES_HEADER = "frame,kind,nx,ny,nz,offset_m,height_m,pixels,likelihood"
+PEOPLE_HEADER = "frame,x,y,distance_m,likelihood,floor_known"
+MOUNTS_HEADER = "frame,floor,height_m,pitch_deg,roll_deg,sd_height_m,sd_pitch_deg,sd_roll_deg"
+_HIGHEST_M = 100.0
+
+
+@dataclass(frozen=True, eq=False)
+class SeenFrame:
+    """What was found in one frame.
+
+    Attributes:
+        name: Its name in the folder.
+        planes: Its planes.
+        people: Who is in it.
+    """
+
+    name: str
+    planes: Planes
+    people: RgbdPeople
+
+    @property
+    def floor(self) -> str:
+        """How the floor is known: seen, held (from a frame before, or as told) or unknown."""
+        mount = self.planes.mount
+        return "seen" if mount.floor_seen else "held" if mount.known else "unknown"
+
+
+def add_camera_options(parser: argparse.ArgumentParser) -> None:
+    """Declare what can be told of a camera whose frames are looked at."""
+    group = parser.add_argument_group("of a folder of RGB-D frames")
+    group.add_argument("--camera-height", type=float, metavar="M", help="above the floor, within 0.15 m or so")
+    group.add_argument(
+        "--camera-tilt", type=float, nargs=2, metavar=("PITCH", "ROLL"), help="nose down, left side up [deg]"
+    )
+    group.add_argument(
+        "--sensor",
+        choices=tuple(NOISE),
+        default="structured-light",
+        help="whose noise the depths have (default: %(default)s)",
+    )
+    group.add_argument(
+        "--sequence", action="store_true", help="the frames are one drive's, in the order of their names"
+    )
+    group.add_argument("--no-overlays", action="store_true", help="draw nothing")
+
+
+def is_frame_folder(path: Path) -> bool:
+    """Return whether `path` is a folder of RGB-D frames; ROS 2 bags are folders, too."""
+    return path.is_dir() and not (path / "metadata.yaml").exists()
+
+
+def perceive_frames(options: argparse.Namespace) -> int:
+    """Find planes and people in each frame of the folder, write the tables, the overlays and the report."""
+    _check(options)
+    config = PlaneConfig(noise=depth_noise(options.sensor))
+    planes, people, mounts, seen = [PLANES_HEADER], [PEOPLE_HEADER], [MOUNTS_HEADER], []
+    for each in _look(options, config):
+        planes += _plane_rows(each)
+        people += _people_rows(each)
+        mounts.append(_mount_row(each))
+        seen.append(_report_row(each))
+        if not options.no_overlays:
+            save_planes(options.out / "overlays" / f"{each.name}.png", each.planes, each.people)
+    for name, rows in (("planes", planes), ("people", people), ("mounts", mounts)):
+        write_text(options.out / f"{name}.csv", "\n".join(rows) + "\n")
+    report = format_table(("frame", "floor", "height m", "pitch deg", "roll deg", "tops", "people", "at m"), seen)
+    write_text(options.out / "report.txt", report + "\n")
+    told = {"height_m": options.camera_height, "tilt_deg": options.camera_tilt}
+    write_json(options.out / "config.json", {"told": told, "sequence": options.sequence, "planes": asdict(config)})
+    print(report)
+    print(f"{len(seen)} frames, {len(people) - 1} people; wrote {options.out}/report.txt, planes, people, mounts .csv")
+    return 0
+
+
+def _check(options: argparse.Namespace) -> None:
+    height, tilt = options.camera_height, options.camera_tilt
+    if height is not None and not 0.0 < height <= _HIGHEST_M:
+        raise InputError(f"--camera-height must be within 0 .. {_HIGHEST_M:g} m, got {height}")
+    if tilt is not None and not np.all(np.abs(tilt) <= 90.0):
+        raise InputError(f"--camera-tilt must be two angles within 90 degrees, got {tilt}")
+
+
+def _look(options: argparse.Namespace, config: PlaneConfig) -> Iterator[SeenFrame]:
+    planes_finder, people_finder = PlaneFinder(config), PeopleFinder.load()
+    before: Mount | None = None
+    for recorded in read_frames(options.scans):
+        planes = planes_finder.find(_told(recorded.frame, options), before)
+        before = planes.mount if options.sequence else None
+        yield SeenFrame(recorded.name, planes, people_finder.find(planes.frame, planes))
+
+
+def _told(frame: RgbdFrame, options: argparse.Namespace) -> RgbdFrame:
+    tilt = None if options.camera_tilt is None else tuple(np.radians(options.camera_tilt).tolist())
+    return replace(frame, camera_height=options.camera_height, tilt=tilt)
+
+
+def _plane_rows(each: SeenFrame) -> list[str]:
+    planes, rows = each.planes, []
+    for k, kind in enumerate(planes.kinds):
+        mine = planes.region == k
+        if not mine.any():
+            continue
+        (nx, ny, nz), height = planes.normals[k], planes.points[mine, 2].mean()
+        row = f"{each.name},{Surface(kind).name.lower()},{nx:.4f},{ny:.4f},{nz:.4f},{planes.offsets[k]:.4f}"
+        rows.append(f"{row},{height:.3f},{mine.sum() * planes.step**2},{planes.likelihood[k]:.2f}")
+    return rows
+
+
+def _people_rows(each: SeenFrame) -> list[str]:
+    found, known = each.people, int(each.people.floor_known)
+    rows = zip(found.positions, found.likelihood, strict=True)
+    return [f"{each.name},{x:.3f},{y:.3f},{np.hypot(x, y):.3f},{sure:.3f},{known}" for (x, y), sure in rows]
+
+
+def _mount_row(each: SeenFrame) -> str:
+    mount = each.planes.mount
+    pitch, roll = np.degrees((mount.pitch, mount.roll))
+    sd_pitch, sd_roll, sd_height = np.sqrt(np.diag(mount.covariance))
+    spread = f"{sd_height:.3f},{np.degrees(sd_pitch):.2f},{np.degrees(sd_roll):.2f}"
+    return f"{each.name},{each.floor},{mount.height:.3f},{pitch:.2f},{roll:.2f},{spread}"
+
+
+def _report_row(each: SeenFrame) -> list[str]:
+    mount, tops = each.planes.mount, int((each.planes.kinds == Surface.TOP).sum())
+    pitch, roll = np.degrees((mount.pitch, mount.roll))
+    places = " ".join(f"{np.hypot(*place):.1f}" for place in each.people.positions) or "-"
+    shown = [f"{mount.height:.2f}", f"{pitch:.1f}", f"{roll:.1f}"] if mount.known else ["-", "-", "-"]
+    doubtful = "" if each.people.floor_known else "?"
+    return [each.name, each.floor, *shown, str(tops), f"{len(each.people)}{doubtful}", places]
