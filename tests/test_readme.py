@@ -31,7 +31,7 @@ def folder(tmp_path):
 
 def test_the_readme_fits_on_three_screens():
     assert len(README.splitlines()) <= 120
-    assert len(PROGRAMS) == 2
+    assert len(PROGRAMS) == 3
     assert README.index("![") < 200  # a picture, before anything else
 
 
