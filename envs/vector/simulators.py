@@ -1,17 +1,12 @@
 """Which simulator steps the environments of `gymnasium.make_vec`."""
 
-from importlib import import_module
 from typing import Any
 
 from gymnasium.vector import VectorEnv
 
 from ...slam.errors import unknown_name
 
-SIMULATORS = {
-    "mujoco": (".vector_env", "FollowVectorEnv"),
-    "compiled": ("..compiled.vector_env", "CompiledVectorEnv"),
-}
-"""Name -> module and class; imported when it is asked for."""
+SIMULATORS = "mujoco", "compiled"
 
 
 def make_vector_env(num_envs: int = 1, *, simulator: str = "mujoco", **arguments: Any) -> VectorEnv[Any, Any, Any]:
@@ -26,6 +21,11 @@ def make_vector_env(num_envs: int = 1, *, simulator: str = "mujoco", **arguments
         InputError: If there is no such simulator, or an argument is wrong.
     """
     if simulator not in SIMULATORS:
-        raise unknown_name("simulator", simulator, tuple(SIMULATORS))
-    module, name = SIMULATORS[simulator]
-    return getattr(import_module(module, __package__), name)(num_envs, **arguments)
+        raise unknown_name("simulator", simulator, SIMULATORS)
+    if simulator == "compiled":
+        from ..compiled.vector_env import CompiledVectorEnv  # here, for it imports numba
+
+        return CompiledVectorEnv(num_envs, **arguments)
+    from .vector_env import FollowVectorEnv
+
+    return FollowVectorEnv(num_envs, **arguments)
