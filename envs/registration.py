@@ -32,7 +32,7 @@ def register_environments() -> None:
             gym.register(
                 id=name,
                 entry_point="tagalong.envs.follow_env:FollowEnv",
-                vector_entry_point="tagalong.envs.vector.simulators:make_vector_env",
+                vector_entry_point="tagalong.envs.simulators.make_vector_env:make_vector_env",
                 max_episode_steps=MAX_EPISODE_STEPS,
                 kwargs=arguments,
             )

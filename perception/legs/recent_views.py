@@ -25,14 +25,14 @@ class RecentViewsConfig:
     Attributes:
         spacing_s: Time between two scans that are kept: a walker needs as much to leave a leg's width behind [s].
         count: So many are kept.
-        radius: A place is empty only if all beams pass that go within this distance of it: half a slim leg [m].
+        radius: A place is empty only if all beams pass that go within this distance of it: half a wide leg [m].
         margin: A return so much nearer or farther is not at the place: half a wide leg and what the odometry may be off
             by within `count` x `spacing_s` [m].
     """
 
     spacing_s: float = 0.2
     count: int = 8
-    radius: float = 0.04
+    radius: float = 0.08
     margin: float = 0.2
 
     def __post_init__(self) -> None:
@@ -59,23 +59,14 @@ class RecentViews:
         self._beams = 0.0, 1.0
         self._time_s = -np.inf
 
-    def look(self, points: Array, radius: float | None = None) -> Array:
+    def look(self, points: Array) -> Array:
         """Return (n, 2) the shares of the kept scans in which `points` (n, 2), odometry frame, were empty and not.
 
-        What is missing to 1 is the share in which nothing is known of the place. No scan is kept: zeros. `radius` [m]
-        is that of the places, if it is not the configured one.
+        What is missing to 1 is the share in which nothing is known of the place. No scan is kept: zeros.
         """
         shares = np.zeros((len(points), 2))
         if len(self._ranges) and len(points):
-            look_back(
-                self._ranges,
-                self._lidars,
-                *self._beams,
-                points,
-                radius or self.config.radius,
-                self.config.margin,
-                shares,
-            )
+            look_back(self._ranges, self._lidars, *self._beams, points, self.config.radius, self.config.margin, shares)
         return shares
 
     def keep(self, scan: LaserScan, lidar: Array) -> None:

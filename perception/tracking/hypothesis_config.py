@@ -59,24 +59,13 @@ class PersonEvidenceConfig:
 class HypothesisConfig:
     """Numbers of `HypothesisTracker`; its motion is that of `MotionConfig`.
 
-    `sure`, `came`, `body`, `still_s` and `fade_s` were chosen by who is found and who is false in positive_1 to 3,
-    negative_2 (forests left out) and the outdoor recording; the figures of the moving robot were in sight, too.
-
     Attributes:
         evidence: How surely what is seen is a person.
         views: What stood at a place a moment ago.
         start: Log odds from which a hypothesis is a person (4.5 to 1).
-        sure: And has moved `least_way`, unless its log odds are as high as this (33 to 1) and nothing has stood still
-            there.
+        sure: And has moved `least_way`, unless its log odds are as high as this (20 to 1).
         stop: Log odds below which a person is none any more (evens).
         least_way: As far as a leg must move in Table II (delta) [m].
-        came: Nothing was at a place a moment ago if it was empty in this share of the recent scans.
-        body: A person is missing only if all beams pass that go within this distance of its centre: a leg is there [m].
-        still_s: What was hit for so long is a thing, no person, until it moves [s].
-        fade_s: How fast that is forgotten where nothing is hit any more [s].
-        memory: Log odds by which a leg seen there is less sure in what is told of legs, and surer elsewhere: half the
-            weight of it beside the forest's log odds in a logistic regression (1.7; 1.3 to 2.1 with one of positive_1
-            to 3 left out, where as many legs are found); gamma keeps its meaning, 0.5 false legs a people-free scan.
         clutter: Things that could be legs, a square metre.
         stride: Farthest that two legs of one person are apart [m].
         merge: Two hypotheses so near are one [m].
@@ -91,14 +80,9 @@ class HypothesisConfig:
     evidence: PersonEvidenceConfig = field(default_factory=PersonEvidenceConfig)
     views: RecentViewsConfig = field(default_factory=RecentViewsConfig)
     start: float = 1.5
-    sure: float = 3.5
+    sure: float = 3.0
     stop: float = 0.0
     least_way: float = 0.5
-    came: float = 0.5
-    body: float = 0.16
-    still_s: float = 0.5
-    fade_s: float = 5.0
-    memory: float = 0.85
     clutter: float = 0.2
     stride: float = 0.9
     merge: float = 0.35
@@ -111,17 +95,6 @@ class HypothesisConfig:
 
     def __post_init__(self) -> None:
         check_numbers(self)
-        for name in (
-            "least_way",
-            "body",
-            "still_s",
-            "fade_s",
-            "clutter",
-            "stride",
-            "merge",
-            "own",
-            "near",
-            "tentative_s",
-        ):
+        for name in ("least_way", "clutter", "stride", "merge", "own", "near", "tentative_s"):
             if not getattr(self, name) > 0.0:
                 raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")

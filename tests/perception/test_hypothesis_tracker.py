@@ -88,39 +88,6 @@ def test_furniture_is_nobody_to_a_robot_that_stands_and_to_one_that_drives_by(ha
         assert len(hall.show(chair, confidence=0.08, odometry=(0.1 * k, 0.0, 0.0))) == 0
 
 
-def test_two_things_that_are_found_in_turn_are_nobody_who_steps_from_one_to_the_other(hall):
-    posts = np.array([[2.0, 1.2], [2.0, 0.6]])
-    for k in range(30):
-        hall.scans += 1
-        hall.detector.positions = posts[[0]] if k % 4 < 2 else posts[[1]]
-        hall.detector.confidence = np.array([0.4])
-        scan = scan_of(posts - [0.05 * k, 0.0], hall.scans / hall.rate_hz)
-        hall.detector.positions = hall.detector.positions - [0.05 * k, 0.0]
-        assert len(hall.tracker.update(scan, (0.05 * k, 0.0, 0.0)).people) == 0
-
-
-def test_what_has_stood_still_is_a_person_only_when_it_moves(hall):
-    for k in range(15):
-        hall.show([[3.0, 0.0], [3.0, 0.3]], confidence=0.05, odometry=(0.1 * k, 1.0, 0.0))
-    for k in range(15):  # then it looks like two legs, from wherever the robot drives
-        people = hall.show([[3.0, 0.0], [3.0, 0.3]], confidence=0.6, odometry=(1.5 - 0.1 * k, 1.0, 0.0))
-        assert len(people) == 0
-    for k in range(15):
-        people = hall.show([[3.0, 0.1 * k], [3.0, 0.3 + 0.1 * k]], confidence=0.6, odometry=(0.0, 1.0, 0.0))
-    assert len(people) == 1
-
-
-def test_a_leg_is_less_sure_where_something_has_stood_still_and_surer_where_nothing_has(hall):
-    for k in range(10):
-        hall.show([[2.0, 1.0]], confidence=0.3, odometry=(0.05 * k, 0.0, 0.0))
-    hall.detector.positions, hall.detector.confidence = np.array([[2.0, 1.0], [2.0, -1.0], [3.0, -2.0]]), np.zeros(3)
-    hall.detector.confidence[:2] = 0.3
-    scan = scan_of(hall.detector.positions, 11 / hall.rate_hz)
-    still, fresh, none = hall.tracker.update(scan, np.zeros(3)).detections.confidence
-    assert still < 0.2 < 0.4 < fresh
-    assert none == 0.0
-
-
 def test_a_walker_hidden_for_a_second_keeps_the_number_and_one_who_vanished_in_plain_view_is_gone(hall, step):
     for k in range(25):
         people = hall.show(step(np.array([2.0, -2.0 + k / 7.5]), (0.0, 1.0), k / 7.5), confidence=0.6)

@@ -26,6 +26,6 @@ def make_vector_env(num_envs: int = 1, *, simulator: str = "mujoco", **arguments
         from ..compiled.vector_env import CompiledVectorEnv  # here, for it imports numba
 
         return CompiledVectorEnv(num_envs, **arguments)
-    from .vector_env import FollowVectorEnv
+    from ..vector.vector_env import FollowVectorEnv
 
     return FollowVectorEnv(num_envs, **arguments)
