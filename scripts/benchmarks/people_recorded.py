@@ -18,7 +18,7 @@ example:
 """
 
 import argparse
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -231,11 +231,16 @@ def run(options: argparse.Namespace) -> int:
             config = replace(perception_preset(preset), forest="real")
             judge = judges[preset][recording.name] = judge_recording(recording, config, forests[recording.name])
             rows.append({"recording": recording.name, "preset": preset, **judge.figures()})
+    legs = {preset: scores for preset in presets if (scores := leg_scores(judges[preset]))}
+    _show(rows, legs)
+    write_results(options, {"figures": rows, "legs": legs})
+    return 0
+
+
+def _show(rows: Sequence[Mapping[str, object]], legs: Mapping[str, Mapping[str, float]]) -> None:
+    """Print the figures of each recording, then those of legs."""
     shown = [[f"{row[key]:.3f}" if isinstance(row[key], float) else str(row[key]) for key in HEADER] for row in rows]
     print(format_table(HEADER, shown))
-    legs = {preset: scores for preset in presets if (scores := leg_scores(judges[preset]))}
     if legs:
         header = ("preset", *(f"legs at {rate:g}" for rate in RATES))
         print("\n" + format_table(header, [[p, *(f"{share:.3f}" for share in legs[p].values())] for p in legs]))
-    write_results(options, {"figures": rows, "legs": legs})
-    return 0
