@@ -68,18 +68,17 @@ def room_drive() -> RecordedDrive:
     return RecordedDrive(odometry, scans, None, "drive")
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    """A folder with a recorded drive, as a log and as a bag; the commands of one page find what earlier ones wrote."""
-    folder = tmp_path_factory.mktemp("site")
+@pytest.fixture
+def folder(tmp_path):
+    """A folder with a recorded drive, as a log and as a bag."""
     drive = room_drive()
-    write_carmen(folder / "drive.log.gz", drive)
+    write_carmen(tmp_path / "drive.log.gz", drive)
     pytest.importorskip("rosbags")
-    with open_recording(folder / "drive.mcap") as recording:
+    with open_recording(tmp_path / "drive.mcap") as recording:
         for odometry, scan in zip(drive.odometry, drive.scans, strict=True):
             recording.scan(scan)
             recording.odometry(scan.time_s, odometry)
-    return folder
+    return tmp_path
 
 
 @pytest.mark.parametrize("block", PROGRAMS, ids=lambda block: block.name)
@@ -106,14 +105,22 @@ def test_a_program_of_the_site_comes_in_by_the_doors(block):
     assert {name for name in used if name.partition(".")[0] == "tagalong"} <= DOORS
 
 
-@pytest.mark.parametrize("block", COMMANDS, ids=lambda block: block.name)
-def test_a_command_of_the_site_runs_or_is_at_least_understood(block, folder, monkeypatch, capsys):
+@pytest.mark.parametrize("page", sorted({block.page for block in COMMANDS}))
+def test_the_commands_of_a_page_run_one_after_the_other_or_are_at_least_understood(page, folder, monkeypatch):
+    """A page is one test: its later commands read what the earlier ones wrote."""
     monkeypatch.chdir(folder)
     monkeypatch.syspath_prepend(str(folder))
     monkeypatch.setenv("TAGALONG_DATA", str(folder))
     for program in PROGRAMS:  # the module that the page has the reader write
-        if program.page == block.page and program.text.startswith("# my_module.py"):
+        if program.page == page and program.text.startswith("# my_module.py"):
             (folder / "my_module.py").write_text(program.text, encoding="utf-8")
+    for block in COMMANDS:
+        if block.page == page:
+            follow(block)
+
+
+def follow(block: Block) -> None:
+    """Run, parse or look up every command of a block."""
     for line in block.text.splitlines():
         assert line.startswith("$ "), f"{block.name}: a command begins with `$ `: {line}"
         words = shlex.split(line.removeprefix("$ "), comments=True)
@@ -134,7 +141,7 @@ def run_or_parse(words: list[str], block: Block) -> None:
     parser.parse_args(words)
     slow = words[0] in ("demo", "doctor") or (words[0] == "data" and len(words) > 1)
     if not block.only_parsed and not slow:
-        assert cli.main(words) == 0, words
+        assert cli.main(words) == 0, (block.name, words)
 
 
 def test_a_page_that_the_navigation_lacks_is_named_here():
