@@ -7,7 +7,7 @@ from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between, compose
 from tagalong.slam.graph.engine import Cartographer
 from tagalong.slam.graph.local.active_submaps import ActiveSubmaps, ActiveSubmapsConfig
-from tagalong.slam.graph.local.local_slam import LocalSlamConfig
+from tagalong.slam.graph.local.local_slam import LocalSlam, LocalSlamConfig
 from tagalong.slam.graph.local.sweep import Sweep
 from tagalong.slam.graph.loops.constraints import Kind
 from tagalong.slam.scan import LaserScan
@@ -66,11 +66,19 @@ def test_scans_that_say_nothing_leave_the_pose_to_the_odometry():
     assert not engine.map().occupied.any()
 
 
-def test_a_pose_out_of_this_world_is_an_error_and_no_huge_grid():
-    scan = cast(WALLS, np.zeros(3), np.random.default_rng(0), bearings=BEARINGS)
-    engine = run(make_slam("cartographer"), [np.zeros(3)], [scan])
+def test_a_pose_out_of_this_world_begins_a_submap_there_and_no_huge_grid():
+    local, rng = LocalSlam(LocalSlamConfig()), np.random.default_rng(0)
+    for x in (0.0, 9e3):
+        local.update(np.array([x, 0.0, 0.0]), cast(WALLS, np.zeros(3), rng, bearings=BEARINGS))
+    assert len(local.submaps) == 2
+    assert sum(submap.field.size for submap in local.submaps) < 1_000_000
+
+
+def test_a_submap_that_would_be_huge_is_an_error():
+    active, sweep = ActiveSubmaps(ActiveSubmapsConfig()), Sweep(np.array([[0.0, 0.0], [1.0, 1.0]]), 1, 0)
+    active.insert(np.zeros(3), sweep)
     with pytest.raises(InputError, match="a submap would grow to"):
-        run(engine, [[9e3, 0.0, 0.0]], [cast(WALLS, np.zeros(3), np.random.default_rng(1), bearings=BEARINGS)])
+        active.insert(np.array([9e3, 0.0, 0.0]), sweep)
 
 
 def test_while_odometry_stands_still_scans_that_contradict_what_was_mapped_are_not_inserted():
@@ -92,6 +100,22 @@ def test_a_scan_that_a_driver_sends_once_more_tells_nothing():
     updates = [engine.update(pose, scan) for pose, scan in zip(poses, scans, strict=True)]
     np.testing.assert_allclose(between(updates[4].pose, updates[5].pose), [0.3, 0.0, 0.0], atol=1e-9)
     assert not updates[5].integrated
+
+
+def test_a_scan_of_what_was_never_seen_is_left_to_the_odometry_and_tied_no_better_than_that():
+    rng = np.random.default_rng(5)
+    ahead = np.deg2rad(np.arange(-18.0, 18.0, 0.25))
+    poses = np.stack((np.linspace(0.0, 0.5, 11), np.full(11, -1.5), np.zeros(11)), axis=-1)
+    turned = np.array([0.5, -1.5, 0.8])
+    engine = run(make_slam("cartographer"), poses, [cast(WALLS, pose, rng, bearings=ahead) for pose in poses])
+    before = engine.trajectory()[-1]
+    engine.update(turned, cast(WALLS, turned, rng, bearings=ahead))
+    np.testing.assert_allclose(between(before, engine.trajectory()[-1]), between(poses[-1], turned), atol=1e-6)
+    assert isinstance(engine, Cartographer)
+    last = engine.constraints[-1]
+    assert last.kind is Kind.INTRA
+    assert last.submap == 0  # nothing has begun anew
+    assert np.linalg.eigvalsh(last.information)[-1] < 0.05**-2
 
 
 def test_a_second_round_is_tied_to_the_submaps_of_the_first():

@@ -88,12 +88,12 @@ def test_odometry_that_has_caught_up_with_a_robot_of_which_no_scan_told_is_belie
     model, counts = SwitchingMotion(ExtrapolatorConfig()), []
     for k, (odometry, pose) in enumerate(zip(told, truth, strict=True)):
         hypotheses = model.predict(odometry, STEP_S * k)
-        counts.append(len(hypotheses))
+        counts.append(sum(not motion.sound for motion in hypotheses))
         matched = not 12 <= k < 15
         model.take(hypotheses, hypotheses[0], pose if matched else hypotheses[0].prediction.pose, matched)
         if k == 14:
-            np.testing.assert_allclose(hypotheses[1].prediction.pose, truth[14], atol=1e-9)
-    assert counts == [1] * 12 + [2] * 3 + [1] * 15
+            np.testing.assert_allclose(hypotheses[-1].prediction.pose, truth[14], atol=1e-9)
+    assert counts == [0] * 12 + [1] * 3 + [0] * 15
     assert model.faults == 0
 
 
@@ -105,3 +105,24 @@ def test_without_stamps_the_robot_goes_on_by_the_scan():
         model.take(hypotheses, hypotheses[0], pose, True)
     hypotheses = model.predict(told[9], 0.0)
     np.testing.assert_allclose(hypotheses[1].prediction.pose, [7.2, 0.0, 0.0], atol=1e-9)
+
+
+def test_odometry_whose_predictions_hold_is_taken_for_precise_and_now_and_then_for_as_rough_as_its_model():
+    model, _ = driven(straight(120), straight(120))
+    ahead = straight(121)[-1]
+    precise, rough = model.predict(ahead, STEP_S * 120)
+    usual = ExtrapolatorConfig().sigma(np.array([0.2, 0.0, 0.0]))
+    np.testing.assert_allclose(rough.prediction.sigma, usual)
+    assert np.all(precise.prediction.sigma < 0.3 * usual)
+    assert precise.cost_at(ahead) < rough.cost_at(ahead)
+    slipped = ahead - [2.0 * usual[0], 0.0, 0.0]  # two standard deviations of the model, ten of this odometry
+    assert rough.cost_at(slipped) < precise.cost_at(slipped)
+
+
+def test_odometry_that_errs_as_its_model_says_is_not_taken_for_precise():
+    rng, truth = np.random.default_rng(3), straight(300)
+    sigma = ExtrapolatorConfig().sigma(np.array([0.2, 0.0, 0.0]))
+    told = np.cumsum(np.diff(truth, axis=0, prepend=0.0) + rng.normal(0.0, sigma[[0, 0, 1]] * [1, 1, 0.2], (300, 3)), 0)
+    model, _ = driven(told, truth)
+    hypotheses = model.predict(told[-1] + [0.2, 0.0, 0.0], STEP_S * 300)
+    assert hypotheses[0].prediction.sigma[0] > 0.75 * sigma[0]

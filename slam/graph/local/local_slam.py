@@ -142,7 +142,7 @@ class LocalSlam:
         repeated, self._ranges = np.array_equal(scan.ranges, self._ranges), scan.ranges
         if repeated:  # a driver has sent a scan once more: it tells nothing new
             return self._by_odometry(hypotheses[0], None, False)
-        ambiguous = len(hypotheses) > 1
+        ambiguous = not hypotheses[-1].sound
         motion, match = self._match(scan, points, hypotheses)
         contradicts = self._contradicts(scan, points, match)
         far = match is not None and (match.retried or not motion.sound)
@@ -154,6 +154,8 @@ class LocalSlam:
             self._active.restart()
             self._monitor.alarm()
             motion, match, contradicts = hypotheses[0], None, True
+        if match is None and not all(self._matcher.covers(motion.prediction) for motion in hypotheses):
+            self._active.restart()  # the robot may be anywhere beside what it has seen, as after a gap in a log
         return self._taken(hypotheses, motion, match, scan, points, contradicts)
 
     def _contradicts(self, scan: LaserScan, points: Array, match: GridMatch | None) -> bool:
@@ -207,16 +209,15 @@ class LocalSlam:
             if wide:
                 jumped = self._motion.found(wide.pose, anywhere.sigma)
                 best = self._best([*found, (hypotheses[0], wide), (jumped, wide)], len(points))
-                hypotheses[1:] = [jumped] if best[1] is wide else hypotheses[1:]
+                if best[1] is wide:
+                    hypotheses[:] = [*(motion for motion in hypotheses if motion.sound), jumped]
         return best
 
     def _matched(self, points: Array, prediction: Prediction, degenerate: Array | None) -> GridMatch | None:
-        """Return the match of a scan near one prediction, by what of it the submap may have seen before."""
+        """Return the match of a scan near one prediction, by what the submap may have seen of it; None: too little."""
         front = self._active.front
         match = self._matcher.match if self._motion.anywhere else self._matcher.match_anyhow
         seen = seen_points(front, points, prediction)
-        if len(seen) < self._config.matcher.min_points:
-            seen = points
         found = match(front, seen, prediction, degenerate)
         share = len(seen) / max(1, len(points))
         return replace(found, score=share * found.score, seen=share) if found else None

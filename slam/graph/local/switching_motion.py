@@ -6,6 +6,11 @@ scan has two predictions since the last one that told where the robot was: by th
 values, odometry sound or faulty, that mostly stays as it was; it is filtered by how well each predicted the motions
 that matching found (a Markov switching model; Blom, Bar-Shalom 1988). Where both agree, as nearly always, the second is
 not looked at.
+
+How precise sound odometry is differs between robots by a factor of ten, and a match among walls that look alike along
+the way may be off by more than good odometry ever is. So it is learned how well the odometry predicted the last
+matches, and sound odometry has two predictions at the same place: one as precise as most of its motions were, and, for
+the rest of them, one as rough as its error model.
 """
 
 import math
@@ -19,6 +24,10 @@ from ...scan_to_grid.extrapolator import ExtrapolatorConfig, OdometryExtrapolato
 
 Array = NDArray[np.float64]
 
+_ERRORS = 20  # so many of the newest tell how precise the odometry is; at first, they are those of its model
+_MOST_PRECISE = 0.2  # of the error model's standard deviations: below, a match errs as much
+_ROUGH = 0.3  # share of sound motions with errors as in the model, as where a wheel slips a little
+_MEDIAN = np.array([1.177, 0.6745])  # of normal errors of standard deviation 1, in the plane and on a line
 _BREAKS, _HEALS = 0.001, 0.1  # probability that sound odometry fails with the next scan, and that a fault ends
 _ACCELERATION = np.array([1.0, 2.0])  # [m/s^2, rad/s^2] of a wheeled robot among people, a standard deviation
 _AGREE = 3.0  # standard deviations within which, ...
@@ -35,7 +44,7 @@ _LONGER = 3.0  # times the step before; after a longer gap the motion before say
 
 @dataclass(frozen=True, eq=False)
 class MotionHypothesis:
-    """One of the two ways in which the robot may have moved.
+    """One of the ways in which the robot may have moved.
 
     Attributes:
         odometry: (3,) T_odom_robot of an odometry without faults that moved so.
@@ -82,6 +91,8 @@ class SwitchingMotion:
         self._unmatched = 0  # scans since
         self._usual = np.zeros(2)  # step between two scans [m, rad]
         self._step: Array | None = None  # (3,) between the last two scans that were matched one after the other
+        self._errors = [np.ones(2)] * _ERRORS  # of the predictions, as shares of their standard deviations
+        self._precision = np.ones(2)  # standard deviations of most motions, likewise
         self.odometry: Array | None = None
         self.faults = 0
         self.jumped = False
@@ -93,10 +104,11 @@ class SwitchingMotion:
         motion._extrapolator = OdometryExtrapolator(self._config, odometry)
         motion._extrapolator.correct(odometry, pose)
         motion.faults = self.faults
+        motion._errors, motion._precision = self._errors, self._precision
         return motion
 
     def predict(self, odometry: Array, time_s: float) -> list[MotionHypothesis]:
-        """Return one or both hypotheses about the motion to the odometry pose T_odom_robot (3,) at `time_s` [s]."""
+        """Return hypotheses about the motion to the odometry pose T_odom_robot (3,) at `time_s` [s]: a fault last."""
         if self._extrapolator is None or self.odometry is None:
             self.odometry = odometry
             self._extrapolator = OdometryExtrapolator(self._config, odometry)
@@ -108,17 +120,18 @@ class SwitchingMotion:
         self._before_s, self._step_s = self._step_s, elapsed
         self._sound = self._sound * (1.0 - _BREAKS) + (1.0 - self._sound) * _HEALS
         believed = odometry if self._offset is None else compose(self._offset, odometry)
-        sound = self._hypothesis(believed, np.zeros(2), True)
+        sound = self._by_odometry(believed)
         going_on = self._going_on(elapsed)
         if going_on is None:
-            return [sound]
+            return sound
         coasted, sigma = going_on
         moved = between(self._matched_odometry, believed)
         off = np.abs(between(coasted, moved))
         most = _AGREE * self._config.sigma(moved) + _NEAR
         if math.hypot(off[0], off[1]) <= most[0] and off[2] <= most[1]:
-            return [sound]
-        return [sound, self._hypothesis(compose(self._matched_odometry, coasted), sigma, False)]
+            return sound
+        went = compose(self._matched_odometry, coasted)
+        return [*sound, self._hypothesis(went, 1.0 - self._sound, np.ones(2), sigma, False)]
 
     def _going_on(self, elapsed: float) -> tuple[Array, Array] | None:
         """Return (3,) how far a robot that goes on as before is from its last match, and (2,) the standard deviations.
@@ -160,11 +173,20 @@ class SwitchingMotion:
         cost = -math.log(1.0 - self._sound) + 2.0 * math.log(sigma[0]) + math.log(sigma[1])
         return MotionHypothesis(compose(inverse(anchor), pose), Prediction(pose, sigma), cost, False)
 
-    def _hypothesis(self, odometry: Array, extra: Array, sound: bool) -> MotionHypothesis:
+    def _by_odometry(self, odometry: Array) -> list[MotionHypothesis]:
+        """Return that the odometry is believed: precise as it mostly is, and rough as its error model."""
+        one, none = np.ones(2), np.zeros(2)
+        if self._precision.min() == 1.0:
+            return [self._hypothesis(odometry, self._sound, one, none, True)]
+        precise = self._hypothesis(odometry, (1.0 - _ROUGH) * self._sound, self._precision, none, True)
+        return [precise, self._hypothesis(odometry, _ROUGH * self._sound, one, none, True)]
+
+    def _hypothesis(
+        self, odometry: Array, probability: float, precision: Array, extra: Array, sound: bool
+    ) -> MotionHypothesis:
         assert self._extrapolator is not None
         prediction = self._extrapolator.predict(odometry)
-        sigma = np.hypot(np.hypot(prediction.sigma, self._doubt), extra)
-        probability = self._sound if sound else 1.0 - self._sound
+        sigma = np.hypot(np.hypot(precision * prediction.sigma, self._doubt), extra)
         cost = -math.log(probability) + 2.0 * math.log(sigma[0]) + math.log(sigma[1])
         return MotionHypothesis(odometry, Prediction(prediction.pose, sigma), cost, sound)
 
@@ -192,18 +214,27 @@ class SwitchingMotion:
             self._doubt = chosen.prediction.sigma
         self.odometry = chosen.odometry
         if matched:
-            if len(hypotheses) == 2:
-                lead = hypotheses[0].cost_at(pose) - hypotheses[1].cost_at(pose)
+            if not hypotheses[-1].sound:
+                lead = min(h.cost_at(pose) for h in hypotheses if h.sound) - hypotheses[-1].cost_at(pose)
                 self._sound = 1.0 / (1.0 + math.exp(min(lead, 700.0)))
             else:
                 self._sound /= self._sound + _CHANCE * (1.0 - self._sound)
             self.jumped = jumped or (self.jumped and self._sound < _TRUSTED)
             self._sound = min(max(self._sound, _BREAKS**2), 1.0 - _BREAKS**2)
+            if chosen.sound and not jumped and not self._unmatched:
+                self._judge(self._extrapolator.predict(chosen.odometry), pose)
             self._extrapolator.correct(chosen.odometry, pose)
             self._doubt = np.zeros(2)
             self._learn(pose)
         else:
             self._unmatched += 1
+
+    def _judge(self, prediction: Prediction, pose: Array) -> None:
+        """Learn how precise sound odometry is by what matching made of a `prediction`: a median minds no slips."""
+        x, y, turn = between(prediction.pose, pose).tolist()
+        error = np.array([math.hypot(x, y), abs(turn)]) / (_MEDIAN * prediction.sigma)
+        self._errors = [*self._errors[1:], error]
+        self._precision = np.clip(np.median(self._errors, axis=0), _MOST_PRECISE, 1.0)
 
     def _learn(self, pose: Array) -> None:
         """Remember how far the robot goes between two scans; `pose` (3,) is that of the last match."""

@@ -116,10 +116,18 @@ class ConstraintBuilder:
         self._pyramids = Recent[Submap, ScorePyramid](self._pyramid, _nbytes, *_PYRAMIDS)
         self.typical_score = 0.0
 
-    def intra(self, index: int, submap: Submap, node: int, pose_local: Array, curvature: Array | None) -> Constraint:
-        """Return the constraint of a node at `pose_local` (3,) that was inserted into a submap."""
+    def intra(self, index: int, submap: Submap, node: int, pose_local: Array, known: Array | None) -> Constraint:
+        """Return the constraint of a node at `pose_local` (3,) that was inserted into a submap.
+
+        Args:
+            index: Index of the submap.
+            submap: The submap.
+            node: Index of the node.
+            pose_local: T_local_robot.
+            known: (3, 3) inverse covariance of that, by its match or by its odometry; None: it defines the submap.
+        """
         pose = between(submap.pose_local, pose_local)
-        certain = curvature if curvature is not None else _CERTAIN * np.eye(3)
+        certain = known if known is not None else _CERTAIN * np.eye(3)
         information = information_in_node(certain, pose[2], self._config.intra_sigma)
         return Constraint(index, node, pose, information, Kind.INTRA)
 

@@ -134,15 +134,16 @@ class GlobalSlam:
         pose = compose(T_global_local, pose_local)
         graph.add_submaps(T_global_local)
         motion = self._motion(insertion, pose)
-        if len(insertion.submaps) == 1 and insertion.match is None:
+        if len(insertion.submaps) == 1 and not graph.drawn[insertion.submaps[0]]:
             self._schedule.begin_anew(insertion.submaps[0])
         index = graph.add_node(Node(pose_local, insertion.points, insertion.submaps, motion, insertion.scan), pose)
-        curvature = insertion.match.information if insertion.match else None
+        told = insertion.match or insertion.motion
         if insertion.match:
             self._matched += 1
             self._builder.typical_score += (insertion.match.score - self._builder.typical_score) / self._matched
         for s in insertion.submaps:
-            graph.constraints.append(self._builder.intra(s, graph.submaps[s], index, pose_local, curvature))
+            known = told.information if insertion.match or graph.drawn[s] else None
+            graph.constraints.append(self._builder.intra(s, graph.submaps[s], index, pose_local, known))
             graph.drawn[s][index] = graph.constraints[-1].pose
 
     def _motion(self, insertion: Insertion, pose: Array) -> Prediction:
