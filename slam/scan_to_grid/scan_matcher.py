@@ -184,12 +184,6 @@ class GridScanMatcher:
         """Return whether a match is so bad that the robot may well be elsewhere."""
         return match.score < self._config.retry_below * self._typical_score * match.seen
 
-    def covers(self, prediction: Prediction) -> bool:
-        """Return whether the search window reaches as far as a prediction may be off."""
-        config = self._config
-        linear, angular = (config.sigmas * prediction.sigma).tolist()
-        return linear <= config.max_linear and angular <= config.max_angular
-
     def explains(self, match: GridMatch) -> bool:
         """Return whether a match is so good that it tells where the robot is, even far from where it was expected."""
         return match.score >= self._config.explained * self._typical_score

@@ -78,7 +78,7 @@ def test_a_submap_that_would_be_huge_is_an_error():
     active, sweep = ActiveSubmaps(ActiveSubmapsConfig()), Sweep(np.array([[0.0, 0.0], [1.0, 1.0]]), 1, 0)
     active.insert(np.zeros(3), sweep)
     with pytest.raises(InputError, match="a submap would grow to"):
-        active.insert(np.array([9e3, 0.0, 0.0]), sweep)
+        active.insert(np.array([9e3, 9e3, 0.0]), sweep)
 
 
 def test_while_odometry_stands_still_scans_that_contradict_what_was_mapped_are_not_inserted():
@@ -106,7 +106,7 @@ def test_a_scan_of_what_was_never_seen_is_left_to_the_odometry_and_tied_no_bette
     rng = np.random.default_rng(5)
     ahead = np.deg2rad(np.arange(-18.0, 18.0, 0.25))
     poses = np.stack((np.linspace(0.0, 0.5, 11), np.full(11, -1.5), np.zeros(11)), axis=-1)
-    turned = np.array([0.5, -1.5, 0.8])
+    turned = np.array([0.5, -1.5, np.pi])
     engine = run(make_slam("cartographer"), poses, [cast(WALLS, pose, rng, bearings=ahead) for pose in poses])
     before = engine.trajectory()[-1]
     engine.update(turned, cast(WALLS, turned, rng, bearings=ahead))

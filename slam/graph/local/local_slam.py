@@ -154,8 +154,8 @@ class LocalSlam:
             self._active.restart()
             self._monitor.alarm()
             motion, match, contradicts = hypotheses[0], None, True
-        if match is None and not all(self._matcher.covers(motion.prediction) for motion in hypotheses):
-            self._active.restart()  # the robot may be anywhere beside what it has seen, as after a gap in a log
+        if match is None and self._motion.anywhere is None:  # a gap in the log, and nothing that was seen before it
+            self._active.restart()
         return self._taken(hypotheses, motion, match, scan, points, contradicts)
 
     def _contradicts(self, scan: LaserScan, points: Array, match: GridMatch | None) -> bool:
