@@ -25,10 +25,9 @@ examples:
 """
 
 import argparse
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +42,7 @@ from ...slam.errors import InputError
 from ..console.arguments import at_least
 from ..console.tables import format_table
 from ..figures.planes import save_planes
+from ..training.rgbd_labels import FrameLabels, labels_of
 from ..training.rgbd_recordings import SEATED_LEFT, boxes_of, source_of
 from .results import write_results
 
@@ -91,15 +91,15 @@ class Tally:
     false: int = 0
     far: int = 0
 
-    def add_floor(self, planes: Planes, notes: Mapping[str, Any]) -> None:
+    def add_floor(self, planes: Planes, labels: FrameLabels) -> None:
         """Count the floor of one frame."""
-        if not notes["floor_visible"]:
+        if not labels.floor_visible:
             self.no_floor += 1
             self.false_floors += planes.mount.floor_seen
-        if notes["camera_height_m"] is None:
+        if labels.height is None or labels.tilt is None:
             return
         self.floors += 1
-        up, height = _reference(notes)
+        up, height = _upwards(*labels.tilt), labels.height
         points = planes.frame.camera.rays * planes.frame.depth[..., None]
         over, within = np.abs(points @ up + height), 0.02 + 0.004 * points[..., 0] ** 2
         near = points[..., 0] < NEAR_M
@@ -115,9 +115,9 @@ class Tally:
             self.height.append(off)
             self.tilt.append(tilt)
 
-    def add_tops(self, planes: Planes, notes: Mapping[str, Any]) -> None:
+    def add_tops(self, planes: Planes, labels: FrameLabels) -> None:
         """Count whether a labelled table top was found."""
-        if notes["table_top_visible"]:
+        if labels.table_top_visible:
             self.tops += 1
             heights = [planes.points[planes.region == k, 2].mean() for k in np.flatnonzero(planes.kinds == Surface.TOP)]
             self.tops_found += any(_TOP_HEIGHTS[0] < height < _TOP_HEIGHTS[1] for height in heights)
@@ -167,11 +167,9 @@ HEADER = (
 )  # fmt: skip
 
 
-def _reference(notes: Mapping[str, Any]) -> tuple[Array, float]:
-    """Return (3,) the vertical, camera frame, and the camera's height [m]."""
-    pitch, roll = np.radians(notes["pitch_deg_nose_down"]), np.radians(notes["roll_deg_left_up"])
-    up = np.array([-np.sin(pitch), np.cos(pitch) * np.sin(roll), np.cos(pitch) * np.cos(roll)])
-    return up, float(notes["camera_height_m"])
+def _upwards(pitch: float, roll: float) -> Array:
+    """Return (3,) the vertical in the frame of a camera that looks down by `pitch`, left side up by `roll` [rad]."""
+    return np.array([-np.sin(pitch), np.cos(pitch) * np.sin(roll), np.cos(pitch) * np.cos(roll)])
 
 
 def at_columns(frame: RgbdFrame, columns: int | None) -> RgbdFrame:
@@ -208,23 +206,23 @@ def tally(recorded: Iterable[RecordedFrame], options: argparse.Namespace) -> dic
                 model = options.left_out / f"without_{source}.npz"
             finders[source] = PeopleFinder(PersonSvm.load(model))
         counted = tallies.setdefault(source, Tally())
-        planes = planes_finder.find(at_columns(_told(each, options), options.columns))
+        labels = labels_of(each)
+        planes = planes_finder.find(at_columns(_told(each, labels, options), options.columns))
         people = finders[source].find(planes.frame, planes)
         counted.frames += 1
-        counted.add_floor(planes, each.notes)
-        counted.add_tops(planes, each.notes)
+        counted.add_floor(planes, labels)
+        counted.add_tops(planes, labels)
         counted.add_people(planes, people, each, source)
         if options.overlays:
             save_planes(options.out / "overlays" / f"{each.name}.png", planes, people)
     return tallies
 
 
-def _told(each: RecordedFrame, options: argparse.Namespace) -> RgbdFrame:
+def _told(each: RecordedFrame, labels: FrameLabels, options: argparse.Namespace) -> RgbdFrame:
     """Return the frame with what is told of its mount."""
-    height = each.notes["camera_height_m"]
-    if options.camera_height == "none" or height is None:
+    if options.camera_height == "none" or labels.height is None:
         return each.frame
-    return replace(each.frame, camera_height=height + options.height_error)
+    return replace(each.frame, camera_height=labels.height + options.height_error)
 
 
 def joined(tallies: Iterable[Tally]) -> Tally:

@@ -25,7 +25,7 @@ STATUS = {signal.SIGKILL: -signal.SIGKILL, signal.SIGTERM: 143, signal.SIGINT: 1
 TIMES = {"timing", "minutes", "wall_s", "timing.json"}
 """Names under which stands what depends on the clock."""
 UNEQUAL = re.compile(
-    r"(timing|bench)\.json|report\.html|.*tfevents.*|checkpoint\.json|model_.*|.*\.gif|.*[-_]times?\.png|settings\.json"
+    r"(timing|bench)\.json|report\.html|.*tfevents.*|checkpoint\.json|model_.*|.*\.gif|.*\.rrd|.*[-_]times?\.png|settings\.json"
 )
 """Files that may differ between two runs: they hold times, or serve only to go on."""
 
@@ -171,6 +171,8 @@ def is_whole(path: Path) -> bool:
                 image.load()
         elif path.suffix == ".gz":
             gzip.decompress(path.read_bytes())
+        elif path.suffix == ".mcap":
+            return path.read_bytes().endswith(b"\x89MCAP0\r\n")
         elif path.suffix == ".tum" and not path.stat().st_size:
             return True  # of a robot that was never sure where it was
         elif path.suffix in {".tum", ".csv", ".txt", ".yaml", ".html", ".log"}:
