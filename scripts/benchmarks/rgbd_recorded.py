@@ -54,6 +54,7 @@ Array = NDArray[np.float64]
 NEAR_M = 5.0
 _RECOGNISED = (5.0, 0.15)
 _TOP_HEIGHTS = (0.5, 1.1)
+_MOST_COLUMNS = 8192  # no camera is taken that has more
 
 
 @dataclass
@@ -256,6 +257,8 @@ def run(options: argparse.Namespace) -> int:
     """Measure, print, write results.json."""
     if not abs(options.height_error) < 10.0:
         raise InputError(f"--height-error must be less than 10 m, got {options.height_error}")
+    if options.columns is not None and options.columns > _MOST_COLUMNS:
+        raise InputError(f"--columns must be {_MOST_COLUMNS} at most, got {options.columns}")
     tallies = tally(read_frames(options.folder), options)
     rows = [[source, *each.row()] for source, each in tallies.items()]
     print(format_table(HEADER, [*rows, ["all", *joined(tallies.values()).row()]]))

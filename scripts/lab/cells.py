@@ -77,7 +77,7 @@ class Cell:
 
     def _cost_path(self, folder: Path) -> Path:
         """Return where stands what it cost: beside the results, which are the same bytes whenever they are made."""
-        return folder / ".costs" / f"{self.name}.json"
+        return folder / "costs" / f"{self.name}.json"
 
     def _path(self, folder: Path) -> Path:
         return folder / f"{self.name}.json"

@@ -154,6 +154,13 @@ def test_a_label_that_is_none_is_named_with_its_frame(tmp_path, capsys, name, va
     assert words in error
 
 
+def test_more_columns_than_any_camera_has_are_refused(tmp_path, capsys):
+    write(tmp_path / "in", "one_a", depths(), **LABELS)
+    words = ["bench", "rgbd-recorded", str(tmp_path / "in"), "--out", str(tmp_path / "out")]
+    assert main([*words, "--columns", "2147483647"]) == 2
+    assert "--columns must be 8192 at most" in capsys.readouterr().err
+
+
 def test_labelled_frames_are_scored_by_source(tmp_path, capsys):
     write(tmp_path / "in", "one_a", depths(), **LABELS)
     blind = {"camera_height_m": None, "floor_visible": False, "people": 0, "people_boxes_xyxy": []}
