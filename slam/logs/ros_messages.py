@@ -49,8 +49,10 @@ class RosMessages:
         """Return a LaserScan; no return is `inf` and no measurement NaN (REP 117).
 
         Raises:
-            InputError: If the beams are not evenly spaced, which the message cannot say.
+            InputError: If the beams are not evenly spaced, which the message cannot say, or there are none.
         """
+        if not len(scan):
+            raise InputError("a scan for ROS needs beams; this one has none")
         step = float(scan.bearings[-1] - scan.bearings[0]) / max(len(scan) - 1, 1)
         even = scan.bearings[0] + step * np.arange(len(scan))
         if np.abs(scan.bearings - even).max(initial=0.0) > _EVEN_RAD:
