@@ -4,7 +4,7 @@ import numpy as np
 
 from ...slam.geometry import compose, inverse
 from ...slam.logs.recording import AnyRecording
-from ...slam.logs.ros_recording import MAP, ODOM
+from ...slam.logs.viewer_recording import MAP, ODOM
 from ..follow_env import FollowEnv
 from .rollout import Episode
 

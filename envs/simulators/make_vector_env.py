@@ -5,6 +5,7 @@ from typing import Any
 from gymnasium.vector import VectorEnv
 
 from ...slam.errors import unknown_name
+from ..vector.arguments import checked_arguments
 
 SIMULATORS = "mujoco", "compiled"
 
@@ -22,6 +23,7 @@ def make_vector_env(num_envs: int = 1, *, simulator: str = "mujoco", **arguments
     """
     if simulator not in SIMULATORS:
         raise unknown_name("simulator", simulator, SIMULATORS)
+    num_envs, arguments = checked_arguments(num_envs, arguments)
     if simulator == "compiled":
         from ..compiled.vector_env import CompiledVectorEnv  # here, for it imports numba
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ...slam.errors import InputError
-from ...slam.files.input import named
+from ...slam.files.input import named, naming
 from ...slam.logs.bag_copy.copied import FileCopy, copied_bag
 from ...slam.logs.rosbag import SCAN
 from ...slam.logs.scan_stream import BagBeginning, ScanStream, StreamedScan
@@ -61,12 +61,13 @@ class _BagFilter:
     def __init__(self, bag: BagBeginning, topic: str, config: PeopleFilterConfig, counts: FilterCounts) -> None:
         self.stream, self._filter = ScanStream(bag), ScanFilter(config)
         self._messages = PeopleMessages(bag.types, flipped=bag.flipped)
-        self._topic, self._counts = topic, counts
+        self._where, self._topic, self._counts = f"{named(bag.path)}: {bag.scans}", topic, counts
 
     def write(self, file: FileCopy, streamed: StreamedScan) -> None:
         """Filter a scan; write what comes of it."""
         message: Any = streamed.message
-        filtered = self._filter.update(streamed.scan, streamed.odometry)
+        with naming(self._where):
+            filtered = self._filter.update(streamed.scan, streamed.odometry)
         self._counts.add(filtered)
         removed = removed_readings(filtered, streamed.order, len(message.ranges), float(message.angle_increment))
         ranges = np.where(removed, np.float32(np.nan), message.ranges).astype(np.float32, copy=False)

@@ -84,6 +84,7 @@ def filter_log(
     def removal(
         kind: str, scan: LaserScan, odometry: NDArray[np.float64], order: NDArray[np.intp], readings: int
     ) -> NDArray[np.bool_]:
+        """Filter a scan; each kind of line is a laser of its own. See `Removal`."""
         if kind not in filters:
             filters[kind] = ScanFilter(config)
         filtered = filters[kind].update(scan, odometry)

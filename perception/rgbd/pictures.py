@@ -10,10 +10,11 @@ default; or "pixel edges": it is at (0.5, 0.5)), `depth_unit_m` (0.001) and `tim
 """
 
 import os
+import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,7 @@ from PIL import Image, UnidentifiedImageError
 
 from ...slam.errors import InputError, shown
 from ...slam.files.input import checked_name, named, names_file, opened, read_json
+from ...slam.files.npz import read_array
 from .frame import Pinhole, RgbdFrame, grey
 
 _MOST_BYTES = 64 << 20
@@ -91,34 +93,38 @@ def read_camera(notes: Mapping[str, Any], source: str) -> Pinhole:
     edges = str(notes.get("principal_point", "centres")).startswith("pixel edges")
     shift = 0.5 if edges else 0.0
     distortion = notes.get("distortion", [])
-    if not isinstance(distortion, list) or not all(isinstance(k, (int, float)) for k in distortion):
-        raise InputError(f"{source}: `distortion` must be a list of numbers, got {shown(distortion)}")
+    if not isinstance(distortion, list) or not all(is_number(k) for k in distortion):
+        raise InputError(f"{source}: `distortion` must be a list of finite numbers, got {shown(distortion)}")
     try:
         size, centre = (int(width), int(height)), (cx - shift, cy - shift)
-        return Pinhole.from_intrinsics(size, (fx, fy), centre, tuple(float(k) for k in distortion))
+        return Pinhole.from_intrinsics(size, (fx, fy), centre, tuple(map(float, distortion)))
     except InputError as error:
         raise InputError(f"{source}: {error}") from error
 
 
 def _number(notes: Mapping[str, Any], key: str, source: str, default: float | None = None) -> float:
     value = notes.get(key, default)
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not np.isfinite(value):
-        raise InputError(f"{source}: `{key}` must be a number, got {shown(value)}")
+    if not is_number(value):
+        raise InputError(f"{source}: `{key}` must be a finite number, got {shown(value)}")
     return float(value)
+
+
+def is_number(value: object) -> TypeGuard[int | float]:
+    """Return whether a value of a JSON file is a number that a double can hold: a whole one may have any length."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return False
+    return abs(value) <= sys.float_info.max
 
 
 @names_file
 def read_depth(path: str | os.PathLike[str], unit_m: float = 1e-3) -> NDArray[Any]:
     """Return (h, w) depths of a picture of 16 bit, in units of `unit_m` [m], or of an .npy as it holds them."""
+    if Path(path).suffix == ".npy":
+        depth = read_array(path, _MOST_BYTES)
+        if depth.ndim != 2 or depth.dtype.kind not in "iuf":
+            raise InputError(f"depths must be numbers of two dimensions, got {depth.dtype} of shape {depth.shape}")
+        return depth
     with opened(path, _MOST_BYTES, _WHY) as file:
-        if Path(path).suffix == ".npy":
-            try:
-                depth = np.load(file, allow_pickle=False)
-            except (ValueError, EOFError, OSError) as error:
-                raise InputError(f"is no .npy of depths ({error})") from error
-            if depth.ndim != 2:
-                raise InputError(f"depths must be of two dimensions, got {depth.shape}")
-            return depth
         picture = _decoded(file)
     if picture.mode not in _MODES:
         raise InputError(f"a depth picture has one channel of 16 bit, got mode {picture.mode}")

@@ -20,11 +20,13 @@ example:
   tagalong reproduce {example} --quick --jobs 2 --out out/{example}
 """
 
+_ALL, _ALL_SUMMARY = "all", "all of them, and a page for each: the evidence that is published"
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the experiments, each with its own options."""
     parser.epilog = EPILOG.format(example=next(iter(EXPERIMENTS)))
-    add_subcommands(parser, "experiment", EXPERIMENTS, _declare, required=True)
+    add_subcommands(parser, "experiment", {**EXPERIMENTS, _ALL: _ALL_SUMMARY}, _declare, required=True)
 
 
 def _declare(name: str, parser: argparse.ArgumentParser) -> None:
@@ -33,11 +35,15 @@ def _declare(name: str, parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--jobs", type=int, default=1, metavar="N", help="processes (default: %(default)s)")
     parser.add_argument("--backend", choices=BACKENDS, default="local", help="who runs them (default: %(default)s)")
     parser.add_argument("--data", type=Path, metavar="DIR", help="recorded data (default: TAGALONG_DATA)")
-    load_experiment(name).add_arguments(parser)
+    if name == _ALL:
+        parser.add_argument("--pages", type=Path, metavar="DIR", help="where the pages go (default: OUT/pages)")
+    else:
+        load_experiment(name).add_arguments(parser)
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the experiment and say where its report is."""
+    from ..reproduce.evidence import run_all
     from ..reproduce.run import run_experiment
 
     if options.backend == "local":
@@ -48,6 +54,9 @@ def run(options: argparse.Namespace) -> int:
     options.data = options.data or (Path(variable) if variable else None)
     if options.data is not None and not options.data.is_dir():
         raise InputError(f"--data: {options.data} is not a folder")
+    if options.experiment == _ALL:
+        run_all(options)
+        return 0
     report = run_experiment(load_experiment(options.experiment), options)
     print(f"\n{report.title}\n\n{report.lead}\n")
     for section in report.sections:

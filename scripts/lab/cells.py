@@ -10,6 +10,7 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from time import process_time
 from typing import Any
 
 from tqdm import tqdm
@@ -50,6 +51,14 @@ class Cell:
         """Return the fingerprint of the code that made the result in `folder`, or None where there is none."""
         return self._content(folder).get("code")
 
+    def cost_s(self, folder: Path) -> float | None:
+        """Return the processor time that the result in `folder` took [s], or None where there is none."""
+        try:
+            content = read_json(self._cost_path(folder))
+        except InputError:
+            return None
+        return float(content[TIMING]["processor_s"]) if self._content(folder) else None
+
     def run(self, folder: Path) -> dict[str, Any]:
         """Compute the result, store it in `folder` and return it as it was stored."""
         more: dict[str, Any] = {}
@@ -57,12 +66,18 @@ class Cell:
             more["files"] = made_folder(files_of(self.name, folder))
         if self.needs:
             more["inputs"] = [files_of(name, folder) for name in self.needs]
+        began = process_time()
         result = dict(self.function(**self.arguments, **more))
+        write_json(self._cost_path(folder), {TIMING: {"processor_s": process_time() - began}})
         content = {"arguments": self._plain_arguments, "code": code_fingerprint(), "result": result}
         write_json(self._path(folder), content)
         stored = self.stored(folder)
         assert stored is not None
         return stored
+
+    def _cost_path(self, folder: Path) -> Path:
+        """Return where stands what it cost: beside the results, which are the same bytes whenever they are made."""
+        return folder / "costs" / f"{self.name}.json"
 
     def _path(self, folder: Path) -> Path:
         return folder / f"{self.name}.json"

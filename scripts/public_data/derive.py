@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ...slam.errors import InputError, MissingExtraError, one_line
+from ...slam.errors import InputError, MissingExtraError, one_line, shown
 from ...slam.files.output import replacing
 from ...slam.geometry import between, compose
 from ...slam.logs.text import numbered_lines, write_lines
@@ -87,6 +87,7 @@ def intel_readings(source: Path, target: Path) -> None:
     """Write a line for each odometry reading of the Intel log: its number, both clocks, the odometry."""
 
     def lines() -> Iterator[str]:
+        """Yield the file's lines."""
         yield "# reading_index t_absolute t_log odom_x odom_y odom_theta"
         readings = (each for each in _readings(source, _composed) if each[0] == "ODOM")
         for number, (_, words, odometry) in enumerate(readings):
@@ -108,11 +109,13 @@ def intel_relations(source: Path, target: Path) -> None:
     numbers = {words[-3]: k for k, words in enumerate(w for w in lines if w and w[0] == "FLASER")}
 
     def rows() -> Iterator[str]:
+        """Yield the file's lines, which need the full log's numbers."""
         yield "# i j x y theta : pose of scan j seen from scan i (0-based line numbers of the log)"
         for number, line in numbered_lines(source):
             first, second, x, y, *_, yaw = line.split()
             if first not in numbers or second not in numbers:
-                raise InputError(f"{source.name}:{number}: no scan of {log.name} has the stamps {first} and {second}")
+                stamps = f"{shown(first)} and {shown(second)}"
+                raise InputError(f"{source.name}:{number}: no scan of {log.name} has the stamps {stamps}")
             yield f"{numbers[first]} {numbers[second]} {x} {y} {yaw}"
 
     write_lines(target, rows())

@@ -95,6 +95,8 @@ def perceive_frames(options: argparse.Namespace) -> int:
 
 def _check(options: argparse.Namespace) -> None:
     height, tilt = options.camera_height, options.camera_tilt
+    if options.record is not None:
+        raise InputError("--record is for scans: what is found in frames is drawn into overlays/")
     if height is not None and not 0.0 < height <= _HIGHEST_M:
         raise InputError(f"--camera-height must be within 0 .. {_HIGHEST_M:g} m, got {height}")
     if tilt is not None and not np.all(np.abs(tilt) <= 90.0):

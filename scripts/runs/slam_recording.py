@@ -9,7 +9,7 @@ import numpy as np
 from ...slam.geometry import compose, inverse
 from ...slam.logs.drive import RecordedDrive
 from ...slam.logs.recording import open_recording
-from ...slam.logs.ros_recording import MAP, ODOM
+from ...slam.logs.viewer_recording import MAP, ODOM
 from ...slam.occupancy_map import OccupancyMap
 from ...slam.runner import SlamRun
 from .slam_run import usable_times

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...slam.errors import InputError
+from ...slam.files.npz import read_arrays
 from ...slam.scan import LaserScan
 
 POSITIVE = ("positive_1_labelled.npz", "positive_2_labelled.npz", "positive_3_labelled.npz")
@@ -39,15 +40,15 @@ def read_leg_recording(path: Path) -> LegRecording:
         InputError: If the file is missing or has another layout.
     """
     try:
-        with np.load(path, allow_pickle=False) as content:
-            ranges = content["ranges"].astype(np.float64)
-            bearings = content["angle_min"] + content["angle_increment"] * np.arange(ranges.shape[1])
-            limits = float(content["range_min"]), float(content["range_max"])
-            times = content["stamp"]
-            labelled = "leg_xy" in content.files
-            legs = content["leg_xy"] if labelled else np.empty((0, 2))
-            rows = content["leg_scan_index"] if labelled else np.empty(0, np.int64)
-    except (OSError, ValueError, KeyError, IndexError) as error:
+        content = read_arrays(path)
+        ranges = content["ranges"].astype(np.float64)
+        bearings = content["angle_min"] + content["angle_increment"] * np.arange(ranges.shape[1])
+        limits = float(content["range_min"]), float(content["range_max"])
+        times = content["stamp"]
+        labelled = "leg_xy" in content
+        legs = content["leg_xy"] if labelled else np.empty((0, 2))
+        rows = content["leg_scan_index"] if labelled else np.empty(0, np.int64)
+    except (TypeError, ValueError, KeyError, IndexError) as error:
         raise InputError(f"{path} is not a recording of leg scans: {error}") from None
     scans = [LaserScan(r, bearings, *limits, time_s=float(t)) for r, t in zip(ranges, times, strict=True)]
     return LegRecording(path.stem, scans, [legs[rows == i] for i in range(len(scans))])

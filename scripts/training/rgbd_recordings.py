@@ -12,6 +12,7 @@ from ...perception.rgbd.heads import Candidates, find_candidates
 from ...perception.rgbd.person_svm import candidate_features
 from ...perception.rgbd.pictures import RecordedFrame, read_frames
 from ...perception.rgbd.planes import PlaneFinder
+from .rgbd_labels import labels_of
 
 Array = NDArray[np.float64]
 
@@ -31,9 +32,8 @@ def source_of(name: str) -> str:
 
 def boxes_of(recorded: RecordedFrame, columns: int) -> Array:
     """Return (n, 4) the people's boxes with their margin, at a width of `columns` [pixels]."""
-    scale = columns / recorded.notes["width"]
-    boxes = np.array(recorded.notes["people_boxes_xyxy"], dtype=np.float64).reshape(-1, 4)
-    return (boxes + np.array([-1.0, -1.0, 1.0, 1.0]) * BOX_MARGIN) * scale
+    scale = columns / recorded.frame.camera.width
+    return (labels_of(recorded).boxes + np.array([-1.0, -1.0, 1.0, 1.0]) * BOX_MARGIN) * scale
 
 
 def recorded_candidates(
@@ -42,7 +42,7 @@ def recorded_candidates(
     """Yield, for each frame that may be trained on and its mirror image: source, features and who is somebody."""
     finder = PlaneFinder()
     for recorded in read_frames(folder):
-        if str(recorded.notes.get("licence", "")).startswith(NO_LICENCE):
+        if labels_of(recorded).licence.startswith(NO_LICENCE):
             continue
         for mirror in (False, True):
             planes = finder.find(mirrored(recorded.frame) if mirror else recorded.frame)

@@ -34,6 +34,17 @@ def named(path: Source) -> str:
     return one_line(os.fspath(path), 400)
 
 
+@contextmanager
+def naming(where: str) -> Iterator[None]:
+    """Let each error that comes of what is read at a place begin with the place, unless it names it already."""
+    try:
+        yield
+    except InputError as error:
+        if where in str(error):
+            raise
+        raise InputError(f"{where}: {error}") from error
+
+
 def names_file(read: Callable[Concatenate[Source, Rest], Result]) -> Callable[Concatenate[Source, Rest], Result]:
     """Return a reader of files, whose first argument is a path, so that each of its errors names the file.
 
@@ -43,12 +54,8 @@ def names_file(read: Callable[Concatenate[Source, Rest], Result]) -> Callable[Co
     @wraps(read)
     def reader(path: Source, *args: Rest.args, **options: Rest.kwargs) -> Result:
         """Read `path`, and say which file it was that could not be read."""
-        try:
+        with naming(named(path)):
             return read(path, *args, **options)
-        except InputError as error:
-            if named(path) in str(error):
-                raise
-            raise InputError(f"{named(path)}: {error}") from error
 
     return reader
 

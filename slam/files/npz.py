@@ -1,4 +1,4 @@
-"""Arrays of npz files, read without ever believing a size that the file only states."""
+"""Arrays of npz and npy files, read without ever believing a size that the file only states."""
 
 import re
 import struct
@@ -6,6 +6,7 @@ import sys
 import zipfile
 import zlib
 from math import prod
+from pathlib import Path
 from typing import IO, Any, BinaryIO
 
 import numpy as np
@@ -56,9 +57,25 @@ def read_arrays(path: Source) -> dict[str, NDArray[Any]]:
             with zipfile.ZipFile(file) as content:
                 entries = content.infolist()
                 _check_entries(entries)
-                return {entry.filename.removesuffix(".npy"): _array(content, entry) for entry in entries}
+                return {entry.filename.removesuffix(".npy"): _entry(content, entry) for entry in entries}
         except _DAMAGE as error:
             raise InputError(f"{named(path)}: no readable npz file ({one_line(str(error), 200)})") from error
+
+
+def read_array(path: Source, most_bytes: int = MOST_BYTES) -> NDArray[Any]:
+    """Return the array of an npy file, in the machine's byte order; no objects, no pickles.
+
+    Raises:
+        InputError: If there is no such file, it is damaged, no npy, larger than `most_bytes`, or holds something else
+            than numbers or text.
+    """
+    with opened(path, most_bytes, f"an npy file has at most {most_bytes // MIB} MiB here") as file:
+        size = file.seek(0, 2)
+        file.seek(0)
+        try:
+            return _array(file, Path(path).name, size)
+        except _DAMAGE as error:
+            raise InputError(f"{named(path)}: no readable npy file ({one_line(str(error), 200)})") from error
 
 
 def _too_large() -> str:
@@ -90,25 +107,29 @@ def _check_entries(entries: list[zipfile.ZipInfo]) -> None:
         raise ValueError(_too_large())
 
 
-def _array(content: zipfile.ZipFile, entry: zipfile.ZipInfo) -> NDArray[Any]:
+def _entry(content: zipfile.ZipFile, entry: zipfile.ZipInfo) -> NDArray[Any]:
     """Return one array; the zip gives no more bytes than its entry states, which was checked."""
     with content.open(entry) as stream:
-        dtype, shape, order, start = _header(stream, entry.filename)
-        size = dtype.itemsize * prod(shape)
-        if start + size != entry.file_size:
-            raise ValueError(
-                f"{shown(entry.filename)} states {shown(shape)} of {dtype.str}, {shown(size)} bytes, and has "
-                f"{entry.file_size - start}"
-            )
-        values = np.empty(size, dtype=np.uint8)
-        _fill(values, stream)
+        return _array(stream, entry.filename, entry.file_size)
+
+
+def _array(stream: IO[bytes], name: str, length: int) -> NDArray[Any]:
+    """Return the array of a npy stream of so many bytes."""
+    dtype, shape, order, start = _header(stream, name)
+    size = dtype.itemsize * prod(shape)
+    if start + size != length:
+        raise ValueError(
+            f"{shown(name)} states {shown(shape)} of {dtype.str}, {shown(size)} bytes, and has {length - start}"
+        )
+    values = np.empty(size, dtype=np.uint8)
+    _fill(values, stream)
     array = values.view(dtype).reshape(shape, order=order)
     array = array if dtype.isnative else array.astype(dtype.newbyteorder("="))
     # numpy would count other truths wrong, and index by the count; and make no text of other signs
     if (dtype.kind == "b" and values.max(initial=0) > 1) or (
         dtype.kind == "U" and array.ravel().view(np.uint32).max(initial=0) > sys.maxunicode
     ):
-        raise ValueError(f"{shown(entry.filename)} holds bytes that are no {dtype}")
+        raise ValueError(f"{shown(name)} holds bytes that are no {dtype}")
     return array
 
 

@@ -81,6 +81,7 @@ class ParticleScanMatcher:
         poses, systems, losses = priors.copy(), np.zeros((len(priors), 3, 4)), np.ones(len(priors))
 
         def align(start: int, stop: int) -> None:
+            """Match the particles from `start` up to `stop`; threads share them."""
             search_particles(
                 start, stop, priors, roots, samples, few, config.sample_weight, directory, maps.near, poses
             )

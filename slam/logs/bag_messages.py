@@ -161,6 +161,8 @@ def open_bag(path: str | os.PathLike[str]) -> Iterator[Bag]:
     with damage_told(path):
         reader: Any = Reader1(path) if first else Reader2(path)
         reader.open()
+        if not all(isinstance(name, str) for each in reader.connections for name in (each.topic, each.msgtype)):
+            raise ValueError("the name of a topic or of a type is no text")
     try:
         if first:
             _bound_chunks(reader)

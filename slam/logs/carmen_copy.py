@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..files.input import named, opened
+from ..files.input import named, naming, opened
 from ..files.output import replacing
 from ..geometry import between
 from ..scan import LaserScan
@@ -75,12 +75,14 @@ def copy_carmen(source: str | os.PathLike[str], target: str | os.PathLike[str], 
 @contextmanager
 def _line_named(source: str | os.PathLike[str], number: int, words: list[bytes]) -> Iterator[None]:
     """Name the line where it is damaged."""
+    where = f"{named(source)}, line {number}: {words[0].decode('latin-1')}" if words else named(source)
     try:
-        yield
+        with naming(where):
+            yield
     except InputError:
         raise
     except ValueError as error:
-        raise InputError(f"{named(source)}, line {number}: {words[0].decode('latin-1')}: {error}") from error
+        raise InputError(f"{where}: {error}") from error
 
 
 def _without(line: bytes, words: list[bytes], offset: float, limit: float, removal: Removal) -> bytes:

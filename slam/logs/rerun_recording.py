@@ -3,18 +3,18 @@
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..bounds import checked_pose
 from ..errors import InputError, MissingExtraError, shown
 from ..files.output import replacing, require_writable
 from ..occupancy_map import OccupancyMap
 from ..scan import LaserScan
 from .ros_messages import LEADER_COLOUR, PERSON_COLOUR, PERSON_HEIGHT_M, PERSON_WIDTH_M
-from .ros_recording import LASER, MAP, ODOM, ROBOT
+from .viewer_recording import LASER, MAP, ODOM, ROBOT, ViewerRecording
 
 _PLACES = {
     MAP: "map",
@@ -27,7 +27,7 @@ _POINT_M = 0.02
 _INK, _FAINT, _BLUE = (40, 44, 52), (120, 130, 150), (31, 87, 214)
 
 
-class RerunRecording:
+class RerunRecording(ViewerRecording):
     """One .rrd file with the verbs of `RosRecording`; it appears whole when it is closed, or not at all.
 
     Args:
@@ -40,43 +40,21 @@ class RerunRecording:
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self._rerun = check_rerun_recording(path)
-        self.file = Path(path)
+        super().__init__(path)
         self._replacing = replacing(self.file)
         self._temporary = self._replacing.__enter__()
         self._stream: Any = self._rerun.RecordingStream("tagalong")
         self._stream.save(str(self._temporary))
-        self._mounted = False
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close(keep=kind is None)
-
-    def close(self, *, keep: bool = True) -> None:
-        """Finish the file; a second call does nothing.
-
-        Args:
-            keep: Whether it is to appear; if not, nothing is left of it.
-        """
-        if self._stream is None:
-            return
-        stream, self._stream = self._stream, None
-        stream.flush()
-        stream.disconnect()
+    def _finish(self, keep: bool) -> None:
+        self._stream.flush()
+        self._stream.disconnect()
         if keep:
             self._replacing.__exit__(None, None, None)
         else:
             self._temporary.unlink(missing_ok=True)
 
-    def scan(self, scan: LaserScan, topic: str = "/scan", time_s: float | None = None) -> None:
-        """Write the returns of a scan."""
-        time_s = scan.time_s if time_s is None else time_s
-        if not self._mounted:
-            self._mounted = True
-            self.transform(time_s, scan.T_robot_lidar, ROBOT, LASER, fixed=True)
+    def _write_scan(self, time_s: float, scan: LaserScan, topic: str) -> None:
         self._log(time_s, f"{_PLACES[LASER]}{topic}", self._points(scan.points, _INK))
 
     def odometry(self, time_s: float, pose: ArrayLike, velocity: ArrayLike = (0.0, 0.0, 0.0)) -> None:
@@ -86,14 +64,14 @@ class RerunRecording:
 
     def transform(self, time_s: float, pose: ArrayLike, parent: str, child: str, *, fixed: bool = False) -> None:
         """Write where a frame is in its parent, (3,); `fixed` for good."""
-        rr, (x, y, theta) = self._rerun, np.asarray(pose, dtype=np.float64).tolist()
+        rr, (x, y, theta) = self._rerun, checked_pose(pose, "pose").tolist()
         turn = rr.RotationAxisAngle(axis=(0.0, 0.0, 1.0), angle=rr.Angle(rad=theta))
         placed = rr.Transform3D(translation=(x, y, 0.0), rotation=turn)
         self._log(time_s, _place(child), placed, static=fixed)
 
     def pose(self, time_s: float, pose: ArrayLike, topic: str, frame: str = MAP) -> None:
         """Write a pose (3,) in a frame, as an arrow."""
-        x, y, theta = np.asarray(pose, dtype=np.float64).tolist()
+        x, y, theta = checked_pose(pose, "pose").tolist()
         arrow = self._rerun.Arrows3D(
             origins=[(x, y, 0.0)], vectors=[(0.4 * np.cos(theta), 0.4 * np.sin(theta), 0.0)], colors=[_BLUE]
         )
@@ -108,18 +86,9 @@ class RerunRecording:
         """Write the occupied cells of a map."""
         self._log(time_s, f"{_PLACES[MAP]}{topic}", self._points(grid.occupied_points, _FAINT, grid.resolution / 2.0))
 
-    def people(
-        self,
-        time_s: float,
-        positions: ArrayLike,
-        ids: Sequence[int] | None = None,
-        leader: int = -1,
-        topic: str = "/people",
-        frame: str = ODOM,
+    def _write_people(
+        self, time_s: float, places: NDArray[np.float64], numbers: Sequence[int], leader: int, topic: str, frame: str
     ) -> None:
-        """Write people at (n, 2) as ellipsoids; `ids` (n,) their numbers, `leader` the number of the one who leads."""
-        places = np.asarray(positions, dtype=np.float64).reshape(-1, 2)
-        numbers = list(range(len(places)) if ids is None else ids)
         colours = [LEADER_COLOUR if number == leader else PERSON_COLOUR for number in numbers]
         half = (PERSON_WIDTH_M / 2.0, PERSON_WIDTH_M / 2.0, PERSON_HEIGHT_M / 2.0)
         bodies = self._rerun.Ellipsoids3D(
@@ -153,8 +122,7 @@ class RerunRecording:
         return self._rerun.Points3D(flat, colors=[colour], radii=[radius])
 
     def _log(self, time_s: float, entity: str, what: Any, *, static: bool = False) -> None:
-        if self._stream is None:
-            raise InputError(f"{self.file}: the recording is closed")
+        self._require_open()
         self._stream.set_time("time", duration=time_s)
         self._stream.log(entity, what, static=static)
 

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..bounds import checked_pose
 from ..errors import InputError, MissingExtraError
 from ..occupancy_map import OccupancyMap
 from ..scan import LaserScan
@@ -48,8 +49,10 @@ class RosMessages:
         """Return a LaserScan; no return is `inf` and no measurement NaN (REP 117).
 
         Raises:
-            InputError: If the beams are not evenly spaced, which the message cannot say.
+            InputError: If the beams are not evenly spaced, which the message cannot say, or there are none.
         """
+        if not len(scan):
+            raise InputError("a scan for ROS needs beams; this one has none")
         step = float(scan.bearings[-1] - scan.bearings[0]) / max(len(scan) - 1, 1)
         even = scan.bearings[0] + step * np.arange(len(scan))
         if np.abs(scan.bearings - even).max(initial=0.0) > _EVEN_RAD:
@@ -71,7 +74,7 @@ class RosMessages:
 
     def pose(self, pose: ArrayLike) -> Any:
         """Return a Pose of (x, y, theta)."""
-        x, y, theta = np.asarray(pose, dtype=np.float64).tolist()
+        x, y, theta = checked_pose(pose, "pose").tolist()
         return self.make("geometry_msgs/Pose", position=self._point(x, y), orientation=self._turn(theta))
 
     def stamped_pose(self, pose: ArrayLike, time_s: float, frame: str) -> Any:
@@ -98,7 +101,7 @@ class RosMessages:
 
     def transform(self, pose: ArrayLike, time_s: float, frames: tuple[str, str]) -> Any:
         """Return a TFMessage of one transform; `frames` are (parent, child)."""
-        x, y, theta = np.asarray(pose, dtype=np.float64).tolist()
+        x, y, theta = checked_pose(pose, "pose").tolist()
         inner = self.make("geometry_msgs/Transform", translation=self._vector(x, y), rotation=self._turn(theta))
         stamped = self.make(
             "geometry_msgs/TransformStamped",
@@ -194,7 +197,7 @@ class RosMessages:
         )
 
     def _time(self, time_s: float) -> Any:
-        if not 0.0 <= time_s < _LATEST_S:
+        if not 0.0 <= time_s < _LATEST_S:  # no NaN is
             raise InputError(f"a time for ROS must be within 0 .. {_LATEST_S:.0f} s, got {time_s}")
         return self.make(
             "builtin_interfaces/Time", sec=nanoseconds(time_s) // 10**9, nanosec=nanoseconds(time_s) % 10**9

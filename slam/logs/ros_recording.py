@@ -5,8 +5,7 @@ import shutil
 import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,9 +15,8 @@ from ..files.output import replacing, require_writable
 from ..occupancy_map import OccupancyMap
 from ..scan import LaserScan
 from .ros_messages import RosMessages, nanoseconds
+from .viewer_recording import CAMERA, LASER, MAP, ODOM, ROBOT, ViewerRecording
 
-MAP, ODOM, ROBOT, LASER, CAMERA = "map", "odom", "base_link", "laser", "camera"
-"""Frames, as REP 105 names them; the camera's looks along x, as RViz and Foxglove draw bodies, not along z."""
 _TYPES = {
     "scan": "sensor_msgs/msg/LaserScan",
     "odometry": "nav_msgs/msg/Odometry",
@@ -34,7 +32,7 @@ _TYPES = {
 """Kind of message -> its type."""
 
 
-class RosRecording:
+class RosRecording(ViewerRecording):
     """One MCAP file, written message by message; it appears whole when it is closed, or not at all.
 
     Example: `with RosRecording("drive.mcap") as recording: recording.scan(scan)`. Equal calls give equal bytes.
@@ -49,48 +47,22 @@ class RosRecording:
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self._messages = check_ros_recording(path)
-        self.file = Path(path)
+        super().__init__(path)
         self.file.parent.mkdir(parents=True, exist_ok=True)
         self._folder = Path(tempfile.mkdtemp(prefix=f".{self.file.stem[:20]}-", dir=self.file.parent))
         self._writer, self._qos = _open_writer(self._folder / "recording")
         self._connections: dict[str, Any] = {}
-        self._mounted: set[str] = set()
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close(keep=kind is None)
-
-    def close(self, *, keep: bool = True) -> None:
-        """Finish the file; a second call does nothing.
-
-        Args:
-            keep: Whether it is to appear; if not, nothing is left of it.
-        """
-        if self._writer is None:
-            return
-        writer, self._writer = self._writer, None
+    def _finish(self, keep: bool) -> None:
         try:
-            writer.close()
+            self._writer.close()
             if keep:
                 with replacing(self.file) as temporary:
                     os.replace(next((self._folder / "recording").glob("*.mcap")), temporary)
         finally:
             shutil.rmtree(self._folder, ignore_errors=True)
 
-    def scan(self, scan: LaserScan, topic: str = "/scan", time_s: float | None = None) -> None:
-        """Write a scan; where its laser stands on the robot is written with the first one of a topic.
-
-        Raises:
-            InputError: If its beams are not evenly spaced, or its time is negative.
-        """
-        time_s = scan.time_s if time_s is None else time_s
-        if not self._mounted:
-            self._mounted.add(LASER)
-            self.transform(time_s, scan.T_robot_lidar, ROBOT, LASER, fixed=True)
+    def _write_scan(self, time_s: float, scan: LaserScan, topic: str) -> None:
         self._write(topic, "scan", time_s, lambda make: make.scan(scan, time_s, LASER))
 
     def odometry(self, time_s: float, pose: ArrayLike, velocity: ArrayLike = (0.0, 0.0, 0.0)) -> None:
@@ -116,18 +88,9 @@ class RosRecording:
         """Write a map."""
         self._write(topic, "map", time_s, lambda make: make.map(grid, time_s, MAP))
 
-    def people(
-        self,
-        time_s: float,
-        positions: ArrayLike,
-        ids: Sequence[int] | None = None,
-        leader: int = -1,
-        topic: str = "/people",
-        frame: str = ODOM,
+    def _write_people(
+        self, time_s: float, places: NDArray[np.float64], numbers: Sequence[int], leader: int, topic: str, frame: str
     ) -> None:
-        """Write people at (n, 2) as markers; `ids` (n,) their numbers, `leader` the number of the one who leads."""
-        places = np.asarray(positions, dtype=np.float64).reshape(-1, 2)
-        numbers = range(len(places)) if ids is None else ids
         self._write(topic, "people", time_s, lambda make: make.people(places, numbers, leader, time_s, frame))
 
     def picture(self, time_s: float, pixels: NDArray[Any], topic: str) -> None:
@@ -143,8 +106,7 @@ class RosRecording:
         self._write(topic, "number", time_s, lambda make: make.make("std_msgs/Float64", data=float(value)))
 
     def _write(self, topic: str, kind: str, time_s: float, make: Callable[[RosMessages], Any]) -> None:
-        if self._writer is None:
-            raise InputError(f"{self.file}: the recording is closed")
+        self._require_open()
         message, name = make(self._messages), _TYPES[kind]
         if topic not in self._connections:
             qos = [self._qos] if topic in ("/tf_static", "/map") else []

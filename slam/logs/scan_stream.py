@@ -108,35 +108,48 @@ def read_beginning(
 def _seen_first(bag: Bag, scans: str, odometry: str, path: Path) -> tuple[list[SaidScan], Poses, FrameTree]:
     """Return scans, odometry and frames from the beginning of a bag, as many as are needed."""
     frames = bag.of_type(*TRANSFORMS)
-    sweeps, poses, tree, begun_s = list[SaidScan](), Poses(source=odometry), FrameTree(), None
+    first, begun_s = _FirstMessages(path, odometry, has_frames=bool(frames)), None
     for message in bag.messages(scans, *filter(None, [odometry]), *frames):
         begun_s = message.recorded_s if begun_s is None else begun_s
-        _take(message, sweeps, poses, tree, path)
-        told = poses if odometry or not sweeps else odometry_of_frames(tree, sweeps[0].frame)
-        moved = (told is not None and len(told.poses) >= _ENOUGH) or not (odometry or frames)
-        still = not frames or (told is not None and bool(sweeps) and _connected(tree, told.robot, sweeps[0].frame))
+        first.take(message)
         late = message.recorded_s - begun_s > _LOOKED_AT_S
-        if sweeps and ((len(sweeps) >= _ENOUGH and moved and still) or late):
+        if first.sweeps and (late or first.are_enough):
             break
-    if not sweeps:
+    if not first.sweeps:
         raise InputError(f"{named(path)}: no message of {scans} in it")
-    return sweeps, poses, tree
+    return first.sweeps, first.poses, first.tree
 
 
-def _take(message: Message, sweeps: list[SaidScan], poses: Poses, tree: FrameTree, path: Path) -> None:
-    kind = message.content.__msgtype__
-    if kind in TRANSFORMS:
-        tree.add(message)
-        return
-    with as_defined(named(path)):
-        if kind == ODOMETRY:
-            poses.add(message.content, message.recorded_s)
-        elif len(sweeps) < _ENOUGH:
-            sweeps.append(SaidScan.said_by(message.content, message.recorded_s))
+class _FirstMessages:
+    """What the first messages of a bag say: scans, poses of its topic of odometry, and frames."""
 
+    def __init__(self, path: Path, odometry: str, *, has_frames: bool) -> None:
+        self.sweeps: list[SaidScan] = []
+        self.poses, self.tree = Poses(source=odometry), FrameTree()
+        self._path, self._odometry, self._has_frames = path, odometry, has_frames
 
-def _connected(tree: FrameTree, robot: str, laser: str) -> bool:
-    return tree.between(robot, laser) is not None
+    def take(self, message: Message) -> None:
+        """Take a message of any of the three kinds."""
+        kind = message.content.__msgtype__
+        if kind in TRANSFORMS:
+            self.tree.add(message)
+            return
+        with as_defined(named(self._path)):
+            if kind == ODOMETRY:
+                self.poses.add(message.content, message.recorded_s)
+            elif len(self.sweeps) < _ENOUGH:
+                self.sweeps.append(SaidScan.said_by(message.content, message.recorded_s))
+
+    @property
+    def are_enough(self) -> bool:
+        """Whether there are enough scans and poses to compare, and the laser's place on the robot is known."""
+        if len(self.sweeps) < _ENOUGH:
+            return False
+        frame = self.sweeps[0].frame
+        told = self.poses if self._odometry else odometry_of_frames(self.tree, frame)
+        if told is None:
+            return not self._has_frames
+        return len(told.poses) >= _ENOUGH and (not self._has_frames or self.tree.between(told.robot, frame) is not None)
 
 
 class StreamedScan(NamedTuple):

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import tagalong  # noqa: F401 (registers the ids)
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
+from tagalong.envs.vector.arguments import checked_arguments
 from tagalong.envs.vector.worker import WorkerShare
 from tagalong.slam import InputError
 from tagalong.slam.errors import MissingExtraError, WorkerError
@@ -202,3 +203,26 @@ def test_after_an_interrupted_step_a_reset_gives_what_it_always_gives(monkeypatc
             env.step(np.ones((COUNT, 2)))
     same(env.reset(seed=0), first)
     env.close()
+
+
+@pytest.mark.parametrize("simulator", ["mujoco", "compiled"])
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("workers", "x"),
+        ("workers", True),
+        ("max_episode_steps", -np.inf),
+        ("autoreset_mode", 0),
+        ("autoreset_mode", "Sometimes"),
+    ],
+)
+def test_an_argument_of_the_whole_that_is_none_is_named_before_anything_is_made(simulator, name, value):
+    with pytest.raises(InputError, match=f"`{name}` must be"):
+        gym.make_vec("tagalong/Corridor-v0", 2, "vector_entry_point", simulator=simulator, **{name: value})
+
+
+def test_numbers_of_other_libraries_become_plain_ones_for_they_would_compile_kernels_anew():
+    asked = {"workers": np.int64(2), "max_episode_steps": np.int32(5), "episodes_seed": np.uint8(3), "beams": 90}
+    count, checked = checked_arguments(np.int16(4), asked)
+    assert (count, checked) == (4, {"workers": 2, "max_episode_steps": 5, "episodes_seed": 3, "beams": 90})
+    assert {type(value) for value in (count, *checked.values())} == {int}

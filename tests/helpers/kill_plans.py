@@ -1,10 +1,13 @@
 """Which commands the kill tests kill: all that write, with options that let them end soon."""
 
+import gzip
+import json
 import sys
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from PIL import Image
 
 TAGALONG = ("-m", "tagalong")
 
@@ -33,7 +36,11 @@ PLANS = {
     "slam ekf": _tagalong("slam IN/room.log.gz --method ekf --out out"),
     "slam graph": _tagalong("slam IN/room.log.gz --method cartographer --out out"),
     "localize": _tagalong("localize IN/room.log.gz --map IN/map/map.yaml --out out"),
+    "slam record": _tagalong("slam IN/room.log.gz --method ekf --out out --record out/drive.mcap"),
     "perceive": _tagalong("perceive IN/room.log.gz --out out"),
+    "perceive record": _tagalong("perceive IN/room.log.gz --out out --record out/people.rrd"),
+    "perceive frames": _tagalong("perceive IN/frames --out out"),
+    "data derive": _tagalong("data derive IN/data --into out"),
     "filter": _tagalong("filter IN/room.log.gz out/room.log.gz"),
     "score": _tagalong("score IN/map/map.yaml IN/map/map.yaml --json out/scores.json --overlay out/overlay.png"),
     "reproduce following": _tagalong("reproduce following --quick --repeats 2 --no-sweep --jobs 2 --out out"),
@@ -88,15 +95,42 @@ if __name__ == "__main__":
 
 
 def prepare(folder: Path) -> None:
-    """Write what the commands read: a drive through a room, the room's map, and a tiny training as a program."""
+    """Write what the commands read: a drive, the room's map, frames, logs to derive from, a tiny training."""
     from tagalong.scripts import cli
     from tagalong.slam.logs import write_carmen
 
     folder.mkdir(parents=True, exist_ok=True)
     write_carmen(folder / "room.log.gz", room_drive(80))
     (folder / "train_follower.py").write_text(TRAIN)
+    _write_frames(folder / "frames")
+    _write_originals(folder / "data" / "slam_logs")
     if cli.main(["slam", str(folder / "room.log.gz"), "--method", "ekf", "--out", str(folder / "map"), "--quiet"]):
         sys.exit("the room could not be mapped")
+
+
+def _write_frames(folder: Path) -> None:
+    """Write frames of a floor and a wall, as of a camera one metre above it."""
+    folder.mkdir()
+    rows, columns, focal = 120, 160, 130.0
+    floor = 1.0 / np.maximum((np.arange(rows)[:, None] - 59.5) / focal, 1e-3)
+    for k in range(12):
+        depth = np.minimum(floor, 2.0 + 0.1 * k) * np.ones((rows, columns))
+        Image.fromarray(np.round(1000.0 * depth).astype(np.uint16)).save(folder / f"{k:02d}_depth.png")
+    camera = {"width": columns, "height": rows, "fx": focal, "fy": focal, "cx": 79.5, "cy": 59.5}
+    (folder / "camera.json").write_text(json.dumps(camera))
+
+
+def _write_originals(folder: Path) -> None:
+    """Write logs as a program leaves them that corrected their poses: `tagalong data derive` makes odometry of them."""
+    folder.mkdir(parents=True)
+    lines = []
+    for k in range(3000):
+        pose = f"{0.01 * k:.3f} 0.0 0.0"
+        scan = " ".join(["2.0"] * 90)
+        lines += [f"ODOM {pose} 0.1 0 0 {k} h {k}", f"FLASER 90 {scan} {pose} {pose} {k} h {k}"]
+    packed = gzip.compress("\n".join(lines).encode() + b"\n", 1, mtime=0)
+    for name in ("aces", "belgioioso", "fhw"):
+        (folder / f"{name}-corrected.log.gz").write_bytes(packed)
 
 
 def room_drive(count: int):

@@ -25,7 +25,7 @@ STATUS = {signal.SIGKILL: -signal.SIGKILL, signal.SIGTERM: 143, signal.SIGINT: 1
 TIMES = {"timing", "minutes", "wall_s", "timing.json"}
 """Names under which stands what depends on the clock."""
 UNEQUAL = re.compile(
-    r"(timing|bench)\.json|report\.html|.*tfevents.*|checkpoint\.json|model_.*|.*\.gif|.*[-_]times?\.png|settings\.json"
+    r"(timing|bench)\.json|report\.html|.*tfevents.*|checkpoint\.json|model_.*|.*\.gif|.*\.rrd|.*[-_]times?\.png|settings\.json"
 )
 """Files that may differ between two runs: they hold times, or serve only to go on."""
 
@@ -120,7 +120,7 @@ def kill_once(words: list[str], folder: Path, end: signal.Signals, after_s: floa
                 os.kill(pid, signal.SIGKILL)
         process.wait()
     seen.broken += [str(path.relative_to(folder)) for path in files(folder) if not is_whole(path)]
-    hidden = [path for path in folder.rglob(".*") if path.is_file()]
+    hidden = [path for path in folder.rglob("*") if path.is_file() and is_hidden(path, folder)]
     if end == signal.SIGKILL:
         for path in hidden:
             path.unlink()  # so that those of other signals are told from them
@@ -153,7 +153,12 @@ def _takes_signals(pid: int) -> bool:
 
 def files(folder: Path) -> list[Path]:
     """Return the files of `folder` that are not hidden, in order."""
-    return sorted(path for path in folder.rglob("[!.]*") if path.is_file())
+    return sorted(path for path in folder.rglob("*") if path.is_file() and not is_hidden(path, folder))
+
+
+def is_hidden(path: Path, folder: Path) -> bool:
+    """Return whether a file of `folder`, or a folder of it that the file lies in, has a hidden name."""
+    return any(part.startswith(".") for part in path.relative_to(folder).parts)
 
 
 def is_whole(path: Path) -> bool:
@@ -171,6 +176,8 @@ def is_whole(path: Path) -> bool:
                 image.load()
         elif path.suffix == ".gz":
             gzip.decompress(path.read_bytes())
+        elif path.suffix == ".mcap":
+            return path.read_bytes().endswith(b"\x89MCAP0\r\n")
         elif path.suffix == ".tum" and not path.stat().st_size:
             return True  # of a robot that was never sure where it was
         elif path.suffix in {".tum", ".csv", ".txt", ".yaml", ".html", ".log"}:

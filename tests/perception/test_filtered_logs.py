@@ -79,6 +79,13 @@ def test_a_damaged_line_is_named_and_nothing_is_written(carmen, tmp_path, capsys
     assert sorted(path.name for path in tmp_path.iterdir()) == ["drive.log"]
 
 
+def test_a_line_that_is_read_and_cannot_be_true_is_named_too(tmp_path, capsys):
+    line = "ROBOTLASER1 0 -1.57 3.14 0.1 1e9 0.01 0 3 1.0 1.1 1.2 0 0 0 0 0 0 0 0.1 0 0.5 0.5 1e9 1 h 1\n"
+    (tmp_path / "drive.log").write_text("# a drive\n" + line)
+    assert main(["filter", str(tmp_path / "drive.log"), str(tmp_path / "out.log")]) == 2
+    assert "drive.log, line 2: ROBOTLASER1: need 0 <= `range_min`" in capsys.readouterr().err
+
+
 def test_a_log_is_not_filtered_into_itself(carmen, capsys):
     assert main(["filter", str(carmen), str(carmen)]) == 2
     assert "is the log itself" in capsys.readouterr().err

@@ -87,14 +87,18 @@ def test_one_camera_file_serves_all_and_depths_may_be_metres_of_an_npy(tmp_path)
     [
         (lambda place: (place / "a_depth.png").unlink(), "holds no frame"),
         (lambda place: (place / "a.json").unlink(), "write a.json or camera.json"),
-        (lambda place: (place / "a.json").write_text('{"width": 160}'), "`height` must be a number, got None"),
+        (lambda place: (place / "a.json").write_text('{"width": 160}'), "`height` must be a finite number, got None"),
         (lambda place: (place / "a.json").write_text("[]"), "must be an object"),
         (lambda place: (place / "a_depth.png").write_bytes(b"none"), "is no picture that can be read"),
         (lambda place: (place / "a.json").write_text(json.dumps({**INTRINSICS, "fx": -1.0})), "`fx` must be positive"),
         (lambda place: (place / "a.json").write_text(json.dumps({**INTRINSICS, "height": 99})), "must have shapes"),
         (
             lambda place: (place / "a.json").write_text(json.dumps({**INTRINSICS, "distortion": "no"})),
-            "list of numbers",
+            "list of finite numbers",
+        ),
+        (
+            lambda place: (place / "a.json").write_text(json.dumps({**INTRINSICS, "time_s": 10**400})),
+            "`time_s` must be a finite number",
         ),
         (lambda place: Image.new("RGB", (160, 120)).save(place / "a_depth.png"), "one channel of 16 bit, got mode RGB"),
     ],
@@ -113,6 +117,48 @@ def test_mounts_that_cannot_be_are_refused(tmp_path, capsys, words):
     write(tmp_path / "in", "a", depths())
     assert main(["perceive", str(tmp_path / "in"), "--out", str(tmp_path / "out"), *words.split()]) == 2
     assert words.split()[0] in capsys.readouterr().err
+
+
+def test_a_recording_of_frames_is_refused_as_there_is_none(tmp_path, capsys):
+    write(tmp_path / "in", "a", depths())
+    words = ["perceive", str(tmp_path / "in"), "--out", str(tmp_path / "out"), "--record", str(tmp_path / "a.mcap")]
+    assert main(words) == 2
+    assert "--record is for scans" in capsys.readouterr().err
+
+
+def test_an_array_of_depths_that_says_it_has_gigabytes_is_refused_before_room_is_made(tmp_path, capsys):
+    write(tmp_path / "in", "a", depths())
+    (tmp_path / "in" / "a_depth.png").unlink()
+    np.save(tmp_path / "in" / "a_depth.npy", depths().astype(np.float32))
+    array = tmp_path / "in" / "a_depth.npy"
+    array.write_bytes(array.read_bytes().replace(b"(120, 160), }    ", b"(12000000, 160), }", 1))
+    assert main(["perceive", str(tmp_path / "in"), "--out", str(tmp_path / "out")]) == 2
+    assert "states (12000000, 160)" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "words"),
+    [
+        ("floor_visible", "left out", "`floor_visible` must be true or false"),
+        ("people_boxes_xyxy", [[1]], "boxes of four numbers"),
+        ("roll_deg_left_up", None, "pitch and roll must be numbers"),
+        ("camera_height_m", "x", "`camera_height_m` must be a number within 100"),
+    ],
+)
+def test_a_label_that_is_none_is_named_with_its_frame(tmp_path, capsys, name, value, words):
+    labels = {key: said for key, said in {**LABELS, name: value}.items() if said != "left out"}
+    write(tmp_path / "in", "one_a", depths(), **labels)
+    assert main(["bench", "rgbd-recorded", str(tmp_path / "in"), "--out", str(tmp_path / "out")]) == 2
+    error = capsys.readouterr().err
+    assert "one_a.json: " in error
+    assert words in error
+
+
+def test_more_columns_than_any_camera_has_are_refused(tmp_path, capsys):
+    write(tmp_path / "in", "one_a", depths(), **LABELS)
+    words = ["bench", "rgbd-recorded", str(tmp_path / "in"), "--out", str(tmp_path / "out")]
+    assert main([*words, "--columns", "2147483647"]) == 2
+    assert "--columns must be 8192 at most" in capsys.readouterr().err
 
 
 def test_labelled_frames_are_scored_by_source(tmp_path, capsys):

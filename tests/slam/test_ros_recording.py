@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from tagalong.slam import InputError, LaserScan, OccupancyMap, read_log
-from tagalong.slam.logs import RosRecording
+from tagalong.slam.logs import RosRecording, open_recording
 
 rosbags = pytest.importorskip("rosbags.highlevel")
 TIMES = np.arange(5) * 0.1
@@ -115,3 +115,15 @@ def test_what_ros_cannot_say_is_told_in_one_line(tmp_path):
             recording.scan(scan_at(0), time_s=-1.0)
     with pytest.raises(InputError, match=r"a recording for ROS 2 is called FILE\.mcap"):
         RosRecording(tmp_path / "drive.bag")
+
+
+@pytest.mark.parametrize("ending", [".mcap", ".rrd"])
+def test_poses_and_people_that_are_nowhere_are_refused_by_both_kinds(tmp_path, ending):
+    path = tmp_path / f"a{ending}"
+    with pytest.raises(InputError, match="`pose` must be a finite pose"), open_recording(path) as one:
+        one.odometry(0.0, [])
+    with pytest.raises(InputError, match="positions of people"), open_recording(path) as one:
+        one.people(0.0, [[np.nan, 1e308]])
+    with pytest.raises(InputError, match="a number for each of the 1 people"), open_recording(path) as one:
+        one.people(0.0, [[1.0, 2.0]], ids=[1, 2])
+    assert list(tmp_path.iterdir()) == []

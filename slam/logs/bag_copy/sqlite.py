@@ -3,13 +3,22 @@
 import shutil
 import sqlite3
 from collections.abc import Iterator
-from contextlib import closing
+from contextlib import closing, contextmanager
 from pathlib import Path
 
 from ...errors import InputError, one_line
 from ...files.input import named
 from ..message_types import MessageTypes
 from .storage import RawMessage, standard_name
+
+
+@contextmanager
+def _damage_told(path: Path) -> Iterator[None]:
+    """Tell in one line what sqlite finds wrong with a file, or with the copy of it."""
+    try:
+        yield
+    except sqlite3.Error as error:
+        raise InputError(f"{named(path)}: no readable ROS bag ({one_line(str(error), 200)})") from error
 
 
 class SqliteCopy:
@@ -24,13 +33,18 @@ class SqliteCopy:
         self._path = source
         shutil.copyfile(source, target)
         self._file = sqlite3.connect(target, isolation_level=None)
-        self._file.execute("PRAGMA journal_mode=OFF")  # a copy that is not finished is thrown away
-        self._file.execute("PRAGMA synchronous=OFF")
-        self._file.execute("BEGIN")
+        with _damage_told(source):
+            self._file.execute("PRAGMA journal_mode=OFF")  # a copy that is not finished is thrown away
+            self._file.execute("PRAGMA synchronous=OFF")
+            self._file.execute("BEGIN")
         self._added: dict[str, int] = {}
 
     def add_topic(self, topic: str, kind: str, types: MessageTypes) -> None:
         """Declare a topic."""
+        with _damage_told(self._path):
+            self._add_topic(topic, kind, types)
+
+    def _add_topic(self, topic: str, kind: str, types: MessageTypes) -> None:
         text, digest = types.definition(kind)
         row = {"name": topic, "type": kind, "serialization_format": "cdr", "offered_qos_profiles": ""}
         self._added[topic] = self._insert("topics", {**row, "type_description_hash": digest})
@@ -59,21 +73,21 @@ class SqliteCopy:
             "SELECT topics.name, topics.type, messages.timestamp, messages.data FROM messages "
             "JOIN topics ON messages.topic_id = topics.id ORDER BY messages.timestamp"
         )
-        try:
-            with closing(sqlite3.connect(f"{self._path.resolve().as_uri()}?immutable=1", uri=True)) as source:
-                for topic, kind, time_ns, raw in source.execute(wanted):
-                    yield RawMessage(topic, standard_name(kind), time_ns, raw)
-        except sqlite3.Error as error:
-            raise InputError(f"{named(self._path)}: no readable ROS bag ({one_line(str(error), 200)})") from error
+        address = f"{self._path.resolve().as_uri()}?immutable=1"
+        with _damage_told(self._path), closing(sqlite3.connect(address, uri=True)) as source:
+            for topic, kind, time_ns, raw in source.execute(wanted):
+                yield RawMessage(topic, standard_name(kind), time_ns, raw)
 
     def write(self, topic: str, time_ns: int, raw: bytes) -> None:
         """Add a message."""
         row = self._added[topic], time_ns, raw
-        self._file.execute("INSERT INTO messages (topic_id, timestamp, data) VALUES (?, ?, ?)", row)
+        with _damage_told(self._path):
+            self._file.execute("INSERT INTO messages (topic_id, timestamp, data) VALUES (?, ?, ?)", row)
 
     def finish(self) -> None:
         """Commit what was added."""
-        self._file.execute("COMMIT")
+        with _damage_told(self._path):
+            self._file.execute("COMMIT")
 
     def close(self) -> None:
         """Let go of the copy."""

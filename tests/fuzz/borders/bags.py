@@ -26,7 +26,7 @@ def _store(ros2: bool) -> Any:
     return get_typestore(Stores.ROS2_HUMBLE if ros2 else Stores.ROS1_NOETIC)
 
 
-def _messages(rng: Generator) -> Input:
+def messages(rng: Generator) -> Input:
     """Return three scans and their odometry, of which some values are extreme."""
     scans = [{**_DEFAULT, "time": 0.1 * k, "ranges": [2.0] * 10, "pose": [0.1 * k, 0, 0, 1]} for k in range(3)]
     for _ in range(int(rng.integers(1, 4))):
@@ -98,7 +98,7 @@ def _with_messages(value: Input, folder: Path) -> Any:
 
 
 @cache
-def _sound(ros2: bool) -> dict[str, bytes]:
+def sound(ros2: bool) -> dict[str, bytes]:
     """Return the files of a sound bag by name."""
     scans = [{**_DEFAULT, "time": 0.1 * k, "ranges": [2.0] * 10, "pose": [0.1 * k, 0, 0, 1]} for k in range(2)]
     with tempfile.TemporaryDirectory() as folder:
@@ -107,13 +107,14 @@ def _sound(ros2: bool) -> dict[str, bytes]:
         return {file.name: file.read_bytes() for file in files}
 
 
-def _damaged1(rng: Generator) -> Input:
-    return mutated_bytes(rng, _sound(False)["drive.bag"])
+def damaged1(rng: Generator) -> Input:
+    """Return a damaged ROS 1 bag."""
+    return mutated_bytes(rng, sound(False)["drive.bag"])
 
 
-def _damaged2(rng: Generator) -> Input:
+def damaged2(rng: Generator) -> Input:
     """Return a ROS 2 bag as the edits of its two files: the YAML's text, and bytes of the other."""
-    files = dict(_sound(True))
+    files = dict(sound(True))
     for name in files:
         if name.endswith(".yaml") and rng.random() < 0.6:
             files[name] = mutated_text(rng, files[name])
@@ -124,16 +125,16 @@ def _damaged2(rng: Generator) -> Input:
 
 AREA = Area(
     (
-        Border(name="bags.messages", make=_messages, call=_with_messages, sane=sane_drive, file="drive.bag", ms=78.0),
+        Border(name="bags.messages", make=messages, call=_with_messages, sane=sane_drive, file="drive.bag", ms=78.0),
         Border(
-            name="bags.ros1", make=_damaged1, sane=sane_drive, file="drive.bag", ms=6.0,
+            name="bags.ros1", make=damaged1, sane=sane_drive, file="drive.bag", ms=6.0,
             reserved_mb=5000,  # of a record up to 4 GiB, as a bag states it; its bytes are not there
             call=lambda value, folder: read_log(put(folder, "drive.bag", value)),
         ),
         Border(
-            name="bags.ros2", make=_damaged2, sane=sane_drive, file="bag2", ms=12.0,
+            name="bags.ros2", make=damaged2, sane=sane_drive, file="bag2", ms=12.0,
             call=lambda value, folder: read_log(put_all(folder / "bag2", value)),
         ),
     ),
-    lambda: _sound(True) and _sound(False) and None,
+    lambda: sound(True) and sound(False) and None,
 )  # fmt: skip

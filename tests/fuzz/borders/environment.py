@@ -47,7 +47,8 @@ def _usual(name: str) -> Any:
     return value
 
 
-def _arguments(rng: Generator) -> Input:
+def arguments(rng: Generator) -> Input:
+    """Return one to three arguments as pairs of name and value."""
     every = [*((name, _usual(name)) for name in ARGUMENTS), *((name, None) for name in _WORDS if name != "route")]
     chosen = [every[int(k)] for k in rng.integers(0, len(every), int(rng.integers(1, 4)))]
     extra = (
@@ -92,11 +93,16 @@ def sane_episode(result: Any) -> None:
         finite(info["robot_pose"], "the robot's pose", 1e4)
 
 
-def _options(rng: Generator) -> Input:
+def reset_options(rng: Generator) -> Input:
+    """Return one to three options of `reset` as pairs of name and value."""
     usual = {"people": 2, "standing": 0, "scene": "corridor", "route": None}
     names = [*OPTIONS, *OPTIONS, "unheard_of"]
     chosen = [names[int(k)] for k in rng.integers(0, len(names), int(rng.integers(1, 4)))]
-    options: Input = [_field(rng, name, usual.get(name)) for name in chosen]
+    return [_field(rng, name, usual.get(name)) for name in chosen]
+
+
+def _options(rng: Generator) -> Input:
+    options = reset_options(rng)
     if rng.random() < 0.03:
         options = hostile_value(rng)
     return {"options": options, "seed": hostile_value(rng, 3) if rng.random() < 0.2 else int(rng.integers(100))}
@@ -117,10 +123,11 @@ def _reset(value: Input, folder: Path) -> Any:
 
 def _actions(rng: Generator) -> Input:
     """Return up to six calls: actions of extreme numbers, other shapes and kinds, and renderings."""
-    return [_action(rng) for _ in range(int(rng.integers(1, 7)))]
+    return [hostile_action(rng) for _ in range(int(rng.integers(1, 7)))]
 
 
-def _action(rng: Generator) -> Input:
+def hostile_action(rng: Generator) -> Input:
+    """Return an action of one environment: numbers, of any shape or kind, or another call."""
     draw = rng.random()
     if draw < 0.5:
         return [extreme_float(rng), extreme_float(rng)]
@@ -156,7 +163,7 @@ def _vector_calls(rng: Generator) -> Input:
     mask = [[True, True], [True, False], [0.5], hostile_value(rng)][int(rng.integers(4))]
     calls: list[Any] = [rng.uniform(-2.0, 2.0, (2, 2)).tolist() for _ in range(2)]
     if rng.random() < 0.6:
-        calls[1] = [_action(rng), _action(rng)] if rng.random() < 0.7 else hostile_value(rng)
+        calls[1] = [hostile_action(rng), hostile_action(rng)] if rng.random() < 0.7 else hostile_value(rng)
     seed = 3 if rng.random() < 0.5 else seed
     return {"seed": seed, "options": [["reset_mask", mask]] if rng.random() < 0.3 else [], "calls": calls}
 
@@ -225,8 +232,8 @@ _GYMNASIUM = (gymnasium.error.Error,)  # what `reset` of the library itself says
 
 AREA = Area(
     (
-        Border(name="environment.arguments", make=_arguments, call=_made, sane=_sane_spaces, ms=2.4),
-        Border(name="environment.episodes", make=_arguments, call=_lived, sane=sane_episode, ms=5.5),
+        Border(name="environment.arguments", make=arguments, call=_made, sane=_sane_spaces, ms=2.4),
+        Border(name="environment.episodes", make=arguments, call=_lived, sane=sane_episode, ms=5.5),
         Border(
             name="environment.reset_options", make=_options, call=_reset, sane=sane_episode, ms=3.4,
             refusals=_GYMNASIUM,

@@ -136,7 +136,8 @@ def _one_line(lines: list[str]) -> str:
     return "\n".join(lines) if len(told) != len(lines) or not lines else told[-1]
 
 
-def _sane_end(result: Any) -> None:
+def sane_end(result: Any) -> None:
+    """Require an exit status that is promised, and short lines."""
     code, lines = result
     require(code in (0, 1), f"exit status {code}")
     require(all(len(line) <= 600 for line in lines), "a long line on stderr")
@@ -195,20 +196,20 @@ def _warm() -> None:
 AREA = Area(
     (
         Border(
-            name="options.slam", make=words_of("slam", ["LOG", "--out", "OUT", "--quiet"]), call=_CALL, sane=_sane_end,
+            name="options.slam", make=words_of("slam", ["LOG", "--out", "OUT", "--quiet"]), call=_CALL, sane=sane_end,
             ms=36.0,
         ),
-        Border(name="options.slam_log", make=_log, call=_mapped, sane=_sane_end, ms=78.0),
+        Border(name="options.slam_log", make=_log, call=_mapped, sane=sane_end, ms=78.0),
         Border(name="options.long_work", make=_never_taken, call=_refused_at_once, ms=14.0),
         Border(
             name="options.localize", make=words_of("localize", ["LOG", "--map", "MAP", "--out", "OUT", "--quiet"]),
-            call=_CALL, sane=_sane_end, ms=25.0,
+            call=_CALL, sane=sane_end, ms=25.0,
         ),
         Border(
-            name="options.perceive", make=words_of("perceive", ["LOG", "--out", "OUT"]), call=_CALL, sane=_sane_end,
+            name="options.perceive", make=words_of("perceive", ["LOG", "--out", "OUT"]), call=_CALL, sane=sane_end,
             ms=6.5,
         ),
-        Border(name="options.score", make=words_of("score", ["TUM", "TUM2"]), call=_CALL, sane=_sane_end, ms=5.2),
+        Border(name="options.score", make=words_of("score", ["TUM", "TUM2"]), call=_CALL, sane=sane_end, ms=5.2),
     ),
     _warm,
 )  # fmt: skip

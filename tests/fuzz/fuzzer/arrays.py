@@ -64,11 +64,11 @@ def packed(arrays: dict[str, np.ndarray], changes: list[list[Any]]) -> bytes:
     raw: dict[str, tuple[bytes, int]] = {}
     for kind, name, *more in (change for change in changes if change[0] not in ("flip", "end")):
         if kind == "header":
-            raw[name] = (_header(*more), 0)
+            raw[name] = (header(*more), 0)
         elif kind == "pickle":
-            raw[name] = (_header("|O", [1]) + b"\x80\x04N.", 0)
+            raw[name] = (header("|O", [1]) + b"\x80\x04N.", 0)
         elif kind == "bomb":
-            raw[name] = (_header("<f8", [more[0] * MEGABYTE // 8]), more[0])
+            raw[name] = (header("<f8", [more[0] * MEGABYTE // 8]), more[0])
         elif name in entries:
             _change(entries, name, kind, more)
     return _damaged(_zip(entries, raw), changes)
@@ -102,7 +102,8 @@ def _cast(values: np.ndarray, like: np.ndarray) -> np.ndarray:
         return values.astype(like.dtype)
 
 
-def _header(kind: str, shape: list[int]) -> bytes:
+def header(kind: str, shape: list[int]) -> bytes:
+    """Return the beginning of an .npy that says it holds this."""
     sizes = ", ".join(map(str, shape)) + "," * (len(shape) == 1)
     text = f"{{'descr': '{kind}', 'fortran_order': False, 'shape': ({sizes}), }}"
     text += " " * (-(len(text) + 11) % 64) + "\n"
