@@ -178,7 +178,7 @@ def _track_person(
     random: Words,
     track: Array,
 ) -> None:
-    """Bring a person's track to the present scan; of the errors of place and motion, and of the lag, `keeps` is kept."""
+    """Bring a person's track to the present scan; of errors of place and motion, and of the lag, `keeps` is kept."""
     before = track[PHASE]
     off = np.sqrt((track[X] - place[0]) ** 2 + (track[Y] - place[1]) ** 2)
     track[PHASE] = _next_phase(track, dt, errors, sight, off, random)
