@@ -23,9 +23,10 @@ from .onboard.engines import BY_IMMOBILE_MAP, TRUE_POSES, make_engine
 from .onboard.immobile_map import Drawing, ImmobileDrawing, ImmobileMapLocalization, OwnDrawing
 from .onboard.mappers import Mapper, NoMapper, SlamMapper
 from .onboard.stack import NobodyLeads, OnboardStack, PeopleSource, Selector
-from .oracle import TrueMapper, TruePeopleSource, TrueRgbdPeopleFinder
+from .oracle import ModelledPeopleSource, TrueMapper, TruePeopleSource, TrueRgbdPeopleFinder
 from .task.interface import FollowInterface
 from .task.observation import Observed
+from .tracker_errors.errors import chosen_errors
 from .world.world import World, WorldConfig
 
 OPTIONS = ("scene", "split", "route", "people", "standing", "leader_style", "odometry")
@@ -124,7 +125,9 @@ class OnboardStackFactory:
         self._config, self._source = config, config.people.source
         self._perception = config.perception
         self._forest = LegForest.load(config.perception.forest) if self._source == "tracker" else None
-        found = config.sensors.camera is not None and self._source != "truth"
+        self._errors = chosen_errors(config.people.tracker_errors) if self._source == "modelled" else None
+        self._by_truth = self._source in ("truth", "modelled")
+        found = config.sensors.camera is not None and not self._by_truth
         self._looks = found or (config.sensors.camera is not None and config.mapping.map == "immobile")
         self._finder: RgbdPeopleFinder = PeopleFinder.load() if found else NoPeopleFinder()
 
@@ -136,11 +139,11 @@ class OnboardStackFactory:
     def make(self, world: World, rng: np.random.Generator) -> OnboardStack:
         """Return a stack that knows nothing yet; its leader's cloud and its SLAM draw from streams of their own."""
         leading = np.random.SeedSequence(int(rng.integers(2**31)))
-        (mapping,) = leading.spawn(1)
+        mapping, erring = leading.spawn(2)
         drawing, sight = self._drawing(world), self._sight(world)
         mapper = self._mapper(world, mapping, drawing)
-        people, selector, filters = self._people(world), self._selector(leading), self._config.mapping.filter_people
-        return OnboardStack(people, selector, mapper, drawing, sight, filters)
+        people, selector = self._people(world, erring), self._selector(leading)
+        return OnboardStack(people, selector, mapper, drawing, sight, self._config.mapping.filter_people)
 
     def _selector(self, seed: np.random.SeedSequence) -> Selector:
         if not self._config.task.leader:
@@ -159,12 +162,14 @@ class OnboardStackFactory:
     def _sight(self, world: World) -> CameraPipeline:
         if not self._looks:
             return NoCamera()
-        return RgbdPipeline(CameraViewMaker(TrueRgbdPeopleFinder(world) if self._source == "truth" else self._finder))
+        return RgbdPipeline(CameraViewMaker(TrueRgbdPeopleFinder(world) if self._by_truth else self._finder))
 
-    def _people(self, world: World) -> PeopleSource:
-        if self._source == "truth":
-            return TruePeopleSource(world, self._perception.removal)
+    def _people(self, world: World, erring: np.random.SeedSequence) -> PeopleSource:
         p = self._perception
+        if self._errors is not None:
+            return ModelledPeopleSource(world, p.removal, self._errors, np.random.default_rng(erring))
+        if self._source == "truth":
+            return TruePeopleSource(world, p.removal)
         detector = NoLegs() if self._forest is None else LegDetector(self._forest, p.detector)
         return PeopleFilter(p, detector)
 

@@ -27,7 +27,8 @@ class FollowConfig:
         world: The building.
         robot: Size and limits of the robot: "dingo-d", "dingo-o", "pioneer", or its numbers.
         sensors: Laser, camera and wheel odometry.
-        people: The people; as a text, how they reach the onboard stack: "tracker", "camera", "truth".
+        people: The people; as a text, how they reach the onboard stack: "tracker", "camera", "truth",
+            "modelled".
         perception: Numbers of leg detector, tracker and people filter.
         slam: Who builds the map: "gmapping", "cartographer", "ekf" (round landmarks; posts of 0.1 m radius), the
             configuration of one of these, a function that makes an engine of a seed (`numpy.random.SeedSequence`),

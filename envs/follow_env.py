@@ -172,7 +172,7 @@ class FollowEnv(gym.Env[Any, Any]):
     | `sensors.lidar` | | `beams`, `field_of_view`, `rate_hz`, `range_max`, `mount`, `height`, `sigma_near` ... |
     | `sensors.camera` | "kinect-v2", None | `width`, `height`, `rate_hz` ... |
     | `sensors.odometry` | "perfect", "good", "typical", "slipping" | `scale_limit`, `alpha1` ... |
-    | `people` | "tracker", "camera", "truth" | `source`, `people_count`, `standing`, `leader_style` |
+    | `people` | "tracker", "camera", "truth", "modelled" | `source`, `people_count`, `standing`, `leader_style` ... |
     | `perception` | | `perception.removal.zeta` and all others of leg detector, tracker and people filter |
     | `slam` | "gmapping", "cartographer", "ekf", "immobile", "truth", None | `slam.particles` ..., `function(seed)` |
     | `mapping` | "occupancy", "immobile" | `map`, `filter_people` (False: raw scans into SLAM and map) |

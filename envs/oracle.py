@@ -1,4 +1,4 @@
-"""Where the truth gets in: the switches `people="truth"` and `slam="truth"`, and the facts that rewards are made of.
+"""Where the truth gets in: the switches `people="truth"`, "modelled" and `slam="truth"`, and the facts of rewards.
 
 No other module of the robot's onboard stack reads the true state.
 """
@@ -19,6 +19,8 @@ from ..slam.occupancy_map import OccupancyMap
 from ..slam.scan import LaserScan
 from .onboard.stack import Belief
 from .task.rewards import StepFacts
+from .tracker_errors import kernel
+from .tracker_errors.errors import TrackerErrors
 from .world.truth import TrueState
 from .world.world import World
 
@@ -64,6 +66,54 @@ class TruePeopleSource:
             variance=np.zeros(len(near)),
             unseen_s=np.zeros(len(near)),
             age_s=np.full(len(near), truth.time_s),
+        )
+
+
+class ModelledPeopleSource:
+    """Everybody as a tracker would report them that errs as the real one does: a model of its errors, on the truth.
+
+    People keep their numbers: in the real stack those of the leader's tracks change, and it is known by its body. What
+    that gets wrong is among the errors.
+
+    Args:
+        world: The simulator.
+        removal: How near to people returns are dropped.
+        errors: What the tracker gets wrong.
+        rng: Of all draws.
+    """
+
+    def __init__(self, world: World, removal: RemovalConfig, errors: TrackerErrors, rng: np.random.Generator) -> None:
+        self._world, self._removal, self._errors = world, removal, errors
+        self._random = rng.integers(2**64, size=1, dtype=np.uint64)
+        self._tracks = np.zeros((kernel.rows_for(len(world.truth.people)), kernel.COLUMNS))
+        kernel.forget(self._tracks)
+        self._time_s: float | None = None
+
+    def update(self, scan: LaserScan, odometry: Array, seen: SeenPeople | None) -> FilteredScan:
+        """Return the scan with the people, each with a number for ever, and without them."""
+        truth, (x, y, turn), bearings = self._world.truth, scan.T_robot_lidar, scan.bearings
+        dt = 0.0 if self._time_s is None else scan.time_s - self._time_s
+        self._time_s = scan.time_s
+        laser = float(x), float(y), float(bearings[0] + turn), float(bearings[1] - bearings[0])
+        people = truth.people.positions, truth.people.velocities
+        kernel.track_people(dt, truth.robot_pose, *people, scan.ranges, laser, self._errors, self._random, self._tracks)
+        return FilteredScan(scan, odometry, self._people(scan.time_s, truth), no_detections(), self._removal)
+
+    def _people(self, time_s: float, truth: TrueState) -> People:
+        numbers = np.flatnonzero(self._tracks[:, kernel.PHASE] != kernel.UNKNOWN)
+        rows = self._tracks[numbers]
+        T_odom_world = compose(self._world.odometry, inverse(truth.robot_pose))
+        places = transform_points(T_odom_world, rows[:, kernel.X : kernel.Y + 1])
+        return People(
+            time_s=time_s,
+            ids=numbers.astype(np.int64),
+            positions=places,
+            velocities=transform_points(np.array([0.0, 0.0, T_odom_world[2]]), rows[:, kernel.VX : kernel.VY + 1]),
+            confidence=rows[:, kernel.TRUST].copy(),
+            legs=np.repeat(places[:, None], 2, axis=1),
+            variance=np.zeros(len(rows)),
+            unseen_s=rows[:, kernel.UNSEEN_S].copy(),
+            age_s=np.full(len(rows), np.inf),  # nobody is new: who was lost comes back by the number they had
         )
 
 

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from typing import Any
 
-import gymnasium as gym
 import numpy as np
 from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
@@ -11,14 +10,16 @@ from numpy.typing import NDArray
 from ...slam.errors import InputError, MissingExtraError
 
 try:
-    from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvStepReturn
+    from stable_baselines3.common.vec_env.base_vec_env import VecEnvStepReturn
+
+    from .whole import WholeVecEnv
 except ImportError:
     raise MissingExtraError("environments of stable-baselines3", "learn") from None
 
 Observations = dict[str, NDArray[Any]]
 
 
-class SB3VecEnv(VecEnv):
+class SB3VecEnv(WholeVecEnv):
     """A vector environment of `gymnasium.make_vec` as stable-baselines3 wants it.
 
         env = gymnasium.make_vec(
@@ -96,18 +97,3 @@ class SB3VecEnv(VecEnv):
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
         """Set an attribute of the whole."""
         setattr(self.env, attr_name, value)
-
-    def env_method(self, method_name: str, *method_args: Any, indices: Any = None, **method_kwargs: Any) -> list[Any]:
-        """Refuse: there are no single environments.
-
-        Raises:
-            NotImplementedError: Always.
-        """
-        raise NotImplementedError(f"the environments of {type(self.env).__name__} have no method {method_name}")
-
-    def env_is_wrapped(self, wrapper_class: type[gym.Wrapper], indices: Any = None) -> list[bool]:
-        """Return for each environment whether it is wrapped in `wrapper_class`: never."""
-        return [False for _ in self._get_indices(indices)]
-
-    def _get_indices(self, indices: Any) -> Sequence[int]:
-        return super()._get_indices(indices)  # pyright: ignore[reportReturnType]

@@ -1,15 +1,13 @@
 """Our vector environment as stable-baselines3 wants it: features for observations, the network's output for actions."""
 
-from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
-import gymnasium as gym
 import numpy as np
 from gymnasium import spaces
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
-from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvStepReturn
+from stable_baselines3.common.vec_env.base_vec_env import VecEnvStepReturn
 
 from ...envs.episode_setup import interface
 from ...envs.follow_config import make_config
@@ -19,6 +17,7 @@ from ..learned.features import FeatureConfig
 from ..learned.pilot import Pilot, PilotConfig
 from .curriculum import Curriculum
 from .rewards import RewardWeights, TrainingReward
+from .whole import WholeVecEnv
 
 Inputs = dict[str, NDArray[np.float32]]
 
@@ -28,7 +27,7 @@ def input_space(config: FeatureConfig) -> spaces.Dict:
     return spaces.Dict({name: spaces.Box(-np.inf, np.inf, shape, np.float32) for name, shape in config.shapes.items()})
 
 
-class FollowerVecEnv(VecEnv):
+class FollowerVecEnv(WholeVecEnv):
     """Several follow environments for stable-baselines3.
 
     An ended episode is followed by the next one of the curriculum in the same step; `info["terminal_observation"]`,
@@ -142,17 +141,6 @@ class FollowerVecEnv(VecEnv):
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
         """Set an attribute of the whole."""
         setattr(self, attr_name, value)
-
-    def env_method(self, method_name: str, *method_args: Any, indices: Any = None, **method_kwargs: Any) -> list[Any]:
-        """Refuse: the environments live in other processes."""
-        raise NotImplementedError(f"the environments of {type(self).__name__} have no method {method_name}")
-
-    def env_is_wrapped(self, wrapper_class: type[gym.Wrapper], indices: Any = None) -> list[bool]:
-        """Return for each environment whether it is wrapped in `wrapper_class`: never."""
-        return [False for _ in self._get_indices(indices)]
-
-    def _get_indices(self, indices: Any) -> Sequence[int]:
-        return super()._get_indices(indices)  # pyright: ignore[reportReturnType]
 
 
 def _stack(rows: list[Inputs]) -> Inputs:

@@ -178,7 +178,7 @@ def touch_circle(
     near_u = min(max(u, -base.half_length), base.half_length)
     near_v = min(max(v, -base.half_width), base.half_width)
     away = np.hypot(u - near_u, v - near_v)
-    if away > radius or touched == len(contacts):
+    if away > radius:
         return touched
     if away > 1e-9:
         nu, nv, depth = (near_u - u) / away, (near_v - v) / away, radius - away
@@ -186,17 +186,38 @@ def touch_circle(
         nu, nv, depth = -np.sign(u), 0.0, radius + base.half_length - abs(u)
     else:
         nu, nv, depth = 0.0, -np.sign(v), radius + base.half_width - abs(v)
-    _note(pose, cos, sin, near_u, near_v, nu, nv, depth, contacts[touched])
-    return touched + 1
+    return _note(pose, cos, sin, (near_u, near_v), (nu, nv), depth, contacts, touched)
 
 
 @view_kernel
 def _note(
-    pose: Array, cos: float, sin: float, u: float, v: float, nu: float, nv: float, depth: float, row: Array
-) -> None:
-    """Write a contact at (u, v) with the unit vector (nu, nv), both in the chassis' frame."""
-    row[0], row[1] = pose[0] + cos * u - sin * v, pose[1] + sin * u + cos * v
-    row[2], row[3], row[4] = cos * nu - sin * nv, sin * nu + cos * nv, depth
+    pose: Array,
+    cos: float,
+    sin: float,
+    point: tuple[float, float],
+    out: tuple[float, float],
+    depth: float,
+    contacts: Array,
+    touched: int,
+) -> int:
+    """Add a contact, if there is room for one more; return how many there are then.
+
+    Args:
+        pose: (3,) of the chassis.
+        cos: Of its heading.
+        sin: Of its heading.
+        point: Where, in the chassis' frame [m].
+        out: Unit vector away from what is touched, in the chassis' frame.
+        depth: [m].
+        contacts: (MOST_CONTACTS, 5) see `drive`.
+        touched: How many there are.
+    """
+    if touched == len(contacts):
+        return touched
+    row = contacts[touched]
+    row[0], row[1] = pose[0] + cos * point[0] - sin * point[1], pose[1] + sin * point[0] + cos * point[1]
+    row[2], row[3], row[4] = cos * out[0] - sin * out[1], sin * out[0] + cos * out[1], depth
+    return touched + 1
 
 
 @view_kernel
@@ -210,38 +231,47 @@ def touch_box(pose: Array, cos: float, sin: float, base: Base, box: Array, conta
     u, v = cos * dx + sin * dy, cos * dy - sin * dx
     c, s = cos * box[2] + sin * box[3], cos * box[3] - sin * box[2]  # the box' yaw in the chassis' frame
     long, wide, half_x, half_y = base.half_length, base.half_width, box[4], box[5]
-    ac, as_ = abs(c), abs(s)
-    by_u, by_v = long + half_x * ac + half_y * as_ - abs(u), wide + half_x * as_ + half_y * ac - abs(v)
-    if by_u < 0.0 or by_v < 0.0:
+    least, nu, nv = _way_out((u, v), (c, s), (long, wide), (half_x, half_y))
+    if least < 0.0:
         return touched
-    p, q = -(c * u + s * v), -(c * v - s * u)  # the chassis, seen from the box
-    by_p, by_q = half_x + long * ac + wide * as_ - abs(p), half_y + long * as_ + wide * ac - abs(q)
-    if by_p < 0.0 or by_q < 0.0:
-        return touched
-    least = min(by_u, by_v, by_p, by_q)
-    if least == by_u:
-        nu, nv = -np.copysign(1.0, u), 0.0
-    elif least == by_v:
-        nu, nv = 0.0, -np.copysign(1.0, v)
-    elif least == by_p:
-        nu, nv = np.copysign(1.0, p) * c, np.copysign(1.0, p) * s
-    else:
-        nu, nv = -np.copysign(1.0, q) * s, np.copysign(1.0, q) * c
+    across_box = half_x * abs(c * nu + s * nv) + half_y * abs(c * nv - s * nu)
+    across_chassis = long * abs(nu) + wide * abs(nv)
     before = touched
     for corner in range(4):
         a, b = (1.0 if corner < 2 else -1.0), (1.0 if corner % 2 else -1.0)
-        cu, cv = a * long, b * wide  # of the chassis
-        eu, ev = c * (cu - u) + s * (cv - v), c * (cv - v) - s * (cu - u)
-        if abs(eu) <= half_x and abs(ev) <= half_y and touched < len(contacts):
-            depth = half_x * abs(c * nu + s * nv) + half_y * abs(c * nv - s * nu) - nu * (cu - u) - nv * (cv - v)
-            _note(pose, cos, sin, cu, cv, nu, nv, max(min(depth, least), 0.0), contacts[touched])
-            touched += 1
-        cu, cv = u + a * half_x * c - b * half_y * s, v + a * half_x * s + b * half_y * c  # of the box
-        if abs(cu) <= long and abs(cv) <= wide and touched < len(contacts):
-            depth = long * abs(nu) + wide * abs(nv) + nu * cu + nv * cv
-            _note(pose, cos, sin, cu, cv, nu, nv, max(min(depth, least), 0.0), contacts[touched])
-            touched += 1
-    if touched == before and touched < len(contacts):  # two that cross: no corner of either is in the other
-        _note(pose, cos, sin, 0.5 * u, 0.5 * v, nu, nv, least, contacts[touched])
-        touched += 1
+        x, y = a * long - u, b * wide - v  # a corner of the chassis, seen from the box
+        if abs(c * x + s * y) <= half_x and abs(c * y - s * x) <= half_y:
+            depth = max(min(across_box - nu * x - nv * y, least), 0.0)
+            touched = _note(pose, cos, sin, (a * long, b * wide), (nu, nv), depth, contacts, touched)
+        x, y = u + a * half_x * c - b * half_y * s, v + a * half_x * s + b * half_y * c  # of the box
+        if abs(x) <= long and abs(y) <= wide:
+            depth = max(min(across_chassis + nu * x + nv * y, least), 0.0)
+            touched = _note(pose, cos, sin, (x, y), (nu, nv), depth, contacts, touched)
+    if touched == before:  # two that cross: no corner of either is in the other
+        touched = _note(pose, cos, sin, (0.5 * u, 0.5 * v), (nu, nv), least, contacts, touched)
     return touched
+
+
+@view_kernel
+def _way_out(
+    centre: tuple[float, float], yaw: tuple[float, float], chassis: tuple[float, float], box: tuple[float, float]
+) -> tuple[float, float, float]:
+    """Return the least depth of a box in the chassis [m], below 0 where they are apart, and the unit vector out of it.
+
+    All in the chassis' frame: the box' centre [m], cos and sin of its yaw; half sides of both [m].
+    """
+    (u, v), (c, s), (long, wide), (half_x, half_y) = centre, yaw, chassis, box
+    along, aside = abs(c), abs(s)
+    by_u, by_v = long + half_x * along + half_y * aside - abs(u), wide + half_x * aside + half_y * along - abs(v)
+    if by_u < 0.0 or by_v < 0.0:
+        return -1.0, 0.0, 0.0
+    p, q = -(c * u + s * v), -(c * v - s * u)  # the chassis, seen from the box
+    by_p, by_q = half_x + long * along + wide * aside - abs(p), half_y + long * aside + wide * along - abs(q)
+    least = min(by_u, by_v, by_p, by_q)
+    if least == by_u:
+        return least, -np.copysign(1.0, u), 0.0
+    if least == by_v:
+        return least, 0.0, -np.copysign(1.0, v)
+    if least == by_p:
+        return least, np.copysign(1.0, p) * c, np.copysign(1.0, p) * s
+    return least, -np.copysign(1.0, q) * s, np.copysign(1.0, q) * c

@@ -3,14 +3,15 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from ...slam.draws import mixed
 from ...slam.view_kernel import view_kernel
 from ..oracle import SAME_PERSON_M
 from ..people.behaviours.leader import DONE
 from ..task.endings import ending_code
 from ..task.rewards import following_terms
+from ..tracker_errors.kernel import forget
 from ..world.config import TICK
 from .copying import copy_row, copy_rows
-from .draws import mixed
 from .leading import WAITING_S
 from .moving import advance
 from .perceiving import perceive
@@ -81,30 +82,32 @@ def _begin(w: int, slot: int, plans: Plans, state: WorldsState) -> None:
     n = plans.people[slot]
     state.slot[w], state.steps[w], state.ended[w] = slot, 0, False
     state.random[w, 0] = mixed(state.seed[w] + mixed(np.uint64(state.episode[w]) + np.uint64(1)))
-    copy_rows(plans.place[slot, :n], state.position[w])
+    bodies = state.bodies
+    copy_rows(plans.place[slot, :n], bodies.position[w])
     copy_rows(plans.numbers[slot, :n], state.numbers[w])
-    copy_row(plans.heading[slot, :n], state.heading[w])
-    copy_row(plans.arc[slot, :n], state.arc[w])
-    copy_row(plans.sense[slot, :n], state.sense[w])
-    copy_row(plans.lateral[slot, :n], state.lateral[w])
+    copy_row(plans.heading[slot, :n], bodies.heading[w])
+    copy_row(plans.arc[slot, :n], bodies.arc[w])
+    copy_row(plans.sense[slot, :n], bodies.sense[w])
+    copy_row(plans.lateral[slot, :n], bodies.lateral[w])
     for i in range(n):
-        copy_rows(plans.feet[slot, i], state.feet[w, i])
-    state.velocity[w], state.origin[w], state.lift[w], state.direction[w] = 0.0, 0.0, 0.0, 0.0
-    state.phase[w], state.wish[w], state.swing[w] = 0.0, 0.0, -1
-    state.face[w], state.goal[w] = np.nan, np.nan
+        copy_rows(plans.feet[slot, i], bodies.feet[w, i])
+    bodies.velocity[w], bodies.origin[w], bodies.lift[w], bodies.direction[w] = 0.0, 0.0, 0.0, 0.0
+    bodies.phase[w], bodies.wish[w], bodies.swing[w] = 0.0, 0.0, -1
+    bodies.face[w], bodies.goal[w] = np.nan, np.nan
     copy_row(plans.start[slot], state.pose[w])
     copy_row(plans.start[slot], state.rolled[w])
     state.speed[w], state.setpoint[w], state.action[w], state.odometry[w], state.memory[w] = 0.0, 0.0, 0.0, 0.0, 0.0
     state.odometry_before[w], state.progress[w, 0], state.open[w] = 0.0, plans.start_arc[slot], 0.0
     state.touches[w], state.duplicate[w], state.track[w], state.lost_s[w] = False, False, -1, 0.0
     state.memory[w, WAITING_S] = np.inf
+    forget(state.tracks[w])
 
 
 @view_kernel
 def _judge(w: int, change: float, rules: Rules, plans: Plans, state: WorldsState, told: Told, room: Scratch) -> None:
     """Write what is so in world w, and what the step is worth; `change` is the norm of the action's."""
     s, pose, steps = state.slot[w], state.pose[w], state.steps[w]
-    position, step_s = state.position[w, : plans.people[s]], rules.ticks * TICK
+    position, step_s = state.bodies.position[w, : plans.people[s]], rules.ticks * TICK
     _facts(position, plans.radius[s], pose, rules.robot_radius, change, room.truth)
     told.distance[w], following = room.truth[0], _follows(position, pose, told.leader[w])
     copy_row(state.odometry[w], told.odometry[w])

@@ -1,4 +1,4 @@
-"""Whom the robot takes for its leader where people are known by the truth: `LeaderSelector` in compiled form.
+"""Whom the robot takes for its leader where tracks keep their numbers: `LeaderSelector` in compiled form.
 
 Chosen is who is nearest as the drive begins; the one who is chosen is kept while known, and predicted on when not.
 Equal to the selector of the onboard stack (tested).
@@ -15,10 +15,30 @@ from ...slam.view_kernel import view_kernel
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-CHOSEN_S, WAITING_S, UNSEEN_S, VISIBLE, CHOSEN = range(5)
+CHOSEN_S, WAITING_S, UNSEEN_S, VISIBLE, CHOSEN, TRUST = range(6)
 """Columns of the selector's numbers: when the leader was chosen, since when somebody is known [s], for how long the
-leader was not seen [s], whether it is seen, whether anybody was chosen yet."""
-MEMORY = 5
+leader was not seen [s], whether it is seen, whether anybody was chosen yet, confidence of its track."""
+MEMORY = 6
+
+
+class Known(NamedTuple):
+    """What the robot knows of n people; kernels take it as it is.
+
+    Attributes:
+        who: (n,) whether the robot knows each.
+        apart: (n,) their distances from it [m].
+        places: (n, 2) where they are, odometry frame [m].
+        motions: (n, 2) how they move in it [m/s].
+        unseen_s: (n,) for how long they have not been seen [s].
+        trust: (n,) confidence of their tracks.
+    """
+
+    who: Flags
+    apart: Array
+    places: Array
+    motions: Array
+    unseen_s: Array
+    trust: Array
 
 
 class Selecting(NamedTuple):
@@ -32,6 +52,7 @@ class Selecting(NamedTuple):
     search_distance: float
     search_overlap_s: float
     duplicate_distance: float
+    duplicate_patience_s: float
     variance: float
     noise: float
     coast_s: float
@@ -42,8 +63,8 @@ def selecting(perception: PerceptionConfig, dt: float) -> Selecting:
     leader, motion = perception.leader, perception.tracker.motion
     return Selecting(
         leader.onset_s, leader.onset_near, leader.onset_far, leader.patience_s, leader.search_sigmas,
-        leader.search_distance, leader.search_overlap_s, leader.duplicate_distance, motion.initial_variance,
-        motion.process_variance(dt), motion.coast_s,
+        leader.search_distance, leader.search_overlap_s, leader.duplicate_distance,
+        leader.duplicate_patience_s, motion.initial_variance, motion.process_variance(dt), motion.coast_s,
     )  # fmt: skip
 
 
@@ -51,10 +72,7 @@ def selecting(perception: PerceptionConfig, dt: float) -> Selecting:
 def select(
     time_s: float,
     dt: float,
-    known: Flags,
-    apart: Array,
-    places: Array,
-    motions: Array,
+    known: Known,
     rules: Selecting,
     track: int,
     memory: Array,
@@ -67,10 +85,7 @@ def select(
     Args:
         time_s: Of the scan [s].
         dt: Since the last one [s].
-        known: (n,) which people the robot knows.
-        apart: (n,) their distances from it [m].
-        places: (n, 2) where they are, odometry frame [m].
-        motions: (n, 2) how they move in it [m/s].
+        known: The people.
         rules: How the leader is chosen and looked for.
         track: The row before.
         memory: (MEMORY,).
@@ -78,35 +93,35 @@ def select(
         covariance: (3,) variance of the place, covariance, variance of the velocity while it is looked for.
         duplicate: (n,) who was ever nearer to the leader than two bodies can be.
     """
-    found = _chosen(time_s, known, apart, rules, memory)
+    found = _chosen(time_s, known, rules, memory)
     if found < 0:
         if memory[CHOSEN] == 0.0:
             return -1
-        if track >= 0 and known[track]:
-            _note_duplicates(track, known, places, rules.duplicate_distance, duplicate)
-            found = track
+        if track >= 0 and known.who[track]:
+            found = _kept(track, known, rules, duplicate)
         else:
-            found = _looked_for(time_s, dt, known, places, rules, memory, estimate, covariance, duplicate)
+            found = _looked_for(time_s, dt, known, rules, memory, estimate, covariance, duplicate)
     if found < 0:
-        memory[VISIBLE] = 0.0
+        memory[VISIBLE] = memory[TRUST] = 0.0
         memory[UNSEEN_S] += dt
         return -1
-    memory[VISIBLE], memory[UNSEEN_S], memory[CHOSEN] = 1.0, 0.0, 1.0
-    estimate[0], estimate[1] = places[found, 0], places[found, 1]
-    estimate[2], estimate[3] = motions[found, 0], motions[found, 1]
+    memory[VISIBLE] = 1.0 if known.unseen_s[found] == 0.0 else 0.0
+    memory[UNSEEN_S], memory[TRUST], memory[CHOSEN] = known.unseen_s[found], known.trust[found], 1.0
+    estimate[0], estimate[1] = known.places[found, 0], known.places[found, 1]
+    estimate[2], estimate[3] = known.motions[found, 0], known.motions[found, 1]
     covariance[0], covariance[1], covariance[2] = rules.variance, 0.0, rules.variance
     return found
 
 
 @view_kernel
-def _chosen(time_s: float, known: Flags, apart: Array, rules: Selecting, memory: Array) -> int:
+def _chosen(time_s: float, known: Known, rules: Selecting, memory: Array) -> int:
     """Return who is chosen in this scan; -1: nobody, or the time to choose is over."""
     before = memory[CHOSEN] > 0.0
     if before and time_s - memory[CHOSEN_S] >= rules.onset_s:
         return -1
-    nearest = -1
-    for i in range(len(known)):
-        if known[i] and (nearest < 0 or apart[i] < apart[nearest]):
+    nearest, apart = -1, known.apart
+    for i in range(len(apart)):
+        if known.who[i] and (nearest < 0 or apart[i] < apart[nearest]):
             nearest = i
     if nearest < 0:
         return -1
@@ -120,19 +135,24 @@ def _chosen(time_s: float, known: Flags, apart: Array, rules: Selecting, memory:
 
 
 @view_kernel
-def _note_duplicates(track: int, known: Flags, places: Array, distance: float, duplicate: Flags) -> None:
-    for i in range(len(known)):
-        if known[i] and i != track:
+def _kept(track: int, known: Known, rules: Selecting, duplicate: Flags) -> int:
+    """Note duplicates of the leader's track; return it, or the nearest of them that is seen once it is not."""
+    places, own, least = known.places, track, np.inf
+    patient = known.unseen_s[track] <= rules.duplicate_patience_s
+    for i in range(len(places)):
+        if known.who[i] and i != track:
             away = np.hypot(places[i, 0] - places[track, 0], places[i, 1] - places[track, 1])
-            duplicate[i] = duplicate[i] or away < distance
+            duplicate[i] = duplicate[i] or away < rules.duplicate_distance
+            if duplicate[i] and not patient and known.unseen_s[i] == 0.0 and away < least:
+                own, least = i, away
+    return own
 
 
 @view_kernel
 def _looked_for(
     time_s: float,
     dt: float,
-    known: Flags,
-    places: Array,
+    known: Known,
     rules: Selecting,
     memory: Array,
     estimate: Array,
@@ -151,8 +171,9 @@ def _looked_for(
     gate = min(rules.search_distance, rules.search_sigmas * np.sqrt(covariance[0]))
     late = time_s > memory[UNSEEN_S] + dt + rules.search_overlap_s
     nearest, least = -1, gate
-    for i in range(len(known)):
-        if known[i] and (duplicate[i] or not late):
+    places = known.places
+    for i in range(len(places)):
+        if known.who[i] and (duplicate[i] or not late):
             away = np.hypot(places[i, 0] - estimate[0], places[i, 1] - estimate[1])
             if away < least:
                 nearest, least = i, away

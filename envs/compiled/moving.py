@@ -1,51 +1,22 @@
 """One control period of one world: people decide and walk, doors open, the robot drives and touches things."""
 
-from typing import NamedTuple
-
 import numpy as np
 
+from ...slam.draws import Words, normal
 from ...slam.view_kernel import view_kernel
-from ..people.behaviours.deciding import decide, go_straight
+from ..people.behaviours.deciding import decide
 from ..people.behaviours.mind import Around, Minds
-from ..people.crowd import LAP_END
-from ..people.gait import advance_gait
-from ..people.movement.ground import Ways, length_of
-from ..people.movement.things import Things
-from ..people.movement.walking import advance_bodies, locate, turn_bodies, wanted_directions
+from ..people.movement.ground import Ways
+from ..people.movement.walking import locate
+from ..people.walk_kernel import Walkers, walk
 from ..robot.odometry import believed_motion
 from ..world.config import TICK
 from ..world.doors import SPEED
 from .copying import copy_row
-from .draws import Words, normal
 from .driving import Base, cut_command, drive, ramp, touch_box, touch_circle, touch_things
 from .plans import HALF_LEAF, Plans, things_of, touchable_of, ways_of
 from .rules import Rules
-from .state import Array, Ints, Scratch, WorldsState
-
-
-class Walkers(NamedTuple):
-    """The n people of one world: views of `WorldsState` and `Plans`, which say what each is."""
-
-    position: Array
-    velocity: Array
-    heading: Array
-    feet: Array
-    origin: Array
-    lift: Array
-    phase: Array
-    swing: Ints
-    arc: Array
-    sense: Array
-    lateral: Array
-    wish: Array
-    face: Array
-    goal: Array
-    direction: Array
-    size: Array
-    radius: Array
-    way: Ints
-    own_first: Ints
-    own_count: Ints
+from .state import Array, Scratch, WorldsState, bodies_of
 
 
 @view_kernel
@@ -61,7 +32,12 @@ def advance(w: int, action: Array, rules: Rules, plans: Plans, state: WorldsStat
         room: Scratch.
     """
     s = state.slot[w]
-    n, group, leaves, opened = plans.people[s], int(plans.group[s]), plans.leaves[s, : plans.doors[s]], state.open[w]
+    n, group, leaves, opened = (
+        int(plans.people[s]),
+        int(plans.group[s]),
+        plans.leaves[s, : plans.doors[s]],
+        state.open[w],
+    )
     ways, things, touchable = ways_of(plans, s), things_of(plans, s), touchable_of(plans, s)
     _command(action, rules.top, rules.base, room.wanted)
     pose, speed, setpoint, touches = state.pose[w], state.speed[w], state.setpoint[w], state.touches[w]
@@ -69,24 +45,22 @@ def advance(w: int, action: Array, rules: Rules, plans: Plans, state: WorldsStat
     _robot_row(pose, speed, rules.base, room.robot)
     if n > 0:
         _decide(w, s, rules.ticks * TICK, plans, state, ways, room.robot)
-    people = Walkers(
-        state.position[w, :n], state.velocity[w, :n], state.heading[w, :n], state.feet[w, :n], state.origin[w, :n],
-        state.lift[w, :n], state.phase[w, :n], state.swing[w, :n], state.arc[w, :n], state.sense[w, :n],
-        state.lateral[w, :n], state.wish[w, :n], state.face[w, :n], state.goal[w, :n], state.direction[w, :n],
-        plans.size[s, :n], plans.radius[s, :n], plans.way[s, :n], plans.own_first[s, :n], plans.own_count[s, :n],
+    bodies = bodies_of(state.bodies, w, n)
+    walkers = Walkers(
+        plans.size[s, :n], plans.radius[s, :n], plans.way[s, :n], plans.own_first[s, :n], plans.own_count[s, :n]
     )  # fmt: skip
     for tick in range(rules.ticks):
         ramp(setpoint, room.wanted, rules.base, TICK)
         if n > 0:
             _robot_row(pose, speed, rules.base, room.robot)
-            _walk(people, group, ways, things, rules.force, room.robot, room.before[:n])
-            _turn_doors(leaves, people.position, opened)
+            walk(TICK, bodies, walkers, group, ways, things, rules.force, room.robot, room.before[:n])
+            _turn_doors(leaves, bodies.position, opened)
         for _ in range(rules.substeps):
             touched = touch_things(pose, rules.base, touchable, room.contacts, 0)
             touched = _touch_doors(pose, rules.base, leaves, opened, room.robot[:6], room.contacts, touched)
             touches[1] |= touched > 0
             before = touched
-            touched = _touch_people(pose, rules.base, people.position, people.radius, room.contacts, touched)
+            touched = _touch_people(pose, rules.base, bodies.position, walkers.radius, room.contacts, touched)
             touches[0] |= touched > before
             drive(pose, speed, setpoint, rules.base, room.contacts, touched, room.work)
         copy_row(pose, room.poses[tick])
@@ -115,31 +89,13 @@ def _robot_row(pose: Array, speed: Array, base: Base, row: Array) -> None:
 @view_kernel
 def _decide(w: int, s: int, period: float, plans: Plans, state: WorldsState, ways: Ways, robot: Array) -> None:
     """Let the people of world w, which plays plan s, wish something for a control period."""
-    n = plans.people[s]
+    n = int(plans.people[s])
+    b = bodies_of(state.bodies, w, n)
     around = Around(
-        state.position[w, :n], state.velocity[w, :n], state.direction[w, :n], state.arc[w, :n], state.sense[w, :n],
-        state.lateral[w, :n], state.wish[w, :n], state.face[w, :n], state.goal[w, :n], plans.way[s, :n],
+        b.position, b.velocity, b.direction, b.arc, b.sense, b.lateral, b.wish, b.face, b.goal, plans.way[s, :n],
         plans.ground[s, :n], plans.elsewhere[s, :n], plans.group[s], robot, state.progress[w, 0], ways,
     )  # fmt: skip
     decide(Minds(plans.kind[s, :n], state.numbers[w, :n], plans.script[s, :n]), around, period)
-
-
-@view_kernel
-def _walk(people: Walkers, group: int, ways: Ways, things: Things, force: Array, robot: Array, before: Array) -> None:
-    """Move everybody for one tick; the first `group` walk with the robot."""
-    p = people
-    own = p.own_first, p.own_count
-    wanted_directions(p.position, p.arc, p.sense, p.lateral, ways.points, ways.tangents, *own, p.direction)
-    go_straight(p.goal, p.position, p.direction)
-    advance_bodies(TICK, p.position, p.velocity, p.heading, p.direction, p.wish, p.radius, robot, things, force, before)
-    lap = ways.sizes[0]
-    if lap > 0.0:
-        for person in range(group, len(p.arc)):
-            if p.way[person] == 0 and p.arc[person] > length_of(ways, 0) - LAP_END:
-                p.arc[person] -= lap
-    locate(p.position, p.arc, ways.points, ways.tangents, *own)
-    turn_bodies(TICK, p.velocity, p.direction, p.wish, p.face, p.heading)
-    advance_gait(TICK, p.position, p.velocity, p.heading, p.size, p.feet, p.origin, p.lift, p.phase, p.swing, things)
 
 
 @view_kernel

@@ -2,30 +2,32 @@
 
 import numpy as np
 
+from ...slam.draws import Words, normal, until_failure
 from ...slam.view_kernel import view_kernel
 from ..oracle import FARTHEST_M as KNOWN_M
 from ..people.posture import cut_shins
 from ..sensors.ray_kernel import measured
 from ..task.observation import FARTHEST_M, FASTEST_MPS, FASTEST_TURN
+from ..tracker_errors import kernel
 from ..world.config import TICK
 from .beams import cast_ellipse, cast_rectangle, point_beams
-from .draws import Words, normal, until_failure
-from .leading import CHOSEN, VISIBLE, select
+from .leading import CHOSEN, TRUST, VISIBLE, Known, select
 from .moving import door_box
 from .plans import Plans
 from .rules import Laser, Rules
-from .state import Array, Flags, Floats, Scratch, Told, WorldsState
+from .state import Array, Floats, Scratch, Told, WorldsState, bodies_of
 
 
 @view_kernel
 def perceive(w: int, rules: Rules, plans: Plans, state: WorldsState, told: Told, room: Scratch) -> None:
     """Take a sweep, see the people, choose the leader, and write the observation of world w."""
     s, pose, odometry = state.slot[w], state.pose[w], state.odometry[w]
-    n, began = plans.people[s], state.steps[w] == 0
-    position = state.position[w, :n]
+    n, began = int(plans.people[s]), state.steps[w] == 0
+    bodies = bodies_of(state.bodies, w, n)
+    position, velocity = bodies.position, bodies.velocity
     _start_sweep(pose, rules.laser, room.beams)
     _meet_people(
-        pose, position, state.heading[w], plans.size[s], state.feet[w], state.lift[w], rules.laser, room.ellipse,
+        pose, position, bodies.heading, plans.size[s], bodies.feet, bodies.lift, rules.laser, room.ellipse,
         room.beams,
     )  # fmt: skip
     for d in range(plans.doors[s]):
@@ -34,19 +36,28 @@ def perceive(w: int, rules: Rules, plans: Plans, state: WorldsState, told: Told,
     boxes, circles = plans.seen_boxes[s, : plans.rectangles[s]], plans.seen_circles[s, : plans.rounds[s]]
     _meet_walls(pose, rules.laser, boxes, circles, room.beams)
     _measure(rules.laser, state.random[w], room.beams[2], told.scan[w])
-    known, apart, places, motions = room.known[:n], room.apart[:n], room.places[:n], room.motions[:n]
-    told.tracked[w] = _know(pose, odometry, position, state.velocity[w], known, apart, places, motions)
+    rows = kernel.rows_for(n) if rules.modelled else n
+    known = Known(
+        room.known[:rows], room.apart[:rows], room.places[:rows], room.motions[:rows], room.unseen_s[:rows],
+        room.trust[:rows],
+    )  # fmt: skip
+    if rules.modelled:
+        dt, tracks = 0.0 if began else rules.ticks * TICK, state.tracks[w, :rows]
+        _track(dt, pose, position, velocity, room.beams[2], rules, state.random[w], tracks)
+        told.tracked[w] = _know_tracks(pose, odometry, tracks, known)
+    else:
+        told.tracked[w] = _know(pose, odometry, position, velocity, known)
     sweeps, memory, estimate = 1 if began else rules.sweeps, state.memory[w], state.estimate[w]
     dt = 0.0 if began else rules.ticks * TICK / sweeps
     for sweep in range(sweeps):
         time_s = told.time_s[w] - (sweeps - 1 - sweep) * dt
         state.track[w] = select(
-            time_s, dt, known, apart, places, motions, rules.selecting, state.track[w], memory, estimate,
-            state.covariance[w], state.duplicate[w, :n],
+            time_s, dt, known, rules.selecting, state.track[w], memory, estimate, state.covariance[w],
+            state.duplicate[w, :rows],
         )  # fmt: skip
     told.track[w] = state.track[w]
     _leader_entry(memory, estimate, odometry, told.leader[w])
-    _people_entry(state.track[w], odometry, known, apart, places, motions, told.people[w])
+    _people_entry(state.track[w], odometry, known, told.people[w])
     if began:
         told.velocity[w] = 0.0
     else:
@@ -118,28 +129,48 @@ def _measure(laser: Laser, random: Words, exact: Array, entry: Floats) -> None:
 
 
 @view_kernel
-def _know(
-    pose: Array,
-    odometry: Array,
-    position: Array,
-    velocity: Array,
-    known: Flags,
-    apart: Array,
-    places: Array,
-    motions: Array,
-) -> int:
-    """Write what the robot knows of the people, the last four as in `Scratch`; return how many it knows."""
-    turn = odometry[2] - pose[2]
-    cos, sin = np.cos(turn), np.sin(turn)
+def _track(
+    dt: float, pose: Array, position: Array, velocity: Array, exact: Array, rules: Rules, random: Words, tracks: Array
+) -> None:
+    """Bring the tracks to the present sweep, `dt` [s] after the last one, with the ranges `exact` (beams,)."""
+    laser = rules.laser.mount[0], rules.laser.mount[1], rules.laser.first, rules.laser.spacing
+    kernel.track_people(dt, pose, position, velocity, exact, laser, rules.errors, random, tracks)
+
+
+@view_kernel
+def _know(pose: Array, odometry: Array, position: Array, velocity: Array, known: Known) -> int:
+    """Write what the robot knows of the people by the truth; return how many it knows."""
     tracked = 0
     for i in range(len(position)):
-        dx, dy, vx, vy = position[i, 0] - pose[0], position[i, 1] - pose[1], velocity[i, 0], velocity[i, 1]
-        apart[i] = np.sqrt(dx * dx + dy * dy)
-        known[i] = apart[i] < KNOWN_M
-        tracked += known[i]
-        places[i, 0], places[i, 1] = odometry[0] + cos * dx - sin * dy, odometry[1] + sin * dx + cos * dy
-        motions[i, 0], motions[i, 1] = cos * vx - sin * vy, sin * vx + cos * vy
+        _place(i, pose, odometry, position[i, 0], position[i, 1], velocity[i, 0], velocity[i, 1], known)
+        known.who[i], known.unseen_s[i], known.trust[i] = known.apart[i] < KNOWN_M, 0.0, 1.0
+        tracked += known.who[i]
     return tracked
+
+
+@view_kernel
+def _know_tracks(pose: Array, odometry: Array, tracks: Array, known: Known) -> int:
+    """Write what the robot knows of the people by tracks (n, COLUMNS); return how many it knows."""
+    tracked = 0
+    for i in range(len(tracks)):
+        row = tracks[i]
+        known.who[i] = row[kernel.PHASE] != kernel.UNKNOWN
+        if known.who[i]:
+            _place(i, pose, odometry, row[kernel.X], row[kernel.Y], row[kernel.VX], row[kernel.VY], known)
+            known.unseen_s[i], known.trust[i] = row[kernel.UNSEEN_S], row[kernel.TRUST]
+            tracked += 1
+    return tracked
+
+
+@view_kernel
+def _place(i: int, pose: Array, odometry: Array, x: float, y: float, vx: float, vy: float, known: Known) -> None:
+    """Write where in the odometry frame somebody is who is at (x, y) in the world, and how they move."""
+    turn = odometry[2] - pose[2]
+    cos, sin = np.cos(turn), np.sin(turn)
+    dx, dy = x - pose[0], y - pose[1]
+    known.apart[i] = np.sqrt(dx * dx + dy * dy)
+    known.places[i, 0], known.places[i, 1] = odometry[0] + cos * dx - sin * dy, odometry[1] + sin * dx + cos * dy
+    known.motions[i, 0], known.motions[i, 1] = cos * vx - sin * vy, sin * vx + cos * vy
 
 
 @view_kernel
@@ -148,7 +179,7 @@ def _leader_entry(memory: Array, place: Array, odometry: Array, entry: Floats) -
     entry[:] = 0.0
     if memory[CHOSEN] > 0.0:
         _in_robot_frame(odometry, place[0], place[1], place[2], place[3], entry)
-        entry[4] = entry[5] = memory[VISIBLE]
+        entry[4], entry[5] = memory[TRUST], memory[VISIBLE]
 
 
 @view_kernel
@@ -163,24 +194,23 @@ def _in_robot_frame(odometry: Array, x: float, y: float, vx: float, vy: float, r
 
 
 @view_kernel
-def _people_entry(
-    track: int, odometry: Array, known: Flags, apart: Array, places: Array, motions: Array, table: Floats
-) -> None:
-    """Write who does not lead, the nearest first; `known` is used up."""
+def _people_entry(track: int, odometry: Array, known: Known, table: Floats) -> None:
+    """Write who does not lead, the nearest first; `known.who` is used up."""
     table[:] = 0.0
+    who, apart = known.who, known.apart
     if track >= 0:
-        known[track] = False
+        who[track] = False
     for row in range(len(table)):
         nearest = -1
-        for i in range(len(known)):
-            if known[i] and (nearest < 0 or apart[i] < apart[nearest]):
+        for i in range(len(who)):
+            if who[i] and (nearest < 0 or apart[i] < apart[nearest]):
                 nearest = i
         if nearest < 0:
             return
-        known[nearest] = False
-        place, motion = places[nearest], motions[nearest]
+        who[nearest] = False
+        place, motion = known.places[nearest], known.motions[nearest]
         _in_robot_frame(odometry, place[0], place[1], motion[0], motion[1], table[row])
-        table[row, 4] = table[row, 5] = 1.0
+        table[row, 4], table[row, 5] = known.trust[nearest], 1.0
 
 
 @view_kernel

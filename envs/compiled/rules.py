@@ -10,6 +10,7 @@ from ...slam.errors import InputError, shown
 from ..episode_setup import world_config
 from ..follow_config import FollowConfig, make_config
 from ..robot.robot import RobotConfig, servo_gains
+from ..tracker_errors.errors import TrackerErrors, chosen_errors
 from ..world.config import TICK, whole_ratio
 from .driving import Base
 from .leading import Selecting, selecting
@@ -18,6 +19,8 @@ Array = NDArray[np.float64]
 
 DEFAULTS: dict[str, Any] = {"people": "truth", "slam": None}
 """What compiled worlds take where nothing is said: those of `FollowEnv` are not supported yet."""
+PEOPLE = "truth", "modelled"
+"""How compiled worlds let the robot know of people."""
 
 
 class Laser(NamedTuple):
@@ -59,6 +62,8 @@ class Rules(NamedTuple):
         base: The robot.
         laser: Its laser.
         selecting: How it chooses its leader.
+        modelled: Whether it knows people with the errors of a tracker; else by the truth.
+        errors: These.
         force: (9,) `SocialForceConfig.as_array()`.
         top: (3,) body velocity at action 1, of forward, left, turn [m/s, m/s, rad/s].
         weights: (7,) of the reward's terms.
@@ -77,6 +82,8 @@ class Rules(NamedTuple):
     base: Base
     laser: Laser
     selecting: Selecting
+    modelled: bool
+    errors: TrackerErrors
     force: Array
     top: Array
     weights: Array
@@ -107,8 +114,9 @@ def compiled_config(fields: Mapping[str, Any]) -> FollowConfig:
             raise _unsupported(f"`{name}`", fields[name], "nothing can be drawn")
     said = {name.split(".")[0] for name in fields}
     config = make_config({**{name: value for name, value in DEFAULTS.items() if name not in said}, **fields})
+    if config.people.source not in PEOPLE:
+        raise _unsupported("`people`", config.people.source, f"it must be one of {', '.join(PEOPLE)}")
     for name, given, only in (
-        ("`people`", config.people.source, "truth"),
         ("`slam`", config.slam, None),
         ("`camera`", config.sensors.camera, None),
         ("`task.leader`", bool(config.task.leader), True),
@@ -135,7 +143,9 @@ def make_rules(config: FollowConfig, limit: int, ahead: int) -> Rules:
     return Rules(
         base=_base(robot, world.physics_dt),
         laser=_laser(config),
-        selecting=selecting(config.perception, 1.0 / config.sensors.lidar.rate_hz),
+        selecting=_selecting(config),
+        modelled=config.people.source == "modelled",
+        errors=chosen_errors(config.people.tracker_errors),
         force=world.force.as_array(),
         top=np.array([robot.max_speed, robot.max_speed if robot.holonomic else 0.0, top]),
         weights=config.reward.weights,
@@ -150,6 +160,12 @@ def make_rules(config: FollowConfig, limit: int, ahead: int) -> Rules:
         limit=limit,
         ahead=ahead,
     )
+
+
+def _selecting(config: FollowConfig) -> Selecting:
+    """Return how the leader is chosen; one who is lost comes back by their own number where errors are modelled."""
+    choice = selecting(config.perception, 1.0 / config.sensors.lidar.rate_hz)
+    return choice._replace(search_overlap_s=-np.inf) if config.people.source == "modelled" else choice
 
 
 def _base(robot: RobotConfig, dt: float) -> Base:

@@ -5,9 +5,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...slam.view_kernel import view_kernel
 from ..people.behaviours.mind import NUMBERS
+from ..people.movement.bodies import Bodies, Start, standing_bodies
 from ..task.interface import LEADER_COLUMNS, PERSON_COLUMNS
 from ..task.rewards import FOLLOWING_TERMS
+from ..tracker_errors.kernel import COLUMNS, rows_for
 from .driving import MOST_CONTACTS
 from .leading import MEMORY
 
@@ -27,21 +30,7 @@ class WorldsState(NamedTuple):
         random: (w, 1) state of its random numbers.
         steps: (w,) control periods of the episode.
         ended: (w,) whether the episode is over.
-        position: (w, n, 2) bodies and their feet, as the next fifteen: see `Bodies`.
-        velocity: (w, n, 2).
-        heading: (w, n).
-        feet: (w, n, 2, 2).
-        origin: (w, n, 2).
-        lift: (w, n, 2).
-        phase: (w, n).
-        swing: (w, n).
-        arc: (w, n).
-        sense: (w, n).
-        lateral: (w, n).
-        wish: (w, n).
-        face: (w, n).
-        goal: (w, n, 2).
-        direction: (w, n, 2).
+        bodies: Of n people, each array with an axis over worlds before the others.
         numbers: (w, n, NUMBERS) what people remember, see `Minds`.
         open: (w, d) how far each door is open, from 0 to 1.
         pose: (w, 3) T_world_robot, its angle not wrapped.
@@ -57,7 +46,8 @@ class WorldsState(NamedTuple):
         memory: (w, MEMORY) of the choice of the leader, as the next three: see `leading.select`.
         estimate: (w, 4).
         covariance: (w, 3).
-        duplicate: (w, n).
+        duplicate: (w, 2 n + 1).
+        tracks: (w, 2 n + 1, COLUMNS) what a tracker that errs knows, see `tracker_errors.kernel`.
         lost_s: (w,) for how long the leader has not been followed [s].
     """
 
@@ -67,21 +57,7 @@ class WorldsState(NamedTuple):
     random: NDArray[np.uint64]
     steps: Ints
     ended: Flags
-    position: Array
-    velocity: Array
-    heading: Array
-    feet: Array
-    origin: Array
-    lift: Array
-    phase: Array
-    swing: Ints
-    arc: Array
-    sense: Array
-    lateral: Array
-    wish: Array
-    face: Array
-    goal: Array
-    direction: Array
+    bodies: Bodies
     numbers: Array
     open: Array
     pose: Array
@@ -98,6 +74,7 @@ class WorldsState(NamedTuple):
     estimate: Array
     covariance: Array
     duplicate: Flags
+    tracks: Array
     lost_s: Array
 
 
@@ -108,26 +85,45 @@ _OF_WORLDS: dict[str, tuple[tuple[int, ...], Any]] = {
     "odometry_before": ((3,), float), "rolled": ((3,), float), "touches": ((2,), np.bool_), "track": ((), np.int64),
     "memory": ((MEMORY,), float), "estimate": ((4,), float), "covariance": ((3,), float), "lost_s": ((), float),
 }  # fmt: skip
-_OF_PEOPLE: dict[str, tuple[tuple[int, ...], Any]] = {
-    "position": ((2,), float), "velocity": ((2,), float), "heading": ((), float), "feet": ((2, 2), float),
-    "origin": ((2,), float), "lift": ((2,), float), "phase": ((), float), "swing": ((), np.int64), "arc": ((), float),
-    "sense": ((), float), "lateral": ((), float), "wish": ((), float), "face": ((), float), "goal": ((2,), float),
-    "direction": ((2,), float), "numbers": ((NUMBERS,), float), "duplicate": ((), np.bool_),
-}  # fmt: skip
 
 
 def state_with_room(worlds: int, people: int, doors: int, old: WorldsState | None = None) -> WorldsState:
     """Return the state of `worlds` with room for so many people and doors; what `old` holds is kept."""
-    arrays: dict[str, NDArray[Any]] = {
+    somebody = standing_bodies([Start(0.0, 0.0, 0.0)], np.zeros(1))
+    bodies: dict[str, NDArray[Any]] = {
+        name: np.zeros((worlds, people, *array.shape[1:]), array.dtype) for name, array in somebody._asdict().items()
+    }
+    of_worlds: dict[str, NDArray[Any]] = {
         name: np.zeros((worlds, *shape), kind) for name, (shape, kind) in _OF_WORLDS.items()
     }
-    for name, (shape, kind) in _OF_PEOPLE.items():
-        arrays[name] = np.zeros((worlds, people, *shape), kind)
-    arrays["open"] = np.zeros((worlds, doors))
+    new = WorldsState(
+        **of_worlds,
+        bodies=Bodies(**bodies),
+        numbers=np.zeros((worlds, people, NUMBERS)),
+        open=np.zeros((worlds, doors)),
+        duplicate=np.zeros((worlds, rows_for(people)), np.bool_),
+        tracks=np.zeros((worlds, rows_for(people), COLUMNS)),
+    )
     if old is not None:
-        for name, before in old._asdict().items():
-            arrays[name][tuple(slice(size) for size in before.shape)] = before
-    return WorldsState(**arrays)
+        for array, before in zip(arrays_of(new), arrays_of(old), strict=True):
+            array[tuple(slice(size) for size in before.shape)] = before
+    return new
+
+
+def arrays_of(state: WorldsState) -> list[NDArray[Any]]:
+    """Return all arrays of a state, those of bodies among them."""
+    return [*state.bodies, *(array for name, array in state._asdict().items() if name != "bodies")]
+
+
+@view_kernel
+def bodies_of(bodies: Bodies, w: int, n: int) -> Bodies:
+    """Return the first `n` people of world w."""
+    b = bodies
+    return Bodies(
+        b.position[w, :n], b.velocity[w, :n], b.heading[w, :n], b.feet[w, :n], b.origin[w, :n], b.lift[w, :n],
+        b.phase[w, :n], b.swing[w, :n], b.legs[w, :n], b.arc[w, :n], b.sense[w, :n], b.lateral[w, :n], b.wish[w, :n],
+        b.face[w, :n], b.goal[w, :n], b.direction[w, :n],
+    )  # fmt: skip
 
 
 class Told(NamedTuple):
@@ -197,10 +193,12 @@ class Scratch(NamedTuple):
         robot: (8,) as in `walking.advance_bodies`.
         place: (1, 2) of the robot [m].
         wanted: (3,) command.
-        known: (n,) which people the robot knows.
-        apart: (n,) their distances from it [m].
-        places: (n, 2) where they are, odometry frame [m].
-        motions: (n, 2) how they move in it [m/s].
+        known: (2 n + 1,) what the robot knows of people, as the next five: see `leading.Known`.
+        apart: (2 n + 1,).
+        places: (2 n + 1, 2).
+        motions: (2 n + 1, 2).
+        unseen_s: (2 n + 1,).
+        trust: (2 n + 1,).
         before: (n, 2) where people were before a tick [m].
         truth: (4,) of `rewards.following_terms`.
     """
@@ -218,15 +216,17 @@ class Scratch(NamedTuple):
     apart: Array
     places: Array
     motions: Array
+    unseen_s: Array
+    trust: Array
     before: Array
     truth: Array
 
 
 def scratch(ticks: int, beams: int, people: int) -> Scratch:
     """Return room for one thread."""
-    row = np.zeros
+    row, rows = np.zeros, rows_for(people)
     return Scratch(
         row((ticks, 3)), row((ticks, 3)), row((3, beams)), row((2, 6)), row((MOST_CONTACTS, 5)),
-        row((MOST_CONTACTS, 2)), row(8), row((1, 2)), row(3), row(people, bool), row(people), row((people, 2)),
-        row((people, 2)), row((people, 2)), row(4),
+        row((MOST_CONTACTS, 2)), row(8), row((1, 2)), row(3), row(rows, bool), row(rows), row((rows, 2)),
+        row((rows, 2)), row(rows), row(rows), row((people, 2)), row(4),
     )  # fmt: skip

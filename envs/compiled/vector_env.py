@@ -23,7 +23,7 @@ from .episodes import BEGIN, BEGIN_AGAIN, REST, STEP, step_worlds
 from .infos import infos, masked, observations
 from .pool import EpisodePool
 from .rules import compiled_config, make_rules
-from .state import Flags, nothing_told, scratch, state_with_room
+from .state import Flags, arrays_of, nothing_told, scratch, state_with_room
 
 MOST_ENVS = 65_536
 _SLOW_S = 3.0  # a first call that takes longer is compiling
@@ -37,9 +37,9 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
     `gymnasium.make_vec("tagalong/Office-v0", num_envs=1024, vectorization_mode="vector_entry_point",
     simulator="compiled")`. Buildings, people, rewards and endings are those of `FollowEnv`; robot, contacts and laser
     are done anew, equal to MuJoCo's within a millimetre (tested). People are known by the truth (`people="truth"`, the
-    default here) and nothing maps (`slam=None`, likewise); there is no camera, no picture, no `leader=False`, and no
-    functions of one's own (`behaviours`, `reward.terms`, `observation.entries`). All else of `FollowConfig` and all
-    options of `reset` are as there; what is not is refused.
+    default here) or with the errors of a tracker (`people="modelled"`), and nothing maps (`slam=None`, likewise); there
+    is no camera, no picture, no `leader=False`, and no functions of one's own (`behaviours`, `reward.terms`,
+    `observation.entries`). All else of `FollowConfig` and all options of `reset` are as there; what is not is refused.
 
     Episodes are chosen by each world's seed, s + i for world i of `reset(seed=s)`, from `episodes_ahead` that are drawn
     before: no world waits for a drawing. With `own_start`, or with options, `reset` draws for each world what
@@ -167,7 +167,7 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
     @property
     def memory(self) -> int:
         """Memory of episodes, state and what is told [bytes]."""
-        return self._pool.size + sum(array.nbytes for array in (*self._state, *self._told))
+        return self._pool.size + sum(array.nbytes for array in (*arrays_of(self._state), *self._told))
 
     def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
         """Return what a method of the whole returns, or its attribute, once for each world."""
@@ -208,11 +208,11 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
         """Give people and doors of all episodes room in the state."""
         plans = self._pool.plans
         people, doors = plans.radius.shape[1], plans.leaves.shape[1]
-        if people > self._state.position.shape[1] or doors > self._state.open.shape[1]:
+        if people > self._state.bodies.position.shape[1] or doors > self._state.open.shape[1]:
             self._state = state_with_room(self.num_envs, people, doors, self._state)
 
     def _room(self) -> Any:
-        return scratch(self._rules.ticks, len(self._rules.laser.cos_bearing), self._state.position.shape[1])
+        return scratch(self._rules.ticks, len(self._rules.laser.cos_bearing), self._state.bodies.position.shape[1])
 
     def _run(self, what: NDArray[np.int8], actions: NDArray[np.float64]) -> None:
         """Let the threads do `what` (num_envs,) in all worlds, block by block."""

@@ -6,7 +6,7 @@ from ...slam.errors import InputError, shown
 from ..limits.field_checks import People, check_fields
 from .behaviours.behaviour import Behaviour, checked_behaviours
 
-PEOPLE_SOURCES = ("tracker", "camera", "truth")
+PEOPLE_SOURCES = ("tracker", "camera", "truth", "modelled")
 """How the robot comes to know of people."""
 
 
@@ -16,12 +16,14 @@ class PeopleConfig:
 
     Attributes:
         source: How people reach the onboard stack: "tracker" by their legs in the scans and, if there is a camera, by
-            what it sees; "camera" by that alone; "truth" from the simulator.
+            what it sees; "camera" by that alone; "truth" from the simulator; "modelled" from the simulator with the
+            errors that the tracker makes, by a statistical model of them.
         people_count: Walking people in the building, the leader included; may be 0 without one. None draws it.
         standing: Further people who come to stand still beside the route.
         behaviours: Further people, one for each behaviour, see `tagalong.envs.people`; each begins an
             episode with a copy of the object that stands here.
         leader_style: Manner of the leader: "steady", "hurried", "waits"; None draws one from the seed.
+        tracker_errors: Numbers of "modelled": "shipped", or a file that `tagalong train tracker-errors` wrote.
     """
 
     source: str = "tracker"
@@ -29,6 +31,7 @@ class PeopleConfig:
     standing: People = 0
     leader_style: str | None = None
     behaviours: tuple[Behaviour, ...] = ()
+    tracker_errors: str = "shipped"
 
     def __post_init__(self) -> None:
         if not isinstance(self.source, str) or self.source not in PEOPLE_SOURCES:

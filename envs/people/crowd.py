@@ -8,24 +8,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .behaviours.behaviour import Behaviour, Wish, checked_wish
-from .behaviours.deciding import begin, decide, go_straight
+from .behaviours.deciding import begin, decide
 from .behaviours.leader import DONE
 from .behaviours.mind import Around, Mind, MindKind, Minds, minds_of
 from .behaviours.view import PersonView, Surroundings
 from .body import PARTS, WIDEST, Physique
-from .gait import advance_gait
 from .movement.bodies import Bodies, Start, standing_bodies
 from .movement.ground import Ground
 from .movement.social_force import SocialForceConfig
 from .movement.terrain import Terrain
 from .movement.things import things_around
-from .movement.walking import advance_bodies, locate, turn_bodies, wanted_directions
 from .posture import pose_bodies
+from .walk_kernel import Walkers, walk
 
 Array = NDArray[np.float64]
-
-LAP_END = 1.5
-"""So far before the end of a route of several laps its start takes over [m]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,12 +111,12 @@ class Crowd:
         sizes = casting.physiques
         self.radius = np.array([p.radius for p in sizes])
         self.leg_radius = np.array([p.leg_radius for p in sizes])
-        self._size = np.array(
-            [(p.thigh, p.shin, p.leg_radius, p.stance_half_width, p.walk_ratio) for p in sizes]
-        ).reshape(-1, 5)
+        size = np.array([(p.thigh, p.shin, p.leg_radius, p.stance_half_width, p.walk_ratio) for p in sizes]).reshape(
+            -1, 5
+        )
         self._ground = np.array([person.ground for person in casting.people], dtype=np.int64)
-        self._path = np.array([person.path for person in casting.people], dtype=np.int64)
-        self._first, self._count = terrain.ways.first[self._path], terrain.ways.rows[self._path]
+        path = np.array([person.path for person in casting.people], dtype=np.int64)
+        self._walkers = Walkers(size, self.radius, path, terrain.ways.first[path], terrain.ways.rows[path])
         self._elsewhere = self._ground == Ground.ELSEWHERE
         self._things = things_around(terrain.boxes, terrain.circles, reach_of_things(force))
 
@@ -142,7 +138,7 @@ class Crowd:
         """
         b = state.bodies
         around = Around(
-            b.position, b.velocity, b.direction, b.arc, b.sense, b.lateral, b.wish, b.face, b.goal, self._path,
+            b.position, b.velocity, b.direction, b.arc, b.sense, b.lateral, b.wish, b.face, b.goal, self._walkers.way,
             self._ground, self._elsewhere, self.casting.group, robot, robot_arc, self.terrain.ways,
         )  # fmt: skip
         decide(state.minds, around, dt)
@@ -153,39 +149,9 @@ class Crowd:
 
     def advance(self, state: CrowdState, dt: float, robot: Array) -> None:
         """Move everybody of `state` for `dt` seconds; `robot` as in `advance_bodies`."""
-        b, terrain = state.bodies, self.terrain
-        ways = (terrain.ways.points, terrain.ways.tangents, self._first, self._count)
-        wanted_directions(b.position, b.arc, b.sense, b.lateral, *ways, b.direction)
-        go_straight(b.goal, b.position, b.direction)
-        advance_bodies(
-            dt,
-            b.position,
-            b.velocity,
-            b.heading,
-            b.direction,
-            b.wish,
-            self.radius,
-            robot,
-            self._things,
-            self._force,
-            np.empty_like(b.position),
-        )
-        self._close_laps(b)
-        locate(b.position, b.arc, *ways)
-        turn_bodies(dt, b.velocity, b.direction, b.wish, b.face, b.heading)
-        advance_gait(
-            dt,
-            b.position,
-            b.velocity,
-            b.heading,
-            self._size,
-            b.feet,
-            b.origin,
-            b.lift,
-            b.phase,
-            b.swing,
-            self._things,
-        )
+        before = np.empty_like(state.bodies.position)
+        group, ways = self.casting.group, self.terrain.ways
+        walk(dt, state.bodies, self._walkers, group, ways, self._things, self._force, robot, before)
 
     def pose(self, state: CrowdState, laser_height: float, mocap_position: Array, mocap_quaternion: Array) -> None:
         """Write the parts of all bodies into MuJoCo's mocap arrays (6 n, 3) and (6 n, 4)."""
@@ -193,7 +159,7 @@ class Crowd:
         pose_bodies(
             b.position,
             b.heading,
-            self._size,
+            self._walkers.size,
             b.feet,
             b.lift,
             laser_height,
@@ -201,14 +167,6 @@ class Crowd:
             mocap_quaternion[:count],
             b.legs,
         )
-
-    def _close_laps(self, bodies: Bodies) -> None:
-        """Carry those who do not belong to the group from the end of a route of several laps back to its start."""
-        lap = self.terrain.lap
-        if lap > 0.0:
-            free = (np.arange(len(self)) >= self.casting.group) & (self._path == 0)
-            ahead = free & (bodies.arc > self.terrain.length - LAP_END)
-            bodies.arc[ahead] -= lap
 
 
 def reach_of_things(force: SocialForceConfig) -> float:

@@ -89,7 +89,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--seed", type=int, metavar="N", help="seed of the first episode (0; with --suite 1000000)")
     parser.add_argument(
-        "--perception", choices=("tracker", "truth"), default="tracker", help="how people are perceived (%(default)s)"
+        "--perception",
+        choices=("tracker", "truth", "modelled"),
+        default="tracker",
+        help="how people are perceived (%(default)s)",
     )
     parser.add_argument("--beams", type=int, default=1081, metavar="N", help="beams of the laser (%(default)s)")
     add_settings(parser, "an argument of the environment, e.g. robot=pioneer, lidar.height=0.3 or slam=gmapping")

@@ -13,6 +13,7 @@ from ..training.follower import add_follower_arguments, train_follower
 from ..training.leg_curve import save_leg_curve
 from ..training.leg_forests import GAMMA, TrainedLegs, figures, train_real, train_simulation, write
 from ..training.leg_recordings import read_leg_recordings
+from ..training.tracker_errors import add_tracker_arguments, train_tracker_errors
 from ..training.train_legs import TrainConfig
 from ..training.train_people import PeopleTrainConfig, train_people
 
@@ -40,10 +41,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the models that can be trained, and their options."""
     parser.epilog = (
         "examples:\n  tagalong train legs --forest simulation --out out/legs\n  tagalong train people\n"
-        "  tagalong train follower --max-minutes 90"
+        "  tagalong train follower --max-minutes 90\n  tagalong train tracker-errors"
     )
     models = parser.add_subparsers(dest="model", metavar="MODEL", required=True)
     add_follower_arguments(models)
+    add_tracker_arguments(models)
     summary = "the random forest that tells legs in laser scans"
     legs = models.add_parser(
         "legs",
@@ -95,7 +97,12 @@ def _add_people(models: "argparse._SubParsersAction[argparse.ArgumentParser]") -
 
 def run(options: argparse.Namespace) -> int:
     """Train what was asked for."""
-    return {"follower": train_follower, "people": _train_people, "legs": _train_legs}[options.model](options)
+    return {
+        "follower": train_follower,
+        "people": _train_people,
+        "legs": _train_legs,
+        "tracker-errors": train_tracker_errors,
+    }[options.model](options)
 
 
 def _counts(options: argparse.Namespace, names: tuple[str, ...]) -> dict[str, Any]:

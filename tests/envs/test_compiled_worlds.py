@@ -95,19 +95,24 @@ def played(env, steps, seed=7, columns=slice(None)):
     return bytes_
 
 
-def test_the_same_bytes_for_any_number_of_workers():
-    options = {"max_episode_steps": 7}
-    assert played(compiled(worlds=6, **options), 20) == played(compiled(worlds=6, workers=3, **options), 20)
+KNOWN = pytest.mark.parametrize("people", ["truth", "modelled"])
 
 
-def test_a_world_plays_the_same_beside_any_others():
-    options = {"max_episode_steps": 7}
+@KNOWN
+def test_the_same_bytes_for_any_number_of_workers(people):
+    options = {"max_episode_steps": 30, "people": people}
+    assert played(compiled(worlds=6, **options), 50) == played(compiled(worlds=6, workers=3, **options), 50)
+
+
+@KNOWN
+def test_a_world_plays_the_same_beside_any_others(people):
+    options = {"max_episode_steps": 30, "people": people}
     whole = compiled(worlds=6, **options)
     part = compiled(worlds=2, **options)
     whole.reset(seed=7)
     part.reset(seed=11)
     rng = np.random.default_rng(0)
-    for _ in range(20):
+    for _ in range(50):
         actions = rng.uniform(-1.0, 1.0, (6, 2))
         of_whole, of_part = whole.step(actions), part.step(actions[4:])
         for key in of_part[0]:

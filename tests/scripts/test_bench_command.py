@@ -28,6 +28,7 @@ from tagalong.slam import InputError
         "people-by-sensor --first-seed -1",
         "rgbd-people --seeds 0",
         "rgbd-planes --seeds 1.5",
+        "simulators --episodes 0",
     ],
 )
 def test_numbers_that_make_no_sense_are_refused_by_their_option(words, capsys, tmp_path):

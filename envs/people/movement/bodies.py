@@ -1,7 +1,6 @@
 """Where n people are and how they move at the moment: arrays that compiled kernels write to."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -30,9 +29,8 @@ class Start(NamedTuple):
     offset: float = 0.0
 
 
-@dataclass
-class Bodies:
-    """All that changes about the bodies of n people and about what they last wished.
+class Bodies(NamedTuple):
+    """All that changes about the bodies of n people and about what they last wished; kernels take it as it is.
 
     Attributes:
         position: (n, 2) bodies, world frame [m].

@@ -8,7 +8,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ...slam.view_kernel import view_kernel
+from .view_kernel import view_kernel
 
 Array = NDArray[np.float64]
 Words = NDArray[np.uint64]

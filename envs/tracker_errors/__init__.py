@@ -1,0 +1,1 @@
+"""What leg detector and tracker get wrong, as a statistical model: `people="modelled"`."""

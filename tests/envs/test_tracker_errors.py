@@ -1,0 +1,147 @@
+"""People known with the errors of a tracker, by a model of them."""
+
+import json
+
+import gymnasium as gym
+import numpy as np
+import pytest
+from tagalong.envs.compiled import leading
+from tagalong.envs.tracker_errors import kernel
+from tagalong.envs.tracker_errors.errors import PLACE, SHIPPED, chosen_errors, from_named, named
+from tagalong.perception import LeaderSelector, People
+from tagalong.slam import InputError
+
+OPEN = np.full(360, np.inf)
+SPACING = np.radians(270.0) / 359
+LASER = (0.1, 0.0, -np.radians(135.0), SPACING)
+
+
+def tracked(position, velocity, steps=400, ranges=OPEN, seed=1, **changed):
+    """Tracks (steps, 2 n + 1, COLUMNS) of people who are seen from the origin."""
+    errors = chosen_errors("shipped")._replace(**changed)
+    tracks, random = np.zeros((kernel.rows_for(len(position)), kernel.COLUMNS)), np.array([seed], dtype=np.uint64)
+    kernel.forget(tracks)
+    told = []
+    for k in range(steps):
+        kernel.track_people(
+            0.1 * (k > 0), np.zeros(3), np.array(position), np.array(velocity), ranges, LASER, errors, random, tracks
+        )
+        told.append(tracks.copy())
+    return np.array(told)
+
+
+def test_nobody_is_known_in_the_first_scan_and_who_walks_nearby_soon_is():
+    tracks = tracked([[1.5, 0.0]], [[0.0, 1.0]])
+    assert tracks[0, 0, kernel.PHASE] == kernel.UNKNOWN
+    assert (tracks[30:, 0, kernel.PHASE] == kernel.SEEN).mean() > 0.8
+
+
+def test_who_is_behind_a_wall_is_not_met():
+    assert (tracked([[3.0, 0.0]], [[0.0, 1.0]], ranges=np.full(360, 1.0))[:, 0, kernel.PHASE] > 0.0).mean() < 0.05
+
+
+@pytest.mark.parametrize(("bearing", "hidden"), [(0.0, 0.0), (2.0, 0.0), (3.1, 1.0)])
+def test_beams_behind_the_robot_see_nobody(bearing, hidden):
+    assert kernel.hidden_share(2.0, bearing, OPEN, LASER[2], SPACING) == hidden
+
+
+def test_half_of_somebody_is_hidden_by_what_stands_before_that_half():
+    ranges = np.where(np.arange(360) < 180, 1.0, np.inf)
+    assert kernel.hidden_share(3.0, 0.0, ranges, LASER[2], SPACING) == pytest.approx(0.5, abs=0.1)
+
+
+def test_places_of_who_is_seen_are_off_as_the_numbers_say():
+    errors = chosen_errors("shipped")
+    tracks = tracked([[2.0, 0.0]], [[0.0, 1.0]], steps=20_000)[:, 0]
+    seen = tracks[tracks[:, kernel.PHASE] == kernel.SEEN]
+    sight = kernel.seen(np.array([2.0, 0.0]), 1.0, np.zeros(3), OPEN, LASER)
+    off = seen[:, kernel.X : kernel.Y + 1] - (2.0, -errors.delay_s)
+    assert off.mean(axis=0) == pytest.approx(0.0, abs=0.01)
+    assert off.std(axis=0) == pytest.approx(kernel.quantity(PLACE, errors, sight, 0.0), rel=0.05)
+    assert seen[:, kernel.VY].std() == pytest.approx(errors.motion_mps, rel=0.05)
+
+
+def test_two_who_meet_are_taken_for_each_other_and_for_who_they_are_again():
+    places = [[1.5, 0.3], [1.5, -0.3]]
+    body = tracked(places, np.zeros((2, 2)), 4000, swap_per_s=1.0, swapped_s=0.5)[:, :2, kernel.BODY]
+    assert set(map(tuple, body.tolist())) <= {(0.0, 1.0), (1.0, 0.0)}
+    assert 100 < np.abs(np.diff(body[:, 0])).sum() < 4000
+
+
+def test_a_thing_is_taken_for_a_person_where_a_beam_ends():
+    tracks = tracked(np.zeros((0, 2)), np.zeros((0, 2)), 2000, np.full(360, 2.0), thing_per_s=0.5, thing_life_s=1.0)
+    there = tracks[:, 0, kernel.PHASE] == kernel.SEEN
+    assert 0.1 < there.mean() < 0.6
+    apart = np.hypot(*(tracks[there, 0, kernel.X : kernel.Y + 1] - (LASER[0], 0.0)).T)
+    assert apart == pytest.approx(2.0)
+
+
+def test_the_compiled_choice_of_the_leader_is_that_of_the_selector():
+    rng, selector = np.random.default_rng(0), LeaderSelector()
+    rules = leading.Selecting(1.0, 2.2, 4.0, 1.0, 2.0, 8.0, -np.inf, 0.4, 0.3, 0.05, 0.025, 1.0)
+    memory, estimate, covariance, track = np.zeros(leading.MEMORY), np.zeros(4), np.zeros(3), -1
+    memory[leading.WAITING_S] = np.inf
+    duplicate, who, unseen = np.zeros(3, bool), np.ones(3, bool), np.zeros(3)
+    for k in range(300):
+        who = np.where(rng.random(3) < 0.05, ~who, who)
+        unseen = np.where(rng.random(3) < 0.8, 0.0, unseen + 0.1)
+        places = np.array([[1.5, 0.0], [1.6, 0.3], [2.0, 2.0]]) + rng.normal(0.0, 0.05, (3, 2))
+        motions, trust = rng.normal(0.0, 0.3, (3, 2)), rng.random(3)
+        apart, rows = np.hypot(*places.T), np.flatnonzero(who)
+        none = np.zeros(len(rows))
+        people = People(
+            0.1 * k, rows, places[rows], motions[rows], trust[rows], places[rows][:, None].repeat(2, 1), none,
+            unseen[rows], np.full(len(rows), np.inf),
+        )  # fmt: skip
+        leader = selector.update(people, np.zeros(3))
+        known = leading.Known(who.copy(), apart, places, motions, unseen.copy(), trust)
+        track = leading.select(
+            0.1 * k, 0.1 * (k > 0), known, rules, track, memory, estimate, covariance, duplicate
+        )  # fmt: skip
+        assert track == (-1 if leader is None else leader.track_id)
+        if leader is not None:
+            assert memory[leading.VISIBLE] == leader.visible
+            assert memory[leading.TRUST] == leader.confidence
+            assert estimate == pytest.approx([*leader.position, *leader.velocity], abs=1e-9)
+
+
+def drive(env, steps, seed=3):
+    first, _ = env.reset(seed=seed)
+    return [first, *(env.step(np.array([0.3, 0.1]))[0] for _ in range(steps))]
+
+
+def test_both_simulators_know_people_by_the_model():
+    given = {"people": "modelled", "people_count": 3, "beams": 90}
+    one = gym.make("tagalong/Corridor-v0", disable_env_checker=True, slam=None, **given)
+    ours, again = drive(one, 30), drive(one, 30)
+    assert all(np.array_equal(a[key], b[key]) for a, b in zip(ours, again, strict=True) for key in a)
+    assert ours[0]["leader"].tolist() == [0.0] * 6
+    many = gym.make_vec(
+        "tagalong/Corridor-v0", 4, "vector_entry_point", simulator="compiled", workers=1, episodes_ahead=4, **given
+    )
+    many.reset(seed=0)
+    for _ in range(30):
+        observation, *_ = many.step(np.tile([0.3, 0.1], (4, 1)))
+    assert many.observation_space.contains(observation)
+    trust = observation["leader"][:, 4]
+    assert ((trust >= 0.0) & (trust < 1.0)).all()
+
+
+def test_the_shipped_file_says_how_it_was_made_and_is_read_again():
+    card = json.loads(SHIPPED.read_text(encoding="utf-8"))
+    assert card["command"].startswith("tagalong train tracker-errors ")
+    assert named(from_named(card["errors"], SHIPPED)) == card["errors"]
+
+
+@pytest.mark.parametrize("text", ["", "[]", '{"errors": {}}', '{"errors": {"weights": 3}}'])
+def test_a_file_that_holds_something_else_is_refused(tmp_path, text):
+    path = tmp_path / "errors.json"
+    path.write_text(text)
+    with pytest.raises(InputError, match="errors"):
+        gym.make("tagalong/Corridor-v0", people="modelled", tracker_errors=str(path))
+
+
+def test_times_must_be_positive():
+    table = named(chosen_errors("shipped"))
+    with pytest.raises(InputError, match="`place_s` must be positive"):
+        from_named({**table, "place_s": 0.0}, "here")
