@@ -26,6 +26,7 @@ LARGEST = 1e4
 """Of a number in the arrays or the card: those that were trained stay below 30."""
 MOST_NUMBERS = 1 << 22
 """In all arrays together: those of the preset are 33,000."""
+_SCALES = ("max_speed", "max_turn_rate", "field_of_view")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,12 +38,14 @@ class ReinforcedConfig:
         steering: How its wishes are driven.
         max_speed: Speed that it was told as action 1 [m/s].
         max_turn_rate: Turn rate that it was told so [rad/s].
+        field_of_view: Of the laser, half of it to either side of straight ahead [rad]; another laser is refused.
     """
 
     pooled: PooledConfig = field(default_factory=PooledConfig)
     steering: SteeringConfig = field(default_factory=SteeringConfig)
     max_speed: float = 1.3
     max_turn_rate: float = 2.0
+    field_of_view: float = float(np.radians(270.0))
 
 
 class DenseNetwork:
@@ -104,9 +107,9 @@ def reinforced_config(card: Any) -> ReinforcedConfig:
     """
     if not isinstance(card, dict) or not {"pooled", "steering"} <= set(card):
         raise ValueError("`pooled` and `steering` must be in its card")
-    speeds = {name: _number(name, card.get(name), whole=False) for name in ("max_speed", "max_turn_rate")}
+    speeds = {name: _number(name, card.get(name), whole=False) for name in _SCALES}
     if min(speeds.values()) <= 0.0:
-        raise ValueError(f"`max_speed` and `max_turn_rate` must be positive, got {shown(speeds)}")
+        raise ValueError(f"{', '.join(_SCALES)} must be positive, got {shown(speeds)}")
     return ReinforcedConfig(
         pooled=_made(PooledConfig, "pooled", card["pooled"]),
         steering=_made(SteeringConfig, "steering", card["steering"]),

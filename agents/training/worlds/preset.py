@@ -29,16 +29,17 @@ class WorldKind:
 
 
 KINDS = (
-    WorldKind(name="office", count=80, episodes=320),
-    WorldKind(name="office", count=32, people=8, episodes=128),
-    WorldKind(name="office", count=32, people=13, episodes=128),
+    WorldKind(name="office", count=72, episodes=320),
+    WorldKind(name="office", count=24, people=8, episodes=96),
+    WorldKind(name="office", count=24, people=13, episodes=96),
+    WorldKind(name="tight_office", count=40, episodes=160),
     WorldKind(name="floor_plan", count=24, episodes=64),
     WorldKind(name="corridor", count=24, people=3, episodes=64),
     WorldKind(name="meeting_room", count=16, people=3, episodes=64),
-    WorldKind(name="narrow_corridor", count=24, people=8, episodes=96),
-    WorldKind(name="clutter", count=24, people=10, episodes=96),
+    WorldKind(name="narrow_corridor", count=16, people=8, episodes=64),
+    WorldKind(name="clutter", count=16, people=10, episodes=64),
 )
-"""Buildings of the training half alone; "doorway" and "intersection" are kept for tests."""
+"""Offices of the training half alone; the other kinds of buildings in the hard suite are kept for tests."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,6 +59,8 @@ class WorldsPreset:
         gamma: Discount.
         gae_lambda: Of generalised advantages.
         log_deviation: Logarithm of the deviation of the exploration at first.
+        jerk: What the square of the commanded jerk costs, beside the environments' own terms [1/(m/s^3)^2].
+        turn_jerk: The same of the turn [1/(rad/s^3)^2].
         reward_scale: Rewards are multiplied by this, so that values are of order one.
         width: Of the two hidden layers of actor and critic each.
         most_steps: Steps after which an episode is cut.
@@ -66,7 +69,11 @@ class WorldsPreset:
     kinds: tuple[WorldKind, ...] = KINDS
     env: dict[str, Any] = field(default_factory=lambda: {"beams": BEAMS, "lost_limit_s": 5.0})
     pooled: PooledConfig = field(default_factory=PooledConfig)
-    steering: SteeringConfig = field(default_factory=SteeringConfig)
+    steering: SteeringConfig = field(
+        default_factory=lambda: SteeringConfig(
+            settle_s=0.5, turn_settle_s=0.3, jerk=2.5, brake_jerk=6.0, turn_jerk=10.0, wish_s=0.0
+        )
+    )
     steps: int = 4_000_000
     rollout: int = 64
     batch: int = 2048
@@ -75,6 +82,8 @@ class WorldsPreset:
     gamma: float = 0.985
     gae_lambda: float = 0.95
     log_deviation: float = -0.7
+    jerk: float = 0.008
+    turn_jerk: float = 0.0004
     reward_scale: float = 0.05
     width: int = 128
     most_steps: int = 1500

@@ -6,6 +6,7 @@ from collections import Counter, deque
 from collections.abc import Callable
 from contextlib import closing
 from dataclasses import asdict, dataclass
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -152,7 +153,14 @@ class WorldsRun:
     def _card(self) -> dict[str, Any]:
         curve = self.progress.evaluations
         told = {"seed": self.config.seed, "steps": self.progress.steps, "training": curve[-1] if curve else None}
-        return {"algorithm": "ppo", "preset": "worlds", **told, "settings": asdict(self._preset)}
+        return {
+            "algorithm": "ppo",
+            "preset": "worlds",
+            "command": f"tagalong train follower --seed {self.config.seed} --steps {self._preset.steps}",
+            **told,
+            "made_with": {name: version(name) for name in ("numpy", "stable_baselines3", "torch")},
+            "settings": asdict(self._preset),
+        }
 
     def _resume(self) -> None:
         """Go on from the checkpoint in the folder, if there is one; the episodes that follow are other ones."""

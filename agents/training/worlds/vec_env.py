@@ -62,11 +62,14 @@ class WorldsVecEnv(VecEnv):
 
     def step_wait(self) -> VecEnvStepReturn:
         """Drive for one step; infos as of `SB3VecEnv`, with `kind`, the number of the world's kind."""
-        self._state = steer_many(self._state, self._wishes, self._step_s, self._preset.steering)
+        before, self._state = (
+            self._state,
+            steer_many(self._state, self._wishes, self._step_s, self._preset.steering),
+        )
         actions = (self._state[:, (0, 2)] / self._scales).astype(np.float32)
         told = [part.step(actions[rows]) for part, rows in zip(self._parts, self._slices, strict=True)]
         observations = np.concatenate([one[0] for one in told])
-        rewards = np.concatenate([one[1] for one in told])
+        rewards = np.concatenate([one[1] for one in told]) - self._jerk_cost(before)
         ended = np.concatenate([one[2] | one[3] for one in told])
         self._returns += rewards
         self._lengths += 1
@@ -76,6 +79,11 @@ class WorldsVecEnv(VecEnv):
                 infos[rows.start + j] = {"kind": k, **self._end(rows.start + j, j, info)}
         self._returns[ended], self._lengths[ended], self._state[ended] = 0.0, 0, 0.0
         return observations, (rewards * self._preset.reward_scale).astype(np.float32), ended, infos  # pyright: ignore[reportReturnType]
+
+    def _jerk_cost(self, before: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return (n,) what the jerk of the last step costs; `before` (n, 4) was commanded before it."""
+        jerk = (self._state - before)[:, (1, 3)] / self._step_s
+        return self._preset.jerk * jerk[:, 0] ** 2 + self._preset.turn_jerk * jerk[:, 1] ** 2
 
     def _end(self, row: int, j: int, info: dict[str, Any]) -> dict[str, Any]:
         final = info["final_info"]
