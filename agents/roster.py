@@ -5,7 +5,7 @@ from collections.abc import Callable
 from functools import partial
 
 from ..envs.task.interface import FollowInterface
-from ..slam.errors import unknown_name
+from ..slam.errors import InputError, unknown_name
 from .learned.follower import LearnedFollower
 from .learned.guard import GuardConfig
 from .protocol.follower import Follower
@@ -55,7 +55,7 @@ def make_follower(name: str, interface: FollowInterface | None = None) -> Follow
             there (but a class of your own is told the defaults).
 
     Raises:
-        InputError: If the name is unknown, or "frontier" finds no map.
+        InputError: If the name is unknown, an explorer is to wear the filter, or "frontier" finds no map.
     """
     plain, guarded = name.removesuffix(GUARD), name.endswith(GUARD)
     if ":" in plain:
@@ -75,6 +75,8 @@ def _maker(name: str, guarded: bool) -> Callable[[FollowInterface], Follower]:
         raise unknown_name("follower", name, tuple(everybody))
     if not guarded:
         return make
+    if name in EXPLORERS:
+        raise InputError(f"the safety filter is for followers; {name} explores without a leader")
     if isinstance(make, partial) and make.func is ReinforcedFollower:
         return partial(make, guard=GuardConfig())
     inner = make

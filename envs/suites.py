@@ -54,7 +54,7 @@ HARD_CELLS = (
     _cell("crossing 4.8 m, 18", "busy_crossing", 18),
     _cell("clutter 30, 20", "packed_clutter", 20),
 )
-"""Where classical followers fail; fixed: a change of a cell is a new suite with a new number."""
+"""Where following is hardest; fixed: a change of a cell is a new suite with a new number."""
 
 
 SUITES: dict[str, tuple[Scenario, ...]] = {

@@ -7,7 +7,7 @@ from ...envs.task.interface import FollowInterface
 from ...slam.errors import InputError
 from ..learned.guard import Guard, GuardConfig
 from ..learned.steering import SteeringConfig
-from ..scripted.scan_points import as_action
+from ..scripted.scan_points import as_action, leader_row
 from .follower import Follower, Observation
 
 STEERING = SteeringConfig(
@@ -41,8 +41,9 @@ class Guarded:
         """Return the follower's action, or the nearest that can be stopped in time.
 
         Raises:
-            InputError: If the follower drives sideways, which the filter cannot judge.
+            InputError: If the follower drives sideways, which the filter cannot judge, or nobody leads.
         """
+        leader_row(observation)
         self._guard.observe(observation)
         action = self.follower.act(observation)
         if len(action) == 3 and action[1] != 0.0:

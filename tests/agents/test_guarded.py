@@ -61,3 +61,10 @@ def test_who_drives_sideways_cannot_wear_the_filter():
 
     with pytest.raises(InputError, match="drives sideways"):
         Guarded(Crab(), INTERFACE).act(seen())
+
+
+def test_the_filter_is_for_those_who_follow():
+    with pytest.raises(InputError, match="frontier explores without a leader"):
+        make_follower("frontier+guard")
+    with pytest.raises(InputError, match="needs a leader"):
+        make_follower("plain_pid+guard", INTERFACE).act({"scan": seen()["scan"]})
