@@ -8,8 +8,8 @@ from ..envs.task.interface import FollowInterface
 from ..slam.errors import InputError, unknown_name
 from .learned.follower import LearnedFollower
 from .learned.guard import GuardConfig
+from .learned.guarded import Guarded
 from .protocol.follower import Follower
-from .protocol.guarded import Guarded
 from .protocol.newcomer import Newcomer
 from .protocol.user import load_follower
 from .reinforced.follower import ReinforcedFollower

@@ -46,7 +46,7 @@ HARD_CELLS = (
     _cell("doors 0.9 m, 10 hurried slipping", "tight_office", 10, odometry="slipping", **_HURRIED),
     _cell("doors 0.9 m, 10 hurried laser 4 m", "tight_office", 10, _SHORT, **_HURRIED),
     _cell("office 12 hurried laser 4 m", "office", 12, _SHORT, **_HURRIED),
-    _cell("rooms in a row 0.9 m, 8 hurried", "narrow_doors", 8, **_HURRIED),
+    _cell("rooms in a row 0.9 m, 6 hurried", "narrow_doors", 6, **_HURRIED),
     _cell("doorway 0.9 m, 10 hurried", "tight_doorway", 10, **_HURRIED),
     _cell("doorway 0.9 m, 14", "tight_doorway", 14),
     _cell("corridor 1.9-2.4 m, 12", "narrow_corridor", 12),

@@ -16,7 +16,7 @@ from ...slam.files.output import made_folder, write_json, write_text
 from ..benchmarks.follower_comparison import episode_row, finished_rows
 from ..console.arguments import require_count
 from ..console.tables import format_table
-from ..lab.cell_comparison import Cell, compare_cells, report
+from ..lab.cell_comparison import ComparedCell, compare_cells, report
 from ..lab.hardware import describe_machine
 
 EPILOG = """\
@@ -91,5 +91,5 @@ def _environment(name: str, number: int) -> gym.Env[Any, Any]:
     return gym.make(one.env, **{**one.arguments, "slam": None})
 
 
-def _line(cell: Cell, followers: Sequence[str]) -> tuple[str, ...]:
+def _line(cell: ComparedCell, followers: Sequence[str]) -> tuple[str, ...]:
     return (cell.name, str(cell.episodes), *(f"{cell.done[who].mean:.2f}" for who in followers))

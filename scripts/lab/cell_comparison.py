@@ -18,7 +18,7 @@ ALL = "all cells"
 
 
 @dataclass(frozen=True)
-class Cell:
+class ComparedCell:
     """One cell.
 
     Attributes:
@@ -44,7 +44,7 @@ class Cell:
         return asdict(self)
 
 
-def compare_cells(rows: Sequence[Mapping[str, Any]], followers: Sequence[str]) -> list[Cell]:
+def compare_cells(rows: Sequence[Mapping[str, Any]], followers: Sequence[str]) -> list[ComparedCell]:
     """Return the cells in the order of `rows`, and, of several, all of them together at the end.
 
     Args:
@@ -57,17 +57,17 @@ def compare_cells(rows: Sequence[Mapping[str, Any]], followers: Sequence[str]) -
     made = [_cell(name, part, followers) for name, part in parts]
     corrected = {who: holm([cell.paired[who].p for cell in made]) for who in followers[1:]}
     cells = [
-        Cell(**{**vars(cell), "corrected": {who: values[k] for who, values in corrected.items()}})
+        ComparedCell(**{**vars(cell), "corrected": {who: values[k] for who, values in corrected.items()}})
         for k, cell in enumerate(made)
     ]
     return cells if len(cells) < 2 else [*cells, _cell(ALL, rows, followers)]
 
 
-def _cell(name: str, rows: Sequence[Mapping[str, Any]], followers: Sequence[str]) -> Cell:
+def _cell(name: str, rows: Sequence[Mapping[str, Any]], followers: Sequence[str]) -> ComparedCell:
     by = {who: [row for row in rows if row["follower"] == who] for who in followers}
     done = {who: [row["ending"] == "tour_done" for row in part] for who, part in by.items()}
     paired = {who: paired_shares(done[followers[0]], done[who]) for who in followers[1:]}
-    return Cell(
+    return ComparedCell(
         name=name,
         episodes=len(done[followers[0]]),
         done={who: share(values) for who, values in done.items()},
@@ -82,7 +82,7 @@ def _values(rows: Sequence[Mapping[str, Any]], key: str) -> list[float]:
     return [np.nan if row[key] is None else float(row[key]) for row in rows]
 
 
-def report(cells: Sequence[Cell], followers: Sequence[str]) -> str:
+def report(cells: Sequence[ComparedCell], followers: Sequence[str]) -> str:
     """Return Markdown: tours done with intervals, the paired differences, and the other figures."""
     first, others = followers[0], followers[1:]
     parts = ["# Followers compared", "Tours done, 95 % interval (Wilson):", _table(("cell", "n", *followers), [
@@ -99,7 +99,7 @@ def report(cells: Sequence[Cell], followers: Sequence[str]) -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def _difference(cell: Cell, who: str) -> str:
+def _difference(cell: ComparedCell, who: str) -> str:
     test = cell.paired[who]
     return f"{test.difference:+.2f} [{test.low:+.2f}, {test.high:+.2f}], p {cell.corrected[who]:.2g}"
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from tagalong.agents import make_follower
-from tagalong.agents.protocol.guarded import Guarded
+from tagalong.agents.learned.guarded import Guarded
 from tagalong.envs.task import FollowInterface
 from tagalong.slam import InputError
 

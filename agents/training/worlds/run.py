@@ -34,7 +34,7 @@ _MOST_WORKERS = 64
 _LONGEST_MIN = 1e6  # two years; whoever wants no limit leaves it out
 
 
-class _TimeUp(Exception):
+class _OutOfTime(Exception):
     """The time of the run is up."""
 
 
@@ -96,7 +96,7 @@ class WorldsRun:
                 try:
                     self._model.learn(left, callback=_Monitor(self), reset_num_timesteps=False)
                     self.count()
-                except _TimeUp:
+                except _OutOfTime:
                     self._save()
         return self.progress
 
@@ -107,7 +107,7 @@ class WorldsRun:
         if self.progress.rollouts % CHECKPOINT_EVERY == 0 or self.progress.steps >= self._preset.steps:
             self._save()
         if self.config.max_minutes is not None and self._minutes() >= self.config.max_minutes:
-            raise _TimeUp
+            raise _OutOfTime
 
     def note(self, infos: list[dict[str, Any]]) -> None:
         """Take note of the episodes that have ended."""

@@ -5,10 +5,10 @@ from numpy.typing import NDArray
 
 from ...envs.task.interface import FollowInterface
 from ...slam.errors import InputError
-from ..learned.guard import Guard, GuardConfig
-from ..learned.steering import SteeringConfig
+from ..protocol.follower import Follower, Observation
 from ..scripted.scan_points import as_action, leader_row
-from .follower import Follower, Observation
+from .guard import Guard, GuardConfig
+from .steering import SteeringConfig
 
 STEERING = SteeringConfig(
     max_speed=1.3, reverse_speed=1.3, max_turn_rate=2.0, settle_s=0.1, turn_settle_s=0.1, acceleration=2.0,
