@@ -5,18 +5,24 @@ from collections.abc import Callable
 from functools import partial
 
 from ..envs.task.interface import FollowInterface
-from ..slam.errors import unknown_name
+from ..slam.errors import InputError, unknown_name
 from .learned.follower import LearnedFollower
+from .learned.guard import GuardConfig
+from .learned.guarded import Guarded
 from .protocol.follower import Follower
 from .protocol.newcomer import Newcomer
 from .protocol.user import load_follower
+from .reinforced.follower import ReinforcedFollower
+from .reinforced.policy import is_reinforced
 from .scripted.dwa import DWAFollower
 from .scripted.pid import PIDFollower
+from .scripted.plain_pid import PlainPIDFollower
 from .scripted.pure_pursuit import PurePursuitFollower
 from .scripted.random_walk import RandomWalk
 
 FOLLOWERS: dict[str, Callable[[FollowInterface], Follower]] = {
     "pid": PIDFollower,
+    "plain_pid": PlainPIDFollower,
     "pure_pursuit": PurePursuitFollower,
     "dwa": DWAFollower,
     "learned": LearnedFollower,
@@ -34,24 +40,44 @@ EXPLORERS: dict[str, Callable[[FollowInterface], Follower]] = {"random": RandomW
 """Who needs none: for environments with `leader=False`; "frontier" for those that build a map."""
 
 
+GUARD = "+guard"
+"""Behind a name: the same follower with the safety filter."""
+
+
 def make_follower(name: str, interface: FollowInterface | None = None) -> Follower:
     """Return a new follower or explorer.
 
     Args:
-        name: "pid", "pure_pursuit", "dwa", "learned" (behind a leader); "random", "frontier" (without); your own class,
-            as "module:name"; or a folder that `tagalong train follower` wrote.
+        name: "pid", "plain_pid", "pure_pursuit", "dwa", "learned" (behind a leader); "random", "frontier" (without);
+            your own class, as "module:name"; or a folder that `tagalong train follower` wrote. With "+guard" behind
+            it, its actions pass the safety filter, which stops before a certain contact.
         interface: Scales of the environment it will act in, `env.unwrapped.interface`; None: it learns them
             there (but a class of your own is told the defaults).
 
     Raises:
-        InputError: If the name is unknown, or "frontier" finds no map.
+        InputError: If the name is unknown, an explorer is to wear the filter, or "frontier" finds no map.
     """
-    if ":" in name:
-        return load_follower(name, interface or FollowInterface())
+    plain, guarded = name.removesuffix(GUARD), name.endswith(GUARD)
+    if ":" in plain:
+        scales = interface or FollowInterface()
+        own = load_follower(plain, scales)
+        return Guarded(own, scales) if guarded else own
+    make = _maker(plain, guarded)
+    return Newcomer(make) if interface is None else make(interface)
+
+
+def _maker(name: str, guarded: bool) -> Callable[[FollowInterface], Follower]:
     everybody = {**FOLLOWERS, **EXPLORERS}
     make = everybody.get(name)
     if make is None and os.path.isdir(name):
-        make = partial(LearnedFollower, policy=name)
+        make = partial(ReinforcedFollower if is_reinforced(name) else LearnedFollower, policy=name)
     if make is None:
         raise unknown_name("follower", name, tuple(everybody))
-    return Newcomer(make) if interface is None else make(interface)
+    if not guarded:
+        return make
+    if name in EXPLORERS:
+        raise InputError(f"the safety filter is for followers; {name} explores without a leader")
+    if isinstance(make, partial) and make.func is ReinforcedFollower:
+        return partial(make, guard=GuardConfig())
+    inner = make
+    return lambda interface: Guarded(inner(interface), interface)

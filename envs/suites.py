@@ -33,6 +33,30 @@ def _crowded(env: str, counts: range, **arguments: Any) -> tuple[Scenario, ...]:
     )
 
 
+def _cell(name: str, scene: str, people: int, lidar: dict[str, Any] | None = None, **options: Any) -> Scenario:
+    arguments = {"scene": scene, "split": "test", **(lidar or {})}
+    return Scenario(name=name, env="tagalong/Office-v0", arguments=arguments, options={"people": people + 1, **options})
+
+
+_HURRIED: dict[str, Any] = {"leader_style": "hurried"}
+_SHORT: dict[str, Any] = {"lidar.range_max": 4.0}
+HARD_CELLS = (
+    _cell("doors 0.9 m, 6", "tight_office", 6),
+    _cell("doors 0.9 m, 10 hurried", "tight_office", 10, **_HURRIED),
+    _cell("doors 0.9 m, 10 hurried slipping", "tight_office", 10, odometry="slipping", **_HURRIED),
+    _cell("doors 0.9 m, 10 hurried laser 4 m", "tight_office", 10, _SHORT, **_HURRIED),
+    _cell("office 12 hurried laser 4 m", "office", 12, _SHORT, **_HURRIED),
+    _cell("rooms in a row 0.9 m, 6 hurried", "narrow_doors", 6, **_HURRIED),
+    _cell("doorway 0.9 m, 10 hurried", "tight_doorway", 10, **_HURRIED),
+    _cell("doorway 0.9 m, 14", "tight_doorway", 14),
+    _cell("corridor 1.9-2.4 m, 12", "narrow_corridor", 12),
+    _cell("corridor 5.6 m, 28", "wide_corridor", 28),
+    _cell("crossing 4.8 m, 18", "busy_crossing", 18),
+    _cell("clutter 30, 20", "packed_clutter", 20),
+)
+"""Where following is hardest; fixed: a change of a cell is a new suite with a new number."""
+
+
 SUITES: dict[str, tuple[Scenario, ...]] = {
     "corridor": (Scenario(name="corridor", env="tagalong/Corridor-v0", arguments={"people_count": None}),),
     "meeting_room": (Scenario(name="meeting_room", env="tagalong/MeetingRoom-v0", arguments={"people_count": None}),),
@@ -48,6 +72,7 @@ SUITES: dict[str, tuple[Scenario, ...]] = {
         Scenario(name=name, env="tagalong/Office-v0", arguments={"scene": name}, options={"people": 9})
         for name in ("narrow_corridor", "doorway", "intersection", "clutter")
     ),
+    "hard-v1": HARD_CELLS,
 }
 """Name -> scenarios; episode k is of scenario k modulo their number, with seed `FIRST_SEED` + k."""
 

@@ -26,6 +26,7 @@ COMMANDS: dict[str, str] = {
     "doctor": "say what is installed and what works here",
     "teleop": "drive by stick, record it, replay it",
     "evaluate": "drive a follower through many episodes",
+    "compare": "followers on suites, cell by cell, in one table",
     "results": "measure what the README states",
     "reproduce": "repeat a published experiment",
     "bench": "run a benchmark: speed, SLAM, people, followers, long runs",

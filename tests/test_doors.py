@@ -36,6 +36,7 @@ FOLDERS = {
     "envs.scenes": """Door Errand RUN_OUT SCENES Scene SceneMaker SceneRequest Solid Walk box choose_route make_scene
         post room rounded""",
     "envs.task": "FollowInterface OwnMap",
+    "envs.wrappers": "PooledConfig PooledFeatures PooledObservation PooledVectorObservation",
     "agents.learned": "PilotConfig pilot_config",
     "agents.teleop": """JoystickLog JoystickReplay KeyboardStick read_joystick_log record_drive replay_drive
         write_joystick_log""",

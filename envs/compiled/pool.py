@@ -6,15 +6,19 @@ from typing import Any
 import numpy as np
 from gymnasium.utils import seeding
 
+from ...slam.errors import InputError
 from ..episode_setup import world_config
 from ..follow_config import FollowConfig
-from ..world.drawing import draw_again, draw_episode
+from ..world.config import WorldConfig
+from ..world.drawing import EpisodeDrawing, draw_again, draw_episode
 from .plans import Plans, plan_row
 from .records import Records
 
 _LATER = 0x7A6A  # sets the draws of later episodes apart from those of seeds
 
 
+_ATTEMPTS = 20
+"""Buildings that are drawn for one, at most."""
 SHARING = 4
 """Episodes drawn ahead that share a building and its tour: drawing a building takes ten times as long as people."""
 
@@ -52,12 +56,31 @@ class EpisodePool:
             return
         config = world_config(self._config, {})
         for building in range(0, self._ahead, SHARING):
-            drawing = draw_episode(config, np.random.default_rng([_LATER, self._seed, building]))
-            self._records.put(building, plan_row(drawing))
-            for row in range(building + 1, min(building + SHARING, self._ahead)):
-                again = draw_again(drawing, np.random.default_rng([_LATER, self._seed, row]))
-                self._records.put(row, plan_row(again))
+            for row, drawing in enumerate(self._sharing(config, building), building):
+                self._records.put(row, plan_row(drawing))
         self._drawn_ahead = True
+
+    def _sharing(self, config: WorldConfig, first: int) -> list[EpisodeDrawing]:
+        """Return the episodes `first` and those after it that share its building.
+
+        Not every building has room for as many people as are asked for: then another one is drawn.
+
+        Raises:
+            InputError: If none of `_ATTEMPTS` has.
+        """
+        for attempt in range(_ATTEMPTS):
+            more = [] if attempt == 0 else [attempt]
+            try:
+                drawings = [draw_episode(config, np.random.default_rng([_LATER, self._seed, first, *more]))]
+                for row in range(first + 1, min(first + SHARING, self._ahead)):
+                    rng = np.random.default_rng([_LATER, self._seed, row, *more])
+                    drawings.append(draw_again(drawings[0], rng))
+            except InputError:
+                if attempt == _ATTEMPTS - 1:
+                    raise
+            else:
+                return drawings
+        raise AssertionError("the last attempt returns or raises")
 
     @property
     def plans(self) -> Plans:

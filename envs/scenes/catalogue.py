@@ -6,16 +6,18 @@ from ...slam.errors import unknown_name
 from .corridor import corridor
 from .floor_plan import floor_plan
 from .follow_bench import clutter, doorway, intersection, narrow_corridor
+from .hard_cells import busy_crossing, narrow_doors, packed_clutter, tight_doorway, wide_corridor
 from .lab import lab
 from .landmarks import landmarks
 from .meeting_room import meeting_room
-from .office import office
+from .office import office, tight_office
 from .plain_corridor import plain_corridor
 from .request import SceneMaker, SceneRequest
 from .scene import Scene
 from .scene_check import checked_scene
 
 SCENES: dict[str, SceneMaker] = {
+    "busy_crossing": busy_crossing,
     "clutter": clutter,
     "corridor": lambda rng, request: corridor(rng, request.route),
     "doorway": doorway,
@@ -25,8 +27,13 @@ SCENES: dict[str, SceneMaker] = {
     "landmarks": lambda rng, request: landmarks(rng, request.route),
     "meeting_room": lambda rng, request: meeting_room(rng, request.route),
     "narrow_corridor": narrow_corridor,
+    "narrow_doors": narrow_doors,
     "office": office,
+    "packed_clutter": packed_clutter,
     "plain_corridor": lambda rng, request: plain_corridor(rng, request.route),
+    "tight_doorway": tight_doorway,
+    "tight_office": tight_office,
+    "wide_corridor": wide_corridor,
 }
 """Name -> function of the source of all draws and what is asked for."""
 

@@ -14,8 +14,9 @@ class SceneConfig:
 
     Attributes:
         scene: Its kind: "corridor", "floor_plan", "lab", "landmarks", "meeting_room", "office" or "plain_corridor"; or
-            one of Follow-Bench's situations: "narrow_corridor", "doorway", "intersection", "clutter"; or a function
-            that draws a building of one's own, see `tagalong.envs.scenes`.
+            one of Follow-Bench's situations: "narrow_corridor", "doorway", "intersection", "clutter"; one of the hard
+            ones: "tight_office", "narrow_doors", "tight_doorway", "wide_corridor", "busy_crossing", "packed_clutter";
+            or a function that draws a building of one's own, see `tagalong.envs.scenes`.
         split: Of which half offices are drawn: "train" or "test"; no building of one is ever in the other.
         floor_plan: File `map.yaml` of a ROS map for the scene "floor_plan"; None takes a built-in plan.
         walking_paths: File of recorded walks (`frame id x y` or the `obsmat` form of the ETH and UCY recordings, plain

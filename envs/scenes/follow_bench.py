@@ -35,7 +35,7 @@ def narrow_corridor(rng: np.random.Generator, request: SceneRequest) -> Scene:
         doors=(),
     )
     ends = (Rectangle(0.8, -2.2, 5.0, 2.2), Rectangle(25.0, -2.2, 29.2, 2.2))
-    return _situation("narrow_corridor", rng, request, layout, (ends,), half - 0.2)
+    return situation("narrow_corridor", rng, request, layout, (ends,), half - 0.2)
 
 
 def doorway(rng: np.random.Generator, request: SceneRequest) -> Scene:
@@ -48,7 +48,7 @@ def doorway(rng: np.random.Generator, request: SceneRequest) -> Scene:
         doors=(Rectangle(9.0, at, 9.0 + WALL, at + width),),
     )
     ends = (Rectangle(0.8, -3.2, 4.0, 3.2), Rectangle(14.2, -3.2, 17.3, 3.2))
-    return _situation("doorway", rng, request, layout, (ends,), 0.8)
+    return situation("doorway", rng, request, layout, (ends,), 0.8)
 
 
 def intersection(rng: np.random.Generator, request: SceneRequest) -> Scene:
@@ -59,7 +59,7 @@ def intersection(rng: np.random.Generator, request: SceneRequest) -> Scene:
     layout = OfficeLayout(corridors=(along, across), rooms=(), doors=())
     ends = (Rectangle(-11.2, -0.2, -10.0, 0.2), Rectangle(10.0, -0.2, 11.2, 0.2))
     crossing = (Rectangle(-half + 0.5, -7.4, half - 0.5, -4.0), Rectangle(-half + 0.5, 4.0, half - 0.5, 7.4))
-    return _situation("intersection", rng, request, layout, (ends, crossing, crossing), half - 0.2)
+    return situation("intersection", rng, request, layout, (ends, crossing, crossing), half - 0.2)
 
 
 def clutter(rng: np.random.Generator, request: SceneRequest) -> Scene:
@@ -67,10 +67,10 @@ def clutter(rng: np.random.Generator, request: SceneRequest) -> Scene:
     layout = OfficeLayout(corridors=(), rooms=(Rectangle(0.0, -5.5, 20.0, 5.5),), doors=())
     ends = (Rectangle(0.8, -4.5, 2.5, 4.5), Rectangle(17.5, -4.5, 19.2, 4.5))
     sides = (Rectangle(2.0, -5.0, 18.0, -2.0), Rectangle(2.0, 2.0, 18.0, 5.0))
-    return _situation("clutter", rng, request, layout, (ends, sides, ends), 0.8, obstacles=_OBSTACLES)
+    return situation("clutter", rng, request, layout, (ends, sides, ends), 0.8, obstacles=_OBSTACLES)
 
 
-def _situation(
+def situation(
     name: str,
     rng: np.random.Generator,
     request: SceneRequest,
@@ -78,6 +78,7 @@ def _situation(
     ends: tuple[tuple[Rectangle, Rectangle], ...],
     half_width: float,
     obstacles: int = 0,
+    clearance: float = ROBOT_CLEARANCE,
 ) -> Scene:
     """Return the scene whose tour and whose bystanders' ways lead from one rectangle to another.
 
@@ -89,12 +90,16 @@ def _situation(
         ends: Where ways begin and end: the first pair is the tour's, bystanders take one pair after the other.
         half_width: Clear space to both sides of the tour [m].
         obstacles: How many things stand about.
+        clearance: Least distance of the tour from things [m].
+
+    Raises:
+        InputError: If there is no room for a tour.
     """
     floor = layout.painted()
     for _ in range(_ATTEMPTS):
         things = _obstacles(rng, layout.rooms[0], obstacles) if obstacles else ()
         space = floor.without(things)
-        planner = WayPlanner(space, ROBOT_CLEARANCE)
+        planner = WayPlanner(space, clearance)
         tour = planner.way([_drawn(rng, end) for end in ends[0]])
         if tour is None:
             continue

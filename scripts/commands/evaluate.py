@@ -30,12 +30,14 @@ A tour counts as done when its leader was followed to the end without touching a
 
 Besides the shipped followers ({followers}), give your own: module:class, e.g. my_module:Bold for class Bold
 with reset() and act(observation) in my_module.py of the current folder or anywhere that Python finds it.
-A folder that `tagalong train follower` wrote is one, too.
+A folder that `tagalong train follower` wrote is one, too. Behind a name, "+guard" puts the safety filter, which stops
+before a certain contact: pid+guard, out/follower+guard.
 Explorers ({explorers}) drive without a leader, among the same bystanders, until 99 % of the floor was seen.
 
 A suite is a fixed set of unseen episodes (offices of the test half; seeds from 1000000 on, its scenarios in turn):
 corridor, meeting_room, office, floor_plan, hurried (offices, hurried leaders), crowd (8 to 12 bystanders), follow-bench
-(its four situations with 8 bystanders, and its own figures beside ours).
+(its four situations with 8 bystanders, and its own figures beside ours), hard-v1 (12 cells: doors of 0.9 m, short
+lasers, slipping wheels, crowds).
 
 examples:
   tagalong evaluate pid --env tagalong/Corridor-v0 --episodes 30 --people 2

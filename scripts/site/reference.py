@@ -21,6 +21,7 @@ DOORS = {
     "envs.recording": "episodes as recordings for ROS 2",
     "envs.scenes": "what buildings are made of",
     "envs.task": "what a follower is told",
+    "envs.wrappers": "an observation to learn from",
     "agents": "who drives",
     "agents.learned": "the learned follower",
     "agents.teleop": "joystick and keyboard",

@@ -5,31 +5,40 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
-from ...slam.errors import MissingExtraError
+from ...slam.errors import InputError, MissingExtraError, shown
 from ...slam.processes.crew import require_workers
 from ..console.setting_words import add_settings, read_settings
 
+MOST_STEPS = 10**10
+"""Two weeks on a core."""
 ALGORITHMS = ("ppo", "sac", "recurrent-ppo")
-PRESETS = ("office", "office-map", "corridor")
+WORLDS = "worlds"
+PRESETS = (WORLDS, "office", "office-map", "corridor")
 EPILOG = """\
-With ppo, the policy first imitates a teacher that drives by the truth (which the robot never sees), on the ways that
-the policy itself comes to; then it is rewarded. With sac and recurrent-ppo it is rewarded from the start.
+With the preset worlds, the default, the policy is rewarded from the start, by PPO on compiled worlds: offices of the
+training half, a floor plan, corridors and halls, people known by the truth. It drives alone; "DIR+guard" is the same
+with the safety filter. The same command makes the same weights, to the byte, if it is not interrupted.
+
+With the other presets it is trained in MuJoCo's worlds with the tracker: with ppo, it first imitates a teacher that
+drives by the truth (which the robot never sees), on the ways that the policy itself comes to; then it is rewarded.
+With sac and recurrent-ppo it is rewarded from the start.
 
 The same command goes on where it was killed. Only --workers, --max-minutes may change then.
 
-writes into DIR: policy.npz (arrays), policy.safetensors, policy.onnx, policy.json (card), evaluations.json,
-settings.json, tensorboard/; checkpoint.json with model_*.safetensors, demonstrations/ (only to go on)
+writes into DIR: policy.npz (arrays), policy.safetensors, policy.json (card), settings.json, and curve.json (worlds) or
+policy.onnx, evaluations.json, tensorboard/; checkpoint.json with model_*.safetensors, demonstrations/ (only to go on)
 
 examples:
-  tagalong train follower --algo ppo --preset office --max-minutes 90 --out out/follower
-  tagalong evaluate out/follower --suite office --episodes 100
+  tagalong train follower --out out/follower
+  tagalong evaluate out/follower+guard --suite office --episodes 100
+  tagalong train follower --algo ppo --preset office --max-minutes 90 --out out/imitated
   tagalong train follower --algo recurrent-ppo --preset corridor --out out/recurrent
 """
 
 
 def add_follower_arguments(models: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     """Declare the options."""
-    summary = "a follower, by imitation and reinforcement"
+    summary = "a follower, by reinforcement from nothing, or by imitation"
     parser = models.add_parser(
         "follower",
         help=summary,
@@ -38,10 +47,13 @@ def add_follower_arguments(models: "argparse._SubParsersAction[argparse.Argument
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--algo", choices=ALGORITHMS, default="ppo", help="default: %(default)s")
-    parser.add_argument("--preset", choices=PRESETS, default="office", help="default: %(default)s")
+    parser.add_argument("--preset", choices=PRESETS, default=WORLDS, help="default: %(default)s")
     parser.add_argument("--seed", type=int, default=0, help="of all random draws (default: %(default)s)")
+    parser.add_argument("--steps", type=int, metavar="N", help="steps of reinforcement (worlds: 4000000)")
     parser.add_argument("--max-minutes", type=float, metavar="M", help="stop then, evaluations included")
-    parser.add_argument("--workers", type=int, default=2, metavar="N", help="processes that drive (%(default)s)")
+    parser.add_argument(
+        "--workers", type=int, default=2, metavar="N", help="processes that drive (worlds: threads; %(default)s)"
+    )
     add_settings(parser, "an argument of the environments that it is trained in, e.g. robot=pioneer")
     parser.add_argument("--out", type=Path, default=Path("out/follower"), metavar="DIR", help="default: %(default)s")
 
@@ -49,6 +61,10 @@ def add_follower_arguments(models: "argparse._SubParsersAction[argparse.Argument
 def train_follower(options: argparse.Namespace) -> int:
     """Train, or go on with training; print a line on the progress now and then."""
     require_workers(options.workers, "--workers")
+    if options.preset == WORLDS:
+        return _train_on_worlds(options)
+    if options.steps is not None:
+        raise InputError(f"--steps is for the preset {WORLDS}; the others have steps of their own")
     try:
         from ...agents.training.presets import make_preset
         from ...agents.training.run import RunConfig, TrainingRun
@@ -74,6 +90,30 @@ def train_follower(options: argparse.Namespace) -> int:
         print(f"stopped after {progress.minutes:.1f} minutes, before a first evaluation: the same command goes on")
         return 1
     print(f"wrote {options.out / 'policy.npz'}; best return of an evaluation {progress.best:.1f}")
+    return 0
+
+
+def _train_on_worlds(options: argparse.Namespace) -> int:
+    if options.algo != "ppo":
+        raise InputError(f"the preset {WORLDS} is trained by ppo, got {options.algo}")
+    if options.steps is not None and not 1 <= options.steps <= MOST_STEPS:
+        raise InputError(f"--steps must be 1 to {MOST_STEPS}, got {shown(options.steps)}")
+    try:
+        from ...agents.training.worlds.preset import WorldsPreset
+        from ...agents.training.worlds.run import WorldsRun, WorldsRunConfig
+    except ImportError as error:
+        raise MissingExtraError(f"learned followers ({error.name})", "learn") from None
+    preset = WorldsPreset()
+    preset = replace(preset, env={**preset.env, **read_settings(options.settings)})
+    if options.steps is not None:
+        preset = replace(preset, steps=options.steps)
+    config = WorldsRunConfig(preset=preset, seed=options.seed, workers=options.workers, max_minutes=options.max_minutes)
+    lines = ProgressLines()
+    run = WorldsRun(config, options.out, lines)
+    if run.progress.minutes:
+        lines.go_on(run.progress.minutes)
+    progress = run.train()
+    print(f"wrote {options.out / 'policy.npz'} after {progress.steps} steps")
     return 0
 
 

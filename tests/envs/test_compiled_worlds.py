@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
 from tagalong.envs import FollowEnv
+from tagalong.envs.scenes import make_scene
 from tagalong.slam import InputError
 
 EXACT = {
@@ -251,3 +252,14 @@ def test_a_wrong_action_moves_nobody():
 def test_an_unknown_simulator_is_refused():
     with pytest.raises(InputError, match="unknown simulator 'gazebo'; simulators: compiled, mujoco"):
         gym.make_vec("tagalong/Corridor-v0", 2, "vector_entry_point", simulator="gazebo")
+
+
+def test_a_building_without_room_for_so_many_gives_way_to_another():
+    def cramped(rng, request):
+        if rng.random() < 0.7:
+            raise InputError("no room for 13 people in this building")
+        return make_scene("corridor", rng, request=request)
+
+    env = compiled(scene=cramped, episodes_ahead=12)
+    env.reset(seed=0)
+    env.close()

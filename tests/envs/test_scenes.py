@@ -11,6 +11,10 @@ from tagalong.slam import InputError
 from tagalong.slam.geometry import compose, transform_points
 
 NAMES = sorted(SCENES)
+TIGHT = {"narrow_doors", "tight_doorway", "tight_office"}
+"""Their doors are 0.9 m wide."""
+SIZED = {"busy_crossing", "wide_corridor"}
+"""Their sizes are what they are named by."""
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -18,17 +22,17 @@ def test_a_robot_can_drive_every_route(name):
     for seed in range(30):
         scene = make_scene(name, np.random.default_rng(seed))
         for route in scene.routes.values():
-            assert scene.clearance(resample(route, 0.1)).min() > 0.45
+            assert scene.clearance(resample(route, 0.1)).min() > (0.35 if name in TIGHT else 0.45)
 
 
-@pytest.mark.parametrize("name", sorted(set(NAMES) - {"floor_plan"}))
+@pytest.mark.parametrize("name", sorted(set(NAMES) - {"floor_plan"} - SIZED))
 def test_sizes_and_clutter_come_from_the_seed(name):
     scene, again, other = (make_scene(name, np.random.default_rng(seed)) for seed in (1, 1, 2))
     assert scene.solids == again.solids
     assert scene.solids != other.solids
 
 
-@pytest.mark.parametrize("name", sorted(set(NAMES) - {"narrow_corridor"}))
+@pytest.mark.parametrize("name", sorted(set(NAMES) - {"narrow_corridor", "tight_doorway"}))
 def test_there_is_room_to_stand_beside_the_route(name):
     for seed in range(20):
         scene = make_scene(name, np.random.default_rng(seed))
@@ -59,7 +63,7 @@ def test_laps_of_the_meeting_room_close():
 def test_unknown_names_are_answered_with_the_known_ones():
     with pytest.raises(
         InputError,
-        match="corridor, doorway, floor_plan, intersection, lab, landmarks, meeting_room, narrow_corridor, office",
+        match="busy_crossing, clutter, corridor, doorway, floor_plan, intersection, lab, landmarks, meeting_room",
     ):
         make_scene("plasa", np.random.default_rng(0))
     with pytest.raises(InputError, match="back, forward"):

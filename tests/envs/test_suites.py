@@ -9,6 +9,7 @@ import pytest
 from tagalong.agents import make_follower
 from tagalong.envs.metrics.follow_bench import follow_bench_metrics
 from tagalong.envs.recording.rollout import rollout
+from tagalong.envs.scenes import SceneRequest, make_scene
 from tagalong.envs.suites import SUITES, suite
 from tagalong.scripts.cli import main
 from tagalong.slam import InputError
@@ -103,3 +104,14 @@ def test_the_command_evaluates_a_suite(tmp_path, capsys):
     assert (tmp_path / "evaluation.json").exists()
     assert main([*words, "--people", "3"]) == 2
     assert "its own numbers" in capsys.readouterr().err
+
+
+def test_all_doors_of_a_tight_office_are_as_wide_as_a_usual_inner_door():
+    for seed in range(3):
+        wide, tight = (
+            make_scene(name, np.random.default_rng(seed), request=SceneRequest(split="test"))
+            for name in ("office", "tight_office")
+        )
+        assert tight.name == "tight_office"
+        walls = [sum(4.0 * s.half_length * s.half_width for s in scene.solids) for scene in (wide, tight)]
+        assert walls[1] > walls[0]  # what the doors lost, the walls have

@@ -1,0 +1,78 @@
+"""A follower whose network drives alone: pooled observation in, wish out, driven with limited acceleration and jerk."""
+
+import os
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...envs.task.interface import FollowInterface
+from ...envs.wrappers.pooled_features import PooledFeatures
+from ...slam.errors import InputError
+from ..learned.guard import Guard, GuardConfig, NoGuard
+from ..learned.steering import REST, steer
+from ..protocol.follower import Observation
+from ..scripted.scan_points import as_action
+from .policy import DenseNetwork, ReinforcedConfig, load_reinforced
+
+
+class ReinforcedFollower:
+    """Drives by a reinforced network's wishes; sees only what the robot perceives.
+
+    Args:
+        interface: Scales of the environment.
+        policy: Name of a shipped policy, or a folder that `tagalong train follower` wrote.
+        guard: The safety filter that its wishes pass, which stops before a certain contact; None for none.
+
+    Raises:
+        InputError: If there is no such policy, or it does not fit this program.
+    """
+
+    def __init__(
+        self,
+        interface: FollowInterface | None = None,
+        policy: str | os.PathLike[str] = "reinforced",
+        guard: GuardConfig | None = None,
+    ) -> None:
+        arrays, config = load_reinforced(policy)
+        self._interface = interface or FollowInterface()
+        _check_field_of_view(self._interface, config)
+        self._steering, self._network = config.steering, DenseNetwork(arrays)
+        self._features = PooledFeatures(config.pooled, replace(self._interface, holonomic=False))
+        self._scales = np.array((config.max_speed, config.max_turn_rate))
+        self._guard = NoGuard() if guard is None else Guard(guard, config.steering, self._interface)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything; call it before each episode."""
+        self._guard.reset()
+        self._commanded, self._begun = REST, False
+
+    def act(self, observation: Observation) -> NDArray[np.float32]:
+        """Return the action (forward, turn), or (forward, 0, turn) for a holonomic robot, each in [-1, 1]."""
+        self._guard.observe(observation)
+        wish = self._steering.wish(tuple(self._network(self._told(observation)).tolist()))
+        speed, turn = self._guard.limit(self._commanded, wish)
+        self._commanded = steer(self._commanded, speed, turn, 1.0 / self._interface.control_hz, self._steering)
+        return as_action(self._commanded[0], self._commanded[2], self._interface)
+
+    def _told(self, observation: Observation) -> NDArray[np.float32]:
+        """Return the network's inputs; a holonomic robot is told as one that does not drive sideways."""
+        batch = {name: observation[name][None] for name in ("scan", "leader", "people")}
+        batch["velocity"] = observation["velocity"][None, [0, -1]]
+        if not self._begun:
+            self._begun = True
+            return self._features.begin(batch)[0]
+        action = np.array((self._commanded[0], self._commanded[2])) / self._scales
+        return self._features.update(batch, action.astype(np.float32)[None])[0]
+
+
+def _check_field_of_view(interface: FollowInterface, config: ReinforcedConfig) -> None:
+    """Refuse a laser whose sectors would lie elsewhere than those that the network knows."""
+    seen = np.degrees(np.array([interface.bearings[0], interface.bearings[-1]]) + interface.T_robot_lidar[2])
+    half = np.degrees(config.field_of_view) / 2.0
+    if np.abs(seen - (-half, half)).max() > 2.0 * half / config.pooled.sectors:
+        raise InputError(
+            f"this policy knows a laser from {-half:.0f} to {half:.0f} degrees, the environment's looks from "
+            f"{seen[0]:.0f} to {seen[1]:.0f}"
+        )

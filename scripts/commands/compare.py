@@ -1,0 +1,95 @@
+"""`tagalong compare`: followers on suites, cell by cell, on the same episodes; one table, with intervals."""
+
+import argparse
+import json
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import gymnasium as gym
+
+from ...agents import make_follower
+from ...envs.suites import SUITES, suite
+from ...slam.errors import InputError, shown
+from ...slam.files.output import made_folder, write_json, write_text
+from ..benchmarks.follower_comparison import episode_row, finished_rows
+from ..console.arguments import require_count
+from ..console.tables import format_table
+from ..lab.cell_comparison import ComparedCell, compare_cells, report
+from ..lab.hardware import describe_machine
+
+EPILOG = """\
+The first of --followers is what the others are compared with: the share of tours done, paired episode by episode
+(McNemar's exact test, corrected for the number of cells after Holm). Nothing maps: episodes are driven with the
+tracker, without SLAM. Every finished episode is a line of episodes.jsonl; the same command goes on where it was
+stopped.
+
+writes into DIR: episodes.jsonl, results.json, report.md
+
+examples:
+  tagalong compare --suites hard-v1 --followers pid learned reinforced reinforced+guard --episodes 100
+  tagalong compare --quick
+"""
+QUICK = 2
+"""Episodes of each cell with --quick."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.epilog = EPILOG
+    followers = ["pid", "learned"]
+    parser.add_argument("--followers", nargs="+", default=followers, metavar="WHO", help="as for `tagalong evaluate`")
+    parser.add_argument("--suites", nargs="+", choices=sorted(SUITES), default=["hard-v1"], metavar="SUITE")
+    parser.add_argument("--episodes", type=int, default=20, metavar="N", help="of each cell (%(default)s)")
+    parser.add_argument("--quick", action="store_true", help=f"{QUICK} episodes of each cell")
+    parser.add_argument("--out", type=Path, default=Path("out/compare"), metavar="DIR", help="default: %(default)s")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Drive what has not been driven, print and write the table."""
+    require_count("--episodes", options.episodes, 10_000, "each takes some seconds: days")
+    followers = list(dict.fromkeys(options.followers))
+    if len(followers) < 2:
+        raise InputError(f"--followers must name two or more, got {shown(followers)}")
+    for who in followers:
+        make_follower(who)  # who is unknown is told before any drive
+    episodes = QUICK if options.quick else options.episodes
+    rows = _driven(made_folder(options.out) / "episodes.jsonl", followers, options.suites, episodes)
+    cells = compare_cells(rows, followers)
+    write_json(
+        options.out / "results.json",
+        {"followers": followers, "cells": [cell.to_dict() for cell in cells], "machine": describe_machine()},
+    )
+    write_text(options.out / "report.md", report(cells, followers))
+    print(format_table(("cell", "n", *followers), [_line(cell, followers) for cell in cells]))
+    print(f"wrote {options.out / 'report.md'}")
+    return 0
+
+
+def _driven(file: Path, followers: Sequence[str], suites: Sequence[str], episodes: int) -> list[dict[str, Any]]:
+    """Return the rows of all episodes, driven now or before, episode by episode."""
+    rows = {(row["follower"], row["suite"], row["episode"]): row for row in finished_rows(file, 0)}
+    asked = [
+        (who, name, k)
+        for name in dict.fromkeys(suites)
+        for k in range(episodes * len(suite(name)))
+        for who in followers
+    ]
+    environment = cache(_environment)
+    for who, name, k in asked:
+        if (who, name, k) not in rows:
+            row = episode_row(who, name, k, environment(name, k % len(suite(name))))
+            rows[who, name, k] = row
+            with file.open("a", encoding="utf-8") as lines:
+                lines.write(json.dumps(row) + "\n")
+    return [{**rows[key], "cell": suite(key[1])[key[2] % len(suite(key[1]))].name} for key in asked]
+
+
+def _environment(name: str, number: int) -> gym.Env[Any, Any]:
+    one = suite(name)[number]
+    return gym.make(one.env, **{**one.arguments, "slam": None})
+
+
+def _line(cell: ComparedCell, followers: Sequence[str]) -> tuple[str, ...]:
+    return (cell.name, str(cell.episodes), *(f"{cell.done[who].mean:.2f}" for who in followers))

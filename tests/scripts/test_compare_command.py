@@ -1,0 +1,50 @@
+"""Followers compared cell by cell."""
+
+import json
+
+import pytest
+from tagalong.scripts.cli import main
+from tagalong.scripts.commands import compare
+from tagalong.scripts.lab.cell_comparison import MEANS, compare_cells, report
+
+
+def row(who, cell, k, done):
+    figures = {**dict.fromkeys(MEANS, 1.0), "adnn_truth_to_map_m": None}
+    ending = "tour_done" if done else "collision_static"
+    return {"follower": who, "suite": "s", "cell": cell, "episode": k, "ending": ending, "slam": False, **figures}
+
+
+def test_cells_are_paired_with_the_first_follower_and_corrected_for_their_number():
+    rows = [row("old", cell, k, cell == "easy") for cell in ("easy", "hard") for k in range(8)]
+    rows += [row("new", cell, k, True) for cell in ("easy", "hard") for k in range(8)]
+    easy, hard, both = compare_cells(rows, ["old", "new"])
+    assert (easy.paired["new"].difference, hard.paired["new"].difference) == (0.0, 1.0)
+    assert hard.paired["new"].p == pytest.approx(2.0 / 256.0)
+    assert hard.corrected["new"] == pytest.approx(2.0 * hard.paired["new"].p)
+    assert hard.contacts == {"old": 8, "new": 0}
+    assert both.name == "all cells"
+    assert both.done["old"].mean == 0.5
+    told = report([easy, hard, both], ["old", "new"])
+    assert "| s: hard | 8 | 0.00 [0.00, 0.32] | 1.00 [0.68, 1.00] |" in told
+    assert "+1.00 [+1.00, +1.00], p 0.016" in told
+
+
+def test_a_stopped_comparison_goes_on_and_drives_nothing_twice(tmp_path, monkeypatch, capsys):
+    driven = []
+
+    def episode(who, name, k, env):
+        driven.append((who, k))
+        if len(driven) == 3:
+            raise KeyboardInterrupt
+        return {**row(who, "", k, True), "suite": name}
+
+    monkeypatch.setattr(compare, "episode_row", episode)
+    monkeypatch.setattr(compare, "_environment", lambda name, number: None)
+    words = ["compare", "--suites", "office", "--followers", "pid", "dwa", "--episodes", "2", "--out", str(tmp_path)]
+    assert main(words) == 130
+    assert main(words) == 0
+    assert driven == [("pid", 0), ("dwa", 0), ("pid", 1), ("pid", 1), ("dwa", 1)]
+    assert "office" in capsys.readouterr().out
+    cell = json.loads((tmp_path / "results.json").read_text())["cells"][0]
+    assert cell["done"]["dwa"]["mean"] == 1.0
+    assert main([*words[:4], "pid", "--out", str(tmp_path)]) == 2
