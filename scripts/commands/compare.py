@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import gymnasium as gym
+from tqdm import tqdm
 
 from ...agents import make_follower
 from ...envs.suites import SUITES, suite
@@ -77,7 +78,7 @@ def _driven(file: Path, followers: Sequence[str], suites: Sequence[str], episode
         for who in followers
     ]
     environment = cache(_environment)
-    for who, name, k in asked:
+    for who, name, k in tqdm(asked, unit="episode", leave=False):
         if (who, name, k) not in rows:
             row = episode_row(who, name, k, environment(name, k % len(suite(name))))
             rows[who, name, k] = row

@@ -85,5 +85,5 @@ def test_a_scene_that_cannot_be_used_is_refused_in_one_line(what):
 def test_a_function_that_returns_no_scene_and_what_is_no_scene_are_refused():
     with pytest.raises(InputError, match="must return a Scene, got None"):
         make_scene(lambda rng, request: None, np.random.default_rng(0))
-    with pytest.raises(InputError, match="unknown scene 5; scenes: clutter, "):
+    with pytest.raises(InputError, match="unknown scene 5; scenes: busy_crossing, clutter, "):
         WorldConfig(scene=5)

@@ -8,6 +8,8 @@ from .assembly import assemble
 from .global_config import GlobalSlamConfig
 from .submap_graph import SubmapGraph
 
+_WORST = 0.5  # of the worst distance: from there on they are dropped at once, for a wrong tie pulls right ones along
+
 
 def optimise(graph: SubmapGraph, config: GlobalSlamConfig, final: bool = False) -> int:
     """Adjust all poses of a graph; return how many INTER constraints were dropped.
@@ -25,7 +27,8 @@ def optimise(graph: SubmapGraph, config: GlobalSlamConfig, final: bool = False) 
     while True:
         poses = poses.with_poses(adjust(poses, config.adjustment).poses)
         error, count = poses.errors(), len(graph.constraints)
-        bad = np.sqrt(poses.squared_distances(error)) > config.reject_beyond
+        distance = np.sqrt(poses.squared_distances(error))
+        bad = distance > config.reject_beyond
         if final:
             bad |= np.hypot(error[:, 0], error[:, 1]) > config.final_residual[0]
             bad |= np.abs(error[:, 2]) > config.final_residual[1]
@@ -33,6 +36,7 @@ def optimise(graph: SubmapGraph, config: GlobalSlamConfig, final: bool = False) 
         bad[count:] = False  # the odometry between nodes stays: wheels slip, but it is all that ties some of them
         if not bad.any():
             break
+        bad &= distance >= _WORST * distance[bad].max()
         graph.constraints = [c for c, wrong in zip(graph.constraints, bad[:count].tolist(), strict=True) if not wrong]
         rejected += int(bad.sum())
         poses = poses.with_edges(~bad)

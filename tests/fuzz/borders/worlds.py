@@ -99,7 +99,7 @@ def _called(value: Input, folder: Path) -> Any:
 
 
 def _poses(env: Any) -> np.ndarray:
-    return np.array(env.unwrapped._state.position)
+    return np.array(env.unwrapped._state.bodies.position)
 
 
 def _bench(rng: Generator) -> Input:
