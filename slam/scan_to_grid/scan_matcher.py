@@ -189,8 +189,12 @@ class GridScanMatcher:
         return match.score >= self._config.explained * self._typical_score
 
     def cost(self, match: GridMatch, points: int) -> float:
-        """Return the negative log-likelihood of a scan of so many `points` where it was matched, up to a constant."""
-        return self._config.independent * self._config.weight * points * (1.0 - match.score)
+        """Return the negative log-likelihood of a scan of so many `points` where it was matched, up to a constant.
+
+        What lies where nothing is known speaks neither for a place nor against it: it counts as a usual point.
+        """
+        missed = match.seen - match.score + (1.0 - match.seen) * (1.0 - self._typical_score)
+        return self._config.independent * self._config.weight * points * missed
 
     def _match(self, submap: Walls, points: Array, prediction: Prediction, degenerate: Array | None) -> GridMatch:
         config = self._config

@@ -11,6 +11,7 @@ from tagalong.slam.graph.local.local_slam import LocalSlam, LocalSlamConfig
 from tagalong.slam.graph.local.sweep import Sweep
 from tagalong.slam.graph.loops.constraints import Kind
 from tagalong.slam.scan import LaserScan
+from tagalong.slam.scan_to_grid.scan_matcher import GridMatch, GridScanMatcher, GridScanMatcherConfig
 from walls import cast
 
 WALLS = np.array([[-4.0, -3.0, 5.0, -3.0], [5.0, -3.0, 5.0, 4.0], [5.0, 4.0, -4.0, 4.0], [-4.0, 4.0, -4.0, -3.0],
@@ -158,3 +159,11 @@ def test_finished_submaps_keep_what_is_matched_on_and_drop_what_only_insertion_n
     assert insert(0) == [False] * 4
     assert insert(1) == [False] * 4 + [True]
     assert fields()[:4] == before
+
+
+def test_what_lies_where_nothing_is_known_speaks_neither_for_a_place_nor_against_it():
+    matcher = GridScanMatcher(GridScanMatcherConfig())
+    usual = GridMatch(np.zeros(3), np.eye(3), 0.6, False)
+    matcher.believe(usual)
+    half_seen = GridMatch(np.zeros(3), np.eye(3), 0.3, False, seen=0.5)
+    assert matcher.cost(half_seen, 100) == matcher.cost(usual, 100)
