@@ -14,7 +14,7 @@ the rest of them, one as rough as its error model.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -131,7 +131,10 @@ class SwitchingMotion:
         if math.hypot(off[0], off[1]) <= most[0] and off[2] <= most[1]:
             return sound
         went = compose(self._matched_odometry, coasted)
-        return [*sound, self._hypothesis(went, 1.0 - self._sound, np.ones(2), sigma, False)]
+        fault = self._hypothesis(went, 1.0 - self._sound, np.ones(2), sigma, False)
+        # a fault is as likely beside odometry that turned out precise as beside any
+        narrower = 2.0 * math.log(self._precision[0]) + math.log(self._precision[1])
+        return [*sound, replace(fault, cost=fault.cost + narrower)]
 
     def _going_on(self, elapsed: float) -> tuple[Array, Array] | None:
         """Return (3,) how far a robot that goes on as before is from its last match, and (2,) the standard deviations.
