@@ -155,9 +155,12 @@ def _check(arrays: Mapping[str, NDArray[Any]], width: int) -> None:
         weight, bias = arrays[f"layer.{i}.weight"], arrays[f"layer.{i}.bias"]
         if weight.ndim != 2 or weight.shape[1] != width or bias.shape != weight.shape[:1]:
             raise ValueError(f"layer {i} must take {width} numbers, got {weight.shape} and {bias.shape}")
-        for array in (weight, bias):
-            if array.dtype.kind != "f" or not np.isfinite(array).all() or np.abs(array).max(initial=0.0) > LARGEST:
-                raise ValueError(f"layer {i} must hold finite numbers within +-{LARGEST:g}")
+        if not (_is_bounded(weight) and _is_bounded(bias)):
+            raise ValueError(f"layer {i} must hold finite numbers within +-{LARGEST:g}")
         width = weight.shape[0]
     if width != 2:
         raise ValueError(f"its last layer must have 2 outputs, got {width}")
+
+
+def _is_bounded(array: NDArray[Any]) -> bool:
+    return array.dtype.kind == "f" and bool(np.isfinite(array).all()) and np.abs(array).max(initial=0.0) <= LARGEST

@@ -261,5 +261,6 @@ def test_a_building_without_room_for_so_many_gives_way_to_another():
         return make_scene("corridor", rng, request=request)
 
     env = compiled(scene=cramped, episodes_ahead=12)
-    env.reset(seed=0)
+    observation, _ = env.reset(seed=0)
+    assert env.observation_space.contains(observation)
     env.close()

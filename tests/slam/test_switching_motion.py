@@ -126,3 +126,14 @@ def test_odometry_that_errs_as_its_model_says_is_not_taken_for_precise():
     model, _ = driven(told, truth)
     hypotheses = model.predict(told[-1] + [0.2, 0.0, 0.0], STEP_S * 300)
     assert hypotheses[0].prediction.sigma[0] > 0.75 * sigma[0]
+
+
+def test_odometry_that_freezes_is_as_likely_where_it_was_precise_as_where_nothing_is_known_of_it():
+    leads = []
+    for scans in (9, 120):  # too few to learn from, and enough
+        model, _ = driven(straight(scans), straight(scans))
+        sound, *_, fault = model.predict(straight(scans)[-1], STEP_S * scans)
+        assert sound.sound
+        assert not fault.sound
+        leads.append(fault.cost - sound.cost)
+    assert abs(leads[1] - leads[0]) < 1.0

@@ -154,8 +154,6 @@ class LocalSlam:
             self._active.restart()
             self._monitor.alarm()
             motion, match, contradicts = hypotheses[0], None, True
-        if match is None and self._motion.anywhere is None:  # a gap in the log, and nothing that was seen before it
-            self._active.restart()
         return self._taken(hypotheses, motion, match, scan, points, contradicts)
 
     def _contradicts(self, scan: LaserScan, points: Array, match: GridMatch | None) -> bool:
@@ -174,6 +172,8 @@ class LocalSlam:
         contradicts: bool,
     ) -> LocalResult:
         """Take a scan for where it was matched, or where `motion` has it, and insert it."""
+        if match is None and self._motion.anywhere is None:  # a gap in the log, and nothing that was seen before it
+            self._active.restart()
         if match:
             self._matcher.believe(match)
         pose = match.pose if match else motion.prediction.pose
