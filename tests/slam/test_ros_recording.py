@@ -117,8 +117,9 @@ def test_what_ros_cannot_say_is_told_in_one_line(tmp_path):
         RosRecording(tmp_path / "drive.bag")
 
 
-@pytest.mark.parametrize("ending", [".mcap", ".rrd"])
-def test_poses_and_people_that_are_nowhere_are_refused_by_both_kinds(tmp_path, ending):
+@pytest.mark.parametrize(("ending", "library"), [(".mcap", "rosbags"), (".rrd", "rerun")])
+def test_poses_and_people_that_are_nowhere_are_refused_by_both_kinds(tmp_path, ending, library):
+    pytest.importorskip(library)
     path = tmp_path / f"a{ending}"
     with pytest.raises(InputError, match="`pose` must be a finite pose"), open_recording(path) as one:
         one.odometry(0.0, [])
