@@ -174,7 +174,9 @@ def _fitted(points: Array, normals: Array, up: Array, height: float, noise: Dept
 def _fit(
     points: Array, normals: Array, up: Array, height: float, noise: DepthNoise
 ) -> tuple[Array, float, Array] | None:
-    """Return the plane by least squares through the `points` (n, 3) on a first one; None if fewer than a dozen are.
+    """Return the plane by least squares through the `points` (n, 3) on a first one.
+
+    None: fewer than a dozen are, or all of them lie on one line.
 
     With it comes the covariance (3, 3) of its slopes along the camera's axis and across, and of its height.
 
@@ -191,7 +193,10 @@ def _fit(
     across = np.cross(up, along)
     weight = (1.0 - (over / most) ** 2) * of[:, 0] / noise.sigma(of[:, 0])
     design = np.stack((of @ along, of @ across, np.ones(len(of))), axis=1) * weight[:, None]
-    covariance = np.linalg.inv(design.T @ design + 1e-9 * np.eye(3)).astype(np.float64)
+    information = design.T @ design + 1e-9 * np.eye(3)
+    if np.linalg.matrix_rank(information, hermitian=True) < 3:
+        return None
+    covariance = np.linalg.inv(information).astype(np.float64)
     slopes = covariance @ (design.T @ (over * weight))
     turned = up - slopes[0] * along - slopes[1] * across
     size = float(np.linalg.norm(turned))
