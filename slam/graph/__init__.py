@@ -6,7 +6,7 @@ The path of a scan, file by file:
     local/local_slam.py               local SLAM: predict by odometry, match on the older growing submap
                                       (`scan_to_grid`), insert where the robot has moved (motion_filter.py,
                                       active_submaps.py, submap.py, sweep.py)
-    local/switching_motion.py         whether the odometry tells the truth
+    local/switching_motion.py         whether the odometry tells the truth (local/odometry_soundness.py)
     local/match_monitor.py            notices scans that contradict the submap
     recovery/kidnap_recovery.py       where they do, one after the other: is the robot where it is thought to be
                                       (doubt.py), by the map of before (node_map.py)? If it turns out to be elsewhere,

@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 _SCORE_MEMORY = 0.1  # share of the newest score in the typical one
 _TRUSTED = 100.0  # times more than elsewhere the odometry counts along a degenerate direction
 _MOST_POSES = 50_000_000  # of a correlative search, of each of its points: seconds; by default it has 10^5
+_UNKNOWN = 0.5  # of a usual score: a point where nothing is known fits as likely as not
 _SLIP = np.array([0.05, 0.1])  # [m, rad] what a wheel may slip at no motion
 
 
@@ -42,7 +43,8 @@ class GridScanMatcherConfig:
         retry_sigmas: How many times wider the odometry's errors count then.
         explained: A scan says that the robot is far from where it was expected only if its score there is at least so
             much of the typical one.
-        beside: A scan sees nothing of what it was matched on if its score is below so much of the typical one.
+        beside: A scan sees nothing of what it was matched on if its score is below so much of the typical one, and only
+            this share of it tells.
         independent: Share of the points that tell, where places are compared: beside each other they err alike.
     """
 
@@ -178,7 +180,7 @@ class GridScanMatcher:
 
     def is_beside(self, match: GridMatch) -> bool:
         """Return whether a scan sees hardly anything of what it was matched on."""
-        return match.score < self._config.beside * self._typical_score
+        return match.score < self._config.beside * self._typical_score and match.seen < self._config.beside
 
     def is_poor(self, match: GridMatch) -> bool:
         """Return whether a match is so bad that the robot may well be elsewhere."""
@@ -188,13 +190,19 @@ class GridScanMatcher:
         """Return whether a match is so good that it tells where the robot is, even far from where it was expected."""
         return match.score >= self._config.explained * self._typical_score
 
-    def cost(self, match: GridMatch, points: int) -> float:
+    def cost(self, match: GridMatch | None, points: int) -> float:
         """Return the negative log-likelihood of a scan of so many `points` where it was matched, up to a constant.
 
-        What lies where nothing is known speaks neither for a place nor against it: it counts as a usual point.
+        What lies where nothing is known counts as a point that fits as usual or not at all, either as likely. A `match`
+        of None is that of a scan of which nothing is known.
         """
-        missed = match.seen - match.score + (1.0 - match.seen) * (1.0 - self._typical_score)
+        score, seen = (match.score, match.seen) if match else (0.0, 0.0)
+        missed = seen - score + (1.0 - seen) * (1.0 - _UNKNOWN * self._typical_score)
         return self._config.independent * self._config.weight * points * missed
+
+    def information(self, match: GridMatch) -> Array:
+        """Return what a scan tells of the pose where it was matched, (3, 3): its points err alike, as in `cost`."""
+        return self._config.independent * match.information
 
     def _match(self, submap: Walls, points: Array, prediction: Prediction, degenerate: Array | None) -> GridMatch:
         config = self._config

@@ -1,5 +1,7 @@
 """Local SLAM in a synthetic room whose walls are known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from tagalong.slam.engine import make_slam
@@ -161,9 +163,18 @@ def test_finished_submaps_keep_what_is_matched_on_and_drop_what_only_insertion_n
     assert fields()[:4] == before
 
 
-def test_what_lies_where_nothing_is_known_speaks_neither_for_a_place_nor_against_it():
+def test_what_lies_where_nothing_is_known_fits_as_likely_as_not():
     matcher = GridScanMatcher(GridScanMatcherConfig())
     usual = GridMatch(np.zeros(3), np.eye(3), 0.6, False)
     matcher.believe(usual)
-    half_seen = GridMatch(np.zeros(3), np.eye(3), 0.3, False, seen=0.5)
-    assert matcher.cost(half_seen, 100) == matcher.cost(usual, 100)
+    unknown, missed = GridMatch(np.zeros(3), np.eye(3), 0.0, False, seen=0.0), replace(usual, score=0.0)
+    assert matcher.cost(unknown, 100) == pytest.approx(0.5 * (matcher.cost(usual, 100) + matcher.cost(missed, 100)))
+    assert matcher.cost(None, 100) == matcher.cost(unknown, 100)
+
+
+def test_a_scan_that_contradicts_a_submap_is_not_one_that_has_left_it_behind():
+    matcher = GridScanMatcher(GridScanMatcherConfig())
+    usual = GridMatch(np.zeros(3), np.eye(3), 0.6, False)
+    matcher.believe(usual)
+    assert matcher.is_beside(replace(usual, score=0.05, seen=0.1))
+    assert not matcher.is_beside(replace(usual, score=0.05, seen=0.5))

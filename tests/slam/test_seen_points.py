@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tagalong.slam.engine import make_slam
 from tagalong.slam.geometry import between, compose
-from tagalong.slam.graph.local.seen_points import near_visits
+from tagalong.slam.graph.local.seen_points import near_visits, telling
 from walls import cast
 
 AHEAD = np.linspace(-np.pi / 2, np.pi / 2, 181)
@@ -23,6 +23,16 @@ def test_points_count_that_fall_near_what_was_seen():
     points = np.array([(0.2, 0.5), (0.58, 0.5), (0.8, 0.5), (3.0, 3.0)])
     near = near_visits(visits, np.zeros(2), 0.05, points, np.zeros(3), 3)
     assert near.tolist() == [True, True, False, False]
+
+
+def test_points_tell_that_lie_where_something_was_seen_or_that_only_a_beam_through_a_wall_could_see():
+    visits, field = np.zeros((40, 40), np.float32), np.zeros((40, 40), np.float32)
+    visits[:, :10] = 1.0
+    field[5:15, 12] = 1.0
+    points = np.array([(0.2, 0.5), (1.9, 0.5), (1.9, 1.9), (0.7, 0.5)])  # seen; behind the wall; past it; at the wall
+    for chosen, tells in zip(points, (1, 1, 0, 0), strict=True):
+        count = telling(field, visits, np.zeros(2), 0.05, np.array([0.1, 0.5]), chosen[None], np.zeros(3))
+        assert count == tells
 
 
 @pytest.mark.parametrize("step", [-1.2, -0.6])

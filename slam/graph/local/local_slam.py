@@ -16,7 +16,7 @@ from ...scan_to_grid.voxel_filter import AdaptiveVoxelConfig, AdaptiveVoxelFilte
 from .active_submaps import ActiveSubmaps, ActiveSubmapsConfig
 from .match_monitor import MatchMonitor, MatchMonitorConfig
 from .motion_filter import MotionFilter, MotionFilterConfig
-from .seen_points import seen_points
+from .seen_points import seen_points, telling_share
 from .submap import Submap
 from .sweep import Sweep
 from .switching_motion import MotionHypothesis, SwitchingMotion
@@ -143,18 +143,18 @@ class LocalSlam:
         if repeated:  # a driver has sent a scan once more: it tells nothing new
             return self._by_odometry(hypotheses[0], None, False)
         ambiguous = not hypotheses[-1].sound
-        motion, match = self._match(scan, points, hypotheses)
+        motion, match, lead = self._match(scan, points, hypotheses)
         contradicts = self._contradicts(scan, points, match)
         far = match is not None and (match.retried or not motion.sound)
         if match and contradicts and (far or not self._matcher.explains(match)):
             if ambiguous or (self._matcher.is_beside(match) and not self._monitor.alarmed):
-                return self._by_odometry(hypotheses[0], match, True)
+                return self._by_odometry(min(hypotheses, key=lambda motion: motion.cost), match, True)
             motion, match = hypotheses[0], None if far else match
         if match and self._matcher.is_beside(match):  # the robot has left the submap behind, as after a gap in a log
             self._active.restart()
             self._monitor.alarm()
             motion, match, contradicts = hypotheses[0], None, True
-        return self._taken(hypotheses, motion, match, scan, points, contradicts)
+        return self._taken(hypotheses, motion, match, lead, scan, points, contradicts)
 
     def _contradicts(self, scan: LaserScan, points: Array, match: GridMatch | None) -> bool:
         if match is None:
@@ -167,6 +167,7 @@ class LocalSlam:
         hypotheses: list[MotionHypothesis],
         motion: MotionHypothesis,
         match: GridMatch | None,
+        lead: float,
         scan: LaserScan,
         points: Array,
         contradicts: bool,
@@ -178,7 +179,7 @@ class LocalSlam:
             self._matcher.believe(match)
         pose = match.pose if match else motion.prediction.pose
         told = match is not None or not self._active.begun
-        self._motion.take(hypotheses, motion, pose, told, bool(match and match.retried))
+        self._motion.take(hypotheses, motion, pose, lead if told else None, bool(match and match.retried))
         insertion = self._insert(motion.odometry, scan, points, pose, match)
         return LocalResult(pose, match, insertion, contradicts, not motion.sound, self._motion.jumped)
 
@@ -188,7 +189,7 @@ class LocalSlam:
         Where too many scans in a row contradict the submap, that can hardly be right, and is given up.
         """
         pose = motion.prediction.pose
-        self._motion.take([motion], motion, pose, False)
+        self._motion.take([motion], motion, pose, None)
         if self._monitor.worn_out:
             self._active.restart()
             self._monitor.restart()
@@ -196,43 +197,56 @@ class LocalSlam:
 
     def _match(
         self, scan: LaserScan, points: Array, hypotheses: list[MotionHypothesis]
-    ) -> tuple[MotionHypothesis, GridMatch | None]:
-        """Return the hypothesis that explains the scan best, and its match on the submap; None: there is none."""
+    ) -> tuple[MotionHypothesis, GridMatch | None, float]:
+        """Return the hypothesis that explains the scan best, its match on the submap, and the lead of a fault.
+
+        None: nothing matches. The lead is the logarithm of how many times likelier a fault is than sound odometry.
+        """
         if not self._active.begun:
-            return hypotheses[0], None
+            return hypotheses[0], None, 0.0
         degenerate = degenerate_direction(scan, points)
+        sensor = np.array(scan.T_robot_lidar[:2], dtype=np.float64)
         front, anywhere = self._active.front, self._motion.anywhere
-        found = [(motion, self._matched(points, motion.prediction, degenerate)) for motion in hypotheses]
+        found = [(motion, self._matched(points, sensor, motion.prediction, degenerate)) for motion in hypotheses]
         best = self._best(found, len(points))
         if best[1] and anywhere and self._matcher.is_poor(best[1]):
             wide = self._matcher.search(front, points, anywhere)
             if wide:
+                wide = replace(wide, seen=telling_share(front, points, sensor, wide.pose))
                 jumped = self._motion.found(wide.pose, anywhere.sigma)
                 best = self._best([*found, (hypotheses[0], wide), (jumped, wide)], len(points))
                 if best[1] is wide:
                     hypotheses[:] = [*(motion for motion in hypotheses if motion.sound), jumped]
         return best
 
-    def _matched(self, points: Array, prediction: Prediction, degenerate: Array | None) -> GridMatch | None:
+    def _matched(
+        self, points: Array, sensor: Array, prediction: Prediction, degenerate: Array | None
+    ) -> GridMatch | None:
         """Return the match of a scan near one prediction, by what the submap may have seen of it; None: too little."""
         front = self._active.front
         match = self._matcher.match if self._motion.anywhere else self._matcher.match_anyhow
         seen = seen_points(front, points, prediction)
         found = match(front, seen, prediction, degenerate)
-        share = len(seen) / max(1, len(points))
-        return replace(found, score=share * found.score, seen=share) if found else None
+        if found is None:
+            return None
+        score = found.score * len(seen) / len(points)
+        return replace(found, score=score, seen=telling_share(front, points, sensor, found.pose))
 
     def _best(
         self, found: list[tuple[MotionHypothesis, GridMatch | None]], points: int
-    ) -> tuple[MotionHypothesis, GridMatch | None]:
+    ) -> tuple[MotionHypothesis, GridMatch | None, float]:
         """Return the likeliest of some hypotheses with their matches: that odometry lies needs a scan that fits."""
 
         def cost(motion: MotionHypothesis, match: GridMatch | None) -> float:
-            if not match or not (motion.sound or self._matcher.explains(match)):
-                return motion.cost if motion.sound else np.inf
-            return self._matcher.cost(match, points) + motion.cost_at(match.pose)
+            if not motion.sound and not (match and self._matcher.explains(match)):
+                return np.inf
+            fit = motion.cost_at(match.pose, self._matcher.information(match)) if match else motion.cost
+            return self._matcher.cost(match, points) + fit
 
-        return min(found, key=lambda candidate: cost(*candidate))
+        costs = [cost(*candidate) for candidate in found]
+        sound = min(cost for cost, (motion, _) in zip(costs, found, strict=True) if motion.sound)
+        fault = min((cost for cost, (motion, _) in zip(costs, found, strict=True) if not motion.sound), default=np.inf)
+        return *found[int(np.argmin(costs))], sound - fault
 
     def _insert(
         self, odometry: Array, scan: LaserScan, points: Array, pose: Array, match: GridMatch | None

@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from ...bounds import check_numbers
 from ...errors import InputError
 from .submap import Submap
+from .submap_kernels import passes_wall
 
 Array = NDArray[np.float64]
 
 _MEMORY = 0.05  # share of the newest score in the usual one
-_WALL = 0.5  # occupancy from which a cell stops a beam
 _TRACE = 0.15  # occupancy from which a cell near the end of a beam explains it
 _NEAR = 3  # cells around an end that are looked at
 
@@ -132,14 +132,7 @@ def contradictions(
     for n in range(len(points)):
         x1 = (pose[0] + c * points[n, 0] - s * points[n, 1] - corner[0]) / resolution + 0.5
         y1 = (pose[1] + s * points[n, 0] + c * points[n, 1] - corner[1]) / resolution + 0.5
-        length = np.sqrt((x1 - x0) ** 2 + (y1 - y0) ** 2)
-        contradicts = False
-        for step in range(1, int(length - slack / resolution) + 1):
-            i = int(np.floor(y0 + step / length * (y1 - y0)))
-            j = int(np.floor(x0 + step / length * (x1 - x0)))
-            if 0 <= i < rows and 0 <= j < cols and field[i, j] > _WALL:
-                contradicts = True
-                break
+        contradicts = passes_wall(field, x0, y0, x1, y1, slack / resolution)
         i, j = int(np.floor(y1)), int(np.floor(x1))
         if not contradicts and 0 <= i < rows and 0 <= j < cols and visits[i, j] > 0:
             around = field[max(i - _NEAR, 0) : i + _NEAR + 1, max(j - _NEAR, 0) : j + _NEAR + 1]

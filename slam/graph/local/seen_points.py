@@ -1,7 +1,8 @@
 """Which points of a scan can tell where the robot is: those that fall where the submap has seen something.
 
 What a scan sees for the first time fits nowhere yet. If it counted as a misfit, every match would be drawn towards what
-is known: a robot that comes into a new room, or drives backwards with a laser that looks ahead, would lag behind.
+is known: a robot that comes into a new room, or drives backwards with a laser that looks ahead, would lag behind. But
+nothing is seen through a wall: where a beam would have to, its end speaks against the pose, known or not.
 """
 
 import numpy as np
@@ -10,8 +11,11 @@ from numpy.typing import NDArray
 
 from ...scan_to_grid.extrapolator import Prediction
 from .submap import Submap
+from .submap_kernels import passes_wall
 
 Array = NDArray[np.float64]
+
+_SLACK_M = 0.4  # a wall must stand so far before the end of a beam to be in its way
 
 
 def seen_points(submap: Submap, points: Array, prediction: Prediction) -> Array:
@@ -43,3 +47,41 @@ def near_visits(
             if near[n]:
                 break
     return near
+
+
+def telling_share(submap: Submap, points: Array, sensor: Array, pose: Array) -> float:
+    """Return the share of `points` (N, 2), robot frame [m], that speak for or against the robot being at `pose` (3,).
+
+    Those do that fall where the submap has seen something, and those that only a beam through a wall could have seen.
+
+    Args:
+        submap: Where the scan is thought to be.
+        points: (N, 2) robot frame [m].
+        sensor: (2,) place of the laser, robot frame [m].
+        pose: (3,) T_local_robot.
+    """
+    place = submap.field, submap.visits, submap.corner, submap.resolution
+    return telling(*place, sensor, points, pose) / max(1, len(points))
+
+
+@njit(cache=True, nogil=True)
+def telling(
+    field: NDArray[np.float32],
+    visits: NDArray[np.float32],
+    corner: Array,
+    resolution: float,
+    sensor: Array,
+    points: Array,
+    pose: Array,
+) -> int:
+    """Return how many of `points` (N, 2) lie in or beside a cell with visits, or behind a wall, the robot at `pose`."""
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    x0 = (pose[0] + c * sensor[0] - s * sensor[1] - corner[0]) / resolution + 0.5
+    y0 = (pose[1] + s * sensor[0] + c * sensor[1] - corner[1]) / resolution + 0.5
+    near = near_visits(visits, corner, resolution, points, pose, 1)
+    count = 0
+    for n in range(len(points)):
+        x1 = (pose[0] + c * points[n, 0] - s * points[n, 1] - corner[0]) / resolution + 0.5
+        y1 = (pose[1] + s * points[n, 0] + c * points[n, 1] - corner[1]) / resolution + 0.5
+        count += near[n] or passes_wall(field, x0, y0, x1, y1, _SLACK_M / resolution)
+    return count

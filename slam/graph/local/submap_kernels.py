@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 Grid = NDArray[np.float32]
 Points = NDArray[np.float64]
 
+_WALL = 0.5  # occupancy from which a cell stops a beam
+
 
 @njit(cache=True, nogil=True)
 def insert_scans(
@@ -106,3 +108,25 @@ def bounds(points: Points) -> tuple[float, float, float, float]:
         low_x, high_x = min(low_x, points[k, 0]), max(high_x, points[k, 0])
         low_y, high_y = min(low_y, points[k, 1]), max(high_y, points[k, 1])
     return low_x, low_y, high_x, high_y
+
+
+@njit(cache=True, nogil=True)
+def passes_wall(field: NDArray[np.float32], x0: float, y0: float, x1: float, y1: float, slack: float) -> bool:
+    """Return whether a beam between two places, in cells, goes through a wall more than `slack` cells before its end.
+
+    Args:
+        field: (rows, cols) occupancy in [0, 1].
+        x0: Column of the laser; a cell begins at a whole number.
+        y0: Row of the laser.
+        x1: Column of the end.
+        y1: Row of the end.
+        slack: In cells.
+    """
+    rows, cols = field.shape
+    length = np.sqrt((x1 - x0) ** 2 + (y1 - y0) ** 2)
+    for step in range(1, int(length - slack) + 1):
+        i = int(np.floor(y0 + step / length * (y1 - y0)))
+        j = int(np.floor(x0 + step / length * (x1 - x0)))
+        if 0 <= i < rows and 0 <= j < cols and field[i, j] > _WALL:
+            return True
+    return False

@@ -3,9 +3,9 @@
 Odometry of real robots freezes for some scans while the robot drives on and catches up in one, lags, or slips. So each
 scan has two predictions since the last one that told where the robot was: by the odometry, and by going on as before
 (constant velocity, as far as a robot can brake or speed up meanwhile). Which of them holds is a hidden state of two
-values, odometry sound or faulty, that mostly stays as it was; it is filtered by how well each predicted the motions
-that matching found (a Markov switching model; Blom, Bar-Shalom 1988). Where both agree, as nearly always, the second is
-not looked at.
+values, odometry sound or faulty, that mostly stays as it was; it is filtered by how well each explains the scan (a
+Markov switching model; Blom, Bar-Shalom 1988). Where both agree, as nearly always, the second is not looked at. After a
+fault there is a third: odometry that was late or frozen tells in the end where the robot went all the while.
 
 How precise sound odometry is differs between robots by a factor of ten, and a match among walls that look alike along
 the way may be off by more than good odometry ever is. So it is learned how well the odometry predicted the last
@@ -14,32 +14,29 @@ the rest of them, one as rough as its error model.
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry import between, compose, inverse
 from ...scan_to_grid.extrapolator import ExtrapolatorConfig, OdometryExtrapolator, Prediction
+from .odometry_soundness import OdometryPrecision, OdometrySoundness
 
 Array = NDArray[np.float64]
 
-_ERRORS = 20  # so many of the newest tell how precise the odometry is; at first, they are those of its model
-_MOST_PRECISE = 0.2  # of the error model's standard deviations: below, a match errs as much
 _ROUGH = 0.3  # share of sound motions with errors as in the model, as where a wheel slips a little
-_MEDIAN = np.array([1.177, 0.6745])  # of normal errors of standard deviation 1, in the plane and on a line
-_BREAKS, _HEALS = 0.001, 0.1  # probability that sound odometry fails with the next scan, and that a fault ends
 _ACCELERATION = np.array([1.0, 2.0])  # [m/s^2, rad/s^2] of a wheeled robot among people, a standard deviation
 _AGREE = 3.0  # standard deviations within which, ...
 _NEAR = np.array([0.1, 0.05])  # [m, rad] ... and beyond, a match from one prediction finds what it would from the other
 _TRUSTED = 0.9  # probability from which sound odometry stands for where the robot is
-_CHANCE = 0.1  # share of faulty motions that agree with both predictions
+_LATE = 0.5  # share of odometry that is sound again after a fault that tells where the robot went meanwhile
 _SLIP, _STEPS = np.array([0.5, 0.5]), 3.0  # [m, rad] a robot without odometry may be so far, and so many usual steps
 _FARTHEST = np.array([5.0, np.pi])  # [m, rad] and no farther
 _MEMORY = 0.1  # weight of the newest step in the usual one
 _SHORTEST = 1e-3  # [s] no laser turns faster; stamps that are nearer to each other tell no time
 _FORGOTTEN = 10  # scans without a match after which it is not known any more how the robot went
-_LONGER = 3.0  # times the step before; after a longer gap the motion before says nothing
+_LONGER = 3.0  # times the time before: after a longer pause, scans seem to be taken after some way, not some time
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +46,7 @@ class MotionHypothesis:
     Attributes:
         odometry: (3,) T_odom_robot of an odometry without faults that moved so.
         prediction: Where that leads.
-        cost: Negative logarithm of its probability beforehand, and of the width of what it allows.
+        cost: Negative logarithm of its probability beforehand.
         sound: Whether the odometry is believed.
     """
 
@@ -58,11 +55,22 @@ class MotionHypothesis:
     cost: float
     sound: bool
 
-    def cost_at(self, pose: Array) -> float:
-        """Return the negative log-likelihood of `pose` (3,) T_local_robot, up to a constant."""
+    def cost_at(self, pose: Array, information: Array) -> float:
+        """Return the negative log-likelihood of a scan at `pose` (3,), but for how well it fits there.
+
+        What a hypothesis leaves open counts against it as far as the scan could have told: along a corridor, that one
+        hypothesis knows the place and the other does not says nothing of which is true (the evidence by Laplace's
+        approximation).
+
+        Args:
+            pose: T_local_robot.
+            information: (3, 3) what the scan tells of it, inverse covariance.
+        """
         x, y, turn = between(self.prediction.pose, pose).tolist()
         linear, angular = self.prediction.sigma.tolist()
-        return self.cost + 0.5 * ((x * x + y * y) / linear**2 + (turn / angular) ** 2)
+        told = np.eye(3) + np.array([[linear**2], [linear**2], [angular**2]]) * information
+        off = (x * x + y * y) / linear**2 + (turn / angular) ** 2
+        return self.cost + 0.5 * (off + math.log(np.linalg.det(told)))
 
 
 class SwitchingMotion:
@@ -82,17 +90,19 @@ class SwitchingMotion:
         self._extrapolator: OdometryExtrapolator | None = None
         self._told = np.zeros(3)  # odometry as the robot tells it
         self._offset: Array | None = None  # T_believed_told of the two odometry frames; None: no fault so far
+        self._believed = np.zeros(3)  # odometry told, in the frame of the believed one
+        self._before: tuple[Array | None, Array] | None = None  # offset and odometry before the newest fault ...
+        self._agree = False  # whether odometry moves the robot as it moved before
+        self._since = 0  # ... and scans with sound odometry that moved since
         self._doubt = np.zeros(2)  # sigma of the motions since the last match that the odometry did not tell
         self._moved = 0.0  # [m] by the odometry since the last scan
-        self._sound = 1.0  # probability
+        self._soundness, self._precision = OdometrySoundness(), OdometryPrecision()
         self._time = self._step_s = self._before_s = 0.0  # [s] of the last scan; between the last two; those before
         self._matched: Array | None = None  # pose at the last match ...
         self._matched_odometry = np.zeros(3)  # ... and the believed odometry
         self._unmatched = 0  # scans since
         self._usual = np.zeros(2)  # step between two scans [m, rad]
         self._step: Array | None = None  # (3,) between the last two scans that were matched one after the other
-        self._errors = [np.ones(2)] * _ERRORS  # of the predictions, as shares of their standard deviations
-        self._precision = np.ones(2)  # standard deviations of most motions, likewise
         self.odometry: Array | None = None
         self.faults = 0
         self.jumped = False
@@ -104,7 +114,7 @@ class SwitchingMotion:
         motion._extrapolator = OdometryExtrapolator(self._config, odometry)
         motion._extrapolator.correct(odometry, pose)
         motion.faults = self.faults
-        motion._errors, motion._precision = self._errors, self._precision
+        motion._precision = self._precision
         return motion
 
     def predict(self, odometry: Array, time_s: float) -> list[MotionHypothesis]:
@@ -118,23 +128,30 @@ class SwitchingMotion:
         elapsed = time_s - self._time
         self._told, self._time = odometry, time_s
         self._before_s, self._step_s = self._step_s, elapsed
-        self._sound = self._sound * (1.0 - _BREAKS) + (1.0 - self._sound) * _HEALS
-        believed = odometry if self._offset is None else compose(self._offset, odometry)
-        sound = self._by_odometry(believed)
+        moves = bool(moved.any())
+        self._soundness.advance(moves)
+        self._believed = odometry if self._offset is None else compose(self._offset, odometry)
+        sound = self._by_odometry(self._believed) + (self._caught_up(odometry) if moves else [])
+        return sound + self._by_fault(elapsed)
+
+    def _by_fault(self, elapsed: float) -> list[MotionHypothesis]:
+        """Return that the robot goes on as before; nothing where odometry says the same, or nothing is known of that.
+
+        Args:
+            elapsed: Since the last scan [s].
+        """
+        self._agree = False
         going_on = self._going_on(elapsed)
         if going_on is None:
-            return sound
+            return []
         coasted, sigma = going_on
-        moved = between(self._matched_odometry, believed)
-        off = np.abs(between(coasted, moved))
-        most = _AGREE * self._config.sigma(moved) + _NEAR
-        if math.hypot(off[0], off[1]) <= most[0] and off[2] <= most[1]:
-            return sound
+        told = between(self._matched_odometry, self._believed)
+        off = np.abs(between(coasted, told))
+        most = _AGREE * self._config.sigma(told) + _NEAR
+        self._agree = math.hypot(off[0], off[1]) <= most[0] and bool(off[2] <= most[1])
         went = compose(self._matched_odometry, coasted)
-        fault = self._hypothesis(went, 1.0 - self._sound, np.ones(2), sigma, False)
-        # a fault is as likely beside odometry that turned out precise as beside any
-        narrower = 2.0 * math.log(self._precision[0]) + math.log(self._precision[1])
-        return [*sound, replace(fault, cost=fault.cost + narrower)]
+        fault = 1.0 - self._soundness.probability
+        return [] if self._agree else [self._hypothesis(went, fault, np.ones(2), sigma, False)]
 
     def _going_on(self, elapsed: float) -> tuple[Array, Array] | None:
         """Return (3,) how far a robot that goes on as before is from its last match, and (2,) the standard deviations.
@@ -146,7 +163,9 @@ class SwitchingMotion:
         """
         timed = elapsed >= _SHORTEST and self._before_s >= _SHORTEST
         longer = elapsed / self._before_s if timed else 1.0
-        if self._step is None or longer > _LONGER or self._unmatched >= _FORGOTTEN:
+        if longer > _LONGER:
+            longer = 1.0
+        if self._step is None or self._unmatched >= _FORGOTTEN:
             return None
         coasted = longer * self._step
         for _ in range(self._unmatched):
@@ -161,7 +180,7 @@ class SwitchingMotion:
         None: there was none, or sound odometry tells of a way that is longer, as across a gap in a log.
         """
         reach = np.minimum(_SLIP + _STEPS * (self._unmatched + 1) * self._usual, _FARTHEST)
-        gap = self._sound > 0.5 and self._moved > reach[0]
+        gap = self._soundness.probability > 0.5 and self._moved > reach[0]
         return None if self._matched is None or gap else Prediction(self._matched, reach)
 
     def found(self, pose: Array, sigma: Array) -> MotionHypothesis:
@@ -171,18 +190,34 @@ class SwitchingMotion:
             pose: T_local_robot.
             sigma: (2,) within which it was sought [m, rad].
         """
+        odometry = compose(inverse(self._anchor), pose)
+        return MotionHypothesis(odometry, Prediction(pose, sigma), -math.log(1.0 - self._soundness.probability), False)
+
+    @property
+    def _anchor(self) -> Array:
+        """(3,) T_local_odom of the believed odometry."""
         assert self._extrapolator is not None
-        anchor = self._extrapolator.predict(np.zeros(3)).pose  # T_local_odom of the believed odometry
-        cost = -math.log(1.0 - self._sound) + 2.0 * math.log(sigma[0]) + math.log(sigma[1])
-        return MotionHypothesis(compose(inverse(anchor), pose), Prediction(pose, sigma), cost, False)
+        return self._extrapolator.predict(np.zeros(3)).pose
 
     def _by_odometry(self, odometry: Array) -> list[MotionHypothesis]:
         """Return that the odometry is believed: precise as it mostly is, and rough as its error model."""
-        one, none = np.ones(2), np.zeros(2)
-        if self._precision.min() == 1.0:
-            return [self._hypothesis(odometry, self._sound, one, none, True)]
-        precise = self._hypothesis(odometry, (1.0 - _ROUGH) * self._sound, self._precision, none, True)
-        return [precise, self._hypothesis(odometry, _ROUGH * self._sound, one, none, True)]
+        one, none, sound = np.ones(2), np.zeros(2), self._soundness.probability
+        if self._precision.shares.min() == 1.0:
+            return [self._hypothesis(odometry, sound, one, none, True)]
+        precise = self._hypothesis(odometry, (1.0 - _ROUGH) * sound, self._precision.shares, none, True)
+        return [precise, self._hypothesis(odometry, _ROUGH * sound, one, none, True)]
+
+    def _caught_up(self, told: Array) -> list[MotionHypothesis]:
+        """Return that odometry which was late, or frozen, tells by now where the robot went meanwhile; else nothing."""
+        if self._before is None:
+            return []
+        offset, odometry = self._before
+        whole = told if offset is None else compose(offset, told)
+        x, y, turn = np.abs(between(self._believed, whole)).tolist()
+        if math.hypot(x, y) <= _NEAR[0] and turn <= _NEAR[1]:
+            return []
+        sigma = self._config.sigma(between(odometry, whole))
+        return [self._hypothesis(whole, _LATE * self._soundness.probability, np.ones(2), sigma, True)]
 
     def _hypothesis(
         self, odometry: Array, probability: float, precision: Array, extra: Array, sound: bool
@@ -190,15 +225,14 @@ class SwitchingMotion:
         assert self._extrapolator is not None
         prediction = self._extrapolator.predict(odometry)
         sigma = np.hypot(np.hypot(precision * prediction.sigma, self._doubt), extra)
-        cost = -math.log(probability) + 2.0 * math.log(sigma[0]) + math.log(sigma[1])
-        return MotionHypothesis(odometry, Prediction(prediction.pose, sigma), cost, sound)
+        return MotionHypothesis(odometry, Prediction(prediction.pose, sigma), -math.log(probability), sound)
 
     def take(
         self,
         hypotheses: list[MotionHypothesis],
         chosen: MotionHypothesis,
         pose: Array,
-        matched: bool,
+        lead: float | None,
         jumped: bool = False,
     ) -> None:
         """Take the `pose` (3,) of the scan that `hypotheses` were made for, and which of them led there.
@@ -207,37 +241,43 @@ class SwitchingMotion:
             hypotheses: As `predict` returned them.
             chosen: The one that holds.
             pose: T_local_robot.
-            matched: Whether a match says so; else the pose is that of the prediction.
+            lead: Logarithm of how many times more likely a fault made the scan that is seen there than sound odometry
+                did; None: no match says so, the pose is that of the prediction.
             jumped: Whether that match was found only far from the prediction.
         """
         assert self._extrapolator is not None
         self.faults += not chosen.sound
-        if not chosen.sound:
-            self._offset = compose(chosen.odometry, inverse(self._told))
+        self._remember(chosen)
+        odometry = chosen.odometry
+        if lead is not None and not chosen.sound:  # what the guess was off by is no error of the odometry before
+            odometry = compose(inverse(self._anchor), pose)
+        if not np.array_equal(odometry, self._believed):
+            self._offset = compose(odometry, inverse(self._told))
             self._doubt = chosen.prediction.sigma
-        self.odometry = chosen.odometry
-        if matched:
-            if not hypotheses[-1].sound:
-                lead = min(h.cost_at(pose) for h in hypotheses if h.sound) - hypotheses[-1].cost_at(pose)
-                self._sound = 1.0 / (1.0 + math.exp(min(lead, 700.0)))
-            else:
-                self._sound /= self._sound + _CHANCE * (1.0 - self._sound)
-            self.jumped = jumped or (self.jumped and self._sound < _TRUSTED)
-            self._sound = min(max(self._sound, _BREAKS**2), 1.0 - _BREAKS**2)
-            if chosen.sound and not jumped and not self._unmatched:
-                self._judge(self._extrapolator.predict(chosen.odometry), pose)
-            self._extrapolator.correct(chosen.odometry, pose)
-            self._doubt = np.zeros(2)
-            self._learn(pose)
-        else:
+        self.odometry = odometry
+        if lead is None:
             self._unmatched += 1
+            return
+        if not hypotheses[-1].sound:
+            self._soundness.weigh(lead)
+        elif self._agree:
+            self._soundness.agree()
+        self.jumped = jumped or (self.jumped and self._soundness.probability < _TRUSTED)
+        if chosen.sound and not jumped and not self._unmatched:
+            self._precision.learn(self._extrapolator.predict(chosen.odometry), pose)
+        self._extrapolator.correct(odometry, pose)
+        self._doubt = np.zeros(2)
+        self._learn(pose)
 
-    def _judge(self, prediction: Prediction, pose: Array) -> None:
-        """Learn how precise sound odometry is by what matching made of a `prediction`: a median minds no slips."""
-        x, y, turn = between(prediction.pose, pose).tolist()
-        error = np.array([math.hypot(x, y), abs(turn)]) / (_MEDIAN * prediction.sigma)
-        self._errors = [*self._errors[1:], error]
-        self._precision = np.clip(np.median(self._errors, axis=0), _MOST_PRECISE, 1.0)
+    def _remember(self, chosen: MotionHypothesis) -> None:
+        """Keep what was believed before a fault, until odometry has been sound for long."""
+        assert self.odometry is not None
+        if not chosen.sound:
+            self._before, self._since = self._before or (self._offset, self.odometry), 0
+        elif self._moved > 0.0:
+            self._since += 1
+            if self._since >= _FORGOTTEN:
+                self._before = None
 
     def _learn(self, pose: Array) -> None:
         """Remember how far the robot goes between two scans; `pose` (3,) is that of the last match."""
