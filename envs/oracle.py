@@ -167,7 +167,7 @@ class TrueMapper:
     @property
     def pose(self) -> Array:
         """(3,) the true T_map_robot."""
-        return between(self._start, self._world.truth.robot_pose)
+        return between(self._start, self._world.robot_pose)
 
     def revised(self) -> None:
         """Return None: the truth is never revised."""
