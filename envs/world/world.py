@@ -180,16 +180,10 @@ class World:
         return self._now.ticks * TICK
 
     @property
-    def robot_pose(self) -> Array:
-        """(3,) T_world_robot, as it really is [m, m, rad]; all of `truth` takes ten times as long."""
-        x, y, theta = self.data.qpos[:3].tolist()
-        return np.array([x, y, wrap_one(theta)])
-
-    @property
     def truth(self) -> TrueState:
         """What is really so, now."""
         people, led = self._now.crowd.bodies, self._now.crowd.led
-        pose = self.robot_pose
+        pose = true_robot_pose(self)
         x, y, turn = self.data.qvel[:3]
         cos, sin = np.cos(pose[2]), np.sin(pose[2])
         speed = np.hypot(people.velocity[:, 0], people.velocity[:, 1])
@@ -259,6 +253,12 @@ def _outfits(plan: Plan) -> tuple[Outfit, ...]:
         return ()
     rng, choice = np.random.default_rng([plan.looks_seed, 1]), wardrobe(plan.config.camera.wardrobe)
     return tuple(draw_outfit(rng, choice) for _ in plan.casting.people)
+
+
+def true_robot_pose(world: World) -> Array:
+    """Return (3,) T_world_robot [m, m, rad]; all of `World.truth` takes ten times as long."""
+    x, y, theta = world.data.qpos[:3].tolist()
+    return np.array([x, y, wrap_one(theta)])
 
 
 def _robot_row(data: MjData, size: tuple[float, float, float]) -> Array:
