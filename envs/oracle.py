@@ -22,7 +22,7 @@ from .task.rewards import StepFacts
 from .tracker_errors import kernel
 from .tracker_errors.errors import TrackerErrors
 from .world.truth import TrueState
-from .world.world import World
+from .world.world import World, true_robot_pose
 
 Array = NDArray[np.float64]
 
@@ -167,7 +167,7 @@ class TrueMapper:
     @property
     def pose(self) -> Array:
         """(3,) the true T_map_robot."""
-        return between(self._start, self._world.truth.robot_pose)
+        return between(self._start, true_robot_pose(self._world))
 
     def revised(self) -> None:
         """Return None: the truth is never revised."""

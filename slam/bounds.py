@@ -239,6 +239,22 @@ def check_numbers(config: object) -> None:
             _check_number(rule, number, value)
 
 
+def check_positive(config: object, *names: str) -> None:
+    """Check that fields of a configuration are above 0.
+
+    Args:
+        config: A dataclass of numbers, or an object with such attributes.
+        names: Of the fields; without any it is all of them.
+
+    Raises:
+        InputError: Naming the field and the value.
+    """
+    for name in names or vars(config):
+        value = getattr(config, name)
+        if not value > 0:  # NaN is not, either
+            raise InputError(f"`{name}` must be positive, got {value}")
+
+
 def _check_number(rule: _Rule, given: object, value: object) -> None:
     if isinstance(given, (bool, np.bool_)) or not isinstance(given, Integral if rule.whole else Real):
         raise InputError(f"`{rule.name}` must be a {'whole ' * rule.whole}number, got {shown(value)}")

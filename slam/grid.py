@@ -15,6 +15,7 @@ from .bounds import (
     Reach,
     cell_numbers,
     check_numbers,
+    check_positive,
     check_size,
     checked_pose,
     memory_for,
@@ -52,9 +53,7 @@ class GridConfig:
 
     def __post_init__(self) -> None:
         check_numbers(self)
-        for name in ("limit", "max_range"):
-            if not getattr(self, name) > 0.0:
-                raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
+        check_positive(self, "limit", "max_range")
         if not 0.0 < self.miss < 0.5 < self.hit < 1.0:
             raise InputError(f"need 0 < `miss` < 0.5 < `hit` < 1, got {self.miss} and {self.hit}")
 

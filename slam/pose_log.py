@@ -26,6 +26,14 @@ class PoseLog:
         """Add `pose` (3,)."""
         self._numbers.extend(np.asarray(pose, dtype=np.float64).tolist())
 
+    def extend(self, poses: NDArray[np.float64]) -> None:
+        """Add `poses` (n, 3)."""
+        self._numbers.frombytes(poses.tobytes())
+
+    def cut(self, start: int, stop: int) -> None:
+        """Forget the poses from `start` up to `stop`."""
+        del self._numbers[3 * start : 3 * stop]
+
     def __getitem__(self, index: int) -> NDArray[np.float64]:
         start = 3 * range(len(self))[index]
         return np.array(self._numbers[start : start + 3])
@@ -33,6 +41,10 @@ class PoseLog:
     def __setitem__(self, index: int, pose: ArrayLike) -> None:
         start = 3 * range(len(self))[index]
         self._numbers[start : start + 3] = array("d", np.asarray(pose, dtype=np.float64).tolist())
+
+    def take(self, indices: NDArray[np.intp]) -> NDArray[np.float64]:
+        """Return (n, 3) the poses of `indices` (n,), without a copy of all."""
+        return np.frombuffer(self._numbers).reshape(-1, 3)[indices]
 
     def array(self) -> NDArray[np.float64]:
         """Return (n, 3) a copy of all poses."""

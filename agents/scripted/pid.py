@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...envs.task.interface import FollowInterface
-from ...slam.errors import InputError
+from ...slam.bounds import check_positive
 from ..protocol.follower import Observation
 from .avoidance import AvoidanceConfig, free_heading
 from .leader_memory import Goal, LeaderMemory, MemoryConfig, Mode
@@ -52,9 +52,7 @@ class PIDConfig:
     memory: MemoryConfig = field(default_factory=MemoryConfig)
 
     def __post_init__(self) -> None:
-        for name in ("distance", "acceleration", "braking", "turn_acceleration"):
-            if not getattr(self, name) > 0.0:
-                raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
+        check_positive(self, "distance", "acceleration", "braking", "turn_acceleration")
 
 
 class PIDFollower:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...perception.rgbd.frame import RgbdFrame
+from ...slam.geometry import wrap_one
 from ...slam.processes.stages import Stages, completed
 from ...slam.scan import LaserScan
 from ..appearance.looks import dress
@@ -182,7 +183,7 @@ class World:
     def truth(self) -> TrueState:
         """What is really so, now."""
         people, led = self._now.crowd.bodies, self._now.crowd.led
-        pose = _robot_pose(self.data)
+        pose = true_robot_pose(self)
         x, y, turn = self.data.qvel[:3]
         cos, sin = np.cos(pose[2]), np.sin(pose[2])
         speed = np.hypot(people.velocity[:, 0], people.velocity[:, 1])
@@ -254,10 +255,10 @@ def _outfits(plan: Plan) -> tuple[Outfit, ...]:
     return tuple(draw_outfit(rng, choice) for _ in plan.casting.people)
 
 
-def _robot_pose(data: MjData) -> Array:
-    """Return (3,) T_world_robot, the angle in [-pi, pi)."""
-    x, y, theta = data.qpos[:3]
-    return np.array([x, y, (theta + np.pi) % (2.0 * np.pi) - np.pi])
+def true_robot_pose(world: World) -> Array:
+    """Return (3,) T_world_robot [m, m, rad]; all of `World.truth` takes ten times as long."""
+    x, y, theta = world.data.qpos[:3].tolist()
+    return np.array([x, y, wrap_one(theta)])
 
 
 def _robot_row(data: MjData, size: tuple[float, float, float]) -> Array:

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from ...slam.bounds import check_positive
 from ...slam.errors import InputError
 
 LIMIT = 4.0
@@ -45,9 +46,7 @@ class PooledConfig:
         for name, least in (("sectors", 1), ("people", 0), ("trail", 1), ("actions", 0), ("stack", 1)):
             if not least <= getattr(self, name) <= MOST:
                 raise InputError(f"`{name}` must be {least} to {MOST}, got {getattr(self, name)}")
-        for name in ("gap_scale", "length_scale", "trail_spacing", "trail_jump", "unseen_scale"):
-            if not getattr(self, name) > 0.0:
-                raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
+        check_positive(self, "gap_scale", "length_scale", "trail_spacing", "trail_jump", "unseen_scale")
 
     def step_names(self, holonomic: bool = False) -> tuple[str, ...]:
         """Return the name of each number of one step, in their order."""

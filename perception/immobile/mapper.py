@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...slam.bounds import check_numbers, checked_pose
+from ...slam.bounds import check_numbers, check_positive, checked_pose
 from ...slam.errors import InputError
 from ...slam.geometry import compose, inverse, transform_points
 from ...slam.immobile.grid import PoseHistory, moving_lambda, still_lambda
@@ -57,9 +57,7 @@ class ImmobileMapperConfig:
 
     def __post_init__(self) -> None:
         check_numbers(self)
-        for name in ("person_radius", "body_radius", "largest", "settles_s", "doubt_s"):
-            if not getattr(self, name) > 0.0:
-                raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
+        check_positive(self, "person_radius", "body_radius", "largest", "settles_s", "doubt_s")
         for name in ("least_likely", "recognised", "appeared_share"):
             if not 0.0 <= getattr(self, name) <= 1.0:
                 raise InputError(f"`{name}` must be in [0, 1], got {getattr(self, name)}")

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...slam.bounds import Endless, check_numbers
+from ...slam.bounds import Endless, check_numbers, check_positive
 from ...slam.errors import InputError
 from ...slam.scan import LaserScan
 from ..tracking.data_association import distances
@@ -83,9 +83,7 @@ class BodyConfig:
 
     def __post_init__(self) -> None:
         check_numbers(self)
-        for name in ("sure", "other_deviation", "forget_s", "radius"):
-            if not getattr(self, name) > 0.0:
-                raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
+        check_positive(self, "sure", "other_deviation", "forget_s", "radius")
 
 
 class BodyLeaderSelector:

@@ -10,7 +10,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...slam.bounds import Within, check_numbers
+from ...slam.bounds import Within, check_numbers, check_positive
 from ...slam.errors import InputError
 from ...slam.geometry import compose
 from ...slam.scan import LaserScan
@@ -55,9 +55,7 @@ class CloudConfig:
         check_numbers(self)
         if self.count < 1:
             raise InputError(f"a cloud needs a `count` of bodies, got {self.count}")
-        for name in ("calm_s", "top_speed", "leg_deviation"):
-            if not getattr(self, name) > 0.0:
-                raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
+        check_positive(self, "calm_s", "top_speed", "leg_deviation")
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...slam.bounds import check_numbers
-from ...slam.errors import InputError
+from ...slam.bounds import check_numbers, check_positive
 from ..tracking.people import People
 from .estimate import LeaderEstimate, as_leader
 
@@ -43,9 +42,7 @@ class LeaderConfig:
 
     def __post_init__(self) -> None:
         check_numbers(self)
-        for name in ("onset_near", "onset_far", "search_sigmas", "search_distance"):
-            if not getattr(self, name) > 0.0:
-                raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
+        check_positive(self, "onset_near", "onset_far", "search_sigmas", "search_distance")
 
 
 class LeaderOnset:

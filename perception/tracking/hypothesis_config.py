@@ -2,8 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from ...slam.bounds import check_numbers
-from ...slam.errors import InputError
+from ...slam.bounds import check_numbers, check_positive
 from ..legs.recent_views import RecentViewsConfig
 
 
@@ -50,9 +49,7 @@ class PersonEvidenceConfig:
 
     def __post_init__(self) -> None:
         check_numbers(self)
-        for name in ("most_looks", "look", "jitter"):
-            if not getattr(self, name) > 0.0:
-                raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
+        check_positive(self, "most_looks", "look", "jitter")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,6 +92,4 @@ class HypothesisConfig:
 
     def __post_init__(self) -> None:
         check_numbers(self)
-        for name in ("least_way", "clutter", "stride", "merge", "own", "near", "tentative_s"):
-            if not getattr(self, name) > 0.0:
-                raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
+        check_positive(self, "least_way", "clutter", "stride", "merge", "own", "near", "tentative_s")

@@ -7,6 +7,7 @@ from typing import Any
 from ...perception.rgbd.person_svm import MODEL
 from ...slam.errors import InputError, shown
 from ...slam.files.output import write_json
+from ..console.subcommands import add_described
 from ..console.tables import format_table
 from ..training.evaluate_legs import RATES
 from ..training.follower import add_follower_arguments, train_follower
@@ -47,13 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_follower_arguments(models)
     add_tracker_arguments(models)
     summary = "the random forest that tells legs in laser scans"
-    legs = models.add_parser(
-        "legs",
-        help=summary,
-        description=summary,
-        epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+    legs = add_described(models, "legs", summary, EPILOG)
     legs.add_argument(
         "--forest",
         choices=("simulation", "real"),
@@ -77,13 +72,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _add_people(models: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     summary = "the classifier that tells people in RGB-D frames"
-    people = models.add_parser(
-        "people",
-        help=summary,
-        description=summary,
-        epilog=PEOPLE_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+    people = add_described(models, "people", summary, PEOPLE_EPILOG)
     people.add_argument("--out", type=Path, default=Path("out/people"), metavar="DIR", help="default: %(default)s")
     people.add_argument("--seed", type=int, default=0, help="of all random draws (default: %(default)s)")
     people.add_argument(

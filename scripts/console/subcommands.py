@@ -49,3 +49,12 @@ def add_subcommands(
     action.declare = declare
     for name, summary in summaries.items():
         action.add_parser(name, help=summary, description=summary, formatter_class=argparse.RawDescriptionHelpFormatter)
+
+
+def add_described(
+    group: "argparse._SubParsersAction[argparse.ArgumentParser]", name: str, summary: str, epilog: str
+) -> argparse.ArgumentParser:
+    """Return the parser of one more sub-command of `group`, with what it does in a line and an epilog as it stands."""
+    return group.add_parser(
+        name, help=summary, description=summary, epilog=epilog, formatter_class=argparse.RawDescriptionHelpFormatter
+    )

@@ -8,6 +8,7 @@ from pathlib import Path
 from ...slam.errors import InputError, MissingExtraError, shown
 from ...slam.processes.crew import require_workers
 from ..console.setting_words import add_settings, read_settings
+from ..console.subcommands import add_described
 
 MOST_STEPS = 10**10
 """Two weeks on a core."""
@@ -39,13 +40,7 @@ examples:
 def add_follower_arguments(models: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     """Declare the options."""
     summary = "a follower, by reinforcement from nothing, or by imitation"
-    parser = models.add_parser(
-        "follower",
-        help=summary,
-        description=summary,
-        epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+    parser = add_described(models, "follower", summary, EPILOG)
     parser.add_argument("--algo", choices=ALGORITHMS, default="ppo", help="default: %(default)s")
     parser.add_argument("--preset", choices=PRESETS, default=WORLDS, help="default: %(default)s")
     parser.add_argument("--seed", type=int, default=0, help="of all random draws (default: %(default)s)")

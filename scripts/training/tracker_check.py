@@ -36,7 +36,8 @@ def _per(count: Callable[[TrackedDrive], float], of: Callable[[TrackedDrive], fl
 def _rms(phase: int, what: Callable[[TrackedDrive], NDArray[np.float64]]) -> Statistic:
     """Return the root of the mean square of an error (T, n, 2) of people of one phase."""
 
-    def of(drives: Sequence[TrackedDrive]) -> Estimate:
+    def root(drives: Sequence[TrackedDrive]) -> Estimate:
+        """Return the root, and the roots of the interval's ends."""
         squares = ratio(
             [float((what(d)[d.phase == phase] ** 2).sum()) for d in drives],
             [int((d.phase == phase).sum()) for d in drives],
@@ -44,7 +45,7 @@ def _rms(phase: int, what: Callable[[TrackedDrive], NDArray[np.float64]]) -> Sta
         mean, low, high = (float(np.sqrt(value)) for value in (squares.mean, squares.low, squares.high))
         return Estimate(mean, low, high, squares.n)
 
-    return of
+    return root
 
 
 def _of_each(value: Callable[[Sequence[TrackedDrive]], float]) -> Statistic:

@@ -8,6 +8,7 @@ from typing import Any
 from ...envs.tracker_errors.errors import SHIPPED, named
 from ...slam.files.output import made_folder, write_json
 from ..console.arguments import require_count
+from ..console.subcommands import add_described
 from ..console.tables import format_table
 from .tracker_check import compare
 from .tracker_drives import DriveSetting, record_drives
@@ -63,13 +64,7 @@ CHECKED = tuple(
 def add_tracker_arguments(models: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     """Declare the options."""
     summary = 'what leg detector and tracker get wrong, for people="modelled"'
-    parser = models.add_parser(
-        "tracker-errors",
-        help=summary,
-        description=summary,
-        epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+    parser = add_described(models, "tracker-errors", summary, EPILOG)
     for name, default, what in (
         ("seeds", 8, "drives in each setting that is fitted to"),
         ("check-seeds", 10, "drives in each setting of the check"),

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..bounds import Reach, check_numbers, checked_pose
+from ..bounds import Reach, check_numbers, check_positive, checked_pose
 from ..errors import InputError, unknown_name
 from ..geometry import between
 from ..landmarks.clustering import METHODS, clusterer_of_scans
@@ -65,9 +65,7 @@ class LandmarkLocalizerConfig:
         for name in ("travel", "turn"):
             if not getattr(self, name) >= 0.0:
                 raise InputError(f"`{name}` must not be negative, got {getattr(self, name)}")
-        for name in ("cluster_distance", "period", "lost_sigma", "patience", "cluster_points"):
-            if not getattr(self, name) > 0:
-                raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
+        check_positive(self, "cluster_distance", "period", "lost_sigma", "patience", "cluster_points")
 
 
 class LandmarkLocalizer:

@@ -8,8 +8,8 @@ from filterpy.kalman import ExtendedKalmanFilter
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import block_diag
 
-from ..bounds import check_numbers, check_points, checked_pose
-from ..errors import InputError, unknown_name
+from ..bounds import check_numbers, check_points, check_positive, checked_pose
+from ..errors import unknown_name
 from ..geometry import compose, wrap_angle
 from .association import Pairs, compare, joint_compatibility
 from .config import ASSOCIATIONS
@@ -44,9 +44,7 @@ class LocalizationConfig:
         check_numbers(self)
         if self.association not in ASSOCIATIONS:
             raise unknown_name("association", self.association, ASSOCIATIONS)
-        for name in ("sigma_start", "sigma_way", "sigma_turn", "gate"):
-            if not getattr(self, name) > 0.0:
-                raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
+        check_positive(self, "sigma_start", "sigma_way", "sigma_turn", "gate")
 
 
 class ObjectLocalizer:

@@ -63,7 +63,7 @@ class GMapping:
         self._ranges = b""  # of the last scan
         self._spread = np.zeros((3, 3))  # covariance of the particles' poses
         self._online = PoseLog()
-        self._layers = array("q")  # the matched scan that each scan follows
+        self._matched = array("q")  # the scans that were; the others follow the last one before
         self._offsets = PoseLog()  # T_matched_scan
         self._kept = KeptScans()  # matched scans, from which maps are drawn
 
@@ -91,8 +91,8 @@ class GMapping:
                 diagnostics = self._process(points_robot)
         if integrated:
             self._integrate(scan)
+            self._matched.append(len(self._offsets))
         self._odometry = odometry
-        self._layers.append(len(self._paths) - 1)
         self._offsets.append(self._tracker.pose)
         pose, covariance = self.pose, self._covariance()
         self._online.append(pose)
@@ -114,10 +114,10 @@ class GMapping:
 
     def trajectory(self) -> Array:
         """Return (n, 3) T_map_robot for every scan so far, along the best particle's path."""
-        if not self._layers:
+        if not self._matched:
             return np.zeros((0, 3))
-        path = self._paths.path(self.best_particle)
-        return compose(path[np.array(self._layers)], self._offsets.array())
+        path, followers = self._paths.path(self.best_particle), np.diff(self._matched, append=len(self._offsets))
+        return compose(np.repeat(path, followers, axis=0), self._offsets.array())
 
     def online_trajectory(self) -> Array:
         """Return (n, 3) T_map_robot as `update` returned them, each the best knowledge of its time."""

@@ -6,8 +6,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bounds import Reach, Rounds, Share, Within, check_numbers
-from ..errors import InputError
+from ..bounds import Reach, Rounds, Share, Within, check_numbers, check_positive
 from ..geometry import compose, wrap_angle
 from ..scan_to_grid.voxel_filter import AdaptiveVoxelConfig, AdaptiveVoxelFilter
 from .beam_fit_kernels import BeamModel, beam_misfits, refine_poses
@@ -49,9 +48,7 @@ class BeamFitConfig:
 
     def __post_init__(self) -> None:
         check_numbers(self)
-        for name, value in vars(self).items():
-            if not value > 0:
-                raise InputError(f"`{name}` must be positive, got {value}")
+        check_positive(self)
 
 
 @dataclass(frozen=True, eq=False)

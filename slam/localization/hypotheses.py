@@ -6,8 +6,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bounds import Share, Step, Within, check_numbers
-from ..errors import InputError
+from ..bounds import Share, Step, Within, check_numbers, check_positive
 from ..geometry import compose, wrap_angle
 from ..search.branch_and_bound import SearchWindow, Separation, branch_and_bound
 from .beam_fit import BeamFit, Sight
@@ -66,9 +65,7 @@ class HypothesesConfig:
 
     def __post_init__(self) -> None:
         check_numbers(self)
-        for name in ("maxima", "points", "evidence", "level", "least_level", "excess", "hopeless", "sure"):
-            if not getattr(self, name) > 0:
-                raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
+        check_positive(self, "maxima", "points", "evidence", "level", "least_level", "excess", "hopeless", "sure")
 
 
 class Hypotheses:

@@ -6,7 +6,7 @@ from enum import Enum
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..bounds import check_numbers, checked_pose
+from ..bounds import check_numbers, check_positive, checked_pose
 from ..errors import InputError
 from ..geometry import between, compose
 from ..occupancy_map import OccupancyMap
@@ -66,11 +66,8 @@ class LocalizerConfig:
 
     def __post_init__(self) -> None:
         check_numbers(self)
-        for name in ("min_points", "step", "fresh", "search_every", "least_of_usual", "patience"):
-            if not getattr(self, name) > 0:
-                raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
-        if not self.blind_distance > 0:
-            raise InputError(f"`blind_distance` must be positive, got {self.blind_distance}")
+        names = "min_points", "step", "fresh", "search_every", "least_of_usual", "patience", "blind_distance"
+        check_positive(self, *names)
 
 
 @dataclass(frozen=True, eq=False)

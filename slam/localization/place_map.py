@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
-from ..bounds import Cell, Share, Within, check_numbers
+from ..bounds import Cell, Share, Within, check_numbers, check_positive
 from ..errors import InputError
 from ..geometry import wrap_angle
 from ..occupancy_map import OccupancyMap
@@ -48,9 +48,7 @@ class PlaceMapConfig:
 
     def __post_init__(self) -> None:
         check_numbers(self)
-        for name, value in vars(self).items():
-            if not value > 0:
-                raise InputError(f"`{name}` must be positive, got {value}")
+        check_positive(self)
 
 
 class PlaceMap:

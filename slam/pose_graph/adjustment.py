@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from ..bounds import Rounds, check_numbers
-from ..errors import InputError
+from ..bounds import Rounds, check_numbers, check_positive
 from ..geometry import compose
 from .normal_equations import SparsityPattern, block_pattern, fill
 from .pose_graph import PoseGraph
@@ -37,9 +36,7 @@ class AdjustmentConfig:
 
     def __post_init__(self) -> None:
         check_numbers(self)
-        for name, value in vars(self).items():
-            if not value > 0:
-                raise InputError(f"`{name}` must be positive, got {value}")
+        check_positive(self)
 
 
 @dataclass(frozen=True, eq=False)

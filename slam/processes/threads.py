@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 
 from ..errors import InputError
 
@@ -32,10 +32,21 @@ class Workers:
             work(0, count)
             return
         if self._pool is None or self._process != os.getpid():  # a forked process has no threads but its own
-            self._pool, self._process = ThreadPoolExecutor(self.threads), os.getpid()
+            self._pool, self._process = ThreadPoolExecutor(self.threads - 1), os.getpid()
         slices = min(count, 4 * self.threads)  # smaller than a thread's share, so that none waits long for another
-        bounds = [count * i // slices for i in range(slices + 1)]
-        list(self._pool.map(work, bounds[:-1], bounds[1:]))
+        turns = iter(range(slices))  # each is given out once, by the interpreter's lock
+
+        def share() -> None:
+            for k in turns:
+                work(count * k // slices, count * (k + 1) // slices)
+
+        others = [self._pool.submit(share) for _ in range(self.threads - 1)]
+        try:
+            share()  # the caller works, too: to hand over a slice takes as long as some slices do
+        finally:
+            wait(others)  # before the arrays that they write are looked at, or freed
+        for other in others:
+            other.result()
 
     def __getstate__(self) -> dict[str, object]:
         return {"threads": self.threads, "_pool": None, "_process": 0}  # threads are not copied: they start again

@@ -10,7 +10,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bounds import Rounds, Within, check_numbers, check_points
+from ..bounds import Rounds, Within, check_numbers, check_points, check_positive
 from ..errors import InputError
 from ..geometry import compose, inverse, transform_points
 from .icp import Cloud, SurfaceIcpConfig, icp_points, icp_surface
@@ -33,9 +33,7 @@ class RegistrationConfig:
 
     def __post_init__(self) -> None:
         check_numbers(self)
-        for name in ("coarse_points", "coarse_iterations"):
-            if not getattr(self, name) > 0:
-                raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
+        check_positive(self, "coarse_points", "coarse_iterations")
         if not 0.0 <= self.isotropy <= 1.0:
             raise InputError(f"`isotropy` must lie in [0, 1], got {self.isotropy}")
 

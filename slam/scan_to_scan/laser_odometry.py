@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..bounds import Share, check_numbers, checked_pose
-from ..errors import InputError, unknown_name
+from ..bounds import Share, check_numbers, check_positive, checked_pose
+from ..errors import unknown_name
 from ..geometry import between, compose, wrap_angle
 from ..scan import LaserScan
 from . import MATCHERS, Match, make_matcher
@@ -50,9 +50,7 @@ class LaserOdometryConfig:
         check_numbers(self)
         if self.matcher not in MATCHERS:
             raise unknown_name("scan matcher", self.matcher, MATCHERS)
-        for name in ("keyframe_way", "keyframe_turn", "most_way", "most_turn", "sigma_way", "sigma_turn"):
-            if not getattr(self, name) > 0.0:
-                raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
+        check_positive(self, "keyframe_way", "keyframe_turn", "most_way", "most_turn", "sigma_way", "sigma_turn")
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,5 +1,7 @@
 """Laps of one room: what every engine keeps stops growing, and where the robot was stays known."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -115,6 +117,10 @@ def test_poses_in_a_log_are_those_that_were_put_in():
     log[1] = np.array([9.0, 9.0, 9.0])
     assert (len(log), log[-1].tolist(), log[1].tolist()) == (5, [4.0, 0.5, -4.0], [9.0, 9.0, 9.0])
     log.array()[0] = 7.0
+    log.extend(np.arange(12.0).reshape(4, 3))
+    log.cut(5, 7)
+    assert log.take(np.array([6, 0])).tolist() == [[9.0, 10.0, 11.0], [0.0, 0.5, 0.0]]
+    log.cut(5, 7)
     assert log[0].tolist() == [0.0, 0.5, 0.0]
     with pytest.raises(IndexError):
         log[5]
@@ -135,7 +141,17 @@ def test_paths_through_the_trunk_are_those_through_all_layers(seed):
         assert len(tree) == layer + 1
     for particle in range(6):
         np.testing.assert_array_equal(tree.path(particle), paths[particle])
-    assert len(tree._poses) < 120  # the rest is the same for all
+    assert len(tree._poses) < 6 * 120  # the rest is the same for all
+
+
+def test_a_layer_of_paths_without_resampling_takes_the_memory_of_its_poses_alone():
+    tree, rng, layers, particles = PathTree(), np.random.default_rng(0), 4000, 30
+    tracemalloc.start()
+    for _ in range(layers):
+        tree.append(rng.normal(size=(particles, 3)))
+    held, _ = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert held / layers < 1.1 * 24 * particles  # bytes; lists of arrays took 1.7 times that
 
 
 def test_nodes_that_leave_hang_on_the_nearest_submap_that_stays_wherever_that_moves():

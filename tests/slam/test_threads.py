@@ -3,6 +3,8 @@
 import copy
 import os
 import signal
+import threading
+import time
 
 import pytest
 from tagalong.slam.processes.threads import Workers
@@ -23,6 +25,33 @@ def test_an_error_in_a_thread_reaches_the_caller():
 
     with pytest.raises(KeyError, match="piece"):
         Workers(2).run(fail, 50)
+
+
+def test_the_caller_takes_a_share_of_the_work():
+    idents, both = set[int](), threading.Barrier(2)
+
+    def meet(_: int, __: int) -> None:
+        both.wait(20)
+        idents.add(threading.get_ident())
+
+    Workers(2).run(meet, 50)
+    assert threading.get_ident() in idents
+
+
+def test_the_others_have_ended_when_an_error_of_the_caller_comes_out():
+    caller, both, done = threading.get_ident(), threading.Barrier(2), list[int]()
+
+    def fail(start: int, stop: int) -> None:
+        if len(done) == 0:
+            both.wait(20)
+        if threading.get_ident() == caller:
+            raise KeyError("piece")
+        time.sleep(0.01)
+        done.extend(range(start, stop))
+
+    with pytest.raises(KeyError, match="piece"):
+        Workers(2).run(fail, 8)
+    assert len(done) == 7
 
 
 def test_a_copy_starts_threads_of_its_own():

@@ -2,8 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from ...bounds import Share, Threads, check_numbers
-from ...errors import InputError
+from ...bounds import Share, Threads, check_numbers, check_positive
 from ...pose_graph.adjustment import AdjustmentConfig
 from ...revisits import RevisitConfig
 from .constraints import ConstraintConfig
@@ -50,6 +49,6 @@ class GlobalSlamConfig:
 
     def __post_init__(self) -> None:
         check_numbers(self)
-        for name in ("adjust_every", "max_distance", "known_for", "kernel_width", "odometry_share", "reject_beyond"):
-            if not getattr(self, name) > 0:
-                raise InputError(f"`{name}` must be positive, got {getattr(self, name)}")
+        check_positive(
+            self, "adjust_every", "max_distance", "known_for", "kernel_width", "odometry_share", "reject_beyond"
+        )
