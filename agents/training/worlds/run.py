@@ -109,6 +109,10 @@ class WorldsRun:
         if self.config.max_minutes is not None and self._minutes() >= self.config.max_minutes:
             raise _OutOfTime
 
+    def begin_rollout(self) -> None:
+        """Drive the next rollout as the preset wants it now."""
+        self._env.begin_share(self._model.num_timesteps / self._preset.steps)
+
     def note(self, infos: list[dict[str, Any]]) -> None:
         """Take note of the episodes that have ended."""
         ended = (info for info in infos if "ending" in info)
@@ -200,6 +204,7 @@ class _Monitor(BaseCallback):
         if self._learned:
             self._run.count()
         self._learned = True
+        self._run.begin_rollout()
 
     def _on_step(self) -> bool:
         self._run.note(self.locals["infos"])
