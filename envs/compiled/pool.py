@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 from gymnasium.utils import seeding
 
+from ...slam.errors import InputError
 from ..episode_setup import world_config
 from ..follow_config import FollowConfig
-from ..people.draft import NoRoomError
 from ..world.config import WorldConfig
 from ..world.drawing import MOST_DRAWS, EpisodeDrawing, draw_again, draw_episode
 from .plans import Plans, plan_row
@@ -63,7 +63,7 @@ class EpisodePool:
         Not every building has room for as many people as are asked for: then another one is drawn.
 
         Raises:
-            NoRoomError: If none of `MOST_DRAWS` has.
+            InputError: If none of `MOST_DRAWS` has.
         """
         for attempt in range(MOST_DRAWS):
             more = [] if attempt == 0 else [attempt]
@@ -72,7 +72,7 @@ class EpisodePool:
                 for row in range(first + 1, min(first + SHARING, self._ahead)):
                     rng = np.random.default_rng([_LATER, self._seed, row, *more])
                     drawings.append(draw_again(drawings[0], rng))
-            except NoRoomError:
+            except InputError:
                 if attempt == MOST_DRAWS - 1:
                     raise
             else:

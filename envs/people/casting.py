@@ -5,11 +5,12 @@ from dataclasses import replace
 import numpy as np
 
 from ...slam.errors import InputError, shown
+from ..scenes.request import NoRoomError
 from .behaviours.behaviour import Behaviour
 from .behaviours.mind import Mind, MindKind
 from .body import draw_physique
 from .crowd import Casting, Person
-from .draft import CastRequest, Draft, NoRoomError, Part, people_of
+from .draft import CastRequest, Draft, Part, people_of
 from .movement.bodies import Start
 from .movement.ground import Ground
 from .movement.obstacles import is_clear

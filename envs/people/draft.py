@@ -7,6 +7,7 @@ from enum import Enum, auto
 import numpy as np
 
 from ...slam.errors import InputError
+from ..scenes.request import NoRoomError
 from ..scenes.scene import Errand, Scene
 from .behaviours.behaviour import Behaviour
 from .behaviours.companion import companion
@@ -21,10 +22,6 @@ from .crowd import Person
 from .movement.bodies import Start
 from .movement.ground import Ground
 from .movement.terrain import Terrain
-
-
-class NoRoomError(InputError):
-    """A building, as it was drawn, has no room for the people that are asked for; another one may have."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -3,11 +3,12 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from ..scenes.request import NoRoomError
 from ..scenes.scene import Errand
 from .behaviours.leader import draw_leader
 from .behaviours.mind import Mind
 from .body import draw_physique
-from .draft import CastRequest, Draft, NoRoomError, Part, stander_window
+from .draft import CastRequest, Draft, Part, stander_window
 from .movement.terrain import Terrain
 
 Array = NDArray[np.float64]

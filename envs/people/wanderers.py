@@ -5,10 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..scenes.request import NoRoomError
 from .behaviours.leader import draw_leader
 from .behaviours.mind import Mind
 from .body import draw_physique
-from .draft import CastRequest, Draft, NoRoomError, Part, stander_window
+from .draft import CastRequest, Draft, Part, stander_window
 
 Array = NDArray[np.float64]
 

@@ -6,12 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..people.casting import MOST_ON_ROUTE, cast_people
-from ..people.draft import CastRequest, NoRoomError
+from ..people.draft import CastRequest
 from ..people.movement.terrain import Terrain
 from ..people.wanderers import MOST_DRAWN
 from ..robot.odometry import WheelOdometry, odometry_quality
 from ..scenes.catalogue import make_scene
 from ..scenes.recorded_walks import with_recorded_walks
+from ..scenes.request import NoRoomError
 from ..scenes.scene import Scene
 from .config import WorldConfig
 from .state import Plan

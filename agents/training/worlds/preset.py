@@ -13,6 +13,9 @@ BEAMS = 360
 MOST_QUICK = 10.0
 """Times: a robot that settles within a step of the control is no quicker for more."""
 
+HEEDLESS = 0.2
+"""Share of the bystanders who do not see the robot: of people who always make room, nobody learns to make room."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class WorldKind:
@@ -75,11 +78,11 @@ class WorldsPreset:
     """
 
     kinds: tuple[WorldKind, ...] = KINDS
-    env: dict[str, Any] = field(default_factory=lambda: {"beams": BEAMS, "lost_limit_s": 5.0})
+    env: dict[str, Any] = field(default_factory=lambda: {"beams": BEAMS, "lost_limit_s": 5.0, "heedless": HEEDLESS})
     pooled: PooledConfig = field(default_factory=lambda: PooledConfig(gap_scale=0.5))
     steering: SteeringConfig = field(
         default_factory=lambda: SteeringConfig(
-            settle_s=0.5, turn_settle_s=0.3, jerk=2.5, brake_jerk=6.0, turn_jerk=10.0, wish_s=0.0
+            settle_s=0.35, turn_settle_s=0.25, jerk=4.0, brake_jerk=8.0, turn_jerk=16.0, wish_s=0.0
         )
     )
     steps: int = 4_000_000
@@ -91,8 +94,8 @@ class WorldsPreset:
     gae_lambda: float = 0.95
     log_deviation: float = -0.7
     quick: float = 2.0
-    jerk: float = 0.008
-    turn_jerk: float = 0.0004
+    jerk: float = 0.025
+    turn_jerk: float = 0.0012
     clearance: float = 1.0
     clearance_m: float = 0.2
     reward_scale: float = 0.05
