@@ -22,7 +22,7 @@ class PeopleConfig:
         people_count: Walking people in the building, the leader included; may be 0 without one. None draws it.
         standing: Further people who come to stand still beside the route.
         heedless: Share of the bystanders who do not see the robot, 0 to 1: they make no room for it and do not wait
-            for it. Those of `behaviours` are not among them.
+            for it, but step aside where they would walk into it. Those of `behaviours` are not among them.
         behaviours: Further people, one for each behaviour, see `tagalong.envs.people`; each begins an
             episode with a copy of the object that stands here.
         leader_style: Manner of the leader: "steady", "hurried", "waits"; None draws one from the seed.

@@ -13,9 +13,6 @@ BEAMS = 360
 MOST_QUICK = 10.0
 """Times: a robot that settles within a step of the control is no quicker for more."""
 
-HEEDLESS = 0.2
-"""Share of the bystanders who do not see the robot: of people who always make room, nobody learns to make room."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class WorldKind:
@@ -78,7 +75,7 @@ class WorldsPreset:
     """
 
     kinds: tuple[WorldKind, ...] = KINDS
-    env: dict[str, Any] = field(default_factory=lambda: {"beams": BEAMS, "lost_limit_s": 5.0, "heedless": HEEDLESS})
+    env: dict[str, Any] = field(default_factory=lambda: {"beams": BEAMS, "lost_limit_s": 5.0, "people": "modelled"})
     pooled: PooledConfig = field(default_factory=lambda: PooledConfig(gap_scale=0.5))
     steering: SteeringConfig = field(
         default_factory=lambda: SteeringConfig(

@@ -167,7 +167,8 @@ def advance_bodies(
         direction: (n, 2) unit vectors of the wanted walk.
         wish: (n,) wanted speeds [m/s]; 0 stands.
         radius: (n,) of the bodies [m].
-        heedless: (n,) who does not see the robot, and walks as if it was not there.
+        heedless: (n,) who does not see the robot: keeps no distance from it and does not wait for it, but steps aside
+            where the next step would be into it.
         robot: (8,) x, y, cos, sin of its pose, velocity x and y [m/s], half length, half width [m].
         things: Furniture and walls.
         force: (9,) `SocialForceConfig.as_array()`.
@@ -188,7 +189,7 @@ def advance_bodies(
         fy += (speed * direction[i, 1] - velocity[i, 1]) / force[0]
         _move(dt, i, fx, fy, max(1.2 * wish[i], 0.6), position, velocity)
     for _ in range(4):
-        if not _part(dt, position, radius, heedless, robot, things):
+        if not _part(dt, position, radius, robot, things):
             break
     for i in range(n):
         velocity[i, 0] = (position[i, 0] - before[i, 0]) / dt
@@ -260,7 +261,7 @@ def _force_of_things(x: float, y: float, radius: float, things: Things, force: A
 
 
 @view_kernel
-def _part(dt: float, position: Array, radius: Array, heedless: NDArray[np.bool_], robot: Array, things: Things) -> bool:
+def _part(dt: float, position: Array, radius: Array, robot: Array, things: Things) -> bool:
     """Push apart who overlaps: from each other, from the robot (no faster than a person evades), from obstacles.
 
     Return whether anybody was pushed: if nobody was, nobody would be by doing it again.
@@ -280,9 +281,7 @@ def _part(dt: float, position: Array, radius: Array, heedless: NDArray[np.bool_]
                 pushed = True
     for i in range(n):
         room = radius[i] + _BESIDE
-        x, y = position[i, 0], position[i, 1]
-        if not heedless[i]:
-            x, y = _beside_robot(x, y, room, _EVADE * dt / 4.0, robot)
+        x, y = _beside_robot(position[i, 0], position[i, 1], room, _EVADE * dt / 4.0, robot)
         x, y = keep_clear(x, y, room, things)
         pushed = pushed or x != position[i, 0] or y != position[i, 1]
         position[i, 0], position[i, 1] = x, y
