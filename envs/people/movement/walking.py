@@ -167,8 +167,7 @@ def advance_bodies(
         direction: (n, 2) unit vectors of the wanted walk.
         wish: (n,) wanted speeds [m/s]; 0 stands.
         radius: (n,) of the bodies [m].
-        heedless: (n,) who does not see the robot: keeps no distance from it and does not wait for it, but steps aside
-            where the next step would be into it.
+        heedless: (n,) who neither keeps a distance from the robot nor waits for it, and only walks round it.
         robot: (8,) x, y, cos, sin of its pose, velocity x and y [m/s], half length, half width [m].
         things: Furniture and walls.
         force: (9,) `SocialForceConfig.as_array()`.
