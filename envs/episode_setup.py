@@ -29,7 +29,7 @@ from .task.observation import Observed
 from .tracker_errors.errors import chosen_errors
 from .world.world import World, WorldConfig
 
-OPTIONS = ("scene", "split", "route", "people", "standing", "leader_style", "odometry")
+OPTIONS = ("scene", "split", "route", "people", "standing", "leader_style", "heedless", "odometry")
 """Options of `reset`: fields of `WorldConfig` that they set for one episode."""
 
 
@@ -75,6 +75,7 @@ def world_config(config: FollowConfig, options: Mapping[str, Any] | None) -> Wor
         "leader": config.task.leader,
         "standing": people.standing,
         "leader_style": people.leader_style,
+        "heedless": people.heedless,
         "behaviours": people.behaviours,
         "odometry": config.sensors.odometry,
     }

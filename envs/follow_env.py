@@ -149,6 +149,7 @@ class FollowEnv(gym.Env[Any, Any]):
     | `people` | number of walking people, the leader included |
     | `standing` | number of further people who come to stand still for 25 s |
     | `leader_style` | "steady", "hurried", "waits" (when the robot lags behind) |
+    | `heedless` | share of the bystanders who do not see the robot: they make no room for it |
     | `odometry` | "perfect", "good", "typical", "slipping" |
 
     ## Episode end

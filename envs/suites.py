@@ -1,6 +1,6 @@
 """Test suites: which episodes a follower is judged by."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from ..slam.errors import unknown_name
@@ -55,6 +55,13 @@ HARD_CELLS = (
     _cell("clutter 30, 20", "packed_clutter", 20),
 )
 """Where following is hardest; fixed: a change of a cell is a new suite with a new number."""
+HEEDLESS = 1.0
+"""Share of the bystanders in the second suite who do not see the robot. Where everybody makes room for it, crowds are
+easy: who does not see it stands in the doors, too."""
+
+
+def _heedless(cell: Scenario) -> Scenario:
+    return replace(cell, options={**cell.options, "heedless": HEEDLESS})
 
 
 SUITES: dict[str, tuple[Scenario, ...]] = {
@@ -73,6 +80,7 @@ SUITES: dict[str, tuple[Scenario, ...]] = {
         for name in ("narrow_corridor", "doorway", "intersection", "clutter")
     ),
     "hard-v1": HARD_CELLS,
+    "hard-v2": tuple(_heedless(cell) for cell in HARD_CELLS),
 }
 """Name -> scenarios; episode k is of scenario k modulo their number, with seed `FIRST_SEED` + k."""
 

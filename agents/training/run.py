@@ -1,7 +1,5 @@
 """One training run, from nothing to an exported policy; killed at any time, it goes on from its last checkpoint."""
 
-import json
-import time
 from collections.abc import Callable
 from contextlib import closing
 from dataclasses import asdict, dataclass
@@ -12,8 +10,8 @@ import torch
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.logger import Logger, configure
 
-from ...slam.errors import InputError, shown
-from ...slam.files.output import made_folder, read_json, write_json
+from ...slam.errors import InputError
+from ...slam.files.output import made_folder, write_json
 from .checkpoint import INDEX, Progress, load_arrays, load_progress, save_checkpoint
 from .curriculum import Curriculum
 from .evaluation import Evaluation, evaluate
@@ -23,46 +21,21 @@ from .model_state import arrays_of_model, restore_adam, restore_model, shapes_of
 from .models import arrays_of, make_model
 from .presets import TrainingPreset
 from .reinforcement import TrainingMonitor
+from .running import RunClock, RunLimits, TimeUp, settle
 from .vec_env import FollowerVecEnv
-
-MOST_WORKERS = 64
-"""Processes that drive; each takes about 300 MB, and no round has more drives at a time than this to share out."""
-
-_LONGEST_MIN = 1e6  # two years; whoever wants no limit leaves it out
-
-
-class _TimeUp(Exception):
-    """The time of the run is up."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class RunConfig:
-    """A run.
+class RunConfig(RunLimits):
+    """A run; when its time is up, the best policy so far has been exported.
 
     Attributes:
         preset: What is trained.
         name: Of the preset, for the card.
-        seed: Of all draws.
-        workers: Processes that drive.
-        max_minutes: Time after which the run stops, within a drive or a rollout, evaluations included; the best policy
-            so far has been exported then. None trains to the end.
     """
 
     preset: TrainingPreset
     name: str
-    seed: int = 0
-    workers: int = 1
-    max_minutes: float | None = None
-
-    def __post_init__(self) -> None:
-        if not 1 <= self.workers <= MOST_WORKERS:
-            raise InputError(
-                f"a run needs 1 to {MOST_WORKERS} workers, of about 300 MB each, got {shown(self.workers)}"
-            )
-        if not 0 <= self.seed < 1 << 32:
-            raise InputError(f"a run's seed is a whole number from 0 to {(1 << 32) - 1}, got {shown(self.seed)}")
-        if self.max_minutes is not None and not 0.0 < self.max_minutes <= _LONGEST_MIN:
-            raise InputError(f"a run needs minutes above 0, at most {_LONGEST_MIN:g}, got {self.max_minutes:g}")
 
 
 class TrainingRun:
@@ -80,7 +53,7 @@ class TrainingRun:
     def __init__(self, config: RunConfig, folder: Path, tick: Callable[[str], None]) -> None:
         self.config, self.folder, self._tick = config, made_folder(folder), tick
         self._preset = config.preset
-        self._settle()
+        settle(self.folder, asdict(self._preset), config.name, config.seed)
         torch.set_num_threads(1)
         self._curriculum = Curriculum(self._preset.curriculum, config.seed)
         self._env = FollowerVecEnv(
@@ -94,7 +67,7 @@ class TrainingRun:
         self._resume()
         self._log: Logger = configure(str(self.folder / "tensorboard"), ["tensorboard"])
         self._model.set_logger(self._log)
-        self._began, self._before = time.monotonic(), self.progress.minutes
+        self._clock = RunClock(self.progress.minutes, config.max_minutes)
 
     def train(self) -> Progress:
         """Train to the end or until the time is up; return how far it came. The best policy is in the folder."""
@@ -103,7 +76,7 @@ class TrainingRun:
                 self._judge()
                 self._imitate()
                 self._reinforce()
-            except _TimeUp:
+            except TimeUp:
                 self._export_unjudged()
         return self.progress
 
@@ -135,16 +108,8 @@ class TrainingRun:
         if progress.passes > most:
             raise ValueError(f"`passes` can be {most} at most, got {progress.passes}")
 
-    def _settle(self) -> None:
-        settings = {"preset": asdict(self._preset), "name": self.config.name, "seed": self.config.seed}
-        file = self.folder / "settings.json"
-        plain = json.loads(json.dumps(settings))
-        if file.is_file() and read_json(file) != plain:
-            raise InputError(f"{self.folder} holds a run of other settings: give another --out, or the same settings")
-        write_json(file, plain)
-
     def _imitate(self) -> None:
-        self._out_of_time()
+        self._clock.check()
         while self.progress.rounds < self._preset.imitation.rounds:
             error = self._imitation.round(self.progress.rounds, self._model, self._told, self._fit, self._keep)
             self.progress.rounds += 1
@@ -162,7 +127,7 @@ class TrainingRun:
         left = config.steps - self.progress.steps
         if left <= 0:
             return
-        self._out_of_time()
+        self._clock.check()
         self._model.learn(left, callback=TrainingMonitor(config, self.progress.rollouts, self._after_rollout))
         self._count(self.progress.rollouts + 1)
         self.progress.steps = max(self.progress.steps, config.steps)
@@ -185,7 +150,7 @@ class TrainingRun:
         after = self.progress.due
         if not after:
             return
-        self._out_of_time()
+        self._clock.check()
         arrays = arrays_of(self._model)
         result: Evaluation = evaluate(arrays, self._preset, self.config.workers, after, self._told)
         self.progress.evaluations.append(result.to_dict())
@@ -212,7 +177,7 @@ class TrainingRun:
         """Write the checkpoint; `due` says after what an evaluation is to follow, if one is."""
         progress, fit = self.progress, self._fit
         progress.due, progress.passes, progress.error = due, fit.passes, fit.error
-        progress.minutes = self._minutes()
+        progress.minutes = self._clock.minutes
         progress.curriculum = self._curriculum.state()
         save_checkpoint(self.folder, {**arrays_of_model(self._model), **fit.moments}, progress)
         write_json(self.folder / "evaluations.json", {"evaluations": progress.evaluations})
@@ -220,11 +185,7 @@ class TrainingRun:
     def _told(self, line: str) -> None:
         """Tell of the progress, then stop if the time is up; what is told of must be kept already."""
         self._tick(line)
-        self._out_of_time()
-
-    def _out_of_time(self) -> None:
-        if self.config.max_minutes is not None and self._minutes() >= self.config.max_minutes:
-            raise _TimeUp
+        self._clock.check()
 
     def _card(self, result: Evaluation | None) -> dict[str, Any]:
         return {
@@ -233,9 +194,6 @@ class TrainingRun:
             "seed": self.config.seed,
             "imitation_rounds": self.progress.rounds,
             "reinforcement_steps": self.progress.steps,
-            "minutes": round(self._minutes(), 1),
+            "minutes": round(self._clock.minutes, 1),
             "evaluation": None if result is None else result.to_dict(),
         }
-
-    def _minutes(self) -> float:
-        return self._before + (time.monotonic() - self._began) / 60.0

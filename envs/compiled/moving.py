@@ -47,7 +47,8 @@ def advance(w: int, action: Array, rules: Rules, plans: Plans, state: WorldsStat
         _decide(w, s, rules.ticks * TICK, plans, state, ways, room.robot)
     bodies = bodies_of(state.bodies, w, n)
     walkers = Walkers(
-        plans.size[s, :n], plans.radius[s, :n], plans.way[s, :n], plans.own_first[s, :n], plans.own_count[s, :n]
+        plans.size[s, :n], plans.radius[s, :n], plans.heedless[s, :n], plans.way[s, :n], plans.own_first[s, :n],
+        plans.own_count[s, :n],
     )  # fmt: skip
     for tick in range(rules.ticks):
         ramp(setpoint, room.wanted, rules.base, TICK)

@@ -59,6 +59,7 @@ class Plans(NamedTuple):
         way_sizes: (s, 2).
         size: (s, n, 5) of the people, as in `gait.advance_gait`.
         radius: (s, n) of the bodies [m].
+        heedless: (s, n) who does not see the robot.
         kind: (s, n) of behaviour, see `Minds`.
         numbers: (s, n, NUMBERS) with which each behaviour begins.
         script: (s, n, k, 3).
@@ -107,6 +108,7 @@ class Plans(NamedTuple):
     way_sizes: Array
     size: Array
     radius: Array
+    heedless: Flags
     kind: Ints
     numbers: Array
     script: Array
@@ -230,6 +232,7 @@ def _people(drawing: EpisodeDrawing) -> dict[str, NDArray[Any]]:
     return {
         "size": np.array(size, dtype=np.float64).reshape(-1, 5),
         "radius": np.array([p.radius for p in sizes], dtype=np.float64),
+        "heedless": np.array([person.heedless for person in casting.people], dtype=np.bool_),
         "kind": minds.kind,
         "numbers": minds.numbers,
         "script": minds.script,

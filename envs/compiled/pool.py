@@ -10,15 +10,12 @@ from ...slam.errors import InputError
 from ..episode_setup import world_config
 from ..follow_config import FollowConfig
 from ..world.config import WorldConfig
-from ..world.drawing import EpisodeDrawing, draw_again, draw_episode
+from ..world.drawing import MOST_DRAWS, EpisodeDrawing, draw_again, draw_episode
 from .plans import Plans, plan_row
 from .records import Records
 
 _LATER = 0x7A6A  # sets the draws of later episodes apart from those of seeds
 
-
-_ATTEMPTS = 20
-"""Buildings that are drawn for one, at most."""
 SHARING = 4
 """Episodes drawn ahead that share a building and its tour: drawing a building takes ten times as long as people."""
 
@@ -66,17 +63,17 @@ class EpisodePool:
         Not every building has room for as many people as are asked for: then another one is drawn.
 
         Raises:
-            InputError: If none of `_ATTEMPTS` has.
+            InputError: If none of `MOST_DRAWS` has.
         """
-        for attempt in range(_ATTEMPTS):
+        for attempt in range(MOST_DRAWS):
             more = [] if attempt == 0 else [attempt]
             try:
-                drawings = [draw_episode(config, np.random.default_rng([_LATER, self._seed, first, *more]))]
+                drawings = [draw_episode(config, np.random.default_rng([_LATER, self._seed, first, *more]), 1)]
                 for row in range(first + 1, min(first + SHARING, self._ahead)):
                     rng = np.random.default_rng([_LATER, self._seed, row, *more])
                     drawings.append(draw_again(drawings[0], rng))
             except InputError:
-                if attempt == _ATTEMPTS - 1:
+                if attempt == MOST_DRAWS - 1:
                     raise
             else:
                 return drawings

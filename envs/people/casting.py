@@ -5,11 +5,12 @@ from dataclasses import replace
 import numpy as np
 
 from ...slam.errors import InputError, shown
+from ..scenes.request import NoRoomError
 from .behaviours.behaviour import Behaviour
 from .behaviours.mind import Mind, MindKind
 from .body import draw_physique
 from .crowd import Casting, Person
-from .draft import CastRequest, people_of
+from .draft import CastRequest, Draft, Part, people_of
 from .movement.bodies import Start
 from .movement.ground import Ground
 from .movement.obstacles import is_clear
@@ -31,16 +32,28 @@ def cast_people(request: CastRequest) -> Casting:
     scripted people of the scene, and people with behaviours of one's own.
 
     Raises:
-        InputError: If the building is too small for so many.
+        NoRoomError: If the building is too small for so many.
     """
     asked = request if request.with_leader else replace(request, people=request.people + 1)
     drafts, leader = (draw_wanderers if request.scene.walks else draw_route_people)(asked)
+    _cast_heedless(asked, drafts)
     people = people_of(drafts, request.terrain, leader if request.with_leader else None)
     minds = [person.behaviour for person in people if isinstance(person.behaviour, Mind)]
     group = sum(mind.kind in (MindKind.LEADER, MindKind.COMPANION) for mind in minds)
     for behaviour in request.behaviours:
         people.append(_own_person(request, behaviour, people))
     return Casting(people=tuple(people), group=group)
+
+
+def _cast_heedless(request: CastRequest, drafts: list[Draft]) -> None:
+    """Decide who of the bystanders does not see the robot: the first of an order that is drawn, as many as asked for.
+
+    The same people in the same places for any share, and more of them for a higher one.
+    """
+    bystanders = [draft for draft in drafts if draft.part not in (Part.LEADER, Part.COMPANION)]
+    order = request.heedless_rng.permutation(len(bystanders))
+    for k in order[: round(request.heedless * len(bystanders))]:
+        bystanders[k].heedless = True
 
 
 def _own_person(request: CastRequest, behaviour: Behaviour, people: list[Person]) -> Person:
@@ -65,7 +78,7 @@ def _drawn_start(request: CastRequest, people: list[Person]) -> Start:
         if apart and np.hypot(*(robot - place)) > _FROM_ROBOT:
             x, y = place.tolist()
             return Start(x, y, terrain.ahead(arc) + (np.pi if sense < 0.0 else 0.0), arc, sense, offset)
-    raise InputError(f"no room for another person in this {request.scene.name}")
+    raise NoRoomError(f"no room for another person in this {request.scene.name}")
 
 
 def _checked_start(behaviour: Behaviour, terrain: Terrain, radius: float) -> Start:

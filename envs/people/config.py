@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from ...slam.bounds import Share
 from ...slam.errors import InputError, shown
 from ..limits.field_checks import People, check_fields
 from .behaviours.behaviour import Behaviour, checked_behaviours
@@ -20,6 +21,8 @@ class PeopleConfig:
             errors that the tracker makes, by a statistical model of them.
         people_count: Walking people in the building, the leader included; may be 0 without one. None draws it.
         standing: Further people who come to stand still beside the route.
+        heedless: Share of the bystanders who do not see the robot, 0 to 1: they make no room for it and do not wait
+            for it, but step aside where they would walk into it. Those of `behaviours` are not among them.
         behaviours: Further people, one for each behaviour, see `tagalong.envs.people`; each begins an
             episode with a copy of the object that stands here.
         leader_style: Manner of the leader: "steady", "hurried", "waits"; None draws one from the seed.
@@ -30,6 +33,7 @@ class PeopleConfig:
     people_count: People | None = 2
     standing: People = 0
     leader_style: str | None = None
+    heedless: Share = 0.0
     behaviours: tuple[Behaviour, ...] = ()
     tracker_errors: str = "shipped"
 

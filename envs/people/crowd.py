@@ -34,6 +34,7 @@ class Person:
         start: Where it begins.
         ground: Where it walks.
         path: Which path of the terrain it walks on; 0 is the route.
+        heedless: Whether it does not see the robot.
     """
 
     physique: Physique
@@ -41,6 +42,7 @@ class Person:
     start: Start
     ground: Ground = Ground.ROUTE
     path: int = 0
+    heedless: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -116,7 +118,8 @@ class Crowd:
         )
         self._ground = np.array([person.ground for person in casting.people], dtype=np.int64)
         path = np.array([person.path for person in casting.people], dtype=np.int64)
-        self._walkers = Walkers(size, self.radius, path, terrain.ways.first[path], terrain.ways.rows[path])
+        heedless = np.array([person.heedless for person in casting.people], dtype=np.bool_)
+        self._walkers = Walkers(size, self.radius, heedless, path, terrain.ways.first[path], terrain.ways.rows[path])
         self._elsewhere = self._ground == Ground.ELSEWHERE
         self._things = things_around(terrain.boxes, terrain.circles, reach_of_things(force))
 

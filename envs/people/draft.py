@@ -7,6 +7,7 @@ from enum import Enum, auto
 import numpy as np
 
 from ...slam.errors import InputError
+from ..scenes.request import NoRoomError
 from ..scenes.scene import Errand, Scene
 from .behaviours.behaviour import Behaviour
 from .behaviours.companion import companion
@@ -38,6 +39,8 @@ class CastRequest:
         start_arc: Where along the route the robot starts [m].
         leader_rng: Source of the leader's draws.
         rng: Source of all other draws.
+        heedless: Share of the bystanders who do not see the robot.
+        heedless_rng: Source of the draws who they are.
         behaviours: Further people, one each, with behaviours of one's own.
         own_rng: Source of their bodies and places.
     """
@@ -51,6 +54,8 @@ class CastRequest:
     start_arc: float
     leader_rng: np.random.Generator
     rng: np.random.Generator
+    heedless: float = 0.0
+    heedless_rng: np.random.Generator = field(default_factory=np.random.default_rng)
     behaviours: tuple[Behaviour, ...] = ()
     own_rng: np.random.Generator = field(default_factory=np.random.default_rng)
 
@@ -79,6 +84,7 @@ class Draft:
         patience: How long they stand held up before they turn round [s].
         rest: How long they stay at the ends of their way [s].
         gives_way: Whether they stop for the group.
+        heedless: Whether they do not see the robot, and so do not stop for it either.
         errand: Their script.
         window: Arc lengths between which they walk as a stander [m].
         path: Which path of the terrain they walk on.
@@ -94,6 +100,7 @@ class Draft:
     patience: float = 0.0
     rest: float = 0.0
     gives_way: bool = False
+    heedless: bool = False
     errand: Errand | None = None
     window: tuple[float, float] = (0.0, 0.0)
     path: int = 0
@@ -118,6 +125,7 @@ def _person(draft: Draft, terrain: Terrain, leader: Mind | None) -> Person:
         start=_start(draft, terrain),
         ground=ground,
         path=draft.path,
+        heedless=draft.heedless,
     )
 
 
@@ -137,11 +145,11 @@ def _behaviour(draft: Draft, leader: Mind | None) -> Mind:
                 side=draft.side,
                 patience=draft.patience,
                 rest=draft.rest,
-                gives_way=draft.gives_way,
+                gives_way=draft.gives_way and not draft.heedless,
                 rests_s=WANDERERS_REST_S,
             )
         case _:
-            return walker(pace=draft.pace, side=draft.side)
+            return walker(pace=draft.pace, side=draft.side, heedless=draft.heedless)
 
 
 def _start(draft: Draft, terrain: Terrain) -> Start:
@@ -170,7 +178,7 @@ def stander_window(scene: Scene, taken: np.ndarray, rng: np.random.Generator) ->
         rng: Source of draws.
 
     Raises:
-        InputError: If there is no room.
+        InputError: If there are no such places; `NoRoomError` if there is no room at them.
     """
     places = scene.standing_places
     if len(places) == 0:
@@ -184,4 +192,4 @@ def stander_window(scene: Scene, taken: np.ndarray, rng: np.random.Generator) ->
         apart = np.all(np.abs(taken - start - length / 2.0) > beside + length / 2.0)
         if covered.sum() >= 5.0 * length and 4.0 < start < limit and apart:
             return float(start + 0.2 * length), float(start + 0.8 * length), float(lateral)
-    raise InputError(f"no room for another standing person in this {scene.name}")
+    raise NoRoomError(f"no room for another standing person in this {scene.name}")

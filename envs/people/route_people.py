@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ...slam.errors import InputError
+from ..scenes.request import NoRoomError
 from ..scenes.scene import Errand
 from .behaviours.leader import draw_leader
 from .behaviours.mind import Mind
@@ -20,7 +20,7 @@ def draw_route_people(request: CastRequest) -> tuple[list[Draft], Mind]:
     """Draw a leader, somebody who walks ahead with them, walkers on the route, standers, and the scene's scripted.
 
     Raises:
-        InputError: If the building is too small for so many.
+        NoRoomError: If the building is too small for so many.
     """
     scene, rng = request.scene, request.rng
     parts = [Part.LEADER, Part.COMPANION][: request.people] + [Part.WALKER] * (request.people - 2)
@@ -104,4 +104,4 @@ def _apart(low: float, high: float, taken: Array, away: _Away, rng: np.random.Ge
         arc = rng.uniform(low, high)
         if np.all(np.abs(taken - arc) > 1.2) and away.holds(arc):
             return float(arc)
-    raise InputError(f"no room for so many people on {high - low:.0f} m of route: at most {int((high - low) / 3)} fit")
+    raise NoRoomError(f"no room for so many people on {high - low:.0f} m of route: at most {int((high - low) / 3)} fit")

@@ -26,6 +26,7 @@ class Walkers(NamedTuple):
     Attributes:
         size: (n, 5) as in `gait.advance_gait`.
         radius: (n,) of the bodies [m].
+        heedless: (n,) who does not see the robot.
         way: (n,) on which each walks; 0 is the route.
         first: (n,) row of `Ways.points` at which it begins.
         rows: (n,) how many it has.
@@ -33,6 +34,7 @@ class Walkers(NamedTuple):
 
     size: Array
     radius: Array
+    heedless: NDArray[np.bool_]
     way: Ints
     first: Ints
     rows: Ints
@@ -67,7 +69,8 @@ def walk(
     wanted_directions(b.position, b.arc, b.sense, b.lateral, ways.points, ways.tangents, *own, b.direction)
     go_straight(b.goal, b.position, b.direction)
     advance_bodies(
-        dt, b.position, b.velocity, b.heading, b.direction, b.wish, walkers.radius, robot, things, force, before
+        dt, b.position, b.velocity, b.heading, b.direction, b.wish, walkers.radius, walkers.heedless, robot,
+        things, force, before,
     )  # fmt: skip
     _close_laps(b.arc, walkers.way, group, ways)
     locate(b.position, b.arc, ways.points, ways.tangents, *own)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...slam.errors import InputError
+from ..scenes.request import NoRoomError
 from .behaviours.leader import draw_leader
 from .behaviours.mind import Mind
 from .body import draw_physique
@@ -51,7 +51,7 @@ def draw_wanderers(request: CastRequest) -> tuple[list[Draft], Mind]:
     """Draw a leader, now and then somebody with them, wanderers on the scene's walks, and standers.
 
     Raises:
-        InputError: If the building is too small for so many.
+        NoRoomError: If the building is too small for so many.
     """
     people, rng = request.people, request.rng
     company = people > 1 and rng.random() < _COMPANY
@@ -112,7 +112,7 @@ def _free_arc(request: CastRequest, draft: Draft, taken: list[Array], people: in
         away = np.hypot(*(np.array(taken) - terrain.place(arc, lateral, path)).T)
         if away[0] > _FROM_ROBOT and np.all(away[1:] > _APART):
             return arc
-    raise InputError(f"no room for {people} people in this building: at most about {len(taken) - 1} fit")
+    raise NoRoomError(f"no room for {people} people in this building: at most about {len(taken) - 1} fit")
 
 
 def _stand(request: CastRequest, draft: Draft, before: list[Draft], taken: Array) -> None:
@@ -123,4 +123,4 @@ def _stand(request: CastRequest, draft: Draft, before: list[Draft], taken: Array
         if np.hypot(*(taken - request.terrain.place(low + 0.1, lateral)).T).min() > _APART:
             draft.side, draft.window, draft.arc = lateral, (low, high), low + 0.1
             return
-    raise InputError(f"no room for another standing person in this {request.scene.name}")
+    raise NoRoomError(f"no room for another standing person in this {request.scene.name}")

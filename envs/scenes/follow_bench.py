@@ -8,10 +8,9 @@ with legs that a laser can see.
 import numpy as np
 from numpy.typing import NDArray
 
-from ...slam.errors import InputError
 from .cells import merged_boxes, walls_around
 from .office_layout import CELL, WALL, OfficeLayout, Rectangle
-from .request import SceneRequest
+from .request import NoRoomError, SceneRequest
 from .scene import Scene, Walk
 from .solids import Solid, box, post
 from .tours import PERSON_CLEARANCE, ROBOT_CLEARANCE, FloorPlan, toured
@@ -93,7 +92,7 @@ def situation(
         clearance: Least distance of the tour from things [m].
 
     Raises:
-        InputError: If there is no room for a tour.
+        NoRoomError: If there is no room for a tour.
     """
     floor = layout.painted()
     for _ in range(_ATTEMPTS):
@@ -109,7 +108,7 @@ def situation(
         walks = _walks(rng, walking, ends)
         if len(walks) >= WALKS // 2:
             return toured(plan, tour, rng, request.route, walks, walking)
-    raise InputError(f"no {name} with room for a tour in {_ATTEMPTS} draws")
+    raise NoRoomError(f"no {name} with room for a tour in {_ATTEMPTS} draws")
 
 
 def _walks(

@@ -5,11 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...slam.errors import InputError
 from .cells import merged_boxes, walls_around
 from .office_furniture import furniture
 from .office_layout import CELL, TESTING, TRAINING, WALL, Rectangle
-from .request import SceneRequest
+from .request import NoRoomError, SceneRequest
 from .scene import Scene
 from .tours import PERSON_CLEARANCE, ROBOT_CLEARANCE, FloorPlan, draw_tour, toured
 from .ways import WayPlanner
@@ -54,7 +53,7 @@ def drawn_office(
         clearance: Least distance of the tour from things [m].
 
     Raises:
-        InputError: If there is no room for a tour.
+        NoRoomError: If there is no room for a tour.
     """
     testing = request.split == "test"
     kinds = TESTING if testing else TRAINING
@@ -72,7 +71,7 @@ def drawn_office(
             width = min(min(part.x1 - part.x0, part.y1 - part.y0) for part in layout.corridors)
             plan = FloorPlan(name=name, solids=(*walls, *things), space=space, half_width=width / 2.0 - 0.2)
             return toured(plan, tour, rng, request.route, WALKS, WayPlanner(space, PERSON_CLEARANCE))
-    raise InputError(f"no {name} with room for a tour in {_ATTEMPTS} draws")
+    raise NoRoomError(f"no {name} with room for a tour in {_ATTEMPTS} draws")
 
 
 def _narrowed(door: Rectangle, widest: float) -> Rectangle:

@@ -6,12 +6,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...slam.errors import unknown_name
+from ...slam.errors import InputError, unknown_name
 from ..limits.field_checks import check_fields
 from .scene import Scene
 
 SPLITS = ("train", "test")
 """Halves of the drawn buildings: no building of one is ever in the other."""
+
+
+class NoRoomError(InputError):
+    """A building, as it was drawn, has no room for the tour or the people asked for; another one may have."""
 
 
 @dataclass(frozen=True, kw_only=True)

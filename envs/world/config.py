@@ -4,7 +4,7 @@ import os
 from dataclasses import dataclass, field
 from typing import Annotated
 
-from ...slam.bounds import Within
+from ...slam.bounds import Share, Within
 from ...slam.errors import InputError, unknown_name
 from ..limits.field_checks import People, Rate, check_fields
 from ..people.behaviours.behaviour import Behaviour, checked_behaviours
@@ -39,6 +39,7 @@ class WorldConfig:
         leader_style: "steady", "hurried" or "waits" (when the robot lags); None draws one.
         standing: Number of further people who walk to and fro beside the route and stand still for 25 s once the
             robot has come near.
+        heedless: Share of the bystanders who do not see the robot.
         behaviours: Further people, one for each behaviour, see `tagalong.envs.people`. Each begins with a
             copy of the object that stands here, where it says, or at a drawn place of the route.
         odometry: Name of a quality, see `QUALITIES`, or a configuration.
@@ -59,6 +60,7 @@ class WorldConfig:
     leader: bool = True
     leader_style: str | None = None
     standing: People = 0
+    heedless: Share = 0.0
     behaviours: tuple[Behaviour, ...] = ()
     odometry: str | OdometryConfig = "typical"
     lidar: LidarConfig = field(default_factory=LidarConfig)

@@ -12,6 +12,7 @@ from ..people.wanderers import MOST_DRAWN
 from ..robot.odometry import WheelOdometry, odometry_quality
 from ..scenes.catalogue import make_scene
 from ..scenes.recorded_walks import with_recorded_walks
+from ..scenes.request import NoRoomError
 from ..scenes.scene import Scene
 from .config import WorldConfig
 from .state import Plan
@@ -38,8 +39,12 @@ class EpisodeDrawing:
     odometry: WheelOdometry
 
 
-def draw_episode(config: WorldConfig, rng: np.random.Generator) -> EpisodeDrawing:
-    """Draw an episode.
+MOST_DRAWS = 20
+"""Of one episode: not every building has room for as many people as are asked for."""
+
+
+def draw_episode(config: WorldConfig, rng: np.random.Generator, draws: int = MOST_DRAWS) -> EpisodeDrawing:
+    """Draw an episode; where the building has no room for the people, draw again, from what `rng` gives next.
 
     All draws come from streams that are spawned from `rng` once, one each for the building, the leader, the other
     people, the odometry and the sensors: the same seed gives the same building and start whoever walks in it.
@@ -47,8 +52,20 @@ def draw_episode(config: WorldConfig, rng: np.random.Generator) -> EpisodeDrawin
     Args:
         config: What to simulate.
         rng: Source of all draws; used only here.
+        draws: How many, at most.
+
+    Raises:
+        NoRoomError: If none of the buildings has room.
     """
-    streams = _spawned(rng)
+    for _ in range(draws - 1):
+        try:
+            return _drawn(config, _spawned(rng))
+        except NoRoomError:
+            continue
+    return _drawn(config, _spawned(rng))
+
+
+def _drawn(config: WorldConfig, streams: dict[str, np.random.Generator]) -> EpisodeDrawing:
     scene = make_scene(config.scene, streams["scene"], request=config.request())
     if config.walking_paths is not None:
         scene = with_recorded_walks(scene, config.walking_paths, streams["scene"])
@@ -83,6 +100,8 @@ def _in_building(
             start_arc=start_arc,
             leader_rng=streams["leader"],
             rng=streams["people"],
+            heedless=config.heedless,
+            heedless_rng=streams["heedless"],
             behaviours=config.behaviours,
             own_rng=streams["behaviours"],
         )
@@ -95,7 +114,7 @@ def _in_building(
 
 def _spawned(rng: np.random.Generator) -> dict[str, np.random.Generator]:
     """Return a source of draws for each subject, so that none depends on how much is drawn for another."""
-    names = ("scene", "leader", "people", "odometry", "lidar", "camera", "looks", "behaviours")
+    names = ("scene", "leader", "people", "odometry", "lidar", "camera", "looks", "behaviours", "heedless")
     children = np.random.SeedSequence([int(word) for word in rng.integers(0, 2**63, 4)]).spawn(len(names))
     return {name: np.random.default_rng(child) for name, child in zip(names, children, strict=True)}
 

@@ -29,7 +29,7 @@ stopped.
 writes into DIR: episodes.jsonl, results.json, report.md
 
 examples:
-  tagalong compare --suites hard-v1 --followers pid learned reinforced reinforced+guard --episodes 100
+  tagalong compare --suites hard-v2 --followers pid learned reinforced reinforced+guard --episodes 100
   tagalong compare --quick
 """
 QUICK = 2
@@ -41,7 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = EPILOG
     followers = ["pid", "learned"]
     parser.add_argument("--followers", nargs="+", default=followers, metavar="WHO", help="as for `tagalong evaluate`")
-    parser.add_argument("--suites", nargs="+", choices=sorted(SUITES), default=["hard-v1"], metavar="SUITE")
+    parser.add_argument("--suites", nargs="+", choices=sorted(SUITES), default=["hard-v2"], metavar="SUITE")
     parser.add_argument("--episodes", type=int, default=20, metavar="N", help="of each cell (%(default)s)")
     parser.add_argument("--quick", action="store_true", help=f"{QUICK} episodes of each cell")
     parser.add_argument("--out", type=Path, default=Path("out/compare"), metavar="DIR", help="default: %(default)s")

@@ -76,6 +76,28 @@ def test_what_was_trained_drives_with_and_without_the_safety_filter(whole, name)
     assert np.abs(np.diff([[0.0, 0.0], *first], axis=0)).max() < 0.2  # its acceleration is limited
 
 
+def test_training_begins_with_quick_steering_and_ends_with_that_of_the_card():
+    preset = WorldsPreset(quick=2.0)
+    first, last = preset.steering_at(0.0), preset.steering_at(1.0)
+    assert last == preset.steering
+    assert (first.settle_s, first.jerk) == (preset.steering.settle_s / 2.0, preset.steering.jerk * 4.0)
+    assert first == preset.steering_at(1.0 / 3.0)
+    assert last.settle_s > preset.steering_at(0.5).settle_s > first.settle_s
+    with pytest.raises(InputError, match="`quick` from 1 to 10"):
+        WorldsPreset(quick=0.5)
+
+
+def test_who_is_nearer_to_a_thing_is_charged_more_and_who_is_far_from_all_nothing():
+    env = WorldsVecEnv(TINY, 0, 1)
+    told = env.reset()
+    costs = []
+    for gap in (0.0, 0.1, 0.3):
+        told[:, : TINY.pooled.sectors] = np.exp(-gap / TINY.pooled.gap_scale)
+        costs.append(env._clearance_cost(told)[0])
+    assert costs == pytest.approx([TINY.clearance, TINY.clearance / 4.0, 0.0], abs=1e-5)
+    env.close()
+
+
 def test_a_done_tour_is_cut_short_and_a_contact_is_an_end(monkeypatch):
     env = WorldsVecEnv(TINY, 0, 1)
     env.reset()

@@ -111,7 +111,7 @@ def test_a_finished_run_is_not_trained_on(tmp_path, whole):
 
 def test_the_time_that_is_given_includes_evaluations(tmp_path, monkeypatch):
     clock, lines = [0.0], []
-    monkeypatch.setattr("tagalong.agents.training.run.time.monotonic", lambda: clock[0])
+    monkeypatch.setattr("tagalong.agents.training.running.time.monotonic", lambda: clock[0])
 
     def tick(line):
         lines.append(line)

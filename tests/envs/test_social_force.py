@@ -90,7 +90,8 @@ def test_two_who_meet_head_on_pass_each_other_without_touching():
     far_robot = np.array([0.0, 50.0, 1.0, 0.0, 0.0, 0.0, 0.3, 0.3])
     nearest = np.inf
     for _ in range(400):
-        advance_bodies(0.025, position, velocity, heading, direction, np.ones(2), np.full(2, 0.23), far_robot,
+        advance_bodies(0.025, position, velocity, heading, direction, np.ones(2), np.full(2, 0.23),
+                       np.zeros(2, dtype=np.bool_), far_robot,
                        things_around(np.zeros((0, 6)), np.zeros((0, 3)), 1.0), CONFIG.as_array(),
                        np.empty((2, 2)))  # fmt: skip
         nearest = min(nearest, np.hypot(*(position[0] - position[1])))

@@ -30,6 +30,11 @@ def test_every_scenario_of_a_suite_can_be_driven(name):
         assert asked is None or len(people.positions) >= asked, scenario
 
 
+def test_the_second_hard_suite_is_the_first_with_people_who_do_not_see_the_robot():
+    for one, two in zip(suite("hard-v1"), suite("hard-v2"), strict=True):
+        assert two == replace(one, options={**one.options, "heedless": 1.0})
+
+
 def test_an_unknown_suite_is_answered_with_the_known_ones():
     with pytest.raises(InputError, match="corridor, crowd, floor_plan"):
         suite("ofice")

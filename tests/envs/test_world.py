@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from tagalong.envs.scenes.polyline import resample
 from tagalong.envs.sensors.lidar import LidarConfig
+from tagalong.envs.world.drawing import draw_episode
 from tagalong.envs.world.world import World, WorldConfig
 from tagalong.slam import InputError
 from tagalong.slam.geometry import wrap_angle
@@ -16,6 +17,16 @@ FEW_BEAMS = LidarConfig(beams=61)
 
 def make(seed=0, **options):
     return World(WorldConfig(**{"lidar": FEW_BEAMS, **options}), np.random.default_rng(seed))
+
+
+def test_a_building_without_room_for_so_many_gives_way_to_another_and_always_the_same():
+    config = WorldConfig(scene="narrow_doors", people=14)
+    with pytest.raises(InputError, match="no room for 14 people"):
+        draw_episode(config, np.random.default_rng(4), 1)
+    routes = [draw_episode(config, np.random.default_rng(4)).plan.scene.route for _ in range(2)]
+    assert np.array_equal(*routes)
+    with pytest.raises(InputError, match="people"):
+        make(scene="corridor", people=100)
 
 
 def record(world, steps, command=(0.4, 0.1)):

@@ -1,6 +1,6 @@
 """What reinforcement from nothing is done with: worlds, network, PPO."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from ....envs.wrappers.pooled_config import PooledConfig
@@ -9,6 +9,9 @@ from ...learned.steering import SteeringConfig
 
 BEAMS = 360
 """Of the laser in training; the policy is told sectors, of which a finer laser makes the same."""
+
+MOST_QUICK = 10.0
+"""Times: a robot that settles within a step of the control is no quicker for more."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,19 +62,24 @@ class WorldsPreset:
         gamma: Discount.
         gae_lambda: Of generalised advantages.
         log_deviation: Logarithm of the deviation of the exploration at first.
+        quick: How many times as quick the steering is at first: its time constants divided, its jerks multiplied by the
+            square of this.
         jerk: What the square of the commanded jerk costs, beside the environments' own terms [1/(m/s^3)^2].
         turn_jerk: The same of the turn [1/(rad/s^3)^2].
+        clearance: What it costs in a step to stand `clearance_m` nearer than that to a return of the laser; less, by
+            the square, for less.
+        clearance_m: Gap below which it costs [m].
         reward_scale: Rewards are multiplied by this, so that values are of order one.
         width: Of the two hidden layers of actor and critic each.
         most_steps: Steps after which an episode is cut.
     """
 
     kinds: tuple[WorldKind, ...] = KINDS
-    env: dict[str, Any] = field(default_factory=lambda: {"beams": BEAMS, "lost_limit_s": 5.0})
-    pooled: PooledConfig = field(default_factory=PooledConfig)
+    env: dict[str, Any] = field(default_factory=lambda: {"beams": BEAMS, "lost_limit_s": 5.0, "people": "modelled"})
+    pooled: PooledConfig = field(default_factory=lambda: PooledConfig(gap_scale=0.5))
     steering: SteeringConfig = field(
         default_factory=lambda: SteeringConfig(
-            settle_s=0.5, turn_settle_s=0.3, jerk=2.5, brake_jerk=6.0, turn_jerk=10.0, wish_s=0.0
+            settle_s=0.35, turn_settle_s=0.25, jerk=4.0, brake_jerk=8.0, turn_jerk=16.0, wish_s=0.0
         )
     )
     steps: int = 4_000_000
@@ -82,8 +90,11 @@ class WorldsPreset:
     gamma: float = 0.985
     gae_lambda: float = 0.95
     log_deviation: float = -0.7
-    jerk: float = 0.008
-    turn_jerk: float = 0.0004
+    quick: float = 2.0
+    jerk: float = 0.025
+    turn_jerk: float = 0.0012
+    clearance: float = 1.0
+    clearance_m: float = 0.2
     reward_scale: float = 0.05
     width: int = 128
     most_steps: int = 1500
@@ -93,6 +104,28 @@ class WorldsPreset:
             raise InputError("reinforcement needs at least one kind of worlds, and one world of each")
         if min(self.steps, self.rollout, self.batch, self.epochs, self.width, self.most_steps) < 1:
             raise InputError("reinforcement needs at least one step, epoch, step in a batch and unit of a layer")
+        if not (1.0 <= self.quick <= MOST_QUICK and self.clearance >= 0.0 and self.clearance_m > 0.0):
+            raise InputError(
+                f"reinforcement needs `quick` from 1 to {MOST_QUICK:g}, `clearance` >= 0 and `clearance_m` > 0, got "
+                f"{self.quick:g}, {self.clearance:g} and {self.clearance_m:g}"
+            )
+
+    def smooth_at(self, share: float) -> float:
+        """Return how smoothly it is driven after a share of the steps, 0 quick to 1 as the policy is used.
+
+        A third of the training each: quick, on the way, smooth. Where the robot does at once what it is told, what a
+        wish brings is learned soon; a habit once learned bears being slowed down, but is not found by who is slow.
+        """
+        return min(max(3.0 * share - 1.0, 0.0), 1.0)
+
+    def steering_at(self, share: float) -> SteeringConfig:
+        """Return how the wishes are driven after a share of the steps, see `smooth_at`."""
+        times = self.quick + (1.0 - self.quick) * self.smooth_at(share)
+        c = self.steering
+        return replace(
+            c, settle_s=c.settle_s / times, turn_settle_s=c.turn_settle_s / times, jerk=c.jerk * times**2,
+            brake_jerk=c.brake_jerk * times**2, turn_jerk=c.turn_jerk * times**2,
+        )  # fmt: skip
 
     @property
     def worlds(self) -> int:

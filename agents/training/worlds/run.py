@@ -1,7 +1,5 @@
 """One run of reinforcement on compiled worlds, from nothing to an exported policy; killed, it goes on."""
 
-import json
-import time
 from collections import Counter, deque
 from collections.abc import Callable
 from contextlib import closing
@@ -16,11 +14,12 @@ from stable_baselines3.common.callbacks import BaseCallback
 from torch import nn
 
 from ....envs.task.interface import FollowInterface
-from ....slam.errors import InputError, shown
-from ....slam.files.output import made_folder, read_json, write_json
+from ....slam.errors import InputError
+from ....slam.files.output import made_folder, write_json
 from ...reinforced.policy import ReinforcedConfig
 from ..checkpoint import INDEX, Progress, load_arrays, load_progress, save_checkpoint
 from ..model_state import arrays_of_model, restore_model, shapes_of_model
+from ..running import RunClock, RunLimits, TimeUp, settle
 from .export import policy_arrays, write_policy
 from .preset import WorldsPreset
 from .vec_env import WorldsVecEnv
@@ -30,37 +29,17 @@ CHECKPOINT_EVERY = 10
 _RECENT = 400
 """Episodes of which the share of done tours is told."""
 _LEAST_RATE = 0.1
-_MOST_WORKERS = 64
-_LONGEST_MIN = 1e6  # two years; whoever wants no limit leaves it out
-
-
-class _OutOfTime(Exception):
-    """The time of the run is up."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class WorldsRunConfig:
-    """A run.
+class WorldsRunConfig(RunLimits):
+    """A run; the policy is the same for any number of workers.
 
     Attributes:
         preset: What is trained.
-        seed: Of all draws.
-        workers: Threads that step the worlds; the policy is the same for any number.
-        max_minutes: Time after which the run stops; what was learned so far has been exported then. None: to the end.
     """
 
     preset: WorldsPreset
-    seed: int = 0
-    workers: int = 1
-    max_minutes: float | None = None
-
-    def __post_init__(self) -> None:
-        if not 1 <= self.workers <= _MOST_WORKERS:
-            raise InputError(f"a run needs 1 to {_MOST_WORKERS} workers, got {shown(self.workers)}")
-        if not 0 <= self.seed < 1 << 32:
-            raise InputError(f"a run's seed is a whole number from 0 to {(1 << 32) - 1}, got {shown(self.seed)}")
-        if self.max_minutes is not None and not 0.0 < self.max_minutes <= _LONGEST_MIN:
-            raise InputError(f"a run needs minutes above 0, at most {_LONGEST_MIN:g}, got {self.max_minutes:g}")
 
 
 class WorldsRun:
@@ -78,14 +57,14 @@ class WorldsRun:
     def __init__(self, config: WorldsRunConfig, folder: Path, tick: Callable[[str], None]) -> None:
         self.config, self.folder, self._tick = config, made_folder(folder), tick
         self._preset = config.preset
-        self._settle()
+        settle(self.folder, asdict(self._preset), "worlds", config.seed)
         torch.set_num_threads(1)  # sums of several threads are not the same bytes
         self._env = WorldsVecEnv(self._preset, config.seed, config.workers)
         self._model = _model(self._preset, self._env, config.seed)
         self.progress = Progress()
         self._resume()
         self._recent: deque[tuple[str, float, int]] = deque(maxlen=_RECENT)
-        self._began, self._before = time.monotonic(), self.progress.minutes
+        self._clock = RunClock(self.progress.minutes, config.max_minutes)
 
     def train(self) -> Progress:
         """Train to the end or until the time is up; return how far it came. The policy is in the folder."""
@@ -96,7 +75,7 @@ class WorldsRun:
                 try:
                     self._model.learn(left, callback=_Monitor(self), reset_num_timesteps=False)
                     self.count()
-                except _OutOfTime:
+                except TimeUp:
                     self._save()
         return self.progress
 
@@ -106,8 +85,11 @@ class WorldsRun:
         self.progress.steps = self._model.num_timesteps
         if self.progress.rollouts % CHECKPOINT_EVERY == 0 or self.progress.steps >= self._preset.steps:
             self._save()
-        if self.config.max_minutes is not None and self._minutes() >= self.config.max_minutes:
-            raise _OutOfTime
+        self._clock.check()
+
+    def begin_rollout(self) -> None:
+        """Drive the next rollout as the preset wants it now."""
+        self._env.begin_share(self._model.num_timesteps / self._preset.steps)
 
     def note(self, infos: list[dict[str, Any]]) -> None:
         """Take note of the episodes that have ended."""
@@ -117,7 +99,7 @@ class WorldsRun:
     def _save(self) -> None:
         """Write checkpoint, curve and policy."""
         progress = self.progress
-        progress.minutes = self._minutes()
+        progress.minutes = self._clock.minutes
         if self._recent:
             progress.evaluations.append(self._figures())
         save_checkpoint(self.folder, arrays_of_model(self._model), progress)
@@ -177,17 +159,6 @@ class WorldsRun:
         self._model.set_random_seed((self.config.seed + 7919 * self.progress.rollouts) % (1 << 32))
         self._env.begin_with(self.config.seed + self.progress.rollouts)
 
-    def _settle(self) -> None:
-        settings = {"preset": asdict(self._preset), "name": "worlds", "seed": self.config.seed}
-        file = self.folder / "settings.json"
-        plain = json.loads(json.dumps(settings))
-        if file.is_file() and read_json(file) != plain:
-            raise InputError(f"{self.folder} holds a run of other settings: give another --out, or the same settings")
-        write_json(file, plain)
-
-    def _minutes(self) -> float:
-        return self._before + (time.monotonic() - self._began) / 60.0
-
 
 class _Monitor(BaseCallback):
     """Hands the run each end of an episode, and each rollout that was learned from."""
@@ -200,6 +171,7 @@ class _Monitor(BaseCallback):
         if self._learned:
             self._run.count()
         self._learned = True
+        self._run.begin_rollout()
 
     def _on_step(self) -> bool:
         self._run.note(self.locals["infos"])

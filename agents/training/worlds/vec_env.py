@@ -40,12 +40,17 @@ class WorldsVecEnv(VecEnv):
         super().__init__(preset.worlds, space, spaces.Box(-1.0, 1.0, (2,), np.float32))
         self._scales = np.array((interface.max_speed, interface.max_turn_rate))
         self._step_s = 1.0 / interface.control_hz
+        self.begin_share(0.0)
         self._state, self._wishes = np.zeros((preset.worlds, 4)), np.zeros((preset.worlds, 2))
         self._returns, self._lengths = np.zeros(preset.worlds), np.zeros(preset.worlds, dtype=np.int64)
 
     def begin_with(self, seed: int) -> None:
         """Take the seed of the episodes that the next `reset` begins; buildings stay as they were drawn."""
         self._seed = seed
+
+    def begin_share(self, share: float) -> None:
+        """Drive as the preset wants it after this share of the training's steps."""
+        self._steering, self._smooth = self._preset.steering_at(share), self._preset.smooth_at(share)
 
     def reset(self) -> Floats:  # pyright: ignore[reportIncompatibleMethodOverride]
         """Start an episode in every world."""
@@ -62,15 +67,14 @@ class WorldsVecEnv(VecEnv):
 
     def step_wait(self) -> VecEnvStepReturn:
         """Drive for one step; infos as of `SB3VecEnv`, with `kind`, the number of the world's kind."""
-        before, self._state = (
-            self._state,
-            steer_many(self._state, self._wishes, self._step_s, self._preset.steering),
-        )
+        before = self._state
+        self._state = steer_many(before, self._wishes, self._step_s, self._steering)
         actions = (self._state[:, (0, 2)] / self._scales).astype(np.float32)
         told = [part.step(actions[rows]) for part, rows in zip(self._parts, self._slices, strict=True)]
         observations = np.concatenate([one[0] for one in told])
-        rewards = np.concatenate([one[1] for one in told]) - self._jerk_cost(before)
         ended = np.concatenate([one[2] | one[3] for one in told])
+        rewards = np.concatenate([one[1] for one in told]) - self._jerk_cost(before)
+        rewards -= np.where(ended, 0.0, self._clearance_cost(observations))
         self._returns += rewards
         self._lengths += 1
         infos: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
@@ -83,7 +87,14 @@ class WorldsVecEnv(VecEnv):
     def _jerk_cost(self, before: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return (n,) what the jerk of the last step costs; `before` (n, 4) was commanded before it."""
         jerk = (self._state - before)[:, (1, 3)] / self._step_s
-        return self._preset.jerk * jerk[:, 0] ** 2 + self._preset.turn_jerk * jerk[:, 1] ** 2
+        cost = self._preset.jerk * jerk[:, 0] ** 2 + self._preset.turn_jerk * jerk[:, 1] ** 2
+        return self._smooth * cost
+
+    def _clearance_cost(self, observations: Floats) -> NDArray[np.float64]:
+        """Return (n,) what the nearest return of the laser costs."""
+        pooled = self._preset.pooled
+        gap = -pooled.gap_scale * np.log(observations[:, : pooled.sectors].max(axis=1).astype(np.float64))
+        return self._preset.clearance * np.maximum(1.0 - gap / self._preset.clearance_m, 0.0) ** 2
 
     def _end(self, row: int, j: int, info: dict[str, Any]) -> dict[str, Any]:
         final = info["final_info"]

@@ -1,7 +1,8 @@
 """Somebody who walks on the robot's route without belonging to its group.
 
 They walk to and fro along the route, or round it where it is a lap, keep right and out of the group's way. The numbers
-of the mind: preferred speed [m/s], preferred offset from the route where it is a lap [m].
+of the mind: preferred speed [m/s], preferred offset from the route where it is a lap [m],
+whether they do not see the group.
 """
 
 import numpy as np
@@ -14,9 +15,9 @@ from .mind import Around, CompiledWish, Mind, MindKind
 _TURNS_BEFORE_END = 0.9
 
 
-def walker(*, pace: float, side: float) -> Mind:
-    """Return somebody who walks at `pace` [m/s], and `side` to the left of a lap [m]."""
-    return Mind(MindKind.WALKER, (pace, side))
+def walker(*, pace: float, side: float, heedless: bool = False) -> Mind:
+    """Return somebody who walks at `pace` [m/s], and `side` to the left of a lap [m]; `heedless` of the group."""
+    return Mind(MindKind.WALKER, (pace, side, float(heedless)))
 
 
 @view_kernel
@@ -30,7 +31,8 @@ def walker_wish(person: int, mind: NDArray[np.float64], around: Around) -> Compi
         elif arc < _TURNS_BEFORE_END:
             sense = 1.0
     offset = mind[1] if lap > 0.0 else within_free(ways, way, arc, -sense * passing(ways))
-    return _speed(mind[0], arc, sense, around), offset, sense, np.nan, np.nan, np.nan
+    speed = mind[0] if mind[2] > 0.0 else _speed(mind[0], arc, sense, around)
+    return speed, offset, sense, np.nan, np.nan, np.nan
 
 
 @view_kernel

@@ -122,10 +122,12 @@ def wanted_directions(
 
 
 @view_kernel
-def _patience(i: int, position: Array, direction: Array, speed: float, radius: Array, robot: Array) -> float:
+def _patience(
+    i: int, position: Array, direction: Array, speed: float, radius: Array, heedless: bool, robot: Array
+) -> float:
     """Return the share in [0, 1] of the wanted speed that those who stand in the way leave to person i."""
     share = 1.0
-    for j in range(len(position) + 1):
+    for j in range(len(position) if heedless else len(position) + 1):
         if j == i:
             continue
         if j < len(position):
@@ -149,6 +151,7 @@ def advance_bodies(
     direction: Array,
     wish: Array,
     radius: Array,
+    heedless: NDArray[np.bool_],
     robot: Array,
     things: Things,
     force: Array,
@@ -164,6 +167,7 @@ def advance_bodies(
         direction: (n, 2) unit vectors of the wanted walk.
         wish: (n,) wanted speeds [m/s]; 0 stands.
         radius: (n,) of the bodies [m].
+        heedless: (n,) who neither keeps a distance from the robot nor waits for it, and only walks round it.
         robot: (8,) x, y, cos, sin of its pose, velocity x and y [m/s], half length, half width [m].
         things: Furniture and walls.
         force: (9,) `SocialForceConfig.as_array()`.
@@ -173,13 +177,13 @@ def advance_bodies(
     for i in range(n):
         before[i, 0], before[i, 1] = position[i, 0], position[i, 1]
     for i in range(n):
-        fx, fy = _forces(i, position, velocity, radius, robot, things, force)
+        fx, fy = _forces(i, position, velocity, radius, heedless[i], robot, things, force)
         if wish[i] == 0.0 and fx * fx + fy * fy < _UNMOVED * _UNMOVED:
             fx, fy = 0.0, 0.0
         facing = np.cos(heading[i]) * direction[i, 0] + np.sin(heading[i]) * direction[i, 1]
         speed = wish[i] * min(max(1.5 * facing, 0.0), 1.0)
         if speed > 0.0:
-            speed *= _patience(i, before, direction, speed, radius, robot)
+            speed *= _patience(i, before, direction, speed, radius, heedless[i], robot)
         fx += (speed * direction[i, 0] - velocity[i, 0]) / force[0]
         fy += (speed * direction[i, 1] - velocity[i, 1]) / force[0]
         _move(dt, i, fx, fy, max(1.2 * wish[i], 0.6), position, velocity)
@@ -212,13 +216,16 @@ def _forces(
     position: Array,
     velocity: Array,
     radius: Array,
+    heedless: bool,
     robot: Array,
     things: Things,
     force: Array,
 ) -> tuple[float, float]:
     """Return the force on person i of the others, the robot and the obstacles [m/s^2]."""
     x, y, vx, vy = position[i, 0], position[i, 1], velocity[i, 0], velocity[i, 1]
-    fx, fy = pair_force(robot[0] - x, robot[1] - y, vx - robot[4], vy - robot[5], 0.1, force)
+    fx = fy = 0.0
+    if not heedless:
+        fx, fy = pair_force(robot[0] - x, robot[1] - y, vx - robot[4], vy - robot[5], 0.1, force)
     for j in range(len(position)):
         if j != i:
             px, py = pair_force(
