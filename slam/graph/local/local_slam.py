@@ -207,7 +207,11 @@ class LocalSlam:
         degenerate = degenerate_direction(scan, points)
         sensor = np.array(scan.T_robot_lidar[:2], dtype=np.float64)
         front, anywhere = self._active.front, self._motion.anywhere
-        found = [(motion, self._matched(points, sensor, motion.prediction, degenerate)) for motion in hypotheses]
+        first = self._matched(points, sensor, hypotheses[0].prediction, degenerate)
+        found = [(hypotheses[0], first)]
+        for motion in hypotheses[1:]:
+            if not (first and motion.is_needless(hypotheses[0], first.pose)):
+                found.append((motion, self._matched(points, sensor, motion.prediction, degenerate)))
         best = self._best(found, len(points))
         if best[1] and anywhere and self._matcher.is_poor(best[1]):
             wide = self._matcher.search(front, points, anywhere)

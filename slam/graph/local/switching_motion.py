@@ -14,7 +14,7 @@ the rest of them, one as rough as its error model.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,11 +66,19 @@ class MotionHypothesis:
             pose: T_local_robot.
             information: (3, 3) what the scan tells of it, inverse covariance.
         """
-        x, y, turn = between(self.prediction.pose, pose).tolist()
         linear, angular = self.prediction.sigma.tolist()
         told = np.eye(3) + np.array([[linear**2], [linear**2], [angular**2]]) * information
-        off = (x * x + y * y) / linear**2 + (turn / angular) ** 2
-        return self.cost + 0.5 * (off + math.log(np.linalg.det(told)))
+        return self.cost + 0.5 * (self._off(pose) + math.log(np.linalg.det(told)))
+
+    def is_needless(self, narrower: "MotionHypothesis", pose: Array) -> bool:
+        """Return whether this only leaves more open than another one, whose match at `pose` (3,) asked for no more."""
+        return narrower.prediction.pose is self.prediction.pose and narrower._off(pose) < 1.0
+
+    def _off(self, pose: Array) -> float:
+        """Return the squared distance of `pose` (3,) from the prediction, in standard deviations."""
+        x, y, turn = between(self.prediction.pose, pose).tolist()
+        linear, angular = self.prediction.sigma.tolist()
+        return (x * x + y * y) / linear**2 + (turn / angular) ** 2
 
 
 class SwitchingMotion:
@@ -204,8 +212,9 @@ class SwitchingMotion:
         one, none, sound = np.ones(2), np.zeros(2), self._soundness.probability
         if self._precision.shares.min() == 1.0:
             return [self._hypothesis(odometry, sound, one, none, True)]
+        rough = self._hypothesis(odometry, _ROUGH * sound, one, none, True)
         precise = self._hypothesis(odometry, (1.0 - _ROUGH) * sound, self._precision.shares, none, True)
-        return [precise, self._hypothesis(odometry, _ROUGH * sound, one, none, True)]
+        return [replace(precise, prediction=replace(precise.prediction, pose=rough.prediction.pose)), rough]
 
     def _caught_up(self, told: Array) -> list[MotionHypothesis]:
         """Return that odometry which was late, or frozen, tells by now where the robot went meanwhile; else nothing."""
