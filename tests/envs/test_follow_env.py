@@ -181,7 +181,7 @@ def test_reset_options_set_scene_people_route_and_leader():
 
 
 def test_an_unknown_option_or_argument_is_refused_with_the_list():
-    with pytest.raises(InputError, match="reset options: leader_style, odometry"):
+    with pytest.raises(InputError, match="reset options: heedless, leader_style, odometry"):
         make(people="truth").reset(options={"peple": 3})
     with pytest.raises(InputError, match="unknown argument 'pepole'; like it: people; branches: world, robot"):
         make(pepole="truth")
