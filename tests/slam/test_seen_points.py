@@ -21,8 +21,10 @@ def test_points_count_that_fall_near_what_was_seen():
     visits = np.zeros((20, 20), np.float32)
     visits[:, :10] = 1.0
     points = np.array([(0.2, 0.5), (0.58, 0.5), (0.8, 0.5), (3.0, 3.0)])
-    near = near_visits(visits, np.zeros(2), 0.05, points, np.zeros(3), 3)
+    near = near_visits(visits, np.zeros(2), 0.05, points, np.zeros(3), 0.1, 0.0)
     assert near.tolist() == [True, True, False, False]
+    turned = near_visits(visits, np.zeros(2), 0.05, points, np.zeros(3), 0.1, 0.3)
+    assert turned.tolist() == [True, True, True, False]
 
 
 def test_points_tell_that_lie_where_something_was_seen_or_that_only_a_beam_through_a_wall_could_see():

@@ -15,23 +15,34 @@ from .submap_kernels import passes_wall
 
 Array = NDArray[np.float64]
 
+_LOOKS = 4  # cells to each side that are looked at, about
 _SLACK_M = 0.4  # a wall must stand so far before the end of a beam to be in its way
 
 
 def seen_points(submap: Submap, points: Array, prediction: Prediction) -> Array:
     """Return those of `points` (N, 2), robot frame [m], that a submap may have seen before.
 
-    A point may be off by a cell and by a standard deviation of the prediction.
+    A point may be off by a cell and by a standard deviation of the prediction, the farther away the more by its turn.
     """
-    reach = 1 + int(prediction.sigma[0] / submap.resolution)
-    return points[near_visits(submap.visits, submap.corner, submap.resolution, points, prediction.pose, reach)]
+    place = submap.visits, submap.corner, submap.resolution
+    return points[near_visits(*place, points, prediction.pose, *prediction.sigma.tolist())]
 
 
 @njit(cache=True, nogil=True)
 def near_visits(
-    visits: NDArray[np.float32], corner: Array, resolution: float, points: Array, pose: Array, reach: int
+    visits: NDArray[np.float32],
+    corner: Array,
+    resolution: float,
+    points: Array,
+    pose: Array,
+    linear: float,
+    angular: float,
 ) -> NDArray[np.bool_]:
-    """Return (N,) whether there is a cell with visits within `reach` cells of each of `points`, the robot at `pose`."""
+    """Return (N,) whether there is a cell with visits near each of `points`, the robot at `pose`.
+
+    Near is what is beside its cell, or within `linear` [m] and what a turn by `angular` [rad] moves the point. Of many
+    cells, some are looked at: what scans have seen is no single cell.
+    """
     rows, cols = visits.shape
     c, s = np.cos(pose[2]), np.sin(pose[2])
     near = np.zeros(len(points), np.bool_)
@@ -39,8 +50,10 @@ def near_visits(
         x = (pose[0] + c * points[n, 0] - s * points[n, 1] - corner[0]) / resolution + 0.5
         y = (pose[1] + s * points[n, 0] + c * points[n, 1] - corner[1]) / resolution + 0.5
         j, i = int(np.floor(x)), int(np.floor(y))
-        for row in range(max(i - reach, 0), min(i + reach + 1, rows)):
-            for col in range(max(j - reach, 0), min(j + reach + 1, cols)):
+        reach = 1 + int((linear + angular * np.hypot(points[n, 0], points[n, 1])) / resolution)
+        step = 1 + reach // _LOOKS
+        for row in range(max(i - reach, 0), min(i + reach + 1, rows), step):
+            for col in range(max(j - reach, 0), min(j + reach + 1, cols), step):
                 if visits[row, col] > 0:
                     near[n] = True
                     break
@@ -78,7 +91,7 @@ def telling(
     c, s = np.cos(pose[2]), np.sin(pose[2])
     x0 = (pose[0] + c * sensor[0] - s * sensor[1] - corner[0]) / resolution + 0.5
     y0 = (pose[1] + s * sensor[0] + c * sensor[1] - corner[1]) / resolution + 0.5
-    near = near_visits(visits, corner, resolution, points, pose, 1)
+    near = near_visits(visits, corner, resolution, points, pose, 0.0, 0.0)
     count = 0
     for n in range(len(points)):
         x1 = (pose[0] + c * points[n, 0] - s * points[n, 1] - corner[0]) / resolution + 0.5
