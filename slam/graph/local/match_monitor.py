@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ...bounds import check_numbers
 from ...errors import InputError
 from .submap import Submap
-from .submap_kernels import passes_wall
+from .submap_kernels import beams, passes_wall
 
 Array = NDArray[np.float64]
 
@@ -125,15 +125,11 @@ def contradictions(
     cell that was seen before, without any trace of a wall in the cells around.
     """
     rows, cols = field.shape
-    c, s = np.cos(pose[2]), np.sin(pose[2])
-    x0 = (pose[0] + c * sensor[0] - s * sensor[1] - corner[0]) / resolution + 0.5
-    y0 = (pose[1] + s * sensor[0] + c * sensor[1] - corner[1]) / resolution + 0.5
+    x0, y0, x, y = beams(points, sensor, pose, corner, resolution)
     count = 0
     for n in range(len(points)):
-        x1 = (pose[0] + c * points[n, 0] - s * points[n, 1] - corner[0]) / resolution + 0.5
-        y1 = (pose[1] + s * points[n, 0] + c * points[n, 1] - corner[1]) / resolution + 0.5
-        contradicts = passes_wall(field, x0, y0, x1, y1, slack / resolution)
-        i, j = int(np.floor(y1)), int(np.floor(x1))
+        contradicts = passes_wall(field, x0, y0, x[n], y[n], slack / resolution)
+        i, j = int(np.floor(y[n])), int(np.floor(x[n]))
         if not contradicts and 0 <= i < rows and 0 <= j < cols and visits[i, j] > 0:
             around = field[max(i - _NEAR, 0) : i + _NEAR + 1, max(j - _NEAR, 0) : j + _NEAR + 1]
             contradicts = around.max() < _TRACE

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...scan_to_grid.extrapolator import Prediction
 from .submap import Submap
-from .submap_kernels import passes_wall
+from .submap_kernels import beams, passes_wall
 
 Array = NDArray[np.float64]
 
@@ -88,13 +88,9 @@ def telling(
     pose: Array,
 ) -> int:
     """Return how many of `points` (N, 2) lie in or beside a cell with visits, or behind a wall, the robot at `pose`."""
-    c, s = np.cos(pose[2]), np.sin(pose[2])
-    x0 = (pose[0] + c * sensor[0] - s * sensor[1] - corner[0]) / resolution + 0.5
-    y0 = (pose[1] + s * sensor[0] + c * sensor[1] - corner[1]) / resolution + 0.5
+    x0, y0, x, y = beams(points, sensor, pose, corner, resolution)
     near = near_visits(visits, corner, resolution, points, pose, 0.0, 0.0)
     count = 0
     for n in range(len(points)):
-        x1 = (pose[0] + c * points[n, 0] - s * points[n, 1] - corner[0]) / resolution + 0.5
-        y1 = (pose[1] + s * points[n, 0] + c * points[n, 1] - corner[1]) / resolution + 0.5
-        count += near[n] or passes_wall(field, x0, y0, x1, y1, _SLACK_M / resolution)
+        count += near[n] or passes_wall(field, x0, y0, x[n], y[n], _SLACK_M / resolution)
     return count

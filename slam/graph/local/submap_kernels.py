@@ -130,3 +130,24 @@ def passes_wall(field: NDArray[np.float32], x0: float, y0: float, x1: float, y1:
         if 0 <= i < rows and 0 <= j < cols and field[i, j] > _WALL:
             return True
     return False
+
+
+@njit(cache=True, nogil=True)
+def beams(
+    points: Points, sensor: Points, pose: Points, corner: Points, resolution: float
+) -> tuple[float, float, Points, Points]:
+    """Return column and row where the beams of a scan begin, and (N,) columns and rows where they end, in cells.
+
+    Args:
+        points: (N, 2) their ends, robot frame [m].
+        sensor: (2,) place of the laser, robot frame [m].
+        pose: (3,) T_local_robot.
+        corner: (2,) centre of cell [0, 0] [m]; a cell begins at a whole number.
+        resolution: Side of a cell [m].
+    """
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    x = (pose[0] + c * points[:, 0] - s * points[:, 1] - corner[0]) / resolution + 0.5
+    y = (pose[1] + s * points[:, 0] + c * points[:, 1] - corner[1]) / resolution + 0.5
+    x0 = (pose[0] + c * sensor[0] - s * sensor[1] - corner[0]) / resolution + 0.5
+    y0 = (pose[1] + s * sensor[0] + c * sensor[1] - corner[1]) / resolution + 0.5
+    return x0, y0, x, y
