@@ -11,8 +11,10 @@ from tagalong.slam.graph.engine import Cartographer
 from tagalong.slam.graph.local.active_submaps import ActiveSubmaps, ActiveSubmapsConfig
 from tagalong.slam.graph.local.local_slam import LocalSlam, LocalSlamConfig
 from tagalong.slam.graph.local.sweep import Sweep
+from tagalong.slam.graph.local.switching_motion import MotionHypothesis
 from tagalong.slam.graph.loops.constraints import Kind
 from tagalong.slam.scan import LaserScan
+from tagalong.slam.scan_to_grid.extrapolator import Prediction
 from tagalong.slam.scan_to_grid.scan_matcher import GridMatch, GridScanMatcher, GridScanMatcherConfig
 from walls import cast
 
@@ -178,3 +180,32 @@ def test_a_scan_that_contradicts_a_submap_is_not_one_that_has_left_it_behind():
     matcher.believe(usual)
     assert matcher.is_beside(replace(usual, score=0.05, seen=0.1))
     assert not matcher.is_beside(replace(usual, score=0.05, seen=0.5))
+
+
+def guess(x, sound=True):
+    """Return a hypothesis that the robot is at x [m], to 0.1 m."""
+    return MotionHypothesis(np.zeros(3), Prediction(np.array([x, 0.0, 0.0]), np.array([0.1, 0.05])), 1.0, sound)
+
+
+def test_a_guess_that_sees_nothing_is_not_likelier_than_one_that_fits():
+    slam, blind, seen = LocalSlam(LocalSlamConfig()), guess(9.0), guess(0.0)
+    fits = GridMatch(np.zeros(3), np.diag([100.0, 100.0, 100.0]), 0.6, False)
+    slam._matcher.believe(fits)
+    chosen, match, lead = slam._best([(blind, None), (seen, fits)], 200)
+    assert chosen is seen
+    assert match is fits
+    assert lead == -np.inf
+
+
+def test_where_no_scan_tells_a_robot_whose_odometry_is_frozen_goes_on(monkeypatch):
+    slam, told, rng = LocalSlam(LocalSlamConfig()), np.zeros(3), np.random.default_rng(4)
+    for k in range(20):
+        pose = np.array([-3.0 + 0.2 * k, -2.0, 0.0])
+        told = pose if k < 14 else told
+        scan = replace(cast(WALLS, pose, rng, bearings=BEARINGS), time_s=0.2 * k)
+        if k == 19:
+            monkeypatch.setattr(slam, "_contradicts", lambda *_: True)
+            monkeypatch.setattr(slam._matcher, "explains", lambda _: False)
+        result = slam.update(told, scan)
+    assert result.contradicts
+    np.testing.assert_allclose(between(result.pose, pose), 0.0, atol=0.05)

@@ -183,3 +183,45 @@ def test_what_odometry_tells_of_the_way_during_a_fault_is_forgotten_once_it_has_
     model, chosen = driven(told, straight(40))
     assert [k for k, motion in enumerate(chosen) if not motion.sound] == [12]
     assert len(model.predict(told[-1] + [0.2, 0.0, 0.0], STEP_S * 40)) == 2  # precise, and as rough as the model
+
+
+def frozen_from(scans, still):
+    """Return a model of a robot that drives on while its odometry stands still, before the next scan, and its truth."""
+    truth = straight(scans + still + 1)
+    told = truth.copy()
+    told[scans:] = told[scans - 1]
+    return driven(told[:-1], truth[:-1])[0], told, truth
+
+
+def test_odometry_that_stands_still_has_not_caught_up():
+    model, told, _ = frozen_from(12, 4)
+    *sound, fault = model.predict(told[-1], STEP_S * 16)
+    assert not fault.sound
+    for motion in sound:
+        np.testing.assert_allclose(motion.prediction.pose, sound[0].prediction.pose, atol=1e-9)
+
+
+def test_after_a_pause_a_robot_without_odometry_goes_on_by_the_scan():
+    model, told, truth = frozen_from(12, 4)
+    fault = model.predict(told[-1], STEP_S * 15 + 60.0)[-1]
+    assert not fault.sound
+    np.testing.assert_allclose(fault.prediction.pose, truth[-1], atol=1e-6)
+
+
+def test_a_match_after_which_nothing_agrees_with_the_odometry_does_not_make_it_sound():
+    model, told, truth = frozen_from(12, 4)
+    for k in range(16, 26):  # so long without a match that it is not known any more how the robot went
+        hypotheses = model.predict(told[-1], STEP_S * k)
+        model.take(hypotheses, hypotheses[0], hypotheses[0].prediction.pose, None)
+    hypotheses = model.predict(told[-1], STEP_S * 26)
+    assert all(motion.sound for motion in hypotheses)
+    model.take(hypotheses, hypotheses[0], truth[-1], -5.0)
+    assert model.predict(told[-1], STEP_S * 27)[0].cost > hypotheses[0].cost - 0.1
+
+
+def test_a_rougher_guess_is_needless_where_the_match_of_the_precise_one_asked_for_no_more_room():
+    model = driven(straight(60), straight(60))[0]
+    precise, rough = model.predict(straight(61)[-1], STEP_S * 60)
+    near, far = straight(61)[-1], straight(61)[-1] + [0.05, 0.0, 0.0]
+    assert rough.is_needless(precise, near)
+    assert not rough.is_needless(precise, far)
