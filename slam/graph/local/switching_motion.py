@@ -100,8 +100,8 @@ class SwitchingMotion:
         self._offset: Array | None = None  # T_believed_told of the two odometry frames; None: no fault so far
         self._believed = np.zeros(3)  # odometry told, in the frame of the believed one
         self._before: tuple[Array | None, Array] | None = None  # offset and odometry before the newest fault ...
-        self._agree = False  # whether odometry moves the robot as it moved before
         self._since = 0  # ... and scans with sound odometry that moved since
+        self._agree = False  # whether odometry moves the robot as it moved before
         self._doubt = np.zeros(2)  # sigma of the motions since the last match that the odometry did not tell
         self._moved = 0.0  # [m] by the odometry since the last scan
         self._soundness, self._precision = OdometrySoundness(), OdometryPrecision()
