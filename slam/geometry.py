@@ -28,11 +28,9 @@ def wrap_one(angle: float) -> float:
 
 def compose(T_a_b: ArrayLike, T_b_c: ArrayLike) -> Array:
     """Return T_a_c, the pose of c in a. Shapes (..., 3) and (..., 3), broadcast."""
-    outer, inner = np.asarray(T_a_b, dtype=np.float64), np.asarray(T_b_c, dtype=np.float64)
-    if outer.ndim == 1 and inner.ndim == 1:  # one pose, the usual case: five times faster without broadcasting
-        (x, y, theta), (u, v, phi) = outer.tolist(), inner.tolist()
-        cos, sin = math.cos(theta), math.sin(theta)
-        return np.array((x + cos * u - sin * v, y + sin * u + cos * v, wrap_one(theta + phi)))
+    outer, inner = _array(T_a_b), _array(T_b_c)
+    if outer.ndim == 1 and inner.ndim == 1:  # one pose, the usual case: ten times faster without broadcasting
+        return np.array(_composed(*outer.tolist(), *inner.tolist()))
     cos, sin = np.cos(outer[..., 2]), np.sin(outer[..., 2])
     return np.stack(
         np.broadcast_arrays(
@@ -46,11 +44,9 @@ def compose(T_a_b: ArrayLike, T_b_c: ArrayLike) -> Array:
 
 def inverse(T_a_b: ArrayLike) -> Array:
     """Return T_b_a. Shape (..., 3)."""
-    pose = np.asarray(T_a_b, dtype=np.float64)
+    pose = _array(T_a_b)
     if pose.ndim == 1:
-        x, y, theta = pose.tolist()
-        cos, sin = math.cos(theta), math.sin(theta)
-        return np.array((-cos * x - sin * y, sin * x - cos * y, wrap_one(-theta)))
+        return np.array(_inverted(*pose.tolist()))
     cos, sin = np.cos(pose[..., 2]), np.sin(pose[..., 2])
     return np.stack(
         (
@@ -64,7 +60,25 @@ def inverse(T_a_b: ArrayLike) -> Array:
 
 def between(T_w_a: ArrayLike, T_w_b: ArrayLike) -> Array:
     """Return T_a_b, the pose of b seen from a, from both poses in a common frame. Shapes (..., 3), broadcast."""
-    return compose(inverse(T_w_a), T_w_b)
+    first, second = _array(T_w_a), _array(T_w_b)
+    if first.ndim == 1 and second.ndim == 1:
+        return np.array(_composed(*_inverted(*first.tolist()), *second.tolist()))
+    return compose(inverse(first), second)
+
+
+def _array(pose: ArrayLike) -> Array:
+    """Return `pose` as an array of floats, itself if it is one: a call takes as long as the sums of a pose."""
+    return pose if isinstance(pose, np.ndarray) and pose.dtype == np.float64 else np.asarray(pose, dtype=np.float64)
+
+
+def _composed(x: float, y: float, theta: float, u: float, v: float, phi: float) -> tuple[float, float, float]:
+    cos, sin = math.cos(theta), math.sin(theta)
+    return x + cos * u - sin * v, y + sin * u + cos * v, wrap_one(theta + phi)
+
+
+def _inverted(x: float, y: float, theta: float) -> tuple[float, float, float]:
+    cos, sin = math.cos(theta), math.sin(theta)
+    return -cos * x - sin * y, sin * x - cos * y, wrap_one(-theta)
 
 
 def transform_points(T_a_b: ArrayLike, points_b: ArrayLike) -> Array:

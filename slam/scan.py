@@ -77,8 +77,11 @@ class LaserScan:
 
         A laser misses glass, what is dark and what it grazes: fewer such beams in a row say nothing of what is there.
         """
-        nothing = np.pad(self.is_no_return, 1, mode="edge") if len(self) else self.is_no_return
-        return np.asarray(np.lib.stride_tricks.sliding_window_view(nothing, 3).all(axis=1)) if len(self) else nothing
+        nothing = self.is_no_return
+        around = nothing.copy()
+        around[1:] &= nothing[:-1]
+        around[:-1] &= nothing[1:]
+        return around
 
     @property
     def directions(self) -> NDArray[np.float64]:

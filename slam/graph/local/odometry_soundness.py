@@ -1,6 +1,7 @@
 """How far a robot's odometry can be believed: whether it is sound now, and how precise it is when it is."""
 
 import math
+import statistics
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,7 @@ _CHANCE = 0.1  # share of faulty motions that agree with both predictions
 _SUREST = 1e-6  # never is it surer than this that odometry is sound, or is not
 _ERRORS = 20  # so many of the newest tell how precise the odometry is; at first, they are those of its model
 _MOST_PRECISE = 0.2  # of the error model's standard deviations: below, a match errs as much
-_MEDIAN = np.array([1.177, 0.6745])  # of normal errors of standard deviation 1, in the plane and on a line
+_MEDIAN = (1.177, 0.6745)  # of normal errors of standard deviation 1, in the plane and on a line
 
 
 class OdometrySoundness:
@@ -58,11 +59,13 @@ class OdometryPrecision:
 
     def __init__(self) -> None:
         self.shares = np.ones(2)
-        self._errors = [np.ones(2)] * _ERRORS
+        self._errors = [(1.0, 1.0)] * _ERRORS  # of translation and rotation
 
     def learn(self, prediction: Prediction, pose: Array) -> None:
         """Learn from what matching, `pose` (3,), made of a `prediction` by the error model."""
         x, y, turn = between(prediction.pose, pose).tolist()
-        error = np.array([math.hypot(x, y), abs(turn)]) / (_MEDIAN * prediction.sigma)
+        linear, angular = prediction.sigma.tolist()
+        error = math.hypot(x, y) / (_MEDIAN[0] * linear), abs(turn) / (_MEDIAN[1] * angular)
         self._errors = [*self._errors[1:], error]
-        self.shares = np.clip(np.median(self._errors, axis=0), _MOST_PRECISE, 1.0)
+        medians = (statistics.median(errors) for errors in zip(*self._errors, strict=True))
+        self.shares = np.array([min(max(share, _MOST_PRECISE), 1.0) for share in medians])

@@ -14,7 +14,7 @@ the rest of them, one as rough as its error model.
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,9 +66,13 @@ class MotionHypothesis:
             pose: T_local_robot.
             information: (3, 3) what the scan tells of it, inverse covariance.
         """
-        linear, angular = self.prediction.sigma.tolist()
-        told = np.eye(3) + np.array([[linear**2], [linear**2], [angular**2]]) * information
-        return self.cost + 0.5 * (self._off(pose) + math.log(np.linalg.det(told)))
+        linear, angular = np.square(self.prediction.sigma).tolist()
+        (a, b, c), (d, e, f), (g, h, i) = information.tolist()
+        a, b, c = 1.0 + linear * a, linear * b, linear * c
+        d, e, f = linear * d, 1.0 + linear * e, linear * f
+        g, h, i = angular * g, angular * h, 1.0 + angular * i
+        determinant = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
+        return self.cost + 0.5 * (self._off(pose) + math.log(determinant))
 
     def is_needless(self, narrower: "MotionHypothesis", pose: Array) -> bool:
         """Return whether this only leaves more open than another one, whose match at `pose` (3,) asked for no more."""
@@ -159,7 +163,7 @@ class SwitchingMotion:
         self._agree = math.hypot(off[0], off[1]) <= most[0] and bool(off[2] <= most[1])
         went = compose(self._matched_odometry, coasted)
         fault = 1.0 - self._soundness.probability
-        return [] if self._agree else [self._hypothesis(went, fault, np.ones(2), sigma, False)]
+        return [] if self._agree else [self._guessed(went, fault, sigma, False)]
 
     def _going_on(self, elapsed: float) -> tuple[Array, Array] | None:
         """Return (3,) how far a robot that goes on as before is from its last match, and (2,) the standard deviations.
@@ -209,12 +213,15 @@ class SwitchingMotion:
 
     def _by_odometry(self, odometry: Array) -> list[MotionHypothesis]:
         """Return that the odometry is believed: precise as it mostly is, and rough as its error model."""
-        one, none, sound = np.ones(2), np.zeros(2), self._soundness.probability
+        assert self._extrapolator is not None
+        prediction, sound = self._extrapolator.predict(odometry), self._soundness.probability
+        pose, rough, precise = prediction.pose, prediction.sigma, self._precision.shares * prediction.sigma
         if self._precision.shares.min() == 1.0:
-            return [self._hypothesis(odometry, sound, one, none, True)]
-        rough = self._hypothesis(odometry, _ROUGH * sound, one, none, True)
-        precise = self._hypothesis(odometry, (1.0 - _ROUGH) * sound, self._precision.shares, none, True)
-        return [replace(precise, prediction=replace(precise.prediction, pose=rough.prediction.pose)), rough]
+            return [self._hypothesis(odometry, sound, pose, rough, True)]
+        return [
+            self._hypothesis(odometry, (1.0 - _ROUGH) * sound, pose, precise, True),
+            self._hypothesis(odometry, _ROUGH * sound, pose, rough, True),
+        ]
 
     def _caught_up(self, told: Array) -> list[MotionHypothesis]:
         """Return that odometry which was late, or frozen, tells by now where the robot went meanwhile; else nothing."""
@@ -225,16 +232,20 @@ class SwitchingMotion:
         x, y, turn = np.abs(between(self._believed, whole)).tolist()
         if math.hypot(x, y) <= _NEAR[0] and turn <= _NEAR[1]:
             return []
-        sigma = self._config.sigma(between(odometry, whole))
-        return [self._hypothesis(whole, _LATE * self._soundness.probability, np.ones(2), sigma, True)]
+        extra = self._config.sigma(between(odometry, whole))
+        return [self._guessed(whole, _LATE * self._soundness.probability, extra, True)]
 
-    def _hypothesis(
-        self, odometry: Array, probability: float, precision: Array, extra: Array, sound: bool
-    ) -> MotionHypothesis:
+    def _guessed(self, odometry: Array, probability: float, extra: Array, sound: bool) -> MotionHypothesis:
+        """Return that the odometry is at a guessed place, of standard deviations `extra` (2,) [m, rad]."""
         assert self._extrapolator is not None
         prediction = self._extrapolator.predict(odometry)
-        sigma = np.hypot(np.hypot(precision * prediction.sigma, self._doubt), extra)
-        return MotionHypothesis(odometry, Prediction(prediction.pose, sigma), -math.log(probability), sound)
+        return self._hypothesis(odometry, probability, prediction.pose, np.hypot(prediction.sigma, extra), sound)
+
+    def _hypothesis(
+        self, odometry: Array, probability: float, pose: Array, sigma: Array, sound: bool
+    ) -> MotionHypothesis:
+        prediction = Prediction(pose, np.hypot(sigma, self._doubt))
+        return MotionHypothesis(odometry, prediction, -math.log(probability), sound)
 
     def take(
         self,
