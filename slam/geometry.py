@@ -13,6 +13,8 @@ from .rigid_kernel import move_points
 
 Array = NDArray[np.float64]
 
+_STRAIGHT = 1e-6  # [rad] a motion that turns less is one
+
 
 def wrap_angle(angle: ArrayLike) -> Array:
     """Return `angle` [rad] wrapped to [-pi, pi)."""
@@ -79,6 +81,19 @@ def _composed(x: float, y: float, theta: float, u: float, v: float, phi: float) 
 def _inverted(x: float, y: float, theta: float) -> tuple[float, float, float]:
     cos, sin = math.cos(theta), math.sin(theta)
     return -cos * x - sin * y, sin * x - cos * y, wrap_one(-theta)
+
+
+def part_of(motion: ArrayLike, share: float) -> Array:
+    """Return (3,) the first `share` of a `motion` (3,) at constant velocities, in [0, 1]: along an arc."""
+    x, y, turn = _array(motion).tolist()
+    part = share * turn
+    if abs(turn) < _STRAIGHT:
+        return np.array((share * x, share * y, part))
+    # A turn by t about the centre c leads from 0 to c - R(t) c.
+    half = 0.5 / math.tan(0.5 * turn)
+    cx, cy = 0.5 * x - half * y, half * x + 0.5 * y
+    cos, sin = math.cos(part), math.sin(part)
+    return np.array((cx - cos * cx + sin * cy, cy - sin * cx - cos * cy, part))
 
 
 def transform_points(T_a_b: ArrayLike, points_b: ArrayLike) -> Array:

@@ -112,6 +112,7 @@ class Cartographer:
 
     def finish(self) -> None:
         """Match each node with all submaps around it, optimise the graph and straighten its submaps."""
+        self._mapping.finish()
         if self._recovery:
             self._recovery.finish()
         if self._global:

@@ -13,13 +13,14 @@ matches, and sound odometry has two predictions at the same place: one as precis
 the rest of them, one as rough as its error model.
 """
 
+import copy
 import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry import between, compose, inverse
+from ...geometry import between, compose, inverse, part_of
 from ...scan_to_grid.extrapolator import ExtrapolatorConfig, OdometryExtrapolator, Prediction
 from .odometry_soundness import OdometryPrecision, OdometrySoundness
 
@@ -36,6 +37,8 @@ _FARTHEST = np.array([5.0, np.pi])  # [m, rad] and no farther
 _MEMORY = 0.1  # weight of the newest step in the usual one
 _SHORTEST = 1e-3  # [s] no laser turns faster; stamps that are nearer to each other tell no time
 _FORGOTTEN = 10  # scans without a match after which it is not known any more how the robot went
+_STILL = 1e-3  # [m, rad] odometry that says less says that the robot stands
+_LEAST_STEP = 0.05  # [m, rad] a robot may always go so far between two scans
 _LONGER = 3.0  # times the time before: after a longer pause, scans seem to be taken after some way, not some time
 
 
@@ -115,9 +118,17 @@ class SwitchingMotion:
         self._unmatched = 0  # scans since
         self._usual = np.zeros(2)  # step between two scans [m, rad]
         self._step: Array | None = None  # (3,) between the last two scans that were matched one after the other
+        self._bridges = False  # whether the odometry of the last scan is interpolated
         self.odometry: Array | None = None
         self.faults = 0
         self.jumped = False
+
+    def copy(self) -> "SwitchingMotion":
+        """Return the motion as it is now, to go back to."""
+        twin = copy.copy(self)
+        twin._extrapolator, twin._soundness = copy.copy(self._extrapolator), copy.copy(self._soundness)
+        twin._precision = copy.copy(self._precision)
+        return twin
 
     def restarted(self, odometry: Array, pose: Array) -> "SwitchingMotion":
         """Return the motion of a robot of which only the last odometry pose (3,) and `pose` (3,) are known."""
@@ -129,8 +140,52 @@ class SwitchingMotion:
         motion._precision = self._precision
         return motion
 
-    def predict(self, odometry: Array, time_s: float) -> list[MotionHypothesis]:
-        """Return hypotheses about the motion to the odometry pose T_odom_robot (3,) at `time_s` [s]: a fault last."""
+    def stands_still(self, odometry: Array) -> bool:
+        """Return whether the odometry pose T_odom_robot (3,) is the one of the last scan."""
+        return self.odometry is not None and _stands(between(self._told, odometry))
+
+    def has_caught_up(self, odometry: Array, scans: int) -> bool:
+        """Return whether odometry that stood still until now tells by one step of the way of so many `scans`.
+
+        It does if the step is farther from a usual one, as a factor, than a step of that way.
+
+        Args:
+            odometry: (3,) T_odom_robot.
+            scans: Up to this one.
+        """
+        told, usual = between(self._told, odometry), np.maximum(self._usual, _LEAST_STEP)
+        return max(math.hypot(told[0], told[1]) / usual[0], abs(told[2]) / usual[1]) > math.sqrt(scans)
+
+    def bridge(self, odometry: Array, scans: int) -> tuple[Array, Array]:
+        """Return where the odometry was at the next of so many `scans` in which the robot went to `odometry`.
+
+        Args:
+            odometry: (3,) T_odom_robot at the last of them.
+            scans: How many.
+
+        Returns:
+            (3,) T_odom_robot at constant velocities from where the last scan was matched, and (2,) how far off that may
+            be [m, rad]: a robot may have stood for some of these scans, and gone twice as fast in others.
+        """
+        assert self.odometry is not None
+        whole = between(self.odometry, odometry if self._offset is None else compose(self._offset, odometry))
+        step = part_of(whole, 1.0 / scans)
+        believed = compose(self.odometry, step)
+        sigma = np.hypot((math.hypot(step[0], step[1]), abs(step[2])), self._usual)
+        return believed if self._offset is None else compose(inverse(self._offset), believed), sigma
+
+    def widen(self, way: Array) -> None:
+        """Let the next scan be predicted as roughly as after a `way` (3,) that the odometry told at once."""
+        self._doubt = self._config.sigma(way)
+
+    def predict(self, odometry: Array, time_s: float, bridge: Array | None = None) -> list[MotionHypothesis]:
+        """Return hypotheses about the motion to the odometry pose T_odom_robot (3,) at `time_s` [s]: a fault last.
+
+        Args:
+            odometry: (3,) T_odom_robot.
+            time_s: When [s].
+            bridge: (2,) how far off odometry that `bridge` has made may be [m, rad]: it is the only hypothesis then.
+        """
         if self._extrapolator is None or self.odometry is None:
             self.odometry = odometry
             self._extrapolator = OdometryExtrapolator(self._config, odometry)
@@ -140,9 +195,12 @@ class SwitchingMotion:
         elapsed = time_s - self._time
         self._told, self._time = odometry, time_s
         self._before_s, self._step_s = self._step_s, elapsed
-        moves = bool(moved.any())
+        moves = not _stands(moved)
+        self._bridges = bridge is not None
         self._soundness.advance(moves)
         self._believed = odometry if self._offset is None else compose(self._offset, odometry)
+        if bridge is not None:
+            return [self._guessed(self._believed, 1.0, bridge, True)]
         sound = self._by_odometry(self._believed) + (self._caught_up(odometry) if moves else [])
         return sound + self._by_fault(elapsed)
 
@@ -266,12 +324,12 @@ class SwitchingMotion:
             jumped: Whether that match was found only far from the prediction.
         """
         assert self._extrapolator is not None
-        self.faults += not chosen.sound
+        self.faults += self._bridges or not chosen.sound
         self._remember(chosen)
         odometry = chosen.odometry
-        if lead is not None and not chosen.sound:  # what the guess was off by is no error of the odometry before
-            odometry = compose(inverse(self._anchor), pose)
-        if not np.array_equal(odometry, self._believed):
+        if lead is not None and (self._bridges or not chosen.sound):  # what a guess was off by is no error of the
+            odometry = compose(inverse(self._anchor), pose)  # odometry before
+        if not self._bridges and not np.array_equal(odometry, self._believed):
             self._offset = compose(odometry, inverse(self._told))
             self._doubt = chosen.prediction.sigma
         self.odometry = odometry
@@ -283,7 +341,7 @@ class SwitchingMotion:
         elif self._agree:
             self._soundness.agree()
         self.jumped = jumped or (self.jumped and self._soundness.probability < _TRUSTED)
-        if chosen.sound and not jumped and not self._unmatched:
+        if chosen.sound and not jumped and not self._unmatched and not self._bridges:
             self._precision.learn(self._extrapolator.predict(chosen.odometry), pose)
         self._extrapolator.correct(odometry, pose)
         self._doubt = np.zeros(2)
@@ -304,5 +362,10 @@ class SwitchingMotion:
         assert self.odometry is not None
         if self._matched is not None and self._unmatched == 0:
             step = self._step = between(self._matched, pose)
-            self._usual += _MEMORY * (np.array([math.hypot(step[0], step[1]), abs(step[2])]) - self._usual)
+            went = np.array([math.hypot(step[0], step[1]), abs(step[2])])
+            self._usual = self._usual + _MEMORY * (went - self._usual)
         self._matched, self._matched_odometry, self._unmatched = pose, self.odometry, 0
+
+
+def _stands(motion: Array) -> bool:
+    return abs(motion[0]) < _STILL and abs(motion[1]) < _STILL and abs(motion[2]) < _STILL

@@ -64,7 +64,19 @@ class DriveMapping:
 
     def match(self, odometry: Array, scan: LaserScan) -> LocalResult:
         """Predict, match and insert: return what local SLAM makes of a scan at T_odom_robot (3,); `add` comes next."""
-        return self.local.update(odometry, scan)
+        result = self.local.update(odometry, scan)
+        self._settle(result.settled)
+        return result
+
+    def finish(self) -> None:
+        """Take note that the drive has ended: what was held back is added."""
+        self._settle(self.local.settle())
+
+    def _settle(self, results: Sequence[LocalResult]) -> None:
+        """Add the newest scans again, that had been held back."""
+        self.record.take_back(len(results))
+        for result in results:
+            self.add(self._odometry, result)
 
     def add(self, odometry: Array, result: LocalResult) -> None:
         """Add the scan of a `result` to the graph if it was inserted, and close loops."""

@@ -50,6 +50,10 @@ class DriveRecord:
             self.way += float(np.hypot(*(pose - self.last_pose)[:2]))
         self._poses.append(pose)
 
+    def take_back(self, scans: int) -> None:
+        """Take back the newest so many scans, none of which is a node."""
+        self._poses.cut(len(self) - scans, len(self))
+
     def rewind(self, scans: int, known: Sequence[Array] = ()) -> None:
         """Take back all but the first so many scans and add some at `known` T_local_robot; then a segment begins."""
         self._poses = PoseLog.of(np.concatenate((self._poses.array()[:scans], np.array(known).reshape(-1, 3))))
