@@ -1,5 +1,6 @@
 """The engine "cartographer": local SLAM, loop closure and graph optimisation behind the one protocol of all engines."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any, Self
 
@@ -14,7 +15,8 @@ from ..occupancy_map import OccupancyMap
 from ..pose_log import PoseLog
 from ..scan import LaserScan
 from ..settings import with_settings
-from .local.local_slam import LocalSlam, LocalSlamConfig
+from .local.held_scans import Due
+from .local.local_slam import LocalResult, LocalSlam, LocalSlamConfig
 from .loops.constraints import Constraint
 from .loops.drive_mapping import DriveMapping
 from .loops.global_config import GlobalSlamConfig
@@ -81,19 +83,28 @@ class Cartographer:
     def update(self, odometry: ArrayLike, scan: LaserScan) -> SlamUpdate:
         """Take one scan and the robot's odometry pose T_odom_robot (3,) at that time."""
         odometry = self._odometry = checked_pose(odometry, before=self._odometry)
-        result = self._mapping.match(odometry, scan)  # predict, match, insert
-        if self._recovery:
-            result = self._recovery.review(result, odometry, scan)
-        self._mapping.add(odometry, result)  # add node, close loops
+        nodes = len(self._record.nodes)
+        result = self._mapping.wait(odometry, scan) or self._take(self._mapping.due(odometry, scan))
+        assert result
         elsewhere = self._recovery.pose if self._recovery else None
         self._online.append(self._mapping.pose if elsewhere is None else elsewhere)
         self._trim()
-        if self._live and result.insertion:
+        if self._live and (result.insertion or len(self._record.nodes) != nodes):
             self._live.follow(self.node_poses, self._record.nodes, self._record.scans)
         diagnostics = {"odometry_fault": float(result.odometry_fault)}
         diagnostics |= {"score": result.match.score} if result.match else {}
         located = elsewhere is not None or (not result.jumped and (not self._recovery or self._recovery.located))
         return SlamUpdate(self.pose, result.insertion is not None, diagnostics, located)
+
+    def _take(self, scans: Iterable[Due]) -> LocalResult | None:
+        """Map scans, one after the other; return what became of the last one."""
+        result = None
+        for odometry, scan, bridge in scans:
+            result = self._mapping.match(odometry, scan, bridge)  # predict, match, insert
+            if self._recovery:
+                result = self._recovery.review(result, odometry, scan)
+            self._mapping.add(odometry, result)  # add node, close loops
+        return result
 
     def _trim(self) -> None:
         """Let what was seen again often enough leave the graph, unless some of it is being looked at."""
@@ -112,7 +123,7 @@ class Cartographer:
 
     def finish(self) -> None:
         """Match each node with all submaps around it, optimise the graph and straighten its submaps."""
-        self._mapping.finish()
+        self._take(self._mapping.rest())
         if self._recovery:
             self._recovery.finish()
         if self._global:

@@ -1,5 +1,6 @@
 """Local SLAM: a continuous, slowly drifting trajectory from odometry and scans, without loop closure."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -14,6 +15,7 @@ from ...scan_to_grid.extrapolator import ExtrapolatorConfig, Prediction
 from ...scan_to_grid.scan_matcher import GridMatch, GridScanMatcher, GridScanMatcherConfig
 from ...scan_to_grid.voxel_filter import AdaptiveVoxelConfig, AdaptiveVoxelFilter
 from .active_submaps import ActiveSubmaps, ActiveSubmapsConfig
+from .held_scans import Due, HeldScans
 from .match_monitor import MatchMonitor, MatchMonitorConfig
 from .motion_filter import MotionFilter, MotionFilterConfig
 from .seen_points import seen_points, telling_share
@@ -22,8 +24,6 @@ from .sweep import Sweep
 from .switching_motion import MotionHypothesis, SwitchingMotion
 
 Array = NDArray[np.float64]
-
-_MOST_HELD = 20  # scans that wait for odometry that stands still
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,7 +84,6 @@ class LocalResult:
         contradicts: Whether the scan contradicts the submap that it was matched on, as people around the laser do.
         odometry_fault: Whether the robot moved otherwise than its odometry says.
         jumped: Whether it was found far from where it was thought to be, and nothing has confirmed that yet.
-        settled: What became of the scans before, in order, that had been held back until now.
     """
 
     pose: Array
@@ -93,27 +92,6 @@ class LocalResult:
     contradicts: bool = False
     odometry_fault: bool = False
     jumped: bool = False
-    settled: tuple["LocalResult", ...] = ()
-
-
-@dataclass
-class HeldScans:
-    """Scans during which the odometry stood still while the robot seemed to drive on.
-
-    Attributes:
-        scans: T_odom_robot (3,) at each, and the scan.
-        motion: The motion of the robot as it was before them; None: there are none.
-        released: Whether the odometry has stood still for so long that no scan is held back any more.
-    """
-
-    scans: list[tuple[Array, LaserScan]] = field(default_factory=list)
-    motion: SwitchingMotion | None = None
-    released: bool = False
-
-    @property
-    def full(self) -> bool:
-        """Whether no more can wait."""
-        return len(self.scans) >= _MOST_HELD
 
 
 class LocalSlam:
@@ -160,63 +138,45 @@ class LocalSlam:
         """Drop the finished submaps where `stay` (one for each submap) is false."""
         self._active.trim(stay)
 
-    def update(self, odometry: Array, scan: LaserScan) -> LocalResult:
-        """Take one scan and the odometry pose T_odom_robot (3,) at that time: predict, match, insert.
-
-        Scans that say that the robot drives on, while its odometry stands still, are held back until it moves again.
-        Where it has caught up then, it tells how far the robot went, and they are inserted along that way.
-        """
-        settled: tuple[LocalResult, ...] = ()
-        before = None
-        if not self._motion.stands_still(odometry):
-            settled, self._held = self.settle(odometry), HeldScans()
-        elif self._held.full:
-            settled, self._held = self.settle(), HeldScans(released=True)
-        elif not self._held.released:
-            before = self._motion.copy()
-        result = self._update(odometry, scan, before)
-        return replace(result, settled=settled) if settled else result
-
-    def settle(self, odometry: Array | None = None) -> tuple[LocalResult, ...]:
-        """Insert the scans that are held back; return what became of them, in order.
-
-        Args:
-            odometry: (3,) T_odom_robot, which moves again; None: it does not.
-        """
-        held, self._held = self._held, HeldScans()
-        if held.motion is None:
-            return ()
-        self._motion, left = held.motion, len(held.scans) + 1
-        if odometry is None or not self._motion.has_caught_up(odometry, left):
-            return tuple(self._update(at, scan) for at, scan in held.scans)
-        results, stood = [], held.scans[0][0]
-        for k, (_, scan) in enumerate(held.scans):
-            at, sigma = self._motion.bridge(odometry, left - k)
-            results.append(self._update(at, scan, bridge=sigma))
-        self._motion.widen(between(stood, odometry))
-        return tuple(results)
-
-    def _update(
-        self, odometry: Array, scan: LaserScan, before: SwitchingMotion | None = None, bridge: Array | None = None
-    ) -> LocalResult:
-        """Take one scan.
+    def wait(self, odometry: Array, scan: LaserScan) -> LocalResult | None:
+        """Return where a scan seems to be that has to wait until its odometry moves again; None: it need not.
 
         Args:
             odometry: (3,) T_odom_robot.
             scan: The scan.
-            before: The motion until now, if the scan may be held back.
+        """
+        if not self._held.wait(self._motion, odometry, scan):
+            return None
+        hypotheses = self._motion.predict(odometry, scan.time_s)
+        motion, match, lead = self._match(scan, self._voxel_filter.apply(scan.points_robot), hypotheses)
+        pose = match.pose if match else motion.prediction.pose
+        self._motion.take(hypotheses, motion, pose, lead if match else None, bool(match and match.retried))
+        return LocalResult(pose, match, None, False, not motion.sound, self._motion.jumped)
+
+    def due(self, odometry: Array, scan: LaserScan) -> Iterator[Due]:
+        """Yield what `update` is to take now, in order: the scans that have waited, and a scan that need not."""
+        yield from self.rest(odometry)
+        yield odometry, scan, None
+
+    def rest(self, odometry: Array | None = None) -> Iterator[Due]:
+        """Yield the scans that have waited; the next is at `odometry` (3,), or there is none."""
+        yield from self._held.due(self._motion, odometry)
+
+    def update(self, odometry: Array, scan: LaserScan, bridge: Array | None = None) -> LocalResult:
+        """Take one scan and the odometry pose T_odom_robot (3,) at that time: predict, match, insert.
+
+        Args:
+            odometry: (3,) T_odom_robot.
+            scan: The scan.
             bridge: (2,) how far off the odometry may be, if it is interpolated [m, rad].
         """
         hypotheses = self._motion.predict(odometry, scan.time_s, bridge)
         points = self._voxel_filter.apply(scan.points_robot)
         repeated, self._ranges = np.array_equal(scan.ranges, self._ranges), scan.ranges
-        if repeated and not self._held.scans:  # a driver has sent a scan once more: it tells nothing new
+        if repeated:  # a driver has sent a scan once more: it tells nothing new
             return self._by_odometry(hypotheses[0], None, False)
         ambiguous = not hypotheses[-1].sound
         motion, match, lead = self._match(scan, points, hypotheses)
-        stands = motion.sound and match is not None and not self._matcher.is_poor(match)
-        if before and (self._held.scans or not stands):
-            return self._hold(before, (odometry, scan), hypotheses, motion, match, lead)
         contradicts = self._contradicts(scan, points, match)
         far = match is not None and (match.retried or not motion.sound)
         if match and contradicts and (far or not self._matcher.explains(match)):
@@ -228,22 +188,6 @@ class LocalSlam:
             self._monitor.alarm()
             motion, match, contradicts = hypotheses[0], None, True
         return self._taken(hypotheses, motion, match, lead, scan, points, contradicts)
-
-    def _hold(
-        self,
-        before: SwitchingMotion,
-        held: tuple[Array, LaserScan],
-        hypotheses: list[MotionHypothesis],
-        motion: MotionHypothesis,
-        match: GridMatch | None,
-        lead: float,
-    ) -> LocalResult:
-        """Take a scan for where it was matched, and hold it back."""
-        self._held.motion = self._held.motion or before
-        self._held.scans.append(held)
-        pose = match.pose if match else motion.prediction.pose
-        self._motion.take(hypotheses, motion, pose, lead if match else None, bool(match and match.retried))
-        return LocalResult(pose, match, None, False, not motion.sound, self._motion.jumped)
 
     def _contradicts(self, scan: LaserScan, points: Array, match: GridMatch | None) -> bool:
         if match is None:

@@ -124,11 +124,15 @@ class SwitchingMotion:
         self.jumped = False
 
     def copy(self) -> "SwitchingMotion":
-        """Return the motion as it is now, to go back to."""
+        """Return the motion as it is now, for `return_to`."""
         twin = copy.copy(self)
         twin._extrapolator, twin._soundness = copy.copy(self._extrapolator), copy.copy(self._soundness)
         twin._precision = copy.copy(self._precision)
         return twin
+
+    def return_to(self, before: "SwitchingMotion") -> None:
+        """Forget all since the copy `before`."""
+        self.__dict__.update(before.copy().__dict__)
 
     def restarted(self, odometry: Array, pose: Array) -> "SwitchingMotion":
         """Return the motion of a robot of which only the last odometry pose (3,) and `pose` (3,) are known."""
@@ -154,7 +158,7 @@ class SwitchingMotion:
             scans: Up to this one.
         """
         told, usual = between(self._told, odometry), np.maximum(self._usual, _LEAST_STEP)
-        return max(math.hypot(told[0], told[1]) / usual[0], abs(told[2]) / usual[1]) > math.sqrt(scans)
+        return bool(max(math.hypot(told[0], told[1]) / usual[0], abs(told[2]) / usual[1]) > math.sqrt(scans))
 
     def bridge(self, odometry: Array, scans: int) -> tuple[Array, Array]:
         """Return where the odometry was at the next of so many `scans` in which the robot went to `odometry`.

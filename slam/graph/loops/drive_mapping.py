@@ -1,6 +1,6 @@
 """Local SLAM, the graph and the record of a drive, which take each scan together and can take scans back."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from ...geometry import compose
 from ...scan import LaserScan
+from ..local.held_scans import Due
 from ..local.local_slam import LocalResult, LocalSlam
 from .drive_record import DriveRecord
 from .global_slam import GlobalSlam
@@ -51,6 +52,7 @@ class DriveMapping:
         self.local, self.graph = local, graph
         self.record = DriveRecord()
         self._odometry = np.zeros(3)  # of the last scan
+        self._waiting = 0  # scans at the end of the record that wait
 
     @property
     def T_global_local(self) -> Array:
@@ -62,21 +64,31 @@ class DriveMapping:
         """(3,) T_global_robot at the last scan, by what is known now."""
         return compose(self.T_global_local, self.record.last_pose)
 
-    def match(self, odometry: Array, scan: LaserScan) -> LocalResult:
-        """Predict, match and insert: return what local SLAM makes of a scan at T_odom_robot (3,); `add` comes next."""
-        result = self.local.update(odometry, scan)
-        self._settle(result.settled)
+    def wait(self, odometry: Array, scan: LaserScan) -> LocalResult | None:
+        """Return where a scan seems to be that has to wait until its odometry moves again; None: it need not."""
+        result = self.local.wait(odometry, scan)
+        if result:
+            self.record.append(result.pose)
+            self._waiting += 1
         return result
 
-    def finish(self) -> None:
-        """Take note that the drive has ended: what was held back is added."""
-        self._settle(self.local.settle())
+    def due(self, odometry: Array, scan: LaserScan) -> Iterator[Due]:
+        """Yield what `match` and `add` are to take now, in order: the scans that have waited, and a scan at `odometry`."""
+        self._no_longer_wait()
+        return self.local.due(odometry, scan)
 
-    def _settle(self, results: Sequence[LocalResult]) -> None:
-        """Add the newest scans again, that had been held back."""
-        self.record.take_back(len(results))
-        for result in results:
-            self.add(self._odometry, result)
+    def rest(self) -> Iterator[Due]:
+        """Yield the scans that still wait at the end of the drive."""
+        self._no_longer_wait()
+        return self.local.rest()
+
+    def _no_longer_wait(self) -> None:
+        self.record.take_back(self._waiting)
+        self._waiting = 0
+
+    def match(self, odometry: Array, scan: LaserScan, bridge: Array | None = None) -> LocalResult:
+        """Predict, match and insert: return what local SLAM makes of a scan at T_odom_robot (3,); `add` comes next."""
+        return self.local.update(odometry, scan, bridge)
 
     def add(self, odometry: Array, result: LocalResult) -> None:
         """Add the scan of a `result` to the graph if it was inserted, and close loops."""

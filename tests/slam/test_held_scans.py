@@ -1,0 +1,121 @@
+"""Scans that wait for odometry that stands still while the robot drives on."""
+
+import numpy as np
+import pytest
+from tagalong.slam.engine import make_slam
+from tagalong.slam.geometry import between, compose, part_of
+from tagalong.slam.graph.local.switching_motion import SwitchingMotion
+from tagalong.slam.scan_to_grid.extrapolator import ExtrapolatorConfig
+from walls import cast
+
+# A corridor with a niche at its beginning, a corner, and a second corridor: no scan tells how far along it the robot is.
+WALLS = np.array([[-3.0, -1.0, 21.0, -1.0], [21.0, -1.0, 21.0, 30.0], [-3.0, 1.0, -1.0, 1.0], [-1.0, 1.0, -1.0, 2.0],
+                  [-1.0, 2.0, 0.5, 2.0], [0.5, 2.0, 0.5, 1.0], [0.5, 1.0, 19.0, 1.0], [19.0, 1.0, 19.0, 30.0],
+                  [-3.0, -1.0, -3.0, 1.0]])  # fmt: skip
+BEARINGS = np.deg2rad(np.arange(-90.0, 90.5, 1.0))
+
+
+def round_the_corner():
+    """Return (n, 3) the poses of a robot that drives along the corridor, round the corner, and on."""
+    first = [np.array([x, 0.0, 0.0]) for x in np.arange(0.0, 19.0, 0.5)]
+    turn = [np.array([19.0 + np.sin(a), 1.0 - np.cos(a), a]) for a in np.linspace(0.0, np.pi / 2, 5)]
+    then = [np.array([20.0, y, np.pi / 2]) for y in np.arange(1.5, 8.0, 0.5)]
+    return np.array(first + turn + then)
+
+
+def drive(frozen, truth=None, stands=()):
+    """Return an engine after the drive in which the odometry stands still at the scans `frozen`, and its updates."""
+    rng, truth = np.random.default_rng(0), round_the_corner() if truth is None else truth
+    source = np.arange(len(truth))
+    for k in frozen:
+        source[k] = source[k - 1]
+    engine = make_slam("cartographer")
+    scans = [cast(WALLS, pose, rng, bearings=BEARINGS, reach=8.0) for pose in truth]
+    updates = []
+    for k, (pose, scan) in enumerate(zip(truth[source], scans, strict=True)):
+        updates.append(engine.update(pose, scan))
+        assert len(engine.trajectory()) == k + 1
+    return engine, updates
+
+
+def errors(engine, truth):
+    off = between(truth, engine.trajectory())
+    return np.hypot(off[:, 0], off[:, 1])
+
+
+@pytest.mark.parametrize("first", [12, 36])  # in the corridor, and before the corner
+def test_odometry_that_has_caught_up_tells_where_the_scans_before_were_taken(first):
+    truth, frozen = round_the_corner(), range(first, first + 6)
+    engine, updates = drive(frozen)
+    engine.finish()
+    undisturbed, _ = drive([])
+    undisturbed.finish()
+    assert errors(engine, truth).max() < errors(undisturbed, truth).max() + 0.15
+
+
+def test_scans_that_wait_are_drawn_once_the_odometry_moves_and_in_their_order():
+    frozen = range(36, 42)
+    engine, updates = drive(frozen)
+    assert not any(update.integrated for update in updates[37:42])
+    assert set(frozen) <= set(engine.node_scans)
+    assert engine.node_scans == sorted(set(engine.node_scans))
+
+
+def test_scans_that_wait_are_drawn_at_the_latest_when_the_drive_ends():
+    truth = round_the_corner()[:44]
+    engine, updates = drive(range(36, 44), truth)
+    engine.finish()
+    assert set(range(38, 44)) & set(engine.node_scans)
+    assert len(engine.trajectory()) == len(truth)
+
+
+def test_odometry_that_stands_still_for_good_is_not_waited_for_for_ever():
+    truth = np.concatenate((round_the_corner()[:38], [[19.0 + np.sin(a), 1.0 - np.cos(a), a] for a in np.linspace(0.0, 1.57, 40)]))
+    engine, updates = drive(range(38, len(truth)), truth)
+    assert any(update.integrated for update in updates[60:])
+
+
+def motion_of(steps):
+    """Return the motion of a robot that has driven `steps` as its odometry says."""
+    motion, pose = SwitchingMotion(ExtrapolatorConfig()), np.zeros(3)
+    for k, step in enumerate([np.zeros(3), *steps]):
+        pose = compose(pose, step)
+        hypotheses = motion.predict(pose, 0.2 * k)
+        motion.take(hypotheses, hypotheses[0], pose, 0.0)
+    return motion, pose
+
+
+@pytest.mark.parametrize(("steps", "caught_up"), [(1.0, False), (1.5, False), (5.0, True), (6.0, True)])
+def test_odometry_has_caught_up_if_its_step_is_no_usual_one(steps, caught_up):
+    motion, pose = motion_of([np.array([0.3, 0.0, 0.0])] * 30)
+    assert motion.has_caught_up(compose(pose, [0.3 * steps, 0.0, 0.0]), scans=5) is caught_up
+    turning, pose = motion_of([np.array([0.0, 0.0, 0.3])] * 30)
+    assert turning.has_caught_up(compose(pose, [0.0, 0.0, 0.3 * steps]), scans=5) is caught_up
+
+
+def test_noise_of_the_encoders_is_no_motion():
+    motion, pose = motion_of([np.array([0.3, 0.0, 0.1])] * 5)
+    assert motion.stands_still(pose)
+    assert motion.stands_still(pose + [1e-9, -1e-9, 1e-16])
+    assert not motion.stands_still(pose + [0.0, 0.0, 0.01])
+
+
+def test_what_is_put_between_ends_where_the_odometry_does_whatever_the_scans_on_the_way_said():
+    motion, pose = motion_of([np.array([0.3, 0.0, 0.0])] * 10)
+    goal = compose(pose, [1.0, 0.8, 1.2])
+    for left in range(4, 0, -1):
+        at, sigma = motion.bridge(goal, left)
+        assert (sigma > 0.0).all()
+        hypotheses = motion.predict(at, 3.0 - 0.2 * left, sigma)
+        (only,) = hypotheses
+        matched = compose(only.prediction.pose, [0.05, -0.02, 0.03]) if left > 1 else only.prediction.pose
+        motion.take(hypotheses, only, matched, 0.0)
+    np.testing.assert_allclose(matched, goal, atol=1e-9)
+
+
+@pytest.mark.parametrize("motion", [(1.0, 0.0, 0.0), (1.0, 0.5, 1e-9), (0.5, 1.0, 2.0), (0.0, 0.0, -3.0), (1.0, 2.0, -0.1)])
+def test_the_parts_of_a_motion_make_the_whole(motion):
+    pose = np.zeros(3)
+    for _ in range(5):
+        pose = compose(pose, part_of(motion, 0.2))
+    np.testing.assert_allclose(pose, motion, atol=1e-6)
