@@ -8,7 +8,7 @@ from tagalong.slam.graph.local.switching_motion import SwitchingMotion
 from tagalong.slam.scan_to_grid.extrapolator import ExtrapolatorConfig
 from walls import cast
 
-# A corridor with a niche at its beginning, a corner, and a second corridor: no scan tells how far along it the robot is.
+# A corridor with a niche where it begins, a corner, a second corridor: no scan tells how far along the robot is.
 WALLS = np.array([[-3.0, -1.0, 21.0, -1.0], [21.0, -1.0, 21.0, 30.0], [-3.0, 1.0, -1.0, 1.0], [-1.0, 1.0, -1.0, 2.0],
                   [-1.0, 2.0, 0.5, 2.0], [0.5, 2.0, 0.5, 1.0], [0.5, 1.0, 19.0, 1.0], [19.0, 1.0, 19.0, 30.0],
                   [-3.0, -1.0, -3.0, 1.0]])  # fmt: skip
@@ -46,7 +46,7 @@ def errors(engine, truth):
 @pytest.mark.parametrize("first", [12, 36])  # in the corridor, and before the corner
 def test_odometry_that_has_caught_up_tells_where_the_scans_before_were_taken(first):
     truth, frozen = round_the_corner(), range(first, first + 6)
-    engine, updates = drive(frozen)
+    engine, _ = drive(frozen)
     engine.finish()
     undisturbed, _ = drive([])
     undisturbed.finish()
@@ -63,15 +63,16 @@ def test_scans_that_wait_are_drawn_once_the_odometry_moves_and_in_their_order():
 
 def test_scans_that_wait_are_drawn_at_the_latest_when_the_drive_ends():
     truth = round_the_corner()[:44]
-    engine, updates = drive(range(36, 44), truth)
+    engine, _ = drive(range(36, 44), truth)
     engine.finish()
     assert set(range(38, 44)) & set(engine.node_scans)
     assert len(engine.trajectory()) == len(truth)
 
 
 def test_odometry_that_stands_still_for_good_is_not_waited_for_for_ever():
-    truth = np.concatenate((round_the_corner()[:38], [[19.0 + np.sin(a), 1.0 - np.cos(a), a] for a in np.linspace(0.0, 1.57, 40)]))
-    engine, updates = drive(range(38, len(truth)), truth)
+    corner = [[19.0 + np.sin(a), 1.0 - np.cos(a), a] for a in np.linspace(0.0, 1.57, 40)]
+    truth = np.concatenate((round_the_corner()[:38], corner))
+    _, updates = drive(range(38, len(truth)), truth)
     assert any(update.integrated for update in updates[60:])
 
 
@@ -96,13 +97,13 @@ def test_odometry_has_caught_up_if_its_step_is_no_usual_one(steps, caught_up):
 def test_noise_of_the_encoders_is_no_motion():
     motion, pose = motion_of([np.array([0.3, 0.0, 0.1])] * 5)
     assert motion.stands_still(pose)
-    assert motion.stands_still(pose + [1e-9, -1e-9, 1e-16])
-    assert not motion.stands_still(pose + [0.0, 0.0, 0.01])
+    assert motion.stands_still(pose + np.array([1e-9, -1e-9, 1e-16]))
+    assert not motion.stands_still(pose + np.array([0.0, 0.0, 0.01]))
 
 
 def test_what_is_put_between_ends_where_the_odometry_does_whatever_the_scans_on_the_way_said():
     motion, pose = motion_of([np.array([0.3, 0.0, 0.0])] * 10)
-    goal = compose(pose, [1.0, 0.8, 1.2])
+    goal = matched = compose(pose, [1.0, 0.8, 1.2])
     for left in range(4, 0, -1):
         at, sigma = motion.bridge(goal, left)
         assert (sigma > 0.0).all()
@@ -113,7 +114,9 @@ def test_what_is_put_between_ends_where_the_odometry_does_whatever_the_scans_on_
     np.testing.assert_allclose(matched, goal, atol=1e-9)
 
 
-@pytest.mark.parametrize("motion", [(1.0, 0.0, 0.0), (1.0, 0.5, 1e-9), (0.5, 1.0, 2.0), (0.0, 0.0, -3.0), (1.0, 2.0, -0.1)])
+@pytest.mark.parametrize(
+    "motion", [(1.0, 0.0, 0.0), (1.0, 0.5, 1e-9), (0.5, 1.0, 2.0), (0.0, 0.0, -3.0), (1.0, 2.0, -0.1)]
+)
 def test_the_parts_of_a_motion_make_the_whole(motion):
     pose = np.zeros(3)
     for _ in range(5):

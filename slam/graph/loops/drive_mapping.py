@@ -73,7 +73,7 @@ class DriveMapping:
         return result
 
     def due(self, odometry: Array, scan: LaserScan) -> Iterator[Due]:
-        """Yield what `match` and `add` are to take now, in order: the scans that have waited, and a scan at `odometry`."""
+        """Yield what `match` and `add` are to take now, in order: the scans that have waited, and this one."""
         self._no_longer_wait()
         return self.local.due(odometry, scan)
 
