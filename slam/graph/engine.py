@@ -84,7 +84,8 @@ class Cartographer:
         """Take one scan and the robot's odometry pose T_odom_robot (3,) at that time."""
         odometry = self._odometry = checked_pose(odometry, before=self._odometry)
         nodes = len(self._record.nodes)
-        result = self._mapping.wait(odometry, scan) or self._take(self._mapping.due(odometry, scan))
+        waits = self._mapping.wait(odometry, scan)
+        result = waits or self._take(self._mapping.due(odometry, scan))
         assert result
         elsewhere = self._recovery.pose if self._recovery else None
         self._online.append(self._mapping.pose if elsewhere is None else elsewhere)
@@ -93,17 +94,18 @@ class Cartographer:
             self._live.follow(self.node_poses, self._record.nodes, self._record.scans)
         diagnostics = {"odometry_fault": float(result.odometry_fault)}
         diagnostics |= {"score": result.match.score} if result.match else {}
-        located = elsewhere is not None or (not result.jumped and (not self._recovery or self._recovery.located))
+        sure = not (waits and waits.contradicts) and (not self._recovery or self._recovery.located)
+        located = elsewhere is not None or (sure and not result.jumped)
         return SlamUpdate(self.pose, result.insertion is not None, diagnostics, located)
 
     def _take(self, scans: Iterable[Due]) -> LocalResult | None:
         """Map scans, one after the other; return what became of the last one."""
         result = None
-        for odometry, scan, bridge in scans:
-            result = self._mapping.match(odometry, scan, bridge)  # predict, match, insert
+        for due in scans:
+            result = self._mapping.match(due)  # predict, match, insert
             if self._recovery:
-                result = self._recovery.review(result, odometry, scan)
-            self._mapping.add(odometry, result)  # add node, close loops
+                result = self._recovery.review(result, due.odometry, due.scan)
+            self._mapping.add(due.odometry, result)  # add node, close loops
         return result
 
     def _trim(self) -> None:

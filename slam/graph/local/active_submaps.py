@@ -45,6 +45,7 @@ class ActiveSubmaps:
 
     Attributes:
         submaps: Every submap so far, in order; the last two (or the only one) are active.
+        drawn: How often they have changed.
     """
 
     def __init__(self, config: ActiveSubmapsConfig) -> None:
@@ -53,6 +54,7 @@ class ActiveSubmaps:
         self._first = 0  # of the submaps of this drive segment
         self._travelled = 0.0
         self._last: Array | None = None
+        self.drawn = 0
 
     @property
     def front(self) -> Submap:
@@ -70,6 +72,7 @@ class ActiveSubmaps:
             submap.finish()
         self._first = len(self.submaps)
         self._last = None
+        self.drawn += 1
 
     def trim(self, stay: NDArray[np.bool_]) -> None:
         """Drop the finished submaps where `stay` (one for each submap) is false."""
@@ -94,6 +97,7 @@ class ActiveSubmaps:
         first, placed = max(len(self.submaps) - 2, self._first), sweep.at(pose)
         for submap in self.submaps[first:]:
             submap.insert(placed)
+        self.drawn += 1
         return tuple(range(first, len(self.submaps)))
 
     def _full(self, youngest: Submap) -> bool:

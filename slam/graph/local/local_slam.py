@@ -1,6 +1,7 @@
 """Local SLAM: a continuous, slowly drifting trajectory from odometry and scans, without loop closure."""
 
 from collections.abc import Iterator
+from copy import copy
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -15,7 +16,7 @@ from ...scan_to_grid.extrapolator import ExtrapolatorConfig, Prediction
 from ...scan_to_grid.scan_matcher import GridMatch, GridScanMatcher, GridScanMatcherConfig
 from ...scan_to_grid.voxel_filter import AdaptiveVoxelConfig, AdaptiveVoxelFilter
 from .active_submaps import ActiveSubmaps, ActiveSubmapsConfig
-from .held_scans import Due, HeldScans
+from .held_scans import Due, HeldScans, Look
 from .match_monitor import MatchMonitor, MatchMonitorConfig
 from .motion_filter import MotionFilter, MotionFilterConfig
 from .seen_points import seen_points, telling_share
@@ -147,37 +148,44 @@ class LocalSlam:
         """
         if not self._held.wait(self._motion, odometry, scan):
             return None
-        hypotheses = self._motion.predict(odometry, scan.time_s)
-        motion, match, lead = self._match(scan, self._voxel_filter.apply(scan.points_robot), hypotheses)
+        look = self._looked(scan, self._motion.predict(odometry, scan.time_s))
+        self._held.looked(look)
+        motion, match = look.motion, look.match
         pose = match.pose if match else motion.prediction.pose
-        self._motion.take(hypotheses, motion, pose, lead if match else None, bool(match and match.retried))
-        return LocalResult(pose, match, None, False, not motion.sound, self._motion.jumped)
+        contradicts = self._contradicts(scan, look.points, match, copy(self._monitor))
+        self._motion.take(look.hypotheses, motion, pose, look.lead if match else None, bool(match and match.retried))
+        return LocalResult(pose, match, None, contradicts, not motion.sound, self._motion.jumped)
+
+    def _looked(self, scan: LaserScan, hypotheses: list[MotionHypothesis]) -> Look:
+        """Match a scan; `hypotheses` are those of `SwitchingMotion.predict`."""
+        points = self._voxel_filter.apply(scan.points_robot)
+        return Look(points, hypotheses, *self._match(scan, points, hypotheses), self._active.drawn)
 
     def due(self, odometry: Array, scan: LaserScan) -> Iterator[Due]:
         """Yield what `update` is to take now, in order: the scans that have waited, and a scan that need not."""
         yield from self.rest(odometry)
-        yield odometry, scan, None
+        yield Due(odometry, scan)
 
     def rest(self, odometry: Array | None = None) -> Iterator[Due]:
         """Yield the scans that have waited; the next is at `odometry` (3,), or there is none."""
         yield from self._held.due(self._motion, odometry)
 
-    def update(self, odometry: Array, scan: LaserScan, bridge: Array | None = None) -> LocalResult:
-        """Take one scan and the odometry pose T_odom_robot (3,) at that time: predict, match, insert.
+    def update(self, odometry: Array, scan: LaserScan) -> LocalResult:
+        """Take one scan and the odometry pose T_odom_robot (3,) at that time: predict, match, insert."""
+        return self.take(Due(odometry, scan))
 
-        Args:
-            odometry: (3,) T_odom_robot.
-            scan: The scan.
-            bridge: (2,) how far off the odometry may be, if it is interpolated [m, rad].
-        """
-        hypotheses = self._motion.predict(odometry, scan.time_s, bridge)
-        points = self._voxel_filter.apply(scan.points_robot)
+    def take(self, due: Due) -> LocalResult:
+        """Take one scan that is due: predict, match, insert."""
+        scan = due.scan
+        hypotheses = self._motion.predict(due.odometry, scan.time_s, due.bridge)
         repeated, self._ranges = np.array_equal(scan.ranges, self._ranges), scan.ranges
         if repeated:  # a driver has sent a scan once more: it tells nothing new
             return self._by_odometry(hypotheses[0], None, False)
-        ambiguous = not hypotheses[-1].sound
-        motion, match, lead = self._match(scan, points, hypotheses)
-        contradicts = self._contradicts(scan, points, match)
+        known = due.look and due.look.drawn == self._active.drawn
+        look = due.look if due.look and known else self._looked(scan, hypotheses)
+        ambiguous, hypotheses = not hypotheses[-1].sound, look.hypotheses
+        points, motion, match, lead = look.points, look.motion, look.match, look.lead
+        contradicts = self._contradicts(scan, points, match, self._monitor)
         far = match is not None and (match.retried or not motion.sound)
         if match and contradicts and (far or not self._matcher.explains(match)):
             if ambiguous or (self._matcher.is_beside(match) and not self._monitor.alarmed):
@@ -189,11 +197,11 @@ class LocalSlam:
             motion, match, contradicts = hypotheses[0], None, True
         return self._taken(hypotheses, motion, match, lead, scan, points, contradicts)
 
-    def _contradicts(self, scan: LaserScan, points: Array, match: GridMatch | None) -> bool:
+    def _contradicts(self, scan: LaserScan, points: Array, match: GridMatch | None, monitor: MatchMonitor) -> bool:
         if match is None:
             return False
         sensor = np.array(scan.T_robot_lidar[:2], dtype=np.float64)
-        return self._monitor.rejects(self._active.front, points, sensor, match.pose, match.score)
+        return monitor.rejects(self._active.front, points, sensor, match.pose, match.score)
 
     def _taken(
         self,

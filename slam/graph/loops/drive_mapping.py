@@ -86,9 +86,9 @@ class DriveMapping:
         self.record.take_back(self._waiting)
         self._waiting = 0
 
-    def match(self, odometry: Array, scan: LaserScan, bridge: Array | None = None) -> LocalResult:
-        """Predict, match and insert: return what local SLAM makes of a scan at T_odom_robot (3,); `add` comes next."""
-        return self.local.update(odometry, scan, bridge)
+    def match(self, due: Due) -> LocalResult:
+        """Predict, match and insert: return what local SLAM makes of a scan; `add` comes next."""
+        return self.local.take(due)
 
     def add(self, odometry: Array, result: LocalResult) -> None:
         """Add the scan of a `result` to the graph if it was inserted, and close loops."""

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...scan import LaserScan
+from ..local.held_scans import Due
 from ..local.local_slam import LocalResult
 from ..loops.drive_mapping import DriveMapping, DriveMark
 from .doubt import Doubt
@@ -150,9 +151,9 @@ class KidnapRecovery:
         before, (*scans, last) = self._scans[:first], self._scans[first:]
         self._mapping.rewind(self._mark, [(odometry, pose) for odometry, _, pose in before])
         for odometry, scan, _ in scans:
-            self._mapping.add(odometry, self._mapping.match(odometry, scan))
+            self._mapping.add(odometry, self._mapping.match(Due(odometry, scan)))
         odometry, scan, _ = last
-        result = self._mapping.match(odometry, scan)
+        result = self._mapping.match(Due(odometry, scan))
         self._apart, self._mark, self._scans = True, None, []
         self.losses += 1
         return result
