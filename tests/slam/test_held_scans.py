@@ -1,9 +1,12 @@
 """Scans that wait for odometry that stands still while the robot drives on."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from tagalong.slam.engine import make_slam
 from tagalong.slam.geometry import between, compose, part_of
+from tagalong.slam.graph.local.local_slam import LocalSlam, LocalSlamConfig
 from tagalong.slam.graph.local.switching_motion import SwitchingMotion
 from tagalong.slam.scan_to_grid.extrapolator import ExtrapolatorConfig
 from walls import cast
@@ -122,3 +125,44 @@ def test_the_parts_of_a_motion_make_the_whole(motion):
     for _ in range(5):
         pose = compose(pose, part_of(motion, 0.2))
     np.testing.assert_allclose(pose, motion, atol=1e-6)
+
+
+def waiting(last):
+    """Return local SLAM after the corridor's first 36 scans and a wait of two scans, the robot at `last` in them."""
+    rng, local, truth = np.random.default_rng(0), LocalSlam(LocalSlamConfig()), round_the_corner()[:36]
+    for pose in truth:
+        local.update(pose, cast(WALLS, pose, rng, bearings=BEARINGS, reach=8.0))
+    for _ in range(2):
+        assert local.wait(truth[-1], cast(WALLS, last, rng, bearings=BEARINGS, reach=8.0))
+    return local, truth[-1]
+
+
+def test_a_scan_that_waits_is_told_to_contradict_the_map_and_is_not_counted_twice():
+    local, _ = waiting(np.array([-0.3, 0.5, 1.5]))
+    assert local.monitor.rejected == 0
+    result = local.wait(round_the_corner()[35], cast(WALLS, np.array([-0.3, 0.5, 1.5]), np.random.default_rng(1)))
+    assert result
+    assert result.contradicts
+
+
+def test_what_was_found_while_a_scan_waited_holds_until_something_is_drawn():
+    local, at = waiting(round_the_corner()[37])
+    first, second = local.rest()
+    assert local.take(first).insertion is not None
+    assert second.look
+    moved = replace(second.look.match, pose=np.array([0.0, 0.0, 0.0]))
+    result = local.take(replace(second, look=replace(second.look, match=moved)))
+    assert np.hypot(*(result.pose - at)[:2]) < 2.0  # not where the look has it: it was matched anew
+
+
+def test_odometry_that_has_caught_up_is_as_rough_as_the_whole_way_and_teaches_nothing_of_its_precision():
+    local, at = waiting(round_the_corner()[37])
+    goal, motion = compose(at, [1.5, 0.0, 0.0]), local._held.motion
+    assert motion
+    faults, shares = motion.faults, motion._precision.shares.copy()
+    for due in local.rest(goal):
+        assert due.bridge is not None
+        local.take(due)
+    assert local._motion.faults == faults + 2
+    np.testing.assert_array_equal(local._motion._precision.shares, shares)
+    assert local._motion.predict(goal, 9.0)[0].prediction.sigma[0] > 0.06 * 1.5

@@ -6,13 +6,11 @@ not moved is looked at, but not drawn, until it moves again: by then it tells ho
 they are matched along that way. Where the robot had stopped, they are taken as they would have been at once.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry import between
 from ...scan import LaserScan
 from ...scan_to_grid.scan_matcher import GridMatch
 from .switching_motion import MotionHypothesis, SwitchingMotion
@@ -61,46 +59,28 @@ class Due:
 _MOST = 20  # scans wait: odometry that stands still for longer has failed, or the robot has stopped
 
 
+@dataclass
 class HeldScans:
-    """The scans that wait, and the motion of the robot before them."""
+    """The scans that wait.
 
-    def __init__(self) -> None:
-        self._scans: list[Due] = []
-        self._motion: SwitchingMotion | None = None  # as it was before the first
-        self._released = False  # whether the odometry has stood still for so long that no scan waits any more
+    Attributes:
+        scans: In order.
+        motion: The motion of the robot as it was before the first; None: there is none.
+        released: Whether the odometry has stood still for so long that no scan waits any more.
+    """
 
-    def __len__(self) -> int:
-        return len(self._scans)
+    scans: list[Due] = field(default_factory=list)
+    motion: SwitchingMotion | None = None
+    released: bool = False
 
     def wait(self, motion: SwitchingMotion, odometry: Array, scan: LaserScan) -> bool:
         """Let a scan wait if its odometry pose T_odom_robot (3,) is that of the scan before; return whether it does."""
-        if not motion.stands_still(odometry) or self._released or len(self._scans) >= _MOST:
+        if not motion.stands_still(odometry) or self.released or len(self.scans) >= _MOST:
             return False
-        self._motion = self._motion or motion.copy()
-        self._scans.append(Due(odometry, scan))
+        self.motion = self.motion or motion.copy()
+        self.scans.append(Due(odometry, scan))
         return True
 
     def looked(self, look: Look) -> None:
         """Keep what was found when the newest was looked at."""
-        self._scans[-1] = replace(self._scans[-1], look=look)
-
-    def due(self, motion: SwitchingMotion, odometry: Array | None) -> Iterator[Due]:
-        """Yield the scans that have waited, in order; each is to be taken before the next is asked for.
-
-        Args:
-            motion: The motion as it is now; it is set back to what it was before them.
-            odometry: (3,) T_odom_robot of the scan that comes next; None: there is none.
-        """
-        stands = odometry is not None and motion.stands_still(odometry)
-        scans, before = self._scans, self._motion
-        self._scans, self._motion, self._released = [], None, stands
-        if before is None:
-            return
-        motion.return_to(before)
-        if odometry is None or stands or not motion.has_caught_up(odometry, len(scans) + 1):
-            yield from scans
-            return
-        for k, due in enumerate(scans):
-            at, sigma = motion.bridge(odometry, len(scans) + 1 - k)
-            yield Due(at, due.scan, sigma)
-        motion.widen(between(scans[0].odometry, odometry))
+        self.scans[-1] = replace(self.scans[-1], look=look)

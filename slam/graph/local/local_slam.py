@@ -167,8 +167,22 @@ class LocalSlam:
         yield Due(odometry, scan)
 
     def rest(self, odometry: Array | None = None) -> Iterator[Due]:
-        """Yield the scans that have waited; the next is at `odometry` (3,), or there is none."""
-        yield from self._held.due(self._motion, odometry)
+        """Yield the scans that have waited; the next is at `odometry` (3,), or there is none.
+
+        Each is to be taken before the next is asked for.
+        """
+        stands = odometry is not None and self._motion.stands_still(odometry)
+        held, self._held = self._held, HeldScans(released=stands)
+        if held.motion is None:
+            return
+        self._motion, left = held.motion, len(held.scans) + 1
+        if odometry is None or stands or not self._motion.has_caught_up(odometry, left):
+            yield from held.scans
+            return
+        for k, due in enumerate(held.scans):
+            at, sigma = self._motion.bridge(odometry, left - k)
+            yield Due(at, due.scan, sigma)
+        self._motion.widen(between(held.scans[0].odometry, odometry))
 
     def update(self, odometry: Array, scan: LaserScan) -> LocalResult:
         """Take one scan and the odometry pose T_odom_robot (3,) at that time: predict, match, insert."""

@@ -124,15 +124,11 @@ class SwitchingMotion:
         self.jumped = False
 
     def copy(self) -> "SwitchingMotion":
-        """Return the motion as it is now, for `return_to`."""
+        """Return the motion as it is now, to go back to."""
         twin = copy.copy(self)
         twin._extrapolator, twin._soundness = copy.copy(self._extrapolator), copy.copy(self._soundness)
         twin._precision = copy.copy(self._precision)
         return twin
-
-    def return_to(self, before: "SwitchingMotion") -> None:
-        """Forget all since the copy `before`."""
-        self.__dict__.update(before.copy().__dict__)
 
     def restarted(self, odometry: Array, pose: Array) -> "SwitchingMotion":
         """Return the motion of a robot of which only the last odometry pose (3,) and `pose` (3,) are known."""
