@@ -56,6 +56,7 @@ class HypothesisTracker:
         self._rows = np.zeros(0, dtype=HYPOTHESIS)
         self._odds = np.zeros(0)
         self._views = RecentViews(self._config.views)
+        self._now = RecentViews(replace(self._config.views, count=1))
         self._frame = StillFrame(self._config.frame)
         self._lost = LostPeople(self._tracker)
         config = self._config
@@ -74,14 +75,14 @@ class HypothesisTracker:
         pose, dt = checked_pose(odometry), self._step(scan.time_s)
         lidar, detections = compose(pose, scan.T_robot_lidar), self._detector.detect(scan)
         sight = self._look(scan, detections, transform_points(pose, detections.positions), lidar, dt)
-        now = RecentViews(replace(self._config.views, count=1))
-        now.keep(scan, lidar)
+        self._now.reset()
+        self._now.keep(scan, lidar)
         kernels.predict(self._rows, dt, self._tracker.motion.process_variance(dt))
         self._associate(sight)
         self._correct(sight.z, dt)
-        left = now.look(self._rows["path"].reshape(-1, 2))[:, 0].reshape(-1, kernels.PATH) > 0.0
+        left = self._now.look(self._rows["path"].reshape(-1, 2))[:, 0].reshape(-1, kernels.PATH) > 0.0
         kernels.note_path(self._rows, sight.z, left, sight.came, self._config.views.spacing_s)
-        self._weigh(sight, now, lidar, dt)
+        self._weigh(sight, lidar, dt)
         self._begin(sight, lidar)
         self._views.keep(scan, lidar)
         self._end(scan.time_s)
@@ -101,8 +102,10 @@ class HypothesisTracker:
         config = self._config.evidence
         vote = np.clip(detections.confidence, *_VOTES)
         vote = np.log(vote / (1.0 - vote))
-        self._frame.update(self._views.look(transform_points(lidar, self._frame.walls(detections.clusters))), dt)
-        shares, free = self._views.look(z), self._grid.is_free(z, scan.time_s)
+        walls = transform_points(lidar, self._frame.walls(detections.clusters))
+        shares, free = self._views.look(np.concatenate((z, walls))), self._grid.is_free(z, scan.time_s)
+        self._frame.update(shares[len(z) :], dt)
+        shares = shares[: len(z)]
         empty = shares[:, 0] / (shares.sum(axis=1) + self._config.unknown)
         first = config.base + config.vote * vote + config.empty * self._frame.known * empty
         second = np.maximum(0.0, config.second * (vote - config.second_from))
@@ -139,12 +142,12 @@ class HypothesisTracker:
         fade = float(np.exp(-dt / self._tracker.pairing.offset_s))
         kernels.correct(self._rows, z, motion.r, motion.r + motion.one_leg_variance, dt, fade)
 
-    def _weigh(self, sight: "_Sight", now: RecentViews, lidar: Array, dt: float) -> None:
+    def _weigh(self, sight: "_Sight", lidar: Array, dt: float) -> None:
         rows, config = self._rows, self._config.evidence
         places = rows["x"][:, :2]
         viewed = transform_points(inverse(lidar), places)
         looks = config.look, config.jitter, config.most_looks, config.hidden_rate, config.missing_rate
-        empty = now.look(places, self._config.body)
+        empty = self._now.look(places, self._config.body)
         kernels.weigh(rows, sight.first, sight.second, empty, viewed, dt, *looks)
 
     def _begin(self, sight: "_Sight", lidar: Array) -> None:
@@ -181,11 +184,13 @@ class HypothesisTracker:
     def _believe(self, sight: "_Sight", time_s: float) -> None:
         """Give a number to those who are people now: their old one, where they are somebody lost."""
         config, rows = self._config, self._rows
-        leg = rows["clusters"][:, 0]
-        stands = self._frame.known >= 0.5
+        likely = (rows["id"] < 0) & (self._odds >= config.start)
+        if not likely.any():
+            return
+        leg, stands = rows["clusters"][:, 0], self._frame.known >= 0.5
         still = ~self._grid.is_free(rows["x"][:, :2], time_s) | ~np.append(sight.free, True)[leg]
         sure = ((self._odds >= config.sure) & ~(still & stands)) | ((rows["way"] >= config.least_way) & stands)
-        for i in np.flatnonzero((rows["id"] < 0) & (self._odds >= config.start) & sure):
+        for i in np.flatnonzero(likely & sure):
             number = self._lost.identify(rows[i], time_s)
             rows["id"][i] = self._next_id if number < 0 else number
             self._next_id += number < 0

@@ -29,7 +29,7 @@ class StillFrameConfig:
         doubt: Returns that must be asked before they count as much as not knowing does.
     """
 
-    points: int = 100
+    points: int = 50
     memory_s: float = 1.0
     doubt: float = 10.0
 
@@ -60,10 +60,7 @@ class StillFrame:
         outliers.
         """
         kept = float(np.exp(-dt / self.config.memory_s))
-        told = shares.sum(axis=1)
-        known = told > 0.0
-        count = int(np.count_nonzero(known))
-        middle = float(np.median(shares[known, 0] / told[known])) if count else 0.0
+        count, middle = middle_miss(shares)
         self._asked, self._missed = kept * self._asked + count, kept * self._missed + count * middle
 
     @property
@@ -81,6 +78,19 @@ class StillFrame:
         """Return (n, 2) some of the returns on clusters too wide to be anybody, in the laser frame [m]."""
         points = points_of(clusters.points, clusters.start, clusters.end, is_wide(clusters))
         return points[:: max(1, len(points) // self.config.points)]
+
+
+@njit(cache=True, nogil=True)
+def middle_miss(shares):
+    """Return how many of the places with `shares` (n, 2) tell, and the median of how often these were empty."""
+    missed = np.empty(len(shares))
+    count = 0
+    for i in range(len(shares)):
+        told = shares[i, 0] + shares[i, 1]
+        if told > 0.0:
+            missed[count] = shares[i, 0] / told
+            count += 1
+    return count, (np.median(missed[:count]) if count else 0.0)
 
 
 @njit(cache=True, nogil=True)
