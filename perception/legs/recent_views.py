@@ -25,14 +25,14 @@ class RecentViewsConfig:
     Attributes:
         spacing_s: Time between two scans that are kept: a walker needs as much to leave a leg's width behind [s].
         count: So many are kept.
-        radius: A place is empty only if all beams pass that go within this distance of it: half a wide leg [m].
-        margin: A return so much nearer or farther is not at the place: half a wide leg and what the odometry may be off
-            by within `count` x `spacing_s` [m].
+        radius: A place is empty only if all beams pass that go within this distance of it: half a slim leg [m].
+        margin: A return no farther than this from a place is there, in any direction, so that a wall seen along is met,
+            too: half a wide leg and what the odometry may be off by within `count` x `spacing_s` [m].
     """
 
     spacing_s: float = 0.2
     count: int = 8
-    radius: float = 0.08
+    radius: float = 0.04
     margin: float = 0.2
 
     def __post_init__(self) -> None:
@@ -59,14 +59,16 @@ class RecentViews:
         self._beams = 0.0, 1.0
         self._time_s = -np.inf
 
-    def look(self, points: Array) -> Array:
+    def look(self, points: Array, radius: float | None = None) -> Array:
         """Return (n, 2) the shares of the kept scans in which `points` (n, 2), odometry frame, were empty and not.
 
-        What is missing to 1 is the share in which nothing is known of the place. No scan is kept: zeros.
+        What is missing to 1 is the share in which nothing is known of the place. No scan is kept: zeros. `radius` [m]
+        is that of the places, if it is not the configured one.
         """
         shares = np.zeros((len(points), 2))
         if len(self._ranges) and len(points):
-            look_back(self._ranges, self._lidars, *self._beams, points, self.config.radius, self.config.margin, shares)
+            near = radius or self.config.radius, self.config.margin
+            look_back(self._ranges, self._lidars, *self._beams, points, *near, shares)
         return shares
 
     def keep(self, scan: LaserScan, lidar: Array) -> None:
@@ -94,7 +96,7 @@ def look_back(ranges, lidars, first, step, points, radius, margin, shares):
         step: Angle between two beams [rad].
         points: In the odometry frame [m].
         radius: Beams that pass within this of a point matter [m].
-        margin: A range so near to that of the point is a return from there [m].
+        margin: A return so near to a point is from there; a beam that goes so much farther passes it [m].
         shares: Where to write.
     """
     views, beams = ranges.shape
@@ -103,7 +105,7 @@ def look_back(ranges, lidars, first, step, points, radius, margin, shares):
         for i in range(len(points)):
             dx, dy = points[i, 0] - lidars[v, 0], points[i, 1] - lidars[v, 1]
             away = np.sqrt(dx * dx + dy * dy)
-            if away < 2.0 * radius:
+            if away < 2.0 * margin:
                 continue
             bearing = np.arctan2(cos * dy - sin * dx, cos * dx + sin * dy)
             middle, half = (bearing - first) / step, radius / away / step
@@ -112,11 +114,23 @@ def look_back(ranges, lidars, first, step, points, radius, margin, shares):
                 low = high = int(np.round(middle))
             if low < 0 or high >= beams:
                 continue
-            nearest, occupied = np.inf, False
+            nearest = np.inf
             for b in range(low, high + 1):
                 nearest = min(nearest, ranges[v, b])
-                occupied = occupied or abs(ranges[v, b] - away) <= margin
-            if occupied:
+            if is_met(ranges[v], first, step, bearing, away, margin):
                 shares[i, 1] += 1.0 / views
             elif nearest > away + margin:
                 shares[i, 0] += 1.0 / views
+
+
+@njit(cache=True, nogil=True)
+def is_met(ranges, first, step, bearing, away, margin):
+    """Return whether a return of `ranges` (N,) is within `margin` of the place at `bearing`, so far `away`."""
+    middle, half = (bearing - first) / step, margin / away / step
+    for b in range(max(0, int(np.ceil(middle - half))), min(len(ranges) - 1, int(np.floor(middle + half))) + 1):
+        r = ranges[b]
+        if abs(r - away) <= margin:
+            off = first + b * step - bearing
+            if r * r + away * away - 2.0 * r * away * np.cos(off) <= margin * margin:
+                return True
+    return False

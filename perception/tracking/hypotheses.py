@@ -21,6 +21,7 @@ HYPOTHESIS = np.dtype(
         ("legs", np.float64, (2, 2)),  # of both legs from the centre [m]
         ("clusters", np.int64, 2),  # rows of the clusters that are its legs in this scan; -1: none
         ("path", np.float64, (PATH, 2)),  # former places [m]
+        ("came", np.uint8, PATH),  # whether nothing was at each before
         ("marked_s", np.float64),  # age at which the last of them was written [s]
         ("places", np.int64),  # how many were written
         ("age_s", np.float64),
@@ -130,24 +131,40 @@ def place_legs(legs: Any, clusters: Any, z: Any, x: Any, fade: float) -> None:
 
 
 @njit(cache=True, nogil=True)
-def note_path(rows: Any, z: Any, spacing_s: float) -> None:
-    """Note how far a leg of each hypothesis has moved, and, each `spacing_s` [s], where one of the clusters `z` is."""
+def note_path(rows: Any, z: Any, left: Any, came: Any, spacing_s: float) -> None:
+    """Note how far each hypothesis has moved, and, each `spacing_s` [s], where one of its clusters is.
+
+    It has moved if nothing was a moment ago where it is now, from a former place where nothing is left, or where
+    nothing was before it, either. Two such places are needed, the nearer of the two farthest counts: a cluster that
+    flickers, or another one that is taken for it, moves once.
+
+    Args:
+        rows: (n,) hypotheses.
+        z: (m, 2) clusters [m].
+        left: (n, PATH) whether the laser sees now that nothing is at each former place.
+        came: (m,) whether the place of each cluster was empty a moment ago.
+        spacing_s: Between two noted places [s].
+    """
     for i in range(len(rows)):
         a, b = rows["clusters"][i, 0], rows["clusters"][i, 1]
         if a < 0 and b < 0:
             continue
-        way = 0.0
+        new = (a >= 0 and came[a]) or (b >= 0 and came[b])
+        way, farthest = 0.0, 0.0
         for k in range(min(rows["places"][i], PATH)):
+            if not new or not (left[i, k] or rows["came"][i, k]):
+                continue
             nearest = np.inf
             for c in (a, b):
                 if c >= 0:
                     dx, dy = rows["path"][i, k, 0] - z[c, 0], rows["path"][i, k, 1] - z[c, 1]
                     nearest = min(nearest, np.sqrt(dx * dx + dy * dy))
-            way = max(way, nearest)
+            way, farthest = max(way, min(nearest, farthest)), max(nearest, farthest)
         rows["way"][i] = way
         if rows["age_s"][i] - rows["marked_s"][i] >= spacing_s - 1e-9:
             slot, c = rows["places"][i] % PATH, a if a >= 0 else b
             rows["path"][i, slot, 0], rows["path"][i, slot, 1] = z[c, 0], z[c, 1]
+            rows["came"][i, slot] = new
             rows["places"][i] += 1
             rows["marked_s"][i] = rows["age_s"][i]
 

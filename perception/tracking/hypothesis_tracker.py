@@ -5,7 +5,7 @@ Predict, associate, correct, weigh, begin, merge, end: a track-oriented multi-ta
 `PersonEvidenceConfig`: what the clusters look like, and whether their place was empty a moment ago.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,8 +22,11 @@ from .config import TrackerConfig
 from .data_association import assign
 from .hypotheses import HYPOTHESIS
 from .hypothesis_config import HypothesisConfig
+from .local_grid import OCCUPIED, LocalGrid
 from .lost_people import LostPeople
 from .people import People, SeenLegs
+from .still_frame import StillFrame
+from .track_kernels import points_of_things
 from .tracker import TrackerUpdate
 
 Array = NDArray[np.float64]
@@ -53,7 +56,11 @@ class HypothesisTracker:
         self._rows = np.zeros(0, dtype=HYPOTHESIS)
         self._odds = np.zeros(0)
         self._views = RecentViews(self._config.views)
+        self._now = RecentViews(replace(self._config.views, count=1))
+        self._frame = StillFrame(self._config.frame)
         self._lost = LostPeople(self._tracker)
+        config = self._config
+        self._grid = LocalGrid(self._tracker.grid.resolution, config.still_s / OCCUPIED, config.fade_s)
         self._time_s: float | None = None
         self._next_id = 0
 
@@ -67,18 +74,21 @@ class HypothesisTracker:
             raise InputError('the method "hypotheses" takes no camera; give "leg pairs"')
         pose, dt = checked_pose(odometry), self._step(scan.time_s)
         lidar, detections = compose(pose, scan.T_robot_lidar), self._detector.detect(scan)
-        z = transform_points(pose, detections.positions)
-        first, second, affinity = self._evidence(scan, detections, z)
+        sight = self._look(scan, detections, transform_points(pose, detections.positions), lidar, dt)
+        self._now.reset()
+        self._now.keep(scan, lidar)
         kernels.predict(self._rows, dt, self._tracker.motion.process_variance(dt))
-        self._associate(z, affinity)
-        self._correct(z, dt)
-        kernels.note_path(self._rows, z, self._config.views.spacing_s)
-        self._weigh(scan, lidar, first, second, dt)
-        self._begin(z, first, second, affinity, lidar)
+        self._associate(sight)
+        self._correct(sight.z, dt)
+        left = self._now.look(self._rows["path"].reshape(-1, 2))[:, 0].reshape(-1, kernels.PATH) > 0.0
+        kernels.note_path(self._rows, sight.z, left, sight.came, self._config.views.spacing_s)
+        self._weigh(sight, lidar, dt)
+        self._begin(sight, lidar)
         self._views.keep(scan, lidar)
         self._end(scan.time_s)
-        self._believe(scan.time_s)
-        return TrackerUpdate(self._people(scan.time_s, z), detections, pose)
+        self._believe(sight, scan.time_s)
+        self._mark_grid(transform_points(lidar, scan.points), pose, scan.time_s, dt)
+        return TrackerUpdate(self._people(scan.time_s, sight.z), self._remembering(detections, sight.free), pose)
 
     def _step(self, time_s: float) -> float:
         before, self._time_s = self._time_s, time_s
@@ -87,20 +97,34 @@ class HypothesisTracker:
             raise InputError(f"scan times must increase [s], got {time_s} after {before}")
         return 1.0 / self._tracker.motion.reference_rate_hz if before is None else time_s - before
 
-    def _evidence(self, scan: LaserScan, detections: Detections, z: Array) -> tuple[Array, Array, Array]:
-        """Return (m,) what each cluster at `z` (m, 2) says as the better leg, as the other one, and to association."""
+    def _look(self, scan: LaserScan, detections: Detections, z: Array, lidar: Array, dt: float) -> "_Sight":
+        """Return what the clusters at `z` (m, 2) show."""
         config = self._config.evidence
         vote = np.clip(detections.confidence, *_VOTES)
         vote = np.log(vote / (1.0 - vote))
-        first = config.base + config.vote * vote + config.empty * self._views.look(z)[:, 0]
+        walls = transform_points(lidar, self._frame.walls(detections.clusters))
+        shares, free = self._views.look(np.concatenate((z, walls))), self._grid.is_free(z, scan.time_s)
+        self._frame.update(shares[len(z) :], dt)
+        shares = shares[: len(z)]
+        empty = shares[:, 0] / (shares.sum(axis=1) + self._config.unknown)
+        first = config.base + config.vote * vote + config.empty * self._frame.known * empty
         second = np.maximum(0.0, config.second * (vote - config.second_from))
         apart = np.hypot(*(detections.positions - np.asarray(scan.T_robot_lidar[:2])).T)
         possible = (detections.confidence > 0.0) & (apart >= self._config.near)
         affinity = np.clip(first - self._config.indifferent, *self._config.affinity)
-        return first, second, np.where(possible, affinity, -np.inf)
+        affinity = np.where(possible, affinity, -np.inf)
+        return _Sight(z, first, second, affinity, free, free & (empty >= self._config.came))
 
-    def _associate(self, z: Array, affinity: Array) -> None:
+    def _remembering(self, detections: Detections, free: NDArray[np.bool_]) -> Detections:
+        """Return `detections` (m,) less sure where something has stood still, and surer where it is `free` (m,)."""
+        vote = np.clip(detections.confidence, 1e-6, 1.0 - 1e-6)
+        odds = vote / (1.0 - vote) * np.exp(np.where(free, 1.0, -1.0) * self._config.memory * self._frame.known)
+        confidence = np.where(detections.confidence > 0.0, odds / (1.0 + odds), 0.0)
+        return replace(detections, confidence=confidence, human=confidence >= self._tracker.confirmation.gamma)
+
+    def _associate(self, sight: "_Sight") -> None:
         """Give each hypothesis its most likely cluster, then another of those left as its other leg."""
+        z, affinity = sight.z, sight.affinity
         rows, config, r = self._rows, self._config, self._tracker.motion.r
         cost = np.empty((len(rows), len(z)))
         kernels.first_costs(rows, z, affinity, r, config.clutter, cost)
@@ -118,19 +142,19 @@ class HypothesisTracker:
         fade = float(np.exp(-dt / self._tracker.pairing.offset_s))
         kernels.correct(self._rows, z, motion.r, motion.r + motion.one_leg_variance, dt, fade)
 
-    def _weigh(self, scan: LaserScan, lidar: Array, first: Array, second: Array, dt: float) -> None:
+    def _weigh(self, sight: "_Sight", lidar: Array, dt: float) -> None:
         rows, config = self._rows, self._config.evidence
-        now = RecentViews(replace(self._config.views, count=1))
-        now.keep(scan, lidar)
         places = rows["x"][:, :2]
         viewed = transform_points(inverse(lidar), places)
         looks = config.look, config.jitter, config.most_looks, config.hidden_rate, config.missing_rate
-        kernels.weigh(rows, first, second, now.look(places), viewed, dt, *looks)
+        empty = self._now.look(places, self._config.body)
+        kernels.weigh(rows, sight.first, sight.second, empty, viewed, dt, *looks)
 
-    def _begin(self, z: Array, first: Array, second: Array, affinity: Array, lidar: Array) -> None:
+    def _begin(self, sight: "_Sight", lidar: Array) -> None:
         """Begin hypotheses at clusters that no hypothesis explains."""
+        z, first, second = sight.z, sight.first, sight.second
         config, motion = self._config, self._tracker.motion
-        able, order = affinity >= config.begin, np.argsort(-first, kind="stable")
+        able, order = sight.affinity >= config.begin, np.argsort(-first, kind="stable")
         found = kernels.fresh_clusters(self._rows, z, order, able, config.merge, config.own)
         if len(found) == 0:
             return
@@ -143,7 +167,7 @@ class HypothesisTracker:
         fresh["legs"] = np.stack((z[a], z[other]), axis=1) - centre[:, None]
         fresh["evidence"] = first[a] + np.where(paired, np.minimum(second[a], second[other]), 0.0)
         fresh["viewed"] = transform_points(inverse(lidar), centre)
-        fresh["path"][:, 0], fresh["places"] = z[a], 1
+        fresh["path"][:, 0], fresh["places"], fresh["came"][:, 0] = z[a], 1, sight.came[a]
         self._rows = np.concatenate((self._rows, fresh))
 
     def _end(self, time_s: float) -> None:
@@ -157,14 +181,27 @@ class HypothesisTracker:
         self._lost.add(rows[~keep & known], time_s)
         self._rows, self._odds = rows[keep], odds[keep]
 
-    def _believe(self, time_s: float) -> None:
+    def _believe(self, sight: "_Sight", time_s: float) -> None:
         """Give a number to those who are people now: their old one, where they are somebody lost."""
         config, rows = self._config, self._rows
-        sure = (self._odds >= config.sure) | (rows["way"] >= config.least_way)
-        for i in np.flatnonzero((rows["id"] < 0) & (self._odds >= config.start) & sure):
+        likely = (rows["id"] < 0) & (self._odds >= config.start)
+        if not likely.any():
+            return
+        leg, stands = rows["clusters"][:, 0], self._frame.known >= 0.5
+        still = ~self._grid.is_free(rows["x"][:, :2], time_s) | ~np.append(sight.free, True)[leg]
+        sure = ((self._odds >= config.sure) & ~(still & stands)) | ((rows["way"] >= config.least_way) & stands)
+        for i in np.flatnonzero(likely & sure):
             number = self._lost.identify(rows[i], time_s)
             rows["id"][i] = self._next_id if number < 0 else number
             self._next_id += number < 0
+
+    def _mark_grid(self, points: Array, pose: Array, time_s: float, dt: float) -> None:
+        """Mark where something stands, but never where a person does, by the returns `points` (k, 2) of a scan."""
+        known = self._rows[self._rows["id"] >= 0]
+        people = np.concatenate((known["x"][:, None, :2], known["x"][:, None, :2] + known["legs"]), axis=1)
+        all_of_them = np.zeros(1, dtype=np.int64), np.array([len(points)]), np.ones(1, dtype=np.bool_)
+        things = points_of_things(points, *all_of_them, people.reshape(-1, 2), self._tracker.grid.clearance)
+        self._grid.mark(things, pose[:2], time_s, dt)
 
     def _people(self, time_s: float, z: Array) -> People:
         known = self._rows["id"] >= 0
@@ -185,3 +222,24 @@ class HypothesisTracker:
             age_s=rows["age_s"].copy(),
             seen_legs=legs,
         )
+
+
+@dataclass(frozen=True, eq=False)
+class _Sight:
+    """What the clusters of one scan show.
+
+    Attributes:
+        z: (m, 2) where they are [m].
+        first: (m,) evidence of each as the better leg.
+        second: (m,) as the other one.
+        affinity: (m,) what each says to association.
+        free: (m,) whether nothing has stood still there.
+        came: (m,) whether nothing at all was there a moment ago.
+    """
+
+    z: Array
+    first: Array
+    second: Array
+    affinity: Array
+    free: NDArray[np.bool_]
+    came: NDArray[np.bool_]

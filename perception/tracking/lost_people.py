@@ -24,6 +24,8 @@ class LostPeople:
     def add(self, people: NDArray[np.void], time_s: float) -> None:
         """Take `people` (k,) who are lost at `time_s`; forget those lost for too long."""
         people = people[people["age_s"] >= KNOWN_S]
+        if len(people) + len(self._people) == 0:
+            return
         self._people = np.concatenate((self._people, people))
         self._seen_s = np.concatenate((self._seen_s, time_s - people["unseen_s"]))
         self._keep(time_s - self._seen_s <= self._config.max_age_s)

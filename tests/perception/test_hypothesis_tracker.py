@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 from tagalong.perception import PeopleFilter, PeopleFilterConfig
+from tagalong.perception.legs.clusters import Clusters
+from tagalong.perception.legs.detector import Detections
 from tagalong.perception.tracking.camera import SeenPeople
 from tagalong.perception.tracking.config import TrackerConfig
 from tagalong.perception.tracking.hypothesis_config import HypothesisConfig, PersonEvidenceConfig
@@ -16,14 +18,42 @@ from tagalong.slam.geometry import inverse, transform_points
 BEARINGS = np.radians(np.arange(-135.0, 135.0, 0.3516))
 
 
+def wall_from(pose, radius=9.0):
+    """How far the round wall of the hall is along each beam, seen from `pose` (3,)."""
+    ahead = pose[0] * np.cos(BEARINGS + pose[2]) + pose[1] * np.sin(BEARINGS + pose[2])
+    return np.sqrt(ahead**2 + radius**2 - pose[0] ** 2 - pose[1] ** 2) - ahead
+
+
 def scan_of(places, time_s, radius=0.08, wall=9.0):
-    """A scan of posts at `places` (n, 2) in a round hall."""
+    """A scan of posts at `places` (n, 2) before a wall at so many metres, one or one for each beam."""
     ranges = np.full(len(BEARINGS), wall)
     for x, y in places:
         away, off = np.hypot(x, y), BEARINGS - np.arctan2(y, x)
         hit = np.abs(away * np.sin(off)) < radius
         ranges[hit & (np.cos(off) > 0.0)] = np.minimum(ranges[hit & (np.cos(off) > 0.0)], away)
     return LaserScan(ranges, BEARINGS, 0.1, 11.0, time_s=time_s)
+
+
+@dataclass
+class BeforeWall:
+    """A detector that also reports the far wall of a scan, as one cluster that is nobody."""
+
+    detector: Any
+
+    def detect(self, scan):
+        found, far = self.detector.detect(scan), scan.ranges > 4.0
+        if not far.any():
+            return found
+        wall, clusters = scan.beam_points[far], found.clusters
+        count = len(clusters.points)
+        points = np.concatenate((clusters.points, wall))
+        start, end = np.append(clusters.start, count), np.append(clusters.end, count + len(wall))
+        return Detections(
+            np.concatenate((found.positions, wall.mean(axis=0)[None])),
+            np.append(found.confidence, 0.0),
+            np.append(found.human, False),
+            Clusters(points, np.arange(len(points)), start, end),
+        )
 
 
 @dataclass
@@ -35,12 +65,14 @@ class Hall:
     scans: int = 0
 
     def __post_init__(self):
-        self.tracker = HypothesisTracker(HypothesisConfig(), TrackerConfig(), self.detector)
+        self.tracker = HypothesisTracker(HypothesisConfig(), TrackerConfig(), BeforeWall(self.detector))
 
-    def show(self, places, confidence=0.3, odometry=(0.0, 0.0, 0.0), hidden=False):
+    def show(self, places, confidence=0.3, odometry=(0.0, 0.0, 0.0), hidden=False, true=None):
         self.scans += 1
-        seen = transform_points(inverse(np.asarray(odometry, dtype=float)), np.reshape(places, (-1, 2)))
-        scan = scan_of(seen, self.scans / self.rate_hz, wall=0.5 if hidden else 9.0)
+        pose = np.asarray(odometry, dtype=float)
+        seen = transform_points(inverse(pose), np.reshape(places, (-1, 2)))
+        wall = 0.5 if hidden else wall_from(pose if true is None else true)
+        scan = scan_of(seen, self.scans / self.rate_hz, wall=wall)
         self.detector.positions = seen[:0] if hidden else seen
         self.detector.confidence = np.full(len(self.detector.positions), confidence)
         return self.tracker.update(scan, odometry).people
@@ -86,6 +118,48 @@ def test_furniture_is_nobody_to_a_robot_that_stands_and_to_one_that_drives_by(ha
         assert len(hall.show(chair, confidence=0.3)) == 0
     for k in range(30):
         assert len(hall.show(chair, confidence=0.08, odometry=(0.1 * k, 0.0, 0.0))) == 0
+
+
+def test_two_things_that_are_found_in_turn_are_nobody_who_steps_from_one_to_the_other(hall):
+    posts = np.array([[2.0, 1.2], [2.0, 0.6]])
+    for k in range(30):
+        hall.scans += 1
+        pose = np.array([0.05 * k, 0.0, 0.0])
+        hall.detector.positions = (posts[[0]] if k % 4 < 2 else posts[[1]]) - pose[:2]
+        hall.detector.confidence = np.array([0.4])
+        scan = scan_of(posts - pose[:2], hall.scans / hall.rate_hz, wall=wall_from(pose))
+        assert len(hall.tracker.update(scan, pose).people) == 0
+
+
+def test_what_has_stood_still_is_a_person_only_when_it_moves(hall):
+    for k in range(15):
+        hall.show([[3.0, 0.0], [3.0, 0.3]], confidence=0.05, odometry=(0.1 * k, 1.0, 0.0))
+    for k in range(15):  # then it looks like two legs, from wherever the robot drives
+        people = hall.show([[3.0, 0.0], [3.0, 0.3]], confidence=0.6, odometry=(1.5 - 0.1 * k, 1.0, 0.0))
+        assert len(people) == 0
+    for k in range(15):
+        people = hall.show([[3.0, 0.1 * k], [3.0, 0.3 + 0.1 * k]], confidence=0.6, odometry=(0.0, 1.0, 0.0))
+    assert len(people) == 1
+
+
+def test_somebody_whom_a_robot_without_odometry_follows_is_a_person_though_still_in_its_frame(hall):
+    for k in range(60):
+        true = np.array([-6.0 + 0.2 * k, 0.0, 0.0])  # the walls say that the frame does not stand still
+        sway = 0.16 * (k // 8 % 2)  # and then a step aside
+        legs = [[1.5, sway], [1.5, 0.3 + sway]]
+        people = hall.show(legs, confidence=0.05 if k < 15 else 0.7, true=true)
+    assert len(people) == 1
+
+
+def test_a_leg_is_less_sure_where_something_has_stood_still_and_surer_where_nothing_has(hall):
+    for k in range(10):
+        hall.show([[2.0, 1.0]], confidence=0.3, odometry=(0.05 * k, 0.0, 0.0))
+    hall.detector.positions, hall.detector.confidence = np.array([[2.0, 1.0], [2.0, -1.0], [3.0, -2.0]]), np.zeros(3)
+    hall.detector.confidence[:2] = 0.3
+    scan = scan_of(hall.detector.positions, 11 / hall.rate_hz)
+    still, fresh, none = hall.tracker.update(scan, np.zeros(3)).detections.confidence[:3]
+    assert still < 0.2 < 0.4 < fresh
+    assert none == 0.0
 
 
 def test_a_walker_hidden_for_a_second_keeps_the_number_and_one_who_vanished_in_plain_view_is_gone(hall, step):

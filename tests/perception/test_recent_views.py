@@ -41,6 +41,14 @@ def test_places_are_seen_from_where_the_laser_was():
     np.testing.assert_allclose(views.look(np.array([[0.0, 1.0], [0.0, 2.0]])), [[0.0, 1.0], [1.0, 0.0]])
 
 
+def test_a_wall_that_is_seen_along_is_met_though_the_beams_go_on_beside_the_place():
+    bearings = np.radians(np.arange(2.0, 60.0, 0.5))
+    scan = LaserScan(1.0 / np.sin(bearings), bearings, 0.1, 40.0)  # y = 1 m
+    views = RecentViews()
+    views.keep(scan, np.zeros(3))
+    np.testing.assert_allclose(views.look(np.array([[8.0, 0.9], [8.0, 0.6]])), [[0.0, 1.0], [1.0, 0.0]])
+
+
 def test_numbers_that_make_no_sense_are_refused():
     with pytest.raises(InputError, match="positive"):
         RecentViewsConfig(margin=0.0)
