@@ -26,6 +26,7 @@ COMMANDS: dict[str, str] = {
     "doctor": "say what is installed and what works here",
     "teleop": "drive by stick, record it, replay it",
     "evaluate": "drive a follower through many episodes",
+    "record": "drive followers and write what they did as datasets to learn from (Minari, LeRobot)",
     "compare": "followers on suites, cell by cell, in one table",
     "results": "measure what the README states",
     "reproduce": "repeat a published experiment",
