@@ -31,6 +31,7 @@ COMMANDS: dict[str, str] = {
     "results": "measure what the README states",
     "reproduce": "repeat a published experiment",
     "bench": "run a benchmark: speed, SLAM, people, followers, long runs",
+    "ros": "run a node of ROS 2 on a robot: filter, people, follower, slam",
     "perceive": "find legs and track people in recorded scans (log, ROS bag or .npz)",
 }
 
