@@ -75,10 +75,14 @@ class Demonstration:
             known = {name: told[name] for name in _TOLD}
         except (KeyError, TypeError, ValueError, RecursionError):
             raise InputError(f"{named(path)}: holds no demonstration") from None
-        tables = {
+        tables: dict[str, Arrays] = {
             table: {name.partition("/")[2]: array for name, array in arrays.items() if name.startswith(f"{table}/")}
             for table in _TABLES
         }
+        steps = {len(array) if array.ndim else -1 for array in columns.values()}
+        steps |= {len(array) - 1 if array.ndim else -1 for table in tables.values() for array in table.values()}
+        if len(steps) != 1 or min(steps) < 1:
+            raise InputError(f"{named(path)}: holds no demonstration")
         return cls(**columns, **tables, **known)
 
 

@@ -30,7 +30,30 @@ class FilterNodeConfig(InputConfig):
     forest: str = "real"
 
 
-class FilterLogic:
+class _FilteredScans:
+    """Takes people out of scans as they come; what is sent of each is up to the node."""
+
+    def __init__(self, maker: Maker, config: FilterNodeConfig) -> None:
+        self._maker, self._messages, self._scans = maker, MadeMessages(maker), LiveScans(config)
+        self._filter = ScanFilter(replace(perception_preset(config.preset), forest=config.forest))
+
+    def take(self, source: str, message: Any, now_s: float) -> list[Output]:
+        """Take a message; return what each scan that is ready gives."""
+        ready = self._scans.take(source, message, now_s)
+        return [output for live in ready for output in self._send(live, self._filter.update(live.scan, live.odometry))]
+
+    def tick(self, now_s: float) -> list[Output]:
+        """Send nothing: the clock does not matter here."""
+        return []
+
+    def _people(self, live: LiveScan) -> PeopleMessages:
+        return PeopleMessages(self._maker, flipped=live.flipped)  # pyright: ignore[reportArgumentType]
+
+    def _send(self, live: LiveScan, filtered: FilteredScan) -> list[Output]:
+        raise NotImplementedError
+
+
+class FilterLogic(_FilteredScans):
     """Sends scans without people (NaN: no measurement), and the people, in the scans' own frame.
 
     Args:
@@ -39,30 +62,19 @@ class FilterLogic:
     """
 
     def __init__(self, maker: Maker, config: FilterNodeConfig) -> None:
+        super().__init__(maker, config)
         self.outputs = {
             "scan_filtered": SCAN_TYPE,
             "scan_filtered/people": POSES,
             "scan_filtered/tracks": CLOUD,
             "scan_filtered/legs": POSES,
         }
-        self._maker, self._scans = maker, LiveScans(config)
-        self._filter = ScanFilter(replace(perception_preset(config.preset), forest=config.forest))
 
-    def take(self, source: str, message: Any, now_s: float) -> list[Output]:
-        """Take a message; return what each scan that is ready gives."""
-        ready = self._scans.take(source, message, now_s)
-        return [output for live in ready for output in self._send(live)]
-
-    def tick(self, now_s: float) -> list[Output]:
-        """Send nothing: the clock does not matter here."""
-        return []
-
-    def _send(self, live: LiveScan) -> list[Output]:
-        message, filtered = live.message, self._filter.update(live.scan, live.odometry)
+    def _send(self, live: LiveScan, filtered: FilteredScan) -> list[Output]:
+        message, people = live.message, self._people(live)
         removed = removed_readings(filtered, live.order, len(message.ranges), float(message.angle_increment))
         ranges = np.where(removed, np.float32(np.nan), np.asarray(message.ranges, dtype=np.float32))
         plain = {name: getattr(message, name) for name in (*_SCAN_FIELDS, "header", "intensities")}
-        people = PeopleMessages(self._maker, flipped=live.flipped)  # pyright: ignore[reportArgumentType]
         return [
             Output("scan_filtered", self._maker.make(SCAN_TYPE, **plain, ranges=ranges)),
             Output("scan_filtered/people", people.people(message.header, filtered)),
@@ -71,7 +83,7 @@ class FilterLogic:
         ]
 
 
-class PeopleLogic:
+class PeopleLogic(_FilteredScans):
     """Sends the people: as poses and as points in the scans' frame, and as markers for RViz in the odometry's frame.
 
     Args:
@@ -80,26 +92,15 @@ class PeopleLogic:
     """
 
     def __init__(self, maker: Maker, config: FilterNodeConfig) -> None:
+        super().__init__(maker, config)
         self.outputs = {"people": POSES, "people/tracks": CLOUD, "people/markers": MARKERS}
-        self._maker, self._messages, self._scans = maker, MadeMessages(maker), LiveScans(config)
-        self._filter = ScanFilter(replace(perception_preset(config.preset), forest=config.forest))
 
-    def take(self, source: str, message: Any, now_s: float) -> list[Output]:
-        """Take a message; return what each scan that is ready gives."""
-        ready = self._scans.take(source, message, now_s)
-        return [output for live in ready for output in self._send(live)]
-
-    def tick(self, now_s: float) -> list[Output]:
-        """Send nothing: the clock does not matter here."""
-        return []
-
-    def _send(self, live: LiveScan) -> list[Output]:
-        filtered = self._filter.update(live.scan, live.odometry)
-        people = PeopleMessages(self._maker, flipped=live.flipped)  # pyright: ignore[reportArgumentType]
+    def _send(self, live: LiveScan, filtered: FilteredScan) -> list[Output]:
+        people, header = self._people(live), live.message.header
         markers = people_markers(self._messages, filtered, live, self._scans.odom_frame)
         return [
-            Output("people", people.people(live.message.header, filtered)),
-            Output("people/tracks", people.tracks(live.message.header, filtered)),
+            Output("people", people.people(header, filtered)),
+            Output("people/tracks", people.tracks(header, filtered)),
             Output("people/markers", markers),
         ]
 

@@ -1,5 +1,6 @@
 """What the node `follower` does: finds the leader in scans, and commands the robot, as long as it sees."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -7,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...agents import Follower, make_follower
+from ...agents import EXPLORERS, Follower, make_follower
 from ...envs.onboard.camera_pipeline import NoCamera
 from ...envs.onboard.immobile_map import OwnDrawing
 from ...envs.onboard.mappers import NoMapper
@@ -17,7 +18,9 @@ from ...envs.task.observation import ObservationConfig, Observed, Observer
 from ...perception.config import perception_preset
 from ...perception.leader.body_selector import BodyLeaderSelector
 from ...perception.people_filter import PeopleFilter
-from ...slam.bounds import check_numbers, check_positive
+from ...slam.bounds import Angle, check_numbers, check_positive
+from ...slam.errors import InputError
+from ...slam.geometry import wrap_angle
 from ...slam.scan import LaserScan
 from .filter_logic import MARKERS, people_markers
 from .live_scans import InputConfig, LiveScan, LiveScans
@@ -34,6 +37,8 @@ class FollowerNodeConfig(InputConfig):
         follower: Who drives, as of `tagalong evaluate`: "pid", "learned", "pid+guard", module:class, a folder.
         preset: Numbers of the tracker, as of `tagalong filter --preset`.
         forest: Leg forest: "real", "simulation" or a file.
+        field_of_view: What of the laser the robot looks at, half of it to either side of straight ahead; the learned
+            follower knows 4.71, 270 degrees, and refuses another [rad].
         max_speed: Highest forward speed [m/s].
         max_turn_rate: Highest turn rate [rad/s].
         half_length: Half of the robot's length [m].
@@ -46,6 +51,7 @@ class FollowerNodeConfig(InputConfig):
     follower: str = "pid+guard"
     preset: str = "recorded"
     forest: str = "real"
+    field_of_view: Angle = 2.0 * math.pi
     max_speed: float = 0.3
     max_turn_rate: float = 1.0
     half_length: float = 0.18
@@ -57,7 +63,7 @@ class FollowerNodeConfig(InputConfig):
     def __post_init__(self) -> None:
         super().__post_init__()
         check_numbers(self)
-        check_positive(self, "max_speed", "max_turn_rate", "half_length", "half_width", "patience_s")
+        check_positive(self, "max_speed", "max_turn_rate", "half_length", "half_width", "patience_s", "field_of_view")
 
 
 class FollowerLogic:
@@ -81,6 +87,8 @@ class FollowerLogic:
         self._bearings = np.zeros(0)
         self._observer: Observer | None = None
         make_follower(config.follower)  # who is unknown is told before anything moves
+        if config.follower in EXPLORERS:
+            raise InputError(f"{config.follower} explores without a leader; the node follows one")
         self._drives, self._fresh_s = False, -np.inf
 
     def take(self, source: str, message: Any, now_s: float) -> list[Output]:
@@ -116,7 +124,7 @@ class FollowerLogic:
         return sent
 
     def _resampled(self, scan: LaserScan) -> LaserScan:
-        """Return the scan on the beams of the first one: some lasers have another number of them in each turn."""
+        """Return the scan on the beams ahead of the first one: some lasers have another number of them in each turn."""
         if self._driver is None:
             self._begin(scan)
         if len(scan) == len(self._bearings) and np.allclose(scan.bearings, self._bearings, atol=1e-4):
@@ -127,19 +135,20 @@ class FollowerLogic:
 
     def _begin(self, scan: LaserScan) -> None:
         config = self._config
-        self._bearings = scan.bearings
+        ahead = np.abs(wrap_angle(scan.bearings + scan.T_robot_lidar[2]))
+        self._bearings = scan.bearings[ahead <= 0.5 * config.field_of_view + 1e-6]
         interface = FollowInterface(
             max_speed=config.max_speed,
             max_turn_rate=config.max_turn_rate,
-            bearings=scan.bearings,
+            bearings=self._bearings,
             range_max=scan.range_max,
             T_robot_lidar=scan.T_robot_lidar,
             half_length=config.half_length,
             half_width=config.half_width,
         )
-        self._observer = Observer(
-            Observed(config=ObservationConfig(), beams=len(scan), holonomic=False, leader=True, map=False, camera=None)
-        )
+        beams = len(self._bearings)
+        seen = Observed(config=ObservationConfig(), beams=beams, holonomic=False, leader=True, map=False, camera=None)
+        self._observer = Observer(seen)
         self._driver = make_follower(config.follower, interface)
         self._driver.reset()
 

@@ -56,10 +56,15 @@ def test_a_demonstration_comes_back_from_its_file(episodes, tmp_path):
     assert (again.seed, again.options, again.ending, len(again)) == (0, {}, "", 5)
 
 
-def test_a_file_that_is_no_demonstration_is_refused(tmp_path):
+def test_a_file_that_is_no_demonstration_is_refused(episodes, tmp_path):
     np.savez(tmp_path / "other.npz", actions=np.zeros(3))
     with pytest.raises(InputError, match="holds no demonstration"):
         Demonstration.load(tmp_path / "other.npz")
+    episodes[0].save(tmp_path / "whole.npz")
+    with np.load(tmp_path / "whole.npz") as arrays:
+        np.savez(tmp_path / "short.npz", **{**arrays, "observations/scan": arrays["observations/scan"][:-1]})
+    with pytest.raises(InputError, match="holds no demonstration"):
+        Demonstration.load(tmp_path / "short.npz")
 
 
 def test_observations_that_are_one_vector_are_refused(env):
