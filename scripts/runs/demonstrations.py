@@ -77,11 +77,11 @@ def datasets_asked(asked: Asked) -> list[Dataset]:
     if len(set(names)) < len(names):
         raise InputError(f"--followers must differ in letters and numbers, got {', '.join(asked.followers)}")
     found: dict[tuple[str, str, str], Dataset] = {}
-    several = len({_place(scenario, asked) for scenario in asked.scenarios}) > 1
+    places = _place_names(asked)
     for k in range(asked.episodes):
         scenario = asked.scenarios[k % len(asked.scenarios)]
         arguments = {**scenario.arguments, **asked.arguments}
-        place = f"{asked.place}-{plain_name(scenario.name)}" if several else asked.place
+        place = places[_place(scenario, asked)]
         for who, name in zip(asked.followers, names, strict=True):
             key = (*_place(scenario, asked), who)
             dataset = found.setdefault(
@@ -97,6 +97,22 @@ def datasets_asked(asked: Asked) -> list[Dataset]:
         make_follower(dataset.follower, env.get_wrapper_attr("interface"))
         env.close()
     return list(found.values())
+
+
+def _place_names(asked: Asked) -> dict[tuple[str, str], str]:
+    """Return what each environment is called: after its only scenario, else after its building; all of them differ."""
+    groups: dict[tuple[str, str], list[Scenario]] = {}
+    for scenario in asked.scenarios:
+        groups.setdefault(_place(scenario, asked), []).append(scenario)
+    if len(groups) == 1:
+        return dict.fromkeys(groups, asked.place)
+    names: dict[tuple[str, str], str] = {}
+    for place, members in groups.items():
+        building = members[0].arguments.get("scene", members[0].env.partition("/")[2])
+        name = f"{asked.place}-{plain_name(members[0].name if len(members) == 1 else building)}"
+        taken = sum(other == name or other.startswith(f"{name}-no") for other in names.values())
+        names[place] = f"{name}-no{taken + 1}" if taken else name
+    return names
 
 
 def plain_name(words: str) -> str:

@@ -4,6 +4,7 @@ import json
 import sys
 
 import pytest
+from tagalong.envs.suites import suite
 from tagalong.scripts.cli import main
 from tagalong.scripts.runs import demonstrations
 
@@ -52,6 +53,22 @@ def test_a_suite_of_several_environments_has_a_dataset_of_each(tmp_path, minari)
     assert minari.load_dataset(names[0]).recover_environment().unwrapped.config.world.scene == "doorway"
     one = next(iter(minari.load_dataset(names[0]).storage.get_episode_metadata([0])))
     assert (one["seed"], one["options"]) == (1, {"people": 9})
+
+
+def test_cells_of_a_suite_that_differ_in_options_alone_share_a_dataset_named_after_their_building():
+    asked = demonstrations.Asked(
+        followers=["pid"],
+        place="hard-v2",
+        scenarios=suite("hard-v2"),
+        episodes=12,
+        seed=0,
+        arguments={"slam": None, "beams": 90},
+        formats=[],
+    )
+    counts = {dataset.name: len(dataset.cells) for dataset in demonstrations.datasets_asked(asked)}
+    assert counts["hard-v2-tight_office/pid"] == 3
+    assert counts["hard-v2-clutter-30-20/pid"] == 1
+    assert sum(counts.values()) == 12
 
 
 @pytest.mark.parametrize(
