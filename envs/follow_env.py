@@ -26,7 +26,7 @@ from .task.info import step_info
 from .task.interface import OwnMap
 from .task.observation import Observer, observation_space
 from .task.rewards import StepFacts, exploration_terms, reward_terms
-from .topview.rendering import has_display, make_renderer
+from .topview.rendering import SHOWN_AT_ONCE, make_renderer, possible_modes
 from .world.truth import TrueState
 from .world.world import World
 
@@ -183,7 +183,8 @@ class FollowEnv(gym.Env[Any, Any]):
 
     `tagalong.envs.follow_config` has them all, with what each means. Besides:
 
-    - `render_mode`: None, "rgb_array", "human" (MuJoCo's viewer; needs a display).
+    - `render_mode`: None, "rgb_array", "human" (MuJoCo's viewer), "rerun" (rerun's, extra `rerun`: scans, map and
+      people as the robot has them); the last two need a display.
     - `render_backend`: of "rgb_array": "topview" (needs no OpenGL), "mujoco" (camera; needs OpenGL).
 
     ## Info
@@ -209,14 +210,14 @@ class FollowEnv(gym.Env[Any, Any]):
     - v0: first version.
     """
 
-    metadata = {"render_modes": ["rgb_array", "human"], "render_fps": 10}  # noqa: RUF012 (Gymnasium's own form)
+    metadata = {"render_modes": ["rgb_array", "human", "rerun"], "render_fps": 10}  # noqa: RUF012 (Gymnasium's own form)
 
     def __init__(self, *, render_mode: str | None = None, render_backend: str = "topview", **fields: Any) -> None:
         self.config = make_config(fields)
         world_config(self.config, None)  # says now what would be wrong at the first reset
         self.render_mode = render_mode
         self.metadata = {
-            "render_modes": [mode for mode in type(self).metadata["render_modes"] if mode != "human" or has_display()],
+            "render_modes": possible_modes(),
             "render_fps": round(self.config.task.control_hz),
         }
         self.interface = replace(interface(self.config), own_map=self.own_map if self.config.slam is not None else None)
@@ -258,7 +259,7 @@ class FollowEnv(gym.Env[Any, Any]):
             ending=Ending(),
             covered=coverage.share,
         )
-        if self.render_mode == "human":
+        if self.render_mode in SHOWN_AT_ONCE:
             self.render()
         facts = self._facts(0.0)
         info = self._info(facts, dict.fromkeys(self._terms(facts), 0.0))
@@ -283,7 +284,7 @@ class FollowEnv(gym.Env[Any, Any]):
         self._episode.action, self._episode.covered = wanted, facts.coverage
         terms = self._terms(facts)
         ending = self._episode.ending = self._episode.endings.update(self._episode.truth, facts)
-        if self.render_mode == "human":
+        if self.render_mode in SHOWN_AT_ONCE:
             self.render()
         info, reward = self._info(facts, terms), sum(terms.values())
         self.witness(wanted, reward, terms)
@@ -297,7 +298,7 @@ class FollowEnv(gym.Env[Any, Any]):
         )
 
     def render(self) -> NDArray[np.uint8] | None:  # pyright: ignore[reportIncompatibleMethodOverride]
-        """Return a picture (height, width, 3) uint8 for "rgb_array"; None for "human" and without a render mode."""
+        """Return a picture (height, width, 3) uint8 for "rgb_array"; None otherwise."""
         world = self.world
         now, trail = self._episode, np.array(self._episode.trail).reshape(-1, 2)
         return self._renderer.draw(world, now.truth, now.belief, trail)

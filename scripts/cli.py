@@ -26,10 +26,12 @@ COMMANDS: dict[str, str] = {
     "doctor": "say what is installed and what works here",
     "teleop": "drive by stick, record it, replay it",
     "evaluate": "drive a follower through many episodes",
+    "record": "drive followers and write what they did as datasets to learn from (Minari, LeRobot)",
     "compare": "followers on suites, cell by cell, in one table",
     "results": "measure what the README states",
     "reproduce": "repeat a published experiment",
     "bench": "run a benchmark: speed, SLAM, people, followers, long runs",
+    "ros": "run a node of ROS 2 on a robot: filter, people, follower, slam",
     "perceive": "find legs and track people in recorded scans (log, ROS bag or .npz)",
 }
 

@@ -32,7 +32,7 @@ FOLDERS = {
     "perception.immobile": "CameraViewMaker",
     "perception.rgbd": "PersonSvm Pinhole RgbdFrame RgbdPeople Surface read_frames",
     "perception.tracking": "NoLegs SeenPeople",
-    "envs.recording": "EpisodeRecording",
+    "envs.recording": "Demonstration EpisodeRecording demonstrate write_lerobot write_minari",
     "envs.scenes": """Door Errand RUN_OUT SCENES Scene SceneMaker SceneRequest Solid Walk box choose_route make_scene
         post room rounded""",
     "envs.task": "FollowInterface OwnMap",

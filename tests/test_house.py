@@ -19,7 +19,8 @@ HEAVY = {
 }
 
 
-DOORS = {"tagalong", "tagalong.envs.scenes", *(f"tagalong.{room}" for room in FLOORS if room != "scripts")}
+OF_FOLDERS = {"tagalong.envs.recording", "tagalong.envs.scenes"}
+DOORS = {"tagalong", *OF_FOLDERS, *(f"tagalong.{room}" for room in FLOORS if room != "scripts")}
 PATHS = [("tagalong", *path.relative_to(ROOT).with_suffix("").parts) for path in SOURCES]
 MODULES = {".".join(path).removesuffix(".__init__") for path in PATHS}
 MOST_METHODS = 20

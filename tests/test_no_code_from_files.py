@@ -34,7 +34,7 @@ CALLS = {
 STABLE_BASELINES = {"load", "save", "load_from_zip_file", "load_replay_buffer", "save_replay_buffer"}
 IMPORTS_BY_NAME = {
     "agents/protocol/user.py", "slam/engine.py", "scripts/cli.py", "scripts/benchmarks/benchmark.py",
-    "scripts/reproduce/experiment.py", "slam/door.py", "scripts/site/named.py",
+    "scripts/reproduce/experiment.py", "scripts/ros/node.py", "slam/door.py", "scripts/site/named.py",
 }  # fmt: skip
 
 

@@ -2,6 +2,7 @@
 
 import os
 import sys
+from importlib.util import find_spec
 from typing import Any, Protocol
 
 import numpy as np
@@ -12,11 +13,15 @@ from ...slam.geometry import compose, inverse, transform_points
 from ..onboard.stack import Belief
 from ..physics.mj import mujoco
 from ..sensors.camera.opengl import open_renderer
+from ..viewing.live import LiveRenderer, require_viewer
 from ..world.truth import TrueState
 from ..world.world import World
 from . import DrawnTracks, Snapshot, TopView
 
 Picture = NDArray[np.uint8]
+MODES = ("rgb_array", "human", "rerun")
+SHOWN_AT_ONCE = ("human", "rerun")
+"""Modes that show every step by themselves."""
 BACKENDS = ("topview", "mujoco")
 
 
@@ -32,6 +37,12 @@ class Renderer(Protocol):
         ...
 
 
+def possible_modes() -> list[str]:
+    """Return the render modes that work here: windows need a display, and rerun its extra."""
+    able = {"human": has_display(), "rerun": has_display() and find_spec("rerun") is not None}
+    return [mode for mode in MODES if able.get(mode, True)]
+
+
 def has_display() -> bool:
     """Return whether a window can be opened."""
     if not sys.platform.startswith("linux"):
@@ -43,10 +54,11 @@ def make_renderer(mode: str | None, backend: str) -> Renderer:
     """Return what draws for a render mode.
 
     Raises:
-        InputError: If the mode or the back end is unknown, or "human" has no display to show itself on.
+        InputError: If the mode or the back end is unknown, or "human" or "rerun" has no display to show itself on.
+        MissingExtraError: If it is "rerun", and that is not installed.
     """
     if not isinstance(mode, str | None):
-        raise unknown_name("render mode", mode, ("rgb_array", "human"))
+        raise unknown_name("render mode", mode, MODES)
     if not isinstance(backend, str) or backend not in BACKENDS:
         raise unknown_name("render back end", backend, BACKENDS)
     if mode is None:
@@ -55,8 +67,11 @@ def make_renderer(mode: str | None, backend: str) -> Renderer:
         if not has_display():
             raise InputError('render_mode="human" needs a display, there is none; render_mode="rgb_array" does not')
         return ViewerRenderer()
+    if mode == "rerun":
+        require_viewer(display=has_display())
+        return LiveRenderer()
     if mode != "rgb_array":
-        raise unknown_name("render mode", mode, ("rgb_array", "human"))
+        raise unknown_name("render mode", mode, MODES)
     return TopViewRenderer() if backend == "topview" else CameraRenderer()
 
 

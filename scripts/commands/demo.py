@@ -7,6 +7,8 @@ from typing import Any
 
 from ...agents.tour import SCENES, TourConfig
 from ...envs.follow_config import make_config
+from ...envs.topview.rendering import has_display
+from ...envs.viewing.live import require_viewer
 from ...slam.engine import ENGINES, make_slam
 from ...slam.errors import InputError
 from ..console.record_option import add_record, check_record
@@ -51,6 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=int, default=0, help="seed of everything (default: %(default)s)")
     add_settings(parser, "an argument of the environment, e.g. robot=pioneer or lidar.height=0.3")
     add_record(parser)
+    parser.add_argument("--live", action="store_true", help="show it in rerun's viewer meanwhile (extra `rerun`)")
     parser.add_argument("--out", type=Path, default=Path("out/demo"), metavar="DIR", help="(default: %(default)s)")
 
 
@@ -79,6 +82,8 @@ def run(options: argparse.Namespace) -> int:
     if options.standing < 0:
         raise InputError(f"--standing must not be negative, got {options.standing}")
     check_record(options.record)
+    if options.live:
+        require_viewer(display=has_display())
     make_slam(options.method)  # what is unknown is told before the drive
     settings = _own_settings(options)
     tour = TourConfig(
@@ -87,7 +92,7 @@ def run(options: argparse.Namespace) -> int:
     mapping = MapComparisonConfig(method=options.method, seed=options.seed)
     print(f"tagalong demo: {tour.name}, {mapping.method}")
     watch = demo_run.Stopwatch()
-    result = demo_run.run_demo(tour, mapping, watch, settings, options.record)
+    result = demo_run.run_demo(tour, mapping, watch, settings, options.record, options.live)
     rows = _bounds(result.metrics, options.scene)
     with watch.stage("pictures, maps and logs"):
         demo_run.write_demo(options.out, result)

@@ -8,6 +8,7 @@ from typing import Protocol
 from ...envs.follow_env import FollowEnv
 from ...envs.recording.episode_recording import EpisodeRecording
 from ...envs.recording.rollout import Episode
+from ...envs.viewing.live import LiveRecording
 from ...slam.logs.recording import open_recording
 
 
@@ -40,4 +41,14 @@ def recorded_episodes(path: Path | None) -> Iterator[Recording]:
         yield NoRecording()
         return
     with open_recording(path) as recording:
+        yield EpisodeRecording(recording)
+
+
+@contextmanager
+def shown_episodes(live: bool) -> Iterator[Recording]:
+    """Yield what shows episodes in rerun's viewer while they are driven; what shows them nowhere, if not `live`."""
+    if not live:
+        yield NoRecording()
+        return
+    with LiveRecording() as recording:
         yield EpisodeRecording(recording)

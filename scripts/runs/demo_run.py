@@ -23,7 +23,7 @@ from ..figures.maps import map_picture, overlay_picture
 from ..figures.scans import scan_pair_picture
 from ..figures.trajectory import trajectory_picture
 from ..figures.video import save_gif
-from ..lab.episode_recordings import recorded_episodes
+from ..lab.episode_recordings import recorded_episodes, shown_episodes
 from ..lab.map_comparison import JudgedMap, MapComparisonConfig, MappedDrive, judge_map, map_reference
 
 FRAME_EVERY = 5
@@ -84,6 +84,7 @@ def run_demo(
     watch: Stopwatch,
     settings: Mapping[str, Any] | None = None,
     record: Path | None = None,
+    live: bool = False,
 ) -> DemoResult:
     """Drive, map and compare.
 
@@ -93,6 +94,7 @@ def run_demo(
         watch: Times the stages.
         settings: Further arguments of the environment in which the robot follows.
         record: Where the drive is recorded for viewers (.mcap, .rrd); None: nowhere.
+        live: Whether it is shown in rerun's viewer while it is driven.
     """
     frames: list[NDArray[np.uint8]] = []
 
@@ -102,14 +104,20 @@ def run_demo(
             assert picture is not None
             frames.append(picture)
 
-    with watch.stage("following the leader"), recorded_episodes(record) as recording:
+    with (
+        watch.stage("following the leader"),
+        recorded_episodes(record) as recording,
+        shown_episodes(live) as shown,
+    ):
 
         def watched(env: FollowEnv) -> None:
             film(env)
             recording.take(env)
+            shown.take(env)
 
         tour = following_tour(tour_config, watch=watched, render_mode="rgb_array", **(settings or {}))
         recording.finish(tour.episode)
+        shown.finish(tour.episode)
     with watch.stage("slow drive of the empty building"):
         reference_drive = slow_tour(WorldConfig(scene=tour_config.scene), tour_config.seed)
     with watch.stage("mapping: reference"):

@@ -24,11 +24,12 @@ EXTRAS: Mapping[str, tuple[str, ...]] = {
     "viz": ("matplotlib", "moviepy"),
     "ros": ("rosbags", "mcap"),
     "rerun": ("rerun-sdk",),
+    "datasets": ("minari", "pyarrow"),
     "cluster": ("ray", "distributed"),
     "docs": ("mkdocs", "mkdocs-material", "latex2mathml"),
     "dev": (
-        *("build", "basedpyright", "evo", "hypothesis", "mcap", "pysocialforce", "pytest", "pytest-xdist", "rosbags"),
-        *("ruff", "scikit-image"),
+        *("build", "basedpyright", "evo", "hypothesis", "mcap", "minari", "pyarrow", "pysocialforce", "pytest"),
+        *("pytest-xdist", "rosbags", "ruff", "scikit-image"),
     ),
 }
 """Distributions that each extra brings."""

@@ -18,7 +18,7 @@ DOORS = {
     "perception.rgbd": "frames of an RGB-D camera",
     "perception.immobile": "the map of what never moves",
     "envs": "the building and the Gymnasium environment",
-    "envs.recording": "episodes as recordings for ROS 2",
+    "envs.recording": "episodes as recordings and as datasets",
     "envs.scenes": "what buildings are made of",
     "envs.task": "what a follower is told",
     "envs.wrappers": "an observation to learn from",

@@ -60,7 +60,7 @@ def test_without_a_render_mode_nothing_is_drawn():
 
 
 def test_unknown_modes_and_back_ends_are_refused():
-    with pytest.raises(InputError, match="render modes: human, rgb_array"):
+    with pytest.raises(InputError, match="render modes: human, rerun, rgb_array"):
         make_renderer("ascii", "topview")
     with pytest.raises(InputError, match="render back ends: mujoco, topview"):
         make_renderer("rgb_array", "cairo")

@@ -56,6 +56,7 @@ PLANS = {
     "train people": _tagalong("train people --buildings 5 --frames 2 --test-buildings 1 --out out"),
     "train follower": Plan(words=("IN/train_follower.py", "out")),
     "evaluate": _tagalong("evaluate pid --episodes 1 --beams 181 --out out"),
+    "record": _tagalong("record --episodes 2 --beams 181 --out out"),
     "compare": _tagalong("compare --suites corridor --followers pid plain_pid --episodes 1 --out out"),
     "teleop": _tagalong("teleop --operator model --out out/drive.txt"),
     "results": _tagalong("results --quick --jobs 2 --out out", within_s=40.0, compared=False),

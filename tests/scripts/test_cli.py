@@ -53,7 +53,7 @@ def test_what_cannot_end_well_does_not_begin(words, complaint, tmp_path, capsys,
 def test_the_demo_hands_settings_to_its_environment(capsys, monkeypatch):
     seen = []
 
-    def run_demo(tour, mapping, watch, settings, record):
+    def run_demo(tour, mapping, watch, settings, record, live):
         seen.append(settings)
         raise InputError("enough")
 

@@ -154,7 +154,7 @@ def _score(folder):
 
 def test_the_plans_kill_every_command_that_writes():
     told = {plan.words[2] for plan in PLANS.values() if plan.words[:2] == TAGALONG}
-    assert told | {"doctor"} == set(cli.COMMANDS)
+    assert told | {"doctor", "ros"} == set(cli.COMMANDS)  # these write no files
 
 
 @pytest.mark.parametrize("command", ["reproduce clustering --out o", "results --out o"])

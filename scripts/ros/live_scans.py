@@ -1,0 +1,155 @@
+"""Scans as they come on a robot, each with the odometry at its time and the laser's place on the robot."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...slam.errors import InputError
+from ...slam.geometry import compose
+from ...slam.logs.bag_messages import Message, as_defined
+from ...slam.logs.ros_frames import FrameTree, frame_name, planar, rotation_matrix, stamp_s
+from ...slam.logs.rosbag import laser_mount
+from ...slam.logs.scan_stream import BagBeginning, ScanStream
+from ...slam.scan import LaserScan
+from .outputs import FRAMES, ODOMETRY, SCAN
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class InputConfig:
+    """What every node has to know of what it listens to.
+
+    Attributes:
+        laser_pose: x, y [m], theta [rad] of the laser on the robot; none: as the frames of /tf_static say, which scans
+            wait for.
+        by_header: Whether times are those of the message headers; else those of their arrival, for robots whose parts
+            do not agree about the time.
+    """
+
+    laser_pose: tuple[float, ...] = ()
+    by_header: bool = True
+
+    def __post_init__(self) -> None:
+        if len(self.laser_pose) not in (0, 3) or not np.isfinite(self.laser_pose).all():
+            raise InputError(f"laser_pose must be x, y, theta, or nothing, got {list(self.laser_pose)}")
+
+
+class LiveScan(NamedTuple):
+    """A scan with all that is known of it.
+
+    Attributes:
+        message: As it came.
+        scan: What it says.
+        order: (N,) which reading of the message each beam of the scan is.
+        odometry: (3,) the robot at its time, seen from where the odometry began.
+        T_odom_robot: (3,) the same in the odometry's own frame.
+        flipped: Whether the laser hangs upside down.
+        odometry_s: Time of the newest odometry, no later than when it came [s].
+    """
+
+    message: Any
+    scan: LaserScan
+    order: NDArray[np.intp]
+    odometry: Array
+    T_odom_robot: Array
+    flipped: bool
+    odometry_s: float
+
+
+class LiveScans:
+    """Puts odometry to scans as messages come; the same that `tagalong filter` does for a bag.
+
+    A scan waits until odometry after it has come, for half a second at most. Before the laser's place on the robot is
+    known, and where no odometry comes, scans are passed over. One that is not newer than the one before is, too.
+    """
+
+    def __init__(self, config: InputConfig) -> None:
+        self._config, self._tree = config, FrameTree()
+        self._stream: ScanStream | None = None
+        self._robot, self._odom_frame = "", ""
+        self._first: Array | None = None
+        self._heard: list[tuple[Any, int]] = []
+        self._odometry_s = self._newest_s = -np.inf
+        self._flipped = False
+
+    @property
+    def odom_frame(self) -> str:
+        """The odometry's frame, "" before it is known."""
+        return self._odom_frame
+
+    def take(self, source: str, message: Any, now_s: float) -> list[LiveScan]:
+        """Take a message that came at `now_s` [s]; return the scans whose odometry is known now.
+
+        Raises:
+            InputError: If it is not what its type says.
+        """
+        if source == FRAMES:
+            self._tree.add(Message(now_s, message))
+            return []
+        if source == ODOMETRY:
+            self._look_at_odometry(message, now_s)
+        elif source == SCAN and self._stream is None:
+            self._begin(message)
+        if self._stream is None:
+            return []
+        taken = self._stream.take(source, "", round(1e9 * now_s), message)
+        return [self._placed(one) for one in taken if self._is_next(one.scan)]
+
+    def _look_at_odometry(self, message: Any, now_s: float) -> None:
+        with as_defined(ODOMETRY):
+            self._robot, self._odom_frame = frame_name(message.child_frame_id), frame_name(message.header.frame_id)
+            time_s = stamp_s(message.header) if self._config.by_header else now_s
+            pose = planar(message.pose.pose.position, rotation_matrix(message.pose.pose.orientation))
+        if np.isfinite(pose).all():
+            self._odometry_s = max(self._odometry_s, min(time_s, now_s))
+            self._first = pose if self._first is None or self._stream is None else self._first
+            self._heard = [(message, round(1e9 * now_s))]
+
+    def _begin(self, message: Any) -> None:
+        """Start with the first scan whose laser's place on the robot is known."""
+        with as_defined(SCAN):
+            frame = frame_name(message.header.frame_id)
+        place, notes = tuple(self._config.laser_pose), []
+        if not place:
+            place, self._flipped = laser_mount(self._tree, self._robot or None, frame, notes, Path(FRAMES))
+        if notes and frame != self._robot:
+            return
+        x, y, theta = place
+        self._stream = ScanStream(
+            BagBeginning(
+                path=Path("ROS"),
+                topics={},
+                scans=SCAN,
+                odometry=ODOMETRY,
+                moving=None,
+                mount=(x, y, theta),
+                flipped=self._flipped,
+                by_header=self._config.by_header,
+                notes=(),
+                types=_AsTheyCome(),  # pyright: ignore[reportArgumentType]
+            )
+        )
+        for heard, time_ns in self._heard:  # the stream counts from the newest odometry before it
+            list(self._stream.take(ODOMETRY, "", time_ns, heard))
+
+    def _is_next(self, scan: LaserScan) -> bool:
+        newer = scan.time_s > self._newest_s
+        self._newest_s = max(self._newest_s, scan.time_s)
+        return newer and self._first is not None
+
+    def _placed(self, one: Any) -> LiveScan:
+        assert self._first is not None
+        whole = compose(self._first, one.odometry)
+        return LiveScan(one.message, one.scan, one.order, one.odometry, whole, self._flipped, self._odometry_s)
+
+
+class _AsTheyCome:
+    """Reads messages that are messages already."""
+
+    def read(self, raw: Any, kind: str) -> Any:
+        """Return the message."""
+        return raw
