@@ -20,11 +20,18 @@ from .scripted.plain_pid import PlainPIDFollower
 from .scripted.pure_pursuit import PurePursuitFollower
 from .scripted.random_walk import RandomWalk
 
+def _mppi(interface: FollowInterface) -> Follower:
+    from .planned.mppi import MPPIFollower  # imported late: its kernels need numba
+
+    return MPPIFollower(interface)
+
+
 FOLLOWERS: dict[str, Callable[[FollowInterface], Follower]] = {
     "pid": PIDFollower,
     "plain_pid": PlainPIDFollower,
     "pure_pursuit": PurePursuitFollower,
     "dwa": DWAFollower,
+    "mppi": _mppi,
     "learned": LearnedFollower,
 }
 """Who needs a leader."""
