@@ -13,7 +13,7 @@ from ..learned.steering import SteeringConfig
 from ..learned.trail import Trail
 from ..protocol.follower import Observation
 from ..scripted.leader_memory import Goal, LeaderMemory, MemoryConfig, Mode
-from ..scripted.scan_points import leader_row, own_velocity
+from ..scripted.scan_points import leader_row, own_velocity, without
 from .fields import CELL_M, FAR_M, HALF_M, WAY_CELL_M, distance_field, ways_to
 from .plan_kernel import Body, Prices, Scene, axis_step, plan_costs
 from .prediction import walked_on
@@ -40,6 +40,7 @@ class PriceConfig:
         spread: Deviation of where a person is said to be [m].
         spread_rate: By how much it grows with the time ahead [m/s].
         touch: Of touching a thing.
+        still: For so long people are taken to be where the laser met them, too: tracks lag behind who turns [s].
         effort: Of accelerations, mean square [s^4/m^2].
         back: Of backing over what was never seen [1/m].
     """
@@ -51,12 +52,13 @@ class PriceConfig:
     sight: float = 0.3
     tight: float = 0.8
     comfort: float = 0.25
-    people: float = 2.0
+    people: float = 5.0
     space: float = 0.3
     person_radius: float = 0.22
     spread: float = 0.1
     spread_rate: float = 0.2
     touch: float = 10.0
+    still: float = 0.6
     effort: float = 0.05
     back: float = 10.0
 
@@ -149,11 +151,11 @@ class MPPIFollower:
         if goal.mode is Mode.SEARCH:
             self._plan[:] = (0.0, 0.0, self._memory.search_turn)
             return self._drive(self._plan[0])
-        scene = self._scene(goal, people, things)
+        scene = self._scene(goal, people, things, self._things.met)
         self._improve(scene)
         return self._drive(self._plan[0])
 
-    def _scene(self, goal: Goal, people: Array, things: Array) -> Scene:
+    def _scene(self, goal: Goal, people: Array, things: Array, met: Array) -> Scene:
         c, dt = self.config, self._every * self._step_s
         distances = distance_field(things, HALF_M, CELL_M, FAR_M)
         room = c.prices.person_radius
@@ -161,9 +163,11 @@ class MPPIFollower:
         leader = walked_on(walks, distances, HALF_M, CELL_M, c.evaluations, dt, room)[0]
         others = walked_on(people, distances, HALF_M, CELL_M, c.evaluations, dt, room)
         narrow = self._body.half_width + c.prices.comfort
-        ways = [ways_to(place, distances, self._body.half_width, narrow) for place in ((goal.x, goal.y), leader[-1])]
+        ways = [ways_to(place, distances, self._body.half_width, narrow, c.prices.keep) for place in ((goal.x, goal.y), leader[-1])]
         cells = np.array((HALF_M, CELL_M, WAY_CELL_M))
-        return Scene(distances, ways[0], ways[1], cells, leader, others, self._state, self._behind.room())
+        own = np.array([[goal.x, goal.y]])
+        returns = distance_field(without(met, own, c.body + 0.05), HALF_M, CELL_M, FAR_M)
+        return Scene(distances, np.minimum(returns, distances), ways[0], ways[1], cells, leader, others, self._state, self._behind.room())
 
     def _improve(self, scene: Scene) -> None:
         """Move the plan to the mean of what was drawn, weighted by its cost; to the best where the mean is worse."""

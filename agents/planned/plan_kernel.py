@@ -16,6 +16,7 @@ class Scene(NamedTuple):
 
     Attributes:
         distances: (n, n) distance from what stands [m].
+        returns: (n, n) the same from all that the laser met, people who walk among it, but not the leader [m].
         way_now: (m, m) length of the way to where the leader is [m].
         way_then: (m, m) the same to where it will be at the end of the horizon [m].
         cells: (3,) half of the fields' side, side of a cell of the first and of the others [m].
@@ -26,6 +27,7 @@ class Scene(NamedTuple):
     """
 
     distances: Array
+    returns: Array
     way_now: Array
     way_then: Array
     cells: Array
@@ -72,6 +74,7 @@ class Prices(NamedTuple):
     spread: float
     spread_rate: float
     touch: float
+    still: float
     effort: float
     back: float
 
@@ -88,17 +91,17 @@ def axis_step(v: float, a: float, wish: float, dt: float, c: Array) -> tuple[flo
 
 
 @njit(cache=True, nogil=True)
-def gap_to_things(x: float, y: float, cos: float, sin: float, far: float, scene: Scene, body: Body) -> float:
-    """Return the gap between the robot's outline and the nearest thing, as far as `far` [m]."""
+def gap_to_things(x: float, y: float, cos: float, sin: float, far: float, field: Array, scene: Scene, body: Body) -> float:
+    """Return the gap between the robot's outline and the nearest thing of a field of distances, at most `far` [m]."""
     half, cell = scene.cells[0], scene.cells[1]
-    around = value_at(scene.distances, x, y, half, cell) - np.hypot(body.half_length, body.half_width)
+    around = value_at(field, x, y, half, cell) - np.hypot(body.half_length, body.half_width)
     if around >= far:
         return far
     least = far
     for d in range(len(body.discs)):
         px = x + cos * body.discs[d, 0] - sin * body.discs[d, 1]
         py = y + sin * body.discs[d, 0] + cos * body.discs[d, 1]
-        least = min(least, value_at(scene.distances, px, py, half, cell) - body.disc_radius)
+        least = min(least, value_at(field, px, py, half, cell) - body.disc_radius)
     return least
 
 
@@ -184,7 +187,8 @@ def plan_cost(plan: Array, knot_s: float, dt: float, every: int, scene: Scene, b
         way = (1.0 - share) * value_at(scene.way_now, x, y, half, cell)
         lag = way + share * value_at(scene.way_then, x, y, half, cell) - p.keep
         track += lag if lag > 0.0 else -1.5 * lag
-        gap = gap_to_things(x, y, cos, sin, p.comfort, scene, body)
+        field = scene.returns if (step + 1) * dt <= p.still else scene.distances
+        gap = gap_to_things(x, y, cos, sin, p.comfort, field, scene, body)
         tight = max(tight, later * (1.0 - gap / p.comfort) ** 2)
         if gap < 0.02:
             touch = max(touch, later * (1.0 + (0.02 - gap) / 0.05))

@@ -22,6 +22,9 @@ class Things:
         interface: Where the beams look.
         reach: What is farther than this from the robot is forgotten [m].
         remembered_s: What no beam has met or passed for so long is forgotten [s]: odometry drifts.
+
+    Attributes:
+        met: (n, 2) all that the last scan met, robot frame [m].
     """
 
     def __init__(self, interface: FollowInterface, reach: float, remembered_s: float) -> None:
@@ -34,6 +37,7 @@ class Things:
 
     def reset(self) -> None:
         """Forget everything."""
+        self.met = np.zeros((0, 2))
         self._kept = np.zeros((0, 3))  # x, y [m], age [s]
 
     def update(self, observation: Observation, moving: Array, body: float) -> Array:
@@ -45,7 +49,7 @@ class Things:
             body: Within so far of them [m].
         """
         self._carry_along(own_velocity(observation))
-        new = self._scan.near(observation, self._reach)
+        self.met = new = self._scan.near(observation, self._reach)
         kept = self._kept[~self._seen_through(observation)]
         rows = np.vstack((np.column_stack((new, np.zeros(len(new)))), kept))
         rows = rows[(np.abs(rows[:, :2]).max(axis=1, initial=0.0) < self._reach) & (rows[:, 2] < self._remembered_s)]
