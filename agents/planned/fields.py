@@ -8,7 +8,7 @@ from ..scripted.grid_field import way_field
 
 Array = NDArray[np.float64]
 
-HALF_M = 5.0
+HALF_M = 4.0
 """Fields reach so far from the robot, ahead, back and aside [m]."""
 CELL_M, WAY_CELL_M = 0.05, 0.1
 """Sides of the cells of the field of distances and of that of ways [m]."""
@@ -60,7 +60,9 @@ def ways_to(place: tuple[float, float], distances: Array, half_width: float, nar
         narrow: Who comes nearer than this to a thing, centre to surface, goes slowly [m].
     """
     every = round(WAY_CELL_M / CELL_M)
-    free = distances.reshape(len(distances) // every, every, -1, every).min(axis=(1, 3))
+    free = distances[::every, ::every]
+    for i, j in np.ndindex(every, every):
+        free = np.minimum(free, distances[i::every, j::every])
     cost = 1.0 + 3.0 * np.clip((narrow - free) / max(narrow - half_width, 1e-3), 0.0, 1.0)
     cost[free < half_width] = 40.0
     n = len(cost)

@@ -87,12 +87,12 @@ class MPPIConfig:
 
     horizon_s: float = 3.0
     knots: int = 7
-    samples: int = 320
+    samples: int = 256
     speed_noise: float = 0.3
     turn_noise: float = 0.5
     temperature: float = 0.05
     evaluations: int = 15
-    reach: float = 5.0
+    reach: float = 4.0
     remembered_s: float = 10.0
     walking: float = 0.25
     body: float = 0.4
