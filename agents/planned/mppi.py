@@ -41,25 +41,27 @@ class PriceConfig:
         spread_rate: By how much it grows with the time ahead [m/s].
         touch: Of touching a thing.
         still: For so long people are taken to be where the laser met them, too: tracks lag behind who turns [s].
-        effort: Of accelerations, mean square [s^4/m^2].
+        effort: Of jerk, mean square [s^6/m^2].
+        turning: Of the jerk of turning, against that [m^2].
         back: Of backing over what was never seen [1/m].
     """
 
-    keep: float = 1.3
+    keep: float = 1.1
     way: float = 1.0
     end: float = 0.5
     facing: float = 0.3
-    sight: float = 0.3
+    sight: float = 1.0
     tight: float = 0.8
     comfort: float = 0.25
-    people: float = 5.0
+    people: float = 3.0
     space: float = 0.3
     person_radius: float = 0.22
     spread: float = 0.1
     spread_rate: float = 0.2
     touch: float = 10.0
-    still: float = 0.6
-    effort: float = 0.05
+    still: float = 0.4
+    effort: float = 0.03
+    turning: float = 0.05
     back: float = 10.0
 
 

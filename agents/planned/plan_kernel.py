@@ -76,6 +76,7 @@ class Prices(NamedTuple):
     touch: float
     still: float
     effort: float
+    turning: float
     back: float
 
 
@@ -168,6 +169,7 @@ def plan_cost(plan: Array, knot_s: float, dt: float, every: int, scene: Scene, b
         at = step * dt / knot_s
         i = min(int(at), len(plan) - 2)
         part = min(at - i, 1.0)
+        was, was_b, was_turn = a, b, turn_a
         v, a = axis_step(v, a, plan[i, 0] + part * (plan[i + 1, 0] - plan[i, 0]), dt, body.limits[0])
         u, b = axis_step(u, b, plan[i, 1] + part * (plan[i + 1, 1] - plan[i, 1]), dt, body.limits[1])
         turn_v, turn_a = axis_step(turn_v, turn_a, plan[i, 2] + part * (plan[i + 1, 2] - plan[i, 2]), dt, body.limits[2])
@@ -176,7 +178,7 @@ def plan_cost(plan: Array, knot_s: float, dt: float, every: int, scene: Scene, b
         x += (v * cos - u * sin) * dt
         y += (v * sin + u * cos) * dt
         theta += turn_v * dt
-        effort += a * a + b * b + 0.2 * turn_a * turn_a
+        effort += ((a - was) ** 2 + (b - was_b) ** 2 + p.turning * (turn_a - was_turn) ** 2) / (dt * dt)
         back = max(back, -x)
         if (step + 1) % every:
             continue
