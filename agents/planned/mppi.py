@@ -49,11 +49,11 @@ class PriceConfig:
     keep: float = 1.1
     way: float = 1.0
     end: float = 0.5
-    facing: float = 0.3
+    facing: float = 0.6
     sight: float = 1.0
     tight: float = 0.8
     comfort: float = 0.25
-    people: float = 3.0
+    people: float = 5.0
     space: float = 0.3
     person_radius: float = 0.22
     spread: float = 0.1
@@ -100,7 +100,7 @@ class MPPIConfig:
     body: float = 0.4
     seed: int = 0
     prices: PriceConfig = field(default_factory=PriceConfig)
-    steering: SteeringConfig = field(default_factory=SteeringConfig)
+    steering: SteeringConfig = field(default_factory=lambda: SteeringConfig(settle_s=0.5))
     memory: MemoryConfig = field(default_factory=lambda: MemoryConfig(predicted=True))
 
     def __post_init__(self) -> None:

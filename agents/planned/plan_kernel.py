@@ -108,9 +108,23 @@ def gap_to_things(x: float, y: float, cos: float, sin: float, far: float, field:
 
 @njit(cache=True, nogil=True)
 def person_costs(
-    x: float, y: float, cos: float, sin: float, k: int, t: float, scene: Scene, body: Body, p: Prices
+    x: float,
+    y: float,
+    cos: float,
+    sin: float,
+    ahead_v: float,
+    aside_v: float,
+    k: int,
+    t: float,
+    scene: Scene,
+    body: Body,
+    p: Prices,
 ) -> tuple[float, float]:
-    """Return the greatest chance of a contact with a person at evaluation `k`, time `t` [s], and lack of space."""
+    """Return the greatest chance of a contact with a person at evaluation `k`, time `t` [s], and lack of space.
+
+    A contact counts in full where the robot drives into somebody (`harm`), little where it stands or drives on and
+    they come.
+    """
     spread = p.spread + p.spread_rate * t
     chance = lack = 0.0
     for j in range(len(scene.people) + 1):
@@ -124,9 +138,16 @@ def person_costs(
         gap = np.hypot(max(ahead, 0.0), max(aside, 0.0)) - p.person_radius
         certain = 0.25 / (0.25 + 2.0 * spread * spread)
         near = max(gap, 0.0) / spread
-        chance = max(chance, certain * np.exp(-0.5 * near * near))
+        closing = (ahead_v * (cos * dx + sin * dy) + aside_v * (cos * dy - sin * dx)) / max(np.hypot(dx, dy), 1e-3)
+        chance = max(chance, harm(closing) * certain * np.exp(-0.5 * near * near))
         lack = max(lack, 1.0 - gap / 0.45)
     return chance, lack
+
+
+@njit(cache=True, nogil=True)
+def harm(speed: float) -> float:
+    """Return what share of a contact counts at which the robot comes so fast [m/s]: passive safety, but for a rest."""
+    return min(max(speed / 0.5, 0.1), 1.0)
 
 
 @njit(cache=True, nogil=True)
@@ -189,13 +210,14 @@ def plan_cost(plan: Array, knot_s: float, dt: float, every: int, scene: Scene, b
         way = (1.0 - share) * value_at(scene.way_now, x, y, half, cell)
         lag = way + share * value_at(scene.way_then, x, y, half, cell) - p.keep
         track += lag if lag > 0.0 else -1.5 * lag
-        field = scene.returns if (step + 1) * dt <= p.still else scene.distances
-        gap = gap_to_things(x, y, cos, sin, p.comfort, field, scene, body)
+        gap = gap_to_things(x, y, cos, sin, p.comfort, scene.distances, scene, body)
         tight = max(tight, later * (1.0 - gap / p.comfort) ** 2)
         if gap < 0.02:
             touch = max(touch, later * (1.0 + (0.02 - gap) / 0.05))
-        chance, lack = person_costs(x, y, cos, sin, k, (step + 1) * dt, scene, body, p)
+        chance, lack = person_costs(x, y, cos, sin, v, u, k, (step + 1) * dt, scene, body, p)
         crowd = max(crowd, chance)
+        if (step + 1) * dt <= p.still and gap_to_things(x, y, cos, sin, p.comfort, scene.returns, scene, body) < 0.02:
+            crowd = max(crowd, harm(np.hypot(v, u)))
         lacks = max(lacks, later * lack)
         bearing = np.arctan2(scene.leader[k, 1] - y, scene.leader[k, 0] - x) - theta
         facing += 0.5 - 0.5 * np.cos(bearing)
