@@ -46,14 +46,14 @@ class PriceConfig:
         back: Of backing over what was never seen [1/m].
     """
 
-    keep: float = 1.1
+    keep: float = 1.2
     way: float = 1.0
     end: float = 0.5
     facing: float = 0.6
-    sight: float = 1.0
+    sight: float = 0.7
     tight: float = 0.8
     comfort: float = 0.25
-    people: float = 5.0
+    people: float = 10.0
     space: float = 0.3
     person_radius: float = 0.22
     spread: float = 0.1
@@ -61,7 +61,7 @@ class PriceConfig:
     touch: float = 10.0
     still: float = 0.4
     effort: float = 0.03
-    turning: float = 0.05
+    turning: float = 0.3
     back: float = 10.0
 
 
@@ -91,7 +91,7 @@ class MPPIConfig:
     knots: int = 7
     samples: int = 256
     speed_noise: float = 0.3
-    turn_noise: float = 0.5
+    turn_noise: float = 0.4
     temperature: float = 0.05
     evaluations: int = 15
     reach: float = 4.0
@@ -161,15 +161,15 @@ class MPPIFollower:
         c, dt = self.config, self._every * self._step_s
         distances = distance_field(things, HALF_M, CELL_M, FAR_M)
         room = c.prices.person_radius
-        walks = np.array([[goal.x, goal.y, goal.vx, goal.vy]])
-        leader = walked_on(walks, distances, HALF_M, CELL_M, c.evaluations, dt, room)[0]
-        others = walked_on(people, distances, HALF_M, CELL_M, c.evaluations, dt, room)
+        everybody = np.vstack((people, (goal.x, goal.y, goal.vx, goal.vy)))
+        walked = walked_on(everybody, distances, HALF_M, CELL_M, c.evaluations, dt, room)
+        leader = walked[-1]
         narrow = self._body.half_width + c.prices.comfort
         ways = [ways_to(place, distances, self._body.half_width, narrow, c.prices.keep) for place in ((goal.x, goal.y), leader[-1])]
         cells = np.array((HALF_M, CELL_M, WAY_CELL_M))
         own = np.array([[goal.x, goal.y]])
         returns = distance_field(without(met, own, c.body + 0.05), HALF_M, CELL_M, FAR_M)
-        return Scene(distances, np.minimum(returns, distances), ways[0], ways[1], cells, leader, others, self._state, self._behind.room())
+        return Scene(distances, np.minimum(returns, distances), ways[0], ways[1], cells, leader, walked, self._state, self._behind.room())
 
     def _improve(self, scene: Scene) -> None:
         """Move the plan to the mean of what was drawn, weighted by its cost; to the best where the mean is worse."""

@@ -21,7 +21,7 @@ class Scene(NamedTuple):
         way_then: (m, m) the same to where it will be at the end of the horizon [m].
         cells: (3,) half of the fields' side, side of a cell of the first and of the others [m].
         leader: (t, 2) where the leader will be [m].
-        people: (k, t, 2) where the others will be [m].
+        people: (k, t, 2) where people will be, the leader last [m].
         state: (3, 2) commanded velocity forward, left, turn, and their rates.
         room_behind: How far back the ground is known to be free [m].
     """
@@ -122,24 +122,27 @@ def person_costs(
 ) -> tuple[float, float]:
     """Return the greatest chance of a contact with a person at evaluation `k`, time `t` [s], and lack of space.
 
-    A contact counts in full where the robot drives into somebody (`harm`), little where it stands or drives on and
-    they come.
+    A contact counts in full where the robot drives into somebody (`harm`); little where it stands and they come, or
+    where they walk ahead as fast as it.
     """
     spread = p.spread + p.spread_rate * t
+    certain = 0.25 / (0.25 + 2.0 * spread * spread)
     chance = lack = 0.0
-    for j in range(len(scene.people) + 1):
-        if j < len(scene.people):
-            dx, dy = scene.people[j, k, 0] - x, scene.people[j, k, 1] - y
-        else:
-            dx, dy = scene.leader[k, 0] - x, scene.leader[k, 1] - y
-        if dx * dx + dy * dy > 9.0:
+    for j in range(len(scene.people)):
+        dx, dy = scene.people[j, k, 0] - x, scene.people[j, k, 1] - y
+        away = np.hypot(dx, dy)
+        if away > 3.0:
             continue
-        ahead, aside = abs(cos * dx + sin * dy) - body.half_length, abs(cos * dy - sin * dx) - body.half_width
-        gap = np.hypot(max(ahead, 0.0), max(aside, 0.0)) - p.person_radius
-        certain = 0.25 / (0.25 + 2.0 * spread * spread)
+        ahead, aside = cos * dx + sin * dy, cos * dy - sin * dx
+        beyond, beside = max(abs(ahead) - body.half_length, 0.0), max(abs(aside) - body.half_width, 0.0)
+        gap = np.hypot(beyond, beside) - p.person_radius
+        own = (ahead_v * ahead + aside_v * aside) / max(away, 1e-3)
+        first = max(k, 1)
+        mx = scene.people[j, first, 0] - scene.people[j, first - 1, 0]
+        my = scene.people[j, first, 1] - scene.people[j, first - 1, 1]
+        theirs = (mx * dx + my * dy) / max(away, 1e-3) * (k + 1.0) / t
         near = max(gap, 0.0) / spread
-        closing = (ahead_v * (cos * dx + sin * dy) + aside_v * (cos * dy - sin * dx)) / max(np.hypot(dx, dy), 1e-3)
-        chance = max(chance, harm(closing) * certain * np.exp(-0.5 * near * near))
+        chance = max(chance, harm(min(own, own - theirs)) * certain * np.exp(-0.5 * near * near))
         lack = max(lack, 1.0 - gap / 0.45)
     return chance, lack
 
@@ -147,7 +150,7 @@ def person_costs(
 @njit(cache=True, nogil=True)
 def harm(speed: float) -> float:
     """Return what share of a contact counts at which the robot comes so fast [m/s]: passive safety, but for a rest."""
-    return min(max(speed / 0.5, 0.1), 1.0)
+    return min(max(speed / 0.5, 0.05), 1.0)
 
 
 @njit(cache=True, nogil=True)
@@ -161,7 +164,7 @@ def hidden(x: float, y: float, theta: float, k: int, scene: Scene, body: Body) -
     if bearing < body.laser[2] or bearing > body.laser[3]:
         return 1.0
     most = 0.0
-    for j in range(len(scene.people)):
+    for j in range(len(scene.people) - 1):
         px, py = scene.people[j, k, 0] - lx, scene.people[j, k, 1] - ly
         along = (px * dx + py * dy) / away
         if 0.0 < along < away:
@@ -215,7 +218,7 @@ def plan_cost(plan: Array, knot_s: float, dt: float, every: int, scene: Scene, b
         if gap < 0.02:
             touch = max(touch, later * (1.0 + (0.02 - gap) / 0.05))
         chance, lack = person_costs(x, y, cos, sin, v, u, k, (step + 1) * dt, scene, body, p)
-        crowd = max(crowd, chance)
+        crowd = max(crowd, chance * (1.0 - 0.9 * share))
         if (step + 1) * dt <= p.still and gap_to_things(x, y, cos, sin, p.comfort, scene.returns, scene, body) < 0.02:
             crowd = max(crowd, harm(np.hypot(v, u)))
         lacks = max(lacks, later * lack)
