@@ -20,6 +20,7 @@ from .scripted.plain_pid import PlainPIDFollower
 from .scripted.pure_pursuit import PurePursuitFollower
 from .scripted.random_walk import RandomWalk
 
+
 def _mppi(interface: FollowInterface) -> Follower:
     from .planned.mppi import MPPIFollower  # imported late: its kernels need numba
 

@@ -21,7 +21,7 @@ NO_WAY_M = 30.0
 @njit(cache=True, nogil=True)
 def distance_field(points: Array, half: float, cell: float, far: float) -> Array:
     """Return (n, n) the distance from the middle of each cell to the nearest of `points` (m, 2), at most `far` [m]."""
-    n, reach = int(round(2.0 * half / cell)), int(far / cell)
+    n, reach = round(2.0 * half / cell), int(far / cell)
     square = np.full((n, n), far * far)
     for k in range(len(points)):
         x, y = (points[k, 0] + half) / cell - 0.5, (points[k, 1] + half) / cell - 0.5

@@ -29,7 +29,11 @@ class Things:
 
     def __init__(self, interface: FollowInterface, reach: float, remembered_s: float) -> None:
         self._reach, self._remembered_s = reach, remembered_s
-        self._step_s, self._scan, self._count = 1.0 / interface.control_hz, ScanPoints(interface), len(interface.bearings)
+        self._step_s, self._scan, self._count = (
+            1.0 / interface.control_hz,
+            ScanPoints(interface),
+            len(interface.bearings),
+        )
         self._beams = slice(None, None, max(1, self._count // MOST_BEAMS))
         self._bearings, self._scale = interface.bearings[self._beams], interface.range_max
         self._mount = interface.T_robot_lidar
@@ -56,7 +60,7 @@ class Things:
         cells = np.floor(rows[:, :2] / CELL_M).astype(np.int64)
         rows = rows[np.unique(cells[:, 0] * 100_003 + cells[:, 1], return_index=True)[1]]
         if len(moving):
-            apart = np.hypot(rows[:, :1] - moving[:, 0], rows[:, 1:2] - moving[:, 1]).min(axis=1, initial=np.inf)
+            apart = np.hypot(rows[:, :1] - moving[:, 0], rows[:, 1:2] - moving[:, 1]).min(axis=1)
             rows = rows[apart > body]
         self._kept = rows
         return rows[:, :2]
