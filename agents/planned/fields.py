@@ -47,13 +47,13 @@ def value_at(field: Array, x: float, y: float, half: float, cell: float) -> floa
     return (1.0 - a) * low + a * ((1.0 - b) * field[i + 1, j] + b * field[i + 1, j + 1])
 
 
-def ways_to(place: tuple[float, float], distances: Array, half_width: float, narrow: float, near: float) -> Array:
+def ways_to(place: Array, distances: Array, half_width: float, narrow: float, near: float) -> Array:
     """Return (n, n) the length of the way from the middle of each cell to `place` [m], at most `NO_WAY_M`.
 
     Where the robot hardly fits, the way counts as longer; it is barred only where a thing is.
 
     Args:
-        place: In the robot frame [m].
+        place: (2,) in the robot frame [m].
         distances: `distance_field` of what stands.
         half_width: Of the robot [m].
         near: Nearer to the place than this, narrowness does not matter [m]: who is there need not come nearer.
@@ -69,7 +69,7 @@ def ways_to(place: tuple[float, float], distances: Array, half_width: float, nar
     middles = WAY_CELL_M * (np.arange(n) + 0.5) - HALF_M
     cost[np.hypot(middles[:, None] - place[0], middles - place[1]) < near] = 1.0
     cost[free < CELL_M] = np.inf
-    row, col = (min(max(int((value + HALF_M) / WAY_CELL_M), 0), n - 1) for value in place)
+    row, col = (min(max(int((value + HALF_M) / WAY_CELL_M), 0), n - 1) for value in place.tolist())
     cost[row, col] = min(cost[row, col], 40.0)
     field, parent = np.empty((n, n)), np.empty((n, n), dtype=np.int32)
     way_field(cost, row, col, field, parent)

@@ -1,6 +1,6 @@
 """A follower by model predictive path integral control (Williams et al. 2017), among people whose walk it predicts.
 
-Each step, hundreds of plans around the last one are driven in thought, each is priced by what it meets, and their mean,
+Each step, hundreds of plans scene the last one are driven in thought, each is priced by what it meets, and their mean,
 weighted by exp(-price / temperature), is the new plan; its first wish is driven.
 """
 
@@ -15,10 +15,10 @@ from ..scripted.scan_points import leader_row, own_velocity, without
 from .config import MPPIConfig
 from .fields import CELL_M, FAR_M, HALF_M, WAY_CELL_M, distance_field, ways_to
 from .menu import plans_to_weigh
-from .plan_kernel import Prices, Scene, axis_step, plan_costs
+from .plan_kernel import PlanningScene, Prices, axis_step, plan_costs
 from .prediction import walked_on
 from .robot_body import body_of
-from .things import Things
+from .standing_things import StandingThings
 
 Array = NDArray[np.float64]
 
@@ -39,7 +39,7 @@ class MPPIFollower:
         self.config = c = config or MPPIConfig()
         self._step_s = 1.0 / robot.control_hz
         self._memory = LeaderMemory(c.memory, self._step_s)
-        self._things, self._behind = Things(robot, c.reach, c.remembered_s), Hindsight(robot)
+        self._things, self._behind = StandingThings(robot, c.reach, c.remembered_s), Hindsight(robot)
         self._every = max(1, round(c.horizon_s / (c.evaluations * self._step_s)))
         self._knot_s = c.horizon_s / (c.knots - 1)
         self._body, self._prices = body_of(robot, c.steering), Prices(*(getattr(c.prices, f) for f in Prices._fields))
@@ -85,7 +85,7 @@ class MPPIFollower:
         """Return the way kept to the leader [m]; to the place of a leader who is not seen, hardly any."""
         return self.config.prices.keep if goal.mode is Mode.FOLLOW else ARRIVED_M
 
-    def _scene(self, goal: Goal, people: Array, things: Array) -> Scene:
+    def _scene(self, goal: Goal, people: Array, things: Array) -> PlanningScene:
         """Return what plans are priced by, from where people and (n, 2) things are [m]."""
         c, dt = self.config, self._every * self._step_s
         distances = distance_field(things, HALF_M, CELL_M, FAR_M)
@@ -97,9 +97,9 @@ class MPPIFollower:
         own = without(self._things.met, everybody[-1:, :2], c.body)
         returns = np.minimum(distance_field(own, HALF_M, CELL_M, FAR_M), distances)
         cells = np.array((HALF_M, CELL_M, WAY_CELL_M))
-        return Scene(distances, returns, now, then, cells, walked, self._motion, self._behind.room())
+        return PlanningScene(distances, returns, now, then, cells, walked, self._motion, self._behind.room())
 
-    def _improve(self, scene: Scene) -> None:
+    def _improve(self, scene: PlanningScene) -> None:
         """Move the plan to the weighted mean; to the best, where that is better: between two ways round is no way."""
         c = self.config
         times = self._knot_s * np.arange(c.knots)
@@ -112,7 +112,7 @@ class MPPIFollower:
         pair = np.stack((np.tensordot(weight / weight.sum(), plans, axes=1), plans[int(np.argmin(costs))]))
         self._plan = pair[int(np.argmin(self._costs(pair, scene)))]
 
-    def _costs(self, plans: Array, scene: Scene) -> Array:
+    def _costs(self, plans: Array, scene: PlanningScene) -> Array:
         return plan_costs(plans, self._knot_s, self._step_s, self._every, scene, self._body, self._prices)
 
     def _drive(self, wish: Array) -> NDArray[np.float32]:

@@ -22,7 +22,7 @@ BLOCKS_M = 0.15
 """What stands nearer than this to a line of sight begins to hide what is behind [m]."""
 
 
-class Scene(NamedTuple):
+class PlanningScene(NamedTuple):
     """What the kernel is told of a step; robot frame of now.
 
     Attributes:
@@ -124,7 +124,7 @@ def drive(motion: Array, pose: Array, wish: Array, dt: float, body: Body, turnin
 
 
 @njit(cache=True, nogil=True)
-def gap_to_things(pose: Array, far: float, field: Array, scene: Scene, body: Body) -> float:
+def gap_to_things(pose: Array, far: float, field: Array, scene: PlanningScene, body: Body) -> float:
     """Return the gap between the robot's outline and the nearest thing of a field of distances, at most `far` [m]."""
     half, cell = scene.cells[0], scene.cells[1]
     around = value_at(field, pose[0], pose[1], half, cell) - np.hypot(body.half_length, body.half_width)
@@ -141,7 +141,7 @@ def gap_to_things(pose: Array, far: float, field: Array, scene: Scene, body: Bod
 
 @njit(cache=True, nogil=True)
 def person_costs(
-    pose: Array, motion: Array, k: int, t: float, scene: Scene, body: Body, p: Prices
+    pose: Array, motion: Array, k: int, t: float, scene: PlanningScene, body: Body, p: Prices
 ) -> tuple[float, float]:
     """Return the greatest chance of a contact with a person at evaluation `k`, time `t` [s], and lack of space.
 
@@ -172,7 +172,7 @@ def person_costs(
 
 
 @njit(cache=True, nogil=True)
-def hidden(pose: Array, k: int, scene: Scene, body: Body) -> float:
+def hidden(pose: Array, k: int, scene: PlanningScene, body: Body) -> float:
     """Return how hidden the leader is from the laser at evaluation `k`: 0 seen, 1 behind a thing, a person or it."""
     cos, sin = np.cos(pose[2]), np.sin(pose[2])
     x = pose[0] + cos * body.laser[0] - sin * body.laser[1]
@@ -199,7 +199,7 @@ def hidden(pose: Array, k: int, scene: Scene, body: Body) -> float:
 
 @njit(cache=True, nogil=True)
 def judge(
-    pose: Array, motion: Array, k: int, t: float, scene: Scene, body: Body, p: Prices, worst: Array
+    pose: Array, motion: Array, k: int, t: float, scene: PlanningScene, body: Body, p: Prices, worst: Array
 ) -> tuple[float, float]:
     """Judge a place at evaluation `k`, time `t` [s]: return how much too long the way is [m], and what else it costs.
 
@@ -227,7 +227,7 @@ def judge(
 
 
 @njit(cache=True, nogil=True)
-def plan_cost(plan: Array, knot_s: float, dt: float, every: int, scene: Scene, body: Body, p: Prices) -> float:
+def plan_cost(plan: Array, knot_s: float, dt: float, every: int, scene: PlanningScene, body: Body, p: Prices) -> float:
     """Return what one plan (m, 3) of wishes, `knot_s` [s] apart, would cost."""
     count = scene.people.shape[1]
     motion, pose, worst, wish = scene.motion.copy(), np.zeros(3), np.zeros(4), np.zeros(3)
@@ -249,7 +249,9 @@ def plan_cost(plan: Array, knot_s: float, dt: float, every: int, scene: Scene, b
 
 
 @njit(cache=True, nogil=True)
-def plan_costs(plans: Array, knot_s: float, dt: float, every: int, scene: Scene, body: Body, p: Prices) -> Array:
+def plan_costs(
+    plans: Array, knot_s: float, dt: float, every: int, scene: PlanningScene, body: Body, p: Prices
+) -> Array:
     """Return (n,) what each of `plans` (n, m, 3) would cost.
 
     Args:
@@ -257,7 +259,7 @@ def plan_costs(plans: Array, knot_s: float, dt: float, every: int, scene: Scene,
         knot_s: Time between knots [s].
         dt: Step of the drive [s].
         every: So many steps are driven from one evaluation to the next.
-        scene: What is around.
+        scene: What is scene.
         body: The robot.
         p: Costs.
     """

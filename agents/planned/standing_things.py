@@ -15,7 +15,7 @@ SEEN_THROUGH_M = 0.15
 """A beam that goes on so far behind a remembered return says that it is gone; ten times the laser's noise [m]."""
 
 
-class Things:
+class StandingThings:
     """Remembers what stands, in the moving robot frame.
 
     Args:
