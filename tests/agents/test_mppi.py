@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -100,10 +99,9 @@ def test_a_step_of_an_axis_is_that_of_the_steering():
     c, robot = SteeringConfig(), ROBOT
     limits = body_of(robot, c).limits
     state, (v, a), (w, b) = (0.0, 0.0, 0.0, 0.0), (0.0, 0.0), (0.0, 0.0)
-    step: Any = axis_step  # compiled: the type checker takes its arguments for another's
     for speed, rate in ((1.2, 1.0), (1.2, -1.5), (-0.3, 0.2), (0.0, 0.0)) * 3:
         state = steer(state, speed, rate, 0.1, c)
-        (v, a), (w, b) = step(v, a, speed, 0.1, limits[0]), step(w, b, rate, 0.1, limits[2])
+        (v, a), (w, b) = axis_step(v, a, speed, 0.1, limits[0]), axis_step(w, b, rate, 0.1, limits[2])
         assert (v, a, w, b) == pytest.approx(state)
 
 
@@ -125,7 +123,7 @@ def test_the_field_of_distances_is_that_of_brute_force():
     places = np.stack(np.meshgrid(middles, middles, indexing="ij"), axis=-1)
     nearest = np.min([np.hypot(*(places - point).transpose(2, 0, 1)) for point in points], axis=0)
     assert np.abs(field - np.minimum(nearest, FAR_M)).max() < 0.5 * CELL_M
-    assert value_at(field, *places[31, 57], HALF_M, CELL_M) == pytest.approx(field[31, 57])
+    assert value_at(field, middles[31], middles[57], HALF_M, CELL_M) == pytest.approx(field[31, 57])
 
 
 def test_the_way_round_a_wall_is_longer_than_the_straight_one():
