@@ -5,6 +5,24 @@ from typing import Any
 
 from .cell_comparison import MEANS, ComparedCell
 
+PAGE = """# Leaderboard
+
+Written by `tagalong compare` on {date}, with tagalong {tagalong} on {cores} cores of
+{processor} ({system}, Python {python}). Full world, the robot's own tracker, no SLAM.
+Driven: {drives}. The same episodes for everybody.
+
+{table}
+
+Brackets: 95 % intervals. The last column is paired, tour by tour, with p of McNemar's exact test.
+
+Your own follower enters with one module and one command ([how it is written](how-to/own-follower.md)):
+
+<!-- only parsed: hours -->
+```console
+$ tagalong compare --suites {words} --followers {followers} my_module:Bold --leaderboard docs/leaderboard.md
+```
+"""
+
 
 def leaderboard(
     cell: ComparedCell,
@@ -39,24 +57,8 @@ def leaderboard(
         for who in ranked
     ]
     table = "\n".join(f"| {' | '.join(line)} |" for line in (head, ["---"] * len(head), *rows))
-    words = " ".join(f"`{name}`" if "/" in name else name for name in suites)
-    return f"""# Leaderboard
-
-Written by `tagalong compare` on {date}, with tagalong {machine["tagalong"]} on {machine["cores"]} cores of
-{machine["processor"]} ({machine["system"]}, Python {machine["python"]}). Full world, the robot's own tracker, no SLAM.
-Driven: {drives}. The same episodes for everybody.
-
-{table}
-
-Brackets: 95 % intervals. The last column is paired, tour by tour, with p of McNemar's exact test.
-
-Your own follower enters with one module and one command ([how it is written](how-to/own-follower.md)):
-
-<!-- only parsed: hours -->
-```console
-$ tagalong compare --suites {words} --followers {" ".join(followers)} my_module:Bold --leaderboard docs/leaderboard.md
-```
-"""
+    words = " ".join(suites)
+    return PAGE.format(date=date, **machine, drives=drives, table=table, words=words, followers=" ".join(followers))
 
 
 def _lead(cell: ComparedCell, who: str) -> str:
