@@ -1,10 +1,11 @@
 """Who drives: followers of a leader, and explorers without one.
 
-    make_follower          a follower ("pid", "pure_pursuit", "dwa", "learned") or explorer ("random", "frontier") by
-                           name; your own class as "module:name"; a folder that `tagalong train follower` wrote
+    make_follower          a follower ("pid", "pure_pursuit", "dwa", "mppi", "learned") or explorer ("random",
+                           "frontier") by name; your own class as "module:name"; a folder of `tagalong train follower`
     FOLLOWERS, EXPLORERS   the names, and what makes each
     Follower               what each of them is: `reset()`, and `act(observation)` -> action in [-1, 1]
     PIDFollower, PurePursuitFollower, DWAFollower     by rules, with PIDConfig, PurePursuitConfig, DWAConfig
+    MPPIFollower           plans ahead among people whose walk it predicts, with MPPIConfig
     LearnedFollower        a trained network with a guard around it, in plain numpy
     RandomWalk, RandomWalkConfig, FrontierExplorer    explore without a leader; the last where a map is built
     SB3VecEnv              many environments of `gymnasium.make_vec` for stable-baselines3 (extra `learn`)
@@ -31,6 +32,8 @@ from ..slam.door import lends
 
 if TYPE_CHECKING:
     from .learned.follower import LearnedFollower
+    from .planned.config import MPPIConfig
+    from .planned.mppi import MPPIFollower
     from .protocol.follower import Follower
     from .roster import EXPLORERS, FOLLOWERS, make_follower
     from .scripted.dwa import DWAConfig, DWAFollower
@@ -49,6 +52,8 @@ _MODULES = {
     "Follower": "protocol.follower",
     "FrontierExplorer": "scripted.frontier",
     "LearnedFollower": "learned.follower",
+    "MPPIConfig": "planned.config",
+    "MPPIFollower": "planned.mppi",
     "PIDConfig": "scripted.pid",
     "PIDFollower": "scripted.pid",
     "PurePursuitConfig": "scripted.pure_pursuit",
@@ -69,6 +74,8 @@ __all__ = [
     "Follower",
     "FrontierExplorer",
     "LearnedFollower",
+    "MPPIConfig",
+    "MPPIFollower",
     "PIDConfig",
     "PIDFollower",
     "PurePursuitConfig",

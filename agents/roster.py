@@ -20,11 +20,19 @@ from .scripted.plain_pid import PlainPIDFollower
 from .scripted.pure_pursuit import PurePursuitFollower
 from .scripted.random_walk import RandomWalk
 
+
+def _mppi(interface: FollowInterface) -> Follower:
+    from .planned.mppi import MPPIFollower  # imported late: its kernels need numba
+
+    return MPPIFollower(interface)
+
+
 FOLLOWERS: dict[str, Callable[[FollowInterface], Follower]] = {
     "pid": PIDFollower,
     "plain_pid": PlainPIDFollower,
     "pure_pursuit": PurePursuitFollower,
     "dwa": DWAFollower,
+    "mppi": _mppi,
     "learned": LearnedFollower,
 }
 """Who needs a leader."""
@@ -48,9 +56,9 @@ def make_follower(name: str, interface: FollowInterface | None = None) -> Follow
     """Return a new follower or explorer.
 
     Args:
-        name: "pid", "plain_pid", "pure_pursuit", "dwa", "learned" (behind a leader); "random", "frontier" (without);
-            your own class, as "module:name"; or a folder that `tagalong train follower` wrote. With "+guard" behind
-            it, its actions pass the safety filter, which stops before a certain contact.
+        name: "pid", "plain_pid", "pure_pursuit", "dwa", "mppi", "learned" (behind a leader); "random", "frontier"
+            (without); your own class, as "module:name"; or a folder that `tagalong train follower` wrote. With "+guard"
+            behind it, its actions pass the safety filter, which stops before a certain contact.
         interface: Scales of the environment it will act in, `env.unwrapped.interface`; None: it learns them
             there (but a class of your own is told the defaults).
 

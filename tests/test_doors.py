@@ -21,9 +21,9 @@ SURFACE = {
         Pinhole PlaneFinder RgbdFrame TrackerConfig filtered_scans perception_preset table_ii""",
     "envs": """Behaviour Belief CompiledVectorEnv Episode FollowConfig FollowEnv FollowVectorEnv Operator PersonView
         RgbdConfig RobotConfig Scene SceneRequest StepFacts Wish World WorldConfig rollout""",
-    "agents": """DWAConfig DWAFollower EXPLORERS FOLLOWERS Follower FrontierExplorer LearnedFollower PIDConfig
-        PIDFollower PurePursuitConfig PurePursuitFollower RandomWalk RandomWalkConfig SB3VecEnv TourConfig
-        following_tour make_follower""",
+    "agents": """DWAConfig DWAFollower EXPLORERS FOLLOWERS Follower FrontierExplorer LearnedFollower MPPIConfig
+        MPPIFollower PIDConfig PIDFollower PurePursuitConfig PurePursuitFollower RandomWalk RandomWalkConfig SB3VecEnv
+        TourConfig following_tour make_follower""",
 }
 """What users may rely on. A name that goes, or comes, is a decision: it is made here, and told in the changelog."""
 

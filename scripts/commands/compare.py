@@ -1,6 +1,7 @@
 """`tagalong compare`: followers on suites, cell by cell, on the same episodes; one table, with intervals."""
 
 import argparse
+import datetime
 import json
 from collections.abc import Sequence
 from functools import cache
@@ -11,7 +12,7 @@ import gymnasium as gym
 from tqdm import tqdm
 
 from ...agents import make_follower
-from ...envs.suites import SUITES, suite
+from ...envs.suites import FIRST_SEED, SUITES, suite
 from ...slam.errors import InputError, shown
 from ...slam.files.output import made_folder, write_json, write_text
 from ..benchmarks.follower_comparison import episode_row, finished_rows
@@ -19,6 +20,7 @@ from ..console.arguments import require_count
 from ..console.tables import format_table
 from ..lab.cell_comparison import ComparedCell, compare_cells, report
 from ..lab.hardware import describe_machine
+from ..lab.leaderboard import leaderboard
 
 EPILOG = """\
 The first of --followers is what the others are compared with: the share of tours done, paired episode by episode
@@ -26,10 +28,12 @@ The first of --followers is what the others are compared with: the share of tour
 tracker, without SLAM. Every finished episode is a line of episodes.jsonl; the same command goes on where it was
 stopped.
 
-writes into DIR: episodes.jsonl, results.json, report.md
+writes into DIR: episodes.jsonl, results.json, report.md; and the leaderboard where --leaderboard says. A follower of
+your own is one more name: what the others drove into DIR is not driven again.
 
 examples:
   tagalong compare --suites hard-v2 --followers pid learned reinforced reinforced+guard --episodes 100
+  tagalong compare --followers pid mppi my_module:Bold --leaderboard docs/leaderboard.md
   tagalong compare --quick
 """
 QUICK = 2
@@ -44,6 +48,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--suites", nargs="+", choices=sorted(SUITES), default=["hard-v2"], metavar="SUITE")
     parser.add_argument("--episodes", type=int, default=20, metavar="N", help="of each cell (%(default)s)")
     parser.add_argument("--quick", action="store_true", help=f"{QUICK} episodes of each cell")
+    parser.add_argument(
+        "--leaderboard", type=Path, metavar="FILE", help="write all followers in one table, as Markdown"
+    )
     parser.add_argument("--out", type=Path, default=Path("out/compare"), metavar="DIR", help="default: %(default)s")
 
 
@@ -63,6 +70,11 @@ def run(options: argparse.Namespace) -> int:
         {"followers": followers, "cells": [cell.to_dict() for cell in cells], "machine": describe_machine()},
     )
     write_text(options.out / "report.md", report(cells, followers))
+    if options.leaderboard is not None:
+        tours = {name: episodes * len(suite(name)) for name in dict.fromkeys(options.suites)}
+        today = datetime.datetime.now(tz=datetime.UTC).date().isoformat()
+        page = leaderboard(cells[-1], followers, tours, describe_machine(), first_seed=FIRST_SEED, date=today)
+        write_text(options.leaderboard, page)
     print(format_table(("cell", "n", *followers), [_line(cell, followers) for cell in cells]))
     print(f"wrote {options.out / 'report.md'}")
     return 0

@@ -35,6 +35,7 @@ from ..figures.canvas import BLUE, GREEN, INK, ORANGE, PlanCanvas, save_png, sid
 from ..figures.detections import save_detections
 from ..figures.scans import scan_pair_picture
 from ..figures.trajectory import trajectory_picture
+from .planner_picture import planner_picture
 
 WIDTH = 900
 """Of a picture [px]."""
@@ -60,6 +61,7 @@ def draw_all(folder: Path) -> None:
     for name in ("gmapping", "cartographer"):
         _save(folder / "methods" / f"{name}.png", engine_picture(tour, name))
     _save(folder / "methods" / "followers.png", followers_picture())
+    _save(folder / "methods" / "mppi.png", planner_picture(SEED))
     _save(folder / "methods" / "localization.png", localization_picture(tour))
     _save(folder / "methods" / "explorers.png", explorer_picture())
     save_detections(folder / "methods" / "camera.png", camera_frames())

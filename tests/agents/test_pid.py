@@ -49,7 +49,7 @@ def test_what_a_short_laser_does_not_reach_is_no_obstacle():
     assert points.near({"scan": np.array([0.5, 1.0], dtype=np.float32)}, 2.5).tolist() == [[1.0, 0.0]]
 
 
-@pytest.mark.parametrize("name", ["pid", "pure_pursuit", "dwa"])
+@pytest.mark.parametrize("name", ["pid", "pure_pursuit", "dwa", "mppi"])
 def test_who_needs_a_leader_says_so_where_nobody_leads(name):
     observation = {"scan": np.ones(BEAMS, dtype=np.float32), "velocity": np.zeros(2), "people": np.zeros((6, 6))}
     with pytest.raises(InputError, match="needs a leader"):
@@ -156,5 +156,5 @@ def test_a_lost_leader_is_where_the_tracker_predicts_it_only_if_that_is_wanted_a
 
 
 def test_an_unknown_follower_is_refused_with_the_list():
-    with pytest.raises(InputError, match="followers: dwa, frontier, learned, pid"):
+    with pytest.raises(InputError, match="followers: dwa, frontier, learned, mppi, pid"):
         make_follower("pdi")

@@ -48,3 +48,25 @@ def test_a_stopped_comparison_goes_on_and_drives_nothing_twice(tmp_path, monkeyp
     cell = json.loads((tmp_path / "results.json").read_text())["cells"][0]
     assert cell["done"]["dwa"]["mean"] == 1.0
     assert main([*words[:4], "pid", "--out", str(tmp_path)]) == 2
+
+
+def test_a_strangers_follower_enters_the_leaderboard_with_one_module_and_one_command(tmp_path, monkeypatch):
+    toy = (
+        "class Toy:\n    def reset(self):\n        pass\n\n    def act(self, observation):\n        return [0.0, 0.0]\n"
+    )
+    (tmp_path / "toy_follower.py").write_text(toy)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(
+        compare, "episode_row", lambda who, name, k, env: {**row(who, "", k, ":" in who), "suite": name}
+    )
+    monkeypatch.setattr(compare, "_environment", lambda name, number: None)
+    words = ["compare", "--suites", "office", "--followers", "pid", "toy_follower:Toy", "--episodes", "6"]
+    assert main([*words, "--out", "out", "--leaderboard", "board.md"]) == 0
+    page = (tmp_path / "board.md").read_text()
+    places = [line.split("|")[1].strip() for line in page.splitlines() if line.startswith("| `")]
+    assert places == ["`toy_follower:Toy`", "`pid`"]
+    assert "| 1.00 [0.61, 1.00] | 0 of 6 |" in page
+    assert "+1.00 [+1.00, +1.00], p 0.031" in page
+    assert "`office`, 6 tours, seeds 1000000 to 1000005" in page
+    assert "tagalong compare --suites office --followers pid toy_follower:Toy my_module:Bold" in page
