@@ -13,6 +13,7 @@ Array = NDArray[np.float64]
 
 _BREAKS, _HEALS = 0.001, 0.1  # probability that sound odometry fails with the next scan, and that a fault ends
 _THAWS = 0.5  # probability that a fault ends where odometry that stood still moves again
+_CHANCE = 0.1  # share of faulty motions that agree with both predictions
 _SUREST = 1e-6  # never is it surer than this that odometry is sound, or is not
 _ERRORS = 20  # so many of the newest tell how precise the odometry is; at first, they are those of its model
 _MOST_PRECISE = 0.2  # of the error model's standard deviations: below, a match errs as much
@@ -42,6 +43,11 @@ class OdometrySoundness:
         """Learn from a match; `lead` is the logarithm of how many times likelier a fault explains it."""
         probability = 1.0 / (1.0 + math.exp(min(max(lead, -700.0), 700.0)))
         self.probability = min(max(probability, _SUREST), 1.0 - _SUREST)
+
+    def agree(self) -> None:
+        """Learn from a match that odometry moves the robot as it moved before."""
+        self.probability /= self.probability + _CHANCE * (1.0 - self.probability)
+        self.probability = min(self.probability, 1.0 - _SUREST)
 
 
 class OdometryPrecision:

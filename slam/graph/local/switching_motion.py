@@ -108,6 +108,7 @@ class SwitchingMotion:
         self._believed = np.zeros(3)  # odometry told, in the frame of the believed one
         self._before: tuple[Array | None, Array] | None = None  # offset and odometry before the newest fault ...
         self._since = 0  # ... and scans with sound odometry that moved since
+        self._agree = False  # whether odometry moves the robot as it moved before
         self._doubt = np.zeros(2)  # sigma of the motions since the last match that the odometry did not tell
         self._moved = 0.0  # [m] by the odometry since the last scan
         self._soundness, self._precision = OdometrySoundness(), OdometryPrecision()
@@ -209,6 +210,7 @@ class SwitchingMotion:
         Args:
             elapsed: Since the last scan [s].
         """
+        self._agree = False
         going_on = self._going_on(elapsed)
         if going_on is None:
             return []
@@ -216,10 +218,10 @@ class SwitchingMotion:
         told = between(self._matched_odometry, self._believed)
         off = np.abs(between(coasted, told))
         most = _AGREE * self._config.sigma(told) + _NEAR
-        agree = math.hypot(off[0], off[1]) <= most[0] and bool(off[2] <= most[1])
+        self._agree = math.hypot(off[0], off[1]) <= most[0] and bool(off[2] <= most[1])
         went = compose(self._matched_odometry, coasted)
         fault = 1.0 - self._soundness.probability
-        return [] if agree else [self._guessed(went, fault, sigma, False)]
+        return [] if self._agree else [self._guessed(went, fault, sigma, False)]
 
     def _going_on(self, elapsed: float) -> tuple[Array, Array] | None:
         """Return (3,) how far a robot that goes on as before is from its last match, and (2,) the standard deviations.
@@ -336,6 +338,8 @@ class SwitchingMotion:
             return
         if not hypotheses[-1].sound:
             self._soundness.weigh(lead)
+        elif self._agree:
+            self._soundness.agree()
         self.jumped = jumped or (self.jumped and self._soundness.probability < _TRUSTED)
         if chosen.sound and not jumped and not self._unmatched and not self._bridges:
             self._precision.learn(self._extrapolator.predict(chosen.odometry), pose)
