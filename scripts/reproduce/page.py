@@ -11,7 +11,7 @@ from .report import Figure, Report, Section, Table
 
 _WIDEST = 1000  # pixels: what a page shows at most
 _COLOURS = 128
-_SIGNS = str.maketrans({sign: f"\\{sign}" for sign in "\\`*_<>[]|#"})
+_SIGNS = str.maketrans({"<": "&lt;", **{sign: f"\\{sign}" for sign in "\\`*_>[]|#"}})
 
 
 def write_page(path: Path, report: Report, machine: Mapping[str, Any], day: str, cost: str) -> None:

@@ -49,7 +49,7 @@ def test_each_experiment_gets_a_page_with_its_tables_small_pictures_and_what_it_
     page = (tmp_path / "pages/coins.md").read_text()
     assert page.startswith("# Coins & heads\n\nThey fall.\n\n*Measured on ")
     assert "Made by `tagalong reproduce coins --quick`" in page.replace("\\`", "`")
-    assert "| toss | a\\|b |\n| :--- | ---: |\n| toss/0 | 1 \\< 2 |" in page
+    assert "| toss | a\\|b |\n| :--- | ---: |\n| toss/0 | 1 &lt; 2 |" in page
     assert "One.\n\nTwo\\_and\\_more." in page
     assert "![A \\[red\\] coin](coins/coin.png)" in page
     with Image.open(tmp_path / "pages/coins/coin.png") as picture:
