@@ -1,6 +1,6 @@
 """A follower by model predictive path integral control (Williams et al. 2017), among people whose walk it predicts.
 
-Each step, hundreds of plans scene the last one are driven in thought, each is priced by what it meets, and their mean,
+Each step, hundreds of plans around the last one are driven in thought, each is priced by what it meets, and their mean,
 weighted by exp(-price / temperature), is the new plan; its first wish is driven.
 """
 

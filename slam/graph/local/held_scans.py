@@ -47,7 +47,7 @@ class Due:
         odometry: (3,) T_odom_robot.
         scan: The scan.
         bridge: (2,) how far off the odometry may be [m, rad]; None: it is not interpolated.
-        look: What was found when it was looked at, if that holds where nothing was drawn since.
+        look: What was found when it was looked at; it holds where nothing was drawn since.
     """
 
     odometry: Array
@@ -82,5 +82,6 @@ class HeldScans:
         return True
 
     def looked(self, look: Look) -> None:
-        """Keep what was found when the newest was looked at."""
-        self.scans[-1] = replace(self.scans[-1], look=look)
+        """Keep what was found when the newest was looked at, if no other waits: what is made of those may change it."""
+        if len(self.scans) == 1:
+            self.scans[0] = replace(self.scans[0], look=look)
