@@ -9,6 +9,7 @@ from tagalong.slam.geometry import between, compose, part_of
 from tagalong.slam.graph.local.local_slam import LocalSlam, LocalSlamConfig
 from tagalong.slam.graph.local.switching_motion import SwitchingMotion
 from tagalong.slam.scan_to_grid.extrapolator import ExtrapolatorConfig
+from tagalong.slam.scan_to_grid.voxel_filter import AdaptiveVoxelConfig, AdaptiveVoxelFilter
 from walls import cast
 
 # A corridor with a niche where it begins, a corner, a second corridor: no scan tells how far along the robot is.
@@ -127,6 +128,10 @@ def test_the_parts_of_a_motion_make_the_whole(motion):
     np.testing.assert_allclose(pose, motion, atol=1e-6)
 
 
+def points_of(scan):
+    return AdaptiveVoxelFilter(AdaptiveVoxelConfig()).apply(scan.points_robot)
+
+
 def waiting(last):
     """Return local SLAM after the corridor's first 36 scans and a wait of two scans, the robot at `last` in them."""
     rng, local, truth = np.random.default_rng(0), LocalSlam(LocalSlamConfig()), round_the_corner()[:36]
@@ -152,18 +157,22 @@ def test_what_was_found_while_a_scan_waited_holds_until_something_is_drawn():
     assert second.look is None  # what becomes of the first may change it
     moved = replace(first.look.match, pose=at + np.array([0.25, 0.0, 0.0]))
     known = replace(first, look=replace(first.look, match=moved))
-    np.testing.assert_array_equal(local.take(known).pose, moved.pose)
-    assert np.hypot(*(local.take(known).pose - moved.pose)[:2]) > 0.0  # it was drawn: the look holds no longer
+    np.testing.assert_array_equal(first.look.points, points_of(first.scan))
+    taken = local.take(known)
+    np.testing.assert_array_equal(taken.pose, moved.pose)
+    assert taken.insertion
+    again = replace(known, scan=replace(known.scan, ranges=known.scan.ranges + 1e-4))
+    assert np.hypot(*(local.take(again).pose - moved.pose)[:2]) > 0.0  # the look holds no longer
 
 
 def test_odometry_that_has_caught_up_is_as_rough_as_the_whole_way_and_teaches_nothing_of_its_precision():
     local, at = waiting(round_the_corner()[37])
     goal, motion = compose(at, [1.5, 0.0, 0.0]), local._held.motion
     assert motion
-    faults, shares = motion.faults, motion._precision.shares.copy()
+    faults, errors = motion.faults, motion._precision._errors
     for due in local.rest(goal):
         assert due.bridge is not None
         local.take(due)
     assert local._motion.faults == faults + 2
-    np.testing.assert_array_equal(local._motion._precision.shares, shares)
+    assert local._motion._precision._errors is errors
     assert local._motion.predict(goal, 9.0)[0].prediction.sigma[0] > 0.06 * 1.5
