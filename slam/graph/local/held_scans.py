@@ -55,6 +55,10 @@ class Due:
     bridge: Array | None = None
     look: Look | None = None
 
+    def known(self, drawn: int) -> Look | None:
+        """Return what is known of the scan, once so many have been drawn; None: nothing that holds."""
+        return self.look if self.look and self.look.drawn == drawn else None
+
 
 _MOST = 20  # scans wait: odometry that stands still for longer has failed, or the robot has stopped
 

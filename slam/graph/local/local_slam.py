@@ -195,8 +195,7 @@ class LocalSlam:
         repeated, self._ranges = np.array_equal(scan.ranges, self._ranges), scan.ranges
         if repeated:  # a driver has sent a scan once more: it tells nothing new
             return self._by_odometry(hypotheses[0], None, False)
-        known = due.look and due.look.drawn == self._active.drawn
-        look = due.look if due.look and known else self._looked(scan, hypotheses)
+        look = due.known(self._active.drawn) or self._looked(scan, hypotheses)
         ambiguous, hypotheses = not hypotheses[-1].sound, look.hypotheses
         points, motion, match, lead = look.points, look.motion, look.match, look.lead
         contradicts = self._contradicts(scan, points, match, self._monitor)

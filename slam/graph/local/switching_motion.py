@@ -324,11 +324,12 @@ class SwitchingMotion:
             jumped: Whether that match was found only far from the prediction.
         """
         assert self._extrapolator is not None
-        self.faults += self._bridges or not chosen.sound
+        guessed = self._bridges or not chosen.sound
+        self.faults += guessed
         self._remember(chosen)
         odometry = chosen.odometry
-        if lead is not None and (self._bridges or not chosen.sound):  # what a guess was off by is no error of the
-            odometry = compose(inverse(self._anchor), pose)  # odometry before
+        if lead is not None and guessed:  # what a guess was off by is no error of the odometry before
+            odometry = compose(inverse(self._anchor), pose)
         if not self._bridges and not np.array_equal(odometry, self._believed):
             self._offset = compose(odometry, inverse(self._told))
             self._doubt = chosen.prediction.sigma
