@@ -108,8 +108,7 @@ class MPPIFollower:
         plans = np.concatenate((last[None], drawn, self._menu))
         plans = np.clip(plans, self._body.limits[:, 0], self._body.limits[:, 1])
         costs = self._costs(plans, scene)
-        weight = np.exp(-(costs - costs.min()) / c.temperature)
-        pair = np.stack((np.tensordot(weight / weight.sum(), plans, axes=1), plans[int(np.argmin(costs))]))
+        pair = np.stack((np.tensordot(weights(costs, c.temperature), plans, axes=1), plans[int(np.argmin(costs))]))
         self._plan = pair[int(np.argmin(self._costs(pair, scene)))]
 
     def _costs(self, plans: Array, scene: PlanningScene) -> Array:
@@ -123,3 +122,9 @@ class MPPIFollower:
         scaled = [forward / robot.max_speed, left / robot.max_speed, turn / robot.max_turn_rate]
         action = np.array(scaled if robot.holonomic else [scaled[0], scaled[2]], dtype=np.float32)
         return np.clip(action, -1.0, 1.0)
+
+
+def weights(costs: Array, temperature: float) -> Array:
+    """Return (n,) how much each of n plans counts in their mean, the cheaper the more; 1 in all (Williams 2017)."""
+    weight = np.exp(-(costs - costs.min()) / temperature)
+    return weight / weight.sum()

@@ -1,5 +1,6 @@
 """What the nodes `filter` and `people` do: people out of scans, and where the people are."""
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -30,7 +31,7 @@ class FilterNodeConfig(InputConfig):
     forest: str = "real"
 
 
-class _FilteredScans:
+class _FilteredScans(ABC):
     """Takes people out of scans as they come; what is sent of each is up to the node."""
 
     def __init__(self, maker: Maker, config: FilterNodeConfig) -> None:
@@ -49,8 +50,9 @@ class _FilteredScans:
     def _people(self, live: LiveScan) -> PeopleMessages:
         return PeopleMessages(self._maker, flipped=live.flipped)  # pyright: ignore[reportArgumentType]
 
+    @abstractmethod
     def _send(self, live: LiveScan, filtered: FilteredScan) -> list[Output]:
-        raise NotImplementedError
+        """Return what is sent of a scan."""
 
 
 class FilterLogic(_FilteredScans):

@@ -10,7 +10,7 @@ from tagalong.agents import MPPIConfig, make_follower
 from tagalong.agents.learned.steering import SteeringConfig, steer
 from tagalong.agents.planned.config import PriceConfig
 from tagalong.agents.planned.fields import CELL_M, FAR_M, HALF_M, WAY_CELL_M, distance_field, value_at, ways_to
-from tagalong.agents.planned.mppi import MPPIFollower
+from tagalong.agents.planned.mppi import MPPIFollower, weights
 from tagalong.agents.planned.plan_kernel import axis_step, harm
 from tagalong.agents.planned.prediction import walked_on
 from tagalong.agents.planned.robot_body import body_of
@@ -177,3 +177,10 @@ def test_the_safety_filter_fits_behind_it():
 def test_settings_that_cannot_be_are_refused(make, said):
     with pytest.raises(InputError, match=said):
         make()
+
+
+def test_the_cheaper_a_plan_the_more_it_counts():
+    counted = weights(np.array([3.0, 1.0, 2.0]), temperature=0.5)
+    np.testing.assert_allclose(counted.sum(), 1.0)
+    np.testing.assert_allclose(counted[1] / counted[2], np.exp(2.0))
+    assert counted[1] > counted[2] > counted[0]

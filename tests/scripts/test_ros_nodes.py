@@ -118,6 +118,25 @@ def test_slam_sends_the_map_and_where_the_odometry_is_on_it(bag, make):
         assert np.abs(believed - between(planar(poses[0]), planar(poses[k])))[:2].max() < 0.15
 
 
+class Elsewhere:
+    """An engine that has the robot at one place, far from where its odometry has it."""
+
+    pose = np.array([2.0, 1.0, 1.5])
+
+    def update(self, odometry, scan):
+        return self
+
+
+def test_the_transform_takes_the_odometry_to_where_slam_has_the_robot(bag, make, monkeypatch):
+    logic = slam_logic.SlamLogic(make, slam_logic.SlamNodeConfig(map_every_s=1e6, filter_people=False, **SIMULATED))
+    monkeypatch.setattr(logic, "_engine", Elsewhere())
+    logic._map_s = 0.0
+    link = play(logic, bag)["/tf"][-1].transforms[0]
+    T_map_odom = np.array([link.transform.translation.x, link.transform.translation.y, turn(link)])
+    odometry = planar([message.pose.pose for *_, message in messages(bag, "/odom")][-1])
+    np.testing.assert_allclose(compose(T_map_odom, odometry), Elsewhere.pose, atol=1e-6)
+
+
 def turn(link):
     return 2.0 * np.arctan2(link.transform.rotation.z, link.transform.rotation.w)
 
