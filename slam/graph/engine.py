@@ -111,12 +111,10 @@ class Cartographer:
         before, self._matched = self._matched, result.pose if sound else None
         if before is None or result.match is None or not sound:
             return
-        local = self.config.local
         cos, sin = math.cos(before[2]), math.sin(before[2])
         turned = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
-        information = local.matcher.independent * (turned.T @ result.match.information @ turned)
-        step = between(before, result.pose)
-        self._calibration.learn(step, information, local.extrapolator.sigma(step))
+        information = self.config.local.matcher.independent * (turned.T @ result.match.information @ turned)
+        self._calibration.learn(between(before, result.pose), information)
 
     def _take(self, scans: Iterable[Due]) -> LocalResult | None:
         """Map scans, one after the other; return what became of the last one."""
