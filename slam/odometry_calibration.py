@@ -1,10 +1,10 @@
 """What wheels of the wrong size do to odometry, learned while driving: scale, turn, and a turn with the way.
 
 A robot's odometry rests on the diameters of its wheels and the distance between them, and both are known to some per
-cent only: it tells too much or too little of the way, of its turns, and turns where the robot drives straight (Borenstein,
-Feng 1996). These three factors stay as they are for long, so they are estimated from matched scans, stretch by stretch,
-by recursive regression. What matching finds along a stretch may be wrong as a whole, as among walls that look alike, so
-that one stretch tells no more than is known of odometry beforehand, however many scans it has.
+cent only: it tells too much or too little of the way and of its turns, and turns where the robot drives straight
+(Borenstein, Feng 1996). These three factors stay as they are for long, so they are estimated from matched scans, by
+recursive regression, stretch by stretch. What matching finds along a stretch may be wrong as a whole, as among walls
+that look alike, so that one stretch tells no more than is known of odometry beforehand, however many scans it has.
 """
 
 import math
@@ -97,7 +97,7 @@ class OdometryCalibration:
 
 
 def _model(step: Array, heading: float) -> Array:
-    """Return (3, 3) what makes the motion of a told `step` (3,), in a frame where it begins at a `heading`, of factors."""
+    """Return (3, 3) what makes the motion of a told `step` (3,) that begins at a `heading`, of the factors."""
     x, y, turn = step.tolist()
     cos, sin = math.cos(heading), math.sin(heading)
     return np.array([[cos * x - sin * y, 0.0, 0.0], [sin * x + cos * y, 0.0, 0.0], [0.0, turn, x]])

@@ -29,7 +29,8 @@ writes into DIR:
   map.png                the map with the trajectory, to look at
   landmarks.json         with --method ekf: the landmarks, for tagalong localize --method landmarks
   metrics.json           configuration and results; how often it was not sure where it is,
-                         and at how many scans it did not believe the odometry;
+                         and at how many scans it did not believe the odometry; what graph SLAM
+                         learned of the wheels (true way and turn by the odometry's, rad/m);
                          errors where the log has reference poses
                          (its own corrected poses, or NAME.gt.tum beside NAME.log.gz)
   timing.json            speed and memory; the only file that differs between two runs
@@ -107,12 +108,20 @@ def _reference(log: Path, drive: RecordedDrive) -> NDArray[np.float64] | None:
     return poses
 
 
+def _learned(factors: dict[str, float] | None) -> list[tuple[str, str, str]]:
+    if factors is None:
+        return []
+    told = f"{factors['way']:.3f}, {factors['turn']:.3f}"
+    return [("true way, turn by odometry's", told, f"and {factors['turn_per_metre']:+.3f} rad/m")]
+
+
 def _rows(metrics: dict[str, Any], wall_s: float) -> list[tuple[str, str, str]]:
     rows = [
         ("scans", str(metrics["scans"]), ""),
         ("integrated", str(metrics["integrated_scans"]), ""),
         ("not sure where it is", str(metrics["not_sure"]["scans"]), "scans"),
         ("odometry not believed", str(metrics["odometry_not_believed"]["scans"]), "scans"),
+        *_learned(metrics["odometry_factors"]),
         ("path", f"{metrics['path_m']:.1f}", "m"),
         ("free area", f"{metrics['map']['free_m2']:.1f}", "m2"),
         ("engine time", f"{wall_s:.2f}", "s"),

@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 from tqdm import tqdm
 
 from ... import __version__
+from ...slam.engine import SlamEngine
 from ...slam.errors import InputError
 from ...slam.files.output import write_json
 from ...slam.geometry import compose
+from ...slam.graph.engine import Cartographer
 from ...slam.landmarks.landmark_map import LandmarkMapper, write_landmark_map
 from ...slam.logs.drive import RecordedDrive
 from ...slam.logs.ros_map import write_ros_map
@@ -105,6 +107,7 @@ def run_metrics(
         "integrated_scans": int(run.integrated.sum()),
         "not_sure": {"scans": int((~run.located).sum()), "times": _stretches(~run.located)},
         "odometry_not_believed": {"scans": int(run.odometry_faults.sum()), "times": _stretches(run.odometry_faults)},
+        "odometry_factors": _odometry_factors(run.engine),
         "path_m": float(np.hypot(steps[:, 0], steps[:, 1]).sum()),
         "map": {
             "resolution_m": grid.resolution,
@@ -128,6 +131,14 @@ def run_metrics(
                 "rpe_deg": asdict(relative.rotation),
             }
     return result
+
+
+def _odometry_factors(engine: SlamEngine) -> dict[str, float] | None:
+    """Return what the engine has learned of the wheels; None: it does not."""
+    if not isinstance(engine, Cartographer):
+        return None
+    way, turn, turn_per_metre = engine.odometry_factors.tolist()
+    return {"way": way, "turn": turn, "turn_per_metre": turn_per_metre}
 
 
 def _stretches(flags: NDArray[np.bool_]) -> int:

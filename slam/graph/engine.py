@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..bounds import Cell, check_numbers, checked_pose
 from ..engine import SlamUpdate
-from ..grid import GridConfig, render_map
 from ..geometry import between
+from ..grid import GridConfig, render_map
 from ..growing_map import GrowingMap
 from ..occupancy_map import OccupancyMap
 from ..odometry_calibration import OdometryCalibration
@@ -54,7 +54,7 @@ class Cartographer:
 
     Scans in a row that contradict what was mapped tell that the robot may have been carried, or slipped far. Mapping
     goes on, and once the robot has been found and followed elsewhere on the map of before, all that was mapped since is
-    taken back and mapped again there.
+    taken back and mapped again there. What wheels of the wrong size do to the odometry is learned from the matches.
 
     `SlamUpdate.diagnostics`: `score` (mean occupancy of the submap under the scan's points, 0 .. 1), `odometry_fault`
     (1: the robot moved otherwise than its odometry says).
@@ -172,6 +172,11 @@ class Cartographer:
     def relocalizations(self) -> int:
         """How often it was found again."""
         return self._recovery.relocalizations if self._recovery else 0
+
+    @property
+    def odometry_factors(self) -> Array:
+        """(3,) what was learned of the wheels: way by way told, turn by turn told, untold turn by way ahead [rad/m]."""
+        return self._calibration.factors
 
     @property
     def constraints(self) -> tuple[Constraint, ...]:

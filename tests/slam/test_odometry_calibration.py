@@ -1,0 +1,100 @@
+"""Wheels of the wrong size: what they do to odometry is learned from matched scans, and only where scans tell it."""
+
+import numpy as np
+import pytest
+from tagalong.slam import make_slam
+from tagalong.slam.geometry import between, compose
+from tagalong.slam.odometry_calibration import OdometryCalibration
+from walls import cast
+
+CLEAR = np.diag([1e4, 1e4, 1e5])  # information of a scan that tells the place to centimetres
+CORRIDOR = np.diag([0.0, 1e4, 1e5])  # and along a corridor
+
+
+def steps(way, each=0.25, turn=0.0):
+    """Return the true steps (n, 3) of a drive of `way` [m] that turns by so much each step."""
+    return np.tile((each, 0.0, turn), (round(way / each), 1))
+
+
+def told(truth, way=1.0, turn=1.0, drift=0.0):
+    """Return the odometry of true steps (n, 3) whose factors are these."""
+    poses = [np.zeros(3)]
+    for x, y, theta in truth:
+        poses.append(compose(poses[-1], (x / way, y / way, (theta - drift * x / way) / turn)))
+    return np.array(poses)
+
+
+def learned(truth, odometry, information=CLEAR):
+    calibration = OdometryCalibration()
+    calibration.apply(odometry[0])
+    for step, pose in zip(truth, odometry[1:], strict=True):
+        calibration.apply(pose)
+        calibration.learn(step, information)
+    return calibration
+
+
+@pytest.mark.parametrize("factors", [(0.8, 1.0, 0.0), (1.25, 1.0, 0.0), (1.0, 1.1, 0.0), (1.0, 1.0, 0.05)])
+def test_factors_are_learned_within_a_hundred_metres(factors):
+    truth = np.concatenate((steps(50, turn=0.1), steps(50, turn=-0.08)))
+    calibration = learned(truth, told(truth, *factors))
+    np.testing.assert_allclose(calibration.factors, factors, atol=0.03)
+
+
+def test_calibrated_odometry_moves_as_the_robot_does():
+    truth = steps(120, turn=0.05)
+    odometry = told(truth, way=0.85)
+    calibration = learned(truth, odometry)
+    here = calibration.apply(odometry[-1])
+    there = calibration.apply(compose(odometry[-1], (1.0, 0.0, 0.0)))
+    assert between(here, there)[0] == pytest.approx(0.85, abs=0.03)
+
+
+def test_before_anything_is_learned_odometry_is_as_it_is_told():
+    odometry, calibration = told(steps(20, turn=0.1)), OdometryCalibration()
+    np.testing.assert_allclose([calibration.apply(pose) for pose in odometry], odometry, atol=1e-9)
+
+
+def test_a_corridor_says_nothing_of_the_way():
+    truth = steps(100)
+    calibration = learned(0.8 * truth, told(truth, drift=0.04), CORRIDOR)
+    assert calibration.factors[0] == pytest.approx(1.0, abs=1e-6)
+
+
+def test_what_one_stretch_says_is_not_believed_at_once():
+    truth = steps(5)
+    assert learned(0.6 * truth, told(truth)).factors[0] > 0.75
+
+
+def test_one_wrong_stretch_does_not_undo_what_was_learned():
+    truth = steps(100)
+    matched = truth.copy()
+    matched[200:220] *= 0.4
+    assert learned(matched, told(truth)).factors[0] > 0.97
+
+
+def test_factors_that_change_are_learned_anew():
+    truth = steps(150)
+    odometry = np.concatenate((told(truth), compose((150.0, 0.0, 0.0), told(truth, way=0.9)[1:])))
+    calibration = learned(np.concatenate((truth, truth)), odometry)
+    assert calibration.factors[0] == pytest.approx(0.9, abs=0.03)
+
+
+def test_backing_turns_the_other_way():
+    truth = np.concatenate((steps(60), -steps(60)))
+    calibration = learned(truth, told(truth, drift=0.05))
+    assert calibration.factors[2] == pytest.approx(0.05, abs=0.02)
+
+
+def test_graph_slam_learns_the_wheels_of_its_robot():
+    room = np.array([[-4.0, -3.0, 5.0, -3.0], [5.0, -3.0, 5.0, 4.0], [5.0, 4.0, -4.0, 4.0], [-4.0, 4.0, -4.0, -3.0]])
+    bearings, rng = np.deg2rad(np.arange(-135.0, 135.0, 1.5)), np.random.default_rng(0)
+    phase = np.linspace(0.0, 8.0 * np.pi, 400)
+    truth = np.stack((2.0 * np.sin(phase), -1.2 + 1.2 * np.cos(phase), -phase), axis=-1)
+    odometry, engine = [truth[0]], make_slam("cartographer")
+    for motion in between(truth[:-1], truth[1:]):
+        odometry.append(compose(odometry[-1], motion * [1.15, 1.15, 1.0]))
+    for pose, told in zip(truth, odometry, strict=True):
+        engine.update(told, cast(room, pose, rng, bearings=bearings))
+    way, turn, turn_per_metre = engine.odometry_factors
+    assert way == pytest.approx(1.0 / 1.15, abs=0.03)
+    assert turn + turn_per_metre * 1.15 * 1.63 == pytest.approx(1.0, abs=0.03)  # both, on circles of some 1.63 m
