@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...slam.scan import LaserScan
-from ...slam.scan_to_scan.laser_odometry import ScanToScanOdometry
 from ..people_filter import FilteredScan, PeopleFilter, PeopleFilterConfig
 
 
@@ -39,7 +38,7 @@ class FilterCounts:
 
 
 class ScanFilter:
-    """Takes people out of the scans of one laser, whatever their stamps; makes odometry of scans that have none.
+    """Takes people out of the scans of one laser, whatever their stamps.
 
     Args:
         config: Of the people filter.
@@ -48,12 +47,10 @@ class ScanFilter:
     def __init__(self, config: PeopleFilterConfig) -> None:
         self._filter = PeopleFilter(config)
         self._clock = IncreasingClock(config.tracker.motion.reference_rate_hz)
-        self._odometry = ScanToScanOdometry()
 
     def update(self, scan: LaserScan, odometry: NDArray[np.float64] | None) -> FilteredScan:
         """Take the next scan, with T_odom_robot (3,) or None, where there is no odometry."""
-        pose = self._odometry.update(scan).pose if odometry is None else odometry
-        return self._filter.update(replace(scan, time_s=self._clock.update(scan.time_s)), pose)
+        return self._filter.update(replace(scan, time_s=self._clock.update(scan.time_s)), odometry)
 
 
 class IncreasingClock:

@@ -3,11 +3,12 @@
 DATA holds .npz recordings in the layout of the leg_tracker ones. What is chosen by data is chosen without the
 recording that it is tried on: forests for positive_1 to 3 and for each third of negative_2 are trained without it
 (`--forest left-out`; a few minutes), all others never saw theirs. The tracker's numbers are its preset's. A recording
-without odometry gets that of its scans (scan matching), as any user's would.
+without odometry gets that of its scans (scan matching), as any user's would; with `--odometry scans` all do.
 
 `found`: annotated people, or labelled legs, with somebody tracked within 0.75 m. `extra`: people farther than that from
 all annotated ones, a scan with annotations; annotations leave out people, so not all of them are wrong. `walked`: those
-of them that walk more than a metre while they are tracked. `switches`: changes of number. `people`: tracked a scan;
+of them that walk more than a metre while they are tracked. `known`: those that an annotation meets in another scan: a
+person surely, whom nobody annotated in this one. `switches`: changes of number. `people`: tracked a scan;
 where nobody is, all are false.
 
 A second table tells of labelled legs within 5 m: the share found by a cluster within 0.2 m, at so many false legs a
@@ -46,7 +47,7 @@ from .results import write_results
 
 RADIUS = 0.75
 WALKED = 1.0
-HEADER = ("recording", "preset", "truths", "found", "extra", "walked", "switches", "people", "numbers")
+HEADER = ("recording", "preset", "truths", "found", "extra", "walked", "known", "switches", "people", "numbers")
 Array = NDArray[np.float64]
 
 
@@ -80,6 +81,7 @@ class Judge:
     people: int = 0
     scans: int = 0
     extra: list[int] = field(default_factory=list)
+    met: set[int] = field(default_factory=set)
     legs: list[float] = field(default_factory=list)
     clusters: list[Array] = field(default_factory=list)
     _partner: dict[int, int] = field(default_factory=dict)
@@ -98,6 +100,7 @@ class Judge:
         self.annotated += 1
         self.truths += len(there)
         self.found += int((apart.min(axis=1, initial=np.inf) < RADIUS).sum())
+        self.met.update(ids[apart.min(axis=0, initial=np.inf) < RADIUS].tolist())
         self.extra += ids[apart.min(axis=0, initial=np.inf) >= RADIUS].tolist()
         for person, track in zip(*assign(apart, RADIUS), strict=True):
             known, now = int(numbers[person]), int(ids[track])
@@ -115,20 +118,25 @@ class Judge:
     def figures(self) -> dict[str, float]:
         """Return the figures named in the module's docstring."""
         walked = {number for number, way in self._ways.items() if np.ptp(way, axis=0).max() >= WALKED}
-        annotated = max(1, self.annotated)
+        annotated, nan = max(1, self.annotated), float("nan")
         return {
             "truths": self.truths,
-            "found": self.found / self.truths if self.truths else float("nan"),
-            "extra": len(self.extra) / annotated if self.truths else float("nan"),
-            "walked": sum(number in walked for number in self.extra) / annotated if self.truths else float("nan"),
+            "found": self.found / self.truths if self.truths else nan,
+            "extra": len(self.extra) / annotated if self.truths else nan,
+            "walked": sum(number in walked for number in self.extra) / annotated if self.truths else nan,
+            "known": sum(number in self.met for number in self.extra) / annotated if self.truths else nan,
             "switches": self.switches,
             "people": self.people / max(1, self.scans),
             "numbers": len(self._ways),
         }
 
 
-def read_people_recording(path: Path) -> PeopleRecording:
+def read_people_recording(path: Path, odometry_of: str = "recording") -> PeopleRecording:
     """Read a recording: `ranges`, ..., and `gt_xy`, `gt_id`, `gt_scan_index`, `odom_t_x_y_theta` where it has them.
+
+    Args:
+        path: The file.
+        odometry_of: "recording", where it has any, or "scans", as if it had none.
 
     Raises:
         InputError: If the file is missing or has another layout.
@@ -136,7 +144,7 @@ def read_people_recording(path: Path) -> PeopleRecording:
     scans = read_scans_npz(path)
     truths: dict[int, tuple[NDArray[np.int64], Array]] = {}
     with np.load(path, allow_pickle=False) as content:
-        if "odom_t_x_y_theta" in content:
+        if odometry_of == "recording" and "odom_t_x_y_theta" in content:
             odometry, mounts = content["odom_t_x_y_theta"], content["tf_base_link__left_laser"]
             columns = odometry[:, 1], odometry[:, 2], np.unwrap(odometry[:, 3])
             robot = np.stack([np.interp(content["stamp"], odometry[:, 0], column) for column in columns], axis=1)
@@ -209,6 +217,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--forest", choices=("left-out", "shipped"), default="left-out", help="who tells legs (default: %(default)s)"
     )
     parser.add_argument(
+        "--odometry",
+        choices=("recording", "scans"),
+        default="recording",
+        help="the recording's own, or made of its scans (default: %(default)s, where it has any)",
+    )
+    parser.add_argument(
         "--scans",
         type=at_least(1),
         default=TrainConfig().scans,
@@ -226,7 +240,7 @@ def run(options: argparse.Namespace) -> int:
     rows, presets = [], [options.preset] if options.preset else list(PRESETS)
     judges: dict[str, dict[str, Judge]] = {preset: {} for preset in presets}
     for path in paths:
-        recording = read_people_recording(path)
+        recording = read_people_recording(path, options.odometry)
         for preset in presets:
             config = replace(perception_preset(preset), forest="real")
             judge = judges[preset][recording.name] = judge_recording(recording, config, forests[recording.name])

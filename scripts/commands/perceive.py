@@ -2,6 +2,7 @@
 
 import argparse
 import sys
+from collections.abc import Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from zipfile import is_zipfile
@@ -19,7 +20,6 @@ from ...slam.files.output import write_json, write_text
 from ...slam.logs.log import read_log
 from ...slam.logs.scans_npz import read_scans_npz
 from ...slam.scan import LaserScan
-from ...slam.scan_to_scan.laser_odometry import laser_odometry
 from ..console.log_options import add_topics
 from ..console.record_option import add_record, check_record
 from ..lab.people_recordings import recorded_people
@@ -32,9 +32,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments of the command."""
     parser.description = (
         "Finds legs and tracks people in recorded scans. SCANS is a CARMEN, BeeSoft, DP-SLAM or tinySLAM log\n"
-        "(plain or .gz), a ROS bag (ROS 1: a file, ROS 2: a folder; without odometry in it the laser counts as\n"
-        "standing), or an .npz with ranges (scans, beams), angle_min, angle_increment, range_min, range_max and\n"
-        "bag_time or stamp.\n"
+        "(plain or .gz), a ROS bag (ROS 1: a file, ROS 2: a folder), or an .npz with ranges (scans, beams),\n"
+        "angle_min, angle_increment, range_min, range_max and bag_time or stamp. Odometry that is not in it is made\n"
+        "of the scans, by scan matching.\n"
         "Writes legs.csv (scan, x, y, confidence: clusters of at least --min-confidence; the tracker takes those of\n"
         "gamma = 0.3 and more), people.csv (scan, id, x, y, vx, vy, confidence) and config.json. Scans count from 0.\n"
         "Whoever is nearest at first is the leader: looked for when lost, and kept under one id.\n\n"
@@ -44,7 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "options or, with --sequence, by the frames before; else people are marked as guesses (floor_known 0)."
     )
     parser.epilog = (
-        "examples:\n  tagalong perceive lobby.bag --out out/people --preset recorded --odometry scans\n"
+        "examples:\n  tagalong perceive lobby.bag --out out/people --preset recorded\n"
         "  tagalong perceive frames/ --out out/frames --camera-height 1.3"
     )
     parser.add_argument("scans", metavar="SCANS", type=Path, help="recorded scans: log, ROS bag or .npz; or frames")
@@ -58,7 +58,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--odometry",
         choices=("log", "scans", "none"),
         default="log",
-        help="the log's own (an .npz has none: the laser counts as standing), of its scans, or none (default: log)",
+        help="the log's own (where it has none, of its scans), of its scans, or none: the laser stands (default: log)",
     )
     parser.add_argument(
         "--frame",
@@ -86,8 +86,9 @@ def run(options: argparse.Namespace) -> int:
     legs, people, ids = [LEGS_HEADER], [PEOPLE_HEADER], set[int]()
     progress = tqdm(zip(scans, odometry, strict=True), total=len(scans), unit="scan", disable=not sys.stderr.isatty())
     with recorded_people(options.record, scans[0].time_s if scans else 0.0) as record:
-        for number, (scan, pose) in enumerate(progress):
-            update = people_filter.update(scan, pose)
+        for number, (scan, said) in enumerate(progress):
+            update = people_filter.update(scan, said)
+            pose = update.odometry
             legs += _leg_rows(number, update, options.min_confidence)
             found = numbered_by_leader(update.people, selector.update(update.people, pose))
             people += _people_rows(number, found.in_frame_of(pose) if options.frame == "robot" else found)
@@ -101,17 +102,21 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _read(options: argparse.Namespace) -> tuple[list[LaserScan], NDArray[np.float64]]:
-    path = options.scans
+def _read(options: argparse.Namespace) -> tuple[list[LaserScan], Sequence[NDArray[np.float64] | None]]:
+    """Return the scans, and the odometry (3,) at each; None: it is made of the scans."""
+    path, odometry = options.scans, None
     if not path.exists():
         raise InputError(f"no file {path}; give a CARMEN log, a ROS bag or an .npz of scans")
     if path.suffix == ".npz" or (path.is_file() and is_zipfile(path)):
         scans = read_scans_npz(path)
-        odometry = np.zeros((len(scans), 3))
     else:
         drive = read_log(path, options.scan_topic, options.odometry_topic)
-        scans, odometry = drive.scans, drive.odometry if options.odometry == "log" else np.zeros((len(drive), 3))
-    return scans, laser_odometry(scans).poses if options.odometry == "scans" else odometry
+        scans, odometry = drive.scans, drive.odometry if drive.has_odometry else None
+    if options.odometry == "none":
+        return scans, list(np.zeros((len(scans), 3)))
+    if options.odometry == "log" and odometry is not None:
+        return scans, list(odometry)
+    return scans, [None] * len(scans)
 
 
 def _timed(scans: list[LaserScan], rate_hz: float | None, path: Path) -> list[LaserScan]:

@@ -1,9 +1,17 @@
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 from tagalong.perception.legs.detector import Detections
-from tagalong.perception.people_filter import FilteredScan, RemovalConfig, near_points, points_lidar
-from tagalong.slam import LaserScan
+from tagalong.perception.people_filter import (
+    FilteredScan,
+    PeopleFilter,
+    RemovalConfig,
+    filtered_scans,
+    near_points,
+    points_lidar,
+)
+from tagalong.slam import LaserScan, RecordedDrive
 
 
 def test_points_near_a_person_are_dropped_and_nothing_is_rewritten():
@@ -55,3 +63,27 @@ def test_a_filtered_scan_drops_who_is_known_and_who_may_be_somebody_each_by_its_
     np.testing.assert_array_equal(filtered.scan.ranges, 4.0)
     as_the_paper = FilteredScan(scan, np.zeros(3), people, found, RemovalConfig(zeta=0.25, unconfirmed_radius=0.0))
     np.testing.assert_array_equal(as_the_paper.removed, [False, True, True, False, False, False])
+
+
+def room_from(x, time_s):
+    """A scan of a room of 8 m by 5 m, taken at (x, 0) with the robot looking along x."""
+    bearings = np.linspace(-2.3, 2.3, 461)
+    cos, sin = np.cos(bearings), np.sin(bearings)
+    along = np.where(cos > 0.0, 5.0 - x, 3.0 + x) / np.maximum(np.abs(cos), 1e-9)
+    across = np.where(sin > 0.0, 3.0, 2.0) / np.maximum(np.abs(sin), 1e-9)
+    return LaserScan(np.minimum(along, across), bearings, 0.1, 11.0, time_s=time_s)
+
+
+def test_without_odometry_the_robots_way_is_made_of_the_scans():
+    people_filter = PeopleFilter()
+    for k in range(12):
+        filtered = people_filter.update(room_from(0.1 * k, 0.1 * k))
+    np.testing.assert_allclose(filtered.odometry, (1.1, 0.0, 0.0), atol=0.03)
+
+
+@pytest.mark.parametrize(("made", "way"), [(0.0, 1.1), (0.5, 5.5)])
+def test_a_drive_without_odometry_gets_it_from_its_scans_unless_somebody_has_made_it(made, way):
+    scans = [room_from(0.1 * k, 0.1 * k) for k in range(12)]
+    poses = np.array([[made * k, 0.0, 0.0] for k in range(12)])
+    *_, last = filtered_scans(RecordedDrive(poses, scans, None, "room", has_odometry=False))
+    np.testing.assert_allclose(last.odometry, (way, 0.0, 0.0), atol=0.03)

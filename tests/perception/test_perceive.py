@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tagalong.perception import PeopleFilter
 from tagalong.scripts.cli import main
 
 WALKER = Path(os.environ.get("TAGALONG_DATA", "")) / "legs" / "positive_1_scans.npz"
@@ -66,6 +67,21 @@ def test_bad_arguments_end_with_one_line_and_status_two(tmp_path, capsys, monkey
     write_scans(tmp_path / "room.npz")
     assert main(["perceive", *arguments, "--out", "out"]) == 2
     assert words in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("arguments", "said"), [([], None), (["--odometry", "none"], [0.0, 0.0, 0.0])])
+def test_scans_that_come_without_odometry_are_no_standing_robot_unless_that_is_said(
+    tmp_path, monkeypatch, arguments, said
+):
+    given, update = [], PeopleFilter.update
+
+    def noting(people_filter, scan, odometry=None):
+        given.append(None if odometry is None else odometry.tolist())
+        return update(people_filter, scan, odometry)
+
+    monkeypatch.setattr(PeopleFilter, "update", noting)
+    assert main(["perceive", write_scans(tmp_path / "room.npz"), "--out", str(tmp_path / "out"), *arguments]) == 0
+    assert given == [said] * 5
 
 
 def test_scans_without_times_are_counted(tmp_path):

@@ -29,6 +29,14 @@ def test_found_extra_and_changed_numbers_are_counted():
     assert figures["people"] == pytest.approx(6 / 4)
 
 
+def test_who_was_met_in_one_scan_and_is_not_annotated_in_another_is_known():
+    judge = Judge()
+    judge.add(np.array([0, 3]), place(2, 0, 4, 0), place(2, 0, 4, 0), (np.array([5]), place(2, 0)))
+    judge.add(np.array([0, 3]), place(2, 0, 4, 0), place(2, 0, 4, 0), (np.array([6]), place(9, 0)))
+    assert judge.figures()["extra"] == 1.5
+    assert judge.figures()["known"] == 0.5
+
+
 def test_an_empty_hall_without_odometry_has_nobody(tmp_path):
     laser = {"angle_min": np.array(-1.0), "angle_increment": np.array(0.01), "range_min": np.array(0.1)}
     scans = {"ranges": np.full((4, 200), 3.0), "stamp": 0.1 * np.arange(4), "range_max": np.array(10.0)}
@@ -60,3 +68,15 @@ def test_legs_are_found_at_a_rate_of_false_ones_on_the_people_free_recording():
     assert scores["0.1"] == pytest.approx(1 / 3)
     assert scores["0.5"] == pytest.approx(2 / 3)
     assert leg_scores({"hall": people}) == {}
+
+
+def test_odometry_of_a_recording_can_be_left_aside(tmp_path):
+    laser = {"angle_min": np.array(-1.0), "angle_increment": np.array(0.01), "range_min": np.array(0.1)}
+    scans = {"ranges": np.full((4, 200), 3.0), "stamp": 0.1 * np.arange(4), "range_max": np.array(10.0)}
+    odometry = {"odom_t_x_y_theta": np.array([[0.0, 0, 0, 0], [1, 1, 0, 0]])}
+    with (tmp_path / "drive.npz").open("wb") as file:
+        np.savez(file, allow_pickle=False, **laser, **scans, **odometry, tf_base_link__left_laser=np.zeros((1, 4)))
+    said = read_people_recording(tmp_path / "drive.npz").poses
+    np.testing.assert_allclose(said[:, 0], [0.0, 0.1, 0.2, 0.3])
+    made = read_people_recording(tmp_path / "drive.npz", "scans").poses
+    np.testing.assert_allclose(made, 0.0, atol=0.01)
