@@ -32,7 +32,7 @@ class OdometryCalibration:
     """
 
     def __init__(self) -> None:
-        self.factors = _USUAL
+        self.factors: Array = _USUAL
         self._information = np.diag(_SPREAD**-2.0)
         self._told: Array | None = None  # odometry as the robot tells it ...
         self._odometry = np.zeros(3)  # ... and calibrated

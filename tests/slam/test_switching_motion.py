@@ -133,6 +133,17 @@ def test_odometry_that_errs_as_its_model_says_is_not_taken_for_precise():
     assert hypotheses[0].prediction.sigma[0] > 0.75 * sigma[0]
 
 
+def test_odometry_that_errs_more_than_its_model_says_is_taken_for_as_rough_as_it_is():
+    rng, truth = np.random.default_rng(3), straight(300)
+    usual = ExtrapolatorConfig().sigma(np.array([0.2, 0.0, 0.0]))
+    told = np.cumsum(np.diff(truth, axis=0, prepend=0.0) + rng.normal(0.0, 2.5 * usual[0], (300, 3)) * [1, 1, 0], 0)
+    model, chosen = driven(told, truth)
+    first = model.predict(told[-1] + [0.2, 0.0, 0.0], STEP_S * 300)[0]
+    assert 1.7 * usual[0] < first.prediction.sigma[0] < 3.3 * usual[0]
+    assert first.prediction.sigma[1] < 0.3 * usual[1]
+    assert np.mean([motion.sound for motion in chosen[100:]]) > 0.9
+
+
 def test_what_a_scan_cannot_tell_does_not_count_against_a_hypothesis_that_leaves_it_open():
     model, told = driven(straight(30), straight(30))[0], straight(30)[-1]
     sound, *_, fault = model.predict(told, STEP_S * 30)  # frozen

@@ -17,6 +17,7 @@ _CHANCE = 0.1  # share of faulty motions that agree with both predictions
 _SUREST = 1e-6  # never is it surer than this that odometry is sound, or is not
 _ERRORS = 20  # so many of the newest tell how precise the odometry is; at first, they are those of its model
 _MOST_PRECISE = 0.2  # of the error model's standard deviations: below, a match errs as much
+_ROUGHEST = 5.0  # times those: beyond, it tells hardly anything
 _MEDIAN = (1.177, 0.6745)  # of normal errors of standard deviation 1, in the plane and on a line
 
 
@@ -68,4 +69,4 @@ class OdometryPrecision:
         error = math.hypot(x, y) / (_MEDIAN[0] * linear), abs(turn) / (_MEDIAN[1] * angular)
         self._errors = [*self._errors[1:], error]
         medians = (statistics.median(errors) for errors in zip(*self._errors, strict=True))
-        self.shares = np.array([min(max(share, _MOST_PRECISE), 1.0) for share in medians])
+        self.shares = np.array([min(max(share, _MOST_PRECISE), _ROUGHEST) for share in medians])

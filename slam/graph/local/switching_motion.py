@@ -217,7 +217,7 @@ class SwitchingMotion:
         coasted, sigma = going_on
         told = between(self._matched_odometry, self._believed)
         off = np.abs(between(coasted, told))
-        most = _AGREE * self._config.sigma(told) + _NEAR
+        most = _AGREE * np.maximum(self._precision.shares, 1.0) * self._config.sigma(told) + _NEAR
         self._agree = math.hypot(off[0], off[1]) <= most[0] and bool(off[2] <= most[1])
         went = compose(self._matched_odometry, coasted)
         fault = 1.0 - self._soundness.probability
@@ -273,8 +273,9 @@ class SwitchingMotion:
         """Return that the odometry is believed: precise as it mostly is, and rough as its error model."""
         assert self._extrapolator is not None
         prediction, sound = self._extrapolator.predict(odometry), self._soundness.probability
-        pose, rough, precise = prediction.pose, prediction.sigma, self._precision.shares * prediction.sigma
-        if self._precision.shares.min() == 1.0:
+        pose, precise = prediction.pose, self._precision.shares * prediction.sigma
+        rough = np.maximum(precise, prediction.sigma)
+        if np.array_equal(precise, rough):
             return [self._hypothesis(odometry, sound, pose, rough, True)]
         return [
             self._hypothesis(odometry, (1.0 - _ROUGH) * sound, pose, precise, True),
