@@ -107,7 +107,8 @@ def _sane_sent(result: Any) -> None:
         require(topic in outputs, f"topic {topic}")
         require(message.__msgtype__ == outputs[topic], f"{message.__msgtype__} on {topic}")
         if topic == "cmd_vel":
-            finite([message.linear.x, message.linear.y, message.angular.z], "a command", 1e3)
+            twist = getattr(message, "twist", message)
+            finite([twist.linear.x, twist.linear.y, twist.angular.z], "a command", 1e3)
         elif topic == "/tf":
             for stamped in message.transforms:
                 place = stamped.transform.translation
