@@ -13,8 +13,9 @@ from fuzzer.mutations import extreme_float
 from fuzzer.sanity import finite, sane_poses
 from fuzzer.values import hostile_value
 from numpy.random import Generator
+from rosbags.typesys import Stores, get_typestore
 from tagalong.scripts.ros.node import NODES
-from tagalong.scripts.ros.outputs import FRAMES, ODOMETRY, SCAN, RosMessages
+from tagalong.scripts.ros.outputs import FRAMES, ODOMETRY, SCAN
 from tagalong.slam import InputError
 
 _BEAMS = 90
@@ -72,9 +73,18 @@ def _made(name: str) -> Any:
     return make
 
 
-@cache
-def _maker() -> RosMessages:
-    return RosMessages()
+class _Maker:
+    """Makes messages of ROS 2, as `RclpyMessages` does on a robot."""
+
+    def __init__(self) -> None:
+        self._store = get_typestore(Stores.ROS2_HUMBLE)
+
+    def make(self, kind: str, **content: Any) -> Any:
+        """Return a message of a type such as "std_msgs/msg/Float64"."""
+        return self._store.types[kind](**content)
+
+
+_maker = cache(_Maker)
 
 
 def _node(name: str) -> Call:
