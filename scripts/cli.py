@@ -9,6 +9,7 @@ from importlib import import_module
 from .. import __version__
 from ..slam.errors import InputError, shown
 from ..slam.files.output import require_writable
+from .console.arguments import LARGEST_SEED
 from .console.first_call import tell_first_call
 from .console.last_words import told
 from .console.only_writer import only_writer
@@ -35,7 +36,8 @@ COMMANDS: dict[str, str] = {
     "perceive": "find legs and track people in recorded scans (log, ROS bag or .npz)",
 }
 
-_LARGEST_SEED = 2**32 - 1  # what every generator takes
+_TARGETS = {"json": False, "overlay": False, "leaderboard": False, "readme": False, "pages": True}
+"""Options beside --out that name what is written in the end, and whether that is a folder."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -65,10 +67,11 @@ def _run(words: list[str]) -> int:
     out_is_folder = getattr(options, "out_is_folder", True)
     if options.command != "data":
         tell_first_call()
-    if getattr(options, "out", None) is not None:
-        require_writable(options.out, folder=out_is_folder)
-    if not 0 <= (getattr(options, "seed", None) or 0) <= _LARGEST_SEED:
-        raise InputError(f"--seed must not be negative, nor above {_LARGEST_SEED}, got {shown(options.seed)}")
+    for name, is_folder in {"out": out_is_folder, **_TARGETS}.items():
+        if getattr(options, name, None) is not None:
+            require_writable(getattr(options, name), folder=is_folder)
+    if not 0 <= (getattr(options, "seed", None) or 0) <= LARGEST_SEED:
+        raise InputError(f"--seed must not be negative, nor above {LARGEST_SEED}, got {shown(options.seed)}")
     with only_writer(options.out) if getattr(options, "out", None) and out_is_folder else nullcontext():
         return int(options.run(options))
 

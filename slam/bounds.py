@@ -239,6 +239,20 @@ def check_numbers(config: object) -> None:
             _check_number(rule, number, value)
 
 
+def check_words(config: object) -> None:
+    """Check each field of a configuration, a dataclass, that is a word (`str`) or says yes or no (`bool`) to be one.
+
+    Raises:
+        InputError: Naming the field, the rule and the value.
+    """
+    hints = get_type_hints(type(config))
+    for field in fields(config):  # pyright: ignore[reportArgumentType]
+        kind, value = hints[field.name], getattr(config, field.name)
+        if kind in (str, bool) and not isinstance(value, kind):
+            rule = "a word" if kind is str else "true or false"
+            raise InputError(f"`{field.name}` must be {rule}, got {shown(value)}")
+
+
 def check_positive(config: object, *names: str) -> None:
     """Check that fields of a configuration are above 0.
 

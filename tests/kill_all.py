@@ -1,7 +1,8 @@
 """Kills every command that writes, many times: `python tests/kill_all.py [--kills 20] [--only NAME ...]`.
 
 Each is started in a folder of its own, killed at random moments by SIGKILL, SIGTERM and SIGINT, five times in the same
-folder; then it runs to its end, and its files are compared with those of a run that nobody disturbed. Prints a table.
+folder (long ones: every time); then it runs to its end, and its files are compared with those of a run that nobody
+disturbed. Prints a table.
 """
 
 import argparse
@@ -25,7 +26,6 @@ import kill_plans
 from kills import Killed, digests, kill_once, start
 
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
-IN_A_ROW = 5
 COLUMNS = ("kills", "late", "orphans", "half files", "temporaries", "words", "resumed equal", "slowest end [s]")
 
 
@@ -100,15 +100,17 @@ def killed(plan: kill_plans.Plan, scratch: Path, kills: int, draw: random.Random
     words = placed(plan, scratch)
     seen, equal, tries, within_s, wanted = Killed(), 0, 0, plan.within_s or 0.0, {}
     if plan.compared:
-        began = time.monotonic()
-        wanted = whole(words, fresh(scratch / "whole"))
-        within_s = plan.within_s or time.monotonic() - began
+        wanted = whole(words, fresh(scratch / "whole"), seen)
+        if plan.within_s is None:  # the first run compiled, perhaps
+            began = time.monotonic()
+            whole(words, fresh(scratch / "whole"), seen)
+            within_s = time.monotonic() - began
     for k in range(kills):
-        folder = scratch / "killed" if k % IN_A_ROW else fresh(scratch / "killed")
+        folder = scratch / "killed" if k % plan.in_a_row else fresh(scratch / "killed")
         kill_once(words, folder, SIGNALS[k % len(SIGNALS)], draw.uniform(0.0, within_s), seen)
-        if plan.compared and (k % IN_A_ROW == IN_A_ROW - 1 or k == kills - 1):
+        if plan.compared and (k % plan.in_a_row == plan.in_a_row - 1 or k == kills - 1):
             tries += 1
-            found = whole(words, folder)
+            found = whole(words, folder, seen)
             equal += found == wanted
             if found != wanted:
                 different = {name for name in found.keys() | wanted.keys() if found.get(name) != wanted.get(name)}
@@ -116,12 +118,12 @@ def killed(plan: kill_plans.Plan, scratch: Path, kills: int, draw: random.Random
     return seen, f"{equal}/{tries}" if tries else "-"
 
 
-def whole(words: list[str], folder: Path) -> dict[str, str]:
-    """Return the digests of what a run makes that nobody disturbs."""
+def whole(words: list[str], folder: Path, seen: Killed) -> dict[str, str]:
+    """Return the digests of what a run makes that nobody disturbs; one that does not end well is noted in `seen`."""
     process = start(words, folder)
     _, said = process.communicate(timeout=1800)
     if process.returncode not in {0, 1}:
-        print(f"    {process.returncode}: {said[-1500:]}", flush=True)
+        seen.said.append(f"exit status {process.returncode} of a whole run: {said[-1500:]!r}")
     return digests(folder)
 
 

@@ -1,7 +1,7 @@
 """What never changes in a batch of worlds, and what of a configuration compiled worlds can do."""
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -135,12 +135,30 @@ def _unsupported(name: str, given: object, rule: str) -> InputError:
     return InputError(f'`simulator="compiled"` does not support {name} {shown(given)}: {rule}; "mujoco" does')
 
 
+def as_declared(numbers: Any) -> Any:
+    """Return a NamedTuple whose fields have the types that they declare, as kernels that were compiled know them.
+
+    A whole number where a fraction may stand, as in `robot.max_turn_rate=3`, would be another type, and compile all
+    kernels anew: half a minute.
+    """
+    kinds = get_type_hints(type(numbers))
+    return numbers._replace(**{name: _as(kinds[name], value) for name, value in numbers._asdict().items()})
+
+
+def _as(kind: Any, value: Any) -> Any:
+    if kind == Array:
+        return np.asarray(value, dtype=np.float64)
+    if kind in (float, int, bool):
+        return kind(value)
+    return as_declared(value) if hasattr(value, "_fields") else value
+
+
 def make_rules(config: FollowConfig, limit: int, ahead: int) -> Rules:
     """Return the rules of a configuration."""
     world, robot = world_config(config, None), config.robot
     sweeps = round(config.sensors.lidar.rate_hz / config.task.control_hz)
     top = config.task.top_turn_rate
-    return Rules(
+    rules = Rules(
         base=_base(robot, world.physics_dt),
         laser=_laser(config),
         selecting=_selecting(config),
@@ -160,6 +178,7 @@ def make_rules(config: FollowConfig, limit: int, ahead: int) -> Rules:
         limit=limit,
         ahead=ahead,
     )
+    return as_declared(rules)
 
 
 def _selecting(config: FollowConfig) -> Selecting:

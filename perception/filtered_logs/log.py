@@ -1,5 +1,6 @@
 """A recorded drive in, the same out without people: a CARMEN log or a ROS bag of any kind."""
 
+import math
 import os
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -89,7 +90,7 @@ def filter_log(
             filters[kind] = ScanFilter(config)
         filtered = filters[kind].update(scan, odometry)
         counts.add(filtered)
-        step = float(scan.bearings[1] - scan.bearings[0]) if len(scan) > 1 else 1.0
+        step = float(scan.bearings[1] - scan.bearings[0]) if len(scan) > 1 else math.inf
         return removed_readings(filtered, order, readings, step)
 
     copy_carmen(source, target, removal)

@@ -82,12 +82,14 @@ def removed_readings(filtered: FilteredScan, order: NDArray[np.intp], readings: 
         order: (N,) which reading each of its beams is. One that is none goes in the direction of another one, a full
             circle away, and is removed with it.
         readings: Number of readings n.
-        step: Angle between two of them [rad].
+        step: Angle between two of them [rad]; infinite where a single beam does not tell it.
     """
     removed = np.zeros(readings, dtype=np.bool_)
     removed[order] = filtered.removed
     if len(order) < readings:
         again = np.setdiff1d(np.arange(readings), order)
         circle = round(2.0 * np.pi / abs(step))
-        removed[again] = removed[np.where(again >= circle, again - circle, again + circle)]
+        twin = np.where(again >= circle, again - circle, again + circle)
+        there = twin < readings  # a beam that was left out for another reason has none
+        removed[again[there]] = removed[twin[there]]
     return removed

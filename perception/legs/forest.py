@@ -55,7 +55,7 @@ class LegForest:
 
     @classmethod
     def _read(cls, path: Path) -> "LegForest":
-        if not checked_name(path).exists():
+        if not os.path.exists(checked_name(path)):  # which says no, too, to a name that is too long
             raise InputError(f"no leg forest {shown(str(path))}: give {' or '.join(SHIPPED)}, or a file")
         try:
             content = read_arrays(path)

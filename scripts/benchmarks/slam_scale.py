@@ -20,7 +20,7 @@ from ...envs.simulation2d.campus import LEAST_SIZE, CampusDrive, draw_campus_dri
 from ...slam.engine import SlamEngine, make_slam
 from ...slam.errors import InputError
 from ...slam.quality.trajectory import absolute_error
-from ..console.arguments import at_least
+from ..console.arguments import LARGEST_SEED, at_least
 from ..console.tables import format_table
 from ..figures.plots import new_figure, require_matplotlib, save_figure
 from ..lab.cells import TIMING, Cell
@@ -140,7 +140,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--km", type=float, nargs="+", default=[0.5, 2.0, 10.0], help="of drives (default: 0.5 2 10)")
     parser.add_argument("--engines", nargs="+", choices=ENGINES, default=["cartographer"], help="(default: that)")
-    parser.add_argument("--seed", type=at_least(0), default=0, help="of campus and drives (default: %(default)s)")
+    parser.add_argument(
+        "--seed", type=at_least(0, LARGEST_SEED), default=0, help="of campus and drives (default: %(default)s)"
+    )
 
 
 def run(options: argparse.Namespace) -> int:

@@ -38,6 +38,8 @@ SHARES = (
 """Name, function, SLAM and share of the steps of each part; "default" is each environment's own engine."""
 
 
+MOST_STEPS = 10**10
+"""A year."""
 FEWEST_STEPS = 20_000
 """With fewer, a part has a row or none."""
 
@@ -70,7 +72,9 @@ def table(results: Mapping[str, Any]) -> str:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.add_argument("--steps", type=at_least(0), default=1_000_000, help="environment steps (default: %(default)s)")
+    parser.add_argument(
+        "--steps", type=at_least(0, MOST_STEPS), default=1_000_000, help="environment steps (default: %(default)s)"
+    )
     parser.add_argument("--laps", type=at_least(0), default=50, help="laps through each engine (default: %(default)s)")
     parser.add_argument("--log", type=Path, help="a log to drive to and fro (default: a simulated drive)")
     parser.add_argument("--scans", type=at_least(2), help="how many of its scans, from the first on (default: all)")

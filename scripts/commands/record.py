@@ -79,6 +79,8 @@ def run(options: argparse.Namespace) -> int:
 def _asked(options: argparse.Namespace) -> Asked:
     """Return what is asked for, as `Asked` has it."""
     followers = list(dict.fromkeys(who for word in options.followers for who in word.split(",") if who))
+    if not followers:
+        raise InputError("--followers names nobody")
     exploring = [who for who in followers if who in EXPLORERS]
     if exploring:
         known = ", ".join(FOLLOWERS)

@@ -6,9 +6,16 @@ from collections.abc import Callable
 
 from ...slam.errors import InputError, shown
 
+MOST = 1_000_000
+"""Of things that take a second or more each: two weeks of them."""
+LARGEST_SEED = 2**32 - 1
+"""What every generator takes."""
+MOST_S = 86_400.0
+"""A day of each drive."""
 
-def at_least(least: int) -> Callable[[str], int]:
-    """Return a `type` of argparse for whole numbers from `least` on."""
+
+def at_least(least: int, most: int = MOST) -> Callable[[str], int]:
+    """Return a `type` of argparse for whole numbers from `least` to `most`."""
 
     def whole(text: str) -> int:
         """Return the number that `text` is."""
@@ -18,6 +25,8 @@ def at_least(least: int) -> Callable[[str], int]:
             number = least - 1
         if number < least:
             raise argparse.ArgumentTypeError(f"must be a whole number of at least {least}, got {shown(text)}")
+        if number > most:
+            raise argparse.ArgumentTypeError(f"must be at most {most}, got {shown(text)}")
         return number
 
     return whole
@@ -43,11 +52,11 @@ def require_count(option: str, value: int, most: int, why: str, least: int = 1) 
 
 
 def positive(text: str) -> float:
-    """Return a finite number above 0: a `type` of argparse."""
+    """Return a time above 0, of a day at most [s]: a `type` of argparse."""
     try:
         number = float(text)
     except ValueError:
         number = math.nan
-    if not 0.0 < number < math.inf:
-        raise argparse.ArgumentTypeError(f"must be a positive number, got {shown(text)}")
+    if not 0.0 < number <= MOST_S:
+        raise argparse.ArgumentTypeError(f"must be a positive number of at most {MOST_S:g}, got {shown(text)}")
     return number

@@ -18,7 +18,7 @@ from ...envs.task.observation import ObservationConfig, Observed, Observer
 from ...perception.config import perception_preset
 from ...perception.leader.body_selector import BodyLeaderSelector
 from ...perception.people_filter import PeopleFilter
-from ...slam.bounds import Angle, check_numbers, check_positive
+from ...slam.bounds import Angle, Seed, check_numbers, check_positive
 from ...slam.errors import InputError
 from ...slam.geometry import wrap_angle
 from ...slam.scan import LaserScan
@@ -58,7 +58,7 @@ class FollowerNodeConfig(InputConfig):
     half_width: float = 0.18
     patience_s: float = 0.5
     stamped: bool = False
-    seed: int = 0
+    seed: Seed = 0
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -129,6 +129,8 @@ class FollowerLogic:
             self._begin(scan)
         if len(scan) == len(self._bearings) and np.allclose(scan.bearings, self._bearings, atol=1e-4):
             return scan
+        if len(scan) < 2:
+            raise InputError(f"a scan has {len(scan)} beams: two are the fewest")
         after = np.clip(np.searchsorted(scan.bearings, self._bearings), 1, len(scan) - 1)
         nearer = after - (self._bearings - scan.bearings[after - 1] < scan.bearings[after] - self._bearings)
         return replace(scan, ranges=scan.ranges[nearer], bearings=self._bearings)
@@ -137,6 +139,8 @@ class FollowerLogic:
         config = self._config
         ahead = np.abs(wrap_angle(scan.bearings + scan.T_robot_lidar[2]))
         self._bearings = scan.bearings[ahead <= 0.5 * config.field_of_view + 1e-6]
+        if len(self._bearings) < 2:
+            raise InputError(f"{len(self._bearings)} beams of the laser are in the field of view: two are the fewest")
         interface = FollowInterface(
             max_speed=config.max_speed,
             max_turn_rate=config.max_turn_rate,

@@ -7,7 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...slam.errors import InputError
+from ...slam.bounds import check_mount, check_words
+from ...slam.errors import InputError, shown
 from ...slam.geometry import compose
 from ...slam.logs.bag_messages import Message, as_defined
 from ...slam.logs.ros_frames import FrameTree, frame_name, planar, rotation_matrix, stamp_s
@@ -34,8 +35,11 @@ class InputConfig:
     by_header: bool = True
 
     def __post_init__(self) -> None:
-        if len(self.laser_pose) not in (0, 3) or not np.isfinite(self.laser_pose).all():
-            raise InputError(f"laser_pose must be x, y, theta, or nothing, got {list(self.laser_pose)}")
+        check_words(self)
+        if not isinstance(self.laser_pose, tuple) or len(self.laser_pose) not in (0, 3):
+            raise InputError(f"laser_pose must be x, y, theta, or nothing, got {shown(self.laser_pose)}")
+        if self.laser_pose:
+            check_mount(self.laser_pose, "laser_pose")
 
 
 class LiveScan(NamedTuple):

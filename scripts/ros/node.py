@@ -158,5 +158,5 @@ def parameters(node: Any, config: type[InputConfig]) -> InputConfig:
         default: Any = field.default
         value = node.declare_parameter(field.name, None if default == () else default, descriptor).value
         if value is not None:
-            given[field.name] = tuple(value) if isinstance(default, tuple) else value
+            given[field.name] = tuple(value) if isinstance(value, (list, array)) else value
     return config(**given)

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from itertools import groupby, pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,18 +21,24 @@ from ...envs.tracker_errors.errors import (
     TrackerErrors,
 )
 from ...envs.tracker_errors.kernel import FARTHEST_M, SWAP_M
+from ...slam.errors import InputError
 from .tracker_drives import LEADER, SEEN, UNKNOWN, UNSEEN, TrackedDrive
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
+TOO_FEW = "the drives are too few or too short to fit errors to: people have to be seen and lost on them"
 _RIDGE = 1e-3  # keeps a weight finite where nothing speaks for any value of it
 _LAGS_S = np.arange(0.1, 3.05, 0.1)
 _LONGEST_LAG = 10  # scans that correlations are looked at over: beyond lie steps, which are no noise
 
 
 def fit_errors(drives: Sequence[TrackedDrive]) -> TrackerErrors:
-    """Return the numbers that describe the tracker of `drives` best: by maximum likelihood, or by moments."""
+    """Return the numbers that describe the tracker of `drives` best: by maximum likelihood, or by moments.
+
+    Raises:
+        InputError: If nobody on them was seen, or lost out of sight, as every number needs it.
+    """
     weights = np.zeros((len(QUANTITIES), len(SIGHT)))
     longest = _longest_unseen_s(drives)
     for row, before, after in (
@@ -122,13 +129,21 @@ def _changes(
         there = (old == before) & (sight[:, :, 0] < FARTHEST_M) & (drive.unseen_s[:-1] + 0.5 * drive.dt < longest_s)
         sights.append(np.column_stack((sight[there], drive.off[:-1][there])))
         happened.append(np.isin(new[there], after))
-    return np.concatenate(sights), np.concatenate(happened)
+    return _joined(sights), _joined(happened)
+
+
+def _joined(parts: Sequence[NDArray[Any]]) -> NDArray[Any]:
+    """Return what each drive tells, as one array; an error where none tells anything."""
+    joined = np.concatenate(parts)
+    if not len(joined):
+        raise InputError(TOO_FEW)
+    return joined
 
 
 def _longest_unseen_s(drives: Sequence[TrackedDrive]) -> float:
     """Return for how long the longest unseen tracks last, but for one of a hundred [s]."""
     last = [d.unseen_s[:-1][(d.phase[:-1] == UNSEEN) & (d.phase[1:] != UNSEEN)] for d in drives]
-    return float(np.quantile(np.concatenate(last), 0.99))
+    return float(np.quantile(_joined(last), 0.99))
 
 
 def _unseen_mps(drives: Sequence[TrackedDrive], lag_s: float, motion_mps: float) -> float:
@@ -138,14 +153,14 @@ def _unseen_mps(drives: Sequence[TrackedDrive], lag_s: float, motion_mps: float)
         missed = (drive.phase[:-1] == SEEN) & (drive.phase[1:] == UNSEEN)
         off = (drive.motion - followed(drive.velocity, lag_s, drive.dt))[1:][missed]
         squares.append((off**2).ravel())
-    return float(np.sqrt(max(np.concatenate(squares).mean() - motion_mps**2, 0.0)))
+    return float(np.sqrt(max(_joined(squares).mean() - motion_mps**2, 0.0)))
 
 
 def _seen_rows(drives: Sequence[TrackedDrive], values) -> tuple[Array, Array]:
     """Return `values(drive)` of all who are seen, and how they are seen (k, 7); how far they are off does not count."""
     parts = [(values(d)[d.phase == SEEN], d.sight[d.phase == SEEN]) for d in drives]
-    sights = np.concatenate([sight for _, sight in parts])
-    return np.concatenate([part for part, _ in parts]), np.column_stack((sights, np.zeros(len(sights))))
+    sights = _joined([sight for _, sight in parts])
+    return _joined([part for part, _ in parts]), np.column_stack((sights, np.zeros(len(sights))))
 
 
 def delay_s(drives: Sequence[TrackedDrive]) -> float:
@@ -215,7 +230,7 @@ def _seconds_begun(drives: Sequence[TrackedDrive]) -> tuple[Array, Flags]:
             if row.seen and row.number in drive.ever and (row.number, row.scan - 1) not in there:
                 starts[row.scan, row.person] = True
         begun.append(starts[drive.phase == SEEN])
-    return _seen_rows(drives, lambda d: d.position)[1], np.concatenate(begun)
+    return _seen_rows(drives, lambda d: d.position)[1], _joined(begun)
 
 
 def _false_tracks(drives: Sequence[TrackedDrive]) -> dict[str, float]:

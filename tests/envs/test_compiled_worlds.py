@@ -1,10 +1,12 @@
 """Compiled worlds: what MuJoCo's worlds do, in arrays; the same bytes however they are grouped."""
 
 import gymnasium as gym
+import numba
 import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
 from tagalong.envs import FollowEnv
+from tagalong.envs.compiled.rules import compiled_config, make_rules
 from tagalong.envs.scenes import make_scene
 from tagalong.slam import InputError
 
@@ -264,3 +266,16 @@ def test_a_building_without_room_for_so_many_gives_way_to_another():
     observation, _ = env.reset(seed=0)
     assert env.observation_space.contains(observation)
     env.close()
+
+
+def test_whole_numbers_where_fractions_may_stand_do_not_compile_the_kernels_anew():
+    usual = make_rules(compiled_config({}), 0, 2)
+    whole = {
+        "robot.max_turn_rate": 3,
+        "robot.max_speed": 1,
+        "robot.mass": 20,
+        "lidar.range_max": 20,
+        "lidar.dropout": 0,
+    }
+    whole |= {"robot.max_acceleration": 1, "robot.max_turn_acceleration": 2, "lost_limit_s": 5}
+    assert numba.typeof(make_rules(compiled_config(whole), 0, 2)) == numba.typeof(usual)

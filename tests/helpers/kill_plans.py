@@ -5,6 +5,7 @@ import json
 import sys
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from PIL import Image
@@ -20,19 +21,23 @@ class Plan:
         words: Of Python's command line; "IN" stands for the folder of what they read.
         within_s: The kills come at random within so many seconds; None: within the time of a whole run.
         compared: Whether it is run to its end, undisturbed and after kills, and the files are compared.
+        in_a_row: Kills in the same folder before it is run to its end.
     """
 
     words: tuple[str, ...]
     within_s: float | None = None
     compared: bool = True
+    in_a_row: int = 5
 
 
 def _tagalong(words: str, **more) -> Plan:
     return Plan(words=(*TAGALONG, *words.split()), **more)
 
 
+_LONG: dict[str, Any] = {"within_s": 8.0, "in_a_row": 20}
+"""Of a command that takes minutes and keeps what is done: every kill finds it farther on."""
 PLANS = {
-    "slam": _tagalong("slam IN/room.log.gz --out out --set particles=60 --set linear_update=0.05"),
+    "slam": _tagalong("slam IN/room.log.gz --out out --set particles=20 --set linear_update=0.05"),
     "slam ekf": _tagalong("slam IN/room.log.gz --method ekf --out out"),
     "slam graph": _tagalong("slam IN/room.log.gz --method cartographer --out out"),
     "localize": _tagalong("localize IN/room.log.gz --map IN/map/map.yaml --out out"),
@@ -42,26 +47,41 @@ PLANS = {
     "perceive frames": _tagalong("perceive IN/frames --out out"),
     "data derive": _tagalong("data derive IN/data --into out"),
     "filter": _tagalong("filter IN/room.log.gz out/room.log.gz"),
+    "filter bag": _tagalong("filter IN/room.bag out/room.bag"),
+    "filter mcap": _tagalong("filter IN/room.mcap out/room.mcap"),
+    "filter folder": _tagalong("filter IN/room out/room"),
     "score": _tagalong("score IN/map/map.yaml IN/map/map.yaml --json out/scores.json --overlay out/overlay.png"),
-    "reproduce following": _tagalong("reproduce following --quick --repeats 2 --no-sweep --jobs 2 --out out"),
-    "reproduce scan-matching": _tagalong("reproduce scan-matching --quick --trials 10 --jobs 2 --out out"),
-    "reproduce clustering": _tagalong("reproduce clustering --quick --worlds 2 --jobs 2 --out out"),
+    "reproduce following": _tagalong("reproduce following --quick --repeats 1 --no-sweep --jobs 2 --out out", **_LONG),
+    "reproduce scan-matching": _tagalong("reproduce scan-matching --quick --trials 10 --jobs 2 --out out", **_LONG),
+    "reproduce clustering": _tagalong("reproduce clustering --quick --worlds 2 --jobs 2 --out out", **_LONG),
     "reproduce immobile": _tagalong(
-        "reproduce immobile --quick --minutes 0.1 --poses truth --camera-hz 1 --jobs 2 --out out"
+        "reproduce immobile --quick --minutes 0.1 --poses truth --camera-hz 1 --jobs 2 --out out", **_LONG
     ),
-    "reproduce guidance": _tagalong("reproduce guidance --quick --repeats 2 --minutes 0.1 --jobs 2 --out out"),
+    "reproduce guidance": _tagalong("reproduce guidance --quick --repeats 2 --minutes 0.1 --jobs 2 --out out", **_LONG),
     "train legs": _tagalong(
         "train legs --forest simulation --scans 40 --drives 1 --test-scans 10 --test-drives 1 --trees 3 --out out"
     ),
-    "train people": _tagalong("train people --buildings 5 --frames 2 --test-buildings 1 --out out"),
-    "train follower": Plan(words=("IN/train_follower.py", "out")),
+    "train people": _tagalong(
+        "train people --buildings 5 --level-buildings 2 --frames 2 --test-buildings 1 --out out", in_a_row=20
+    ),
+    "train follower": Plan(words=("IN/train_follower.py", "out"), **_LONG),
+    "train worlds": Plan(words=("IN/train_worlds.py", "out")),
+    "train errors": _tagalong("train tracker-errors --seeds 1 --check-seeds 1 --steps 60 --out out", in_a_row=20),
     "evaluate": _tagalong("evaluate pid --episodes 1 --beams 181 --out out"),
+    "evaluate record": _tagalong("evaluate pid --episodes 1 --beams 181 --out out --record out/episode.mcap"),
     "record": _tagalong("record --episodes 2 --beams 181 --out out"),
-    "compare": _tagalong("compare --suites corridor --followers pid plain_pid --episodes 1 --out out"),
+    "compare": _tagalong(
+        "compare --suites corridor --followers pid plain_pid --episodes 1 --leaderboard out/leaderboard.md --out out"
+    ),
     "teleop": _tagalong("teleop --operator model --out out/drive.txt"),
-    "results": _tagalong("results --quick --jobs 2 --out out", within_s=40.0, compared=False),
-    "bench speed": _tagalong("bench speed --steps 2 --out out", within_s=30.0, compared=False),
-    "demo": _tagalong("demo --out out"),
+    "results": _tagalong("results --quick --jobs 2 --out out", within_s=8.0, compared=False),
+    "bench speed": _tagalong("bench speed --steps 2 --out out", within_s=8.0, compared=False),
+    "bench simulators": _tagalong("bench simulators --suites corridor --episodes 2 --out out"),
+    "bench followers": _tagalong(
+        "bench follower-comparison --suites corridor --followers pid plain_pid --episodes 2 --maps 1 --out out"
+    ),
+    "bench drawn-worlds": _tagalong("bench drawn-worlds --kinds cells --seeds 0 1 --jobs 2 --out out"),
+    "demo": _tagalong("demo --out out", in_a_row=20),
 }
 
 TRAIN = """
@@ -95,19 +115,59 @@ if __name__ == "__main__":
     sys.exit(told(train))
 """
 
+TRAIN_WORLDS = """
+import sys
+from pathlib import Path
+
+from tagalong.agents.training.worlds.preset import WorldKind, WorldsPreset
+from tagalong.agents.training.worlds.run import WorldsRun, WorldsRunConfig
+from tagalong.scripts.console.last_words import told
+
+KINDS = (WorldKind(name="office", count=3, episodes=6), WorldKind(name="corridor", count=2, people=3, episodes=4))
+
+
+def train():
+    preset = WorldsPreset(
+        kinds=KINDS, env={"beams": 90}, steps=3000, rollout=80, batch=100, epochs=1, width=8, most_steps=60
+    )
+    WorldsRun(WorldsRunConfig(preset=preset, workers=2), Path(sys.argv[1]), print).train()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(told(train))
+"""
+
 
 def prepare(folder: Path) -> None:
-    """Write what the commands read: a drive, the room's map, frames, logs to derive from, a tiny training."""
+    """Write what the commands read: a drive, its bags, the room's map, frames, logs to derive from, a tiny training."""
     from tagalong.scripts import cli
     from tagalong.slam.logs import write_carmen
 
     folder.mkdir(parents=True, exist_ok=True)
     write_carmen(folder / "room.log.gz", room_drive(80))
+    _write_bags(folder, room_drive(400))
     (folder / "train_follower.py").write_text(TRAIN)
+    (folder / "train_worlds.py").write_text(TRAIN_WORLDS)
     _write_frames(folder / "frames")
     _write_originals(folder / "data" / "slam_logs")
     if cli.main(["slam", str(folder / "room.log.gz"), "--method", "ekf", "--out", str(folder / "map"), "--quiet"]):
         sys.exit("the room could not be mapped")
+
+
+def _write_bags(folder: Path, drive) -> None:
+    """Write a drive as a bag of ROS 1, as an MCAP file, and as a folder of ROS 2."""
+    from rosbags.convert import convert
+    from rosbags.typesys import Stores, get_typestore
+    from tagalong.slam.logs import open_recording
+
+    with open_recording(folder / "room.mcap") as recording:
+        for pose, scan in zip(drive.odometry, drive.scans, strict=True):
+            recording.scan(scan)
+            recording.odometry(scan.time_s, pose)
+    for name, kind, version in (("room", Stores.ROS2_HUMBLE, 9), ("room.bag", Stores.ROS1_NOETIC, 0)):
+        store = get_typestore(kind)
+        convert([folder / "room.mcap"], folder / name, "sqlite3", version, None, "file", None, store, (), (), (), ())
 
 
 def _write_frames(folder: Path) -> None:

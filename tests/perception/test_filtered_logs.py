@@ -108,6 +108,14 @@ def test_a_reading_in_the_direction_of_another_one_goes_with_it():
     assert np.flatnonzero(removed).tolist() == [0, 7, 360]
 
 
+@pytest.mark.parametrize("step", [np.inf, 1000.0, 1.0, -1.0, np.radians(1.0)])
+def test_readings_that_are_in_no_direction_of_another_one_stay(step):
+    scan = LaserScan(np.full(1, 2.0), np.zeros(1), 0.1, 8.0)
+    filtered = ScanFilter(CONFIG).update(scan, np.zeros(3))
+    filtered.__dict__["removed"] = np.ones(1, dtype=bool)
+    assert np.flatnonzero(removed_readings(filtered, np.array([2]), 5, step)).tolist() == [2]
+
+
 def test_people_before_a_laser_upside_down_are_where_its_own_frame_has_them(tmp_path):
     rosbag1 = pytest.importorskip("rosbags.rosbag1")
     types = store(ros1=True)

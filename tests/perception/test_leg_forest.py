@@ -182,3 +182,9 @@ def test_the_detector_is_deterministic():
     forest = LegForest.load("simulation")
     clusters = cluster_scan(scan)
     np.testing.assert_array_equal(forest.confidence(scan, clusters), forest.confidence(scan, clusters))
+
+
+@pytest.mark.parametrize("name", ["oak", "a" * 300, "a" * 5000])
+def test_a_forest_of_no_known_name_is_told(name):
+    with pytest.raises(InputError):
+        LegForest.load(name)

@@ -3,7 +3,7 @@
 import json
 
 import pytest
-from tagalong.scripts.cli import main
+from tagalong.scripts.cli import main, make_parser
 from tagalong.slam import InputError
 from tagalong.slam.engine import ENGINES
 
@@ -30,6 +30,8 @@ def test_an_output_folder_that_cannot_be_is_told_before_the_work(tmp_path, capsy
         ("teleop --operator model --out FOLDER", "is a folder, where a file has to be written"),
         ("teleop --operator gamepad --out new --gamepad FOLDER", "no gamepad at"),
         ("bench speed --steps 0", "--steps must be at least 1, got 0"),
+        ("score FILE FILE --json FOLDER", "is a folder, where a file has to be written"),
+        ("reproduce all --out new --pages FILE", "is a file, where a folder has to be written"),
         ("results --readme FILE", "needs the marks"),
         ("evaluate random --people 0", "--people counts the leader"),
         ("perceive FILE --out new --min-confidence nan", "--min-confidence must lie in [0, 1], got nan"),
@@ -113,3 +115,17 @@ def test_the_engines_of_slam_are_named_in_the_help(command, capsys):
     with pytest.raises(SystemExit):
         main([command, "--help"])
     assert " ".join(capsys.readouterr().out.split()).count(f"SLAM engine: {', '.join(ENGINES)}") == 1
+
+
+@pytest.mark.parametrize(
+    ("words", "complaint"),
+    [
+        ("--seconds 99999999999999999999", "--seconds: must be a positive number of at most 86400"),
+        ("--seeds 99999999999999999999", "--seeds: must be at most 1000000"),
+        ("--first-seed 4294967296", "--first-seed: must be at most 4294967295"),
+    ],
+)
+def test_a_count_that_nobody_lives_to_see_the_end_of_is_told(words, complaint, capsys):
+    with pytest.raises(SystemExit, match="2"):
+        make_parser().parse_args(["bench", "people", *words.split()])
+    assert complaint in capsys.readouterr().err

@@ -70,3 +70,14 @@ def test_a_strangers_follower_enters_the_leaderboard_with_one_module_and_one_com
     assert "+1.00 [+1.00, +1.00], p 0.031" in page
     assert "`office`, 6 tours, seeds 1000000 to 1000005" in page
     assert "tagalong compare --suites office --followers pid toy_follower:Toy my_module:Bold" in page
+
+
+def test_a_leaderboard_that_cannot_be_written_is_told_before_any_drive(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(compare, "episode_row", lambda *_: pytest.fail("driven"))
+    words = ["compare", "--suites", "corridor", "--episodes", "1", "--out", str(tmp_path / "out")]
+    for target, told in {tmp_path: "is a folder, where a file has to be written", "/dev/full": "is a device"}.items():
+        assert main([*words, "--leaderboard", str(target)]) == 2
+        said = capsys.readouterr().err
+        assert told in said
+        assert said.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []

@@ -13,6 +13,7 @@ from kills import Killed, files, kill_once, start
 from tagalong.scripts import cli
 from tagalong.scripts.console.interruption import interruptible
 from tagalong.scripts.console.only_writer import only_writer
+from tagalong.scripts.reproduce.experiment import EXPERIMENTS
 from tagalong.slam import InputError
 from tagalong.slam.logs import write_carmen
 
@@ -158,6 +159,11 @@ def _score(folder):
 def test_the_plans_kill_every_command_that_writes():
     told = {plan.words[2] for plan in PLANS.values() if plan.words[:2] == TAGALONG}
     assert told | {"doctor", "ros"} == set(cli.COMMANDS)  # these write no files
+    parts = {tuple(plan.words[2:4]) for plan in PLANS.values()}
+    for model in ("legs", "people", "tracker-errors"):  # that of followers is made by scripts
+        assert ("train", model) in parts
+    for experiment in EXPERIMENTS:
+        assert ("reproduce", experiment) in parts
 
 
 @pytest.mark.parametrize("command", ["reproduce clustering --out o", "results --out o"])

@@ -75,6 +75,7 @@ def test_cells_of_a_suite_that_differ_in_options_alone_share_a_dataset_named_aft
     ("words", "told"),
     [
         (["--followers", "nobody"], "unknown follower 'nobody'"),
+        (["--followers", ","], "--followers names nobody"),
         (["--followers", "frontier"], "frontier explores without a leader"),
         (["--followers", "pid", "pid+"], "must differ in letters and numbers"),
         (["--suite", "office", "--people", "3"], "leave out --people"),

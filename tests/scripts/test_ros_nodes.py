@@ -298,6 +298,13 @@ def test_a_message_that_is_not_what_its_type_says_is_told_and_the_next_one_is_ta
     ("kind", "wrong", "told"),
     [
         (filter_logic.FilterNodeConfig, {"laser_pose": (0.1,)}, "laser_pose must be x, y, theta"),
+        (filter_logic.FilterNodeConfig, {"laser_pose": 1.0}, "laser_pose must be x, y, theta"),
+        (filter_logic.FilterNodeConfig, {"laser_pose": (0.1, "left", 0.0)}, "laser_pose"),
+        (filter_logic.FilterNodeConfig, {"laser_pose": (1e25, 0.0, 0.0)}, "laser_pose"),
+        (filter_logic.FilterNodeConfig, {"forest": 7}, "`forest` must be a word, got 7"),
+        (filter_logic.FilterNodeConfig, {"preset": [1]}, "`preset` must be a word"),
+        (follower_logic.FollowerNodeConfig, {"seed": -1}, "`seed` must be within 0"),
+        (follower_logic.FollowerNodeConfig, {"stamped": 1.0}, "`stamped` must be true or false"),
         (follower_logic.FollowerNodeConfig, {"max_speed": 0.0}, "max_speed"),
         (follower_logic.FollowerNodeConfig, {"patience_s": float("nan")}, "patience_s"),
         (slam_logic.SlamNodeConfig, {"map_every_s": -1.0}, "map_every_s"),
@@ -306,3 +313,25 @@ def test_a_message_that_is_not_what_its_type_says_is_told_and_the_next_one_is_ta
 def test_a_parameter_that_cannot_be_is_told(kind, wrong, told):
     with pytest.raises(InputError, match=told):
         kind(**wrong)
+
+
+@pytest.mark.parametrize("kept", [0, 1])
+def test_a_scan_of_hardly_any_beams_is_told_and_the_next_one_followed(make, follower, kept):
+    robot = Robot(make)
+    for number in range(4):
+        now_s, said = robot.says()
+        scan = dict(said)["scan"]
+        if number in (0, 2):
+            few = make.make("sensor_msgs/LaserScan", **{**fields_of(scan), "ranges": scan.ranges[:kept]})
+            with pytest.raises(InputError, match="beams"):
+                _ = [o for each in (*said[:2], ("scan", few)) for o in follower.take(*each, now_s)]
+        else:
+            assert len(commands([o for each in said for o in follower.take(*each, now_s)])) == 1
+        robot.env.step((0.0, 0.0))
+
+
+def test_a_field_of_view_without_beams_is_told(make):
+    logic = follower_logic.FollowerLogic(make, follower_logic.FollowerNodeConfig(field_of_view=1e-9, **SIMULATED))
+    now_s, said = Robot(make).says()
+    with pytest.raises(InputError, match="in the field of view: two are the fewest"):
+        _ = [o for each in said for o in logic.take(*each, now_s)]

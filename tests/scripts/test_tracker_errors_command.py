@@ -8,7 +8,7 @@ import pytest
 from tagalong.scripts.cli import main
 from tagalong.scripts.training import tracker_errors
 from tagalong.scripts.training.tracker_drives import DriveSetting
-from tagalong.scripts.training.tracker_fit import correlation_s, mean_weights, rate_weights
+from tagalong.scripts.training.tracker_fit import TOO_FEW, correlation_s, mean_weights, rate_weights
 
 
 def sights(rng, count):
@@ -60,3 +60,11 @@ def test_the_command_writes_numbers_that_an_environment_reads(tmp_path, capsys, 
     env.step(np.zeros(2))
     env.close()
     assert main(["train", "tracker-errors", "--seeds", "0", "--out", str(tmp_path)]) == 2
+
+
+def test_drives_on_which_nobody_is_lost_are_told_to_be_too_few(tmp_path, capsys):
+    words = ["train", "tracker-errors", "--seeds", "1", "--check-seeds", "1", "--steps", "3"]
+    assert main([*words, "--out", str(tmp_path / "out")]) == 2
+    said = [line for line in capsys.readouterr().err.splitlines() if line.startswith("tagalong: ")]
+    assert said == [f"tagalong: {TOO_FEW}"]
+    assert not (tmp_path / "out").exists()

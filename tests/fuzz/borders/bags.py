@@ -60,6 +60,12 @@ def write_bag(path: Path, value: Input, ros2: bool) -> Path:
     return path
 
 
+def odometry_and_laser(scan: dict[str, Any]) -> list[Any]:
+    """Return the two messages of ROS 2 of a scan as `messages` makes them, its time made one that a stamp holds."""
+    time = float(np.clip(np.nan_to_num(scan["time"]), 0.0, 2.0**31 - 1.0))
+    return [message for _, message in _of(_store(True).types, {**scan, "time": time - 1000.0}, ros2=True)]
+
+
 def _of(kinds: Any, scan: dict[str, Any], ros2: bool) -> list[tuple[str, Any]]:
     """Return the two messages of a scan."""
     time = 1000.0 + scan["time"]

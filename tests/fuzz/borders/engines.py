@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from fuzzer.border import Area, Border, Call, Input, require
 from fuzzer.sanity import finite, sane_map, sane_poses
-from fuzzer.scans import drive, hostile_drive, scan_of
+from fuzzer.scans import drive, hostile_drive, scan_of, with_extreme_numbers
 from fuzzer.values import hostile_value
 from numpy.random import Generator
 from tagalong.slam import Localizer, OccupancyMap, RecordedDrive, make_matcher, make_slam
@@ -17,6 +17,42 @@ from tagalong.slam.scan_to_scan.odometry_check import odometry_factors
 
 FEW = {"gmapping": {"particles": 3, "threads": 1}, "cartographer": {}, "ekf": {}}
 _MATCHERS = ("icp", "plicp", "mbicp", "hglasm-g-small", "global")
+
+
+def stalled_drive(rng: Generator) -> Input:
+    """Return 10 to 60 frames in a room whose odometry stands still for stretches, jumps, catches up or comes back.
+
+    In every third, up to three numbers are extreme, too.
+    """
+    count, beams = int(rng.integers(10, 61)), int(rng.integers(20, 60))
+    bearings = np.linspace(-2.5, 2.5, beams)
+    velocity = np.array([rng.uniform(0.0, 0.1), 0.0, rng.uniform(-0.05, 0.05)])
+    way = np.cumsum(np.tile(velocity, (count, 1)), axis=0)
+    said_m = way + np.cumsum(rng.normal(0.0, 0.002, (count, 3)), axis=0)
+    for _ in range(int(rng.integers(1, 4))):
+        first, length = int(rng.integers(count)), int(rng.choice([1, 2, 5, 19, 20, 21, 22, 40]))
+        said_m[first : first + length] = said_m[first]
+        if rng.random() < 0.5:  # it counts on from where it stood; else it catches up at once
+            said_m[first + length :] -= velocity * length
+        if rng.random() < 0.3:
+            said_m[first + length :] += rng.normal(0.0, (3.0, 3.0, 1.0))
+    frames = [
+        {
+            "odometry": pose.tolist(), "ranges": np.round(_room_ranges(*place, bearings), 3).tolist(),
+            "fan": [-2.5, 5.0 / (beams - 1)], "limits": [0.05, 10.0], "time": 0.1 * k, "mount": [0.0, 0.0, 0.0],
+        }
+        for k, (place, pose) in enumerate(zip(way, said_m, strict=True))
+    ]  # fmt: skip
+    return with_extreme_numbers(rng, frames, int(rng.integers(1, 4))) if rng.random() < 0.33 else frames
+
+
+def _room_ranges(x: float, y: float, theta: float, bearings: Any) -> Any:
+    """Return the ranges [m] to the walls of a room of 14 by 6 m at whose middle the drive begins."""
+    cosine, sine = np.cos(bearings + theta), np.sin(bearings + theta)
+    with np.errstate(divide="ignore"):
+        along = np.where(cosine > 0, 7.0 - x, 7.0 + x) / np.abs(cosine)
+        across = np.where(sine > 0, 3.0 - y, 3.0 + y) / np.abs(sine)
+    return np.clip(np.minimum(along, across), 0.0, 20.0)
 
 
 def driven(name: str) -> Call:
@@ -128,9 +164,14 @@ def _borders() -> tuple[Border, ...]:
         Border(name=f"engines.{name}_settings", make=settings_of(name), call=_settled(name), sane=sane_engine, ms=ms)
         for name, ms in (("gmapping", 3.0), ("cartographer", 8.0), ("ekf", 3.0))
     ]
+    stalled = [
+        Border(name=f"engines.{name}_stalled", make=stalled_drive, call=driven(name), sane=sane_engine, ms=ms)
+        for name, ms in (("gmapping", 30.0), ("cartographer", 60.0), ("ekf", 30.0))
+    ]
     return (
         *engines,
         *settings,
+        *stalled,
         Border(name="engines.localizer", make=hostile_drive, call=_localized, sane=_sane_localization, ms=6.9),
         Border(
             name="engines.matchers", make=hostile_drive, call=_matched, ms=0.75,

@@ -51,6 +51,17 @@ _LONG_WORK: dict[tuple[str, ...], list[str]] = {
     ("train", "legs", "--out", "OUT"): ["--scans", "--drives", "--trees", "--forest"],
     ("train", "people", "--out", "OUT"): ["--buildings", "--frames"],
     ("reproduce", "following", "--quick", "--out", "OUT"): ["--jobs", "--backend"],
+    ("train", "follower", "--preset", "worlds", "--out", "OUT"): ["--steps", "--workers", "--max-minutes", "--algo"],
+    ("train", "tracker-errors", "--out", "OUT"): ["--seeds", "--check-seeds", "--steps"],
+    ("record", "--out", "OUT"): ["--followers", "--scene", "--suite", "--episodes", "--people", "--formats", "--jobs"],
+    ("compare", "--out", "OUT"): ["--followers", "--suites", "--episodes"],
+    ("bench", "simulators", "--out", "OUT"): ["--followers", "--suites", "--episodes", "--people", "--beams"],
+    ("bench", "worlds", "--out", "OUT"): ["--seconds", "--worlds"],
+    ("bench", "drawn-worlds", "--out", "OUT"): ["--kinds", "--engines", "--jobs"],
+    ("bench", "slam-scale", "--out", "OUT"): ["--sizes", "--km", "--engines"],
+    ("bench", "people", "--out", "OUT"): ["--seeds", "--people", "--seconds", "--preset", "--scene", "--forest"],
+    ("bench", "follower-comparison", "--out", "OUT"): ["--followers", "--suites", "--episodes"],
+    ("ros",): ["filter", "people", "follower", "slam"],
     ("results", "--quick", "--out", "OUT"): ["--jobs"],
 }
 """Commands that work for minutes: they get one option more than they can take, which they have to say at once."""

@@ -29,7 +29,12 @@ def drive(rng: Generator, most: int = 5, beams: int = 40) -> Frames:
 def hostile_drive(rng: Generator, most: int = 5, beams: int = 40) -> Frames:
     """Return a drive of which one to four numbers are extreme, or shapes do not agree; one of ten is sound."""
     frames = drive(rng, most, beams)
-    for _ in range(int(rng.integers(1, 5)) if rng.random() < 0.9 else 0):
+    return with_extreme_numbers(rng, frames, int(rng.integers(1, 5)) if rng.random() < 0.9 else 0)
+
+
+def with_extreme_numbers(rng: Generator, frames: Frames, count: int) -> Frames:
+    """Return the frames with so many numbers made extreme, or shapes that do not agree."""
+    for _ in range(count):
         frame = frames[int(rng.integers(len(frames)))]
         key = ("odometry", "odometry", "ranges", "ranges", "fan", "limits", "time", "mount")[int(rng.integers(8))]
         if key == "time":
