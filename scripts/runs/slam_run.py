@@ -137,7 +137,7 @@ def _odometry_factors(engine: SlamEngine) -> dict[str, float] | None:
     """Return what the engine has learned of the wheels; None: it does not."""
     if not isinstance(engine, Cartographer):
         return None
-    way, turn, turn_per_metre = engine.odometry_factors.tolist()
+    way, turn, turn_per_metre = engine.calibration.factors.tolist()
     return {"way": way, "turn": turn, "turn_per_metre": turn_per_metre}
 
 

@@ -1,6 +1,5 @@
 """The engine "cartographer": local SLAM, loop closure and graph optimisation behind the one protocol of all engines."""
 
-import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any, Self
@@ -10,16 +9,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..bounds import Cell, check_numbers, checked_pose
 from ..engine import SlamUpdate
-from ..geometry import between
 from ..grid import GridConfig, render_map
 from ..growing_map import GrowingMap
 from ..occupancy_map import OccupancyMap
-from ..odometry_calibration import OdometryCalibration
 from ..pose_log import PoseLog
 from ..scan import LaserScan
 from ..settings import with_settings
 from .local.held_scans import Due
 from .local.local_slam import LocalResult, LocalSlam, LocalSlamConfig
+from .local.odometry_calibration import OdometryCalibration
 from .loops.constraints import Constraint
 from .loops.drive_mapping import DriveMapping
 from .loops.global_config import GlobalSlamConfig
@@ -61,6 +59,10 @@ class Cartographer:
 
     Args:
         config: Settings.
+
+    Attributes:
+        config: As given.
+        calibration: What was learned of the odometry.
     """
 
     def __init__(self, config: CartographerConfig | None = None) -> None:
@@ -70,9 +72,8 @@ class Cartographer:
         self._mapping = DriveMapping(local, self._global)
         self._record = self._mapping.record
         self._recovery = KidnapRecovery(self._mapping) if config.recovery and config.global_ else None
+        self.calibration = OdometryCalibration(config.local.matcher.independent)
         self._odometry: Array | None = None
-        self._calibration = OdometryCalibration()
-        self._matched: Array | None = None  # T_local_robot of the last scan, if it was matched as usual
         self._online = PoseLog()
         self._live: GrowingMap | None = None  # only once `live_map` has been asked for
 
@@ -88,12 +89,12 @@ class Cartographer:
     def update(self, odometry: ArrayLike, scan: LaserScan) -> SlamUpdate:
         """Take one scan and the robot's odometry pose T_odom_robot (3,) at that time."""
         self._odometry = checked_pose(odometry, before=self._odometry)
-        odometry = self._calibration.apply(self._odometry)
+        odometry = self.calibration.apply(self._odometry)
         nodes = len(self._record.nodes)
         waits = self._mapping.wait(odometry, scan)
         result = waits or self._take(self._mapping.due(odometry, scan))
         assert result
-        self._calibrate(result, waits is not None)
+        self.calibration.follow(result, waits is not None)
         elsewhere = self._recovery.pose if self._recovery else None
         self._online.append(self._mapping.pose if elsewhere is None else elsewhere)
         self._trim()
@@ -104,17 +105,6 @@ class Cartographer:
         sure = not (waits and waits.contradicts) and (not self._recovery or self._recovery.located)
         located = elsewhere is not None or (sure and not result.jumped)
         return SlamUpdate(self.pose, result.insertion is not None, diagnostics, located)
-
-    def _calibrate(self, result: LocalResult, waits: bool) -> None:
-        """Learn from two scans that were matched one after the other how the odometry is off."""
-        sound = result.match and not (waits or result.contradicts or result.odometry_fault or result.jumped)
-        before, self._matched = self._matched, result.pose if sound else None
-        if before is None or result.match is None or not sound:
-            return
-        cos, sin = math.cos(before[2]), math.sin(before[2])
-        turned = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
-        information = self.config.local.matcher.independent * (turned.T @ result.match.information @ turned)
-        self._calibration.learn(between(before, result.pose), information)
 
     def _take(self, scans: Iterable[Due]) -> LocalResult | None:
         """Map scans, one after the other; return what became of the last one."""
@@ -172,11 +162,6 @@ class Cartographer:
     def relocalizations(self) -> int:
         """How often it was found again."""
         return self._recovery.relocalizations if self._recovery else 0
-
-    @property
-    def odometry_factors(self) -> Array:
-        """(3,) what was learned of the wheels: way by way told, turn by turn told, untold turn by way ahead [rad/m]."""
-        return self._calibration.factors
 
     @property
     def constraints(self) -> tuple[Constraint, ...]:

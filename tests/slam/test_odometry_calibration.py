@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tagalong.slam import make_slam
 from tagalong.slam.geometry import between, compose
-from tagalong.slam.odometry_calibration import OdometryCalibration
+from tagalong.slam.graph.local.odometry_calibration import OdometryCalibration
 from walls import cast
 
 CLEAR = np.diag([1e4, 1e4, 1e5])  # information of a scan that tells the place to centimetres
@@ -95,6 +95,6 @@ def test_graph_slam_learns_the_wheels_of_its_robot():
         odometry.append(compose(odometry[-1], motion * [1.15, 1.15, 1.0]))
     for pose, told in zip(truth, odometry, strict=True):
         engine.update(told, cast(room, pose, rng, bearings=bearings))
-    way, turn, turn_per_metre = engine.odometry_factors
+    way, turn, turn_per_metre = engine.calibration.factors
     assert way == pytest.approx(1.0 / 1.15, abs=0.03)
     assert turn + turn_per_metre * 1.15 * 1.63 == pytest.approx(1.0, abs=0.03)  # both, on circles of some 1.63 m
