@@ -111,8 +111,11 @@ def _reference(log: Path, drive: RecordedDrive) -> NDArray[np.float64] | None:
 def _learned(factors: dict[str, float] | None) -> list[tuple[str, str, str]]:
     if factors is None:
         return []
-    told = f"{factors['way']:.3f}, {factors['turn']:.3f}"
-    return [("true way, turn by odometry's", told, f"and {factors['turn_per_metre']:+.3f} rad/m")]
+    return [
+        ("way, of what odometry tells", f"{factors['way']:.3f}", ""),
+        ("turn, of what it tells", f"{factors['turn']:.3f}", ""),
+        ("turn that it does not tell", f"{factors['turn_per_metre']:+.3f}", "rad/m"),
+    ]
 
 
 def _rows(metrics: dict[str, Any], wall_s: float) -> list[tuple[str, str, str]]:

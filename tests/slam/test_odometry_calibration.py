@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 from tagalong.slam import make_slam
 from tagalong.slam.geometry import between, compose
+from tagalong.slam.graph.local.local_slam import LocalResult
 from tagalong.slam.graph.local.odometry_calibration import OdometryCalibration
+from tagalong.slam.scan_to_grid.scan_matcher import GridMatch
 from walls import cast
 
 CLEAR = np.diag([1e4, 1e4, 1e5])  # information of a scan that tells the place to centimetres
@@ -98,3 +100,19 @@ def test_graph_slam_learns_the_wheels_of_its_robot():
     way, turn, turn_per_metre = engine.calibration.factors
     assert way == pytest.approx(1.0 / 1.15, abs=0.03)
     assert turn + turn_per_metre * 1.15 * 1.63 == pytest.approx(1.0, abs=0.03)  # both, on circles of some 1.63 m
+
+
+@pytest.mark.parametrize("wrong", [{"odometry_fault": True}, {"contradicts": True}, {"jumped": True}, {"waits": True}])
+def test_nothing_is_learned_where_a_scan_was_not_matched_as_usual(wrong):
+    def followed(**flags):
+        calibration = OdometryCalibration()
+        waits = flags.pop("waits", False)
+        for k in range(60):
+            calibration.apply(np.array([0.25 * k, 0.0, 0.0]))
+            pose = np.array([0.2 * k, 0.0, 0.0])
+            match = GridMatch(pose, CLEAR, 0.6, False)
+            calibration.follow(LocalResult(pose, match, None, **(flags if k % 2 else {})), waits and bool(k % 2))
+        return calibration.factors[0]
+
+    assert followed() < 0.9
+    assert followed(**wrong) == 1.0
