@@ -138,7 +138,9 @@ def test_odometry_that_errs_more_than_its_model_says_is_taken_for_as_rough_as_it
     usual = ExtrapolatorConfig().sigma(np.array([0.2, 0.0, 0.0]))
     told = np.cumsum(np.diff(truth, axis=0, prepend=0.0) + rng.normal(0.0, 2.5 * usual[0], (300, 3)) * [1, 1, 0], 0)
     model, chosen = driven(told, truth)
-    first = model.predict(told[-1] + [0.2, 0.0, 0.0], STEP_S * 300)[0]
+    assert all(motion.sound for motion in model.copy().predict(told[-1] + [0.52, 0.0, 0.0], STEP_S * 300))
+    first, rough, *_ = model.predict(told[-1] + [0.2, 0.0, 0.0], STEP_S * 300)
+    assert np.all(rough.prediction.sigma >= first.prediction.sigma)
     assert 1.7 * usual[0] < first.prediction.sigma[0] < 3.3 * usual[0]
     assert first.prediction.sigma[1] < 0.3 * usual[1]
     assert np.mean([motion.sound for motion in chosen[100:]]) > 0.9
