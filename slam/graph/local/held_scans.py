@@ -38,6 +38,11 @@ class Look:
     lead: float
     drawn: int
 
+    @property
+    def far(self) -> bool:
+        """Whether the scan fits only far from where sound odometry expects it."""
+        return self.match is not None and (self.match.retried or not self.motion.sound)
+
 
 @dataclass(frozen=True, eq=False)
 class Due:

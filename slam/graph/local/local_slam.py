@@ -152,7 +152,7 @@ class LocalSlam:
         self._held.looked(look)
         motion, match = look.motion, look.match
         pose = match.pose if match else motion.prediction.pose
-        contradicts = self._contradicts(scan, look.points, match, copy(self._monitor))
+        contradicts = self._contradicts(scan, look, copy(self._monitor))
         self._motion.take(look.hypotheses, motion, pose, look.lead if match else None, bool(match and match.retried))
         return LocalResult(pose, match, None, contradicts, not motion.sound, self._motion.jumped)
 
@@ -198,23 +198,23 @@ class LocalSlam:
         look = due.known(self._active.drawn) or self._looked(scan, hypotheses)
         ambiguous, hypotheses = not hypotheses[-1].sound, look.hypotheses
         points, motion, match, lead = look.points, look.motion, look.match, look.lead
-        contradicts = self._contradicts(scan, points, match, self._monitor)
-        far = match is not None and (match.retried or not motion.sound)
-        if match and contradicts and (far or not self._matcher.explains(match)):
+        contradicts = self._contradicts(scan, look, self._monitor)
+        if match and contradicts and (look.far or not self._matcher.explains(match)):
             if ambiguous or (self._matcher.is_beside(match) and not self._monitor.alarmed):
                 return self._by_odometry(min(hypotheses, key=lambda motion: motion.cost), match, True)
-            motion, match = hypotheses[0], None if far else match
+            motion, match = hypotheses[0], None if look.far else match
         if match and self._matcher.is_beside(match):  # the robot has left the submap behind, as after a gap in a log
             self._active.restart()
             self._monitor.alarm()
             motion, match, contradicts = hypotheses[0], None, True
         return self._taken(hypotheses, motion, match, lead, scan, points, contradicts)
 
-    def _contradicts(self, scan: LaserScan, points: Array, match: GridMatch | None, monitor: MatchMonitor) -> bool:
-        if match is None:
+    def _contradicts(self, scan: LaserScan, look: Look, monitor: MatchMonitor) -> bool:
+        if look.match is None:
             return False
         sensor = np.array(scan.T_robot_lidar[:2], dtype=np.float64)
-        return monitor.rejects(self._active.front, points, sensor, match.pose, match.score)
+        place = self._active.front, look.points, sensor, look.match.pose
+        return monitor.rejects(*place, look.match.score, elsewhere=look.far)
 
     def _taken(
         self,

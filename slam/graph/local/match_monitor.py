@@ -84,7 +84,9 @@ class MatchMonitor:
         """Begin anew with another submap; what score is usual stays known."""
         self.rejected = 0
 
-    def rejects(self, submap: Submap, points: Array, sensor: Array, pose: Array, score: float) -> bool:
+    def rejects(
+        self, submap: Submap, points: Array, sensor: Array, pose: Array, score: float, elsewhere: bool = False
+    ) -> bool:
         """Return whether a match is rejected, since it is poor and the scan contradicts the submap there.
 
         Args:
@@ -93,10 +95,11 @@ class MatchMonitor:
             sensor: (2,) place of the laser, robot frame [m].
             pose: (3,) T_local_robot of the match.
             score: Of the match.
+            elsewhere: Whether that is far from where the scans were that were rejected: they say nothing against it.
         """
         config = self._config
         poor, contradicted = config.poor, config.contradicted
-        if self.rejected:
+        if self.rejected and not elsewhere:
             poor, contradicted = config.poor_after, config.contradicted_after
         if score < poor * self._usual:
             place = submap.field, submap.visits, submap.corner, submap.resolution
