@@ -167,7 +167,8 @@ class GridScanMatcher:
         step = submap.resolution / max(far_radius(points), 1.0)
         place = submap.field, submap.corner, submap.resolution
         linear, angular = anywhere.sigma.tolist()
-        start = search_widely(*place, thinned, anywhere.pose, linear, angular, step)
+        least = self._config.explained * self._typical_score
+        start = search_widely(*place, thinned, anywhere.pose, linear, angular, step, least)
         if start is None:
             return None
         found = self._match(submap, points, Prediction(start, anywhere.sigma), None)

@@ -24,8 +24,9 @@ def search_widely(
     linear: float,
     angular: float,
     step: float,
+    least: float,
 ) -> Array | None:
-    """Return the pose (3,) of a window at which the most points fall on walls; None: another place is as good.
+    """Return the pose (3,) of a window at which the most points fall on walls; None: too few do, or as many elsewhere.
 
     Args:
         field: (rows, cols) occupancy in [0, 1].
@@ -36,11 +37,12 @@ def search_widely(
         linear: Half the side of the window [m].
         angular: Half the range of headings [rad].
         step: Between headings [rad].
+        least: Share of the points that must fall on walls.
     """
     x, y = (corner - 0.5 * resolution).tolist()
     grid = ScoreGrid.from_likelihood(np.minimum(_SHARP * field, 1.0), (x, y), resolution)
     pyramid = build_pyramid(grid, margin=math.ceil(linear / resolution) + 1)
     window = SearchWindow(linear=linear, angular=angular, angular_step=step)
     apart = Separation(least_share=_ALIKE)
-    found = branch_and_bound(pyramid, points, centre, window, maxima=2, separation=apart).maxima
+    found = branch_and_bound(pyramid, points, centre, window, min_score=least, maxima=2, separation=apart).maxima
     return np.array(found[0].pose) if len(found) == 1 else None

@@ -3,9 +3,10 @@
 import numba
 import numpy as np
 
-from .kernels import block_sum, excluded, nearest
+from .kernels import child_sums, excluded, nearest
 
 _RANKS = 1 << 30  # of a candidate: its squared distance from the window's centre in steps is below
+_FIRST_ROWS = 64  # of top blocks that come to the heap at once, the highest; then four times as many, and so on
 
 
 @numba.njit(cache=True, nogil=True)
@@ -40,25 +41,42 @@ def rise(keys, items, place):  # pragma: no cover
 
 
 @numba.njit(cache=True, nogil=True)
-def dive(levels, cells, bounds, side):  # pragma: no cover
+def row_peaks(bounds):  # pragma: no cover
+    """Return (n_theta, blocks) int32, the highest of each row of `bounds` (n_theta, blocks, blocks')."""
+    n_theta, blocks, width = bounds.shape
+    peaks, flat = np.empty((n_theta, blocks), dtype=np.int32), bounds.ravel()
+    for k in range(n_theta):
+        for a in range(blocks):
+            highest, start = np.int32(-1), np.uintp((k * blocks + a) * width)
+            for b in range(np.uintp(blocks)):
+                highest = max(highest, flat[start + b])
+            peaks[k, a] = highest
+    return peaks
+
+
+@numba.njit(cache=True, nogil=True)
+def dive(levels, cells, bounds, peaks, side, sums):  # pragma: no cover
     """Return (highest bound, sum of the leaf found below it by taking the best child, blocks looked at)."""
     stride, blocks = 1 << (len(levels) - 1), bounds.shape[1]
-    highest, k, i, j, looked = np.int64(-1), 0, 0, 0, 0
-    for heading in range(len(bounds)):
-        for a in range(blocks):
-            for b in range(blocks):
-                if bounds[heading, a, b] > highest:
-                    highest, k, i, j = np.int64(bounds[heading, a, b]), heading, a * stride, b * stride
+    highest, row = np.int64(-1), 0
+    for at in range(peaks.size):
+        if peaks.flat[at] > highest:
+            highest, row = np.int64(peaks.flat[at]), at
+    k, i, j, looked = row // blocks, row % blocks * stride, 0, 0
+    for b in range(blocks):
+        if bounds[k, row % blocks, b] == highest:
+            j = b * stride
+            break
     total = highest
     for level in range(len(levels) - 2, -1, -1):
         size, total, at_i, at_j = 1 << level, np.int64(-1), i, j
+        child_sums(levels[level], cells[k], i, j, size, sums)
         for child in range(4):
             ci, cj = at_i + (child >> 1) * size, at_j + (child & 1) * size
             if ci < side and cj < side:
-                value = block_sum(levels[level], cells[k], ci, cj)
                 looked += 1
-                if value > total:
-                    total, i, j = value, ci, cj
+                if sums[child] > total:
+                    total, i, j = sums[child], ci, cj
     return highest, total, looked
 
 
@@ -70,16 +88,18 @@ def key_of(total, k, i, j, size, n_theta, side):  # pragma: no cover
 
 
 @numba.njit(cache=True, nogil=True)
-def top_heap(bounds, floor, stride, top_level, side):  # pragma: no cover
-    """Return (keys, items, size): the heap of the top blocks whose bound is at least `floor`, with room for more."""
+def add_top_blocks(keys, items, size, bounds, peaks, low, high, stride, top_level, side):  # pragma: no cover
+    """Return (keys, items, size): the heap with the top blocks of a bound in low .. high - 1, and room for more."""
     n_theta, blocks, _ = bounds.shape
-    width, size = blocks * stride, 0
-    room = np.count_nonzero(bounds >= floor) + 1024
-    keys, items = np.empty(room, dtype=np.int64), np.empty(room, dtype=np.int64)
+    width = blocks * stride
     for k in range(n_theta):
         for a in range(blocks):
+            if peaks[k, a] < low:
+                continue
+            if size + blocks + 4 > len(keys):
+                keys, items = grown(keys, blocks + 4), grown(items, blocks + 4)
             for b in range(blocks):
-                if bounds[k, a, b] >= floor:
+                if low <= bounds[k, a, b] < high:
                     keys[size] = key_of(bounds[k, a, b], k, a * stride, b * stride, stride, n_theta, side)
                     items[size] = ((top_level * n_theta + k) * width + a * stride) * width + b * stride
                     rise(keys, items, size)
@@ -88,30 +108,66 @@ def top_heap(bounds, floor, stride, top_level, side):  # pragma: no cover
 
 
 @numba.njit(cache=True, nogil=True)
+def add_children(keys, items, size, sums, floor, block, n_theta, width, side):  # pragma: no cover
+    """Return (keys, items, size, children of a block inside the window): the heap with those of at least `floor`.
+
+    `block` is (level, k, i, j), `sums` (4,) its children's.
+    """
+    level, k, i, j = block
+    if size + 4 > len(keys):
+        keys, items = grown(keys, 4), grown(items, 4)
+    half, inside = 1 << (level - 1), 0
+    for child in range(4):
+        ci, cj = i + (child >> 1) * half, j + (child & 1) * half
+        if ci >= side or cj >= side:
+            continue
+        inside += 1
+        if sums[child] >= floor:
+            keys[size] = key_of(sums[child], k, ci, cj, half, n_theta, side)
+            items[size] = (((level - 1) * n_theta + k) * width + ci) * width + cj
+            rise(keys, items, size)
+            size += 1
+    return keys, items, size, inside
+
+
+@numba.njit(cache=True, nogil=True)
+def grown(values, least):  # pragma: no cover
+    """Return `values` with room for as many again, `least` at least."""
+    return np.concatenate((values, np.empty(max(len(values), least), dtype=values.dtype)))
+
+
+@numba.njit(cache=True, nogil=True)
 def best_leaves(levels, cells, bounds, side, maxima, reach, period, least, share):  # pragma: no cover
     """Return ((m, 4) int64 of (sum, k, i, j), blocks looked at): the best candidates, best first, each apart from those
     before it by more than `reach` = (headings, cells).
 
     None has a sum below `least`, nor below `share` of the first. Of equal sums the candidate nearest to the window's
-    centre in steps is better, then the one of the lower (k, i, j).
+    centre in steps is better, then the one of the lower (k, i, j). Top blocks come to the heap by and by, the highest
+    first: most of them are never wanted.
     """
-    stride, n_theta, blocks = 1 << (len(levels) - 1), bounds.shape[0], bounds.shape[1]
+    top_level, n_theta, blocks = len(levels) - 1, bounds.shape[0], bounds.shape[1]
+    stride = 1 << top_level
     found, taken, count = np.empty((maxima, 4), dtype=np.int64), np.empty((maxima, 3), dtype=np.int64), 0
+    peaks, sums = row_peaks(bounds), np.empty(4, dtype=np.int64)
     # A leaf that is surely there leaves few of the blocks to be looked at.
-    highest, total, looked = dive(levels, cells, bounds, side)
+    highest, total, looked = dive(levels, cells, bounds, peaks, side, sums)
     looked += n_theta * blocks * blocks
     if highest < least:
         return found[:0], looked
     floor, width = max(least, np.int64(total if maxima == 1 else np.ceil(share * total))), blocks * stride
-    keys, items, size = top_heap(bounds, floor, stride, len(levels) - 1, side)
-    while size > 0 and count < maxima:
-        key, item = keys[0], items[0]
+    keys, items, size = np.empty(1024, dtype=np.int64), np.empty(1024, dtype=np.int64), 0
+    heights, rows, low = np.sort(peaks.ravel()), _FIRST_ROWS, highest + 1  # all blocks from `low` on have come
+    while count < maxima:
+        while low > floor and (size == 0 or keys[0] >> 31 < low):
+            high, low = low, max(floor, np.int64(heights[-rows])) if rows <= len(heights) else floor
+            keys, items, size = add_top_blocks(keys, items, size, bounds, peaks, low, high, stride, top_level, side)
+            rows *= 4
+        if size == 0 or keys[0] >> 31 < floor:
+            break
+        total, item = keys[0] >> 31, items[0]
         size -= 1
         keys[0], items[0] = keys[size], items[size]
         sink(keys, items, size)
-        total = key >> 31
-        if total < floor:
-            break
         j, i, k = item % width, item // width % width, item // (width * width) % n_theta
         level = item // (width * width) // n_theta
         if excluded(k, i, j, 1 << level, taken[:count], reach, period):
@@ -122,18 +178,8 @@ def best_leaves(levels, cells, bounds, side, maxima, reach, period, least, share
             count += 1
             floor = max(floor, np.int64(np.ceil(share * found[0, 0])))
             continue
-        if size + 4 > len(keys):
-            keys, items = np.concatenate((keys, np.empty_like(keys))), np.concatenate((items, np.empty_like(items)))
-        half = 1 << (level - 1)
-        for child in range(4):
-            ci, cj = i + (child >> 1) * half, j + (child & 1) * half
-            if ci >= side or cj >= side:
-                continue
-            total = block_sum(levels[level - 1], cells[k], ci, cj)
-            looked += 1
-            if total >= floor:
-                keys[size] = key_of(total, k, ci, cj, half, n_theta, side)
-                items[size] = (((level - 1) * n_theta + k) * width + ci) * width + cj
-                rise(keys, items, size)
-                size += 1
+        child_sums(levels[level - 1], cells[k], i, j, 1 << (level - 1), sums)
+        block = level, k, i, j
+        keys, items, size, inside = add_children(keys, items, size, sums, floor, block, n_theta, width, side)
+        looked += inside
     return found[:count], looked

@@ -74,15 +74,29 @@ def top_bounds(phases, skirt, border, cells, blocks):  # pragma: no cover
 
 
 @numba.njit(cache=True, nogil=True)
-def block_sum(level, cells, i, j):  # pragma: no cover
-    """Return the sum over the points at `cells` (N, 2), moved by (i, j) cells, of `level` (rows', cols')."""
+def child_sums(level, cells, i, j, half, sums):  # pragma: no cover
+    """Write the sums over the points at `cells` (N, 2) of `level` (rows', cols') into `sums` (4,).
+
+    The points are moved by (i, j), (i, j + half), (i + half, j) and (i + half, j + half) cells; outside is worth 0.
+    """
     rows, cols = level.shape
-    total = 0
+    flat, down, right = level.ravel(), np.uintp(half * cols), np.uintp(half)
+    a, b, c, d = np.int64(0), np.int64(0), np.int64(0), np.int64(0)
     for n in range(len(cells)):
-        row, col = cells[n, 0] + i, cells[n, 1] + j
-        if 0 <= row < rows and 0 <= col < cols:
-            total += np.int64(level[row, col])
-    return total
+        row, col = np.int64(cells[n, 0]) + i, np.int64(cells[n, 1]) + j
+        if 0 <= row < rows - half and 0 <= col < cols - half:
+            at = np.uintp(row * cols + col)
+            a += flat[at]
+            b += flat[at + right]
+            c += flat[at + down]
+            d += flat[at + down + right]
+        elif -half <= row < rows and -half <= col < cols:  # some of the four lie inside
+            above, below, left, beyond = row >= 0, row + half < rows, col >= 0, col + half < cols
+            a += level[row, col] if above and left else 0
+            b += level[row, col + half] if above and beyond else 0
+            c += level[row + half, col] if below and left else 0
+            d += level[row + half, col + half] if below and beyond else 0
+    sums[0], sums[1], sums[2], sums[3] = a, b, c, d
 
 
 @numba.njit(cache=True, nogil=True)

@@ -17,7 +17,7 @@ from tagalong.slam.scan_to_grid.scan_matcher import far_radius
 from tagalong.slam.scan_to_grid.spline_kernels import expand, linearize, misfit
 from tagalong.slam.scan_to_grid.voxel_filter import AdaptiveVoxelConfig, AdaptiveVoxelFilter, voxel_first, voxel_mean
 from tagalong.slam.search.branch_and_bound import SearchWindow
-from tagalong.slam.search.kernels import block_sum, rotated_cells, top_bounds
+from tagalong.slam.search.kernels import child_sums, rotated_cells, top_bounds
 from tagalong.slam.search.score_pyramid import ScoreGrid, build_pyramid
 
 RESOLUTION, CORNER = 0.05, np.array([-1.5, -1.0])
@@ -184,9 +184,36 @@ def test_every_bound_of_the_search_is_the_sum_over_its_block_and_above_all_score
     for k, a, b in np.ndindex(len(headings), 2, 2):
         rows, columns = (cells[k] + [8 * a, 8 * b]).T
         assert bounds[k, a, b] == pyramid.levels[3][rows, columns].astype(int).sum()
-        inside = [block_sum(leaves, cells[k], 8 * a + i, 8 * b + j) for i, j in np.ndindex(8, 8)]
+        inside, sums = [], np.empty(4, np.int64)
+        for i, j in np.ndindex(4, 4):
+            child_sums(leaves, cells[k], 8 * a + 2 * i, 8 * b + 2 * j, 1, sums)
+            inside += sums.tolist()
         assert inside[0] == leaves[rows, columns].astype(int).sum()
         assert max(inside) <= bounds[k, a, b]
+
+
+def test_sums_of_children_count_what_lies_outside_as_nothing():
+    rng = np.random.default_rng(6)
+    level, cells = rng.integers(1, 256, (9, 12)).astype(np.uint8), rng.integers(-6, 16, (500, 2)).astype(np.int32)
+    sums = np.empty(4, np.int64)
+    for i, j, half in ((0, 0, 1), (2, -3, 4), (-2, 5, 2)):
+        child_sums(level, cells, i, j, half, sums)
+        for child, got in enumerate(sums.tolist()):
+            at = cells + np.array([i + (child >> 1) * half, j + (child & 1) * half])
+            at = at[((at >= 0) & (at < level.shape)).all(axis=1)]
+            assert got == level[at[:, 0], at[:, 1]].astype(int).sum()
+
+
+@pytest.mark.parametrize("reach", [0, 1, 5, 9])
+def test_the_correlative_search_of_any_window_scores_as_numpy_does_at_the_fields_edges_too(reach):
+    rng = np.random.default_rng(reach)
+    field, points = rng.random((23, 31)).astype(np.float32), rng.uniform(-1.5, 3.0, (60, 2))
+    prior, information = np.array([0.05, 0.1, 0.4]), np.diag([3.0, 3.0, 9.0])
+    arguments = (field, CORNER, RESOLUTION, points, prior, information, 1.0, reach, 3, 0.05)
+    pose, rest = correlate(*arguments)
+    wanted_pose, wanted_rest = reference.correlation(*arguments)
+    np.testing.assert_allclose(pose, wanted_pose, atol=1e-12)
+    np.testing.assert_allclose(rest, wanted_rest, rtol=1e-5)
 
 
 def test_the_normal_equations_are_those_of_numpy():
