@@ -131,3 +131,16 @@ def test_one_endless_episode_is_timed_by_its_probe_after_each_stretch(monkeypatc
 @pytest.mark.parametrize("words", [["--engines", "magic"], ["--laps", "1"], ["--steps", "100"]])
 def test_a_run_without_sense_is_refused(words, tmp_path):
     assert main(["bench", "soak", *words, "--out", str(tmp_path)]) == 2
+
+
+def test_when_all_of_the_floor_was_seen_the_robot_is_back_where_it_began_in_the_same_building():
+    wanderer = soak_episodes._Wanderer(None)
+    wanderer.go_on(1)
+    world, first = wanderer.env.world, wanderer.env.truth.robot_pose.tobytes()
+    wanderer.go_on(20)
+    assert wanderer.env.truth.robot_pose.tobytes() != first
+    wanderer._ended = True
+    wanderer.go_on(1)
+    assert wanderer.episodes == 2
+    assert wanderer.env.world is world
+    assert wanderer.env.world.time_s < 0.3
