@@ -12,6 +12,10 @@ class InputError(ValueError):
     """Bad input from outside (file, argument, configuration). The message names the thing, the rule, what was got."""
 
 
+class UnwritableError(InputError):
+    """A file or a folder cannot be written: by its name, its folder, or the disk."""
+
+
 class WorkerError(RuntimeError):
     """A worker process is gone, or gives no sign of life. The message says which one, and how it ended."""
 

@@ -22,6 +22,7 @@ from ...perception.people_filter import FilteredScan, PeopleFilter, near_points,
 from ...slam.geometry import between, compose, inverse, transform_points, wrap_angle
 from ...slam.scan import LaserScan
 from ..console.arguments import LARGEST_SEED, at_least, positive
+from ..lab.cells import TIMING
 from .results import write_results
 
 RANGE = 6.0
@@ -154,7 +155,8 @@ def _judge_drive(world: World, config: PerceptionConfig, seconds: float) -> dict
             onset_s = truth.time_s if right is None else onset_s
             right = on_leader if right is None or truth.time_s - onset_s < 1.2 else right
             chosen += on_leader
-    return _row(judge) | {"leader_right": right, "leader_held": chosen / scans, "ms": 1e3 * spent / scans}
+    timing = {TIMING: {"ms": 1e3 * spent / scans}}
+    return _row(judge) | {"leader_right": right, "leader_held": chosen / scans} | timing
 
 
 def _row(judge: DriveJudge) -> dict[str, Any]:
@@ -186,7 +188,7 @@ def summary(rows: list[dict[str, Any]]) -> dict[str, float]:
         **{f"removed_{key}": float(value[1] / max(1.0, value[0])) for key, value in shares.items()},
         "leader_right": float(np.mean(known_leader)) if known_leader else float("nan"),
         "leader_held": float(np.mean([row["leader_held"] for row in rows])),
-        "ms_per_scan": float(np.mean([row["ms"] for row in rows])),
+        "ms_per_scan": float(np.mean([row[TIMING]["ms"] for row in rows])),
     }
 
 

@@ -2,17 +2,20 @@
 
 A row of the first is a round: some seconds in each registered environment, each with a new seed, so that nothing that
 is kept by building or by episode stays hidden. A row of the second is a stretch of one episode that goes on and on:
-nobody leads, and contacts do not end it.
+nobody leads, contacts do not end it, and after each stretch the same probe of steps is timed anew.
 """
 
 import time
 from dataclasses import asdict
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
 from tqdm import tqdm
 
 from ...agents import make_follower
 from ...agents.protocol.follower import Follower
+from ...envs.episode import EnvState
 from ...envs.follow_env import FollowEnv
 from ...envs.registration import IDS
 from ..lab.cells import TIMING
@@ -23,6 +26,8 @@ VISIT = 200
 """Steps in one building before the next one is looked at; at 10 Hz 20 s."""
 STRETCH = 1000
 """Steps of the endless episode between two looks at the memory."""
+PROBE = 200
+"""Steps of it that are driven anew after each stretch."""
 SAMPLE = 20
 """Steps between two looks at the pace of the machine."""
 PEOPLE = 4
@@ -49,34 +54,86 @@ def episodes(slam: str | None, steps: int) -> dict[str, Any]:
 
 
 def endless_episode(slam: str | None, steps: int) -> dict[str, Any]:
-    """Return the rows of one episode of `steps` steps in an office, of a robot that wanders about."""
-    env = FollowEnv(
-        scene="office",
-        slam=slam,
-        leader=False,
-        people_count=PEOPLE,
-        beams=BEAMS,
-        ends_on_contact=False,
-        coverage_goal=1.0,
-    )
-    robot, rows, seed, ended, pace = make_follower("random", env.interface), [], -1, True, Pace()
-    observation: dict[str, Any] = {}
+    """Return the rows of one episode of `steps` steps in an office, of a robot that wanders about.
+
+    What a step costs there changes with where robot and people are, for tens of thousands of steps: the steps that pass
+    tell little of age. Timed is therefore the probe, the same steps from the same state, again after each stretch, by
+    the process and the environment as they have become. What the episode itself carries on is there as it
+    was; if that grew, the memory would. The time of the steps that passed is told beside it, as "passing_ms".
+    """
+    wanderer, pace, probe = _Wanderer(slam), Pace(), None
+    rows = []
     for stretch in tqdm(range(-(-steps // STRETCH)), f"one episode, slam={slam}", unit="stretch"):
-        took = 0.0
-        for k in range(STRETCH):
+        start = time.process_time()
+        wanderer.go_on(STRETCH)
+        passing_ms = 1e3 * (time.process_time() - start) / STRETCH
+        probe = probe or _Probe(wanderer)
+        step_ms, done = 1e3 * probe.drive(pace) / PROBE, (stretch + 1) * STRETCH
+        row = Row(memory_mb=memory_mb(), step_ms=step_ms, reference_ms=pace.read(), done=done)
+        rows.append(asdict(row) | {"passing_ms": passing_ms})
+    return {"episodes": wanderer.episodes, TIMING: rows}
+
+
+class _Wanderer:
+    """A robot that wanders about in an office for ever, among people."""
+
+    def __init__(self, slam: str | None) -> None:
+        self.env = FollowEnv(
+            scene="office",
+            slam=slam,
+            leader=False,
+            people_count=PEOPLE,
+            beams=BEAMS,
+            ends_on_contact=False,
+            coverage_goal=1.0,
+        )
+        self._robot = make_follower("random", self.env.interface)
+        self._observation: dict[str, Any] = {}
+        self._ended, self.episodes = True, 0
+        self._home: tuple[EnvState, dict[str, Any]] | None = None
+
+    def go_on(self, steps: int) -> list[NDArray[np.float64]]:
+        """Drive `steps` steps; return their actions."""
+        actions = []
+        for _ in range(steps):
+            if self._ended:
+                self._begin()
+            actions.append(self._robot.act(self._observation))
+            self._observation, _, self._ended, _, _ = self.env.step(actions[-1])
+        return actions
+
+    def _begin(self) -> None:
+        """Start; when by chance all of the floor was seen, go back there, since another building takes other memory."""
+        self.episodes += 1
+        self._robot.reset()
+        if self._home is None:
+            self._observation, _ = self.env.reset(seed=0)
+            self._home = self.env.save_state(), self._observation
+        else:
+            self.env.restore_state(self._home[0])
+            self._observation = self._home[1]
+
+
+class _Probe:
+    """Steps that are driven again and again: from now on, those that the robot takes next."""
+
+    def __init__(self, wanderer: _Wanderer) -> None:
+        self._env = wanderer.env
+        self._state = self._env.save_state()
+        self._actions = wanderer.go_on(PROBE)
+
+    def drive(self, pace: Pace) -> float:
+        """Drive the steps, return their time [s], and go back to where the episode is."""
+        here, took = self._env.save_state(), 0.0
+        self._env.restore_state(self._state)
+        for k, action in enumerate(self._actions):
             if k % SAMPLE == 0:
                 pace.sample()
-            if ended:  # only at the start, or when by chance all of the floor was seen
-                seed += 1
-                observation, _ = env.reset(seed=seed)
-                robot.reset()
-            action = robot.act(observation)
             start = time.process_time()
-            observation, _, ended, _, _ = env.step(action)
+            self._env.step(action)
             took += time.process_time() - start
-        step_ms, done = 1e3 * took / STRETCH, (stretch + 1) * STRETCH
-        rows.append(asdict(Row(memory_mb=memory_mb(), step_ms=step_ms, reference_ms=pace.read(), done=done)))
-    return {"episodes": seed + 1, TIMING: rows}
+        self._env.restore_state(here)
+        return took
 
 
 class Visit:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ...slam.errors import InputError, MissingExtraError, one_line, shown
+from ...slam.errors import InputError, MissingExtraError, UnwritableError, one_line, shown
 from ...slam.files.output import replacing
 from ...slam.geometry import between, compose
 from ...slam.logs.text import numbered_lines, write_lines
@@ -146,6 +146,9 @@ def derive(path: str, folder: Path, into: Path) -> str:
         path: Of the catalogue.
         folder: That holds the originals.
         into: Where to; its folders are made.
+
+    Raises:
+        UnwritableError: If it cannot be written there.
     """
     source, make = RECIPES[path]
     if (into / path).exists():
@@ -154,6 +157,8 @@ def derive(path: str, folder: Path, into: Path) -> str:
         return f"not made: {source} is missing"
     try:
         make(folder / source, into / path)
+    except UnwritableError:  # nor can the others
+        raise
     except (InputError, MissingExtraError) as error:
         return f"not made: {error}"
     except (ValueError, IndexError) as error:  # words that are no numbers, or too few of them

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, UnwritableError
 from .input import checked_name, kind_of_file, named
 from .input import read_json as read_json
 from .npz import read_arrays as read_arrays
@@ -27,7 +27,7 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
     or a folder is never replaced. Example: `with replacing("map.png") as p: image.save(p)`.
 
     Raises:
-        InputError: If nothing can be written there, or the disk is full; also for any other `OSError` in the body.
+        UnwritableError: If nothing can be written there, or the disk is full; also for any other `OSError` in the body.
     """
     with _told(path, "written"):
         target = _real_target(path)
@@ -71,7 +71,7 @@ def _told(path: str | os.PathLike[str], done: str) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise InputError(f"{named(path)}: cannot be {done} ({error.strerror or error})") from error
+        raise UnwritableError(f"{named(path)}: cannot be {done} ({error.strerror or error})") from error
 
 
 def _real_target(path: str | os.PathLike[str]) -> Path:

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Sequence
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..bounds import checked_pose
 from ..errors import InputError, MissingExtraError, shown
+from ..files.foreign_writer import ForeignWriter
 from ..files.output import replacing, require_writable
 from ..occupancy_map import OccupancyMap
 from ..scan import LaserScan
@@ -41,17 +43,22 @@ class RerunRecording(ViewerRecording):
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self._rerun = check_rerun_recording(path)
         super().__init__(path)
-        self._replacing = replacing(self.file)
-        self._temporary = self._replacing.__enter__()
+        self._replacing = ExitStack()
+        self._temporary = self._replacing.enter_context(replacing(self.file))
+        self._writer = ForeignWriter(self._temporary)  # rerun waits for ever for a disk that is full
         self._stream: Any = self._rerun.RecordingStream("tagalong")
-        self._stream.save(str(self._temporary))
+        self._stream.save(str(self._writer.name))
+        self._writer.begun()
 
     def _finish(self, keep: bool) -> None:
         self._stream.flush()
         self._stream.disconnect()
         if keep:
-            self._replacing.__exit__(None, None, None)
+            with self._replacing:
+                self._writer.close()
         else:
+            with suppress(OSError):
+                self._writer.close()
             self._temporary.unlink(missing_ok=True)
 
     def _write_scan(self, time_s: float, scan: LaserScan, topic: str) -> None:

@@ -28,7 +28,7 @@ def serve(
     make: Callable[..., Callable[[Any], Any]],
     arguments: tuple[Any, ...],
 ) -> None:
-    """Answer what comes through `pipe`, until it ends.
+    """Answer what comes through `pipe`, until it ends, or SIGTERM comes: what comes out after that comes of it.
 
     Args:
         pipe: Gives (number, question), takes (number, result, error).
@@ -37,15 +37,27 @@ def serve(
         make: Returns what answers a question.
         arguments: Its arguments.
     """
-    _take_signals()
+    came = _take_signals()
     if lasting and sys.platform == "linux":  # it acts when the thread ends that started this process
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
     threading.Thread(target=_live, args=(beats,), daemon=True).start()
-    do = _made(make, arguments)
+    try:
+        _answer(pipe, _made(make, arguments), came)
+    except BaseException:
+        if not came:
+            raise
+    if came:  # an extension module that is being imported turns the exit into an error of its own
+        raise SystemExit(128 + came[0])
+
+
+def _answer(pipe: Connection, do: Callable[[Any], Any], came: list[int]) -> None:
+    """Answer by `do` until the pipe ends, or a signal `came`."""
     with suppress(EOFError, BrokenPipeError, ConnectionResetError):  # closed, or the parent is gone
-        while True:
+        while not came:
             number, task = pipe.recv()
             result, error = answered(do, task)
+            if came:
+                return
             if error is not None and not isinstance(error, InputError):  # that one says all by itself
                 error.add_note("".join(traceback.format_exception(error)))  # a pipe carries no traceback
             try:
@@ -77,16 +89,23 @@ def answered(do: Callable[[Any], Any], task: Any) -> tuple[Any, Exception | None
         return None, error
 
 
-def _take_signals() -> None:
-    """Leave Ctrl-C, which comes to all processes of a terminal, to the parent; let SIGTERM unwind what runs."""
+def _take_signals() -> list[int]:
+    """Leave Ctrl-C, which comes to all processes of a terminal, to the parent; let SIGTERM unwind what runs.
+
+    Returns:
+        The numbers of the signals that came, none yet.
+    """
+    came: list[int] = []
 
     def leave(number: int, _: object) -> None:
+        came.append(number)
         raise SystemExit(128 + number)
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, leave)
     if hasattr(signal, "pthread_sigmask"):
         signal.pthread_sigmask(signal.SIG_UNBLOCK, HELD)
+    return came
 
 
 def _live(beats: Connection) -> None:

@@ -1,6 +1,8 @@
 """The simulator as a whole: seeds, snapshots, contacts, the tour."""
 
 import pickle
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -17,6 +19,16 @@ FEW_BEAMS = LidarConfig(beams=61)
 
 def make(seed=0, **options):
     return World(WorldConfig(**{"lidar": FEW_BEAMS, **options}), np.random.default_rng(seed))
+
+
+def test_importing_mujoco_starts_no_process_that_a_kill_would_leave_behind():
+    code = (
+        "import sys; begun = []; sys.addaudithook(lambda event, _: begun.append(event) if event == 'subprocess.Popen'"
+        " else None); from tagalong.envs.physics import mj; import glfw, os; print(begun, glfw.get_version()[0] >= 3,"
+        " 'PYGLFW_LIBRARY' in os.environ)"
+    )
+    answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert answer.stdout.strip() == "[] True False"
 
 
 def test_a_building_without_room_for_so_many_gives_way_to_another_and_always_the_same():

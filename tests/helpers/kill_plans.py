@@ -22,12 +22,14 @@ class Plan:
         within_s: The kills come at random within so many seconds; None: within the time of a whole run.
         compared: Whether it is run to its end, undisturbed and after kills, and the files are compared.
         in_a_row: Kills in the same folder before it is run to its end.
+        times: Names of its JSON under which stand times by nature; all the rest is compared.
     """
 
     words: tuple[str, ...]
     within_s: float | None = None
     compared: bool = True
     in_a_row: int = 5
+    times: frozenset[str] = frozenset()
 
 
 def _tagalong(words: str, **more) -> Plan:
@@ -36,6 +38,11 @@ def _tagalong(words: str, **more) -> Plan:
 
 _LONG: dict[str, Any] = {"within_s": 8.0, "in_a_row": 20}
 """Of a command that takes minutes and keeps what is done: every kill finds it farther on."""
+_SPEEDS = frozenset({"reference_kernel_ms", "steps_per_s", "real_time_factor", "mean_ms", "p95_ms"}) | {
+    "single environment",
+    "vector environment, 2 processes",
+}
+"""What `bench speed` measures: of it, the names of its parts, their counts and the machine are compared."""
 PLANS = {
     "slam": _tagalong("slam IN/room.log.gz --out out --set particles=20 --set linear_update=0.05"),
     "slam ekf": _tagalong("slam IN/room.log.gz --method ekf --out out"),
@@ -74,8 +81,8 @@ PLANS = {
         "compare --suites corridor --followers pid plain_pid --episodes 1 --leaderboard out/leaderboard.md --out out"
     ),
     "teleop": _tagalong("teleop --operator model --out out/drive.txt"),
-    "results": _tagalong("results --quick --jobs 2 --out out", within_s=8.0, compared=False),
-    "bench speed": _tagalong("bench speed --steps 2 --out out", within_s=8.0, compared=False),
+    "results": _tagalong("results --quick --jobs 2 --out out", **_LONG),
+    "bench speed": _tagalong("bench speed --steps 2 --out out", in_a_row=20, times=_SPEEDS),
     "bench simulators": _tagalong("bench simulators --suites corridor --episodes 2 --out out"),
     "bench followers": _tagalong(
         "bench follower-comparison --suites corridor --followers pid plain_pid --episodes 2 --maps 1 --out out"

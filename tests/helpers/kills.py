@@ -22,7 +22,7 @@ ORPHAN_S = 5.0
 UNWIND_S = 60.0
 """A command that is asked to end has done so after this time [s], on a machine that does much else."""
 STATUS = {signal.SIGKILL: -signal.SIGKILL, signal.SIGTERM: 143, signal.SIGINT: 130}
-TIMES = {"timing", "minutes", "wall_s", "timing.json"}
+TIMES = frozenset({"timing", "minutes", "wall_s", "timing.json"})
 """Names under which stands what depends on the clock."""
 UNEQUAL = re.compile(
     r"(timing|bench)\.json|report\.html|.*tfevents.*|checkpoint\.json|model_.*|.*\.gif|.*\.rrd|.*[-_]times?\.png|settings\.json"
@@ -187,22 +187,22 @@ def is_whole(path: Path) -> bool:
         return False
 
 
-def digests(folder: Path) -> dict[str, str]:
-    """Return a hash of every file of `folder` whose content does not depend on the clock."""
+def digests(folder: Path, times: frozenset[str] = frozenset()) -> dict[str, str]:
+    """Return a hash of every file of `folder` whose content does not depend on the clock; `times` as in a plan."""
     return {
-        str(path.relative_to(folder)): hashlib.sha256(_timeless(path)).hexdigest()[:16]
+        str(path.relative_to(folder)): hashlib.sha256(_timeless(path, TIMES | times)).hexdigest()[:16]
         for path in files(folder)
         if not UNEQUAL.fullmatch(path.name)
     }
 
 
-def _timeless(path: Path) -> bytes:
+def _timeless(path: Path, times: frozenset[str]) -> bytes:
     if path.suffix != ".json":
         return path.read_bytes()
-    return json.dumps(_without_times(json.loads(path.read_text()))).encode()
+    return json.dumps(_without_times(json.loads(path.read_text()), times)).encode()
 
 
-def _without_times(value):
+def _without_times(value, times: frozenset[str]):
     if isinstance(value, dict):
-        return {key: _without_times(item) for key, item in value.items() if key not in TIMES}
-    return [_without_times(item) for item in value] if isinstance(value, list) else value
+        return {key: _without_times(item, times) for key, item in value.items() if key not in times}
+    return [_without_times(item, times) for item in value] if isinstance(value, list) else value

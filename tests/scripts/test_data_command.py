@@ -5,10 +5,12 @@ import hashlib
 import json
 import os
 import re
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
 import pytest
+from full_disk import full_disk
 from tagalong.scripts.cli import main
 from tagalong.scripts.public_data import catalogue as catalogue_module
 from tagalong.scripts.public_data.catalogue import catalogue
@@ -99,6 +101,24 @@ def test_odometry_is_integrated_over_the_readings_of_a_corrected_log(tmp_path, c
     made = gzip.decompress((tmp_path / "slam_logs" / "aces_with_odometry.log.gz").read_bytes()).decode().splitlines()
     assert made[2].split()[4:10] == ["5.000000", "5.000000", "1.570800", "1.000000", "0.000000", "0.000000"]
     assert made[3].split()[7:10] == ["2.000000", "0.000000", "0.000000"]
+
+
+@pytest.mark.parametrize("full", [False, True], ids=["a file in the way", "a full disk"])
+def test_where_nothing_can_be_written_one_line_says_so_and_no_other_file_is_tried(tmp_path, capsys, full):
+    folder, into = tmp_path / "slam_logs", tmp_path / "new"
+    folder.mkdir()
+    ranges = " ".join(str(value) for value in np.random.default_rng(0).random(1000))
+    for name in ("aces", "fhw"):
+        log = f"FLASER 1000 {ranges} 0 0 0 0 0 0 0.1 h 0.1\n"
+        (folder / f"{name}-corrected.log.gz").write_bytes(gzip.compress(log.encode()))
+    if not full:
+        into.write_text("in the way")
+    with full_disk() if full else nullcontext():
+        assert main(["data", "derive", str(tmp_path), "--into", str(into)]) == 2
+    told = capsys.readouterr()
+    assert re.fullmatch(r"tagalong: .*aces_with_odometry\.log\.gz: cannot be written \(.*\)\n", told.err)
+    assert told.out == ""
+    assert {path for path in tmp_path.rglob("*") if path.is_file() and path != into} == set(folder.iterdir())
 
 
 @pytest.mark.skipif("TAGALONG_DATA" not in os.environ, reason="TAGALONG_DATA names no folder of recordings")

@@ -1,6 +1,10 @@
 """The table of the README: scene beside scene, engine beside engine."""
 
+import argparse
+
 from tagalong.scripts.benchmarks.acceptance_table import side_by_side
+from tagalong.scripts.benchmarks.people import drives
+from tagalong.scripts.lab.cells import TIMING, without_timing
 
 
 def test_what_was_measured_in_both_scenes_and_by_both_engines_stands_in_one_row():
@@ -25,3 +29,12 @@ def test_what_was_measured_in_both_scenes_and_by_both_engines_stands_in_one_row(
 
 def test_without_recorded_logs_there_is_no_table_of_them():
     assert "recorded log" not in side_by_side([("corridor: MOTA", "0.95", "", "10")])
+
+
+def test_a_drive_of_people_is_the_same_each_time_but_for_what_stands_under_timing():
+    options = argparse.Namespace(
+        scene="corridor", people=2, first_seed=0, seeds=1, preset="table2", forest="simulation", seconds=2.0
+    )
+    first, second = (next(drives(options)) for _ in range(2))
+    assert first[TIMING]["ms"] > 0.0
+    assert repr(without_timing(first)) == repr(without_timing(second))

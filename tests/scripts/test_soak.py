@@ -93,6 +93,54 @@ def test_rounds_go_through_all_environments_and_name_what_they_took(monkeypatch)
     assert all(row["step_ms"] > 0.0 and row["memory_mb"] > 1.0 for row in rows)
 
 
+def test_the_probe_is_the_same_each_time_and_the_episode_goes_on_as_if_there_were_none(monkeypatch):
+    monkeypatch.setattr(soak_episodes, "PROBE", 5)
+    probed, alone = soak_episodes._Wanderer(None), soak_episodes._Wanderer(None)
+    for wanderer in (probed, alone):
+        wanderer.go_on(10)
+    probe = soak_episodes._Probe(probed)
+    alone.go_on(5)
+    passed = probed.env.truth.robot_pose.tobytes()
+    seen, step = [], probed.env.step
+
+    def watched(action):
+        result = step(action)
+        seen.append(probed.env.truth.robot_pose.tobytes())
+        return result
+
+    monkeypatch.setattr(probed.env, "step", watched)
+    for _ in range(2):
+        assert probe.drive(soak_episodes.Pace()) > 0.0
+        assert probed.env.truth.robot_pose.tobytes() == passed
+    assert seen[:5] == seen[5:]
+    assert len(set(seen)) == 5
+    monkeypatch.undo()
+    for wanderer in (probed, alone):
+        wanderer.go_on(5)
+    assert probed.env.truth.robot_pose.tobytes() == alone.env.truth.robot_pose.tobytes() != passed
+
+
+def test_one_endless_episode_is_timed_by_its_probe_after_each_stretch(monkeypatch):
+    monkeypatch.setattr(soak_episodes, "STRETCH", 6)
+    monkeypatch.setattr(soak_episodes, "PROBE", 4)
+    rows = soak_episodes.endless_episode(None, 12)[TIMING]
+    assert [row["done"] for row in rows] == [6, 12]
+    assert all(min(row["step_ms"], row["passing_ms"], row["reference_ms"]) > 0.0 for row in rows)
+
+
 @pytest.mark.parametrize("words", [["--engines", "magic"], ["--laps", "1"], ["--steps", "100"]])
 def test_a_run_without_sense_is_refused(words, tmp_path):
     assert main(["bench", "soak", *words, "--out", str(tmp_path)]) == 2
+
+
+def test_when_all_of_the_floor_was_seen_the_robot_is_back_where_it_began_in_the_same_building():
+    wanderer = soak_episodes._Wanderer(None)
+    wanderer.go_on(1)
+    world, first = wanderer.env.world, wanderer.env.truth.robot_pose.tobytes()
+    wanderer.go_on(20)
+    assert wanderer.env.truth.robot_pose.tobytes() != first
+    wanderer._ended = True
+    wanderer.go_on(1)
+    assert wanderer.episodes == 2
+    assert wanderer.env.world is world
+    assert wanderer.env.world.time_s < 0.3

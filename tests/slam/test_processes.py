@@ -30,6 +30,20 @@ if __name__ == "__main__":
 """
 
 
+class Importing:
+    """Is read from the pipe as a module is imported whose code in C turns any exception into an ImportError."""
+
+    def __reduce__(self):
+        return import_for_long, ()
+
+
+def import_for_long():
+    try:
+        time.sleep(60.0)
+    except SystemExit:
+        raise ImportError("initialization failed") from None
+
+
 def alive(pid):
     """Whether a process runs; one that has ended may wait for whoever inherited it."""
     try:
@@ -143,6 +157,19 @@ def test_a_worker_that_is_busy_closes():
     end_all([busy], at_once=True)
     assert time.monotonic() - began < 1.5
     assert busy.process.exitcode == 143  # it was unwound
+
+
+@pytest.mark.parametrize("task", [Importing(), (import_for_long, ())], ids=["while it reads", "while it works"])
+def test_a_worker_that_is_ended_says_nothing_whatever_its_exit_is_turned_into(capfd, task):
+    importing = Worker("worker 1", caller, context="fork")
+    assert asked(importing, len, "") == (0, None)
+    importing.ask(task)
+    time.sleep(0.3)
+    began = time.monotonic()
+    end_all([importing], at_once=True)
+    assert time.monotonic() - began < 1.5
+    assert importing.process.exitcode == 143
+    assert capfd.readouterr().err == ""
 
 
 def test_ctrl_c_is_for_the_parent_alone(worker):

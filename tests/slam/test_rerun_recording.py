@@ -1,11 +1,28 @@
 """Recordings of rerun hold what was written, by rerun's own reader; its reader of MCAP finds ours whole."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from tagalong.slam import InputError, LaserScan, OccupancyMap
 from tagalong.slam.logs import open_recording
 
 TIMES = (0.0, 0.1, 0.2)
+FULL = """
+import resource, sys
+import numpy as np
+from tagalong.slam import InputError
+from tagalong.slam.logs import open_recording
+
+recording = open_recording(sys.argv[1])
+resource.setrlimit(resource.RLIMIT_FSIZE, (200, 200))
+recording.picture(0.0, np.zeros((500, 500, 3), dtype=np.uint8), "/camera/image")
+try:
+    recording.close()
+except InputError as error:
+    print(error)
+"""
 
 
 def scan_at(time_s):
@@ -40,6 +57,28 @@ def test_what_was_recorded_is_read_back_by_rerun(tmp_path):
     assert np.allclose(found["/map/map"]["Points3D:positions"][0], [(0.15, 0.05, 0.0)])
     assert found["/reward"]["Scalars:scalars"][0] == [1.25]
     assert {"/camera/image", "/map/path", "/world/truth/pose", "/cmd_vel/turn"} <= set(found)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="limits of files")
+def test_a_disk_that_is_full_is_told_and_not_waited_for(tmp_path):
+    pytest.importorskip("rerun")
+    words = [sys.executable, "-c", FULL, "drive.rrd"]
+    answer = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    assert (answer.stdout, answer.stderr) == ("drive.rrd: cannot be written (File too large)\n", "")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_is_larger_than_a_pipe_arrives_whole_and_what_is_given_up_leaves_nothing(tmp_path):
+    reader = pytest.importorskip("rerun.chunk")
+    pixels = np.random.default_rng(0).integers(0, 256, (1500, 2000, 3), dtype=np.uint8)
+    for name, keep in (("whole.rrd", True), ("gone.rrd", False)):
+        recording = open_recording(tmp_path / name)
+        recording.picture(0.0, pixels, "/camera/image")
+        recording.close(keep=keep)
+    assert [path.name for path in tmp_path.iterdir()] == ["whole.rrd"]
+    held = [chunk.to_record_batch().to_pydict() for chunk in reader.RrdReader(tmp_path / "whole.rrd").stream()]
+    buffers = [columns["Image:buffer"] for columns in held if "Image:buffer" in columns]
+    assert bytes(np.asarray(buffers[0][0][0], dtype=np.uint8)) == pixels.tobytes()
 
 
 def test_reruns_reader_of_mcap_finds_every_message(tmp_path):
