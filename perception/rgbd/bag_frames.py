@@ -49,6 +49,14 @@ def holds_frames_only(path: str | os.PathLike[str]) -> bool:
         return not bag.of_type(SCAN) and has_depth(bag)
 
 
+def has_frames(path: str | os.PathLike[str]) -> bool:
+    """Return whether `path` is a bag with depth pictures."""
+    if not is_bag(path):
+        return False
+    with open_bag(path) as bag:
+        return has_depth(bag)
+
+
 def read_bag_frames(
     path: str | os.PathLike[str], topics: CameraTopics | None = None, every_s: float = 0.0
 ) -> Iterator[RecordedFrame]:

@@ -16,8 +16,9 @@ from ....envs.sensors.lidar import LidarConfig
 from ....envs.world.world import World, WorldConfig
 from ....perception.immobile.localization import ImmobileLocalization
 from ....perception.immobile.mapper import ImmobileMapper
+from ....perception.immobile.slam import beams_on_people
 from ....perception.immobile.view import CameraView, make_view
-from ....perception.people_filter import PeopleFilter, PeopleFilterConfig, near_points
+from ....perception.people_filter import PeopleFilter, PeopleFilterConfig
 from ....perception.rgbd.frame import RgbdFrame
 from ....perception.rgbd.people import RgbdPeopleFinder
 from ....perception.rgbd.people_finder import PeopleFinder
@@ -129,7 +130,8 @@ class _Drive:
         """Take the latest scan, and the latest frame if it is new."""
         scan, odometry = self.world.scan(), self.world.odometry
         true_pose = between(self.T_world_map, self.world.truth.robot_pose)
-        people = self._beams_on_people(scan, odometry)
+        filtered = self._people_filter.update(scan, odometry)
+        people = beams_on_people(filtered, self._people_filter.config.removal.zeta)
         pose = self._located(odometry, scan, people, true_pose)
         self._errors.append(between(true_pose, pose))
         self._path.append(pose)
@@ -150,17 +152,6 @@ class _Drive:
         if self._by_map is not None:
             return self._by_map.locate(self.mappers[METHOD].grid, odometry, scan, people)
         return true_pose if self._engine is None else self._engine.update(odometry, scan).pose
-
-    def _beams_on_people(self, scan: LaserScan, odometry: Array) -> Array:
-        """Return (N,) how likely each beam met somebody whose legs are tracked."""
-        found = np.zeros(len(scan))
-        people = self._people_filter.update(scan, odometry).people
-        T_lidar_odom = inverse(compose(odometry, scan.T_robot_lidar))
-        for row in range(len(people)):
-            places = np.concatenate((people.positions[row][None], people.legs[row]))
-            near = near_points(scan, transform_points(T_lidar_odom, places), self._people_filter.config.removal.zeta)
-            found[near] = np.maximum(found[near], people.confidence[row])
-        return found
 
     def _look(self, frame: RgbdFrame, scan: LaserScan, true_pose: Array) -> None:
         planes = self._spoiled_planes(self._planes.find(frame))
