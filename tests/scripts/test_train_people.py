@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 from tagalong.perception.rgbd import PersonSvm, RgbdPeople
+from tagalong.perception.rgbd.person_svm import LUMA_LENGTH
 from tagalong.scripts.benchmarks.rgbd_people import by_distance, by_visible
 from tagalong.scripts.cli import main
 from tagalong.scripts.training.evaluate_people import PeopleScores, joined, score_frame
@@ -116,6 +117,10 @@ def test_the_command_trains_and_writes_classifier_and_card(tmp_path, capsys):
     card = json.loads((tmp_path / "people_rgbd.json").read_text())
     assert card["config"]["buildings"] == 5
     assert card["training"]["people"] > 10
+    alone = PersonSvm.load(tmp_path / "people_rgbd_depth.npz")
+    assert not alone.weights[:LUMA_LENGTH].any()
+    assert alone.weights[LUMA_LENGTH:].any()
+    assert card["without_colour"]["test"]["frames"] == 6
 
 
 def test_impossible_numbers_are_errors(tmp_path, capsys):

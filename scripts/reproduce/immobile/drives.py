@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ....envs.oracle import TrueRgbdPeopleFinder
 from ....envs.recording.operator import Operator
+from ....envs.robot.robot import ROBOTS
 from ....envs.sensors.camera.config import RgbdConfig
 from ....envs.sensors.lidar import LidarConfig
 from ....envs.world.world import World, WorldConfig
@@ -37,6 +38,8 @@ Array = NDArray[np.float64]
 
 LASER = LidarConfig(range_max=10.0, height=LASER_HEIGHT)
 """The paper's laser: 10 m, 270 degrees, 0.25 degrees, 0.32 m above the floor."""
+USUAL_ROBOT, PAPER_ROBOT, PAPER_PIXELS = "dingo-d", "pioneer", (512, 424)
+"""The robot of the other experiments; that of the paper, and the pixels of its Kinect V2."""
 MAPPERS = ("conventional", "laser", "immobile", "true people")
 """Ways to map: the occupancy grid; immobile area by the laser alone; by laser and camera; and the same with people told
 by the simulator, an upper bound."""
@@ -60,6 +63,7 @@ def lab_drive(
     longest_s: float | None,
     ways: Sequence[str],
     files: Path,
+    paper: bool = False,
 ) -> dict[str, Any]:
     """Drive once through the lab of `seed` and map it in several ways; return what is counted on the maps.
 
@@ -75,12 +79,14 @@ def lab_drive(
         longest_s: Where the drive is cut off [s]; None: at its end.
         ways: Those of `MAPPERS` to map in, the conventional one and `METHOD` among them.
         files: Folder for the maps.
+        paper: Whether robot and camera are those of the paper: a Pioneer 3-DX, 512 x 424 pixels.
     """
     if poses not in POSES:
         raise unknown_name("source of poses", poses, POSES)
     vibration, pitch = np.radians((vibration_deg, pitch_deg)).tolist()
     camera = RgbdConfig(rate_hz=camera_hz, vibration=vibration, pitch=pitch, missing=max(missing, 0.002))
-    drive = _Drive(lab_world(seed, camera), poses, delay_s, wrong, seed, ways)
+    camera = replace(camera, width=PAPER_PIXELS[0], height=PAPER_PIXELS[1]) if paper else camera
+    drive = _Drive(lab_world(seed, camera, PAPER_ROBOT if paper else USUAL_ROBOT), poses, delay_s, wrong, seed, ways)
     operator = Operator(drive.world.scene)
     while not operator.done(drive.world.truth) and drive.world.time_s < (longest_s or _LONGEST_S):
         drive.world.step(operator.command(drive.world.truth))
@@ -89,9 +95,11 @@ def lab_drive(
     return drive.judged()
 
 
-def lab_world(seed: int, camera: RgbdConfig | None = None) -> World:
-    """Return the lab of `seed`, with the paper's laser and this camera."""
-    config = WorldConfig(scene="lab", route="operator", people=0, leader=False, lidar=LASER, camera=camera)
+def lab_world(seed: int, camera: RgbdConfig | None = None, robot: str = USUAL_ROBOT) -> World:
+    """Return the lab of `seed`, with the paper's laser, this camera and the robot of this name."""
+    config = WorldConfig(
+        scene="lab", route="operator", people=0, leader=False, lidar=LASER, camera=camera, robot=ROBOTS[robot]
+    )
     return World(config, np.random.default_rng(seed))
 
 
