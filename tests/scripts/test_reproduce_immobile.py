@@ -210,7 +210,7 @@ def test_the_papers_robot_and_camera_are_a_preset(tmp_path):
         "longest_s": 1.0,
         "ways": ["conventional", "immobile"],
     }
-    assert lab_drive(**told, files=tmp_path)["pose_error_m"] == 0.0
+    assert lab_drive(**told, files=tmp_path)["pose_error_m"] < 1e-6
 
 
 def test_a_short_drive_ends_in_a_report_with_all_its_figures(tmp_path):

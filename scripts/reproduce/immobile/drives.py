@@ -24,6 +24,7 @@ from ....perception.rgbd.frame import RgbdFrame
 from ....perception.rgbd.people import RgbdPeopleFinder
 from ....perception.rgbd.people_finder import PeopleFinder
 from ....perception.rgbd.planes import PlaneFinder, Planes
+from ....perception.rgbd.reduction import middle_pixels
 from ....slam.engine import ENGINES, make_slam
 from ....slam.errors import unknown_name
 from ....slam.geometry import between, compose, inverse, transform_points
@@ -168,13 +169,13 @@ class _Drive:
             people = finder.find(frame, planes)
             views[name] = make_view(frame, planes, replace(people, likelihood=self._spoiled(people.likelihood)))
         self._waiting.append((frame.time_s + self._delay_s, views))
-        geoms = self.world.frame_geoms()
+        geoms = middle_pixels(self.world.frame_geoms(), planes.step, planes.frame.depth.shape)
         truly = int((self.world.people_of(geoms) >= 0).sum())
-        self.exhibits.add_frame(frame, views[METHOD], scan, self._path[-1], truly)
+        self.exhibits.add_frame(planes.frame, views[METHOD], scan, self._path[-1], truly)
         self.exhibits.add_view(views[METHOD], self._path[-1])
         kinds = self._kinds[geoms]
         T_map_camera = compose(true_pose, frame.T_robot_camera)
-        level = np.isfinite(frame.depth)
+        level = np.isfinite(planes.frame.depth)
         for kind, lowest in measures.TOPS.items():
             mine = level & (kinds == kind) & (np.nan_to_num(planes.points[..., 2]) > lowest)
             self.tops.add(kind, transform_points(T_map_camera, planes.points[mine][:, :2]))
