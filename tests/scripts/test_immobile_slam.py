@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 from tagalong.envs import Operator, RgbdConfig
-from tagalong.perception.immobile.slam import ImmobileSlam
+from tagalong.perception.immobile import ImmobileSlam
 from tagalong.perception.rgbd import read_bag_frames
 from tagalong.scripts.cli import main
 from tagalong.scripts.reproduce.immobile.drives import lab_world
