@@ -11,6 +11,7 @@ from ..perception.people_filter import FilteredScan, RemovalConfig
 from ..perception.rgbd.frame import RgbdFrame
 from ..perception.rgbd.people import RgbdPeople
 from ..perception.rgbd.planes import Planes
+from ..perception.rgbd.reduction import middle_pixels
 from ..perception.tracking.camera import SeenPeople
 from ..perception.tracking.people import People
 from ..slam.geometry import between, compose, inverse, transform_points
@@ -129,7 +130,8 @@ class TrueRgbdPeopleFinder:
 
     def find(self, frame: RgbdFrame, planes: Planes) -> RgbdPeople:
         """Return the people in `frame`, which must be the world's latest; they stand where they are now."""
-        label = self._world.people_of(self._world.frame_geoms())
+        geoms = middle_pixels(self._world.frame_geoms(), planes.step, planes.frame.depth.shape)
+        label = self._world.people_of(geoms)
         seen = np.unique(label[label >= 0])
         rows = np.full(len(self._world.truth.people) + 1, -1, dtype=np.int32)
         rows[seen] = np.arange(len(seen))

@@ -3,6 +3,7 @@
     RgbdFrame(depth, colour, Pinhole(...), ...)      what `tagalong.perception.PlaneFinder` and `PeopleFinder` are given
     Surface                                          what a point lies on: floor, ceiling, wall, top of a table ...
     read_frames(folder)                              recorded frames: depth, colour, intrinsics of each
+    read_bag_frames(bag)                             the same of a ROS 1 or ROS 2 bag, or mcap file
     RgbdPeople                                       who is in a frame; what a people finder of one's own returns
     PersonSvm.load(path)                             a classifier that `tagalong train people` wrote
 
@@ -14,6 +15,7 @@ from typing import TYPE_CHECKING
 from ...slam.door import lends
 
 if TYPE_CHECKING:
+    from .bag_frames import read_bag_frames
     from .frame import Pinhole, RgbdFrame
     from .people import RgbdPeople
     from .person_svm import PersonSvm
@@ -26,6 +28,7 @@ __all__ = [
     "RgbdFrame",
     "RgbdPeople",
     "Surface",
+    "read_bag_frames",
     "read_frames",
 ]
 
@@ -35,6 +38,7 @@ _HOME = {
     "RgbdFrame": "frame",
     "RgbdPeople": "people",
     "Surface": "planes",
+    "read_bag_frames": "bag_frames",
     "read_frames": "pictures",
 }
 """Public name -> module; imported when it is asked for."""

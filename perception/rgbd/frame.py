@@ -15,6 +15,7 @@ Array = NDArray[np.float64]
 _DEEPEST_M = 1e4  # no camera measures depths so far
 _NO_METRES = 100.0  # a frame whose depths are more than this in the middle is not in metres: cameras see 20 m
 _UNDISTORT_ROUNDS = 20
+_COEFFICIENTS = 8
 _Focal = Annotated[tuple[float, float], Within(1e-3, 1e6)]
 _Centre = Annotated[tuple[float, float], Within(-1e5, 1e5)]
 _Coefficients = Annotated[tuple[float, ...], Within(-1e3, 1e3)]
@@ -31,7 +32,8 @@ class Pinhole:
         horizontal_fov: Angle between the left and the right edge of a picture whose middle is on the axis [rad].
         vertical_fov: Angle between its upper and lower edge [rad].
         centre: Where the camera's axis meets the picture, column and row [pixels]; None: in the middle.
-        distortion: Coefficients k1, k2, p1, p2, k3 of Brown's model ("plumb_bob" of ROS), or the first few of them.
+        distortion: Coefficients k1, k2, p1, p2, k3 of Brown's model ("plumb_bob" of ROS), then k4, k5, k6 of the
+            rational one ("rational_polynomial"); or the first few of them.
     """
 
     width: Annotated[int, Within(0, 8192)]
@@ -48,8 +50,8 @@ class Pinhole:
         for name in ("horizontal_fov", "vertical_fov"):
             if not 0.0 < getattr(self, name) < np.pi:
                 raise InputError(f"`{name}` must be in (0, pi) [rad], got {getattr(self, name)}")
-        if len(self.distortion) > 5:
-            raise InputError(f"`distortion` must be at most 5 numbers, got {shown(self.distortion)}")
+        if len(self.distortion) > _COEFFICIENTS:
+            raise InputError(f"`distortion` must be at most {_COEFFICIENTS} numbers, got {shown(self.distortion)}")
 
     @classmethod
     def from_intrinsics(
@@ -61,7 +63,7 @@ class Pinhole:
             size: Columns and rows [pixels].
             focal: fx and fy [pixels].
             centre: cx and cy [pixels]; as in OpenCV and ROS the centre of pixel (0, 0) is at (0, 0).
-            distortion: k1, k2, p1, p2, k3, or the first few of them.
+            distortion: k1, k2, p1, p2, k3, k4, k5, k6, or the first few of them.
         """
         for name, value in (("fx", focal[0]), ("fy", focal[1])):
             if not value > 0.0:
@@ -115,16 +117,33 @@ class Pinhole:
         )
 
 
+def distorted(right: Array, below: Array, coefficients: tuple[float, ...]) -> tuple[Array, Array]:
+    """Return where rays meet a picture with distortion: what the model says (OpenCV, `projectPoints`).
+
+    Args:
+        right: (...,) slopes of the rays to the right [1].
+        below: (...,) and downwards [1].
+        coefficients: As of `Pinhole.distortion`.
+    """
+    radial, across, down = _bent(right, below, coefficients)
+    return right * radial + across, below * radial + down
+
+
+def _bent(x: Array, y: Array, coefficients: tuple[float, ...]) -> tuple[Array, Array, Array]:
+    """Return the factor by which rays are moved outwards, and by how much they are moved across and down."""
+    k1, k2, p1, p2, k3, k4, k5, k6 = (*coefficients, *([0.0] * (_COEFFICIENTS - len(coefficients))))
+    r2 = x * x + y * y
+    under = 1.0 + r2 * (k4 + r2 * (k5 + r2 * k6))
+    radial = (1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))) / np.where(np.abs(under) > 0.1, under, 0.1)
+    return radial, 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x), p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y
+
+
 def _undistorted(right: Array, below: Array, coefficients: tuple[float, ...]) -> tuple[Array, Array]:
     """Return where rays would meet a picture without distortion, by iteration as in OpenCV's `undistortPoints`."""
-    k1, k2, p1, p2, k3 = (*coefficients, *([0.0] * (5 - len(coefficients))))
     x, y = right.copy(), below.copy()
     for _ in range(_UNDISTORT_ROUNDS):
-        r2 = x * x + y * y
-        radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
+        radial, across, down = _bent(x, y, coefficients)
         radial = np.where(np.abs(radial) > 0.1, radial, 0.1)
-        across = 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x)
-        down = p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y
         x, y = (right - across) / radial, (below - down) / radial
     return x, y
 

@@ -12,7 +12,7 @@ from ...slam.geometry import transform_points
 from .frame import RgbdFrame
 from .heads import Candidates, HeadConfig, find_candidates
 from .people import RgbdPeople, nobody
-from .person_svm import PersonSvm, candidate_features
+from .person_svm import DEPTH_MODEL, PersonSvm, candidate_features
 from .planes import Planes, Surface
 
 Array = NDArray[np.float64]
@@ -54,15 +54,18 @@ class PeopleFinder:
     Args:
         svm: The classifier; `PersonSvm.load()` is the shipped one.
         config: Parameters.
+        depth_svm: The classifier of frames without colour; None: `svm` is.
     """
 
-    def __init__(self, svm: PersonSvm, config: PeopleFinderConfig | None = None) -> None:
-        self._svm, self._config = svm, config or PeopleFinderConfig()
+    def __init__(
+        self, svm: PersonSvm, config: PeopleFinderConfig | None = None, depth_svm: PersonSvm | None = None
+    ) -> None:
+        self._svm, self._depth_svm, self._config = svm, depth_svm or svm, config or PeopleFinderConfig()
 
     @classmethod
     def load(cls, config: PeopleFinderConfig | None = None) -> "PeopleFinder":
-        """Return a finder with the shipped classifier."""
-        return cls(PersonSvm.load(), config)
+        """Return a finder with the shipped classifiers."""
+        return cls(PersonSvm.load(), config, PersonSvm.load(DEPTH_MODEL))
 
     def find(self, frame: RgbdFrame, planes: Planes) -> RgbdPeople:
         """Return the people in `frame`, whose planes are known; the likeliest first."""
@@ -70,7 +73,9 @@ class PeopleFinder:
         if not planes.mount.known and not config.without_floor:
             return replace(nobody(*planes.surface.shape), floor_known=False)
         candidates = find_candidates(planes, config.heads)
-        likelihood = self._svm.likelihood(candidate_features(planes, candidates))
+        colour = planes.frame.colour
+        svm = self._svm if colour.min() < colour.max() else self._depth_svm
+        likelihood = svm.likelihood(candidate_features(planes, candidates))
         middles = body_centres(candidates, config.behind)
         order = np.argsort(-likelihood, kind="stable")
         owner = np.full(len(order), -1, dtype=np.int64)

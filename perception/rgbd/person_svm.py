@@ -20,8 +20,12 @@ from .windows import CHANNELS, COLUMNS, ROWS, candidate_windows
 Array = NDArray[np.float64]
 
 MODEL = Path(__file__).resolve().parent.parent / "models" / "people_rgbd.npz"
+DEPTH_MODEL = MODEL.with_name("people_rgbd_depth.npz")
+"""The classifier for frames of depth alone: it was trained without the gradients of brightness."""
 SOFTNESS = 0.02
 """Of the blocks' norm: noise on an even surface is no pattern."""
+LUMA_LENGTH = hog_length(ROWS, COLUMNS, 1)
+"""So many of the features, the first ones, tell of brightness."""
 _OF_WINDOW = hog_length(ROWS, COLUMNS, CHANNELS)
 LENGTH = _OF_WINDOW + MEASURES_LENGTH
 """How many features there are."""

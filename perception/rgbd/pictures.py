@@ -5,8 +5,8 @@
     NAME.json        intrinsics; or one camera.json for the whole folder
 
 The intrinsics: `width`, `height`, `fx`, `fy`, `cx`, `cy` [pixels], and, if need be, `distortion` (k1, k2, p1, p2,
-k3), `principal_point` ("centres": the centre of pixel (0, 0) is at (0, 0), as OpenCV and ROS have it, which is the
-default; or "pixel edges": it is at (0.5, 0.5)), `depth_unit_m` (0.001) and `time_s`.
+k3, k4, k5, k6, or the first few), `principal_point` ("centres": the centre of pixel (0, 0) is at (0, 0), as OpenCV and
+ROS have it, which is the default; or "pixel edges": it is at (0.5, 0.5)), `depth_unit_m` (0.001) and `time_s`.
 """
 
 import os
@@ -29,7 +29,7 @@ _MOST_BYTES = 64 << 20
 _WHY = "a picture of 8192 x 4096 pixels has less"
 _ENDINGS = ("_depth.png", "_depth.npy")
 _COLOURS = (".jpg", ".jpeg", ".png")
-_MODES = ("I;16", "I;16B", "I;16L", "I", "L")
+DEPTH_MODES = ("I;16", "I;16B", "I;16L", "I", "L")
 CAMERA_FILE = "camera.json"
 
 
@@ -125,8 +125,8 @@ def read_depth(path: str | os.PathLike[str], unit_m: float = 1e-3) -> NDArray[An
             raise InputError(f"depths must be numbers of two dimensions, got {depth.dtype} of shape {depth.shape}")
         return depth
     with opened(path, _MOST_BYTES, _WHY) as file:
-        picture = _decoded(file)
-    if picture.mode not in _MODES:
+        picture = decoded(file)
+    if picture.mode not in DEPTH_MODES:
         raise InputError(f"a depth picture has one channel of 16 bit, got mode {picture.mode}")
     depth = np.asarray(picture)
     return depth if unit_m == 1e-3 else depth.astype(np.float32) * np.float32(unit_m)
@@ -136,10 +136,11 @@ def read_depth(path: str | os.PathLike[str], unit_m: float = 1e-3) -> NDArray[An
 def read_colour(path: str | os.PathLike[str]) -> NDArray[np.uint8]:
     """Return (h, w, 3) red, green, blue of a picture."""
     with opened(path, _MOST_BYTES, _WHY) as file:
-        return np.asarray(_decoded(file).convert("RGB"))
+        return np.asarray(decoded(file).convert("RGB"))
 
 
-def _decoded(file: Any) -> Image.Image:
+def decoded(file: Any) -> Image.Image:
+    """Return the picture in a file, or what acts like one; one line says what is wrong with it."""
     try:
         picture = Image.open(file)
         picture.load()

@@ -5,11 +5,15 @@ more columns is reduced to about that: each pixel of the smaller picture is the 
 which halves the noise of depth and puts no depth between two surfaces.
 """
 
+from typing import TypeVar
+
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from .frame import RgbdFrame
 
+Number = TypeVar("Number", bound=np.generic)
 WORKING_COLUMNS = 140
 """About so many columns are worked at [pixels]: the training's 128, and what whole steps make of 320, 512 and 640."""
 
@@ -33,6 +37,11 @@ def reduced_frame(frame: RgbdFrame) -> tuple[RgbdFrame, int]:
     mean = (sum(samples[1:], samples[0]) // len(samples)).astype(np.uint8)
     small = RgbdFrame(depth, mean, camera, frame.time_s, frame.T_robot_camera, frame.camera_height, frame.tilt)
     return small, step
+
+
+def middle_pixels(values: NDArray[Number], step: int, size: tuple[int, int]) -> NDArray[Number]:
+    """Return one of `values` (H, W) for each pixel of the smaller picture of `size` (h, w): the one in the middle."""
+    return values[step // 2 :: step, step // 2 :: step][: size[0], : size[1]]
 
 
 @njit(cache=True, nogil=True)

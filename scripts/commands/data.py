@@ -1,11 +1,14 @@
 """`tagalong data`: which public recordings the figures rest on, and whether a folder holds them."""
 
 import argparse
+import math
 import os
 from collections import Counter
 from pathlib import Path
 
 from ...slam.errors import InputError
+from ...slam.logs.recording import check_recording
+from ..console.arguments import LARGEST_SEED, at_least
 from ..console.subcommands import add_subcommands
 from ..console.tables import format_table
 from ..public_data.catalogue import DAMAGED, MISSING, OK, Collection, catalogue
@@ -15,6 +18,9 @@ EPILOG = """\
 None of these recordings is part of the package: most are free for research with credit to who made them, and no more.
 Get them from where they come from, lay them as the paths say, and name the folder in the variable TAGALONG_DATA.
 docs/data.md says how each file that is not an original derives from one.
+
+record writes a drive through the simulated lab, by laser, wheels and RGB-D camera, as a ROS 2 bag, and its true poses
+beside it (FILE.gt.tum); tagalong slam --mapping immobile and tagalong perceive --frames take it.
 
 derive makes those of them that a program here makes, and says whether they are equal to ours.
 
@@ -26,10 +32,13 @@ examples:
   tagalong data check DIR
   tagalong data check DIR --only slam_logs
   tagalong data derive DIR
+  tagalong data record lab.mcap --seed 111 --pitch 20
 """
+_MOST_MINUTES = 60.0
 _ACTIONS = {
     "check": "say what is there, damaged, missing",
     "derive": "make files that derive from originals, where a program here does so",
+    "record": "record a drive through the simulated lab, by laser and RGB-D camera",
 }
 
 
@@ -41,17 +50,44 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _declare(name: str, parser: argparse.ArgumentParser) -> None:
+    if name == "record":
+        return _declare_record(parser)
     parser.add_argument("folder", type=Path, nargs="?", metavar="DIR", help="(default: TAGALONG_DATA)")
     if name == "derive":
         parser.add_argument("--into", type=Path, metavar="DIR", help="(default: the same folder); overwrites nothing")
-        return
+        return None
     parser.add_argument("--only", metavar="PATH", default="", help="only files whose path begins so, e.g. slam_logs")
+
+
+def _declare_record(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("file", type=Path, metavar="FILE", help="FILE.mcap")
+    parser.add_argument("--seed", type=at_least(0, LARGEST_SEED), default=0, help="of building, people and noise (0)")
+    parser.add_argument("--camera-hz", type=float, default=5.0, metavar="F", help="frames a second (default: 5)")
+    parser.add_argument("--camera-height", type=float, default=1.0, metavar="M", help="above the floor (default: 1.0)")
+    parser.add_argument("--pitch", type=float, default=0.0, metavar="DEG", help="how far its nose points down (0)")
+    parser.add_argument("--minutes", type=float, default=7.0, metavar="M", help="cut the drive off (at its end)")
+
+
+def _record(options: argparse.Namespace) -> int:
+    from ...envs.sensors.camera.config import RgbdConfig
+    from ..runs.lab_recording import record_lab
+
+    if not 0.0 < options.minutes <= _MOST_MINUTES:
+        raise InputError(f"--minutes must be within 0 .. {_MOST_MINUTES:g}, got {options.minutes}")
+    pitch = math.radians(options.pitch)
+    camera = RgbdConfig(rate_hz=options.camera_hz, camera_height=options.camera_height, pitch=pitch)
+    check_recording(options.file)
+    told = record_lab(options.file, options.seed, camera, 60.0 * options.minutes)
+    print(f"{told.scans} scans, {told.frames} frames, {told.seconds:.0f} s; wrote {options.file}")
+    return 0
 
 
 def run(options: argparse.Namespace) -> int:
     """Print the table, or check a folder."""
     if options.action == "check":
         return _check(_folder(options.folder), options.only)
+    if options.action == "record":
+        return _record(options)
     if options.action == "derive":
         return _derive(_folder(options.folder), options.into)
     for each in catalogue():

@@ -23,7 +23,7 @@ from ...slam.scan import LaserScan
 from ..console.log_options import add_topics
 from ..console.record_option import add_record, check_record
 from ..lab.people_recordings import recorded_people
-from ..runs.perceive_frames import add_camera_options, is_frame_folder, perceive_frames
+from ..runs.perceive_frames import add_camera_options, holds_frames, perceive_frames
 
 LEGS_HEADER, PEOPLE_HEADER = "scan,x,y,confidence", "scan,id,x,y,vx,vy,confidence"
 
@@ -40,12 +40,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "Whoever is nearest at first is the leader: looked for when lost, and kept under one id.\n\n"
         "A folder of RGB-D frames (NAME_depth.png of 16 bit in millimetres, NAME.jpg or .png, and NAME.json or one\n"
         "camera.json with width, height, fx, fy, cx, cy) gives planes.csv, people.csv, mounts.csv, report.txt and\n"
-        "overlays/NAME.png. Height and tilt of the camera are told by the floor; where it is not in sight, by the\n"
-        "options or, with --sequence, by the frames before; else people are marked as guesses (floor_known 0)."
+        "overlays/NAME.png. So does a ROS 1, ROS 2 or MCAP bag with depth (raw or compressedDepth) and camera_info;\n"
+        "colour (raw or compressed) may be missing. Height and tilt of the camera are told by the floor; where it is\n"
+        "not in sight, by the options or, in a bag and with --sequence, by the frames before; else people are marked\n"
+        "as guesses (floor_known 0)."
     )
     parser.epilog = (
         "examples:\n  tagalong perceive lobby.bag --out out/people --preset recorded\n"
-        "  tagalong perceive frames/ --out out/frames --camera-height 1.3"
+        "  tagalong perceive frames/ --out out/frames --camera-height 1.3\n"
+        "  tagalong perceive camera.bag --out out/frames --every 1"
     )
     parser.add_argument("scans", metavar="SCANS", type=Path, help="recorded scans: log, ROS bag or .npz; or frames")
     add_topics(parser)
@@ -74,7 +77,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Read the scans, track people through them, write the tables; or look at frames."""
-    if is_frame_folder(options.scans):
+    if holds_frames(options.scans, options.frames):
         return perceive_frames(options)
     if not 0.0 <= options.min_confidence <= 1.0:
         raise InputError(f"--min-confidence must lie in [0, 1], got {options.min_confidence}")

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...slam.engine import ENGINES, make_slam
+from ...perception.immobile.slam import ImmobileSlam
+from ...slam.engine import ENGINES, SlamEngine, make_slam
 from ...slam.errors import InputError
 from ...slam.logs.drive import RecordedDrive
 from ...slam.logs.tum import read_tum
@@ -17,6 +18,7 @@ from ..console.log_options import add_odometry, add_topics, read_with_odometry
 from ..console.record_option import add_record, check_record
 from ..console.setting_words import add_settings, read_settings
 from ..console.tables import format_table
+from ..runs.immobile_slam import IMMOBILE, OWN, add_mapping_options, check_mapping, immobile_slam, write_layers
 from ..runs.people_removal import add_people_options, people_filter_config, remove_people
 from ..runs.slam_recording import record_run
 from ..runs.slam_run import prepare_folder, progress_bar, write_run
@@ -34,6 +36,7 @@ writes into DIR:
                          errors where the log has reference poses
                          (its own corrected poses, or NAME.gt.tum beside NAME.log.gz)
   timing.json            speed and memory; the only file that differs between two runs
+  movable.pgm, .yaml     with --mapping immobile: things that stood and left, such as doors
   people.json            with --filter-people: who was tracked and where, in the odometry frame;
                          metrics.json says how many returns were removed
 
@@ -46,6 +49,7 @@ example:
   tagalong slam drive.log --out out/drive --odometry refined --matcher icp
   tagalong slam drive.bag --out out/drive --filter-people
   tagalong slam drive.bag --out out/drive --record out/drive.mcap
+  tagalong slam lab.mcap --out out/lab --mapping immobile --method immobile --forest simulation
 """
 
 
@@ -62,12 +66,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_odometry(parser)
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="where the results go")
     parser.add_argument(
-        "--method", default="gmapping", help=f"SLAM engine: {', '.join(ENGINES)} (default: %(default)s)"
+        "--method", default="gmapping", help=f"SLAM engine: {', '.join(ENGINES)}, immobile (default: %(default)s)"
     )
     parser.add_argument("--seed", type=int, default=0, help="seed of all random draws (default: %(default)s)")
     parser.add_argument("--resolution", type=float, metavar="M", help="side of a map cell [m] (default: the engine's)")
     add_settings(parser, "a field of the engine's configuration, e.g. particles=50 or local.insertion_voxel=0.1")
     add_people_options(parser)
+    add_mapping_options(parser)
     add_record(parser)
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
 
@@ -77,17 +82,25 @@ def run(options: argparse.Namespace) -> int:
     if options.resolution is not None and not 0.001 <= options.resolution <= 10.0:
         raise InputError(f"--resolution must lie in [0.001, 10] m, got {options.resolution}")
     check_record(options.record)
-    people = people_filter_config(options.filter_people, options.forest)
-    engine = make_slam(options.method, seed=options.seed, **read_settings(options.settings))
+    check_mapping(options)
+    forest = options.forest if options.mapping == OWN else None
+    people = people_filter_config(options.filter_people, forest)
+    engine = _engine(options)
     read = read_with_odometry(options)
     drive = read.drive
     reference = _reference(options.log, drive)
     prepare_folder(options.out)
+    if options.mapping == IMMOBILE:
+        engine = immobile_slam(options, drive, engine)
+    assert engine is not None
     how: dict[str, Any] = {"method": options.method, "seed": options.seed, "config": asdict(engine.config)}
+    how |= {"mapping": options.mapping} if options.mapping != OWN else {}
     how |= read.settings
     if people is not None:
         drive, how["people_filter"] = remove_people(drive, people, options.out, not options.quiet)
     result = run_slam(engine, drive, progress=progress_bar(drive.name, not options.quiet))
+    if isinstance(engine, ImmobileSlam):
+        how |= write_layers(options.out, engine)
     metrics = write_run(options.out, drive, result, how, reference, options.resolution)
     if options.record is not None:
         tracked = options.out / "people.json" if people is not None else None
@@ -95,6 +108,16 @@ def run(options: argparse.Namespace) -> int:
     print(format_table(("quantity", "value", "unit"), _rows(metrics, float(result.seconds.sum()))))
     print(f"written to {options.out}")
     return 0
+
+
+def _engine(options: argparse.Namespace) -> SlamEngine | None:
+    """Return the engine that localizes; None: the immobile-area map itself does."""
+    settings = read_settings(options.settings)
+    if options.method != IMMOBILE:
+        return make_slam(options.method, seed=options.seed, **settings)
+    if settings:
+        raise InputError("--set is of an engine's configuration; --method immobile has none")
+    return None
 
 
 def _reference(log: Path, drive: RecordedDrive) -> NDArray[np.float64] | None:
@@ -125,6 +148,7 @@ def _rows(metrics: dict[str, Any], wall_s: float) -> list[tuple[str, str, str]]:
         ("not sure where it is", str(metrics["not_sure"]["scans"]), "scans"),
         ("odometry not believed", str(metrics["odometry_not_believed"]["scans"]), "scans"),
         *_learned(metrics["odometry_factors"]),
+        *([("camera's views", str(metrics["views"]), "")] if "views" in metrics else []),
         ("path", f"{metrics['path_m']:.1f}", "m"),
         ("free area", f"{metrics['map']['free_m2']:.1f}", "m2"),
         ("engine time", f"{wall_s:.2f}", "s"),

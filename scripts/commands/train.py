@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from ...perception.rgbd.person_svm import MODEL
+from ...perception.rgbd.person_svm import DEPTH_MODEL, MODEL
 from ...slam.errors import InputError, shown
 from ...slam.files.output import write_json
 from ..console.subcommands import add_described
@@ -31,8 +31,9 @@ examples:
   tagalong train legs --forest real --data recordings --out out/legs
 """
 PEOPLE_EPILOG = """\
-writes into DIR: people_rgbd.npz (the classifier), people_rgbd.json (its card: data, seeds, figures, limits), and with
---recorded without_SOURCE.npz for each source of recorded frames (the same trained without them)
+writes into DIR: people_rgbd.npz (the classifier), people_rgbd.json (its card: data, seeds, figures, limits),
+people_rgbd_depth.npz (the classifier of frames without colour), and with --recorded without_SOURCE.npz and
+without_SOURCE_depth.npz for each source of recorded frames (the same trained without them)
 
 example: tagalong train people --out out/people
 """
@@ -115,6 +116,10 @@ def _train_people(options: argparse.Namespace) -> int:
     trained.svm.save(path, trained.card)
     for source, svm in trained.left_out.items():
         svm.save(options.out / f"without_{source}.npz", {"trained": f"as {MODEL.name}, without {source}"})
+    trained.depth_svm.save(options.out / DEPTH_MODEL.name, {"trained": f"with {MODEL.name}, without colour"})
+    for source, svm in trained.depth_left_out.items():
+        told = {"trained": f"as {DEPTH_MODEL.name}, without {source}"}
+        svm.save(options.out / f"without_{source}_depth.npz", told)
     print(f"wrote {path}")
     print(format_table(["figure", "value"], [[name, str(value)] for name, value in trained.scores.figures().items()]))
     return 0

@@ -1,4 +1,4 @@
-"""Planes and people in a folder of recorded RGB-D frames: tables, overlays and a report."""
+"""Planes and people in recorded RGB-D frames, of a folder or a bag: tables, overlays and a report."""
 
 import argparse
 from collections.abc import Iterator
@@ -7,22 +7,28 @@ from pathlib import Path
 
 import numpy as np
 
+from ...perception.rgbd.bag_frames import holds_frames_only, read_bag_frames
+from ...perception.rgbd.bag_topics import CameraTopics
 from ...perception.rgbd.frame import RgbdFrame
 from ...perception.rgbd.mount import Mount
 from ...perception.rgbd.noise import NOISE, depth_noise
 from ...perception.rgbd.people import RgbdPeople
 from ...perception.rgbd.people_finder import PeopleFinder
-from ...perception.rgbd.pictures import read_frames
+from ...perception.rgbd.pictures import RecordedFrame, read_frames
 from ...perception.rgbd.planes import PlaneConfig, PlaneFinder, Planes, Surface
 from ...slam.errors import InputError
 from ...slam.files.output import write_json, write_text
+from ...slam.logs.bag_messages import is_bag
 from ..console.tables import format_table
 from ..figures.planes import save_planes
 
 PLANES_HEADER = "frame,kind,nx,ny,nz,offset_m,height_m,pixels,likelihood"
 PEOPLE_HEADER = "frame,x,y,distance_m,likelihood,floor_known"
 MOUNTS_HEADER = "frame,floor,height_m,pitch_deg,roll_deg,sd_height_m,sd_pitch_deg,sd_roll_deg"
+WORDS = {"depth": "depth pictures", "colour": "colour pictures", "camera-info": "intrinsics (of the depth)"}
 _HIGHEST_M = 100.0
+_EVERY_S = 0.5
+_LONGEST_S = 3600.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +54,7 @@ class SeenFrame:
 
 def add_camera_options(parser: argparse.ArgumentParser) -> None:
     """Declare what can be told of a camera whose frames are looked at."""
-    group = parser.add_argument_group("of a folder of RGB-D frames")
+    group = parser.add_argument_group("of RGB-D frames, in a folder or a bag")
     group.add_argument("--camera-height", type=float, metavar="M", help="above the floor, within 0.15 m or so")
     group.add_argument(
         "--camera-tilt", type=float, nargs=2, metavar=("PITCH", "ROLL"), help="nose down, left side up [deg]"
@@ -62,12 +68,23 @@ def add_camera_options(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--sequence", action="store_true", help="the frames are one drive's, in the order of their names"
     )
+    group.add_argument("--frames", action="store_true", help="of a bag with scans, too: look at its frames instead")
+    group.add_argument(
+        "--every", type=float, metavar="S", help="of a bag: leave out frames that follow sooner [s] (default: 0.5)"
+    )
+    for what in ("depth", "colour", "camera-info"):
+        group.add_argument(f"--{what}-topic", metavar="NAME", help=f"of a bag with several topics of {WORDS[what]}")
     group.add_argument("--no-overlays", action="store_true", help="draw nothing")
 
 
-def is_frame_folder(path: Path) -> bool:
-    """Return whether `path` is a folder of RGB-D frames; ROS 2 bags are folders, too."""
-    return path.is_dir() and not (path / "metadata.yaml").exists()
+def holds_frames(path: Path, wanted: bool) -> bool:
+    """Return whether `path` is a folder of RGB-D frames, or a bag whose frames are `wanted` or that has no scans.
+
+    The folder of a ROS 2 bag is a bag.
+    """
+    if is_bag(path):
+        return wanted or holds_frames_only(path)
+    return path.is_dir() or wanted
 
 
 def perceive_frames(options: argparse.Namespace) -> int:
@@ -87,7 +104,8 @@ def perceive_frames(options: argparse.Namespace) -> int:
     report = format_table(("frame", "floor", "height m", "pitch deg", "roll deg", "tops", "people", "at m"), seen)
     write_text(options.out / "report.txt", report + "\n")
     told = {"height_m": options.camera_height, "tilt_deg": options.camera_tilt}
-    write_json(options.out / "config.json", {"told": told, "sequence": options.sequence, "planes": asdict(config)})
+    how = {"told": told, "sequence": options.sequence or is_bag(options.scans), "planes": asdict(config)}
+    write_json(options.out / "config.json", how)
     print(report)
     print(f"{len(seen)} frames, {len(people) - 1} people; wrote {options.out}/report.txt, planes, people, mounts .csv")
     return 0
@@ -99,6 +117,8 @@ def _check(options: argparse.Namespace) -> None:
         raise InputError("--record is for scans: what is found in frames is drawn into overlays/")
     if height is not None and not 0.0 < height <= _HIGHEST_M:
         raise InputError(f"--camera-height must be within 0 .. {_HIGHEST_M:g} m, got {height}")
+    if options.every is not None and not 0.0 <= options.every <= _LONGEST_S:
+        raise InputError(f"--every must be within 0 .. {_LONGEST_S:g} s, got {options.every}")
     if tilt is not None and not np.all(np.abs(tilt) <= 90.0):
         raise InputError(f"--camera-tilt must be two angles within 90 degrees, got {tilt}")
 
@@ -106,10 +126,19 @@ def _check(options: argparse.Namespace) -> None:
 def _look(options: argparse.Namespace, config: PlaneConfig) -> Iterator[SeenFrame]:
     planes_finder, people_finder = PlaneFinder(config), PeopleFinder.load()
     before: Mount | None = None
-    for recorded in read_frames(options.scans):
+    sequence = options.sequence or is_bag(options.scans)
+    for recorded in _frames(options):
         planes = planes_finder.find(_told(recorded.frame, options), before)
-        before = planes.mount if options.sequence else None
+        before = planes.mount if sequence else None
         yield SeenFrame(recorded.name, planes, people_finder.find(planes.frame, planes))
+
+
+def _frames(options: argparse.Namespace) -> Iterator[RecordedFrame]:
+    """Yield the frames of the folder, or of the bag."""
+    if not is_bag(options.scans):
+        return read_frames(options.scans)
+    topics = CameraTopics(depth=options.depth_topic, colour=options.colour_topic, depth_info=options.camera_info_topic)
+    return read_bag_frames(options.scans, topics, _EVERY_S if options.every is None else options.every)
 
 
 def _told(frame: RgbdFrame, options: argparse.Namespace) -> RgbdFrame:

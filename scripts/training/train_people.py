@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from sklearn.linear_model import LogisticRegression
 from sklearn.svm import LinearSVC
 
+from ...perception.rgbd.frame import RgbdFrame, grey
 from ...perception.rgbd.heads import find_candidates
-from ...perception.rgbd.person_svm import LENGTH, PersonSvm, candidate_features
+from ...perception.rgbd.person_svm import LENGTH, LUMA_LENGTH, PersonSvm, candidate_features
 from ...perception.rgbd.planes import PlaneFinder
 from .evaluate_people import PeopleScores, score_people
 from .rgbd_cameras import draw_camera, shake_depth
@@ -142,6 +143,13 @@ def with_recorded(simulated: PeopleSamples, recorded: PeopleSamples, without: in
     return PeopleSamples(features, persons, buildings, np.concatenate((simulated.weight, recorded.weight[kept])))
 
 
+def without_colour(samples: PeopleSamples) -> PeopleSamples:
+    """Return the samples as they would be of frames of depth alone: no gradient of brightness."""
+    features = samples.features.copy()
+    features[:, :LUMA_LENGTH] = 0.0
+    return replace(samples, features=features)
+
+
 def fit_people(samples: PeopleSamples, config: PeopleTrainConfig) -> PersonSvm:
     """Fit scikit-learn's linear support vector machine; calibrate it on buildings and sources left out in turn."""
     scores = np.empty(len(samples.is_person))
@@ -170,12 +178,16 @@ class TrainedPeople:
         card: What it was trained on, how well it does.
         scores: On clothing, poses, things and a scene not trained on.
         left_out: Source of recorded frames -> the classifier trained without them.
+        depth_svm: The classifier for frames without colour, trained on the same ones.
+        depth_left_out: As `left_out`, for frames without colour.
     """
 
     svm: PersonSvm
     card: dict[str, Any]
     scores: PeopleScores
     left_out: dict[str, PersonSvm]
+    depth_svm: PersonSvm
+    depth_left_out: dict[str, PersonSvm]
 
 
 def train_people(config: PeopleTrainConfig, seed: int, recorded: str | os.PathLike[str] | None = None) -> TrainedPeople:
@@ -183,18 +195,32 @@ def train_people(config: PeopleTrainConfig, seed: int, recorded: str | os.PathLi
     usual = replace(config, buildings=config.level_buildings, any_mount=0.0, seated=0.0)
     drawn = training_frames(np.random.default_rng([seed, 0]), config)
     samples = collect(chain(drawn, training_frames(np.random.default_rng([seed, 2]), usual)))
-    left_out: dict[str, PersonSvm] = {}
     sources: tuple[str, ...] = ()
+    parts = {"": samples}
     if recorded is not None:
-        simulated = samples
         real, sources = collect_recorded(recorded, config.recorded)
-        left_out = {name: fit_people(with_recorded(simulated, real, k), config) for k, name in enumerate(sources)}
-        samples = with_recorded(simulated, real)
-    svm = fit_people(samples, config)
+        parts = {name: with_recorded(samples, real, k) for k, name in enumerate(sources)}
+        parts[""] = samples = with_recorded(samples, real)
+    left_out = {name: fit_people(part, config) for name, part in parts.items()}
+    depth_left_out = {name: fit_people(without_colour(part), config) for name, part in parts.items()}
+    svm, depth_svm = left_out.pop(""), depth_left_out.pop("")
     rng = np.random.default_rng([seed, 1])
-    tested = (draw_frames(rng, TEST_SCENES, "everyday", "unseen", config.frames) for _ in range(config.test_buildings))
-    scores = score_people(svm, (frame for frames in tested for frame in frames))
-    return TrainedPeople(svm, _card(svm, samples, scores, config, seed, sources), scores, left_out)
+    tested = [
+        frame
+        for _ in range(config.test_buildings)
+        for frame in draw_frames(rng, TEST_SCENES, "everyday", "unseen", config.frames)
+    ]
+    scores = score_people(svm, tested)
+    card = _card(svm, samples, scores, config, seed, sources)
+    figures = score_people(depth_svm, (replace(f, frame=colourless(f.frame)) for f in tested)).figures()
+    slope, offset = depth_svm.slope, depth_svm.offset
+    card["without_colour"] = {"test": figures, "calibration": {"slope": slope, "offset": offset}}
+    return TrainedPeople(svm, card, scores, left_out, depth_svm, depth_left_out)
+
+
+def colourless(frame: RgbdFrame) -> RgbdFrame:
+    """Return the frame without its colour."""
+    return replace(frame, colour=grey(frame.camera))
 
 
 def _card(

@@ -99,11 +99,16 @@ class Bag:
             InputError: If the bag is damaged there, lacks all messages of which its index tells, or defines their type
                 otherwise than ROS does.
         """
+        for _, recorded_s, content in self.with_topics(*topics):
+            yield Message(recorded_s, content)
+
+    def with_topics(self, *topics: str) -> Iterator[tuple[str, float, Any]]:
+        """Yield topic, time at which it was recorded [s] and content of each message, as `messages` does."""
         wanted, count = [each for each in self._reader.connections if each.topic in topics], 0
         with damage_told(self._path):
             read = self._as_ros_defines(wanted)
             for connection, time_ns, raw in self._reader.messages(wanted) if wanted else ():
-                yield Message(time_ns * _NS, read(raw, connection.msgtype))
+                yield connection.topic, time_ns * _NS, read(raw, connection.msgtype)
                 count += 1
         if wanted and count == 0:
             raise InputError(f"{self._path}: no readable ROS bag (there is no message of {', '.join(topics)} in it)")

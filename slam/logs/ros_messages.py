@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation
 
 from ..bounds import checked_pose
 from ..errors import InputError, MissingExtraError
@@ -110,6 +111,43 @@ class RosMessages:
             transform=inner,
         )
         return self.make("tf2_msgs/TFMessage", transforms=[stamped])
+
+    def mount(self, T_parent_child: NDArray[np.float64], time_s: float, frames: tuple[str, str]) -> Any:
+        """Return a TFMessage of where a frame is in space, (4, 4), in its parent; `frames` are (parent, child)."""
+        x, y, z, w = Rotation.from_matrix(T_parent_child[:3, :3]).as_quat().tolist()
+        inner = self.make(
+            "geometry_msgs/Transform",
+            translation=self._vector(*T_parent_child[:3, 3].tolist()),
+            rotation=self.make("geometry_msgs/Quaternion", x=x, y=y, z=z, w=w),
+        )
+        stamped = self.make(
+            "geometry_msgs/TransformStamped",
+            header=self.header(time_s, frames[0]),
+            child_frame_id=frames[1],
+            transform=inner,
+        )
+        return self.make("tf2_msgs/TFMessage", transforms=[stamped])
+
+    def camera_info(
+        self, size: tuple[int, int], focal: tuple[float, float], centre: tuple[float, float], time_s: float, frame: str
+    ) -> Any:
+        """Return a CameraInfo of a camera without distortion: columns and rows, fx and fy, cx and cy [pixels]."""
+        (fx, fy), (cx, cy) = focal, centre
+        roi = self.make("sensor_msgs/RegionOfInterest", x_offset=0, y_offset=0, height=0, width=0, do_rectify=False)
+        return self.make(
+            "sensor_msgs/CameraInfo",
+            header=self.header(time_s, frame),
+            height=size[1],
+            width=size[0],
+            distortion_model="plumb_bob",
+            d=np.zeros(5),
+            k=np.array([fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0]),
+            r=np.eye(3).reshape(-1),
+            p=np.array([fx, 0.0, cx, 0.0, 0.0, fy, cy, 0.0, 0.0, 0.0, 1.0, 0.0]),
+            binning_x=0,
+            binning_y=0,
+            roi=roi,
+        )
 
     def path(self, poses: NDArray[np.float64], time_s: float, frame: str) -> Any:
         """Return a Path of (n, 3) poses."""

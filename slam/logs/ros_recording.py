@@ -26,6 +26,7 @@ _TYPES = {
     "map": "nav_msgs/msg/OccupancyGrid",
     "people": "visualization_msgs/msg/MarkerArray",
     "picture": "sensor_msgs/msg/Image",
+    "camera_info": "sensor_msgs/msg/CameraInfo",
     "twist": "geometry_msgs/msg/Twist",
     "number": "std_msgs/msg/Float64",
 }

@@ -365,3 +365,16 @@ def test_people_are_marked_as_guesses_where_the_floor_is_not_known_or_left_out()
     assert not people.floor_known
     assert len(PeopleFinder(certain, PeopleFinderConfig(without_floor=False)).find(blind, planes)) == 0
     assert PeopleFinder(certain).find(frame, PlaneFinder().find(frame)).floor_known
+
+
+def test_a_frame_without_colour_is_judged_by_the_classifier_of_depth_alone():
+    weights = np.zeros(LENGTH, np.float32)
+    finder = PeopleFinder(PersonSvm(weights, 1.0, 1.0, 0.0), depth_svm=PersonSvm(weights, 2.0, 1.0, 0.0))
+    frame, said = standing(*person(3.0, 0.0)), []
+    for low, high in ((128, 128), (0, 0), (90, 200)):
+        colour = np.full_like(frame.colour, low)
+        colour[0, 0] = high
+        other = dataclasses.replace(frame, colour=colour)
+        said.append(float(finder.find(other, PlaneFinder().find(other)).likelihood[0]))
+    depth, both = 1.0 / (1.0 + np.exp(-2.0)), 1.0 / (1.0 + np.exp(-1.0))
+    assert said == pytest.approx([depth, depth, both])

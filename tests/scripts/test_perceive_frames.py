@@ -5,6 +5,7 @@ import json
 
 import numpy as np
 import pytest
+from camera_bags import CameraBag, compressed_depth
 from PIL import Image
 from tagalong.perception.rgbd import read_frames
 from tagalong.scripts.cli import main
@@ -180,3 +181,19 @@ def test_labelled_frames_are_scored_by_source(tmp_path, capsys):
 def test_a_folder_that_is_none_is_told(tmp_path):
     with pytest.raises(InputError, match="is no folder of frames"):
         next(read_frames(tmp_path / "nowhere"))
+
+
+def test_a_bag_of_a_camera_gives_what_a_folder_gives(tmp_path, capsys):
+    with CameraBag(tmp_path / "camera.bag") as bag:
+        bag.info("/cam/depth/camera_info", 100.0, SIZE)
+        for time_s, floor in ((100.0, True), (100.2, True), (100.6, False)):
+            bag.compressed("/cam/depth/image_raw/compressedDepth", time_s, *compressed_depth(depths(floor), "rvl"))
+    out = tmp_path / "out"
+    assert main(["perceive", str(tmp_path / "camera.bag"), "--out", str(out)]) == 0
+    first, second = rows_of(out / "mounts.csv")
+    assert (first["frame"], second["frame"]) == ("000000", "000002")
+    assert (first["floor"], second["floor"]) == ("seen", "held")
+    assert float(first["pitch_deg"]) == pytest.approx(15.0, abs=0.3)
+    assert main(["perceive", str(tmp_path / "camera.bag"), "--out", str(out), "--every", "nan"]) == 2
+    assert main(["perceive", str(tmp_path / "camera.bag"), "--out", str(out), "--depth-topic", "/nix"]) == 2
+    assert "/cam/depth/image_raw/compressedDepth" in capsys.readouterr().err

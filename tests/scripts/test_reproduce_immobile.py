@@ -5,11 +5,12 @@ import json
 
 import numpy as np
 import pytest
+from tagalong.envs import RgbdConfig
 from tagalong.scripts.benchmarks import rgbd_planes
 from tagalong.scripts.reproduce.experiment import load_experiment
 from tagalong.scripts.reproduce.immobile import measures, tables
 from tagalong.scripts.reproduce.immobile.counted import Counted, CountedShare
-from tagalong.scripts.reproduce.immobile.drives import MAPPERS, lab_drive, lab_world
+from tagalong.scripts.reproduce.immobile.drives import MAPPERS, _Drive, lab_drive, lab_world
 from tagalong.scripts.reproduce.immobile.plan import CLEAN, SHAKEN, cell_name, plan_of
 from tagalong.scripts.reproduce.run import run_experiment
 from tagalong.slam import InputError, LaserScan, OccupancyMap, read_ros_map
@@ -194,6 +195,22 @@ def test_the_plan_holds_every_disturbance_for_every_seed():
             plan_of(options(**wrong))
     with pytest.raises(InputError, match="poses"):
         lab_drive(0, "guess", 2.0, 0.3, 0.0, 0.0, 0.0, 0.0, 1.0, [], files=None)  # pyright: ignore[reportArgumentType]
+
+
+def test_the_papers_robot_and_camera_are_a_preset(tmp_path):
+    cell = plan_of(options(seeds=1, paper=True)).cells()[0]
+    assert cell.arguments["paper"]
+    drive = _Drive(lab_world(0, RgbdConfig(width=512, height=424), "pioneer"), "truth", 0.0, 0.0, 0, ["immobile"])
+    assert drive.world.frames[-1].depth.shape == (424, 512)
+    assert drive.world.config.robot.chassis == (0.455, 0.381, 0.237)
+    told = {
+        **cell.arguments,
+        "poses": "truth",
+        "camera_hz": 1.0,
+        "longest_s": 1.0,
+        "ways": ["conventional", "immobile"],
+    }
+    assert lab_drive(**told, files=tmp_path)["pose_error_m"] < 1e-6
 
 
 def test_a_short_drive_ends_in_a_report_with_all_its_figures(tmp_path):

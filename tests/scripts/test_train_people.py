@@ -13,6 +13,9 @@ from tagalong.scripts.training.rgbd_props import PROPS
 from tagalong.scripts.training.train_people import TEST_SCENES, TRAIN_SCENES
 from tagalong.slam import InputError
 
+BRIGHTNESS = 7 * 3 * 4 * 9
+"""So many features tell of brightness, the first ones: blocks of 64 x 32 pixels, cells of each, directions."""
+
 
 def drawn(seed=0, scene="corridor", props="training"):
     return draw_frames(np.random.default_rng(seed), (scene,), "training", props, 6)
@@ -116,6 +119,10 @@ def test_the_command_trains_and_writes_classifier_and_card(tmp_path, capsys):
     card = json.loads((tmp_path / "people_rgbd.json").read_text())
     assert card["config"]["buildings"] == 5
     assert card["training"]["people"] > 10
+    alone = PersonSvm.load(tmp_path / "people_rgbd_depth.npz")
+    assert not alone.weights[:BRIGHTNESS].any()
+    assert alone.weights[BRIGHTNESS:].any()
+    assert card["without_colour"]["test"]["frames"] == 6
 
 
 def test_impossible_numbers_are_errors(tmp_path, capsys):

@@ -11,17 +11,20 @@ from numpy.typing import NDArray
 
 from ....envs.oracle import TrueRgbdPeopleFinder
 from ....envs.recording.operator import Operator
+from ....envs.robot.robot import ROBOTS
 from ....envs.sensors.camera.config import RgbdConfig
 from ....envs.sensors.lidar import LidarConfig
 from ....envs.world.world import World, WorldConfig
 from ....perception.immobile.localization import ImmobileLocalization
 from ....perception.immobile.mapper import ImmobileMapper
+from ....perception.immobile.slam import beams_on_people
 from ....perception.immobile.view import CameraView, make_view
-from ....perception.people_filter import PeopleFilter, PeopleFilterConfig, near_points
+from ....perception.people_filter import PeopleFilter, PeopleFilterConfig
 from ....perception.rgbd.frame import RgbdFrame
 from ....perception.rgbd.people import RgbdPeopleFinder
 from ....perception.rgbd.people_finder import PeopleFinder
 from ....perception.rgbd.planes import PlaneFinder, Planes
+from ....perception.rgbd.reduction import middle_pixels
 from ....slam.engine import ENGINES, make_slam
 from ....slam.errors import unknown_name
 from ....slam.geometry import between, compose, inverse, transform_points
@@ -36,6 +39,8 @@ Array = NDArray[np.float64]
 
 LASER = LidarConfig(range_max=10.0, height=LASER_HEIGHT)
 """The paper's laser: 10 m, 270 degrees, 0.25 degrees, 0.32 m above the floor."""
+USUAL_ROBOT, PAPER_ROBOT, PAPER_PIXELS = "dingo-d", "pioneer", (512, 424)
+"""The robot of the other experiments; that of the paper, and the pixels of its Kinect V2."""
 MAPPERS = ("conventional", "laser", "immobile", "true people")
 """Ways to map: the occupancy grid; immobile area by the laser alone; by laser and camera; and the same with people told
 by the simulator, an upper bound."""
@@ -59,6 +64,7 @@ def lab_drive(
     longest_s: float | None,
     ways: Sequence[str],
     files: Path,
+    paper: bool = False,
 ) -> dict[str, Any]:
     """Drive once through the lab of `seed` and map it in several ways; return what is counted on the maps.
 
@@ -74,12 +80,14 @@ def lab_drive(
         longest_s: Where the drive is cut off [s]; None: at its end.
         ways: Those of `MAPPERS` to map in, the conventional one and `METHOD` among them.
         files: Folder for the maps.
+        paper: Whether robot and camera are those of the paper: a Pioneer 3-DX, 512 x 424 pixels.
     """
     if poses not in POSES:
         raise unknown_name("source of poses", poses, POSES)
     vibration, pitch = np.radians((vibration_deg, pitch_deg)).tolist()
     camera = RgbdConfig(rate_hz=camera_hz, vibration=vibration, pitch=pitch, missing=max(missing, 0.002))
-    drive = _Drive(lab_world(seed, camera), poses, delay_s, wrong, seed, ways)
+    camera = replace(camera, width=PAPER_PIXELS[0], height=PAPER_PIXELS[1]) if paper else camera
+    drive = _Drive(lab_world(seed, camera, PAPER_ROBOT if paper else USUAL_ROBOT), poses, delay_s, wrong, seed, ways)
     operator = Operator(drive.world.scene)
     while not operator.done(drive.world.truth) and drive.world.time_s < (longest_s or _LONGEST_S):
         drive.world.step(operator.command(drive.world.truth))
@@ -88,9 +96,11 @@ def lab_drive(
     return drive.judged()
 
 
-def lab_world(seed: int, camera: RgbdConfig | None = None) -> World:
-    """Return the lab of `seed`, with the paper's laser and this camera."""
-    config = WorldConfig(scene="lab", route="operator", people=0, leader=False, lidar=LASER, camera=camera)
+def lab_world(seed: int, camera: RgbdConfig | None = None, robot: str = USUAL_ROBOT) -> World:
+    """Return the lab of `seed`, with the paper's laser, this camera and the robot of this name."""
+    config = WorldConfig(
+        scene="lab", route="operator", people=0, leader=False, lidar=LASER, camera=camera, robot=ROBOTS[robot]
+    )
     return World(config, np.random.default_rng(seed))
 
 
@@ -129,7 +139,8 @@ class _Drive:
         """Take the latest scan, and the latest frame if it is new."""
         scan, odometry = self.world.scan(), self.world.odometry
         true_pose = between(self.T_world_map, self.world.truth.robot_pose)
-        people = self._beams_on_people(scan, odometry)
+        filtered = self._people_filter.update(scan, odometry)
+        people = beams_on_people(filtered, self._people_filter.config.removal.zeta)
         pose = self._located(odometry, scan, people, true_pose)
         self._errors.append(between(true_pose, pose))
         self._path.append(pose)
@@ -151,17 +162,6 @@ class _Drive:
             return self._by_map.locate(self.mappers[METHOD].grid, odometry, scan, people)
         return true_pose if self._engine is None else self._engine.update(odometry, scan).pose
 
-    def _beams_on_people(self, scan: LaserScan, odometry: Array) -> Array:
-        """Return (N,) how likely each beam met somebody whose legs are tracked."""
-        found = np.zeros(len(scan))
-        people = self._people_filter.update(scan, odometry).people
-        T_lidar_odom = inverse(compose(odometry, scan.T_robot_lidar))
-        for row in range(len(people)):
-            places = np.concatenate((people.positions[row][None], people.legs[row]))
-            near = near_points(scan, transform_points(T_lidar_odom, places), self._people_filter.config.removal.zeta)
-            found[near] = np.maximum(found[near], people.confidence[row])
-        return found
-
     def _look(self, frame: RgbdFrame, scan: LaserScan, true_pose: Array) -> None:
         planes = self._spoiled_planes(self._planes.find(frame))
         views = {}
@@ -169,13 +169,13 @@ class _Drive:
             people = finder.find(frame, planes)
             views[name] = make_view(frame, planes, replace(people, likelihood=self._spoiled(people.likelihood)))
         self._waiting.append((frame.time_s + self._delay_s, views))
-        geoms = self.world.frame_geoms()
+        geoms = middle_pixels(self.world.frame_geoms(), planes.step, planes.frame.depth.shape)
         truly = int((self.world.people_of(geoms) >= 0).sum())
-        self.exhibits.add_frame(frame, views[METHOD], scan, self._path[-1], truly)
+        self.exhibits.add_frame(planes.frame, views[METHOD], scan, self._path[-1], truly)
         self.exhibits.add_view(views[METHOD], self._path[-1])
         kinds = self._kinds[geoms]
         T_map_camera = compose(true_pose, frame.T_robot_camera)
-        level = np.isfinite(frame.depth)
+        level = np.isfinite(planes.frame.depth)
         for kind, lowest in measures.TOPS.items():
             mine = level & (kinds == kind) & (np.nan_to_num(planes.points[..., 2]) > lowest)
             self.tops.add(kind, transform_points(T_map_camera, planes.points[mine][:, :2]))

@@ -24,6 +24,7 @@ disturbances.
 example:
   tagalong reproduce immobile --jobs 2 --out out/immobile
   tagalong reproduce immobile --quick --out out/immobile-quick
+  tagalong reproduce immobile --paper --out out/immobile-paper
 """
 
 
@@ -33,7 +34,7 @@ class Immobile:
     name = "immobile"
 
     def add_arguments(self, parser: argparse.ArgumentParser) -> None:
-        """Declare --seeds, --first-seed, --poses, --camera-hz, --delay and --minutes."""
+        """Declare --seeds, --first-seed, --poses, --camera-hz, --delay, --paper and --minutes."""
         parser.epilog = EPILOG
         add_plan_arguments(parser)
 
@@ -108,9 +109,9 @@ where the robot was at the exposure.
 """
 _SHAKEN = """\
 Vibration turns the camera by a random pitch and roll in each frame, with this standard deviation. Wrong likelihoods:
-in each frame, each plane and each person has its likelihood l taken for 1 - l with this probability. The last two rows
-are no disturbances: a camera that looks down, and poses by the map itself: each scan is matched on the laser's layer
-that the scans before it drew.
+in each frame, each plane and each person has its likelihood l taken for 1 - l with this probability. The last three
+rows are no disturbances: a camera that looks down, poses by the map itself (each scan is matched on the laser's layer
+that the scans before it drew), and both together.
 """
 
 EXPERIMENT = Immobile()

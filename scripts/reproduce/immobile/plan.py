@@ -20,6 +20,7 @@ SHAKEN: dict[str, dict[str, float | str]] = {
     "5 % wrong likelihoods": {"wrong": 0.05},
     "camera 20 deg down": {"pitch_deg": 20.0},
     "poses by the map itself": {"poses": "immobile"},
+    "both of these": {"pitch_deg": 20.0, "poses": "immobile"},
 }
 """Disturbance -> what it changes of `lab_drive`'s arguments."""
 QUICK_SHAKEN = (CLEAN, "vibration 2 deg")
@@ -65,12 +66,15 @@ def cell_name(disturbance: str, seed: int) -> str:
 
 
 def add_plan_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare --seeds, --poses, --camera-hz, --delay, --minutes."""
+    """Declare --seeds, --poses, --camera-hz, --delay, --paper, --minutes."""
     parser.add_argument("--seeds", type=int, metavar="N", help=f"(default: {SEEDS}, quick: {QUICK_SEEDS})")
     parser.add_argument("--first-seed", type=int, default=0, metavar="S", help="(default: %(default)s)")
     parser.add_argument("--poses", choices=POSES, default="gmapping", help="who localises (default: %(default)s)")
     parser.add_argument("--camera-hz", type=float, metavar="F", help="frames a second (default: 10, quick: 2)")
     parser.add_argument("--delay", type=float, default=0.3, metavar="S", help="of views [s] (default: %(default)s)")
+    parser.add_argument(
+        "--paper", action="store_true", help="the paper's robot and camera: a Pioneer 3-DX, 512 x 424 pixels"
+    )
     parser.add_argument("--minutes", type=float, metavar="M", help="cut the drive off (default: at its end)")
 
 
@@ -89,8 +93,9 @@ def plan_of(options: argparse.Namespace) -> ImmobilePlan:
     if options.minutes is not None and not options.minutes >= 0.1:
         raise InputError(f"--minutes must be at least 0.1, got {options.minutes}")
     longest = None if options.minutes is None else 60.0 * options.minutes
+    settings = {"poses": options.poses, "camera_hz": hz, "delay_s": options.delay, "longest_s": longest}
     return ImmobilePlan(
         seeds=range(options.first_seed, options.first_seed + count),
         disturbances=QUICK_SHAKEN if options.quick else tuple(SHAKEN),
-        settings={"poses": options.poses, "camera_hz": hz, "delay_s": options.delay, "longest_s": longest},
+        settings=settings | ({"paper": True} if options.paper else {}),
     )
