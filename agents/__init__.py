@@ -9,6 +9,7 @@
     LearnedFollower        a trained network with a guard around it, in plain numpy
     RandomWalk, RandomWalkConfig, FrontierExplorer    explore without a leader; the last where a map is built
     SB3VecEnv              many environments of `gymnasium.make_vec` for stable-baselines3 (extra `learn`)
+    PufferWorlds, RslRlVecEnv   the same for PufferLib and rsl_rl
     following_tour, TourConfig   one recorded drive behind a leader, with the scans filtered
 
 Example:
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
     from .scripted.pure_pursuit import PurePursuitConfig, PurePursuitFollower
     from .scripted.random_walk import RandomWalk, RandomWalkConfig
     from .tour import TourConfig, following_tour
+    from .training.flat_worlds import PufferWorlds, RslRlVecEnv
     from .training.sb3 import SB3VecEnv
 
 _MODULES = {
@@ -56,10 +58,12 @@ _MODULES = {
     "MPPIFollower": "planned.mppi",
     "PIDConfig": "scripted.pid",
     "PIDFollower": "scripted.pid",
+    "PufferWorlds": "training.flat_worlds",
     "PurePursuitConfig": "scripted.pure_pursuit",
     "PurePursuitFollower": "scripted.pure_pursuit",
     "RandomWalk": "scripted.random_walk",
     "RandomWalkConfig": "scripted.random_walk",
+    "RslRlVecEnv": "training.flat_worlds",
     "SB3VecEnv": "training.sb3",
     "TourConfig": "tour",
     "following_tour": "tour",
@@ -78,10 +82,12 @@ __all__ = [
     "MPPIFollower",
     "PIDConfig",
     "PIDFollower",
+    "PufferWorlds",
     "PurePursuitConfig",
     "PurePursuitFollower",
     "RandomWalk",
     "RandomWalkConfig",
+    "RslRlVecEnv",
     "SB3VecEnv",
     "TourConfig",
     "following_tour",

@@ -50,11 +50,11 @@ def step_worlds(
         if what[w] == REST:
             continue
         if what[w] == STEP:
-            change = _cut(actions[w], state.action[w])
+            state.change[w] = _cut(actions[w], state.action[w])
             advance(w, state.action[w, : actions.shape[1]], rules, plans, state, room)
             state.steps[w] += 1
         else:
-            change, slot = 0.0, rules.ahead + w
+            state.change[w], slot = 0.0, rules.ahead + w
             if what[w] == BEGIN_AGAIN:
                 state.episode[w] += 1
                 lot = mixed(state.seed[w] ^ mixed(np.uint64(state.episode[w])))
@@ -62,7 +62,24 @@ def step_worlds(
             _begin(w, slot, plans, state)  # pyright: ignore[reportArgumentType]
         told.time_s[w] = state.steps[w] * rules.ticks * TICK
         perceive(w, rules, plans, state, told, room)
-        _judge(w, change, rules, plans, state, told, room)
+        if not rules.tracked:
+            _judge(w, rules, plans, state, told, room)
+
+
+@view_kernel
+def judge_worlds(
+    worlds: tuple[int, int],
+    what: NDArray[np.int8],
+    rules: Rules,
+    plans: Plans,
+    state: WorldsState,
+    told: Told,
+    room: Scratch,
+) -> None:
+    """Judge what was asked for in the `worlds` where others than kernels say what the robots know; as `step_worlds`."""
+    for w in range(worlds[0], worlds[1]):
+        if what[w] != REST:
+            _judge(w, rules, plans, state, told, room)
 
 
 @view_kernel
@@ -104,11 +121,11 @@ def _begin(w: int, slot: int, plans: Plans, state: WorldsState) -> None:
 
 
 @view_kernel
-def _judge(w: int, change: float, rules: Rules, plans: Plans, state: WorldsState, told: Told, room: Scratch) -> None:
-    """Write what is so in world w, and what the step is worth; `change` is the norm of the action's."""
+def _judge(w: int, rules: Rules, plans: Plans, state: WorldsState, told: Told, room: Scratch) -> None:
+    """Write what is so in world w, and what the step is worth."""
     s, pose, steps = state.slot[w], state.pose[w], state.steps[w]
     position, step_s = state.bodies.position[w, : plans.people[s]], rules.ticks * TICK
-    _facts(position, plans.radius[s], pose, rules.robot_radius, change, room.truth)
+    _facts(position, plans.radius[s], pose, rules.robot_radius, state.change[w], room.truth)
     told.distance[w], following = room.truth[0], _follows(position, pose, told.leader[w])
     copy_row(state.odometry[w], told.odometry[w])
     told.robot_pose[w, 0], told.robot_pose[w, 1] = pose[0], pose[1]

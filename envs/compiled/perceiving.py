@@ -20,7 +20,10 @@ from .state import Array, Floats, Scratch, Told, WorldsState, bodies_of
 
 @view_kernel
 def perceive(w: int, rules: Rules, plans: Plans, state: WorldsState, told: Told, room: Scratch) -> None:
-    """Take a sweep, see the people, choose the leader, and write the observation of world w."""
+    """Take a sweep, see the people, choose the leader, and write the observation of world w.
+
+    With `rules.tracked` people and leader are left to who reads the sweep.
+    """
     s, pose, odometry = state.slot[w], state.pose[w], state.odometry[w]
     n, began = int(plans.people[s]), state.steps[w] == 0
     bodies = bodies_of(state.bodies, w, n)
@@ -35,7 +38,22 @@ def perceive(w: int, rules: Rules, plans: Plans, state: WorldsState, told: Told,
         _meet_walls(pose, rules.laser, room.robot[:6].reshape((1, 6)), plans.seen_circles[s, :0], room.beams)
     boxes, circles = plans.seen_boxes[s, : plans.rectangles[s]], plans.seen_circles[s, : plans.rounds[s]]
     _meet_walls(pose, rules.laser, boxes, circles, room.beams)
-    _measure(rules.laser, state.random[w], room.beams[2], told.scan[w])
+    _measure(rules.laser, state.random[w], room.beams[2], told.scan[w], told.ranges[w])
+    if not rules.tracked:
+        _believe(w, position, velocity, rules, state, told, room)
+    if began:
+        told.velocity[w] = 0.0
+    else:
+        dt = rules.ticks * TICK / rules.sweeps
+        _velocity(state.odometry_before[w], odometry, dt, rules.sweeps, told.velocity[w])
+
+
+@view_kernel
+def _believe(
+    w: int, position: Array, velocity: Array, rules: Rules, state: WorldsState, told: Told, room: Scratch
+) -> None:
+    """Let the robot of world w know the people at `position` (n, 2), and choose its leader; write both entries."""
+    pose, odometry, n, began = state.pose[w], state.odometry[w], len(position), state.steps[w] == 0
     rows = kernel.rows_for(n) if rules.modelled else n
     known = Known(
         room.known[:rows], room.apart[:rows], room.places[:rows], room.motions[:rows], room.unseen_s[:rows],
@@ -58,10 +76,6 @@ def perceive(w: int, rules: Rules, plans: Plans, state: WorldsState, told: Told,
     told.track[w] = state.track[w]
     _leader_entry(memory, estimate, odometry, told.leader[w])
     _people_entry(state.track[w], odometry, known, told.people[w])
-    if began:
-        told.velocity[w] = 0.0
-    else:
-        _velocity(state.odometry_before[w], odometry, dt, sweeps, told.velocity[w])
 
 
 @view_kernel
@@ -114,8 +128,11 @@ def _meet_walls(pose: Array, laser: Laser, boxes: Array, circles: Array, beams: 
 
 
 @view_kernel
-def _measure(laser: Laser, random: Words, exact: Array, entry: Floats) -> None:
-    """Write a measured sweep as the observation has it: shares of the largest range, 1 where there is no return."""
+def _measure(laser: Laser, random: Words, exact: Array, entry: Floats, ranges: Array) -> None:
+    """Write a measured sweep as the observation has it: shares of the largest range, 1 where there is no return.
+
+    And, where `ranges` has room, as the laser gives it: inf where nothing was met, NaN where a beam failed [m].
+    """
     failing = until_failure(random, laser.dropout)
     for j in range(len(exact)):
         noise = normal(random)
@@ -124,7 +141,9 @@ def _measure(laser: Laser, random: Words, exact: Array, entry: Floats) -> None:
         range_ = measured(beyond, sigma * noise, laser.range_max)
         if j == failing:
             failing += 1 + until_failure(random, laser.dropout)
-            range_ = np.inf
+            range_ = np.nan
+        if len(ranges) > 0:
+            ranges[j] = range_
         entry[j] = range_ / laser.range_max if laser.range_min <= range_ <= laser.range_max else 1.0
 
 

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 DEFAULTS: dict[str, Any] = {"people": "truth", "slam": None}
 """What compiled worlds take where nothing is said: those of `FollowEnv` are not supported yet."""
-PEOPLE = "truth", "modelled"
+PEOPLE = "truth", "modelled", "tracker"
 """How compiled worlds let the robot know of people."""
 
 
@@ -63,6 +63,7 @@ class Rules(NamedTuple):
         laser: Its laser.
         selecting: How it chooses its leader.
         modelled: Whether it knows people with the errors of a tracker; else by the truth.
+        tracked: Whether the real tracker tells it of people, outside of the kernels.
         errors: These.
         force: (9,) `SocialForceConfig.as_array()`.
         top: (3,) body velocity at action 1, of forward, left, turn [m/s, m/s, rad/s].
@@ -83,6 +84,7 @@ class Rules(NamedTuple):
     laser: Laser
     selecting: Selecting
     modelled: bool
+    tracked: bool
     errors: TrackerErrors
     force: Array
     top: Array
@@ -127,6 +129,9 @@ def compiled_config(fields: Mapping[str, Any]) -> FollowConfig:
     ):
         if given != only:
             raise _unsupported(name, given, f"it must be {only!r}")
+    sweeps = round(config.sensors.lidar.rate_hz / config.task.control_hz)
+    if config.people.source == "tracker" and sweeps != 1:
+        raise _unsupported("`people`", "tracker", f"with {sweeps} sweeps a step, for it takes one")
     world_config(config, None)
     return config
 
@@ -163,6 +168,7 @@ def make_rules(config: FollowConfig, limit: int, ahead: int) -> Rules:
         laser=_laser(config),
         selecting=_selecting(config),
         modelled=config.people.source == "modelled",
+        tracked=config.people.source == "tracker",
         errors=chosen_errors(config.people.tracker_errors),
         force=world.force.as_array(),
         top=np.array([robot.max_speed, robot.max_speed if robot.holonomic else 0.0, top]),

@@ -37,6 +37,7 @@ class WorldsState(NamedTuple):
         speed: (w, 3) of the robot in the world [m/s, m/s, rad/s].
         setpoint: (w, 3) of its servos.
         action: (w, 3) the last one, in [-1, 1].
+        change: (w,) norm of its change.
         progress: (w, 1) way along the route [m].
         odometry: (w, 3) T_odom_robot.
         odometry_before: (w, 3) one control period ago.
@@ -64,6 +65,7 @@ class WorldsState(NamedTuple):
     speed: Array
     setpoint: Array
     action: Array
+    change: Array
     progress: Array
     odometry: Array
     odometry_before: Array
@@ -81,7 +83,8 @@ class WorldsState(NamedTuple):
 _OF_WORLDS: dict[str, tuple[tuple[int, ...], Any]] = {
     "slot": ((), np.int64), "seed": ((), np.uint64), "episode": ((), np.int64), "random": ((1,), np.uint64),
     "steps": ((), np.int64), "ended": ((), np.bool_), "pose": ((3,), float), "speed": ((3,), float),
-    "setpoint": ((3,), float), "action": ((3,), float), "progress": ((1,), float), "odometry": ((3,), float),
+    "setpoint": ((3,), float), "action": ((3,), float), "change": ((), float),
+    "progress": ((1,), float), "odometry": ((3,), float),
     "odometry_before": ((3,), float), "rolled": ((3,), float), "touches": ((2,), np.bool_), "track": ((), np.int64),
     "memory": ((MEMORY,), float), "estimate": ((4,), float), "covariance": ((3,), float), "lost_s": ((), float),
 }  # fmt: skip
@@ -147,6 +150,7 @@ class Told(NamedTuple):
         following: (w,) whether the robot follows its leader.
         lost_s: (w,) for how long it has not [s].
         track: (w,) identity of the leader, -1 for none.
+        ranges: (w, beams) the sweep as measured [m], for a tracker outside of the kernels; (w, 0) without one.
     """
 
     scan: Floats
@@ -166,17 +170,18 @@ class Told(NamedTuple):
     following: Flags
     lost_s: Array
     track: Ints
+    ranges: Array
 
 
-def nothing_told(worlds: int, beams: int, slots: int, speeds: int) -> Told:
-    """Return arrays to write into."""
+def nothing_told(worlds: int, beams: int, slots: int, speeds: int, read: bool = False) -> Told:
+    """Return arrays to write into; where sweeps are `read` by a tracker, these, too."""
     row, flat = np.zeros, np.float32
     return Told(
         row((worlds, beams), flat), row((worlds, len(LEADER_COLUMNS)), flat),
         row((worlds, slots, len(PERSON_COLUMNS)), flat), row((worlds, speeds), flat),
         row((worlds, len(FOLLOWING_TERMS))), row(worlds), row(worlds, bool), row(worlds, bool),
         row(worlds, np.int64), row(worlds), row(worlds, np.int64), row((worlds, 3)), row((worlds, 3)), row(worlds),
-        row(worlds, bool), row(worlds), row(worlds, np.int64),
+        row(worlds, bool), row(worlds), row(worlds, np.int64), row((worlds, beams if read else 0)),
     )  # fmt: skip
 
 

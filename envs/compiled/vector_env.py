@@ -19,11 +19,12 @@ from ..episode_setup import check_options, checked_seed, interface, observed
 from ..limits.field_checks import finite_numbers
 from ..task.observation import observation_space
 from ..vector.arguments import chosen_by, each_seed
-from .episodes import BEGIN, BEGIN_AGAIN, REST, STEP, step_worlds
+from .episodes import BEGIN, BEGIN_AGAIN, REST, STEP, judge_worlds, step_worlds
 from .infos import infos, masked, observations
 from .pool import EpisodePool
 from .rules import compiled_config, make_rules
 from .state import Flags, arrays_of, nothing_told, scratch, state_with_room
+from .trackers import Trackers
 
 MOST_ENVS = 65_536
 _SLOW_S = 3.0  # a first call that takes longer is compiling
@@ -37,9 +38,10 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
     `gymnasium.make_vec("tagalong/Office-v0", num_envs=1024, vectorization_mode="vector_entry_point",
     simulator="compiled")`. Buildings, people, rewards and endings are those of `FollowEnv`; robot, contacts and laser
     are done anew, equal to MuJoCo's within a millimetre (tested). People are known by the truth (`people="truth"`, the
-    default here) or with the errors of a tracker (`people="modelled"`), and nothing maps (`slam=None`, likewise); there
-    is no camera, no picture, no `leader=False`, and no functions of one's own (`behaviours`, `reward.terms`,
-    `observation.entries`). All else of `FollowConfig` and all options of `reset` are as there; what is not is refused.
+    default here), with the errors of a tracker (`people="modelled"`), or by the real one (`people="tracker"`: Python
+    for each world, a tenth of the speed), and nothing maps (`slam=None`, likewise); there is no camera, no picture, no
+    `leader=False`, and no functions of one's own (`behaviours`, `reward.terms`, `observation.entries`). All else of
+    `FollowConfig` and all options of `reset` are as there; what is not is refused.
 
     Episodes are chosen by each world's seed, s + i for world i of `reset(seed=s)`, from `episodes_ahead` that are drawn
     before: no world waits for a drawing. With `own_start`, or with options, `reset` draws for each world what
@@ -96,7 +98,9 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
         self._rules = make_rules(self.config, max_episode_steps or 0, episodes_ahead)
         self._state = state_with_room(num_envs, 1, 0)
         beams, slots = self.config.sensors.lidar.beams, self.config.observation.people_slots
-        self._told = nothing_told(num_envs, beams, slots, 3 if self.interface.holonomic else 2)
+        speeds, tracked = 3 if self.interface.holonomic else 2, self._rules.tracked
+        self._told = nothing_told(num_envs, beams, slots, speeds, read=tracked)
+        self._trackers = Trackers(self.config, num_envs) if tracked else None
         self._begun, self._closed, self._own_start = False, False, own_start
         self._executor = ThreadPoolExecutor(self._threads) if self._threads > 1 else None
 
@@ -221,15 +225,25 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
         edges = np.linspace(0, self.num_envs, count + 1).astype(int).tolist()
         blocks = [(first, end) for first, end in pairwise(edges) if first < end]
 
-        def block(part: tuple[int, int]) -> None:
+        def move(part: tuple[int, int]) -> None:
             step_worlds(part, what, actions, self._rules, plans, state, self._told, self._room())
 
+        def judge(part: tuple[int, int]) -> None:
+            judge_worlds(part, what, self._rules, plans, state, self._told, self._room())
+
+        self._share(move, blocks)
+        if self._trackers is not None:
+            self._trackers.update(what, state, self._told)
+            self._share(judge, blocks)
+
+    def _share(self, work: Callable[[tuple[int, int]], None], blocks: list[tuple[int, int]]) -> None:
+        """Let the threads share the work on all blocks."""
         if not self._begun:  # the first call may compile
-            telling(block, (0, self.num_envs))
+            telling(work, (0, self.num_envs))
         elif self._executor is None:
-            block(blocks[0])
+            work(blocks[0])
         else:
-            list(self._executor.map(block, blocks))
+            list(self._executor.map(work, blocks))
 
     def _observations(self) -> dict[str, NDArray[Any]]:
         return {name: values.copy() for name, values in observations(self._told).items()}

@@ -10,11 +10,12 @@ from .errors import BORN, DOUBT, FOUND, LOST, MISSED, PLACE, SECOND, TrackerErro
 Array = NDArray[np.float64]
 
 PHASE, UNSEEN_S, TRUST, X, Y, VX, VY, ERROR_X, ERROR_Y, ERROR_VX, ERROR_VY = range(11)
-LAGGED_X, LAGGED_Y, BODY, STANDS = range(11, 15)
+LAGGED_X, LAGGED_Y, BODY, STANDS, WAY_X, WAY_Y, SEEN_S = range(11, 18)
 """Columns of a track: `UNKNOWN`, `SEEN` or `UNSEEN`; time since it was seen [s]; confidence; place [m] and motion
 [m/s] in the world; errors of both, over their standard deviations; the person's velocity as a slow filter has it
-[m/s]; row of the person whose track it is; whether a false one stays where it is."""
-COLUMNS = 15
+[m/s]; row of the person whose track it is; whether a false one stays where it is; how far the person has come in
+sight [m]; for how long it has been seen without a break [s]."""
+COLUMNS = 18
 UNKNOWN, SEEN, UNSEEN = 0.0, 1.0, 2.0
 """Phases of a track."""
 SWAP_M = 1.0
@@ -29,6 +30,10 @@ ENOUGH_LOG2 = 2.0
 """Beams on a leg beyond which more of them tell little, as a logarithm to base 2."""
 WALKING_MPS = 0.5
 """Speed beyond which people move as much between scans as a tracker asks for [m/s]."""
+LONG_LOG2 = 5.0
+"""Half a minute of being seen: more of it tells nothing."""
+WAY_M = 0.5
+"""A way beyond which more of it tells nothing: as far as a tracker asks for (`ConfirmationConfig.delta`) [m]."""
 OUT_OF_SIGHT = 0.9
 """Who is hidden by more than this share is out of sight."""
 FARTHEST_M = 10.0
@@ -104,15 +109,63 @@ def seen(
 
 
 @view_kernel
+def come_on(
+    way: Array, motion: Array, sight: tuple[float, float, float, float, float, float], dt: float, forget_s: float
+) -> None:
+    """Bring how far somebody has come in sight (2,) [m] to the present scan, at most `WAY_M`.
+
+    A tracker knows a person when legs that it follows have come far enough, not by chance at any moment: the way is
+    what remains of the past. It counts as far as the person is not hidden; out of sight, legs and their way are lost.
+
+    Args:
+        way: Updated.
+        motion: (2,) velocity [m/s].
+        sight: How the person is seen, see `seen`.
+        dt: Since the last scan [s].
+        forget_s: Time constant with which the way is forgotten out of sight [s].
+    """
+    if sight[3] > 0.0:
+        keep, gain = np.exp(-dt / forget_s), 0.0
+    else:
+        keep, gain = 1.0, dt * (1.0 - sight[2])
+    x, y = keep * way[0] + gain * motion[0], keep * way[1] + gain * motion[1]
+    longer = max(np.sqrt(x * x + y * y) / WAY_M, 1.0)
+    way[0], way[1] = x / longer, y / longer
+
+
+@view_kernel
 def quantity(
-    row: int, errors: TrackerErrors, sight: tuple[float, float, float, float, float, float], off: float
+    row: int,
+    errors: TrackerErrors,
+    sight: tuple[float, float, float, float, float, float],
+    off: float,
+    seen_log2: float,
 ) -> float:
-    """Return the quantity `row` for somebody who is seen so, and whose track is so far `off` [m]."""
+    """Return the quantity `row` for somebody who is seen so; the last two columns of `SIGHT` stand by themselves."""
     w = errors.weights[row]
     return np.exp(
         w[0] + w[1] * sight[0] + w[2] * sight[1] + w[3] * sight[2] + w[4] * sight[3] + w[5] * sight[4]
-        + w[6] * sight[5] + w[7] * off
+        + w[6] * sight[5] + w[7] * off + w[8] * seen_log2
     )  # fmt: skip
+
+
+@view_kernel
+def seen_for(seen_s: float) -> float:
+    """Return for how long somebody has been seen without a break as a logarithm, 0 for a moment, at most `LONG_LOG2`.
+
+    Who has been seen for long goes on being seen, at the same place in the same light: there is more to it than a
+    scan's `seen` tells.
+    """
+    return min(np.log2(1.0 + seen_s), LONG_LOG2)
+
+
+@view_kernel
+def enough_way(way: float, enough: float, power: float) -> float:
+    """Return the share of the rate of becoming known after a way in sight [m]: half of it after `enough` [m].
+
+    None without any way, by the function of Hill 1910.
+    """
+    return 1.0 / (1.0 + (enough / way) ** power) if way > 1e-3 else 0.0
 
 
 @view_kernel
@@ -157,11 +210,14 @@ def track_people(
         place, motion = position[body], velocity[body]
         x, y = place[0] - pose[0], place[1] - pose[1]
         if track[PHASE] == UNKNOWN and x * x + y * y > FARTHEST_M * FARTHEST_M:
+            track[WAY_X], track[WAY_Y] = 0.0, 0.0
             continue
-        sight = seen(place, np.sqrt(motion[0] * motion[0] + motion[1] * motion[1]), pose, ranges, laser)
+        speed = np.sqrt(motion[0] * motion[0] + motion[1] * motion[1])
+        sight = seen(place, speed, pose, ranges, laser)
+        come_on(track[WAY_X : WAY_Y + 1], motion, sight, dt, errors.way_s)
         _track_person(dt, place, motion, sight, errors, keeps, random, track)
         alone = track[PHASE] == SEEN and tracks[n + i, PHASE] == UNKNOWN
-        if alone and _happens(quantity(SECOND, errors, sight, 0.0), dt, random):
+        if alone and _happens(quantity(SECOND, errors, sight, 0.0, 0.0), dt, random):
             _begin_second(track, errors, random, tracks[n + i])
     _move_seconds(dt, n, position, errors, random, tracks)
     _thing(dt, pose, ranges, laser, errors, random, tracks[2 * n])
@@ -180,10 +236,11 @@ def _track_person(
 ) -> None:
     """Bring a person's track to the present scan; of errors of place and motion, and of the lag, `keeps` is kept."""
     before = track[PHASE]
-    off = np.sqrt((track[X] - place[0]) ** 2 + (track[Y] - place[1]) ** 2)
+    off = np.sqrt((track[X] - place[0] + dt * motion[0]) ** 2 + (track[Y] - place[1] + dt * motion[1]) ** 2)
     track[PHASE] = _next_phase(track, dt, errors, sight, off, random)
     if track[PHASE] == UNKNOWN:
         return
+    track[SEEN_S] = track[SEEN_S] + dt if track[PHASE] == before else 0.0
     if before == UNKNOWN:
         _begin(place, motion, random, track)
     else:
@@ -212,10 +269,12 @@ def _next_phase(
 ) -> float:
     """Return the phase of a track after `dt` [s] in which its person is seen so and was so far `off` it [m]."""
     if track[PHASE] == UNKNOWN:
-        return SEEN if _happens(quantity(BORN, errors, sight, 0.0), dt, random) else UNKNOWN
+        way = np.sqrt(track[WAY_X] * track[WAY_X] + track[WAY_Y] * track[WAY_Y])
+        share = enough_way(way, errors.way_m, errors.way_power)
+        return SEEN if _happens(share * quantity(BORN, errors, sight, 0.0, 0.0), dt, random) else UNKNOWN
     if track[PHASE] == SEEN:
-        return UNSEEN if _happens(quantity(MISSED, errors, sight, off), dt, random) else SEEN
-    found, lost = quantity(FOUND, errors, sight, off), quantity(LOST, errors, sight, off)
+        return UNSEEN if _happens(quantity(MISSED, errors, sight, off, seen_for(track[SEEN_S])), dt, random) else SEEN
+    found, lost = quantity(FOUND, errors, sight, off, 0.0), quantity(LOST, errors, sight, off, 0.0)
     if not _happens(found + lost, dt, random):
         return UNSEEN if track[UNSEEN_S] + 0.5 * dt < errors.longest_unseen_s else UNKNOWN
     return SEEN if uniform(random) * (found + lost) < found else UNKNOWN
@@ -246,12 +305,12 @@ def _believe(
     track: Array,
 ) -> None:
     """Write what is believed of a person who is seen."""
-    sigma = quantity(PLACE, errors, sight, 0.0)
+    sigma = quantity(PLACE, errors, sight, 0.0, 0.0)
     track[X] = place[0] - errors.delay_s * motion[0] + sigma * track[ERROR_X]
     track[Y] = place[1] - errors.delay_s * motion[1] + sigma * track[ERROR_Y]
     track[VX] = track[LAGGED_X] + errors.motion_mps * track[ERROR_VX]
     track[VY] = track[LAGGED_Y] + errors.motion_mps * track[ERROR_VY]
-    track[TRUST], track[UNSEEN_S] = max(1.0 - quantity(DOUBT, errors, sight, 0.0), 0.0), 0.0
+    track[TRUST], track[UNSEEN_S] = max(1.0 - quantity(DOUBT, errors, sight, 0.0, 0.0), 0.0), 0.0
 
 
 @view_kernel

@@ -26,7 +26,7 @@ examples:
 """
 FIRST_FITTED = 20_000
 """Seeds of fitted drives begin here."""
-FIRST_CHECKED = 50_000
+FIRST_CHECKED = 70_000
 """And those of the check here."""
 _FITTED: tuple[tuple[str, dict[str, Any]], ...] = (
     ("Office", {"people_count": 6}),

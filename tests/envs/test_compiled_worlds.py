@@ -66,6 +66,25 @@ def test_a_drive_is_that_of_mujoco(name):
     many.close()
 
 
+def test_the_real_tracker_knows_the_same_in_both_simulators():
+    fields = {**EXACT, "people": "tracker", "people_count": 3, "beams": 360}
+    many = compiled("Corridor", 1, own_start=True, **fields)
+    one = gym.make("tagalong/Corridor-v0", disable_env_checker=True, **fields)
+    got, told = many.reset(seed=4)
+    wanted, info = one.reset(seed=4)
+    known = 0
+    for _ in range(40):
+        for key in ("leader", "people"):
+            assert got[key][0] == pytest.approx(wanted[key], abs=0.02)
+        for key in ("leader_id", "following_leader", "tracked_people"):
+            assert told[key][0] == info[key], key
+        known += int(info["following_leader"])
+        got, *_, told = many.step(np.array([[0.4, 0.0]], dtype=np.float32))
+        wanted, *_, info = one.step(np.array([0.4, 0.0], dtype=np.float32))
+    assert known > 5
+    many.close()
+
+
 def test_a_push_against_a_wall_ends_where_mujoco_ends_it():
     fields = {**EXACT, "people_count": 1, "lost_limit_s": 1e6}
     many = compiled("PlainCorridor", 1, own_start=True, **fields)
@@ -98,7 +117,7 @@ def played(env, steps, seed=7, columns=slice(None)):
     return bytes_
 
 
-KNOWN = pytest.mark.parametrize("people", ["truth", "modelled"])
+KNOWN = pytest.mark.parametrize("people", ["truth", "modelled", "tracker"])
 
 
 @KNOWN
@@ -220,7 +239,8 @@ def test_both_simulators_tell_in_the_same_form(mode):
 @pytest.mark.parametrize(
     ("fields", "named"),
     [
-        ({"people": "tracker"}, "`people` 'tracker'"),
+        ({"people": "camera", "camera": "kinect-v2"}, "`people` 'camera'"),
+        ({"people": "tracker", "lidar.rate_hz": 40.0}, "`people` 'tracker': with 4 sweeps a step"),
         ({"slam": "gmapping"}, "`slam`"),
         ({"camera": "kinect-v2"}, "`camera`"),
         ({"leader": False}, "`task.leader` False"),
