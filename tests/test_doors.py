@@ -22,8 +22,8 @@ SURFACE = {
     "envs": """Behaviour Belief CompiledVectorEnv Episode FollowConfig FollowEnv FollowVectorEnv Operator PersonView
         RgbdConfig RobotConfig Scene SceneRequest StepFacts Wish World WorldConfig rollout""",
     "agents": """DWAConfig DWAFollower EXPLORERS FOLLOWERS Follower FrontierExplorer LearnedFollower MPPIConfig
-        MPPIFollower PIDConfig PIDFollower PurePursuitConfig PurePursuitFollower RandomWalk RandomWalkConfig SB3VecEnv
-        TourConfig following_tour make_follower""",
+        MPPIFollower PIDConfig PIDFollower PufferWorlds PurePursuitConfig PurePursuitFollower RandomWalk
+        RandomWalkConfig RslRlVecEnv SB3VecEnv TourConfig following_tour make_follower""",
 }
 """What users may rely on. A name that goes, or comes, is a decision: it is made here, and told in the changelog."""
 

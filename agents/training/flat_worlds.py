@@ -1,6 +1,5 @@
 """Vector environments for libraries with interfaces of their own: PufferLib and rsl_rl. Neither is imported."""
 
-import importlib
 from typing import Any
 
 import numpy as np
@@ -162,9 +161,11 @@ class RslRlVecEnv:
     ) -> None:
         require_same_step(env, "rsl_rl")
         try:
-            self._torch, self._table = importlib.import_module("torch"), importlib.import_module("tensordict")
+            import tensordict  # pyright: ignore[reportMissingImports]
+            import torch
         except ImportError:
             raise MissingExtraError("rsl_rl, torch and tensordict", "learn") from None
+        self._torch, self._table = torch, tensordict
         self.env, self.num_envs, self.device = env, env.num_envs, device
         self.num_actions = int((env.single_action_space.shape or (0,))[0])
         self.max_episode_length, self.cfg = max_episode_length, {}
