@@ -50,7 +50,7 @@ def _with_odometry(source: Path) -> Iterator[str]:
 def _readings(source: Path, moved: Callable[[Pose, Pose, Pose], Pose]) -> Iterator[tuple[str, list[str], Pose]]:
     """Yield (kind, words, odometry so far) of each FLASER line and each ODOM line that is a reading."""
     odometry, before, is_reset = np.zeros(3), np.full(3, np.nan), False
-    for _, line in numbered_lines(source, errors="replace"):
+    for number, line in numbered_lines(source, errors="replace"):
         words = line.split()
         if not words or words[0] not in ("ODOM", "FLASER"):
             continue
@@ -58,6 +58,8 @@ def _readings(source: Path, moved: Callable[[Pose, Pose, Pose], Pose]) -> Iterat
             is_reset = True
             yield "FLASER", words, odometry
             continue
+        if len(words) < 4:
+            raise InputError(f"{source.name}:{number}: an ODOM line begins with x, y and theta, got {shown(line)}")
         pose = np.array([float(word) for word in words[1:4]])
         if not is_reset:
             odometry = pose if np.isnan(before).any() else moved(odometry, before, pose)
