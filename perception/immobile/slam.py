@@ -21,7 +21,7 @@ from .view import CameraView
 
 Array = NDArray[np.float64]
 
-_LIVE_S = 0.45
+_LIVE_S = 0.45  # between two drawings of the map for those who look on
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,7 +84,9 @@ class ImmobileSlam:
     @property
     def pose(self) -> Array:
         """(3,) T_map_robot, the best estimate now."""
-        return np.zeros(3) if not len(self._poses) else self.trajectory()[-1]
+        if self._engine is not None:
+            return self._engine.pose
+        return self._poses[-1] if len(self._poses) else np.zeros(3)
 
     def update(self, odometry: ArrayLike, scan: LaserScan) -> SlamUpdate:
         """Take one scan and the robot's odometry pose T_odom_robot (3,) at that time.

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from ...envs.recording.operator import Operator
 from ...envs.sensors.camera.config import RgbdConfig
@@ -80,10 +81,7 @@ def _take(recording: SensorRecording, world: World) -> None:
 def _mount(camera: RgbdConfig) -> Array:
     """Return T_robot_optical (4, 4)."""
     (x, y, theta), pitch, roll = camera.mount, camera.pitch, camera.roll
-    ct, st, cp, sp, cr, sr = (f(a) for a in (theta, pitch, roll) for f in (np.cos, np.sin))
-    turn = np.array([[ct, -st, 0.0], [st, ct, 0.0], [0.0, 0.0, 1.0]])
-    turn = turn @ np.array([[cp, 0.0, sp], [0.0, 1.0, 0.0], [-sp, 0.0, cp]])
-    turn = turn @ np.array([[1.0, 0.0, 0.0], [0.0, cr, -sr], [0.0, sr, cr]])
     pose = np.eye(4)
-    pose[:3, :3], pose[:3, 3] = turn, (x, y, camera.camera_height)
+    pose[:3, :3] = Rotation.from_euler("ZYX", (theta, pitch, roll)).as_matrix()
+    pose[:3, 3] = x, y, camera.camera_height
     return np.asarray(pose @ np.linalg.inv(turned_optical(np.eye(4))), dtype=np.float64)

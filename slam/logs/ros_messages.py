@@ -103,30 +103,13 @@ class RosMessages:
     def transform(self, pose: ArrayLike, time_s: float, frames: tuple[str, str]) -> Any:
         """Return a TFMessage of one transform; `frames` are (parent, child)."""
         x, y, theta = checked_pose(pose, "pose").tolist()
-        inner = self.make("geometry_msgs/Transform", translation=self._vector(x, y), rotation=self._turn(theta))
-        stamped = self.make(
-            "geometry_msgs/TransformStamped",
-            header=self.header(time_s, frames[0]),
-            child_frame_id=frames[1],
-            transform=inner,
-        )
-        return self.make("tf2_msgs/TFMessage", transforms=[stamped])
+        return _transformed(self, self._vector(x, y), self._turn(theta), time_s, frames)
 
     def mount(self, T_parent_child: NDArray[np.float64], time_s: float, frames: tuple[str, str]) -> Any:
         """Return a TFMessage of where a frame is in space, (4, 4), in its parent; `frames` are (parent, child)."""
         x, y, z, w = Rotation.from_matrix(T_parent_child[:3, :3]).as_quat().tolist()
-        inner = self.make(
-            "geometry_msgs/Transform",
-            translation=self._vector(*T_parent_child[:3, 3].tolist()),
-            rotation=self.make("geometry_msgs/Quaternion", x=x, y=y, z=z, w=w),
-        )
-        stamped = self.make(
-            "geometry_msgs/TransformStamped",
-            header=self.header(time_s, frames[0]),
-            child_frame_id=frames[1],
-            transform=inner,
-        )
-        return self.make("tf2_msgs/TFMessage", transforms=[stamped])
+        turn = self.make("geometry_msgs/Quaternion", x=x, y=y, z=z, w=w)
+        return _transformed(self, self._vector(*T_parent_child[:3, 3].tolist()), turn, time_s, frames)
 
     def camera_info(
         self, size: tuple[int, int], focal: tuple[float, float], centre: tuple[float, float], time_s: float, frame: str
@@ -256,3 +239,14 @@ class RosMessages:
 def nanoseconds(time_s: float) -> int:
     """Return a time in whole nanoseconds."""
     return round(time_s * 1e9)
+
+
+def _transformed(make: RosMessages, place: Any, turn: Any, time_s: float, frames: tuple[str, str]) -> Any:
+    """Return a TFMessage of one transform, a Vector3 and a Quaternion; `frames` are (parent, child)."""
+    stamped = make.make(
+        "geometry_msgs/TransformStamped",
+        header=make.header(time_s, frames[0]),
+        child_frame_id=frames[1],
+        transform=make.make("geometry_msgs/Transform", translation=place, rotation=turn),
+    )
+    return make.make("tf2_msgs/TFMessage", transforms=[stamped])

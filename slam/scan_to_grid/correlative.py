@@ -4,7 +4,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ..search.lanes import LANES, ROWS, set_sharp_sums
+from ..search.lanes import LANES
+from .sharp_sums import ROWS, set_sharp_sums
 
 Array = NDArray[np.float64]
 

@@ -7,10 +7,9 @@ from numpy.typing import NDArray
 
 from ..search.branch_and_bound import SearchWindow, Separation, branch_and_bound
 from ..search.score_pyramid import ScoreGrid, build_pyramid
+from .sharp_sums import SHARP
 
 Array = NDArray[np.float64]
-
-_SHARP = 1.7  # a wall that half the scans saw in a cell is worth a whole one, nearly, as in `correlate`
 
 _ALIKE = 0.9  # another place that scores so much of the best looks alike: in corridors, where all places do
 
@@ -40,7 +39,7 @@ def search_widely(
         least: Share of the points that must fall on walls.
     """
     x, y = (corner - 0.5 * resolution).tolist()
-    grid = ScoreGrid.from_likelihood(np.minimum(_SHARP * field, 1.0), (x, y), resolution)
+    grid = ScoreGrid.from_likelihood(np.minimum(SHARP * field, 1.0), (x, y), resolution)
     pyramid = build_pyramid(grid, margin=math.ceil(linear / resolution) + 1)
     window = SearchWindow(linear=linear, angular=angular, angular_step=step)
     apart = Separation(least_share=_ALIKE)

@@ -150,13 +150,19 @@ def test_people_all_around_do_not_make_the_robot_lost(mapped):
     assert sum(located) >= 2  # once a doubt is raised the map says so
 
 
-def test_what_score_is_usual_follows_the_scores_up_and_down():
+def round_room():
+    """Return a submap of a round room, the scan (200, 2) that drew it, and one that contradicts it by a quarter."""
     submap = Submap(SubmapConfig(), np.zeros(3))
     bearings = np.linspace(-np.pi, np.pi, 200, endpoint=False)
     circle = 3.0 * np.stack((np.cos(bearings), np.sin(bearings)), axis=-1)
     submap.insert(Sweep(np.concatenate((np.zeros((1, 2)), circle)), len(circle), 0))
     odd = circle.copy()
-    odd[:50] *= 0.5  # a quarter of the beams end where the others went through
+    odd[:50] *= 0.5  # these beams end where the others went through
+    return submap, circle, odd
+
+
+def test_what_score_is_usual_follows_the_scores_up_and_down():
+    submap, circle, odd = round_room()
 
     def rejected(usual, score):
         monitor = MatchMonitor(MatchMonitorConfig())
@@ -173,12 +179,7 @@ def test_what_score_is_usual_follows_the_scores_up_and_down():
 
 
 def test_scans_that_were_rejected_speak_against_where_they_were_and_not_against_another_place():
-    submap = Submap(SubmapConfig(), np.zeros(3))
-    bearings = np.linspace(-np.pi, np.pi, 200, endpoint=False)
-    circle = 3.0 * np.stack((np.cos(bearings), np.sin(bearings)), axis=-1)
-    submap.insert(Sweep(np.concatenate((np.zeros((1, 2)), circle)), len(circle), 0))
-    odd = circle.copy()
-    odd[:50] *= 0.5
+    submap, circle, odd = round_room()
     monitor = MatchMonitor(MatchMonitorConfig())
     place = submap, odd, np.zeros(2), np.zeros(3)
     assert not monitor.rejects(submap, circle, np.zeros(2), np.zeros(3), 0.8)
