@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from ..reused_memory import reused_array
 from .lanes import LANES
 
 
@@ -88,7 +89,8 @@ def build_pyramid(grid: ScoreGrid, *, top_level: int = 3, margin: int = 0) -> Sc
     stride = 1 << top_level
     border = stride - 1
     rows, cols = (-(-(size + 2 * border) // stride) * stride for size in grid.values.shape)
-    levels = np.zeros((top_level + 1, rows, cols), dtype=np.uint8)
+    levels = reused_array((top_level + 1, rows, cols), np.uint8)
+    levels[0] = 0
     levels[0, border : border + grid.values.shape[0], border : border + grid.values.shape[1]] = grid.values
     for level in range(1, top_level + 1):
         half = 1 << (level - 1)
@@ -100,6 +102,8 @@ def build_pyramid(grid: ScoreGrid, *, top_level: int = 3, margin: int = 0) -> Sc
     blocks = levels[top_level].reshape(rows // stride, stride, cols // stride, stride)
     # So much that a window that meets anything can be read whole, sixteen blocks of a row at once.
     skirt = -(-2 * margin // stride)
-    phases = np.zeros((stride, stride, rows // stride + 2 * skirt, cols // stride + 2 * skirt + LANES), dtype=np.uint8)
+    around = rows // stride + 2 * skirt, cols // stride + 2 * skirt + LANES
+    phases = reused_array((stride, stride, *around), np.uint8)
+    phases.fill(0)
     phases[:, :, skirt : skirt + rows // stride, skirt : skirt + cols // stride] = blocks.transpose(1, 3, 0, 2)
     return ScorePyramid(levels, phases, skirt, border, grid.origin, grid.resolution)

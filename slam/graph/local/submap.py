@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ...bounds import Cell, Reach, Share, check_numbers, check_size, memory_for
 from ...errors import InputError
+from ...reused_memory import reused_array
 from .submap_kernels import bounds, insert_scans
 from .sweep import Sweep
 
@@ -113,7 +114,8 @@ class Submap:
         if self._field is not None:
             return self._field
         cells, values, shape = self._walls
-        field = np.zeros(shape, np.float32)
+        field = reused_array(shape, np.float32)
+        field.fill(0.0)
         field.ravel()[cells] = values
         return field
 
@@ -153,14 +155,22 @@ class Submap:
             check_size(cols, rows, h, _MOST_CELLS, "a submap")
         if (rows, cols) == self.field.shape:
             return
-        inside = slice(first_row, first_row + self.field.shape[0]), slice(first_col, first_col + self.field.shape[1])
         names = ("_hits", "_visits", "_field", "_stamps")
         # All or none: where memory runs out, the submap stays as it is.
-        grids = [np.zeros((rows, cols), getattr(self, name).dtype) for name in names]
+        grids = [_enlarged(getattr(self, name), (rows, cols), first_row, first_col) for name in names]
         for name, grid in zip(names, grids, strict=True):
-            grid[inside] = getattr(self, name)
             setattr(self, name, grid)
         self.corner = np.array([x, y])
+
+
+def _enlarged(grid: NDArray, shape: tuple[int, int], row: int, col: int) -> NDArray:
+    """Return an array of `shape` with `grid` from [row, col] on and zeros around it."""
+    large, (rows, cols) = reused_array(shape, grid.dtype), grid.shape
+    large[:row], large[row + rows :] = 0, 0
+    middle = large[row : row + rows]
+    middle[:, :col], middle[:, col + cols :] = 0, 0
+    middle[:, col : col + cols] = grid
+    return large
 
 
 def _growth(low: float, high: float, corner: float, cells: int, side: float) -> tuple[int, int]:
