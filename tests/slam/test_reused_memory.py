@@ -20,8 +20,10 @@ def test_an_array_has_the_shape_and_kind_that_was_asked_for_and_can_be_written_t
     for shape, kind in (((700, 300), np.float32), ((3, 5), np.int16), ((0, 7), np.float64), ((4, 600, 300), np.uint8)):
         array = reused_array(shape, kind, memory)
         array.fill(3)
-        assert array.shape == shape and array.dtype == kind
-        assert array.flags.c_contiguous and (array == 3).all()
+        assert array.shape == shape
+        assert array.dtype == kind
+        assert array.flags.c_contiguous
+        assert (array == 3).all()
 
 
 def test_what_comes_after_an_array_lies_where_that_was():
@@ -81,7 +83,7 @@ def test_what_lay_in_memory_before_is_seen_in_no_pyramid():
 
 
 def submap_of(corners):
-    """Return a submap drawn from one beam to each of `corners` (n, 2) [m], one scan each, so that it grows each time."""
+    """Return a submap drawn from a scan of one beam to each of `corners` (n, 2) [m], so that it grows each time."""
     submap = Submap(SubmapConfig(), np.zeros(3))
     for corner in corners:
         submap.insert(Sweep(np.array([[0.0, 0.0], corner]), 1, 0))
@@ -94,7 +96,8 @@ def test_what_lay_in_memory_before_is_seen_in_no_submap_however_it_grows():
     submap = submap_of(corners)
     assert submap.field.nbytes > MB
     drawn = np.abs(submap.field) > 0.0
-    assert np.isfinite(submap.field).all() and 0 < drawn.sum() < 2 * len(corners)
+    assert np.isfinite(submap.field).all()
+    assert 0 < drawn.sum() < 2 * len(corners)
     assert submap.visits.sum() < 2 * np.hypot(*corners.T).sum() / submap.resolution
     before = submap.field.copy()
     submap.finish()
