@@ -51,7 +51,7 @@ def cells(options: argparse.Namespace) -> list[Cell]:
         arguments: dict[str, Any] = {"slam": slam, "steps": round(share * options.steps)}
         made.append(Cell(name=name, function=function, arguments=arguments))
     for engine in options.engines if options.laps else ():
-        log = DRIVES[engine] if options.log is None else str(options.log.resolve())
+        log = DRIVES[engine] if options.log is None else str(options.log.absolute())
         arguments = {"method": engine, "log": log, "scans": options.scans, "laps": options.laps}
         made.append(Cell(name=f"laps/{engine}", function=engine_laps, arguments=arguments))
     return made

@@ -8,6 +8,8 @@ from ...slam.errors import InputError, shown
 
 MOST = 1_000_000
 """Of things that take a second or more each: two weeks of them."""
+MOST_CELLS = 10_000
+"""Of an experiment, each of a minute or so and listed before the first is begun: a week of them."""
 LARGEST_SEED = 2**32 - 1
 """What every generator takes."""
 MOST_S = 86_400.0

@@ -129,3 +129,24 @@ def test_a_count_that_nobody_lives_to_see_the_end_of_is_told(words, complaint, c
     with pytest.raises(SystemExit, match="2"):
         make_parser().parse_args(["bench", "people", *words.split()])
     assert complaint in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "clustering --worlds", "following --repeats", "guidance --repeats", "immobile --seeds", "immobile --first-seed",
+        "scan-matching --trials",
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("count", ["-1", "9" * 40])
+def test_no_experiment_begins_to_list_more_cells_than_anybody_waits_for(words, count, capsys):
+    with pytest.raises(SystemExit, match="2"):
+        make_parser().parse_args(["reproduce", *words.split(), count])
+    assert f"argument {words.split()[1]}: must be" in capsys.readouterr().err
+
+
+def test_a_log_that_is_a_link_to_itself_is_told_by_its_name(tmp_path, capsys):
+    (tmp_path / "loop.log").symlink_to("loop.log")
+    words = ["--log", str(tmp_path / "loop.log"), "--steps", "0", "--laps", "2", "--out", str(tmp_path / "out")]
+    assert main(["bench", "soak", *words]) == 2
+    assert "loop.log" in capsys.readouterr().err

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ....slam.errors import InputError
+from ...console.arguments import MOST_CELLS, at_least
 from ...figures.plots import require_matplotlib
 from ...lab.cells import Cell, files_of
 from ..report import Report, Section
@@ -60,7 +61,9 @@ class Clustering:
     def add_arguments(self, parser: argparse.ArgumentParser) -> None:
         """Declare --worlds."""
         parser.epilog = EPILOG
-        parser.add_argument("--worlds", type=int, metavar="N", help=f"(default: {WORLDS}, quick: {QUICK_WORLDS})")
+        parser.add_argument(
+            "--worlds", type=at_least(1, MOST_CELLS), metavar="N", help=f"(default: {WORLDS}, quick: {QUICK_WORLDS})"
+        )
 
     def cells(self, options: argparse.Namespace) -> Sequence[Cell]:
         """Return every cell.

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ....slam.errors import InputError
+from ...console.arguments import MOST_CELLS, at_least
 from ...figures.plots import require_matplotlib
 from ...lab.cells import Cell
 from ..report import Report, Section
@@ -43,7 +44,9 @@ class Following:
     def add_arguments(self, parser: argparse.ArgumentParser) -> None:
         """Declare --repeats and --no-sweep."""
         parser.epilog = EPILOG
-        parser.add_argument("--repeats", type=int, metavar="N", help=f"(default: {REPEATS}, quick: {QUICK_REPEATS})")
+        parser.add_argument(
+            "--repeats", type=at_least(1, MOST_CELLS), metavar="N", help=f"(default: {REPEATS}, quick: {QUICK_REPEATS})"
+        )
         parser.add_argument("--no-sweep", action="store_true", help="the published experiment only")
 
     def cells(self, options: argparse.Namespace) -> Sequence[Cell]:

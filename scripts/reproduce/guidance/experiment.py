@@ -7,6 +7,7 @@ from typing import Any
 
 from ....agents import make_follower
 from ....slam.errors import InputError
+from ...console.arguments import MOST_CELLS, at_least
 from ...figures.plots import require_matplotlib
 from ...lab.cells import Cell
 from ..report import Report, Section
@@ -37,7 +38,9 @@ class Guidance:
     def add_arguments(self, parser: argparse.ArgumentParser) -> None:
         """Declare --repeats, --also and --minutes."""
         parser.epilog = EPILOG
-        parser.add_argument("--repeats", type=int, metavar="N", help=f"(default: {REPEATS}, quick: {QUICK_REPEATS})")
+        parser.add_argument(
+            "--repeats", type=at_least(1, MOST_CELLS), metavar="N", help=f"(default: {REPEATS}, quick: {QUICK_REPEATS})"
+        )
         parser.add_argument(
             "--also", nargs="+", default=[], metavar="WHO", help="further followers, by name or as module:class"
         )

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ....slam.errors import InputError
+from ...console.arguments import LARGEST_SEED, MOST_CELLS, at_least
 from ...lab.cells import Cell
 from .drives import MAPPERS, METHOD, POSES, lab_drive
 
@@ -67,8 +68,12 @@ def cell_name(disturbance: str, seed: int) -> str:
 
 def add_plan_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare --seeds, --poses, --camera-hz, --delay, --paper, --minutes."""
-    parser.add_argument("--seeds", type=int, metavar="N", help=f"(default: {SEEDS}, quick: {QUICK_SEEDS})")
-    parser.add_argument("--first-seed", type=int, default=0, metavar="S", help="(default: %(default)s)")
+    parser.add_argument(
+        "--seeds", type=at_least(1, MOST_CELLS), metavar="N", help=f"(default: {SEEDS}, quick: {QUICK_SEEDS})"
+    )
+    parser.add_argument(
+        "--first-seed", type=at_least(0, LARGEST_SEED), default=0, metavar="S", help="(default: %(default)s)"
+    )
     parser.add_argument("--poses", choices=POSES, default="gmapping", help="who localises (default: %(default)s)")
     parser.add_argument("--camera-hz", type=float, metavar="F", help="frames a second (default: 10, quick: 2)")
     parser.add_argument("--delay", type=float, default=0.3, metavar="S", help="of views [s] (default: %(default)s)")

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ....slam.errors import InputError
+from ...console.arguments import MOST_CELLS, at_least
 from ...figures.plots import require_matplotlib
 from ...lab.cells import Cell
 from ..report import Report, Section, Table
@@ -37,7 +38,10 @@ class ScanMatching:
         """Declare --trials and --pairs."""
         parser.epilog = EPILOG
         parser.add_argument(
-            "--trials", type=int, metavar="N", help=f"a cell (default: {Extent().trials}, quick: {QUICK.trials})"
+            "--trials",
+            type=at_least(1, MOST_CELLS),
+            metavar="N",
+            help=f"a cell (default: {Extent().trials}, quick: {QUICK.trials})",
         )
         parser.add_argument(
             "--pairs", type=Path, metavar="FILE", help=f"pairs of simulated rooms (default: {_PAIRS} in --data)"

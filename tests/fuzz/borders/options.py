@@ -63,6 +63,11 @@ _LONG_WORK: dict[tuple[str, ...], list[str]] = {
     ("bench", "follower-comparison", "--out", "OUT"): ["--followers", "--suites", "--episodes"],
     ("ros",): ["filter", "people", "follower", "slam"],
     ("results", "--quick", "--out", "OUT"): ["--jobs"],
+    ("reproduce", "clustering", "--out", "OUT"): ["--worlds"],
+    ("reproduce", "following", "--out", "OUT"): ["--repeats"],
+    ("reproduce", "guidance", "--out", "OUT"): ["--repeats", "--minutes"],
+    ("reproduce", "immobile", "--out", "OUT"): ["--seeds"],
+    ("reproduce", "scan-matching", "--out", "OUT"): ["--trials"],
 }
 """Commands that work for minutes: they get one option more than they can take, which they have to say at once."""
 _NEVER = ("0", "-1", "nan", "-inf", "1.5.2", "", "x", "9" * 5000, "a" * 5000, "1e", "\x00", "½", "99999999999999999999")
