@@ -114,10 +114,8 @@ def since_leg(legs, people):
 
 
 @njit(cache=True, nogil=True)
-def spread_between(apart, rows, columns):
-    """Return (k, l) lengths of the mean vectors `apart` (n, n, 2) from tracks `rows` (k,) to tracks `columns` (l,)."""
-    spread = np.empty((len(rows), len(columns)))
-    for i in range(len(rows)):
-        for j in range(len(columns)):
-            spread[i, j] = _length(apart[rows[i], columns[j], 0], apart[rows[i], columns[j], 1])
-    return spread
+def restart_moving(legs, i):
+    """Let track i of `legs` begin here, as if it had not moved yet."""
+    x = legs["x"]
+    for k in range(2):
+        legs["first"][i, k] = legs["low"][i, k] = legs["high"][i, k] = x[i, k]

@@ -9,6 +9,18 @@ from numba import njit
 
 
 @njit(cache=True, nogil=True)
+def length(x, y):
+    """Return the length of the vector (x, y)."""
+    return np.sqrt(x**2 + y**2)
+
+
+@njit(cache=True, nogil=True)
+def distance(x, y, u, v):
+    """Return the distance between (x, y) and (u, v)."""
+    return np.sqrt((x - u) * (x - u) + (y - v) * (y - v))
+
+
+@njit(cache=True, nogil=True)
 def predict(x, p, age_s, unseen_s, dt, q):
     """Move states `x` (n, 4) and covariances `p` (n, 3) `dt` seconds ahead, and both clocks (n,)."""
     for i in range(len(x)):
@@ -99,19 +111,14 @@ def leg_costs(legs, centres, z, reach, anchor_s, gates, cost):
     x, seen, unseen_s = legs["x"], legs["seen"], legs["unseen_s"]
     for i in range(len(legs)):
         for j in range(len(z)):
-            away = _distance(x[i, 0], x[i, 1], z[j, 0], z[j, 1])
+            away = distance(x[i, 0], x[i, 1], z[j, 0], z[j, 1])
             if unseen_s[i] <= anchor_s:
-                away = min(away, _distance(seen[i, 0], seen[i, 1], z[j, 0], z[j, 1]))
+                away = min(away, distance(seen[i, 0], seen[i, 1], z[j, 0], z[j, 1]))
             owner = i // 2
             beyond = away >= gates[i]
             if not beyond and owner < len(centres):
-                beyond = _distance(centres[owner, 0], centres[owner, 1], z[j, 0], z[j, 1]) > reach
+                beyond = distance(centres[owner, 0], centres[owner, 1], z[j, 0], z[j, 1]) > reach
             cost[i, j] = np.inf if beyond else away
-
-
-@njit(cache=True, nogil=True)
-def _distance(x, y, u, v):
-    return np.sqrt((x - u) * (x - u) + (y - v) * (y - v))
 
 
 @njit(cache=True, nogil=True)
@@ -120,7 +127,7 @@ def distances(here, there):
     away = np.empty((len(here), len(there)))
     for i in range(len(here)):
         for j in range(len(there)):
-            away[i, j] = _distance(here[i, 0], here[i, 1], there[j, 0], there[j, 1])
+            away[i, j] = distance(here[i, 0], here[i, 1], there[j, 0], there[j, 1])
     return away
 
 
@@ -136,29 +143,6 @@ def average_apart(x, age_s, apart, dt, stride_s):
 
 
 @njit(cache=True, nogil=True)
-def with_fresh(apart, x):
-    """Return (n, n, 2) the means `apart` (k, k, 2) of old tracks, and the present vectors to the others of `x`."""
-    grown = np.empty((len(x), len(x), 2))
-    for i in range(len(x)):
-        for j in range(len(x)):
-            for k in range(2):
-                old = i < len(apart) and j < len(apart)
-                grown[i, j, k] = apart[i, j, k] if old else x[i, k] - x[j, k]
-    return grown
-
-
-@njit(cache=True, nogil=True)
-def taken(apart, order):
-    """Return (k, k, 2) of `apart` (n, n, 2) the rows and columns `order` (k,)."""
-    kept = np.empty((len(order), len(order), 2))
-    for i in range(len(order)):
-        for j in range(len(order)):
-            kept[i, j, 0] = apart[order[i], order[j], 0]
-            kept[i, j, 1] = apart[order[i], order[j], 1]
-    return kept
-
-
-@njit(cache=True, nogil=True)
 def any_wide(apart, pairs, limit):
     """Return whether the mean vector between the tracks of any of `pairs` (n, 2) is longer than `limit`."""
     for i in range(len(pairs)):
@@ -169,53 +153,41 @@ def any_wide(apart, pairs, limit):
 
 
 @njit(cache=True, nogil=True)
+def _humans_near(points, first, end, humans, zeta, near):
+    """Write into `near` which of `humans` (h, 2) are no farther than `zeta` from the box around the points; how many."""
+    low_x, low_y, high_x, high_y = np.inf, np.inf, -np.inf, -np.inf
+    for i in range(first, end):
+        low_x, high_x = min(low_x, points[i, 0]), max(high_x, points[i, 0])
+        low_y, high_y = min(low_y, points[i, 1]), max(high_y, points[i, 1])
+    reach, count = 1.01 * zeta, 0  # whatever the last bits of a distance
+    for h in range(len(humans)):
+        x, y = humans[h, 0], humans[h, 1]
+        if low_x - reach <= x <= high_x + reach and low_y - reach <= y <= high_y + reach:
+            near[count] = h
+            count += 1
+    return count
+
+
+@njit(cache=True, nogil=True)
 def points_of_things(points, start, end, thing, humans, zeta):
     """Return (j, 2) those of `points` (k, 2) in the clusters `thing` (m,), farther than `zeta` from `humans` (h, 2)."""
-    kept = np.empty_like(points)
+    kept, near = np.empty_like(points), np.empty(len(humans), np.int64)
     count = 0
     for c in range(len(start)):
         if not thing[c]:
             continue
+        close = _humans_near(points, start[c], end[c], humans, zeta, near)
         for i in range(start[c], end[c]):
-            near = False
-            for h in range(len(humans)):
-                if _distance(points[i, 0], points[i, 1], humans[h, 0], humans[h, 1]) <= zeta:
-                    near = True
+            clear = True
+            for h in near[:close]:
+                if distance(points[i, 0], points[i, 1], humans[h, 0], humans[h, 1]) <= zeta:
+                    clear = False
                     break
-            if not near:
+            if clear:
                 kept[count, 0] = points[i, 0]
                 kept[count, 1] = points[i, 1]
                 count += 1
     return kept[:count]
-
-
-@njit(cache=True, nogil=True)
-def near_pairs(cost, limit):
-    """Return the rows and the columns of `cost` (n, m) with an entry below the row's `limit` (n,), and whether alone.
-
-    Alone: none has more than one such entry; then rows and columns are pairs.
-    """
-    n, m = cost.shape
-    partner = np.full(n, -1)
-    wanted = np.zeros(m, np.int64)
-    alone = True
-    count = 0
-    for i in range(n):
-        for j in range(m):
-            if cost[i, j] < limit[i]:
-                alone = alone and partner[i] < 0 and wanted[j] == 0
-                count += partner[i] < 0
-                partner[i] = j
-                wanted[j] += 1
-    rows = np.empty(count, np.int64)
-    k = 0
-    for i in range(n):
-        if partner[i] >= 0:
-            rows[k] = i
-            k += 1
-    if alone:
-        return rows, partner[rows], True
-    return rows, np.flatnonzero(wanted), False
 
 
 @njit(cache=True, nogil=True)
@@ -263,7 +235,7 @@ def spread_among(apart, x, rows, farthest):
     for i in range(len(rows)):
         for j in range(len(rows)):
             a, b = rows[i], rows[j]
-            if i == j or _distance(x[a, 0], x[a, 1], x[b, 0], x[b, 1]) > farthest:
+            if i == j or distance(x[a, 0], x[a, 1], x[b, 0], x[b, 1]) > farthest:
                 spread[i, j] = np.inf
             else:
                 spread[i, j] = np.sqrt(apart[a, b, 0] ** 2 + apart[a, b, 1] ** 2)
