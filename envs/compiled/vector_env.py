@@ -171,7 +171,8 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
     @property
     def memory(self) -> int:
         """Memory of episodes, state and what is told [bytes]."""
-        return self._pool.size + sum(array.nbytes for array in (*arrays_of(self._state), *self._told))
+        tracked = 0 if self._trackers is None else self._trackers.memory
+        return self._pool.size + tracked + sum(array.nbytes for array in (*arrays_of(self._state), *self._told))
 
     def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
         """Return what a method of the whole returns, or its attribute, once for each world."""
@@ -233,8 +234,15 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
 
         self._share(move, blocks)
         if self._trackers is not None:
-            self._trackers.update(what, state, self._told)
+            self._read(self._trackers, what, blocks)
             self._share(judge, blocks)
+
+    def _read(self, trackers: Trackers, what: NDArray[np.int8], blocks: list[tuple[int, int]]) -> None:
+        """Let the robots of all worlds that did `what` (num_envs,) read their sweeps."""
+        left = what
+        while (left != REST).any():
+            self._share(lambda part, left=left: trackers.read(part, left, self._state, self._told), blocks)
+            left = trackers.make_room(left)
 
     def _share(self, work: Callable[[tuple[int, int]], None], blocks: list[tuple[int, int]]) -> None:
         """Let the threads share the work on all blocks."""
