@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ...perception.leader.body_memory import CLOUD, FRESH, nothing_remembered, with_more_room
+from ...perception.leader.body_memory import CLOUD, nothing_remembered, with_more_room
 from ...perception.leader.body_selector import body_numbers, cloud_draws
 from ...perception.legs.detection_kernel import Beams
 from ...perception.legs.detector import splitting
@@ -42,7 +42,7 @@ class Trackers:
         return sum(array.nbytes for array in (*minds.tracks, *minds.memory, *minds[2:]))
 
     def read(self, part: tuple[int, int], what: NDArray[np.int8], state: WorldsState, told: Told) -> None:
-        """Let the robots of the worlds `part` (first, end) that did `what` (w,) read their sweeps; write it into `told`.
+        """Let the robots of the worlds `part` (first, end) that did `what` (w,) read their sweeps, and tell it.
 
         Where there is no room for a sweep it is left unread, see `make_room`.
         """
@@ -63,7 +63,7 @@ class Trackers:
         )  # fmt: skip
 
     def make_room(self, what: NDArray[np.int8]) -> NDArray[np.int8]:
-        """Make room where it was lacking; return (w,) `what` is left to do: that of the worlds whose sweep is unread."""
+        """Make room where it was lacking; return (w,) `what` is left to do, with sweeps unread."""
         minds, left = self._minds, np.where(self._minds.lacking, what, REST).astype(np.int8)
         if minds.lacking.any():
             tracks, memory = with_room(minds.tracks, 2 * minds.tracks.legs.shape[1]), with_more_room(minds.memory)

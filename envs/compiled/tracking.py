@@ -82,15 +82,12 @@ def track_worlds(worlds, what, rules, minds, swept):
         if what[w] != STEP:
             forget(tracks)
             forget_leader(memory)
-        points, _, start, end, positions, confidence, human = find_legs(
-            swept.ranges[w], rules.beams, rules.splitting, rules.forest
-        )
-        fresh = np.count_nonzero(human)
-        legs = tracks.count[LEGS] + fresh + 1
+        found = find_legs(swept.ranges[w], rules.beams, rules.splitting, rules.forest)
+        fresh = np.count_nonzero(found.human)
+        legs = tracks.counts[LEGS] + fresh + 1
         minds.lacking[w] = not (has_room(tracks, fresh) and can_hold(memory, legs, legs))
         if minds.lacking[w]:
             continue
-        found = following.Found(points, start, end, positions, confidence, human)
         pose, time_s, c = swept.odometry[w], swept.time_s[w], rules.tracker
         dt = time_s - minds.time_s[w] if what[w] == STEP else 1.0 / c.motion_reference_rate_hz
         minds.time_s[w] = time_s
@@ -134,7 +131,7 @@ def lidar_at(pose, mount):
 @njit(cache=True, nogil=True)
 def company_of(tracks):
     """Return who is tracked now."""
-    people, legs = tracks.people[: tracks.count[PEOPLE]], tracks.legs[: tracks.count[LEGS]]
+    people, legs = tracks.people[: tracks.counts[PEOPLE]], tracks.legs[: tracks.counts[LEGS]]
     rows, owner = leg_kernels.seen_now(legs, len(people))
     return Company(
         people["id"].copy(), people["x"].copy(), people["confidence"].copy(), people["unseen_s"].copy(),

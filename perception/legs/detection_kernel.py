@@ -47,20 +47,36 @@ class Splitting(NamedTuple):
     beams_at_1m: float
 
 
-@njit(cache=True, nogil=True)
-def find_legs(ranges, beams, splitting, forest):
-    """Return the clusters in `ranges` (N,).
+class Found(NamedTuple):
+    """All clusters of a scan, as in `Detections`.
 
-    Returns:
-        (k, 2) returns of the scan, laser frame; (k,) the beam of each; (m,) first return of each cluster; (m,) one past
-        its last; (m, 2) centre of the leg that would show such an arc, robot frame; (m,) confidence; (m,) whether it is
-        human.
+    Attributes:
+        points: (k, 2) returns, laser frame [m].
+        numbers: (k,) the beam of each.
+        start: (m,) first return of each cluster.
+        end: (m,) one past the last.
+        positions: (m, 2) centre of the leg that would show such an arc, robot frame [m].
+        confidence: (m,) in [0, 1].
+        human: (m,) whether each looks like a leg.
     """
+
+    points: NDArray[np.float64]
+    numbers: NDArray[np.int64]
+    start: NDArray[np.int64]
+    end: NDArray[np.int64]
+    positions: NDArray[np.float64]
+    confidence: NDArray[np.float64]
+    human: NDArray[np.bool_]
+
+
+@njit(cache=True, nogil=True)
+def find_legs(ranges, beams, splitting, forest) -> Found:
+    """Return the clusters in `ranges` (N,) along `beams`, split by `splitting` and judged by `forest`."""
     points, numbers = returns(ranges, beams.directions, beams.range_min, beams.range_max)
     start, end = split_by_distance(points, splitting.alpha, splitting.beta, splitting.beams_at_1m)
     confidence = leg_confidence(points, ranges[numbers], beams.bearings[numbers], start, end, beams.spacing, forest)
     positions = moved_points(beams.mount, leg_centres_of(points, start, end))
-    return points, numbers, start, end, positions, confidence, confidence >= splitting.gamma
+    return Found(points, numbers, start, end, positions, confidence, confidence >= splitting.gamma)
 
 
 @njit(cache=True, nogil=True)

@@ -16,7 +16,6 @@ from .features import beam_spacing
 from .forest import LegForest
 
 
-
 @dataclass(frozen=True, kw_only=True)
 class LegDetectorConfig:
     """Parameters of the leg detector (paper, Table II)."""
@@ -83,9 +82,9 @@ class LegDetector:
     def detect(self, scan: LaserScan) -> Detections:
         """Return the clusters of `scan` with their confidence and leg centres."""
         beams = beams_of(scan)
-        points, numbers, *rest = find_legs(scan.ranges, beams, splitting(self.config, beams), self.forest.packed)
-        start, end, positions, confidence, human = rest
-        return Detections(positions, confidence, human, Clusters(points, numbers, start, end))
+        found = find_legs(scan.ranges, beams, splitting(self.config, beams), self.forest.packed)
+        clusters = Clusters(found.points, found.numbers, found.start, found.end)
+        return Detections(found.positions, found.confidence, found.human, clusters)
 
 
 def beams_of(scan: LaserScan) -> Beams:

@@ -7,14 +7,15 @@ Lengths are in metres and counts are turned into lengths where that is possible,
 spacings give like numbers.
 """
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
 from ...slam.scan import LaserScan
 from .clusters import Clusters
 from .detection_kernel import are_wide, described
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.int64]
 
 SHAPE_NAMES = (
     "points",  # number of returns
@@ -81,7 +82,7 @@ def cluster_features(scan: LaserScan, clusters: Clusters) -> NDArray[np.float32]
     return described(*described_by(scan, clusters))
 
 
-def described_by(scan: LaserScan, clusters: Clusters) -> tuple[Any, ...]:
+def described_by(scan: LaserScan, clusters: Clusters) -> tuple[Array, Array, Array, Rows, Rows, float]:
     """Return what kernels describe the clusters of `scan` by: the first arguments of `leg_confidence`."""
     ranges, bearings = scan.ranges[clusters.beams], scan.bearings[clusters.beams]
     return clusters.points, ranges, bearings, clusters.start, clusters.end, beam_spacing(scan)

@@ -68,8 +68,9 @@ def packed(
 def vote(forest, rows, out):
     """Write the mean leaf value over all trees for each of `rows` (m, F) float32 into `out` (m,) float64.
 
-    Rows at or below a threshold go left. No step depends on how a comparison turned out but for the sum of an index, and one step is taken
-    down every tree in turn: the processor neither guesses nor waits for one tree's memory before it asks for the next.
+    Rows at or below a threshold go left. No step depends on how a comparison turned out but for the sum of an index,
+    and one step is taken down every tree in turn: the processor neither guesses nor waits for one tree's memory before
+    it asks for the next.
     """
     nodes, share, trees = forest.nodes, forest.share, forest.trees
     at = np.empty(trees, np.uint32)

@@ -70,9 +70,9 @@ class CameraTracking:
 
         Tentative leg tracks near somebody new are its legs; those not seen yet stand where the camera saw it.
         """
-        unknown = self._correct(tracks.people[: tracks.count[PEOPLE]], seen, time_s, dt)
+        unknown = self._correct(tracks.people[: tracks.counts[PEOPLE]], seen, time_s, dt)
         for k in self._new_people(seen, unknown):
-            place, count, owned = seen.positions[k], int(tracks.count[LEGS]), 2 * int(tracks.count[PEOPLE])
+            place, count, owned = seen.positions[k], int(tracks.counts[LEGS]), 2 * int(tracks.counts[PEOPLE])
             away = distances(place[None], tracks.legs["x"][owned:count])[0]
             own = owned + np.argsort(away, kind="stable")[:2]
             own = own[np.sort(away)[:2] <= self._config.pairing.distance / 2.0]
@@ -80,7 +80,7 @@ class CameraTracking:
             places, sure = np.repeat(place[None], len(hidden), axis=0), np.full(len(hidden), seen.likelihood[k])
             begin(tracks, places, sure, self._numbers.motion_initial_variance)
             confirm(tracks, np.concatenate((own, hidden))[None], self._numbers)
-            last = tracks.people[: tracks.count[PEOPLE]][-1:]
+            last = tracks.people[: tracks.counts[PEOPLE]][-1:]
             last["x"][:, :2], last["confidence"], last["camera_s"] = place, seen.likelihood[k], 0.0
 
     def _correct(self, people: NDArray[np.void], seen: SeenPeople, time_s: float, dt: float) -> NDArray[np.intp]:

@@ -36,9 +36,9 @@ class Candidates(NamedTuple):
 @njit(cache=True, nogil=True)
 def confirm_people(tracks, points, time_s, c):
     """Confirm people among the tentative tracks; the scan at `time_s` shows `points` (n, 2), odometry frame."""
-    legs, owned = tracks.legs[: tracks.count[LEGS]], 2 * tracks.count[PEOPLE]
+    legs, owned = tracks.legs[: tracks.counts[LEGS]], 2 * tracks.counts[PEOPLE]
     delta, c_min, unseen_s = c.confirmation_delta, c.termination_c_min, c.confirmation_unseen_s
-    if tracks.count[LOST] == 0 and not track_kernels.any_moved(legs, owned, delta / 2.0, c_min, unseen_s):
+    if tracks.counts[LOST] == 0 and not track_kernels.any_moved(legs, owned, delta / 2.0, c_min, unseen_s):
         return
     rows = leg_kernels.promising(legs, owned, c_min, unseen_s)
     moved, known = leg_kernels.moved(legs)[rows], may_be_legs(tracks, rows, c)
@@ -130,9 +130,9 @@ def _confirm_one_leg(tracks, points, time_s, c):
 
     It stands on a free cell; the other leg counts as hidden by it, or by what stands before it.
     """
-    legs, owned = tracks.legs[: tracks.count[LEGS]], 2 * tracks.count[PEOPLE]
+    legs, owned = tracks.legs[: tracks.counts[LEGS]], 2 * tracks.counts[PEOPLE]
     far, sure, age_s = 2.0 * c.confirmation_delta, c.confirmation_sure_confidence, c.reidentification_one_leg_age_s
-    lost = tracks.lost[: tracks.count[LOST]]
+    lost = tracks.lost[: tracks.counts[LOST]]
     if len(lost) == 0 and not track_kernels.any_sure_walker(legs, owned, far, sure, age_s):
         return
     rows = owned + np.flatnonzero((legs["unseen_s"][owned:] == 0.0) & (legs["age_s"][owned:] >= age_s))

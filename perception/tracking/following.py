@@ -4,11 +4,8 @@ Prediction, data association, correction, track termination, track confirmation 
 human marks a local grid. What a camera adds comes between `follow` and `mark_things`.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from ...slam.rigid_kernel import moved_points
 from . import leg_kernels, person_tracks, track_kernels
@@ -20,28 +17,6 @@ from .merged_legs import see_merged_legs
 from .numbers import confidence_weight, process_variance
 from .reidentification import lose, predict_lost
 from .tracks import LEGS, LOST, PEOPLE, begin, count_owned, take
-
-Array = NDArray[np.float64]
-
-
-class Found(NamedTuple):
-    """The clusters of a scan, as in `Detections`.
-
-    Attributes:
-        points: (k, 2) returns, laser frame [m].
-        start: (m,) first return of each cluster.
-        end: (m,) one past the last.
-        positions: (m, 2) of legs, robot frame [m].
-        confidence: (m,) in [0, 1].
-        human: (m,) whether each looks like a leg.
-    """
-
-    points: Array
-    start: NDArray[np.int64]
-    end: NDArray[np.int64]
-    positions: Array
-    confidence: Array
-    human: NDArray[np.bool_]
 
 
 @njit(cache=True, nogil=True)
@@ -69,8 +44,8 @@ def follow(tracks, found, pose, lidar, time_s, dt, c):
 @njit(cache=True, nogil=True)
 def mark_things(tracks, found, points, things, pose, time_s, dt, c):
     """Mark the grid where the clusters `things` (m,) are, but never where a person, or what may become one, stands."""
-    people, legs = tracks.people[: tracks.count[PEOPLE]], tracks.legs[: tracks.count[LEGS]]
-    lost = tracks.lost["x"][: tracks.count[LOST]]
+    people, legs = tracks.people[: tracks.counts[PEOPLE]], tracks.legs[: tracks.counts[LEGS]]
+    lost = tracks.lost["x"][: tracks.counts[LOST]]
     human = leg_kernels.human_places(people, legs, c.confirmation_delta / 2.0, lost)
     kept = track_kernels.points_of_things(points, found.start, found.end, things, human, c.grid_clearance)
     mark(tracks.cells, kept, pose, c.grid_resolution, time_s, dt / c.grid_rise_s, c.grid_fade_s)
@@ -79,16 +54,16 @@ def mark_things(tracks, found, points, things, pose, time_s, dt, c):
 @njit(cache=True, nogil=True)
 def _predict(tracks, dt, c):
     """Move all tracks `dt` seconds ahead (eq. 4a, 4b)."""
-    legs = tracks.legs[: tracks.count[LEGS]]
+    legs = tracks.legs[: tracks.counts[LEGS]]
     track_kernels.predict(legs["x"], legs["p"], legs["age_s"], legs["unseen_s"], dt, process_variance(c, dt))
-    person_tracks.predict_people(tracks.people[: tracks.count[PEOPLE]], dt, c)
+    person_tracks.predict_people(tracks.people[: tracks.counts[PEOPLE]], dt, c)
     predict_lost(tracks, dt, c)
 
 
 @njit(cache=True, nogil=True)
 def _correct(tracks, match, z, d, found, places, time_s, dt, c):
     """Correct legs and people (eq. 4c to 4e, 6) with detections `z` (m, 2), `d` (m,) that `match` (n,) tracks."""
-    legs, people = tracks.legs[: tracks.count[LEGS]], tracks.people[: tracks.count[PEOPLE]]
+    legs, people = tracks.legs[: tracks.counts[LEGS]], tracks.people[: tracks.counts[PEOPLE]]
     track_kernels.correct_legs(legs, match, z, d, c.motion_r, confidence_weight(c, dt))
     seen = person_tracks.measure(people, match[: 2 * len(people)], z, d)
     see_merged_legs(tracks, seen.seen, seen.centre, seen.confidence, found, places, time_s, c)
@@ -101,7 +76,7 @@ def _correct(tracks, match, z, d, found, places, time_s, dt, c):
 @njit(cache=True, nogil=True)
 def _things(tracks, is_human, human, match, c):
     """Return (m,) which clusters are not human; `human` (k,) are those of which `is_human` (m,) says they are."""
-    legs, owned = tracks.legs[: tracks.count[LEGS]], 2 * tracks.count[PEOPLE]
+    legs, owned = tracks.legs[: tracks.counts[LEGS]], 2 * tracks.counts[PEOPLE]
     things = ~is_human
     things[human] = leg_kernels.still(legs, owned, match, c.grid_still_s, c.confirmation_delta, len(human))
     return things
@@ -113,7 +88,7 @@ def _terminate(tracks, c):
 
     Ye 2021, section II.A.
     """
-    people, legs = tracks.people[: tracks.count[PEOPLE]], tracks.legs[: tracks.count[LEGS]]
+    people, legs = tracks.people[: tracks.counts[PEOPLE]], tracks.legs[: tracks.counts[LEGS]]
     alive = track_kernels.surviving(people, c.termination_epsilon, c.termination_c_min)
     keep = track_kernels.surviving(legs, c.termination_epsilon, c.termination_c_min)
     for i in range(len(alive)):

@@ -3,7 +3,7 @@
 import numpy as np
 from numba import njit
 
-from . import leg_kernels, track_kernels
+from . import track_kernels
 from .assignment import assigned
 from .tracks import LEGS, PEOPLE, take
 
@@ -14,7 +14,7 @@ def associate(tracks, z, c):
 
     Detections are assigned to leg tracks within their gates, and tentative tracks to people of whom a leg is missing.
     """
-    legs, centres = tracks.legs[: tracks.count[LEGS]], tracks.people["x"][: tracks.count[PEOPLE]]
+    legs, centres = tracks.legs[: tracks.counts[LEGS]], tracks.people["x"][: tracks.counts[PEOPLE]]
     gates = gates_of(legs, c)
     cost = np.empty((len(legs), len(z)))
     track_kernels.leg_costs(legs, centres, z, c.gating_reach, c.gating_anchor_s, gates, cost)
@@ -38,7 +38,7 @@ def gates_of(legs, c):
 @njit(cache=True, nogil=True)
 def _fill_missing_legs(tracks, match, z, c):
     """Give people with a missing leg the tentative tracks that could be it; the missing leg's own track ends."""
-    owned = 2 * tracks.count[PEOPLE]
+    owned = 2 * tracks.counts[PEOPLE]
     missing, free = np.flatnonzero(match[:owned] < 0), owned + np.flatnonzero(match[owned:] >= 0)
     if len(missing) == 0 or len(free) == 0:
         return match

@@ -14,7 +14,7 @@ def exchange(tracks, match, c):
 
     Returns `match` (n,), the detection of each leg track or -1, in the tracks' new order.
     """
-    people, count, margin = tracks.count[PEOPLE], tracks.count[LEGS], c.pairing_margin
+    people, count, margin = tracks.counts[PEOPLE], tracks.counts[LEGS], c.pairing_margin
     if people == 0:
         return match
     before = np.arange(2 * people).reshape((people, 2))
@@ -25,7 +25,7 @@ def exchange(tracks, match, c):
         legs["unseen_s"][2 * people : count] == 0.0
     )
     free = 2 * people + np.flatnonzero(known)
-    pairs = better_pairs(_spread(tracks), before, legs["owned_s"][:count], free, margin)
+    pairs = better_pairs(spread_of(tracks), before, legs["owned_s"][:count], free, margin)
     if (pairs == before).all():
         return match
     x, bodies = legs["x"], tracks.people["x"]
@@ -43,9 +43,9 @@ def exchange(tracks, match, c):
 
 
 @njit(cache=True, nogil=True)
-def _spread(tracks):
+def spread_of(tracks):
     """Return (n, n) lengths of `apart` [m]."""
-    count = tracks.count[LEGS]
+    count = tracks.counts[LEGS]
     spread = np.empty((count, count))
     for i in range(count):
         for j in range(count):

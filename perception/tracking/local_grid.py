@@ -45,9 +45,7 @@ class LocalGrid:
 
 
 @njit(cache=True, nogil=True)
-def mark(
-    cells: Any, points: Any, centre: Any, resolution: float, now: float, rise: float, fade_s: float
-) -> None:
+def mark(cells: Any, points: Any, centre: Any, resolution: float, now: float, rise: float, fade_s: float) -> None:
     """Let the evidence of the `cells` under `points` (k, 2) `rise`, see `LocalGrid.mark`."""
     reach = (SIDE // 2 - 2) * resolution
     last, fading = now, 1.0  # most cells were hit in the same scan before

@@ -21,13 +21,13 @@ def see_merged_legs(tracks, seen, centre, confidence, found, places, time_s, c):
         seen: (n,) whether a leg of each person was seen; these three are written to.
         centre: (n, 2) where.
         confidence: (n,) of what was seen.
-        found: All clusters of the scan, see `following.Found`.
+        found: All clusters of the scan, see `detection_kernel.Found`.
         places: (m, 2) where they are, odometry frame [m].
         time_s: Of the scan [s].
         c: Numbers of the tracker.
     """
-    people = tracks.count[PEOPLE]
-    since_s = since_leg(tracks.legs[: tracks.count[LEGS]], people)
+    people = tracks.counts[PEOPLE]
+    since_s = since_leg(tracks.legs[: tracks.counts[LEGS]], people)
     unseen = np.flatnonzero(~seen & (since_s < c.merged_legs_duration_s))
     if len(unseen) == 0:
         return

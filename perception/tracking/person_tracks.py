@@ -69,7 +69,7 @@ def confirm(tracks, pairs, c):
     """Make people of the pairs of tentative tracks `pairs` (k, 2), under their old number where they have one."""
     if len(pairs) == 0:
         return
-    before, count = tracks.count[PEOPLE], tracks.count[LEGS]
+    before, count = tracks.counts[PEOPLE], tracks.counts[LEGS]
     fresh = tracks.people[before : before + len(pairs)]
     loose = np.ones(count, np.bool_)
     loose[: 2 * before] = False
@@ -77,7 +77,7 @@ def confirm(tracks, pairs, c):
         _begin(fresh, k, tracks.legs, pairs[k, 0], pairs[k, 1])
         loose[pairs[k, 0]] = loose[pairs[k, 1]] = False
     number(tracks, fresh, c)
-    tracks.count[PEOPLE] = before + len(pairs)
+    tracks.counts[PEOPLE] = before + len(pairs)
     take(tracks, np.concatenate((np.arange(2 * before), pairs.copy().ravel(), np.flatnonzero(loose))))
 
 

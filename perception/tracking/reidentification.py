@@ -17,7 +17,7 @@ from .tracks import LEGS, LOST, NEXT_ID, PEOPLE, keep_lost
 @njit(cache=True, nogil=True)
 def predict_lost(tracks, dt, c):
     """Move the lost `dt` seconds ahead; drop those unseen for too long."""
-    count = tracks.count[LOST]
+    count = tracks.counts[LOST]
     if count == 0:
         return
     lost = tracks.lost[:count]
@@ -36,7 +36,7 @@ def predict_lost(tracks, dt, c):
 @njit(cache=True, nogil=True)
 def lose(tracks, alive, c):
     """Let the people who are not `alive` (n,) end, and be lost, but for those who were hardly known."""
-    kept, lost = 0, tracks.count[LOST]
+    kept, lost = 0, tracks.counts[LOST]
     for i in range(len(alive)):
         if alive[i]:
             tracks.people[kept] = tracks.people[i]
@@ -44,7 +44,7 @@ def lose(tracks, alive, c):
         elif tracks.people["age_s"][i] >= c.reidentification_known_s:
             tracks.lost[lost] = tracks.people[i]
             lost += 1
-    tracks.count[PEOPLE], tracks.count[LOST] = kept, lost
+    tracks.counts[PEOPLE], tracks.counts[LOST] = kept, lost
 
 
 @njit(cache=True, nogil=True)
@@ -65,7 +65,7 @@ def may_be_legs(tracks, rows, c):
     for k in range(len(rows)):
         i = rows[k]
         if age_s[i] >= c.reidentification_near_age_s:
-            for j in range(tracks.count[LOST]):
+            for j in range(tracks.counts[LOST]):
                 if _farness(tracks.lost[j], x[i, 0], x[i, 1], age_s[i], c) <= c.reidentification_near:
                     may[k] = True
     return may
@@ -78,8 +78,8 @@ def number(tracks, fresh, c):
     People of whom no leg was seen for some time still have a track, but it may have slid off to something else; they
     can be re-identified too. Then that track ends with the next scan, and is nobody's to be re-identified.
     """
-    people, lost = tracks.people[: tracks.count[PEOPLE]], tracks.lost[: tracks.count[LOST]]
-    since_s = since_leg(tracks.legs[: tracks.count[LEGS]], len(people))
+    people, lost = tracks.people[: tracks.counts[PEOPLE]], tracks.lost[: tracks.counts[LOST]]
+    since_s = since_leg(tracks.legs[: tracks.counts[LEGS]], len(people))
     unsure = np.flatnonzero(np.minimum(since_s, people["camera_s"]) > c.reidentification_unseen_s)
     x, age_s, numbers = fresh["x"], fresh["age_s"], fresh["id"]
     cost = np.empty((len(fresh), len(lost) + len(unsure)))
@@ -103,13 +103,13 @@ def number(tracks, fresh, c):
 
 @njit(cache=True, nogil=True)
 def _number_anew(tracks, people, numbers):
-    """Give new numbers to those of `people` whose number is now among `numbers` (k,), and to whom there is none (-1)."""
+    """Give new numbers to those of `people` whose number is now among `numbers` (k,), and where there is none (-1)."""
     for i in range(len(people)):
         if (numbers == people[i].id).any():
             people[i].confidence = people[i].age_s = 0.0
-            people[i].id = tracks.count[NEXT_ID]
-            tracks.count[NEXT_ID] += 1
+            people[i].id = tracks.counts[NEXT_ID]
+            tracks.counts[NEXT_ID] += 1
     for k in range(len(numbers)):
         if numbers[k] < 0:
-            numbers[k] = tracks.count[NEXT_ID]
-            tracks.count[NEXT_ID] += 1
+            numbers[k] = tracks.counts[NEXT_ID]
+            tracks.counts[NEXT_ID] += 1

@@ -154,7 +154,7 @@ def any_wide(apart, pairs, limit):
 
 @njit(cache=True, nogil=True)
 def _humans_near(points, first, end, humans, zeta, near):
-    """Write into `near` which of `humans` (h, 2) are no farther than `zeta` from the box around the points; how many."""
+    """Write into `near` which of `humans` (h, 2) are no farther than `zeta` from the box of the points; how many."""
     low_x, low_y, high_x, high_y = np.inf, np.inf, -np.inf, -np.inf
     for i in range(first, end):
         low_x, high_x = min(low_x, points[i, 0]), max(high_x, points[i, 0])

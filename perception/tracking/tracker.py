@@ -9,6 +9,7 @@ from ...slam.bounds import checked_pose
 from ...slam.errors import InputError
 from ...slam.geometry import compose
 from ...slam.scan import LaserScan
+from ..legs.detection_kernel import Found
 from ..legs.detector import Detections, Detector
 from . import following, leg_kernels
 from .camera import CameraTracking, SeenPeople
@@ -91,16 +92,23 @@ class PeopleTracker:
         return tracks_of(self._all, 0)
 
 
-def found_in(detections: Detections) -> following.Found:
+def found_in(detections: Detections) -> Found:
     """Return `detections` as kernels take them."""
     clusters = detections.clusters
-    arrays = clusters.points, clusters.start, clusters.end, detections.positions, detections.confidence
-    return following.Found(*(np.ascontiguousarray(array) for array in (*arrays, detections.human)))
+    return Found(
+        points=np.ascontiguousarray(clusters.points, dtype=np.float64),
+        numbers=np.ascontiguousarray(clusters.beams, dtype=np.int64),
+        start=np.ascontiguousarray(clusters.start, dtype=np.int64),
+        end=np.ascontiguousarray(clusters.end, dtype=np.int64),
+        positions=np.ascontiguousarray(detections.positions, dtype=np.float64),
+        confidence=np.ascontiguousarray(detections.confidence, dtype=np.float64),
+        human=np.ascontiguousarray(detections.human, dtype=np.bool_),
+    )
 
 
 def _as_people(tracks: Tracks, time_s: float) -> People:
     """Return copies of what is known of the people at `time_s`."""
-    people, legs = tracks.people[: tracks.count[PEOPLE]], tracks.legs[: tracks.count[LEGS]]
+    people, legs = tracks.people[: tracks.counts[PEOPLE]], tracks.legs[: tracks.counts[LEGS]]
     rows, owner = leg_kernels.seen_now(legs, len(people))
     return People(
         time_s=time_s,

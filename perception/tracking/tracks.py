@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from .local_grid import CELL, SIDE
 
 LEGS, PEOPLE, LOST, NEXT_ID = range(4)
-"""Columns of `Tracks.count`."""
+"""Columns of `Tracks.counts`."""
 
 LEG = np.dtype(
     [
@@ -47,13 +47,13 @@ class Tracks(NamedTuple):
     """What w trackers know; `tracks_of` has one of them, without the first axis, as kernels take it.
 
     Attributes:
-        legs: (w, room) of `LEG`. Rows 2 i and 2 i + 1 are the legs of person i; those after them are tentative, nobody's
-            yet.
+        legs: (w, room) of `LEG`. Rows 2 i and 2 i + 1 are the legs of person i; those after them are tentative,
+            nobody's yet.
         apart: (w, room, room, 2) running mean of the vector between two leg tracks [m]. The legs of one person swing
             past each other, so their mean is a step's width; legs of two people side by side keep their distance.
         people: (w, room) of `PERSON`, confirmed.
         lost: (w, room) of `PERSON`, whose track has ended, to be re-identified.
-        count: (w, 4) how many `LEGS`, `PEOPLE` and `LOST` there are, and the next person's number.
+        counts: (w, 4) how many `LEGS`, `PEOPLE` and `LOST` there are, and the next person's number.
         cells: (w, SIDE * SIDE) of `CELL`, see `LocalGrid`.
     """
 
@@ -61,7 +61,7 @@ class Tracks(NamedTuple):
     apart: NDArray[np.float64]
     people: NDArray[Any]
     lost: NDArray[Any]
-    count: NDArray[np.int64]
+    counts: NDArray[np.int64]
     cells: NDArray[Any]
 
 
@@ -76,14 +76,14 @@ def no_tracks(trackers: int, room: int = ROOM) -> Tracks:
         apart=np.zeros((trackers, room, room, 2)),
         people=np.zeros((trackers, room), PERSON),
         lost=np.zeros((trackers, room), PERSON),
-        count=np.zeros((trackers, 4), np.int64),
+        counts=np.zeros((trackers, 4), np.int64),
         cells=np.zeros((trackers, SIDE * SIDE), CELL),
     )
 
 
 def with_room(tracks: Tracks, room: int) -> Tracks:
     """Return the same with more room."""
-    grown = no_tracks(len(tracks.count), room)._replace(count=tracks.count, cells=tracks.cells)
+    grown = no_tracks(len(tracks.counts), room)._replace(counts=tracks.counts, cells=tracks.cells)
     before = tracks.legs.shape[1]
     grown.apart[:, :before, :before] = tracks.apart
     for new, old in ((grown.legs, tracks.legs), (grown.people, tracks.people), (grown.lost, tracks.lost)):
@@ -95,21 +95,21 @@ def with_room(tracks: Tracks, room: int) -> Tracks:
 def tracks_of(tracks, w):
     """Return what tracker w knows."""
     return Tracks(
-        tracks.legs[w], tracks.apart[w], tracks.people[w], tracks.lost[w], tracks.count[w], tracks.cells[w]
+        tracks.legs[w], tracks.apart[w], tracks.people[w], tracks.lost[w], tracks.counts[w], tracks.cells[w]
     )  # fmt: skip
 
 
 @njit(cache=True, nogil=True)
 def has_room(tracks, detections):
     """Return whether there is room for the tracks of one more scan with so many `detections`."""
-    legs, lost, room = tracks.count[LEGS], tracks.count[LOST], len(tracks.legs)
-    return legs + detections + 3 <= room and lost + tracks.count[PEOPLE] <= room  # a leg alone has a hidden one beside
+    legs, lost, room = tracks.counts[LEGS], tracks.counts[LOST], len(tracks.legs)
+    return legs + detections + 3 <= room and lost + tracks.counts[PEOPLE] <= room  # a leg alone has a hidden one beside
 
 
 @njit(cache=True, nogil=True)
 def forget(tracks):
     """Let one tracker know nothing."""
-    tracks.count[:] = 0
+    tracks.counts[:] = 0
     for i in range(len(tracks.cells)):
         tracks.cells[i].evidence = 0.0
 
@@ -117,7 +117,7 @@ def forget(tracks):
 @njit(cache=True, nogil=True)
 def take(tracks, order):
     """Keep the leg tracks `order` (k,), in that order."""
-    count = tracks.count[LEGS]
+    count = tracks.counts[LEGS]
     same = len(order) == count
     for i in range(len(order)):
         same = same and order[i] == i
@@ -129,13 +129,13 @@ def take(tracks, order):
         for j in range(len(order)):
             for k in range(2):
                 tracks.apart[i, j, k] = apart[order[i], order[j], k]
-    tracks.count[LEGS] = len(order)
+    tracks.counts[LEGS] = len(order)
 
 
 @njit(cache=True, nogil=True)
 def begin(tracks, z, d, variance):
     """Begin tentative leg tracks at `z` (k, 2) with zero velocity (eq. 5) and the detections' confidence `d` (k,)."""
-    before, count = tracks.count[LEGS], tracks.count[LEGS] + len(z)
+    before, count = tracks.counts[LEGS], tracks.counts[LEGS] + len(z)
     legs = tracks.legs
     x, p = legs["x"], legs["p"]
     for i in range(before, count):
@@ -149,7 +149,7 @@ def begin(tracks, z, d, variance):
         for j in range(before if i < before else 0, count):
             for k in range(2):
                 tracks.apart[i, j, k] = x[i, k] - x[j, k]
-    tracks.count[LEGS] = count
+    tracks.counts[LEGS] = count
 
 
 @njit(cache=True, nogil=True)
@@ -160,12 +160,12 @@ def keep_lost(tracks, kept):
         if kept[i]:
             tracks.lost[count] = tracks.lost[i]
             count += 1
-    tracks.count[LOST] = count
+    tracks.counts[LOST] = count
 
 
 @njit(cache=True, nogil=True)
 def count_owned(tracks, dt):
     """Add `dt` seconds to the time that each leg has been its person's; tentative tracks have none."""
-    owned, people = tracks.legs["owned_s"], tracks.count[PEOPLE]
-    for i in range(tracks.count[LEGS]):
+    owned, people = tracks.legs["owned_s"], tracks.counts[PEOPLE]
+    for i in range(tracks.counts[LEGS]):
         owned[i] = owned[i] + dt if i < 2 * people else 0.0
