@@ -3,7 +3,6 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ...perception.leader import body_kernels
@@ -16,6 +15,7 @@ from ...perception.tracking import following, leg_kernels
 from ...perception.tracking.numbers import Numbers
 from ...perception.tracking.tracks import LEGS, PEOPLE, Tracks, forget, has_room, tracks_of
 from ...slam.geometry import composed
+from ...slam.view_kernel import inner_kernel, kernel
 from .entries import leader_entry, people_entry
 from .episodes import REST, STEP
 from .leading import Known
@@ -72,7 +72,7 @@ class Read(NamedTuple):
     track: NDArray[np.int64]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def track_worlds(worlds, what, rules, minds, swept):
     """Track people in the sweeps of the `worlds` (first, end) that did `what` (w,), and ask who leads."""
     for w in range(worlds[0], worlds[1]):
@@ -96,7 +96,7 @@ def track_worlds(worlds, what, rules, minds, swept):
         body_kernels.meet(memory, company_of(tracks), pose, time_s, rules.selector)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def look_worlds(worlds, what, rules, minds, swept):
     """Let the clouds of the worlds in doubt see the scan."""
     for w in range(worlds[0], worlds[1]):
@@ -110,7 +110,7 @@ def look_worlds(worlds, what, rules, minds, swept):
             minds.draw[w] = 0.0
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def decide_worlds(worlds, what, rules, minds, swept, read):
     """Say who leads in the worlds, and tell of it."""
     for w in range(worlds[0], worlds[1]):
@@ -121,14 +121,14 @@ def decide_worlds(worlds, what, rules, minds, swept, read):
         _tell(w, memory, company, swept.odometry[w], read)
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def lidar_at(pose, mount):
     """Return (3,) T_odom_lidar of a laser at `mount` (3,) on a robot at `pose` (3,)."""
     x, y, theta = composed(pose[0], pose[1], pose[2], mount[0], mount[1], mount[2])
     return np.array((x, y, theta))
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def company_of(tracks):
     """Return who is tracked now."""
     people, legs = tracks.people[: tracks.counts[PEOPLE]], tracks.legs[: tracks.counts[LEGS]]
@@ -139,7 +139,7 @@ def company_of(tracks):
     )  # fmt: skip
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def _tell(w, memory, company, odometry, read):
     """Write what is told of world w."""
     one, count = memory.leader[0], len(company.ids)

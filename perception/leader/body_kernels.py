@@ -6,8 +6,8 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from ...slam.view_kernel import inner_kernel, kernel
 from ..tracking.track_kernels import distance
 from . import cloud, cloud_kernels
 from .body_memory import CHOSEN, CLOUD, FRESH, NOBODY, SETTLED
@@ -58,7 +58,7 @@ class BodyNumbers(NamedTuple):
     duplicate_distance: float
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def meet(memory, company, robot, time_s, c):
     """Take who is in `company` at `time_s`, seen from `robot` (2,); return what doubt is left of who leads."""
     one = memory.leader[0]
@@ -86,7 +86,7 @@ def meet(memory, company, robot, time_s, c):
     return one.doubt
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def _carry(one, company, i):
     """Let person i of the company be the leader."""
     one.own = one.track_id = company.ids[i]
@@ -96,7 +96,7 @@ def _carry(one, company, i):
     one.confidence = company.confidence[i]
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def _is_alone(memory, company, own, alone):
     """Return whether person `own` is seen, with nobody and nobody's legs nearer than `alone` [m]."""
     if own < 0 or company.unseen_s[own] > 0.0:
@@ -115,12 +115,12 @@ def _is_alone(memory, company, own, alone):
     return True
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def _within(x, y, u, v, reach):
     return (x - u) * (x - u) + (y - v) * (y - v) <= reach**2
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def look(memory, company, view, first, pushes, c):
     """Let the cloud see the scan; return whether its bodies are to be drawn anew.
 
@@ -152,7 +152,7 @@ def look(memory, company, view, first, pushes, c):
     return cloud.weigh_cloud(bodies, weights, places[:legs], count[:legs], view, c)
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def _free(memory, company, c):
     """Write how likely each of the legs is the leader's, by who else explains it."""
     one, legs = memory.leader[0], company.places
@@ -166,7 +166,7 @@ def _free(memory, company, c):
         memory.free[j] = explained[j] / (explained[j] + claim[j])
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def _claim(memory, company, claim, c):
     """Write into `claim` (k,) what right others have to the legs."""
     one, legs, owner = memory.leader[0], company.places, company.owner
@@ -187,7 +187,7 @@ def _claim(memory, company, claim, c):
             claim[j] = _nearest(legs[j, 0], legs[j, 1], memory.others[: one.others]) < c.known_again
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def _met_s(memory, number):
     """Return when the one of that `number` was first seen [s]."""
     one = memory.leader[0]
@@ -197,7 +197,7 @@ def _met_s(memory, number):
     return np.inf
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def _nearest(x, y, places):
     """Return how far the nearest of `places` (n, 2) is from (x, y) [m]."""
     least = np.inf
@@ -206,7 +206,7 @@ def _nearest(x, y, places):
     return least
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def decide(memory, company, draw, c):
     """Say who leads, and remember what the next scan asks for.
 
@@ -231,7 +231,7 @@ def decide(memory, company, draw, c):
             memory.before[i].x[k] = company.x[i, k]
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def _decide(memory, company, c):
     """Let the cloud say who leads: the one that most of it is at."""
     one, bodies, weights, own = memory.leader[0], memory.bodies, memory.weights, memory.leader[0].row
@@ -254,7 +254,7 @@ def _decide(memory, company, c):
         _lose(memory, company, c)
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def _lose(memory, company, c):
     """Let the leader be where the cloud is: seen, if the cloud has gathered around legs that are nobody's."""
     one, mean, gathered = memory.leader[0], cloud.mean_of(memory.bodies, memory.weights), False
@@ -268,7 +268,7 @@ def _lose(memory, company, c):
     one.confidence, one.unseen_s = (c.loose_confidence, 0.0) if gathered else (0.0, one.unseen_s + one.dt)
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def _keep_others(memory, company, c):
     """Keep the places of legs that are nobody's and not the leader's, while it is in view; follow them later."""
     one, legs, owner = memory.leader[0], company.places, company.owner
@@ -292,7 +292,7 @@ def _keep_others(memory, company, c):
     one.others = count
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def _collect(memory, places, count):
     """Write `places` (n, 2) behind the first `count` others; return how many there are."""
     for i in range(len(places)):
@@ -300,7 +300,7 @@ def _collect(memory, places, count):
     return count + len(places)
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def _note_people(memory, company, c):
     """Note when each was first seen, and for how long at the leader's own place.
 

@@ -3,9 +3,9 @@
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ...slam.view_kernel import kernel
 from .duplicate_tracks import ACQUAINTANCE
 from .legs_of_others import FOLLOWED
 
@@ -110,7 +110,7 @@ def with_more_room(memory: BodyMemory) -> BodyMemory:
     return grown
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def memory_of(memory, w):
     """Return what selector w remembers."""
     return BodyMemory(
@@ -119,7 +119,7 @@ def memory_of(memory, w):
     )  # fmt: skip
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def forget_leader(memory):
     """Let one selector know nobody."""
     one = memory.leader[0]
@@ -129,7 +129,7 @@ def forget_leader(memory):
     one.people = one.others = one.followed = one.now = one.met = 0
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def can_hold(memory, people, legs):
     """Return whether there is room for so many `people` and `legs` of one more scan."""
     one, room = memory.leader[0], len(memory.free)

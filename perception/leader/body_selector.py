@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from ...slam.bounds import Endless, check_numbers, check_positive
 from ...slam.errors import InputError
 from ...slam.scan import LaserScan
+from ...slam.view_kernel import as_record
 from ..tracking.people import People
 from . import body_kernels as kernels
 from .body_memory import CLOUD, FRESH, Company, can_hold, memory_of, nothing_remembered, with_more_room
@@ -139,7 +140,7 @@ def body_numbers(body: BodyConfig, leader: LeaderConfig) -> kernels.BodyNumbers:
     """Return the numbers of a selector as kernels take them."""
     named: dict[str, Any] = {**vars(leader), "onset_patience_s": leader.patience_s, **vars(body)}
     named |= {f"cloud_{name}": value for name, value in vars(body.cloud).items()}
-    return kernels.BodyNumbers(**{name: float(named[name]) for name in kernels.BodyNumbers._fields})
+    return as_record(kernels.BodyNumbers(**{name: float(named[name]) for name in kernels.BodyNumbers._fields}))
 
 
 def cloud_draws(rng: np.random.Generator, bodies: int, doubt: int) -> tuple[Array, Array]:

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from ...slam.bounds import Within, check_numbers, check_positive
 from ...slam.errors import InputError
 from ...slam.geometry import compose
 from ...slam.scan import LaserScan
+from ...slam.view_kernel import kernel
 from ..legs.detector import beams_of
 from . import cloud_kernels as kernels
 
@@ -81,7 +81,7 @@ def seen_in(scan: LaserScan, robot_pose: ArrayLike) -> LeaderView:
     return view_of(scan.ranges, beams_of(scan), np.asarray(compose(robot_pose, scan.T_robot_lidar)))
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def view_of(ranges, beams, lidar):
     """Return the view of `ranges` (N,) along `beams` from `lidar` (3,), T_odom_lidar."""
     far = np.zeros(len(ranges))
@@ -92,7 +92,7 @@ def view_of(ranges, beams, lidar):
     return LeaderView(far, beams.bearings[0], step, lidar)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def begin_cloud(bodies, weights, x, draws, c):
     """Spread `bodies` (n, 4) around the state `x` (4,) by standard normal `draws` (n, 4)."""
     for i in range(len(bodies)):
@@ -102,7 +102,7 @@ def begin_cloud(bodies, weights, x, draws, c):
     weights[:] = 1.0 / len(bodies)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def advance_cloud(bodies, weights, draws, dt, view, c):
     """Let the bodies walk for `dt` [s] by standard normal `draws` (n, 2), and not through what the laser sees."""
     pushes, calm = c.cloud_push * np.sqrt(dt) * draws, np.exp(-dt / c.cloud_calm_s)
@@ -112,7 +112,7 @@ def advance_cloud(bodies, weights, draws, dt, view, c):
     weights /= weights.sum()
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def weigh_cloud(bodies, weights, legs, count, view, c):
     """Weigh the bodies by `legs` (k, 2), each counting `count` (k,), and by the view; return whether too few count."""
     unseen = np.array((c.cloud_hidden, c.cloud_empty, c.cloud_instead))
@@ -124,7 +124,7 @@ def weigh_cloud(bodies, weights, legs, count, view, c):
     return 1.0 / (weights * weights).sum() < c.cloud_resample * len(weights)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def draw_anew(bodies, weights, draw):
     """Draw the bodies by their weights, at equal steps of the sum from `draw` in [0, 1) on (Kitagawa 1996)."""
     before, count = bodies.copy(), len(bodies)
@@ -137,7 +137,7 @@ def draw_anew(bodies, weights, draw):
     weights[:] = 1.0 / count
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def mean_of(bodies, weights):
     """Return (4,) the mean of the bodies."""
     mean = np.zeros(4)
@@ -147,7 +147,7 @@ def mean_of(bodies, weights):
     return mean
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def spread_of(bodies, weights):
     """Return the root mean square distance of the bodies from their mean place [m]."""
     mean, total = mean_of(bodies, weights), 0.0

@@ -1,9 +1,9 @@
 """Duplicate tracks: one person tracked twice, since each of its legs can have started a person."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ...slam.view_kernel import kernel
 from ..tracking.people import People
 
 ACQUAINTANCE = np.dtype(
@@ -50,7 +50,7 @@ class DuplicateTracks:
         return np.array(near_s) > self._time_s if near_s else np.zeros(0, dtype=bool)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def met_by(met, count, number):
     """Make the one of that `number` the last of the first `count` of `met`, as somebody new if need be; how many now.
 
@@ -67,7 +67,7 @@ def met_by(met, count, number):
     return count + 1
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def note_nearness(met, count, away, distance, separation, dt):
     """Note of the last of `met` that it was so far `away` from the leader for `dt` [s]."""
     if away < distance:
@@ -76,7 +76,7 @@ def note_nearness(met, count, away, distance, separation, dt):
         met[count - 1].near_s = 0.0
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def nearness(met, count, number):
     """Return for how long the one of that `number` was at the leader's own place [s]."""
     for row in range(count - 1, -1, -1):

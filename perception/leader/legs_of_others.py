@@ -6,8 +6,8 @@ where it is.
 """
 
 import numpy as np
-from numba import njit
 
+from ...slam.view_kernel import inner_kernel, kernel
 from ..tracking.track_kernels import distance
 
 STEP_M = 0.25
@@ -29,7 +29,7 @@ FOLLOWED = np.dtype(
 )
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def follow_legs(memory, legs, dt):
     """Take the `legs` (k, 2) of a scan, `dt` [s] after the last one, in the odometry frame."""
     one = memory.leader[0]
@@ -51,7 +51,7 @@ def follow_legs(memory, legs, dt):
     one.followed, one.now = count, len(legs)
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def _is_gone(followed, legs):
     """Return whether none of `legs` (k, 2) can be the one that is `followed`."""
     for j in range(len(legs)):
@@ -60,7 +60,7 @@ def _is_gone(followed, legs):
     return True
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def others_among(memory, own, explained, dt):
     """Return (k,) which of the last legs are somebody else's.
 
@@ -81,7 +81,7 @@ def others_among(memory, own, explained, dt):
     return others
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def observe_apart(memory, apart):
     """Take which of the last legs, (k,), are nobody's and apart from a leader in view."""
     scans = memory.followed["apart"]

@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ...slam.bounds import check_numbers, check_positive
+from ...slam.view_kernel import kernel
 from ..tracking.people import People
 from .estimate import LeaderEstimate, as_leader
 
@@ -73,7 +73,7 @@ class LeaderOnset:
         return None if nearest < 0 else as_leader(people, nearest, int(people.ids[nearest]))
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def choice(apart, time_s, chosen, chosen_s, waiting_s, onset_s, near, far, patience_s):
     """Return who of people at distances `apart` (n,) is chosen in a scan at `time_s`, and the next two as they are now.
 

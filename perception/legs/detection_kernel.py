@@ -3,11 +3,11 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ...slam.rigid_kernel import moved_points
 from ...slam.scan_kernel import returns
+from ...slam.view_kernel import kernel
 from .centres_kernel import leg_centres_of
 from .clusters import split_by_distance
 from .forest_kernel import vote
@@ -69,7 +69,7 @@ class Found(NamedTuple):
     human: NDArray[np.bool_]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def find_legs(ranges, beams, splitting, forest) -> Found:
     """Return the clusters in `ranges` (N,) along `beams`, split by `splitting` and judged by `forest`."""
     points, numbers = returns(ranges, beams.directions, beams.range_min, beams.range_max)
@@ -79,7 +79,7 @@ def find_legs(ranges, beams, splitting, forest) -> Found:
     return Found(points, numbers, start, end, positions, confidence, confidence >= splitting.gamma)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def leg_confidence(points, ranges, bearings, start, end, spacing, forest):
     """Return (m,) in [0, 1] how much each cluster looks like a leg; 0 for clusters too wide for one.
 
@@ -101,7 +101,7 @@ def leg_confidence(points, ranges, bearings, start, end, spacing, forest):
     return confidence
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def are_wide(points, start, end):
     """Return (m,) whether the ends of a cluster are farther apart than `WIDEST_LEG`: walls, nobody classifies them."""
     wide = np.empty(len(start), np.bool_)
@@ -111,7 +111,7 @@ def are_wide(points, start, end):
     return wide
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def described(points, ranges, bearings, start, end, spacing):
     """Return (m, F) features of the clusters, as `leg_confidence` takes them; NaN where they are wide."""
     features = np.full((len(start), SHAPE_COUNT + SURROUNDINGS_COUNT), np.nan, np.float32)

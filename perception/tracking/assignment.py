@@ -3,10 +3,11 @@ rectangular assignment algorithms", IEEE TAES 52(4), 2016), in the order of scip
 """
 
 import numpy as np
-from numba import njit
+
+from ...slam.view_kernel import inner_kernel, kernel
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def near_pairs(cost, limit):
     """Return the rows and the columns of `cost` (n, m) with an entry below the row's `limit` (n,), and whether alone.
 
@@ -35,7 +36,7 @@ def near_pairs(cost, limit):
     return rows, np.flatnonzero(wanted), False
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def _free_column(cost, row, u, v, path, row_of, shortest, rows_met, columns_met):
     """Walk from `row` along the cheapest ways to a column that is nobody's; return it and what the way costs."""
     count = cost.shape[1]
@@ -61,7 +62,7 @@ def _free_column(cost, row, u, v, path, row_of, shortest, rows_met, columns_met)
         i = row_of[j]
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def _columns_of(cost):
     """Return (n,) the column of each row of finite `cost` (n, m), n <= m, at the least total."""
     n, m = cost.shape
@@ -84,7 +85,7 @@ def _columns_of(cost):
     return column_of
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def assigned(cost, limit):
     """Return the pairs (rows, columns) of least total `cost` (n, m), where row i pays `limit` (n,) to stay unmatched.
 

@@ -78,7 +78,7 @@ class CameraTracking:
             own = own[np.sort(away)[:2] <= self._config.pairing.distance / 2.0]
             hidden = np.arange(count, count + 2 - len(own))
             places, sure = np.repeat(place[None], len(hidden), axis=0), np.full(len(hidden), seen.likelihood[k])
-            begin(tracks, places, sure, self._numbers.motion_initial_variance)
+            begin(tracks, places, sure, float(self._config.motion.initial_variance))
             confirm(tracks, np.concatenate((own, hidden))[None], self._numbers)
             last = tracks.people[: tracks.counts[PEOPLE]][-1:]
             last["x"][:, :2], last["confidence"], last["camera_s"] = place, seen.likelihood[k], 0.0

@@ -6,9 +6,9 @@ People are made of tentative leg tracks that moved as people do: of pairs of leg
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ...slam.view_kernel import inner_kernel
 from . import leg_kernels, track_kernels
 from .local_grid import are_free
 from .pairing import mutual_pairs
@@ -33,7 +33,7 @@ class Candidates(NamedTuple):
     sure: NDArray[np.bool_]
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def confirm_people(tracks, points, time_s, c):
     """Confirm people among the tentative tracks; the scan at `time_s` shows `points` (n, 2), odometry frame."""
     legs, owned = tracks.legs[: tracks.counts[LEGS]], 2 * tracks.counts[PEOPLE]
@@ -49,7 +49,7 @@ def confirm_people(tracks, points, time_s, c):
     _confirm_one_leg(tracks, points, time_s, c)
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def _confirm_pairs(tracks, among, points, time_s, c):
     """Confirm each pair that is leg-like (gamma) in the mean over time, stands on free cells, and belongs together.
 
@@ -74,7 +74,7 @@ def _confirm_pairs(tracks, among, points, time_s, c):
     confirm(tracks, pairs[free], c)
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def _moved_together(tracks, among, pairs, points, time_s, c):
     """Return (k,) whether both legs of each of `pairs` (k, 2) of the candidates moved `delta` in the mean.
 
@@ -101,7 +101,7 @@ def _moved_together(tracks, among, pairs, points, time_s, c):
     return together
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def _left_origin(tracks, rows, points, time_s, c):
     """Return (k,) whether none of the scan's `points` (n, 2), odometry frame, is where the leg tracks `rows` began.
 
@@ -124,7 +124,7 @@ def _left_origin(tracks, rows, points, time_s, c):
     return left
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def _confirm_one_leg(tracks, points, time_s, c):
     """Re-identify somebody of whom one leg is seen, or confirm a sure leg that moved for both.
 

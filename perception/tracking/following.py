@@ -5,9 +5,9 @@ human marks a local grid. What a camera adds comes between `follow` and `mark_th
 """
 
 import numpy as np
-from numba import njit
 
 from ...slam.rigid_kernel import moved_points
+from ...slam.view_kernel import inner_kernel, kernel
 from . import leg_kernels, person_tracks, track_kernels
 from .confirmation import confirm_people
 from .leg_association import associate
@@ -19,7 +19,7 @@ from .reidentification import lose, predict_lost
 from .tracks import LEGS, LOST, PEOPLE, begin, count_owned, take
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def follow(tracks, found, pose, lidar, time_s, dt, c):
     """Take the clusters `found` in one scan, taken `dt` seconds after the last from `pose` (3,), T_odom_robot.
 
@@ -41,7 +41,7 @@ def follow(tracks, found, pose, lidar, time_s, dt, c):
     return points, things
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def mark_things(tracks, found, points, things, pose, time_s, dt, c):
     """Mark the grid where the clusters `things` (m,) are, but never where a person, or what may become one, stands."""
     people, legs = tracks.people[: tracks.counts[PEOPLE]], tracks.legs[: tracks.counts[LEGS]]
@@ -51,7 +51,7 @@ def mark_things(tracks, found, points, things, pose, time_s, dt, c):
     mark(tracks.cells, kept, pose, c.grid_resolution, time_s, dt / c.grid_rise_s, c.grid_fade_s)
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def _predict(tracks, dt, c):
     """Move all tracks `dt` seconds ahead (eq. 4a, 4b)."""
     legs = tracks.legs[: tracks.counts[LEGS]]
@@ -60,7 +60,7 @@ def _predict(tracks, dt, c):
     predict_lost(tracks, dt, c)
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def _correct(tracks, match, z, d, found, places, time_s, dt, c):
     """Correct legs and people (eq. 4c to 4e, 6) with detections `z` (m, 2), `d` (m,) that `match` (n,) tracks."""
     legs, people = tracks.legs[: tracks.counts[LEGS]], tracks.people[: tracks.counts[PEOPLE]]
@@ -73,7 +73,7 @@ def _correct(tracks, match, z, d, found, places, time_s, dt, c):
     count_owned(tracks, dt)
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def _things(tracks, is_human, human, match, c):
     """Return (m,) which clusters are not human; `human` (k,) are those of which `is_human` (m,) says they are."""
     legs, owned = tracks.legs[: tracks.counts[LEGS]], 2 * tracks.counts[PEOPLE]
@@ -82,7 +82,7 @@ def _things(tracks, is_human, human, match, c):
     return things
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def _terminate(tracks, c):
     """End tracks whose place is too uncertain, or that nobody believes in; a person's legs live as long as the person.
 

@@ -1,14 +1,14 @@
 """Data association: which detection belongs to which leg track (Ye 2021, section II.A)."""
 
 import numpy as np
-from numba import njit
 
+from ...slam.view_kernel import inner_kernel, kernel
 from . import track_kernels
 from .assignment import assigned
 from .tracks import LEGS, PEOPLE, take
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def associate(tracks, z, c):
     """Return (n,) the detection of `z` (m, 2) that each leg track matches, or -1; tracks may change their order.
 
@@ -25,7 +25,7 @@ def associate(tracks, z, c):
     return _fill_missing_legs(tracks, match, z, c)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def gates_of(legs, c):
     """Return (n,) how far from each of `legs` a detection of it may be [m]: farther, the longer it was not seen."""
     unseen_s = legs["unseen_s"]
@@ -35,7 +35,7 @@ def gates_of(legs, c):
     return gates
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def _fill_missing_legs(tracks, match, z, c):
     """Give people with a missing leg the tentative tracks that could be it; the missing leg's own track ends."""
     owned = 2 * tracks.counts[PEOPLE]

@@ -1,14 +1,14 @@
 """Legs that were assigned to the wrong people, put right."""
 
 import numpy as np
-from numba import njit
 
+from ...slam.view_kernel import inner_kernel, kernel
 from .pairing import better_pairs
 from .track_kernels import any_wide, length
 from .tracks import LEGS, PEOPLE, count_owned, take
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def exchange(tracks, match, c):
     """Exchange legs between people, and with tentative tracks, where that makes pairs narrower over a stride.
 
@@ -42,7 +42,7 @@ def exchange(tracks, match, c):
     return match[order]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def spread_of(tracks):
     """Return (n, n) lengths of `apart` [m]."""
     count = tracks.counts[LEGS]

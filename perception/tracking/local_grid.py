@@ -8,8 +8,9 @@ number it stands for, so the robot may drive on for ever.
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from ...slam.view_kernel import kernel
 
 Array = NDArray[np.float64]
 
@@ -44,7 +45,7 @@ class LocalGrid:
         return are_free(self._cells, points, self._resolution, time_s, self._fade_s)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def mark(cells: Any, points: Any, centre: Any, resolution: float, now: float, rise: float, fade_s: float) -> None:
     """Let the evidence of the `cells` under `points` (k, 2) `rise`, see `LocalGrid.mark`."""
     reach = (SIDE // 2 - 2) * resolution
@@ -68,7 +69,7 @@ def mark(cells: Any, points: Any, centre: Any, resolution: float, now: float, ri
         cell.time_s = now
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def are_free(cells: Any, points: Any, resolution: float, now: float, fade_s: float) -> Any:
     """Return (n,) whether the cells of `points` (n, 2) and the eight around each are free, see `LocalGrid.is_free`."""
     free = np.ones(len(points), np.bool_)

@@ -1,8 +1,8 @@
 """Both legs of a person seen as one cluster, which no forest of legs believes in."""
 
 import numpy as np
-from numba import njit
 
+from ...slam.view_kernel import inner_kernel
 from .assignment import assigned
 from .leg_kernels import since_leg
 from .local_grid import are_free
@@ -10,7 +10,7 @@ from .track_kernels import distances
 from .tracks import LEGS, PEOPLE
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def see_merged_legs(tracks, seen, centre, confidence, found, places, time_s, c):
     """Find people of whom no leg was seen in clusters wider than a leg.
 
@@ -41,7 +41,7 @@ def see_merged_legs(tracks, seen, centre, confidence, found, places, time_s, c):
         centre[person, 0], centre[person, 1] = places[cluster, 0], places[cluster, 1]
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def _wide(found, c):
     """Return (k,) the clusters that are no leg, and as wide as two."""
     points, start, end = found.points, found.start, found.end

@@ -2,8 +2,7 @@
 
 from typing import NamedTuple
 
-from numba import njit
-
+from ...slam.view_kernel import as_record, inner_kernel
 from .config import TrackerConfig
 
 
@@ -59,16 +58,16 @@ _NODES = "motion", "gating", "pairing", "merged_legs", "confirmation", "terminat
 def numbers_of(config: TrackerConfig) -> Numbers:
     """Return the numbers of `config`."""
     named = {f"{node}_{name}": value for node in _NODES for name, value in vars(getattr(config, node)).items()}
-    return Numbers(**{name: float(named[name]) for name in Numbers._fields})
+    return as_record(Numbers(**{name: float(named[name]) for name in Numbers._fields}))
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def process_variance(c, dt):
     """Return the diagonal of Q for `dt` seconds, as `MotionConfig.process_variance`."""
     return c.motion_q * dt * c.motion_reference_rate_hz
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def confidence_weight(c, dt):
     """Return the gain of eq. 6 for `dt` seconds, as `MotionConfig.confidence_weight`."""
     return 1.0 - (1.0 - c.motion_confidence_gain) ** (dt * c.motion_reference_rate_hz)

@@ -3,9 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ...slam.view_kernel import inner_kernel, kernel
 from . import track_kernels as kernels
 from .numbers import confidence_weight, process_variance
 from .reidentification import number
@@ -28,7 +28,7 @@ class Sightings(NamedTuple):
     confidence: NDArray[np.float64]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def predict_people(people, dt, c):
     """Move `people` (n,) `dt` seconds ahead; what is believed of their legs' offsets fades."""
     camera_s, offset, fade = people["camera_s"], people["offset"], np.exp(-dt / c.pairing_offset_s)
@@ -39,7 +39,7 @@ def predict_people(people, dt, c):
     kernels.predict(people["x"], people["p"], people["age_s"], people["unseen_s"], dt, process_variance(c, dt))
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def measure(people, match, z, d):
     """Return what detections `z` (m, 2) of confidence `d` (m,) say; `match` (2 n,) is each leg's detection or -1.
 
@@ -55,7 +55,7 @@ def measure(people, match, z, d):
     return sightings
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def correct_people(people, sightings, dt, c):
     """Correct `people` (n,) with what was seen of them; the others stay predicted."""
     variance = np.full(len(people), c.motion_r)
@@ -64,7 +64,7 @@ def correct_people(people, sightings, dt, c):
     kernels.correct_people(people, seen, centre, confidence, variance, confidence_weight(c, dt))
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def confirm(tracks, pairs, c):
     """Make people of the pairs of tentative tracks `pairs` (k, 2), under their old number where they have one."""
     if len(pairs) == 0:
@@ -81,7 +81,7 @@ def confirm(tracks, pairs, c):
     take(tracks, np.concatenate((np.arange(2 * before), pairs.copy().ravel(), np.flatnonzero(loose))))
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def _begin(people, i, legs, a, b):
     """Make person i, not yet numbered, of the leg tracks a and b."""
     for k in range(4):

@@ -5,8 +5,8 @@ but no farther than the configured distance, and was not yet there when the old 
 """
 
 import numpy as np
-from numba import njit
 
+from ...slam.view_kernel import inner_kernel, kernel
 from .assignment import assigned
 from .leg_kernels import since_leg
 from .numbers import process_variance
@@ -14,7 +14,7 @@ from .track_kernels import distance
 from .tracks import LEGS, LOST, NEXT_ID, PEOPLE, keep_lost
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def predict_lost(tracks, dt, c):
     """Move the lost `dt` seconds ahead; drop those unseen for too long."""
     count = tracks.counts[LOST]
@@ -33,7 +33,7 @@ def predict_lost(tracks, dt, c):
     keep_lost(tracks, unseen_s <= c.reidentification_max_age_s)
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def lose(tracks, alive, c):
     """Let the people who are not `alive` (n,) end, and be lost, but for those who were hardly known."""
     kept, lost = 0, tracks.counts[LOST]
@@ -47,7 +47,7 @@ def lose(tracks, alive, c):
     tracks.counts[PEOPLE], tracks.counts[LOST] = kept, lost
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def _farness(person, x, y, age_s, c):
     """Return how far (x, y) is from the `person` [m]; inf where who has been there for `age_s` cannot be that one."""
     away = distance(x, y, person.x[0], person.x[1])
@@ -57,7 +57,7 @@ def _farness(person, x, y, age_s, c):
     return away
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def may_be_legs(tracks, rows, c):
     """Return (k,) whether the leg tracks `rows` (k,) stand where somebody who is lost must be by now."""
     x, age_s = tracks.legs["x"], tracks.legs["age_s"]
@@ -71,7 +71,7 @@ def may_be_legs(tracks, rows, c):
     return may
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def number(tracks, fresh, c):
     """Number the `fresh` people (k,): their old number where they are re-identified, else a new one.
 
@@ -101,7 +101,7 @@ def number(tracks, fresh, c):
     _number_anew(tracks, people, numbers)
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def _number_anew(tracks, people, numbers):
     """Give new numbers to those of `people` whose number is now among `numbers` (k,), and where there is none (-1)."""
     for i in range(len(people)):

@@ -5,22 +5,23 @@ caches. Arrays are written in place; columns of `x` and `p` are those of kalman.
 """
 
 import numpy as np
-from numba import njit
+
+from ...slam.view_kernel import inner_kernel, kernel
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def length(x, y):
     """Return the length of the vector (x, y)."""
     return np.sqrt(x**2 + y**2)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def distance(x, y, u, v):
     """Return the distance between (x, y) and (u, v)."""
     return np.sqrt((x - u) * (x - u) + (y - v) * (y - v))
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def predict(x, p, age_s, unseen_s, dt, q):
     """Move states `x` (n, 4) and covariances `p` (n, 3) `dt` seconds ahead, and both clocks (n,)."""
     for i in range(len(x)):
@@ -34,7 +35,7 @@ def predict(x, p, age_s, unseen_s, dt, q):
         unseen_s[i] += dt
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def _correct_one(x, p, i, u, v, r):
     a, b, c = p[i, 0], p[i, 1], p[i, 2]
     k_position, k_velocity = a / (a + r), b / (a + r)
@@ -48,7 +49,7 @@ def _correct_one(x, p, i, u, v, r):
     p[i, 2] = c - k_velocity * b
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def correct_legs(legs, match, z, d, r, gain):
     """Correct leg tracks (n,) of `LEG` with detections `z` (m, 2), `d` (m,); `match` (n,) is a detection or -1."""
     x, p = legs["x"], legs["p"]
@@ -68,7 +69,7 @@ def correct_legs(legs, match, z, d, r, gain):
             high[i, k] = max(high[i, k], z[j, k])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def correct_people(people, seen, centre, confidence, variance, gain):
     """Correct `people` (n,) of `PERSON` where `seen`, at `centre` (n, 2) with `variance` (n,); eq. 6 for all."""
     x, p = people["x"], people["p"]
@@ -80,7 +81,7 @@ def correct_people(people, seen, centre, confidence, variance, gain):
             unseen_s[i] = 0.0
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def measure_people(offset, match, z, d, seen, one_leg, centre, confidence):
     """Write what `match` (n, 2) says of each person into the last four (n,), (n,), (n, 2), (n,); keep `offset`."""
     for i in range(len(match)):
@@ -101,7 +102,7 @@ def measure_people(offset, match, z, d, seen, one_leg, centre, confidence):
             confidence[i] = (d[first] + d[second]) / 2.0
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def leg_costs(legs, centres, z, reach, anchor_s, gates, cost):
     """Write into `cost` (n, m) how far detections `z` (m, 2) are from the leg tracks; inf beyond `gates` (n,).
 
@@ -121,7 +122,7 @@ def leg_costs(legs, centres, z, reach, anchor_s, gates, cost):
             cost[i, j] = np.inf if beyond else away
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def distances(here, there):
     """Return (n, m) Euclidean distances between positions (n, 2) and (m, 2)."""
     away = np.empty((len(here), len(there)))
@@ -131,7 +132,7 @@ def distances(here, there):
     return away
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def average_apart(x, age_s, apart, dt, stride_s):
     """Take the present vectors between tracks at `x` (n, 4) into their running means `apart` (n, n, 2)."""
     for i in range(len(x)):
@@ -142,7 +143,7 @@ def average_apart(x, age_s, apart, dt, stride_s):
                 apart[i, j, k] += weight * ((x[i, k] - x[j, k]) - apart[i, j, k])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def any_wide(apart, pairs, limit):
     """Return whether the mean vector between the tracks of any of `pairs` (n, 2) is longer than `limit`."""
     for i in range(len(pairs)):
@@ -152,7 +153,7 @@ def any_wide(apart, pairs, limit):
     return False
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def _humans_near(points, first, end, humans, zeta, near):
     """Write into `near` which of `humans` (h, 2) are no farther than `zeta` from the box of the points; how many."""
     low_x, low_y, high_x, high_y = np.inf, np.inf, -np.inf, -np.inf
@@ -168,7 +169,7 @@ def _humans_near(points, first, end, humans, zeta, near):
     return count
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def points_of_things(points, start, end, thing, humans, zeta):
     """Return (j, 2) those of `points` (k, 2) in the clusters `thing` (m,), farther than `zeta` from `humans` (h, 2)."""
     kept, near = np.empty_like(points), np.empty(len(humans), np.int64)
@@ -190,7 +191,7 @@ def points_of_things(points, start, end, thing, humans, zeta):
     return kept[:count]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def any_moved(legs, first, least, c_min, unseen_s):
     """Return whether any of `legs` from row `first` on, believed in and seen within `unseen_s`, moved `least` [m]."""
     low, high, confidence, unseen = legs["low"], legs["high"], legs["confidence"], legs["unseen_s"]
@@ -202,7 +203,7 @@ def any_moved(legs, first, least, c_min, unseen_s):
     return False
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def any_sure_walker(legs, first, least, sure, age_s):
     """Return whether any of `legs` from row `first` on, seen now and for `age_s`, is `sure` and moved `least` [m]."""
     low, high, confidence = legs["low"], legs["high"], legs["confidence"]
@@ -215,7 +216,7 @@ def any_sure_walker(legs, first, least, sure, age_s):
     return False
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def surviving(tracks, epsilon, c_min):
     """Return (n,) which of `tracks` are certain enough of their place and believed in."""
     p, confidence = tracks["p"], tracks["confidence"]
@@ -225,7 +226,7 @@ def surviving(tracks, epsilon, c_min):
     return lives
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def spread_among(apart, x, rows, farthest):
     """Return (k, k) lengths of the mean vectors `apart` (n, n, 2) between the tracks `rows` (k,) of states `x` (n, 4).
 

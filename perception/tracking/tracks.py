@@ -7,9 +7,9 @@ people in one call, for one tracker or for one after the other of a block.
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ...slam.view_kernel import inner_kernel, kernel
 from .local_grid import CELL, SIDE
 
 LEGS, PEOPLE, LOST, NEXT_ID = range(4)
@@ -91,7 +91,7 @@ def with_room(tracks: Tracks, room: int) -> Tracks:
     return grown
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def tracks_of(tracks, w):
     """Return what tracker w knows."""
     return Tracks(
@@ -99,14 +99,14 @@ def tracks_of(tracks, w):
     )  # fmt: skip
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def has_room(tracks, detections):
     """Return whether there is room for the tracks of one more scan with so many `detections`."""
     legs, lost, room = tracks.counts[LEGS], tracks.counts[LOST], len(tracks.legs)
     return legs + detections + 3 <= room and lost + tracks.counts[PEOPLE] <= room  # a leg alone has a hidden one beside
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def forget(tracks):
     """Let one tracker know nothing."""
     tracks.counts[:] = 0
@@ -114,7 +114,7 @@ def forget(tracks):
         tracks.cells[i].evidence = 0.0
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def take(tracks, order):
     """Keep the leg tracks `order` (k,), in that order."""
     count = tracks.counts[LEGS]
@@ -132,7 +132,7 @@ def take(tracks, order):
     tracks.counts[LEGS] = len(order)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def begin(tracks, z, d, variance):
     """Begin tentative leg tracks at `z` (k, 2) with zero velocity (eq. 5) and the detections' confidence `d` (k,)."""
     before, count = tracks.counts[LEGS], tracks.counts[LEGS] + len(z)
@@ -152,7 +152,7 @@ def begin(tracks, z, d, variance):
     tracks.counts[LEGS] = count
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def keep_lost(tracks, kept):
     """Keep those of the lost that are `kept` (n,)."""
     count = 0
@@ -163,7 +163,7 @@ def keep_lost(tracks, kept):
     tracks.counts[LOST] = count
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def count_owned(tracks, dt):
     """Add `dt` seconds to the time that each leg has been its person's; tentative tracks have none."""
     owned, people = tracks.legs["owned_s"], tracks.counts[PEOPLE]

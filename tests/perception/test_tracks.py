@@ -32,10 +32,10 @@ def person(offset=(0.1, 0.0)):
 
 
 def test_the_numbers_of_kernels_are_those_of_the_configuration():
-    assert NUMBERS.gating_gate_max == GATING.gate_max
-    assert NUMBERS.confirmation_unseen_s == CONFIG.confirmation.unseen_s
-    assert NUMBERS.reidentification_unseen_s == CONFIG.reidentification.unseen_s
-    assert all(isinstance(value, float) for value in NUMBERS)
+    assert NUMBERS["gating_gate_max"] == GATING.gate_max
+    assert NUMBERS["confirmation_unseen_s"] == CONFIG.confirmation.unseen_s
+    assert NUMBERS["reidentification_unseen_s"] == CONFIG.reidentification.unseen_s
+    assert all(NUMBERS.dtype[name] == np.float64 for name in NUMBERS.dtype.names)
 
 
 def test_a_track_has_moved_as_far_as_the_box_around_its_places_is_large():
