@@ -63,7 +63,7 @@ class Rules(NamedTuple):
         laser: Its laser.
         selecting: How it chooses its leader.
         modelled: Whether it knows people with the errors of a tracker; else by the truth.
-        tracked: Whether the real tracker tells it of people, outside of the kernels.
+        tracked: Whether the real tracker tells it of people, by kernels of its own.
         errors: These.
         force: (9,) `SocialForceConfig.as_array()`.
         top: (3,) body velocity at action 1, of forward, left, turn [m/s, m/s, rad/s].

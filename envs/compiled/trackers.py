@@ -14,7 +14,7 @@ from ..episode_setup import leader_draws
 from ..follow_config import FollowConfig
 from .episodes import REST, STEP
 from .state import Told, WorldsState
-from .tracking import Minds, Read, Rules, Swept, decide_worlds, look_worlds, track_worlds
+from .tracking import Knowledge, Read, Swept, TrackingRules, decide_worlds, look_worlds, track_worlds
 
 _DRAWS = 0x7AC8  # sets the draws of the leaders' clouds apart from those of episodes
 
@@ -25,15 +25,16 @@ class Trackers:
     Args:
         config: Of the environment; people are known by "tracker", nothing maps, there is no camera.
         worlds: How many.
+        room: Tracks, legs and people that each has room for at first; a crowded office has thirty.
     """
 
-    def __init__(self, config: FollowConfig, worlds: int) -> None:
+    def __init__(self, config: FollowConfig, worlds: int, room: int = 48) -> None:
         self._rules, self._count = _rules(config), config.perception.body.cloud.count
         self._rng = [np.random.default_rng(0)] * worlds
         clouds = np.zeros((worlds, self._count, 4)), np.zeros((worlds, self._count, 2))
-        memory = nothing_remembered(worlds, self._count)
+        memory = nothing_remembered(worlds, self._count, room, room)
         row = np.zeros(worlds)
-        self._minds = Minds(no_tracks(worlds), memory, row, np.zeros(worlds, bool), *clouds, row.copy())
+        self._minds = Knowledge(no_tracks(worlds, room), memory, row, np.zeros(worlds, bool), *clouds, row.copy())
 
     @property
     def memory(self) -> int:
@@ -72,7 +73,7 @@ class Trackers:
         return left
 
 
-def _rules(config: FollowConfig) -> Rules:
+def _rules(config: FollowConfig) -> TrackingRules:
     """Return the numbers of detector, tracker and selector."""
     lidar, perception = config.sensors.lidar, config.perception
     bearings = np.asarray(lidar.bearings, dtype=np.float64)
@@ -84,7 +85,7 @@ def _rules(config: FollowConfig) -> Rules:
         mount=np.array(lidar.mount, dtype=np.float64),
         spacing=float((bearings[-1] - bearings[0]) / max(len(bearings) - 1, 1)) or 1e-3,
     )
-    return Rules(
+    return TrackingRules(
         beams=beams,
         splitting=splitting(perception.detector, beams),
         forest=LegForest.load(perception.forest).packed,

@@ -23,7 +23,7 @@ from .leading import Known
 Array = NDArray[np.float64]
 
 
-class Rules(NamedTuple):
+class TrackingRules(NamedTuple):
     """What never changes: the laser, and the numbers of detector, tracker and selector."""
 
     beams: Beams
@@ -33,7 +33,7 @@ class Rules(NamedTuple):
     selector: BodyNumbers
 
 
-class Minds(NamedTuple):
+class Knowledge(NamedTuple):
     """What the trackers of w worlds know, and what is drawn for them.
 
     Attributes:

@@ -38,8 +38,8 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
     `gymnasium.make_vec("tagalong/Office-v0", num_envs=1024, vectorization_mode="vector_entry_point",
     simulator="compiled")`. Buildings, people, rewards and endings are those of `FollowEnv`; robot, contacts and laser
     are done anew, equal to MuJoCo's within a millimetre (tested). People are known by the truth (`people="truth"`, the
-    default here), with the errors of a tracker (`people="modelled"`), or by the real one (`people="tracker"`: Python
-    for each world, a tenth of the speed), and nothing maps (`slam=None`, likewise); there is no camera, no picture, no
+    default here), with the errors of a tracker (`people="modelled"`), or by the real one (`people="tracker"`, a
+    quarter of the speed), and nothing maps (`slam=None`, likewise); there is no camera, no picture, no
     `leader=False`, and no functions of one's own (`behaviours`, `reward.terms`, `observation.entries`). All else of
     `FollowConfig` and all options of `reset` are as there; what is not is refused.
 

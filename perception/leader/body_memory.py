@@ -80,11 +80,7 @@ class Company(NamedTuple):
     owner: NDArray[np.int64]
 
 
-ROOM = 64
-"""Legs and people that there is room for at first."""
-
-
-def nothing_remembered(selectors: int, bodies: int, room: int = ROOM, many: int = ROOM) -> BodyMemory:
+def nothing_remembered(selectors: int, bodies: int, room: int = 48, many: int = 48) -> BodyMemory:
     """Return the memory of selectors that know nobody, with clouds of so many `bodies`."""
     memory = BodyMemory(
         leader=np.zeros((selectors, 1), LEADER),

@@ -17,7 +17,7 @@ from .reidentification import may_be_legs
 from .tracks import LEGS, LOST, PEOPLE, take
 
 
-class Candidates(NamedTuple):
+class LoneLegs(NamedTuple):
     """Tentative leg tracks that may be legs of somebody.
 
     Attributes:
@@ -45,7 +45,7 @@ def confirm_people(tracks, points, time_s, c):
     if not (known | (moved >= delta / 2.0)).any():
         return
     sure = legs["confidence"][rows] >= c.confirmation_sure_confidence
-    _confirm_pairs(tracks, Candidates(rows, moved, known, sure), points, time_s, c)
+    _confirm_pairs(tracks, LoneLegs(rows, moved, known, sure), points, time_s, c)
     _confirm_one_leg(tracks, points, time_s, c)
 
 

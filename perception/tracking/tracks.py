@@ -65,12 +65,8 @@ class Tracks(NamedTuple):
     cells: NDArray[Any]
 
 
-ROOM = 48
-"""Leg tracks that there is room for at first: a crowded office has thirty."""
-
-
-def no_tracks(trackers: int, room: int = ROOM) -> Tracks:
-    """Return trackers that know nothing, with room for so many tracks each."""
+def no_tracks(trackers: int, room: int = 48) -> Tracks:
+    """Return trackers that know nothing, with room for so many tracks each; a crowded office has thirty."""
     return Tracks(
         legs=np.zeros((trackers, room), LEG),
         apart=np.zeros((trackers, room, room, 2)),

@@ -3,12 +3,10 @@
 import gymnasium as gym
 import numpy as np
 import pytest
-from tagalong.envs.compiled.trackers import _DRAWS
+from tagalong.envs.compiled.trackers import _DRAWS, Trackers
 from tagalong.envs.episode_setup import OnboardStackFactory
 from tagalong.envs.task.observation import leader_entry, people_entry
-from tagalong.perception.leader.body_memory import nothing_remembered
-from tagalong.perception.tracking.tracks import no_tracks
-from tagalong.slam.scan import LaserScan
+from tagalong.slam import LaserScan
 
 WORLDS = 4
 
@@ -72,11 +70,9 @@ def test_where_there_is_no_room_for_a_sweep_it_is_made_and_nothing_else_changes(
     told = []
     for little in (False, True):
         env = worlds(beams=360, workers=2)
-        trackers = env.unwrapped._trackers
         if little:
-            bodies = trackers._minds.memory.bodies.shape[1]
-            cramped = {"tracks": no_tracks(WORLDS, 2), "memory": nothing_remembered(WORLDS, bodies, 2, 2)}
-            trackers._minds = trackers._minds._replace(**cramped)
+            env.unwrapped._trackers = Trackers(env.unwrapped.config, WORLDS, room=2)
+        trackers = env.unwrapped._trackers
         observation, _ = env.reset(seed=9)
         told.append([])
         for _ in range(60):
