@@ -139,7 +139,7 @@ class OnboardStackFactory:
 
     def make(self, world: World, rng: np.random.Generator) -> OnboardStack:
         """Return a stack that knows nothing yet; its leader's cloud and its SLAM draw from streams of their own."""
-        leading = np.random.SeedSequence(int(rng.integers(2**31)))
+        leading = _leading(rng)
         mapping, erring = leading.spawn(2)
         drawing, sight = self._drawing(world), self._sight(world)
         mapper = self._mapper(world, mapping, drawing)
@@ -182,3 +182,12 @@ class OnboardStackFactory:
         if self._config.slam == BY_IMMOBILE_MAP and isinstance(drawing, ImmobileDrawing):
             return ImmobileMapLocalization(drawing.mapper)
         return SlamMapper(make_engine(self._config.slam, seed))
+
+
+def _leading(rng: np.random.Generator) -> np.random.SeedSequence:
+    return np.random.SeedSequence(int(rng.integers(2**31)))
+
+
+def leader_draws(rng: np.random.Generator) -> np.random.Generator:
+    """Return the generator of the leader's cloud in a stack that `OnboardStackFactory` makes with `rng`."""
+    return np.random.default_rng(_leading(rng))

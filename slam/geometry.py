@@ -7,6 +7,7 @@ coordinates in b to coordinates in a. All functions broadcast over leading axes 
 import math
 
 import numpy as np
+from numba.extending import register_jitable
 from numpy.typing import ArrayLike, NDArray
 
 from .rigid_kernel import move_points
@@ -22,6 +23,7 @@ def wrap_angle(angle: ArrayLike) -> Array:
     return np.where(wrapped >= np.pi, -np.pi, wrapped).astype(np.float64)
 
 
+@register_jitable
 def wrap_one(angle: float) -> float:
     """Return one `angle` [rad] wrapped to [-pi, pi), at a tenth of the cost of `wrap_angle`."""
     wrapped = (angle + math.pi) % (2.0 * math.pi) - math.pi
@@ -32,7 +34,7 @@ def compose(T_a_b: ArrayLike, T_b_c: ArrayLike) -> Array:
     """Return T_a_c, the pose of c in a. Shapes (..., 3) and (..., 3), broadcast."""
     outer, inner = _array(T_a_b), _array(T_b_c)
     if outer.ndim == 1 and inner.ndim == 1:  # one pose, the usual case: ten times faster without broadcasting
-        return np.array(_composed(*outer.tolist(), *inner.tolist()))
+        return np.array(composed(*outer.tolist(), *inner.tolist()))
     cos, sin = np.cos(outer[..., 2]), np.sin(outer[..., 2])
     return np.stack(
         np.broadcast_arrays(
@@ -64,7 +66,7 @@ def between(T_w_a: ArrayLike, T_w_b: ArrayLike) -> Array:
     """Return T_a_b, the pose of b seen from a, from both poses in a common frame. Shapes (..., 3), broadcast."""
     first, second = _array(T_w_a), _array(T_w_b)
     if first.ndim == 1 and second.ndim == 1:
-        return np.array(_composed(*_inverted(*first.tolist()), *second.tolist()))
+        return np.array(composed(*_inverted(*first.tolist()), *second.tolist()))
     return compose(inverse(first), second)
 
 
@@ -73,7 +75,9 @@ def _array(pose: ArrayLike) -> Array:
     return pose if isinstance(pose, np.ndarray) and pose.dtype == np.float64 else np.asarray(pose, dtype=np.float64)
 
 
-def _composed(x: float, y: float, theta: float, u: float, v: float, phi: float) -> tuple[float, float, float]:
+@register_jitable
+def composed(x: float, y: float, theta: float, u: float, v: float, phi: float) -> tuple[float, float, float]:
+    """Return the pose that `compose` returns for (x, y, theta) and (u, v, phi); kernels may call it."""
     cos, sin = math.cos(theta), math.sin(theta)
     return x + cos * u - sin * v, y + sin * u + cos * v, wrap_one(theta + phi)
 

@@ -17,3 +17,11 @@ def move_points(
         x, y = points[i, 0], points[i, 1]
         moved[i, 0] = tx + cos * x - sin * y
         moved[i, 1] = ty + sin * x + cos * y
+
+
+@njit(cache=True, nogil=True)
+def moved_points(pose: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return `points` (n, 2), given in the frame at `pose` (3,), in the frame of that pose."""
+    moved = np.empty(points.shape)
+    move_points(pose[0], pose[1], np.cos(pose[2]), np.sin(pose[2]), points, moved)
+    return moved

@@ -7,10 +7,11 @@ from ...slam.view_kernel import view_kernel
 from ..oracle import FARTHEST_M as KNOWN_M
 from ..people.posture import cut_shins
 from ..sensors.ray_kernel import measured
-from ..task.observation import FARTHEST_M, FASTEST_MPS, FASTEST_TURN
+from ..task.observation import FASTEST_MPS, FASTEST_TURN
 from ..tracker_errors import kernel
 from ..world.config import TICK
 from .beams import cast_ellipse, cast_rectangle, point_beams
+from .entries import leader_entry, people_entry
 from .leading import CHOSEN, TRUST, VISIBLE, Known, select
 from .moving import door_box
 from .plans import Plans
@@ -74,8 +75,8 @@ def _believe(
             state.duplicate[w, :rows],
         )  # fmt: skip
     told.track[w] = state.track[w]
-    _leader_entry(memory, estimate, odometry, told.leader[w])
-    _people_entry(state.track[w], odometry, known, told.people[w])
+    leader_entry(memory[CHOSEN] > 0.0, estimate, memory[TRUST], memory[VISIBLE], odometry, told.leader[w])
+    people_entry(state.track[w], odometry, known, told.people[w])
 
 
 @view_kernel
@@ -190,46 +191,6 @@ def _place(i: int, pose: Array, odometry: Array, x: float, y: float, vx: float, 
     known.apart[i] = np.sqrt(dx * dx + dy * dy)
     known.places[i, 0], known.places[i, 1] = odometry[0] + cos * dx - sin * dy, odometry[1] + sin * dx + cos * dy
     known.motions[i, 0], known.motions[i, 1] = cos * vx - sin * vy, sin * vx + cos * vy
-
-
-@view_kernel
-def _leader_entry(memory: Array, place: Array, odometry: Array, entry: Floats) -> None:
-    """Write the leader in the robot's frame; zeros before there is one."""
-    entry[:] = 0.0
-    if memory[CHOSEN] > 0.0:
-        _in_robot_frame(odometry, place[0], place[1], place[2], place[3], entry)
-        entry[4], entry[5] = memory[TRUST], memory[VISIBLE]
-
-
-@view_kernel
-def _in_robot_frame(odometry: Array, x: float, y: float, vx: float, vy: float, row: Floats) -> None:
-    """Write place and motion, given in the odometry frame, into the first four of an observation's row."""
-    cos, sin = np.cos(odometry[2]), np.sin(odometry[2])
-    dx, dy = x - odometry[0], y - odometry[1]
-    row[0] = min(max(cos * dx + sin * dy, -FARTHEST_M), FARTHEST_M)
-    row[1] = min(max(cos * dy - sin * dx, -FARTHEST_M), FARTHEST_M)
-    row[2] = min(max(cos * vx + sin * vy, -FASTEST_MPS), FASTEST_MPS)
-    row[3] = min(max(cos * vy - sin * vx, -FASTEST_MPS), FASTEST_MPS)
-
-
-@view_kernel
-def _people_entry(track: int, odometry: Array, known: Known, table: Floats) -> None:
-    """Write who does not lead, the nearest first; `known.who` is used up."""
-    table[:] = 0.0
-    who, apart = known.who, known.apart
-    if track >= 0:
-        who[track] = False
-    for row in range(len(table)):
-        nearest = -1
-        for i in range(len(who)):
-            if who[i] and (nearest < 0 or apart[i] < apart[nearest]):
-                nearest = i
-        if nearest < 0:
-            return
-        who[nearest] = False
-        place, motion = known.places[nearest], known.motions[nearest]
-        _in_robot_frame(odometry, place[0], place[1], motion[0], motion[1], table[row])
-        table[row, 4], table[row, 5] = known.trust[nearest], 1.0
 
 
 @view_kernel

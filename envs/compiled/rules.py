@@ -63,7 +63,7 @@ class Rules(NamedTuple):
         laser: Its laser.
         selecting: How it chooses its leader.
         modelled: Whether it knows people with the errors of a tracker; else by the truth.
-        tracked: Whether the real tracker tells it of people, outside of the kernels.
+        tracked: Whether the real tracker tells it of people, by kernels of its own.
         errors: These.
         force: (9,) `SocialForceConfig.as_array()`.
         top: (3,) body velocity at action 1, of forward, left, turn [m/s, m/s, rad/s].
@@ -132,6 +132,8 @@ def compiled_config(fields: Mapping[str, Any]) -> FollowConfig:
     sweeps = round(config.sensors.lidar.rate_hz / config.task.control_hz)
     if config.people.source == "tracker" and sweeps != 1:
         raise _unsupported("`people`", "tracker", f"with {sweeps} sweeps a step, for it takes one")
+    if config.people.source == "tracker" and config.perception.method != "leg pairs":
+        raise _unsupported("`perception.method`", config.perception.method, 'it must be "leg pairs"')
     world_config(config, None)
     return config
 

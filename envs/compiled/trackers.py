@@ -1,56 +1,94 @@
-"""The real onboard stack behind compiled worlds: leg detector, tracker and choice of the leader, world by world.
-
-The very classes of the single environment. They are Python between kernels: a scan takes ten times as long as all
-else of a step, and threads share little of it.
-"""
-
-from typing import Any, cast
+"""The real onboard stack behind compiled worlds: leg detector, tracker and choice of the leader, block by block."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...slam.scan import LaserScan
-from ..episode_setup import OnboardStackFactory
+from ...perception.leader.body_memory import CLOUD, nothing_remembered, with_more_room
+from ...perception.leader.body_selector import body_numbers, cloud_draws
+from ...perception.legs.detection_kernel import Beams
+from ...perception.legs.detector import splitting
+from ...perception.legs.forest import LegForest
+from ...perception.tracking.numbers import numbers_of
+from ...perception.tracking.tracks import no_tracks, with_room
+from ..episode_setup import leader_draws
 from ..follow_config import FollowConfig
-from ..onboard.stack import OnboardStack
-from ..task.observation import leader_entry, people_entry
 from .episodes import REST, STEP
 from .state import Told, WorldsState
+from .tracking import Knowledge, Read, Swept, TrackingRules, decide_worlds, look_worlds, track_worlds
 
 _DRAWS = 0x7AC8  # sets the draws of the leaders' clouds apart from those of episodes
 
 
 class Trackers:
-    """One onboard stack for each world, fresh in each episode.
+    """What each world's robot knows by its sweeps, by the kernels of the single environment.
 
     Args:
         config: Of the environment; people are known by "tracker", nothing maps, there is no camera.
         worlds: How many.
+        room: Tracks, legs and people that each has room for at first; a crowded office has thirty.
     """
 
-    def __init__(self, config: FollowConfig, worlds: int) -> None:
-        self._stacks = OnboardStackFactory(config)
-        self._lidar, self._slots = config.sensors.lidar, config.observation.people_slots
-        self._of: list[OnboardStack | None] = [None] * worlds
+    def __init__(self, config: FollowConfig, worlds: int, room: int = 48) -> None:
+        self._rules, self._count = _rules(config), config.perception.body.cloud.count
+        self._rng = [np.random.default_rng(0)] * worlds
+        clouds = np.zeros((worlds, self._count, 4)), np.zeros((worlds, self._count, 2))
+        memory = nothing_remembered(worlds, self._count, room, room)
+        row = np.zeros(worlds)
+        self._minds = Knowledge(no_tracks(worlds, room), memory, row, np.zeros(worlds, bool), *clouds, row.copy())
 
-    def update(self, what: NDArray[np.int8], state: WorldsState, told: Told) -> None:
-        """Let the robots of all worlds that did `what` (w,) read their sweeps; write what they know into `told`."""
-        for w in np.flatnonzero(what != REST).tolist():
-            stack = self._of[w]
-            if stack is None or what[w] != STEP:
-                stack = self._of[w] = self._fresh(int(state.seed[w]), int(state.episode[w]))
-            self._read(w, stack, state, told)
+    @property
+    def memory(self) -> int:
+        """Memory of what is known [bytes]."""
+        minds = self._minds
+        return sum(array.nbytes for array in (*minds.tracks, *minds.memory, *minds[2:]))
 
-    def _fresh(self, seed: int, episode: int) -> OnboardStack:
-        nothing_true = cast(Any, None)  # the stack asks the world for the truth only, which this one does without
-        return self._stacks.make(nothing_true, np.random.default_rng([_DRAWS, seed, episode]))
+    def read(self, part: tuple[int, int], what: NDArray[np.int8], state: WorldsState, told: Told) -> None:
+        """Let the robots of the worlds `part` (first, end) that did `what` (w,) read their sweeps, and tell it.
 
-    def _read(self, w: int, stack: OnboardStack, state: WorldsState, told: Told) -> None:
-        lidar = self._lidar
-        scan = LaserScan(
-            told.ranges[w].copy(), lidar.bearings, lidar.range_min, lidar.range_max, float(told.time_s[w]), lidar.mount
-        )
-        belief = stack.update(scan, state.odometry[w].copy())
-        told.leader[w] = leader_entry(belief)
-        told.people[w] = people_entry(belief.people_robot, belief.leader_id, self._slots)
-        told.tracked[w], told.track[w] = len(belief.people), belief.leader_id
+        Where there is no room for a sweep it is left unread, see `make_room`.
+        """
+        minds, swept = self._minds, Swept(told.ranges, told.time_s, state.odometry)
+        for w in (part[0] + np.flatnonzero(((what != REST) & (what != STEP))[part[0] : part[1]])).tolist():
+            self._rng[w] = leader_draws(np.random.default_rng([_DRAWS, int(state.seed[w]), int(state.episode[w])]))
+        track_worlds(part, what, self._rules, minds, swept)
+        doubt = np.where((what == REST) | minds.lacking, 0, minds.memory.leader["doubt"][:, 0])[part[0] : part[1]]
+        for w in (part[0] + np.flatnonzero(doubt >= CLOUD)).tolist():
+            first, minds.pushes[w] = cloud_draws(self._rng[w], self._count, doubt[w - part[0]])
+            if len(first):
+                minds.first[w] = first
+        look_worlds(part, what, self._rules, minds, swept)
+        for w in (part[0] + np.flatnonzero(minds.draw[part[0] : part[1]] == 0.0)).tolist():
+            minds.draw[w] = self._rng[w].random()
+        decide_worlds(
+            part, what, self._rules, minds, swept, Read(told.leader, told.people, told.tracked, told.track)
+        )  # fmt: skip
+
+    def make_room(self, what: NDArray[np.int8]) -> NDArray[np.int8]:
+        """Make room where it was lacking; return (w,) `what` is left to do, with sweeps unread."""
+        minds, left = self._minds, np.where(self._minds.lacking, what, REST).astype(np.int8)
+        if minds.lacking.any():
+            tracks, memory = with_room(minds.tracks, 2 * minds.tracks.legs.shape[1]), with_more_room(minds.memory)
+            self._minds = minds._replace(tracks=tracks, memory=memory)
+        minds.lacking[:] = False
+        return left
+
+
+def _rules(config: FollowConfig) -> TrackingRules:
+    """Return the numbers of detector, tracker and selector."""
+    lidar, perception = config.sensors.lidar, config.perception
+    bearings = np.asarray(lidar.bearings, dtype=np.float64)
+    beams = Beams(
+        bearings=bearings,
+        directions=np.stack((np.cos(bearings), np.sin(bearings)), axis=-1),
+        range_min=float(lidar.range_min),
+        range_max=float(lidar.range_max),
+        mount=np.array(lidar.mount, dtype=np.float64),
+        spacing=float((bearings[-1] - bearings[0]) / max(len(bearings) - 1, 1)) or 1e-3,
+    )
+    return TrackingRules(
+        beams=beams,
+        splitting=splitting(perception.detector, beams),
+        forest=LegForest.load(perception.forest).packed,
+        tracker=numbers_of(perception.tracker),
+        selector=body_numbers(perception.body, perception.leader),
+    )

@@ -38,8 +38,8 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
     `gymnasium.make_vec("tagalong/Office-v0", num_envs=1024, vectorization_mode="vector_entry_point",
     simulator="compiled")`. Buildings, people, rewards and endings are those of `FollowEnv`; robot, contacts and laser
     are done anew, equal to MuJoCo's within a millimetre (tested). People are known by the truth (`people="truth"`, the
-    default here), with the errors of a tracker (`people="modelled"`), or by the real one (`people="tracker"`: Python
-    for each world, a tenth of the speed), and nothing maps (`slam=None`, likewise); there is no camera, no picture, no
+    default here), with the errors of a tracker (`people="modelled"`), or by the real one (`people="tracker"`, a
+    quarter of the speed), and nothing maps (`slam=None`, likewise); there is no camera, no picture, no
     `leader=False`, and no functions of one's own (`behaviours`, `reward.terms`, `observation.entries`). All else of
     `FollowConfig` and all options of `reset` are as there; what is not is refused.
 
@@ -171,7 +171,8 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
     @property
     def memory(self) -> int:
         """Memory of episodes, state and what is told [bytes]."""
-        return self._pool.size + sum(array.nbytes for array in (*arrays_of(self._state), *self._told))
+        tracked = 0 if self._trackers is None else self._trackers.memory
+        return self._pool.size + tracked + sum(array.nbytes for array in (*arrays_of(self._state), *self._told))
 
     def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
         """Return what a method of the whole returns, or its attribute, once for each world."""
@@ -233,8 +234,15 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
 
         self._share(move, blocks)
         if self._trackers is not None:
-            self._trackers.update(what, state, self._told)
+            self._read(self._trackers, what, blocks)
             self._share(judge, blocks)
+
+    def _read(self, trackers: Trackers, what: NDArray[np.int8], blocks: list[tuple[int, int]]) -> None:
+        """Let the robots of all worlds that did `what` (num_envs,) read their sweeps."""
+        left = what
+        while (left != REST).any():
+            self._share(lambda part, left=left: trackers.read(part, left, self._state, self._told), blocks)
+            left = trackers.make_room(left)
 
     def _share(self, work: Callable[[tuple[int, int]], None], blocks: list[tuple[int, int]]) -> None:
         """Let the threads share the work on all blocks."""

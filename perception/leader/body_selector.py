@@ -6,6 +6,7 @@ leader is whatever track most of the cloud is at; where there is none, legs that
 """
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,18 +14,15 @@ from numpy.typing import ArrayLike, NDArray
 from ...slam.bounds import Endless, check_numbers, check_positive
 from ...slam.errors import InputError
 from ...slam.scan import LaserScan
-from ..tracking.data_association import distances
-from ..tracking.people import People, SeenLegs
-from . import cloud_kernels as kernels
-from .cloud import BodyCloud, CloudConfig, LeaderView
-from .duplicate_tracks import DuplicateTracks
-from .estimate import LeaderEstimate, as_leader
-from .legs_of_others import LegsOfOthers
-from .onset import LeaderConfig, LeaderOnset
+from ...slam.view_kernel import as_record
+from ..tracking.people import People
+from . import body_kernels as kernels
+from .body_memory import CLOUD, FRESH, Company, can_hold, memory_of, nothing_remembered, with_more_room
+from .cloud import CloudConfig, seen_in
+from .estimate import LeaderEstimate
+from .onset import LeaderConfig
 
 Array = NDArray[np.float64]
-_NOBODY = -2
-"""No row of people, nor the -1 of legs that are nobody's."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -101,22 +99,14 @@ class BodyLeaderSelector:
         body: BodyConfig | None = None,
         leader: LeaderConfig | None = None,
     ) -> None:
-        self._rng, self._body, self._config = rng, body or BodyConfig(), leader or LeaderConfig()
+        body = body or BodyConfig()
+        self._rng, self._bodies = rng, body.cloud.count
+        self._numbers = body_numbers(body, leader or LeaderConfig())
         self.reset()
 
     def reset(self) -> None:
         """Forget the leader."""
-        self._leader: LeaderEstimate | None = None
-        self._time_s = 0.0
-        self._onset = LeaderOnset(self._config)
-        self._cloud: BodyCloud | None = None
-        self._before: People | None = None
-        self._own = -1
-        self._others = np.zeros((0, 2))
-        self._met_s: dict[int, float] = {}
-        self._others_legs = LegsOfOthers()
-        apart = self._config.duplicate_distance
-        self._duplicates = DuplicateTracks(apart, self._body.duplicate_s, separation=2.0 * apart)
+        self._all = nothing_remembered(1, self._bodies)
 
     def update(self, people: People, robot_pose: ArrayLike, scan: LaserScan | None = None) -> LeaderEstimate | None:
         """Return the leader among `people` with the robot at `robot_pose` (3,), both in the odometry frame.
@@ -133,107 +123,55 @@ class BodyLeaderSelector:
         """
         if scan is None:
             raise InputError("a leader is known by its body only with the scan at hand, got None")
-        dt, self._time_s = people.time_s - self._time_s, people.time_s
-        before = self._leader
-        self._others_legs.update(people.seen_legs.positions, dt)
-        chosen = self._onset.choose(people, np.asarray(robot_pose, dtype=np.float64)[:2], before)
-        if chosen is not None:
-            self._leader, self._own, self._cloud = chosen, chosen.track_id, None
-        elif before is not None:
-            own = int(np.argmax(people.ids == self._own)) if self._own in people.ids else _NOBODY
-            if before.track_id == self._own and self._is_alone(people, own):
-                self._cloud, self._leader = None, as_leader(people, own, before.id)
-            else:
-                self._leader = self._find(people, own, before, dt, LeaderView.of(scan, robot_pose))
-            self._keep_others(people.seen_legs, self._leader)
-        self._note_people(people)
-        leader = self._leader
-        if leader is not None and leader.track_id >= 0 and leader.visible:
-            others = (people.ids != leader.track_id) & (people.unseen_s == 0.0)
-            self._duplicates.update(people, leader.position, others, dt)
-        self._before = people
-        return self._leader
+        pose, company, numbers = np.asarray(robot_pose, dtype=np.float64), _company(people), self._numbers
+        while not can_hold(memory_of(self._all, 0), len(people), len(people.seen_legs)):
+            self._all = with_more_room(self._all)
+        memory, draw = memory_of(self._all, 0), -1.0
+        doubt = kernels.meet(memory, company, pose, float(people.time_s), numbers)
+        if doubt >= CLOUD:
+            first, pushes = cloud_draws(self._rng, self._bodies, doubt)
+            if kernels.look(memory, company, seen_in(scan, pose), first, pushes, numbers):
+                draw = self._rng.random()
+        kernels.decide(memory, company, draw, numbers)
+        return _estimate(memory.leader[0]) if memory.leader["known"][0] else None
 
-    def _is_alone(self, people: People, own: int) -> bool:
-        """Return whether person `own` is seen, with nobody and nobody's legs nearby."""
-        if own < 0 or people.unseen_s[own] > 0.0:
-            return False
-        place, legs = people.positions[own], people.seen_legs
-        bodies = people.positions[:own], people.positions[own + 1 :]
-        others = np.concatenate((legs.positions[legs.owner != own], *bodies, self._others_legs.places))
-        apart = others - place
-        return bool(((apart * apart).sum(axis=1) > self._body.alone**2).all())
 
-    def _find(self, people: People, own: int, before: LeaderEstimate, dt: float, view: LeaderView) -> LeaderEstimate:
-        """Return the leader by its body."""
-        legs, c = people.seen_legs, self._body
-        if self._cloud is None:
-            self._cloud = BodyCloud(c.cloud, self._rng, before.position, before.velocity)
-        cloud = self._cloud
-        cloud.advance(dt, view)
-        free = self._free(cloud, legs, own, dt)
-        count = np.where(legs.owner == own, c.own_weight, c.weight) * np.minimum(legs.confidence / c.sure, 1.0) * free
-        places = legs.positions
-        if own >= 0 and people.unseen_s[own] == 0.0 and not (legs.owner == own).any():  # both legs were seen as one
-            places, count = np.vstack((places, people.positions[own])), np.append(count, c.own_weight)
-        cloud.weigh(places, count, view)
-        return self._decide(cloud, people, before, dt, free)
+def body_numbers(body: BodyConfig, leader: LeaderConfig) -> kernels.BodyNumbers:
+    """Return the numbers of a selector as kernels take them."""
+    named: dict[str, Any] = {**vars(leader), "onset_patience_s": leader.patience_s, **vars(body)}
+    named |= {f"cloud_{name}": value for name, value in vars(body.cloud).items()}
+    return as_record(kernels.BodyNumbers(**{name: float(named[name]) for name in kernels.BodyNumbers._fields}))
 
-    def _free(self, cloud: BodyCloud, legs: SeenLegs, own: int, dt: float) -> Array:
-        """Return (k,) how likely each of `legs` is the leader's, by who else explains it."""
-        c, before = self._body, self._before
-        claim = np.zeros(len(legs))
-        if before is not None and len(legs):
-            others = (before.ids != self._own) & ~self._duplicates.among(before)
-            places = before.positions[others] + dt * before.velocities[others]
-            known = np.array([self._time_s - self._met_s[int(number)] > c.newborn_s for number in before.ids[others]])
-            seen = np.exp(-before.unseen_s[others] / c.forget_s) * known
-            rights = c.own_claim, c.other_claim, c.other_deviation
-            kernels.claimed(legs.positions, legs.owner, own, places, seen, *rights, claim)
-            loose = legs.owner < 0
-            apart = distances(legs.positions[loose], self._others).min(axis=1, initial=np.inf)
-            claim[loose] = apart < c.known_again
-        explained = cloud.explained(legs.positions) + 1e-6
-        claim[self._others_legs.among(legs.owner == own, explained, dt)] = c.other_claim
-        return explained / (explained + claim)
 
-    def _decide(
-        self, cloud: BodyCloud, people: People, before: LeaderEstimate, dt: float, free: Array
-    ) -> LeaderEstimate:
-        c = self._body
-        share = cloud.near(people.positions, c.radius)
-        able = np.where(people.unseen_s < c.patience_s, share, 0.0)
-        own = np.flatnonzero(people.ids == self._own)
-        best = int(able.argmax()) if len(able) else -1
-        if len(own) and able[own[0]] > c.keep and able[own[0]] >= able[best] - c.lead:
-            return as_leader(people, int(own[0]), before.id)
-        if best >= 0 and able[best] > c.take:
-            self._own = int(people.ids[best])
-            return as_leader(people, best, before.id)
-        if len(own) and people.unseen_s[own[0]] == 0.0 and share[own[0]] < c.drop:
-            self._own = -1
-        mean = cloud.mean
-        legs = people.seen_legs.positions[free > 0.5]
-        gathered = cloud.spread < c.gathered and bool((np.hypot(*(legs - mean[:2]).T) < c.radius).any())
-        confidence, unseen_s = (c.loose_confidence, 0.0) if gathered else (0.0, before.unseen_s + dt)
-        return LeaderEstimate(before.id, -1, mean[:2], mean[2:], gathered, confidence, unseen_s)
+def cloud_draws(rng: np.random.Generator, bodies: int, doubt: int) -> tuple[Array, Array]:
+    """Return what `look` draws for a cloud of so many `bodies`: (n, 4), of no rows if there is one, and (n, 2)."""
+    return rng.standard_normal((bodies if doubt == FRESH else 0, 4)), rng.standard_normal((bodies, 2))
 
-    def _note_people(self, people: People) -> None:
-        """Note when each person was first seen; who is there while the leader is in view is somebody else for good."""
-        in_view = self._leader is not None and self._leader.visible
-        for number in people.ids.tolist():
-            if in_view or number not in self._met_s:
-                self._met_s[number] = -np.inf if in_view else people.time_s
 
-    def _keep_others(self, legs: SeenLegs, leader: LeaderEstimate) -> None:
-        """Keep the places of legs that are nobody's and not the leader's, while it is in view; follow them later."""
-        c, loose = self._body, legs.positions[legs.owner < 0]
-        if leader.visible:
-            self._others_legs.observe(
-                (legs.owner < 0) & (np.hypot(*(legs.positions - leader.position).T) > c.followed_apart)
-            )
-            self._others = loose[np.hypot(*(loose - leader.position).T) > c.known_apart]
-        elif len(self._others) and len(loose):
-            apart = distances(loose, self._others)
-            still, gone = apart.min(axis=1) < c.known_again, apart.min(axis=0) >= c.known_again
-            self._others = np.vstack((loose[still], self._others[gone]))
+def _company(people: People) -> Company:
+    """Return `people` as kernels take them."""
+    legs = people.seen_legs
+    floats = (np.ascontiguousarray(a, dtype=np.float64) for a in (people.confidence, people.unseen_s, legs.positions))
+    confidence, unseen_s, places = floats
+    return Company(
+        ids=np.ascontiguousarray(people.ids, dtype=np.int64),
+        x=np.concatenate((people.positions, people.velocities), axis=1, dtype=np.float64),
+        confidence=confidence,
+        unseen_s=unseen_s,
+        places=places,
+        sure=np.ascontiguousarray(legs.confidence, dtype=np.float64),
+        owner=np.ascontiguousarray(legs.owner, dtype=np.int64),
+    )
+
+
+def _estimate(leader: Any) -> LeaderEstimate:
+    """Return a row of `LEADER` as it is told."""
+    return LeaderEstimate(
+        id=int(leader["id"]),
+        track_id=int(leader["track_id"]),
+        position=leader["x"][:2].copy(),
+        velocity=leader["x"][2:].copy(),
+        visible=bool(leader["visible"]),
+        confidence=float(leader["confidence"]),
+        unseen_s=float(leader["unseen_s"]),
+    )

@@ -5,7 +5,7 @@ people pass each other, it spreads behind corners, and it dies where the laser s
 """
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,6 +14,8 @@ from ...slam.bounds import Within, check_numbers, check_positive
 from ...slam.errors import InputError
 from ...slam.geometry import compose
 from ...slam.scan import LaserScan
+from ...slam.view_kernel import kernel
+from ..legs.detector import beams_of
 from . import cloud_kernels as kernels
 
 Array = NDArray[np.float64]
@@ -58,8 +60,7 @@ class CloudConfig:
         check_positive(self, "calm_s", "top_speed", "leg_deviation")
 
 
-@dataclass(frozen=True, eq=False)
-class LeaderView:
+class LeaderView(NamedTuple):
     """How far the laser sees, in the odometry frame.
 
     Attributes:
@@ -74,76 +75,82 @@ class LeaderView:
     step: float
     laser: Array
 
-    @staticmethod
-    def of(scan: LaserScan, robot_pose: ArrayLike) -> "LeaderView":
-        """Return the view of a scan, whose beams are at equal angles, with the robot at `robot_pose` (3,)."""
-        known = scan.ranges >= scan.range_min
-        ranges = np.where(known, np.minimum(scan.ranges, scan.range_max), 0.0)
-        step = float(scan.bearings[-1] - scan.bearings[0]) / max(len(ranges) - 1, 1)
-        return LeaderView(ranges, float(scan.bearings[0]), step, np.asarray(compose(robot_pose, scan.T_robot_lidar)))
+
+def seen_in(scan: LaserScan, robot_pose: ArrayLike) -> LeaderView:
+    """Return the view of a scan, whose beams are at equal angles, with the robot at `robot_pose` (3,)."""
+    return view_of(scan.ranges, beams_of(scan), np.asarray(compose(robot_pose, scan.T_robot_lidar)))
 
 
-class BodyCloud:
-    """The bodies, each (x, y, vx, vy) in the odometry frame, with weights that sum to one.
+@kernel
+def view_of(ranges, beams, lidar):
+    """Return the view of `ranges` (N,) along `beams` from `lidar` (3,), T_odom_lidar."""
+    far = np.zeros(len(ranges))
+    for i in range(len(ranges)):
+        if ranges[i] >= beams.range_min:
+            far[i] = min(ranges[i], beams.range_max)
+    step = (beams.bearings[-1] - beams.bearings[0]) / max(len(ranges) - 1, 1)
+    return LeaderView(far, beams.bearings[0], step, lidar)
 
-    Args:
-        config: How a body walks and shows.
-        rng: Of all draws.
-        position: (2,) of the person who is to be known again [m].
-        velocity: (2,) [m/s].
-    """
 
-    def __init__(self, config: CloudConfig, rng: np.random.Generator, position: Array, velocity: Array) -> None:
-        self.config, self._rng = config, rng
-        deviation = np.repeat((config.place_deviation, config.velocity_deviation), 2)
-        self.bodies = np.concatenate((position, velocity)) + deviation * rng.standard_normal((config.count, 4))
-        self.weights = np.full(config.count, 1.0 / config.count)
+@kernel
+def begin_cloud(bodies, weights, x, draws, c):
+    """Spread `bodies` (n, 4) around the state `x` (4,) by standard normal `draws` (n, 4)."""
+    for i in range(len(bodies)):
+        for k in range(4):
+            deviation = c.cloud_place_deviation if k < 2 else c.cloud_velocity_deviation
+            bodies[i, k] = x[k] + deviation * draws[i, k]
+    weights[:] = 1.0 / len(bodies)
 
-    def advance(self, dt: float, view: LeaderView) -> None:
-        """Let the bodies walk for `dt` [s], and not through what the laser sees."""
-        c = self.config
-        pushes = c.push * np.sqrt(dt) * self._rng.standard_normal((c.count, 2))
-        beams = view.ranges, view.first, view.step, view.laser
-        calm = float(np.exp(-dt / c.calm_s))
-        kernels.advance(self.bodies, self.weights, pushes, dt, calm, c.top_speed, *beams)
-        self.weights /= self.weights.sum()
 
-    def explained(self, legs: Array) -> Array:
-        """Return (k,) how well the bodies explain each of `legs` (k, 2), in [0, 1]."""
-        out = np.empty(len(legs))
-        kernels.explained(self.bodies, self.weights, legs, self.config.leg_deviation, out)
-        return out
+@kernel
+def advance_cloud(bodies, weights, draws, dt, view, c):
+    """Let the bodies walk for `dt` [s] by standard normal `draws` (n, 2), and not through what the laser sees."""
+    pushes, calm = c.cloud_push * np.sqrt(dt) * draws, np.exp(-dt / c.cloud_calm_s)
+    kernels.advance(
+        bodies, weights, pushes, dt, calm, c.cloud_top_speed, view.ranges, view.first, view.step, view.laser
+    )  # fmt: skip
+    weights /= weights.sum()
 
-    def weigh(self, legs: Array, count: Array, view: LeaderView) -> None:
-        """Weigh the bodies by `legs` (k, 2), each counting `count` (k,), and by the view; draw them anew if needed."""
-        c = self.config
-        unseen = np.array((c.hidden, c.empty, c.instead))
-        beams = view.ranges, view.first, view.step, view.laser
-        kernels.weigh(self.bodies, self.weights, legs, count, c.leg_deviation, c.most, unseen, *beams)
-        self.weights /= self.weights.sum()
-        if 1.0 / float(self.weights @ self.weights) < c.resample * c.count:
-            self._draw_anew()
 
-    def near(self, places: Array, radius: float) -> Array:
-        """Return (k,) the share of the cloud nearer than `radius` [m] to each of `places` (k, 2)."""
-        out = np.empty(len(places))
-        kernels.mass_near(self.bodies, self.weights, places, radius, out)
-        return out
+@kernel
+def weigh_cloud(bodies, weights, legs, count, view, c):
+    """Weigh the bodies by `legs` (k, 2), each counting `count` (k,), and by the view; return whether too few count."""
+    unseen = np.array((c.cloud_hidden, c.cloud_empty, c.cloud_instead))
+    kernels.weigh(
+        bodies, weights, legs, count, c.cloud_leg_deviation, c.cloud_most, unseen, view.ranges, view.first, view.step,
+        view.laser,
+    )  # fmt: skip
+    weights /= weights.sum()
+    return 1.0 / (weights * weights).sum() < c.cloud_resample * len(weights)
 
-    @property
-    def mean(self) -> Array:
-        """(4,) mean of the bodies."""
-        return np.asarray(self.weights @ self.bodies)
 
-    @property
-    def spread(self) -> float:
-        """Root mean square distance of the bodies from their mean place [m]."""
-        return float(np.sqrt((self.weights @ (self.bodies[:, :2] - self.mean[:2]) ** 2).sum()))
+@kernel
+def draw_anew(bodies, weights, draw):
+    """Draw the bodies by their weights, at equal steps of the sum from `draw` in [0, 1) on (Kitagawa 1996)."""
+    before, count = bodies.copy(), len(bodies)
+    chosen, total = 0, weights[0]
+    for i in range(count):
+        while total < (draw + i) / count and chosen < count - 1:
+            chosen += 1
+            total += weights[chosen]
+        bodies[i] = before[chosen]
+    weights[:] = 1.0 / count
 
-    def _draw_anew(self) -> None:
-        """Draw the bodies by their weights, at equal steps of the sum (Kitagawa 1996)."""
-        count = self.config.count
-        marks = (self._rng.random() + np.arange(count)) / count
-        chosen = np.searchsorted(np.cumsum(self.weights), marks)
-        self.bodies = self.bodies[np.minimum(chosen, count - 1)]
-        self.weights = np.full(count, 1.0 / count)
+
+@kernel
+def mean_of(bodies, weights):
+    """Return (4,) the mean of the bodies."""
+    mean = np.zeros(4)
+    for i in range(len(bodies)):
+        for k in range(4):
+            mean[k] += weights[i] * bodies[i, k]
+    return mean
+
+
+@kernel
+def spread_of(bodies, weights):
+    """Return the root mean square distance of the bodies from their mean place [m]."""
+    mean, total = mean_of(bodies, weights), 0.0
+    for i in range(len(bodies)):
+        total += weights[i] * ((bodies[i, 0] - mean[0]) ** 2 + (bodies[i, 1] - mean[1]) ** 2)
+    return np.sqrt(total)

@@ -6,7 +6,8 @@ largest range and no measurement 0.
 """
 
 import numpy as np
-from numba import njit
+
+from ...slam.view_kernel import inner_kernel, kernel
 
 SURFACE_GAP = 0.3
 """Neighbouring ranges closer than this are one surface [m]."""
@@ -20,7 +21,7 @@ REACH = 1.0
 """Legs farther than this are not the body's [m]."""
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def _beam(x, y, first, step, laser):
     """Return the index of the beam towards (x, y), beyond the ends where there is none, and the distance."""
     dx, dy = x - laser[0], y - laser[1]
@@ -30,7 +31,7 @@ def _beam(x, y, first, step, laser):
     return int(np.floor((bearing - first) / step + 0.5)), np.sqrt(dx * dx + dy * dy)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def advance(bodies, weights, pushes, dt, calm, top, ranges, first, step, laser):
     """Let `bodies` walk for `dt`: velocities keep the share `calm`, get `pushes` (n, 2), stay below `top` [m/s].
 
@@ -52,7 +53,7 @@ def advance(bodies, weights, pushes, dt, calm, top, ranges, first, step, laser):
             weights[k] *= CROSSED
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def _unseen(x, y, hidden, empty, instead, ranges, first, step, laser):
     """Return how likely nothing of a body at (x, y) is seen: out of sight, in free view, before something else."""
     i, distance = _beam(x, y, first, step, laser)
@@ -69,7 +70,7 @@ def _unseen(x, y, hidden, empty, instead, ranges, first, step, laser):
     return instead if ranges[i] > distance - DEPTH else hidden
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def weigh(bodies, weights, legs, count, sigma, most, unseen, ranges, first, step, laser):
     """Weigh `bodies` by the `legs` (k, 2) near them, which count `count` (k,), in sum at most `most`, and by the view.
 
@@ -86,7 +87,7 @@ def weigh(bodies, weights, legs, count, sigma, most, unseen, ranges, first, step
         weights[n] *= missed + min(seen, most)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def explained(bodies, weights, legs, sigma, out):
     """Write into `out` (k,) how well the bodies explain each of `legs` (k, 2), at most 1."""
     for j in range(len(legs)):
@@ -97,7 +98,7 @@ def explained(bodies, weights, legs, sigma, out):
                 out[j] += weights[n] * np.exp(-away / (2.0 * sigma * sigma))
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def mass_near(bodies, weights, places, radius, out):
     """Write into `out` (k,) the weight of the bodies nearer than `radius` to each of `places` (k, 2)."""
     for j in range(len(places)):
@@ -107,7 +108,7 @@ def mass_near(bodies, weights, places, radius, out):
                 out[j] += weights[n]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def claimed(legs, owner, own, places, seen, own_claim, other_claim, sigma, out):
     """Write into `out` (k,) how well others, expected at `places` (m, 2), explain `legs` (k, 2).
 

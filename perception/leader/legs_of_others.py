@@ -6,12 +6,9 @@ where it is.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..tracking.data_association import distances
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from ...slam.view_kernel import inner_kernel, kernel
+from ..tracking.track_kernels import distance
 
 STEP_M = 0.25
 """No leg moves farther than this from one scan to the next [m]."""
@@ -23,53 +20,71 @@ EXPLAINED = 0.1
 """A leg that the leader's body explains so well may be the leader's."""
 UNEXPLAINED_S = 0.4
 """If the leader's own track has had nothing but legs of others for so long, those are the leader's after all [s]."""
+FOLLOWED = np.dtype(
+    [
+        ("place", np.float64, 2),  # odometry frame [m]
+        ("unseen_s", np.float64),
+        ("apart", np.int64),  # scans in a row apart from the leader; somebody else's from `SCANS` on
+    ]
+)
 
 
-class LegsOfOthers:
-    """Follows, from scan to scan, the legs that were seen apart from the leader: they are somebody else's."""
+@kernel
+def follow_legs(memory, legs, dt):
+    """Take the `legs` (k, 2) of a scan, `dt` [s] after the last one, in the odometry frame."""
+    one = memory.leader[0]
+    old = memory.followed[: one.followed].copy()
+    for j in range(len(legs)):
+        nearest, least, row = 0, np.inf, memory.followed[j]
+        for i in range(len(old)):
+            away = distance(legs[j, 0], legs[j, 1], old[i].place[0], old[i].place[1])
+            if away < least:
+                nearest, least = old[i].apart, away
+        row.place[0], row.place[1] = legs[j, 0], legs[j, 1]
+        row.unseen_s, row.apart = 0.0, nearest if least < STEP_M else 0
+    count = len(legs)
+    for i in range(len(old)):
+        if old[i].apart >= SCANS and old[i].unseen_s + dt < UNSEEN_S and _is_gone(old[i], legs):
+            memory.followed[count] = old[i]
+            memory.followed[count].unseen_s += dt
+            count += 1
+    one.followed, one.now = count, len(legs)
 
-    def __init__(self) -> None:
-        self._legs, self._unseen_s = np.zeros((0, 2)), np.zeros(0)
-        self._apart = np.zeros(0, dtype=np.int64)  # scans in a row; somebody else's from `SCANS` on
-        self._now = 0
-        self._unexplained_s = 0.0
 
-    def update(self, legs: Array, dt: float) -> None:
-        """Take the `legs` (k, 2) of a scan, `dt` [s] after the last one, in the odometry frame."""
-        apart, gone = np.zeros(len(legs), dtype=np.int64), np.zeros(len(self._legs), dtype=bool)
-        if self._apart.any():
-            away = distances(legs, self._legs)
-            if len(legs):
-                apart = np.where(away.min(axis=1) < STEP_M, self._apart[away.argmin(axis=1)], 0)
-            gone = (self._apart >= SCANS) & (self._unseen_s + dt < UNSEEN_S)
-            gone &= away.min(axis=0, initial=np.inf) >= STEP_M
-        self._now = len(legs)
-        self._legs = np.concatenate((legs, self._legs[gone]))
-        self._unseen_s = np.concatenate((np.zeros(len(legs)), self._unseen_s[gone] + dt))
-        self._apart = np.concatenate((apart, self._apart[gone]))
+@inner_kernel
+def _is_gone(followed, legs):
+    """Return whether none of `legs` (k, 2) can be the one that is `followed`."""
+    for j in range(len(legs)):
+        if distance(legs[j, 0], legs[j, 1], followed.place[0], followed.place[1]) < STEP_M:
+            return False
+    return True
 
-    @property
-    def places(self) -> Array:
-        """(n, 2) where legs of others are, or were a moment ago [m]."""
-        return self._legs[self._apart >= SCANS]
 
-    def among(self, own: Mask, explained: Array, dt: float) -> Mask:
-        """Return (k,) which of the last legs are somebody else's.
+@kernel
+def others_among(memory, own, explained, dt):
+    """Return (k,) which of the last legs are somebody else's.
 
-        Args:
-            own: (k,) which are of the track that carries the leader.
-            explained: (k,) how well the leader's body explains each, in [0, 1].
-            dt: Since this was last asked [s].
-        """
-        others = self._apart[: self._now] >= SCANS
-        unexplained = bool((others & own).any()) and not bool((~others & (explained > EXPLAINED)).any())
-        self._unexplained_s = self._unexplained_s + dt if unexplained else 0.0
-        if self._unexplained_s > UNEXPLAINED_S:
-            self._apart[: self._now][own] = 0
-            others = others & ~own
-        return others
+    Args:
+        memory: Of the selector.
+        own: (k,) which are of the track that carries the leader.
+        explained: (k,) how well the leader's body explains each, in [0, 1].
+        dt: Since this was last asked [s].
+    """
+    one, apart = memory.leader[0], memory.followed["apart"]
+    others = apart[: one.now] >= SCANS
+    unexplained = (others & own).any() and not (~others & (explained > EXPLAINED)).any()
+    one.unexplained_s = one.unexplained_s + dt if unexplained else 0.0
+    if one.unexplained_s > UNEXPLAINED_S:
+        for j in range(len(own)):
+            if own[j]:
+                apart[j], others[j] = 0, False
+    return others
 
-    def observe(self, apart: Mask) -> None:
-        """Take which of the last legs, (k,), are nobody's and apart from a leader in view."""
-        now = self._apart[: self._now]
-        now[:] = np.where(now >= SCANS, now, np.where(apart, now + 1, 0))
+
+@kernel
+def observe_apart(memory, apart):
+    """Take which of the last legs, (k,), are nobody's and apart from a leader in view."""
+    scans = memory.followed["apart"]
+    for j in range(len(apart)):
+        if scans[j] < SCANS:
+            scans[j] = scans[j] + 1 if apart[j] else 0

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...slam.bounds import check_numbers, check_positive
+from ...slam.view_kernel import kernel
 from ..tracking.people import People
 from .estimate import LeaderEstimate, as_leader
 
@@ -54,7 +55,7 @@ class LeaderOnset:
 
     def __init__(self, config: LeaderConfig) -> None:
         self._config = config
-        self._chosen_s, self._waiting_since = 0.0, np.inf
+        self._chosen_s, self._waiting_s = 0.0, np.inf
 
     def choose(self, people: People, robot: Array, leader: LeaderEstimate | None) -> LeaderEstimate | None:
         """Return the leader chosen in this scan among `people`; None: nobody, or the time to choose is over.
@@ -64,17 +65,33 @@ class LeaderOnset:
             robot: (2,) place of the robot in it [m].
             leader: Who was chosen before; None: nobody yet.
         """
-        config = self._config
-        if leader is not None and people.time_s - self._chosen_s >= config.onset_s:
-            return None
-        if len(people) == 0:
-            return None
-        apart = np.hypot(*(people.positions - robot).T)
-        self._waiting_since = min(self._waiting_since, people.time_s)
-        patient = leader is None and people.time_s - self._waiting_since < config.patience_s
-        if apart.min() > (config.onset_near if patient else config.onset_far):
-            return None
-        if leader is None:
-            self._chosen_s = people.time_s
-        nearest = int(apart.argmin())
-        return as_leader(people, nearest, int(people.ids[nearest]))
+        c, apart = self._config, np.hypot(*(people.positions - robot).T)
+        nearest, self._chosen_s, self._waiting_s = choice(
+            apart, float(people.time_s), leader is not None, float(self._chosen_s), self._waiting_s, float(c.onset_s),
+            float(c.onset_near), float(c.onset_far), float(c.patience_s),
+        )  # fmt: skip
+        return None if nearest < 0 else as_leader(people, nearest, int(people.ids[nearest]))
+
+
+@kernel
+def choice(apart, time_s, chosen, chosen_s, waiting_s, onset_s, near, far, patience_s):
+    """Return who of people at distances `apart` (n,) is chosen in a scan at `time_s`, and the next two as they are now.
+
+    Args:
+        apart: Of the people from the robot [m].
+        time_s: Of the scan [s].
+        chosen: Whether somebody was chosen before.
+        chosen_s: When that was [s].
+        waiting_s: Since when there are people [s]; inf: never.
+        onset_s: See `LeaderConfig`, as the next ones.
+        near: See there, `onset_near`.
+        far: See there, `onset_far`.
+        patience_s: See there.
+    """
+    if (chosen and time_s - chosen_s >= onset_s) or len(apart) == 0:
+        return -1, chosen_s, waiting_s
+    waiting_s, nearest = min(waiting_s, time_s), apart.argmin()
+    patient = not chosen and time_s - waiting_s < patience_s
+    if apart[nearest] > (near if patient else far):
+        return -1, chosen_s, waiting_s
+    return nearest, chosen_s if chosen else time_s, waiting_s

@@ -8,14 +8,12 @@ from numpy.typing import NDArray
 
 from ...slam.bounds import check_numbers
 from ...slam.errors import InputError
-from ...slam.geometry import transform_points
 from ...slam.scan import LaserScan
-from .centres_kernel import move_to_centres
-from .clusters import DEFAULT_ALPHA, DEFAULT_BETA, Clusters, cluster_scan
+from .centres_kernel import leg_centres_of
+from .clusters import DEFAULT_ALPHA, DEFAULT_BETA, Clusters
+from .detection_kernel import Beams, Splitting, find_legs
+from .features import beam_spacing
 from .forest import LegForest
-
-WIDEST_SINGLE_LEG = 0.16
-MEAN_DEPTH_PER_WIDTH = np.pi / 8  # the seen half of a circle: its mean point lies pi/4 radii before its centre
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,10 +81,22 @@ class LegDetector:
 
     def detect(self, scan: LaserScan) -> Detections:
         """Return the clusters of `scan` with their confidence and leg centres."""
-        clusters = cluster_scan(scan, self.config.alpha, self.config.beta, self.config.far_width)
-        confidence = self.forest.confidence(scan, clusters)
-        positions = transform_points(scan.T_robot_lidar, leg_centres(clusters))
-        return Detections(positions, confidence, confidence >= self.config.gamma, clusters)
+        beams = beams_of(scan)
+        found = find_legs(scan.ranges, beams, splitting(self.config, beams), self.forest.packed)
+        clusters = Clusters(found.points, found.numbers, found.start, found.end)
+        return Detections(found.positions, found.confidence, found.human, clusters)
+
+
+def beams_of(scan: LaserScan) -> Beams:
+    """Return what all sweeps of the laser that took `scan` have in common, as kernels take it."""
+    limits, mount = (float(scan.range_min), float(scan.range_max)), np.asarray(scan.T_robot_lidar, dtype=np.float64)
+    return Beams(scan.bearings, scan.directions, *limits, mount, beam_spacing(scan))
+
+
+def splitting(config: LegDetectorConfig, beams: Beams) -> Splitting:
+    """Return the numbers of `config` as kernels take them, for a laser with `beams`."""
+    width = float(config.far_width) if len(beams.bearings) > 1 else 0.0
+    return Splitting(float(config.alpha), int(config.beta), float(config.gamma), width / beams.spacing)
 
 
 def leg_centres(clusters: Clusters) -> NDArray[np.float64]:
@@ -96,6 +106,4 @@ def leg_centres(clusters: Clusters) -> NDArray[np.float64]:
     to a beam spacing. Beams at equal angles meet a circle of radius r at a mean depth of pi/4 r before its centre.
     Clusters wider than one leg (both legs, a skirt) are moved as far as the widest single leg.
     """
-    centres = np.empty((len(clusters), 2))
-    move_to_centres(clusters.points, clusters.start, clusters.end, WIDEST_SINGLE_LEG, MEAN_DEPTH_PER_WIDTH, centres)
-    return centres
+    return leg_centres_of(clusters.points, clusters.start, clusters.end)

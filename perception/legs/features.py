@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 
 from ...slam.scan import LaserScan
 from .clusters import Clusters
-from .shape_kernels import SHAPE_COUNT, describe_shapes
-from .surroundings_kernels import SURROUNDINGS_COUNT, describe_surroundings
+from .detection_kernel import are_wide, described
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.int64]
 
 SHAPE_NAMES = (
     "points",  # number of returns
@@ -73,29 +75,26 @@ SURROUNDINGS_NAMES = (
     "second_distance",  # distance of the second nearest cluster, at most 2 m
 )
 FEATURE_NAMES = SHAPE_NAMES + SURROUNDINGS_NAMES
-WIDEST_LEG = 0.8  # a cluster whose ends are farther apart is no leg and is not described [m]
 
 
 def cluster_features(scan: LaserScan, clusters: Clusters) -> NDArray[np.float32]:
     """Return (m, len(FEATURE_NAMES)) features of the clusters of `scan`; a row of NaN where `is_wide`."""
-    features = np.full((len(clusters), SHAPE_COUNT + SURROUNDINGS_COUNT), np.nan, np.float32)
-    if len(clusters) == 0:
-        return features
-    ranges = scan.ranges[clusters.beams]
-    bearings = scan.bearings[clusters.beams]
-    spacing = beam_spacing(scan)
-    arrays = (clusters.points, ranges, bearings, clusters.start, clusters.end, spacing)
-    describe_shapes(*arrays, WIDEST_LEG, features)
-    describe_surroundings(*arrays, WIDEST_LEG, features)
-    return features
+    return described(*described_by(scan, clusters))
+
+
+def described_by(scan: LaserScan, clusters: Clusters) -> tuple[Array, Array, Array, Rows, Rows, float]:
+    """Return what kernels describe the clusters of `scan` by: the first arguments of `leg_confidence`."""
+    ranges, bearings = scan.ranges[clusters.beams], scan.bearings[clusters.beams]
+    return clusters.points, ranges, bearings, clusters.start, clusters.end, beam_spacing(scan)
 
 
 def is_wide(clusters: Clusters) -> NDArray[np.bool_]:
     """(m,) whether the ends of a cluster are farther apart than `WIDEST_LEG`: walls, which nobody has to classify."""
-    ends = clusters.points[clusters.end - 1] - clusters.points[clusters.start]
-    return np.hypot(ends[:, 0], ends[:, 1]) > WIDEST_LEG
+    return are_wide(clusters.points, clusters.start, clusters.end)
 
 
 def beam_spacing(scan: LaserScan) -> float:
     """Return the mean angle between neighbouring beams [rad]."""
+    if len(scan) == 0:
+        return 1e-3
     return float((scan.bearings[-1] - scan.bearings[0]) / max(len(scan) - 1, 1)) or 1e-3

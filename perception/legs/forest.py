@@ -14,8 +14,9 @@ from ...slam.files.input import checked_name, named
 from ...slam.files.output import read_arrays, read_json, replacing, write_json
 from ...slam.scan import LaserScan
 from .clusters import Clusters
-from .features import FEATURE_NAMES, cluster_features, is_wide
-from .forest_kernel import is_sound, packed, vote
+from .detection_kernel import leg_confidence
+from .features import FEATURE_NAMES, described_by
+from .forest_kernel import PackedForest, is_sound, packed, vote
 
 MODELS = Path(__file__).resolve().parent.parent / "models"
 SHIPPED = ("real", "simulation")
@@ -87,21 +88,17 @@ class LegForest:
     def vote(self, features: NDArray[np.float32]) -> NDArray[np.float64]:
         """Return (m,) the share of legs in the leaves that `features` (m, F) fall into: sklearn's `predict_proba`."""
         share = np.empty(len(features))
-        vote(*self._packed, len(self.roots), features, share)
+        vote(self.packed, features, share)
         return share
 
     def confidence(self, scan: LaserScan, clusters: Clusters) -> NDArray[np.float64]:
         """Return (m,) in [0, 1] how much each cluster of `scan` looks like a leg; 0 for clusters too wide for one."""
-        confidence = np.zeros(len(clusters))
-        narrow = ~is_wide(clusters)
-        features = cluster_features(scan, clusters)[narrow]
-        share = self.vote(features)
-        confidence[narrow] = self.odds * share / (self.odds * share + 1.0 - share)
-        return confidence
+        return leg_confidence(*described_by(scan, clusters), self.packed)
 
     @cached_property
-    def _packed(self) -> tuple[NDArray[Any], NDArray[np.float32], int]:
-        return packed(self.feature, self.value, self.right, self.roots)
+    def packed(self) -> PackedForest:
+        """The same as kernels take it."""
+        return packed(self.feature, self.value, self.right, self.roots, self.odds)
 
     def _is_sound(self) -> bool:
         shapes = {self.feature.shape, self.value.shape, self.right.shape}

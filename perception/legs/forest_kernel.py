@@ -1,6 +1,6 @@
 """Numba kernel of a random forest's vote, and the order of nodes in memory that it walks through."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -19,19 +19,35 @@ _FEATURE_BITS = np.uint32(8)
 _FEATURE = np.uint32(MOST_FEATURES - 1)
 
 
+class PackedForest(NamedTuple):
+    """A forest in the order in which `vote` walks: all roots, then all their children, and so on.
+
+    Attributes:
+        nodes: (n,) of `NODE`, the roots first.
+        share: (n,) the shares of leaves.
+        depth: How many steps the longest walk has.
+        trees: How many roots.
+        odds: Prior odds by which the vote is weighed.
+    """
+
+    nodes: NDArray[Any]
+    share: NDArray[np.float32]
+    depth: int
+    trees: int
+    odds: float
+
+
 def packed(
-    feature: NDArray[Any], value: NDArray[np.float32], right: NDArray[Any], roots: NDArray[Any]
-) -> tuple[NDArray[Any], NDArray[np.float32], int]:
-    """Return a forest in the order in which `vote` walks: all roots, then all their children, and so on.
+    feature: NDArray[Any], value: NDArray[np.float32], right: NDArray[Any], roots: NDArray[Any], odds: float
+) -> PackedForest:
+    """Return a forest as `vote` takes it.
 
     Args:
         feature: (n,) index that an inner node asks for; negative in a leaf.
         value: (n,) threshold of an inner node, share of legs in a leaf.
         right: (n,) right child of an inner node; the left one is the next node.
         roots: (t,) first node of each tree.
-
-    Returns:
-        (n,) of `NODE`, the roots first; (n,) the shares of leaves; and how many steps the longest walk has.
+        odds: Prior odds.
     """
     levels, depth = [np.asarray(roots, dtype=np.int64)], 0
     while len(inner := levels[-1][feature[levels[-1]] >= 0]):
@@ -44,22 +60,24 @@ def packed(
     nodes = np.empty(len(order), dtype=NODE)
     nodes["threshold"] = np.where(leaf, np.inf, value[order])
     nodes["child"] = child * MOST_FEATURES + np.where(leaf, 0, feature[order])
-    return nodes, np.where(leaf, value[order], 0.0).astype(np.float32), depth
+    share = np.where(leaf, value[order], 0.0).astype(np.float32)
+    return PackedForest(nodes, share, depth, len(roots), float(odds))
 
 
 @njit(cache=True, nogil=True)
-def vote(nodes, share, depth, trees, rows, out):
+def vote(forest, rows, out):
     """Write the mean leaf value over all trees for each of `rows` (m, F) float32 into `out` (m,) float64.
 
-    `nodes`, `share` and `depth` as `packed` returns them; the first `trees` nodes are the roots. Rows at or below a
-    threshold go left. No step depends on how a comparison turned out but for the sum of an index, and one step is taken
-    down every tree in turn: the processor neither guesses nor waits for one tree's memory before it asks for the next.
+    Rows at or below a threshold go left. No step depends on how a comparison turned out but for the sum of an index,
+    and one step is taken down every tree in turn: the processor neither guesses nor waits for one tree's memory before
+    it asks for the next.
     """
+    nodes, share, trees = forest.nodes, forest.share, forest.trees
     at = np.empty(trees, np.uint32)
     for m in range(len(rows)):
         row = rows[m]
         at[:] = np.arange(trees)
-        for _ in range(depth):
+        for _ in range(forest.depth):
             for tree in range(trees):
                 node = nodes[at[tree]]
                 above = np.uint32(row[node.child & _FEATURE] > node.threshold)

@@ -13,8 +13,9 @@ from ..rgbd.people import RgbdPeople
 from . import kalman
 from .config import TrackerConfig
 from .data_association import assign, distances
-from .identities import Identities
-from .tracks import Tracks
+from .numbers import Numbers
+from .person_tracks import confirm
+from .tracks import LEGS, PEOPLE, Tracks, begin
 
 Array = NDArray[np.float64]
 
@@ -56,11 +57,11 @@ class CameraTracking:
 
     Args:
         config: Of the tracker.
-        identities: Who numbers the people.
+        numbers: The same as kernels take it.
     """
 
-    def __init__(self, config: TrackerConfig, identities: Identities) -> None:
-        self._config, self._identities = config, identities
+    def __init__(self, config: TrackerConfig, numbers: Numbers) -> None:
+        self._config, self._numbers = config, numbers
         self._places, self._counts = np.empty((0, 2)), np.empty(0, dtype=np.int64)
         self._times = np.empty(0)
 
@@ -69,18 +70,18 @@ class CameraTracking:
 
         Tentative leg tracks near somebody new are its legs; those not seen yet stand where the camera saw it.
         """
-        legs = tracks.legs
-        unknown = self._correct(tracks.people, seen, time_s, dt)
+        unknown = self._correct(tracks.people[: tracks.counts[PEOPLE]], seen, time_s, dt)
         for k in self._new_people(seen, unknown):
-            place, rows = seen.positions[k], tracks.tentative
-            away = distances(place[None], legs.positions[rows])[0]
-            own = rows[np.argsort(away, kind="stable")[:2]]
+            place, count, owned = seen.positions[k], int(tracks.counts[LEGS]), 2 * int(tracks.counts[PEOPLE])
+            away = distances(place[None], tracks.legs["x"][owned:count])[0]
+            own = owned + np.argsort(away, kind="stable")[:2]
             own = own[np.sort(away)[:2] <= self._config.pairing.distance / 2.0]
-            hidden = np.arange(len(legs), len(legs) + 2 - len(own))
-            legs.begin(np.repeat(place[None], len(hidden), axis=0), np.full(len(hidden), seen.likelihood[k]))
-            self._identities.confirm(tracks, np.concatenate((own, hidden))[None])
-            tracks.people["x"][-1, :2], tracks.people["confidence"][-1] = place, seen.likelihood[k]
-            tracks.people["camera_s"][-1] = 0.0
+            hidden = np.arange(count, count + 2 - len(own))
+            places, sure = np.repeat(place[None], len(hidden), axis=0), np.full(len(hidden), seen.likelihood[k])
+            begin(tracks, places, sure, float(self._config.motion.initial_variance))
+            confirm(tracks, np.concatenate((own, hidden))[None], self._numbers)
+            last = tracks.people[: tracks.counts[PEOPLE]][-1:]
+            last["x"][:, :2], last["confidence"], last["camera_s"] = place, seen.likelihood[k], 0.0
 
     def _correct(self, people: NDArray[np.void], seen: SeenPeople, time_s: float, dt: float) -> NDArray[np.intp]:
         """Correct `people` (n,) in place; return the rows of `seen` that are nobody of them.

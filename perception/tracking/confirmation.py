@@ -1,27 +1,23 @@
-"""Track confirmation: which tentative leg tracks are people (Ye 2021, section II.A)."""
+"""Track confirmation: which tentative leg tracks are people (Ye 2021, section II.A).
 
-from dataclasses import dataclass
+People are made of tentative leg tracks that moved as people do: of pairs of legs, and of single legs that are sure.
+"""
+
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import leg_kernels
-from .config import TrackerConfig
-from .data_association import distances
-from .identities import Identities
-from .local_grid import LocalGrid
-from .origins import OriginCheck
+from ...slam.view_kernel import inner_kernel
+from . import leg_kernels, track_kernels
+from .local_grid import are_free
 from .pairing import mutual_pairs
-from .reidentification import Reidentification
-from .track_kernels import any_moved, any_sure_walker, spread_among
-from .tracks import Rows, Tracks
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from .person_tracks import confirm
+from .reidentification import may_be_legs
+from .tracks import LEGS, LOST, PEOPLE, take
 
 
-@dataclass(frozen=True, eq=False)
-class _Candidates:
+class LoneLegs(NamedTuple):
     """Tentative leg tracks that may be legs of somebody.
 
     Attributes:
@@ -31,96 +27,130 @@ class _Candidates:
         sure: (k,) whether its confidence is high.
     """
 
-    rows: Rows
-    moved: Array
-    known: Mask
-    sure: Mask
+    rows: NDArray[np.int64]
+    moved: NDArray[np.float64]
+    known: NDArray[np.bool_]
+    sure: NDArray[np.bool_]
 
 
-class TrackConfirmation:
-    """Makes people of tentative leg tracks that moved as people do: of pairs of legs, and of single legs that are sure.
+@inner_kernel
+def confirm_people(tracks, points, time_s, c):
+    """Confirm people among the tentative tracks; the scan at `time_s` shows `points` (n, 2), odometry frame."""
+    legs, owned = tracks.legs[: tracks.counts[LEGS]], 2 * tracks.counts[PEOPLE]
+    delta, c_min, unseen_s = c.confirmation_delta, c.termination_c_min, c.confirmation_unseen_s
+    if tracks.counts[LOST] == 0 and not track_kernels.any_moved(legs, owned, delta / 2.0, c_min, unseen_s):
+        return
+    rows = leg_kernels.promising(legs, owned, c_min, unseen_s)
+    moved, known = leg_kernels.moved(legs)[rows], may_be_legs(tracks, rows, c)
+    if not (known | (moved >= delta / 2.0)).any():
+        return
+    sure = legs["confidence"][rows] >= c.confirmation_sure_confidence
+    _confirm_pairs(tracks, LoneLegs(rows, moved, known, sure), points, time_s, c)
+    _confirm_one_leg(tracks, points, time_s, c)
 
-    Args:
-        config: Of the tracker.
-        grid: Where things stand that are not human.
-        reidentification: People whose tracks have ended.
-        identities: Who numbers the people.
+
+@inner_kernel
+def _confirm_pairs(tracks, among, points, time_s, c):
+    """Confirm each pair that is leg-like (gamma) in the mean over time, stands on free cells, and belongs together.
+
+    Two legs belong together if each is the other's nearest in the mean over a stride.
     """
+    legs, rows = tracks.legs, among.rows
+    confidence, x = legs["confidence"], legs["x"]
+    spread = track_kernels.spread_among(tracks.apart, x, rows, c.pairing_distance)
+    pairs = mutual_pairs(spread, c.pairing_width)
+    leg_like = np.empty(len(pairs), np.bool_)
+    for k in range(len(pairs)):
+        least = min(confidence[rows[pairs[k, 0]]], confidence[rows[pairs[k, 1]]])
+        leg_like[k] = least >= c.confirmation_gamma
+    pairs = pairs[leg_like]
+    if len(pairs) == 0:
+        return
+    pairs = pairs[_moved_together(tracks, among, pairs, points, time_s, c)]
+    free = np.empty(len(pairs), np.bool_)
+    for k in range(len(pairs)):
+        pairs[k, 0], pairs[k, 1] = rows[pairs[k, 0]], rows[pairs[k, 1]]
+        free[k] = are_free(tracks.cells, x[pairs[k]], c.grid_resolution, time_s, c.grid_fade_s).all()
+    confirm(tracks, pairs[free], c)
 
-    def __init__(
-        self, config: TrackerConfig, grid: LocalGrid, reidentification: Reidentification, identities: Identities
-    ) -> None:
-        self._config, self._grid, self._pairing = config.confirmation, grid, config.pairing
-        self._c_min, self._one_leg_age_s = config.termination.c_min, config.reidentification.one_leg_age_s
-        self._reidentification, self._identities = reidentification, identities
-        self._origins = OriginCheck(config.confirmation.origin_radius, grid)
 
-    def confirm(self, tracks: Tracks, points: Array, time_s: float) -> None:
-        """Confirm people among the tentative `tracks`; the scan at `time_s` shows `points` (n, 2), odometry frame."""
-        config, legs = self._config, tracks.legs
-        bounds = config.delta / 2.0, self._c_min, config.unseen_s
-        if len(self._reidentification) == 0 and not any_moved(legs.rows, tracks.owned, *bounds):
-            return
-        rows = leg_kernels.promising(legs.rows, tracks.owned, self._c_min, config.unseen_s)
-        moved, known = legs.moved[rows], self._reidentification.may_be_legs(legs, rows)
-        if not (known | (moved >= config.delta / 2.0)).any():
-            return
-        sure = legs.rows["confidence"][rows] >= config.sure_confidence
-        self._confirm_pairs(tracks, _Candidates(rows, moved, known, sure), points, time_s)
-        self._confirm_one_leg(tracks, points, time_s)
+@inner_kernel
+def _moved_together(tracks, among, pairs, points, time_s, c):
+    """Return (k,) whether both legs of each of `pairs` (k, 2) of the candidates moved `delta` in the mean.
 
-    def _confirm_pairs(self, tracks: Tracks, among: _Candidates, points: Array, time_s: float) -> None:
-        """Confirm each pair that is leg-like (gamma) in the mean over time, stands on free cells, and belongs together.
+    So the longer way of one leg makes up for the other, whose track was renewed on the way. Two sure legs need half as
+    much, and one of them may stand while the other swings past it. Who is known has moved before.
+    """
+    moved, known, sure, delta = among.moved, among.known, among.sure, c.confirmation_delta
+    moves, count = moved > c.confirmation_origin_radius, len(pairs)
+    together, asked = np.zeros(count, np.bool_), np.zeros(len(moved), np.bool_)
+    for k in range(count):
+        a, b = pairs[k, 0], pairs[k, 1]
+        first, second = max(moved[a], delta) if known[a] else moved[a], max(moved[b], delta) if known[b] else moved[b]
+        together[k] = first + second >= (delta if sure[a] and sure[b] else 2.0 * delta)
+        if together[k]:
+            asked[a] = asked[b] = True
+    asked &= moves & ~known
+    left = np.ones(len(moved), np.bool_)
+    left[asked] = _left_origin(tracks, among.rows[asked], points, time_s, c)
+    went = known | (moves & left)
+    for k in range(count):
+        a, b = pairs[k, 0], pairs[k, 1]
+        walked = (sure[a] and sure[b]) or (went[a] and went[b])
+        together[k] = together[k] and left[a] and left[b] and walked
+    return together
 
-        Two legs belong together if each is the other's nearest in the mean over a stride.
-        """
-        legs, rows = tracks.legs, among.rows
-        spread = spread_among(legs.apart, legs.rows["x"], rows, self._pairing.distance)
-        pairs = mutual_pairs(spread, self._pairing.width)
-        pairs = pairs[legs.rows["confidence"][rows][pairs].min(axis=1) >= self._config.gamma]
-        if len(pairs):
-            pairs = pairs[self._moved_together(tracks, among, pairs, points, time_s)]
-            free = self._grid.is_free(legs.positions[rows[pairs.ravel()]], time_s).reshape(-1, 2)
-            self._identities.confirm(tracks, rows[pairs[free.all(axis=1)]])
 
-    def _moved_together(self, tracks: Tracks, among: _Candidates, pairs: Rows, points: Array, time_s: float) -> Mask:
-        """Return (k,) whether both legs of each of `pairs` (k, 2) of the candidates moved `delta` in the mean.
+@inner_kernel
+def _left_origin(tracks, rows, points, time_s, c):
+    """Return (k,) whether none of the scan's `points` (n, 2), odometry frame, is where the leg tracks `rows` began.
 
-        So the longer way of one leg makes up for the other, whose track was renewed on the way. Two sure legs need
-        half as much, and one of them may stand while the other swings past it. Who is known has moved before.
-        """
-        config, moved, known = self._config, among.moved, among.known
-        moves = moved > config.origin_radius
-        ways = np.where(known, np.maximum(moved, config.delta), moved)[pairs].sum(axis=1)
-        both_sure = among.sure[pairs].all(axis=1)
-        enough = ways >= np.where(both_sure, config.delta, 2.0 * config.delta)
-        asked = np.zeros(len(moved), dtype=bool)
-        asked[pairs[enough]] = True
-        asked &= moves & ~known
-        left = np.ones(len(moved), dtype=bool)
-        left[asked] = self._origins.check(tracks, among.rows[asked], points, time_s)
-        went = known | (moves & left)
-        return enough & left[pairs].all(axis=1) & (both_sure | went[pairs].all(axis=1))
+    That tells legs that walked from tracks that hopped from one thing to the next, e.g. from chair leg to chair leg. A
+    track that hopped has moved, but what it began at still stands there. Where that is known to be no human, the track
+    begins anew where it is now.
+    """
+    legs = tracks.legs
+    first = legs["first"][rows]
+    left = np.ones(len(rows), np.bool_)
+    for k in range(len(rows)):
+        x, y = first[k, 0], first[k, 1]
+        for i in range(len(points)):
+            if track_kernels.distance(x, y, points[i, 0], points[i, 1]) <= c.confirmation_origin_radius:
+                left[k] = False
+                break
+    free = are_free(tracks.cells, first[~left], c.grid_resolution, time_s, c.grid_fade_s)
+    for i in rows[~left][~free]:
+        leg_kernels.restart_moving(legs, i)
+    return left
 
-    def _confirm_one_leg(self, tracks: Tracks, points: Array, time_s: float) -> None:
-        """Re-identify somebody of whom one leg is seen, or confirm a sure leg that moved for both.
 
-        It stands on a free cell; the other leg counts as hidden by it, or by what stands before it.
-        """
-        config, legs, ended = self._config, tracks.legs, self._reidentification
-        bounds = 2.0 * config.delta, config.sure_confidence, self._one_leg_age_s
-        if len(ended) == 0 and not any_sure_walker(legs.rows, tracks.owned, *bounds):
-            return
-        rows = tracks.tentative
-        rows = rows[(legs.rows["unseen_s"][rows] == 0.0) & (legs.rows["age_s"][rows] >= self._one_leg_age_s)]
-        known = ended.may_be_legs(legs, rows)
-        walked = ~known & (legs.moved[rows] >= 2.0 * config.delta)
-        walked &= legs.rows["confidence"][rows] >= config.sure_confidence
-        walked[walked] = self._origins.check(tracks, rows[walked], points, time_s)
-        rows = rows[known | walked]
-        rows = rows[self._grid.is_free(legs.positions[rows], time_s)]
-        if len(rows):
-            apart = distances(legs.positions[rows], ended.positions).min(axis=1, initial=np.inf)
-            chosen = rows[apart.argmin()]
-            legs.take(np.append(np.arange(len(legs)), chosen))
-            self._identities.confirm(tracks, np.array([[chosen, len(legs) - 1]]))
+@inner_kernel
+def _confirm_one_leg(tracks, points, time_s, c):
+    """Re-identify somebody of whom one leg is seen, or confirm a sure leg that moved for both.
+
+    It stands on a free cell; the other leg counts as hidden by it, or by what stands before it.
+    """
+    legs, owned = tracks.legs[: tracks.counts[LEGS]], 2 * tracks.counts[PEOPLE]
+    far, sure, age_s = 2.0 * c.confirmation_delta, c.confirmation_sure_confidence, c.reidentification_one_leg_age_s
+    lost = tracks.lost[: tracks.counts[LOST]]
+    if len(lost) == 0 and not track_kernels.any_sure_walker(legs, owned, far, sure, age_s):
+        return
+    rows = owned + np.flatnonzero((legs["unseen_s"][owned:] == 0.0) & (legs["age_s"][owned:] >= age_s))
+    known = may_be_legs(tracks, rows, c)
+    walked = ~known & (leg_kernels.moved(legs)[rows] >= far) & (legs["confidence"][rows] >= sure)
+    walked[walked] = _left_origin(tracks, rows[walked], points, time_s, c)
+    rows = rows[known | walked]
+    rows = rows[are_free(tracks.cells, legs["x"][rows], c.grid_resolution, time_s, c.grid_fade_s)]
+    if len(rows) == 0:
+        return
+    chosen, least, x, ended = rows[0], np.inf, legs["x"], lost["x"]
+    for i in rows:
+        for j in range(len(lost)):
+            away = track_kernels.distance(x[i, 0], x[i, 1], ended[j, 0], ended[j, 1])
+            if away < least:
+                chosen, least = i, away
+    count = len(legs)
+    take(tracks, np.append(np.arange(count), chosen))
+    pair = np.empty((1, 2), np.int64)
+    pair[0, 0], pair[0, 1] = chosen, count
+    confirm(tracks, pair, c)

@@ -2,9 +2,9 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import linear_sum_assignment
 
-from .track_kernels import distances, near_pairs
+from .assignment import assigned
+from .track_kernels import distances
 
 Array = NDArray[np.float64]
 
@@ -17,11 +17,4 @@ def assign(cost: Array, gate: float | Array) -> tuple[NDArray[np.intp], NDArray[
     A pair costs at most the gate, so no match is stretched to make room for another; pairs at or beyond the gate are
     no pairs. Entries may be `inf`; `gate` is a number or one a row (n,).
     """
-    limit = np.full(len(cost), gate, dtype=np.float64)
-    rows, columns, alone = near_pairs(cost, limit)
-    if alone:  # nobody wants what another wants: nothing to decide
-        return rows, columns
-    gain = np.minimum(cost - limit[:, None], 0.0)[np.ix_(rows, columns)]
-    i, j = linear_sum_assignment(gain)
-    real = gain[i, j] < 0.0
-    return rows[i[real]], columns[j[real]]
+    return assigned(np.ascontiguousarray(cost, dtype=np.float64), np.full(len(cost), gate, dtype=np.float64))

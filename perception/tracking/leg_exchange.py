@@ -2,34 +2,52 @@
 
 import numpy as np
 
-from .config import PairingConfig
+from ...slam.view_kernel import inner_kernel, kernel
 from .pairing import better_pairs
-from .track_kernels import any_wide
-from .tracks import Rows, Tracks
+from .track_kernels import any_wide, length
+from .tracks import LEGS, PEOPLE, count_owned, take
 
 
-class LegExchange:
-    """Exchanges legs between people, and with tentative tracks, where that makes pairs narrower over a stride."""
+@inner_kernel
+def exchange(tracks, match, c):
+    """Exchange legs between people, and with tentative tracks, where that makes pairs narrower over a stride.
 
-    def __init__(self, config: PairingConfig) -> None:
-        self._config = config
+    Returns `match` (n,), the detection of each leg track or -1, in the tracks' new order.
+    """
+    people, count, margin = tracks.counts[PEOPLE], tracks.counts[LEGS], c.pairing_margin
+    if people == 0:
+        return match
+    before = np.arange(2 * people).reshape((people, 2))
+    if not any_wide(tracks.apart, before, margin):
+        return match
+    legs = tracks.legs
+    known = (legs["age_s"][2 * people : count] > c.pairing_stride_s / 2.0) & (
+        legs["unseen_s"][2 * people : count] == 0.0
+    )
+    free = 2 * people + np.flatnonzero(known)
+    pairs = better_pairs(spread_of(tracks), before, legs["owned_s"][:count], free, margin)
+    if (pairs == before).all():
+        return match
+    x, bodies = legs["x"], tracks.people["x"]
+    loose = np.ones(count, np.bool_)
+    for i in range(people):
+        a, b = pairs[i, 0], pairs[i, 1]
+        loose[a] = loose[b] = False
+        if a != before[i, 0] or b != before[i, 1]:
+            for k in range(2):
+                bodies[i, k] = (x[a, k] + x[b, k]) / 2.0
+    order = np.concatenate((pairs.ravel(), np.flatnonzero(loose)))
+    take(tracks, order)
+    count_owned(tracks, 0.0)
+    return match[order]
 
-    def exchange(self, tracks: Tracks, match: Rows) -> Rows:
-        """Exchange legs; return `match` (n,), the detection of each leg track or -1, in the tracks' new order."""
-        owned, legs, margin = tracks.owned, tracks.legs, self._config.margin
-        if owned == 0:
-            return match
-        before = np.arange(owned).reshape(-1, 2)
-        if not any_wide(legs.apart, before, margin):
-            return match
-        rows = legs.rows[owned:]
-        free = owned + np.flatnonzero((rows["age_s"] > self._config.stride_s / 2.0) & (rows["unseen_s"] == 0.0))
-        pairs = better_pairs(legs.spread(), before, legs.rows["owned_s"], free, margin)
-        changed = (pairs != before).any(axis=1)
-        if not changed.any():
-            return match
-        tracks.people["x"][changed, :2] = legs.positions[pairs[changed]].mean(axis=1)
-        order = np.concatenate((pairs.ravel(), np.setdiff1d(np.arange(len(legs)), pairs)))
-        legs.take(order)
-        tracks.count_owned(0.0)
-        return match[order]
+
+@kernel
+def spread_of(tracks):
+    """Return (n, n) lengths of `apart` [m]."""
+    count = tracks.counts[LEGS]
+    spread = np.empty((count, count))
+    for i in range(count):
+        for j in range(count):
+            spread[i, j] = length(tracks.apart[i, j, 0], tracks.apart[i, j, 1])
+    return spread

@@ -7,13 +7,15 @@ each track in this scan, or -1.
 import numpy as np
 from numba import njit
 
+from ...slam.view_kernel import kernel
+
 
 @njit(inline="always")
 def _length(x, y):
     return np.sqrt(x**2 + y**2)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def moved(legs):
     """Return (n,) how large the area is that each of `legs` has been in: the diagonal of the box around it [m]."""
     low, high = legs["low"], legs["high"]
@@ -23,7 +25,7 @@ def moved(legs):
     return size
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def promising(legs, first, c_min, unseen_s):
     """Return (k,) the rows from `first` on that are believed in (more than `c_min`) and were seen within `unseen_s`."""
     confidence, unseen = legs["confidence"], legs["unseen_s"]
@@ -36,7 +38,7 @@ def promising(legs, first, c_min, unseen_s):
     return rows[:count]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def still(legs, first, match, age_s, least, count):
     """Return (`count`,) which detections are of tracks, from `first` on, of `age_s` that moved less than `least`."""
     low, high, age = legs["low"], legs["high"], legs["age_s"]
@@ -48,7 +50,7 @@ def still(legs, first, match, age_s, least, count):
     return found
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def carry_hidden(legs, people, match):
     """Move the unseen legs of `people` along with them, each to where its offset is believed to be."""
     x, bodies, offset = legs["x"], people["x"], people["offset"]
@@ -61,7 +63,7 @@ def carry_hidden(legs, people, match):
             x[i, k + 2] = bodies[i // 2, k + 2]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def human_places(people, legs, least, lost):
     """Return (h, 2) where people, their legs, lone tracks that moved `least` [m], and the `lost` (l, 2) are."""
     bodies, x, low, high = people["x"], legs["x"], legs["low"], legs["high"]
@@ -79,7 +81,7 @@ def human_places(people, legs, least, lost):
     return places[:count]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def unmatched(match, count):
     """Return (k,) which of `count` detections belong to no track."""
     taken = np.zeros(count, np.bool_)
@@ -89,7 +91,7 @@ def unmatched(match, count):
     return np.flatnonzero(~taken)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def seen_now(legs, people):
     """Return the rows (k,) of tracks seen in the last scan, and the person (k,) that each belongs to; -1 for nobody."""
     unseen = legs["unseen_s"]
@@ -103,7 +105,7 @@ def seen_now(legs, people):
     return rows[:count], owner[:count]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def since_leg(legs, people):
     """Return (`people`,) the time since a leg of each person was seen apart [s]."""
     unseen = legs["unseen_s"]
@@ -113,11 +115,9 @@ def since_leg(legs, people):
     return least
 
 
-@njit(cache=True, nogil=True)
-def spread_between(apart, rows, columns):
-    """Return (k, l) lengths of the mean vectors `apart` (n, n, 2) from tracks `rows` (k,) to tracks `columns` (l,)."""
-    spread = np.empty((len(rows), len(columns)))
-    for i in range(len(rows)):
-        for j in range(len(columns)):
-            spread[i, j] = _length(apart[rows[i], columns[j], 0], apart[rows[i], columns[j], 1])
-    return spread
+@kernel
+def restart_moving(legs, i):
+    """Let track i of `legs` begin here, as if it had not moved yet."""
+    x = legs["x"]
+    for k in range(2):
+        legs["first"][i, k] = legs["low"][i, k] = legs["high"][i, k] = x[i, k]

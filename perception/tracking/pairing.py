@@ -4,14 +4,15 @@
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from ...slam.view_kernel import kernel
 
 Array = NDArray[np.float64]
 Pairs = NDArray[np.intp]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def mutual_pairs(spread: Array, limit: float) -> Pairs:
     """Return (k, 2) pairs, each the other's nearest by `spread` (n, n), infinite on the diagonal, at most `limit`."""
     count = len(spread)
@@ -28,7 +29,7 @@ def mutual_pairs(spread: Array, limit: float) -> Pairs:
     return pairs[:found]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def better_pairs(spread: Array, pairs: Pairs, owned_s: Array, lone: Pairs, margin: float) -> Pairs:
     """Return `pairs` (n, 2) after every exchange of a leg that narrows the pairs by more than `margin`.
 

@@ -1,81 +1,95 @@
-"""All people as one array; each is a Kalman filter of the point between two legs."""
+"""People: each is a Kalman filter of the point between two legs."""
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...slam.view_kernel import inner_kernel, kernel
 from . import track_kernels as kernels
-from .config import TrackerConfig
-
-Array = NDArray[np.float64]
-
-PERSON = np.dtype(
-    [
-        ("id", np.int64),
-        ("x", np.float64, 4),  # state (x, y, vx, vy) in the odometry frame
-        ("p", np.float64, 3),  # covariance, see kalman.py
-        ("confidence", np.float64),
-        ("offset", np.float64, 2),  # from the centre to the first leg; the second is opposite [m]
-        ("age_s", np.float64),
-        ("unseen_s", np.float64),
-        ("camera_s", np.float64),  # time since a camera saw it; inf: never
-    ]
-)
+from .numbers import confidence_weight, process_variance
+from .reidentification import number
+from .tracks import LEGS, PEOPLE, take
 
 
-def new_people(pairs: NDArray[np.void]) -> NDArray[np.void]:
-    """Return people (n,), not yet numbered, each from a pair of leg tracks, `pairs` (n, 2)."""
-    people = np.zeros(len(pairs), dtype=PERSON)
-    people["x"] = pairs["x"].mean(axis=1)
-    people["p"] = pairs["p"].mean(axis=1)
-    people["confidence"] = pairs["confidence"].mean(axis=1)
-    people["age_s"] = pairs["age_s"].min(axis=1)
-    people["camera_s"] = np.inf
-    people["offset"] = (pairs["x"][:, 0, :2] - pairs["x"][:, 1, :2]) / 2.0
-    return people
-
-
-def predict(people: NDArray[np.void], dt: float, config: TrackerConfig) -> None:
-    """Move `people` `dt` seconds ahead; what is believed of their legs' offsets fades."""
-    people["camera_s"] += dt
-    people["offset"] *= np.exp(-dt / config.pairing.offset_s)
-    clocks = people["age_s"], people["unseen_s"]
-    kernels.predict(people["x"], people["p"], *clocks, dt, config.motion.process_variance(dt))
-
-
-@dataclass(frozen=True, eq=False)
-class Sightings:
-    """What one scan says about each person.
+class Sightings(NamedTuple):
+    """What one scan says about each of n people.
 
     Attributes:
         seen: (n,) whether anything of the person was seen.
+        one_leg: (n,) whether it was one leg.
         centre: (n, 2) where its centre was seen [m].
         confidence: (n,) of what was seen; 0 for the unseen (eq. 6).
-        one_leg: (n,) whether it was one leg.
     """
 
     seen: NDArray[np.bool_]
-    centre: Array
-    confidence: Array
     one_leg: NDArray[np.bool_]
+    centre: NDArray[np.float64]
+    confidence: NDArray[np.float64]
 
 
-def measure(people: NDArray[np.void], match: NDArray[np.intp], z: Array, d: Array) -> Sightings:
-    """Return what detections `z` (m, 2) of confidence `d` (m,) say; `match` (n, 2) is each leg's detection or -1.
+@kernel
+def predict_people(people, dt, c):
+    """Move `people` (n,) `dt` seconds ahead; what is believed of their legs' offsets fades."""
+    camera_s, offset, fade = people["camera_s"], people["offset"], np.exp(-dt / c.pairing_offset_s)
+    for i in range(len(people)):
+        camera_s[i] += dt
+        offset[i, 0] *= fade
+        offset[i, 1] *= fade
+    kernels.predict(people["x"], people["p"], people["age_s"], people["unseen_s"], dt, process_variance(c, dt))
+
+
+@kernel
+def measure(people, match, z, d):
+    """Return what detections `z` (m, 2) of confidence `d` (m,) say; `match` (2 n,) is each leg's detection or -1.
 
     Two legs measure the centre by their middle (their offset is kept in `people`); one leg measures it less its
     believed offset, which fades to zero, so that a leg seen alone for long is the centre.
     """
-    count = len(people)
-    sightings = Sightings(np.zeros(count, bool), np.zeros((count, 2)), np.zeros(count), np.zeros(count, bool))
-    parts = sightings.seen, sightings.one_leg, sightings.centre, sightings.confidence
-    kernels.measure_people(people["offset"], match, z, d, *parts)
+    n = len(people)
+    sightings = Sightings(np.zeros(n, np.bool_), np.zeros(n, np.bool_), np.zeros((n, 2)), np.zeros(n))
+    kernels.measure_people(
+        people["offset"], match.copy().reshape((n, 2)), z, d, sightings.seen, sightings.one_leg, sightings.centre,
+        sightings.confidence,
+    )  # fmt: skip
     return sightings
 
 
-def correct(people: NDArray[np.void], sightings: Sightings, dt: float, config: TrackerConfig) -> None:
+@kernel
+def correct_people(people, sightings, dt, c):
     """Correct `people` (n,) with what was seen of them; the others stay predicted."""
-    variance = np.where(sightings.one_leg, config.motion.r + config.motion.one_leg_variance, config.motion.r)
-    measured = sightings.seen, sightings.centre, sightings.confidence, variance
-    kernels.correct_people(people, *measured, config.motion.confidence_weight(dt))
+    variance = np.full(len(people), c.motion_r)
+    variance[sightings.one_leg] = c.motion_r + c.motion_one_leg_variance
+    seen, centre, confidence = sightings.seen, sightings.centre, sightings.confidence
+    kernels.correct_people(people, seen, centre, confidence, variance, confidence_weight(c, dt))
+
+
+@kernel
+def confirm(tracks, pairs, c):
+    """Make people of the pairs of tentative tracks `pairs` (k, 2), under their old number where they have one."""
+    if len(pairs) == 0:
+        return
+    before, count = tracks.counts[PEOPLE], tracks.counts[LEGS]
+    fresh = tracks.people[before : before + len(pairs)]
+    loose = np.ones(count, np.bool_)
+    loose[: 2 * before] = False
+    for k in range(len(pairs)):
+        _begin(fresh, k, tracks.legs, pairs[k, 0], pairs[k, 1])
+        loose[pairs[k, 0]] = loose[pairs[k, 1]] = False
+    number(tracks, fresh, c)
+    tracks.counts[PEOPLE] = before + len(pairs)
+    take(tracks, np.concatenate((np.arange(2 * before), pairs.copy().ravel(), np.flatnonzero(loose))))
+
+
+@inner_kernel
+def _begin(people, i, legs, a, b):
+    """Make person i, not yet numbered, of the leg tracks a and b."""
+    for k in range(4):
+        people["x"][i, k] = (legs["x"][a, k] + legs["x"][b, k]) / 2.0
+    for k in range(3):
+        people["p"][i, k] = (legs["p"][a, k] + legs["p"][b, k]) / 2.0
+    for k in range(2):
+        people["offset"][i, k] = (legs["x"][a, k] - legs["x"][b, k]) / 2.0
+    people["confidence"][i] = (legs["confidence"][a] + legs["confidence"][b]) / 2.0
+    people["age_s"][i] = min(legs["age_s"][a], legs["age_s"][b])
+    people["unseen_s"][i], people["camera_s"][i] = 0.0, np.inf

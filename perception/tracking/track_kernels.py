@@ -5,10 +5,23 @@ caches. Arrays are written in place; columns of `x` and `p` are those of kalman.
 """
 
 import numpy as np
-from numba import njit
+
+from ...slam.view_kernel import inner_kernel, kernel
 
 
-@njit(cache=True, nogil=True)
+@kernel
+def length(x, y):
+    """Return the length of the vector (x, y)."""
+    return np.sqrt(x**2 + y**2)
+
+
+@kernel
+def distance(x, y, u, v):
+    """Return the distance between (x, y) and (u, v)."""
+    return np.sqrt((x - u) * (x - u) + (y - v) * (y - v))
+
+
+@kernel
 def predict(x, p, age_s, unseen_s, dt, q):
     """Move states `x` (n, 4) and covariances `p` (n, 3) `dt` seconds ahead, and both clocks (n,)."""
     for i in range(len(x)):
@@ -22,7 +35,7 @@ def predict(x, p, age_s, unseen_s, dt, q):
         unseen_s[i] += dt
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
 def _correct_one(x, p, i, u, v, r):
     a, b, c = p[i, 0], p[i, 1], p[i, 2]
     k_position, k_velocity = a / (a + r), b / (a + r)
@@ -36,7 +49,7 @@ def _correct_one(x, p, i, u, v, r):
     p[i, 2] = c - k_velocity * b
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def correct_legs(legs, match, z, d, r, gain):
     """Correct leg tracks (n,) of `LEG` with detections `z` (m, 2), `d` (m,); `match` (n,) is a detection or -1."""
     x, p = legs["x"], legs["p"]
@@ -56,7 +69,7 @@ def correct_legs(legs, match, z, d, r, gain):
             high[i, k] = max(high[i, k], z[j, k])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def correct_people(people, seen, centre, confidence, variance, gain):
     """Correct `people` (n,) of `PERSON` where `seen`, at `centre` (n, 2) with `variance` (n,); eq. 6 for all."""
     x, p = people["x"], people["p"]
@@ -68,7 +81,7 @@ def correct_people(people, seen, centre, confidence, variance, gain):
             unseen_s[i] = 0.0
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def measure_people(offset, match, z, d, seen, one_leg, centre, confidence):
     """Write what `match` (n, 2) says of each person into the last four (n,), (n,), (n, 2), (n,); keep `offset`."""
     for i in range(len(match)):
@@ -89,7 +102,7 @@ def measure_people(offset, match, z, d, seen, one_leg, centre, confidence):
             confidence[i] = (d[first] + d[second]) / 2.0
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def leg_costs(legs, centres, z, reach, anchor_s, gates, cost):
     """Write into `cost` (n, m) how far detections `z` (m, 2) are from the leg tracks; inf beyond `gates` (n,).
 
@@ -99,32 +112,27 @@ def leg_costs(legs, centres, z, reach, anchor_s, gates, cost):
     x, seen, unseen_s = legs["x"], legs["seen"], legs["unseen_s"]
     for i in range(len(legs)):
         for j in range(len(z)):
-            away = _distance(x[i, 0], x[i, 1], z[j, 0], z[j, 1])
+            away = distance(x[i, 0], x[i, 1], z[j, 0], z[j, 1])
             if unseen_s[i] <= anchor_s:
-                away = min(away, _distance(seen[i, 0], seen[i, 1], z[j, 0], z[j, 1]))
+                away = min(away, distance(seen[i, 0], seen[i, 1], z[j, 0], z[j, 1]))
             owner = i // 2
             beyond = away >= gates[i]
             if not beyond and owner < len(centres):
-                beyond = _distance(centres[owner, 0], centres[owner, 1], z[j, 0], z[j, 1]) > reach
+                beyond = distance(centres[owner, 0], centres[owner, 1], z[j, 0], z[j, 1]) > reach
             cost[i, j] = np.inf if beyond else away
 
 
-@njit(cache=True, nogil=True)
-def _distance(x, y, u, v):
-    return np.sqrt((x - u) * (x - u) + (y - v) * (y - v))
-
-
-@njit(cache=True, nogil=True)
+@kernel
 def distances(here, there):
     """Return (n, m) Euclidean distances between positions (n, 2) and (m, 2)."""
     away = np.empty((len(here), len(there)))
     for i in range(len(here)):
         for j in range(len(there)):
-            away[i, j] = _distance(here[i, 0], here[i, 1], there[j, 0], there[j, 1])
+            away[i, j] = distance(here[i, 0], here[i, 1], there[j, 0], there[j, 1])
     return away
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def average_apart(x, age_s, apart, dt, stride_s):
     """Take the present vectors between tracks at `x` (n, 4) into their running means `apart` (n, n, 2)."""
     for i in range(len(x)):
@@ -135,30 +143,7 @@ def average_apart(x, age_s, apart, dt, stride_s):
                 apart[i, j, k] += weight * ((x[i, k] - x[j, k]) - apart[i, j, k])
 
 
-@njit(cache=True, nogil=True)
-def with_fresh(apart, x):
-    """Return (n, n, 2) the means `apart` (k, k, 2) of old tracks, and the present vectors to the others of `x`."""
-    grown = np.empty((len(x), len(x), 2))
-    for i in range(len(x)):
-        for j in range(len(x)):
-            for k in range(2):
-                old = i < len(apart) and j < len(apart)
-                grown[i, j, k] = apart[i, j, k] if old else x[i, k] - x[j, k]
-    return grown
-
-
-@njit(cache=True, nogil=True)
-def taken(apart, order):
-    """Return (k, k, 2) of `apart` (n, n, 2) the rows and columns `order` (k,)."""
-    kept = np.empty((len(order), len(order), 2))
-    for i in range(len(order)):
-        for j in range(len(order)):
-            kept[i, j, 0] = apart[order[i], order[j], 0]
-            kept[i, j, 1] = apart[order[i], order[j], 1]
-    return kept
-
-
-@njit(cache=True, nogil=True)
+@kernel
 def any_wide(apart, pairs, limit):
     """Return whether the mean vector between the tracks of any of `pairs` (n, 2) is longer than `limit`."""
     for i in range(len(pairs)):
@@ -168,57 +153,45 @@ def any_wide(apart, pairs, limit):
     return False
 
 
-@njit(cache=True, nogil=True)
+@inner_kernel
+def _humans_near(points, first, end, humans, zeta, near):
+    """Write into `near` which of `humans` (h, 2) are no farther than `zeta` from the box of the points; how many."""
+    low_x, low_y, high_x, high_y = np.inf, np.inf, -np.inf, -np.inf
+    for i in range(first, end):
+        low_x, high_x = min(low_x, points[i, 0]), max(high_x, points[i, 0])
+        low_y, high_y = min(low_y, points[i, 1]), max(high_y, points[i, 1])
+    reach, count = 1.01 * zeta, 0  # whatever the last bits of a distance
+    for h in range(len(humans)):
+        x, y = humans[h, 0], humans[h, 1]
+        if low_x - reach <= x <= high_x + reach and low_y - reach <= y <= high_y + reach:
+            near[count] = h
+            count += 1
+    return count
+
+
+@kernel
 def points_of_things(points, start, end, thing, humans, zeta):
     """Return (j, 2) those of `points` (k, 2) in the clusters `thing` (m,), farther than `zeta` from `humans` (h, 2)."""
-    kept = np.empty_like(points)
+    kept, near = np.empty_like(points), np.empty(len(humans), np.int64)
     count = 0
     for c in range(len(start)):
         if not thing[c]:
             continue
+        close = _humans_near(points, start[c], end[c], humans, zeta, near)
         for i in range(start[c], end[c]):
-            near = False
-            for h in range(len(humans)):
-                if _distance(points[i, 0], points[i, 1], humans[h, 0], humans[h, 1]) <= zeta:
-                    near = True
+            clear = True
+            for h in near[:close]:
+                if distance(points[i, 0], points[i, 1], humans[h, 0], humans[h, 1]) <= zeta:
+                    clear = False
                     break
-            if not near:
+            if clear:
                 kept[count, 0] = points[i, 0]
                 kept[count, 1] = points[i, 1]
                 count += 1
     return kept[:count]
 
 
-@njit(cache=True, nogil=True)
-def near_pairs(cost, limit):
-    """Return the rows and the columns of `cost` (n, m) with an entry below the row's `limit` (n,), and whether alone.
-
-    Alone: none has more than one such entry; then rows and columns are pairs.
-    """
-    n, m = cost.shape
-    partner = np.full(n, -1)
-    wanted = np.zeros(m, np.int64)
-    alone = True
-    count = 0
-    for i in range(n):
-        for j in range(m):
-            if cost[i, j] < limit[i]:
-                alone = alone and partner[i] < 0 and wanted[j] == 0
-                count += partner[i] < 0
-                partner[i] = j
-                wanted[j] += 1
-    rows = np.empty(count, np.int64)
-    k = 0
-    for i in range(n):
-        if partner[i] >= 0:
-            rows[k] = i
-            k += 1
-    if alone:
-        return rows, partner[rows], True
-    return rows, np.flatnonzero(wanted), False
-
-
-@njit(cache=True, nogil=True)
+@kernel
 def any_moved(legs, first, least, c_min, unseen_s):
     """Return whether any of `legs` from row `first` on, believed in and seen within `unseen_s`, moved `least` [m]."""
     low, high, confidence, unseen = legs["low"], legs["high"], legs["confidence"], legs["unseen_s"]
@@ -230,7 +203,7 @@ def any_moved(legs, first, least, c_min, unseen_s):
     return False
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def any_sure_walker(legs, first, least, sure, age_s):
     """Return whether any of `legs` from row `first` on, seen now and for `age_s`, is `sure` and moved `least` [m]."""
     low, high, confidence = legs["low"], legs["high"], legs["confidence"]
@@ -243,7 +216,7 @@ def any_sure_walker(legs, first, least, sure, age_s):
     return False
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def surviving(tracks, epsilon, c_min):
     """Return (n,) which of `tracks` are certain enough of their place and believed in."""
     p, confidence = tracks["p"], tracks["confidence"]
@@ -253,7 +226,7 @@ def surviving(tracks, epsilon, c_min):
     return lives
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def spread_among(apart, x, rows, farthest):
     """Return (k, k) lengths of the mean vectors `apart` (n, n, 2) between the tracks `rows` (k,) of states `x` (n, 4).
 
@@ -263,7 +236,7 @@ def spread_among(apart, x, rows, farthest):
     for i in range(len(rows)):
         for j in range(len(rows)):
             a, b = rows[i], rows[j]
-            if i == j or _distance(x[a, 0], x[a, 1], x[b, 0], x[b, 1]) > farthest:
+            if i == j or distance(x[a, 0], x[a, 1], x[b, 0], x[b, 1]) > farthest:
                 spread[i, j] = np.inf
             else:
                 spread[i, j] = np.sqrt(apart[a, b, 0] ** 2 + apart[a, b, 1] ** 2)

@@ -7,23 +7,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...slam.bounds import checked_pose
 from ...slam.errors import InputError
-from ...slam.geometry import compose, transform_points
+from ...slam.geometry import compose
 from ...slam.scan import LaserScan
+from ..legs.detection_kernel import Found
 from ..legs.detector import Detections, Detector
-from . import leg_kernels, person_tracks
+from . import following, leg_kernels
 from .camera import CameraTracking, SeenPeople
 from .config import TrackerConfig
-from .confirmation import TrackConfirmation
-from .identities import Identities
-from .leg_association import LegAssociation
-from .leg_exchange import LegExchange
-from .local_grid import LocalGrid
-from .merged_legs import MergedLegs
-from .people import People
-from .reidentification import Reidentification
-from .termination import TrackTermination
-from .track_kernels import points_of_things
-from .tracks import Rows, Tracks
+from .numbers import numbers_of
+from .people import People, SeenLegs
+from .tracks import LEGS, PEOPLE, Tracks, has_room, no_tracks, tracks_of, with_room
 
 Array = NDArray[np.float64]
 
@@ -51,8 +44,7 @@ class TrackerUpdate:
 class PeopleTracker:
     """Tracks legs and people in the odometry frame.
 
-    A scan goes through the stages of multi-target tracking: prediction, data association, correction, track
-    termination, track confirmation with re-identification; and what is not human marks a local grid.
+    A scan goes through the stages of multi-target tracking, see `following`; a camera may add what it saw.
 
     Args:
         config: Its numbers, a node for each stage.
@@ -60,22 +52,13 @@ class PeopleTracker:
     """
 
     def __init__(self, config: TrackerConfig, detector: Detector) -> None:
-        self._config, self._detector = config, detector
+        self._config, self._numbers, self._detector = config, numbers_of(config), detector
         self.reset()
 
     def reset(self) -> None:
         """Forget everything."""
-        config = self._config
-        self._tracks = Tracks(config)
-        self._grid = LocalGrid(config.grid.resolution, config.grid.rise_s, config.grid.fade_s)
-        self._association = LegAssociation(config)
-        self._merged_legs = MergedLegs(config.merged_legs, self._grid)
-        self._exchange = LegExchange(config.pairing)
-        self._termination = TrackTermination(config.termination)
-        self._reidentification = Reidentification(config)
-        identities = Identities(config.reidentification, self._reidentification)
-        self._confirmation = TrackConfirmation(config, self._grid, self._reidentification, identities)
-        self._camera = CameraTracking(config, identities)
+        self._all = no_tracks(1)
+        self._camera = CameraTracking(self._config, self._numbers)
         self._time_s: float | None = None
 
     def update(self, scan: LaserScan, odometry: ArrayLike, seen: SeenPeople | None = None) -> TrackerUpdate:
@@ -86,22 +69,13 @@ class PeopleTracker:
         """
         pose, dt = checked_pose(odometry), self._step(scan.time_s)
         detections = self._detector.detect(scan)
-        z = transform_points(pose, detections.positions[detections.human])
-        d = detections.confidence[detections.human]
-        self._tracks.predict(dt)
-        self._reidentification.predict(dt)
-        match = self._association.associate(self._tracks, z)
-        self._correct(match, z, d, detections, pose, dt)
-        match = self._exchange.exchange(self._tracks, match)
-        things = self._things(detections, match)
-        self._reidentification.add(self._termination.terminate(self._tracks))
-        self._tracks.begin(match, z, d)
-        points = transform_points(compose(pose, scan.T_robot_lidar), detections.clusters.points)
-        self._confirmation.confirm(self._tracks, points, scan.time_s)
+        found, lidar = found_in(detections), compose(pose, scan.T_robot_lidar)
+        tracks = self._with_room(len(detections) + (0 if seen is None else 2 * len(seen.positions)))
+        points, things = following.follow(tracks, found, pose, lidar, scan.time_s, dt, self._numbers)
         if seen is not None:
-            self._camera.update(self._tracks, seen, scan.time_s, dt)
-        self._mark_grid(points, detections, things, pose, dt)
-        return TrackerUpdate(self._tracks.as_people(scan.time_s), detections, pose)
+            self._camera.update(tracks, seen, scan.time_s, dt)
+        following.mark_things(tracks, found, points, things, pose, scan.time_s, dt, self._numbers)
+        return TrackerUpdate(_as_people(tracks, scan.time_s), detections, pose)
 
     def _step(self, time_s: float) -> float:
         """Return the time since the last scan [s]; before the first, that between two scans at the reference rate."""
@@ -111,32 +85,40 @@ class PeopleTracker:
         self._time_s = time_s
         return 1.0 / self._config.motion.reference_rate_hz if before is None else time_s - before
 
-    def _correct(self, match: Rows, z: Array, d: Array, detections: Detections, pose: Array, dt: float) -> None:
-        """Correct legs and people (eq. 4c to 4e, 6) with detections `z` (m, 2), `d` (m,) that `match` (n,) tracks."""
-        tracks = self._tracks
-        tracks.legs.correct(match, z, d, dt)
-        sightings = person_tracks.measure(tracks.people, match[: tracks.owned].reshape(-1, 2), z, d)
-        assert self._time_s is not None
-        sightings = self._merged_legs.measure(tracks, sightings, detections, pose, self._time_s)
-        person_tracks.correct(tracks.people, sightings, dt, self._config)
-        tracks.carry_hidden_legs(match)
-        tracks.legs.measure_apart(dt)
-        tracks.count_owned(dt)
+    def _with_room(self, fresh: int) -> Tracks:
+        """Return the tracks, with room for `fresh` more."""
+        while not has_room(tracks_of(self._all, 0), fresh):
+            self._all = with_room(self._all, 2 * self._all.legs.shape[1])
+        return tracks_of(self._all, 0)
 
-    def _things(self, detections: Detections, match: Rows) -> NDArray[np.bool_]:
-        """Return (c,) which clusters are not human: no leg-like ones, and old tentative tracks that never moved."""
-        config, tracks, human = self._config, self._tracks, detections.human
-        things = ~human
-        bounds = config.grid.still_s, config.confirmation.delta, int(np.count_nonzero(human))
-        things[human] = leg_kernels.still(tracks.legs.rows, tracks.owned, match, *bounds)
-        return things
 
-    def _mark_grid(
-        self, points: Array, detections: Detections, things: NDArray[np.bool_], pose: Array, dt: float
-    ) -> None:
-        """Mark `points` (k, 2) of the clusters `things`, but never where a person, or what may become one, stands."""
-        least, tracks, clusters = self._config.confirmation.delta / 2.0, self._tracks, detections.clusters
-        human = leg_kernels.human_places(tracks.people, tracks.legs.rows, least, self._reidentification.positions)
-        kept = points_of_things(points, clusters.start, clusters.end, things, human, self._config.grid.clearance)
-        assert self._time_s is not None
-        self._grid.mark(kept, pose[:2], self._time_s, dt)
+def found_in(detections: Detections) -> Found:
+    """Return `detections` as kernels take them."""
+    clusters = detections.clusters
+    return Found(
+        points=np.ascontiguousarray(clusters.points, dtype=np.float64),
+        numbers=np.ascontiguousarray(clusters.beams, dtype=np.int64),
+        start=np.ascontiguousarray(clusters.start, dtype=np.int64),
+        end=np.ascontiguousarray(clusters.end, dtype=np.int64),
+        positions=np.ascontiguousarray(detections.positions, dtype=np.float64),
+        confidence=np.ascontiguousarray(detections.confidence, dtype=np.float64),
+        human=np.ascontiguousarray(detections.human, dtype=np.bool_),
+    )
+
+
+def _as_people(tracks: Tracks, time_s: float) -> People:
+    """Return copies of what is known of the people at `time_s`."""
+    people, legs = tracks.people[: tracks.counts[PEOPLE]], tracks.legs[: tracks.counts[LEGS]]
+    rows, owner = leg_kernels.seen_now(legs, len(people))
+    return People(
+        time_s=time_s,
+        ids=people["id"].copy(),
+        positions=people["x"][:, :2].copy(),
+        velocities=people["x"][:, 2:].copy(),
+        confidence=people["confidence"].copy(),
+        legs=legs["x"][: 2 * len(people), :2].reshape(-1, 2, 2).copy(),
+        variance=people["p"][:, 0].copy(),
+        unseen_s=people["unseen_s"].copy(),
+        age_s=people["age_s"].copy(),
+        seen_legs=SeenLegs(legs["seen"][rows], legs["confidence"][rows], owner),
+    )

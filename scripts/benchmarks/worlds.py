@@ -32,7 +32,7 @@ CASES: dict[str, dict[str, Any]] = {
     "corridor, 1 bystander, 360 beams": {"id": "Corridor", "people_count": 2, "beams": 360},
 }
 """Name -> the environment's id and arguments."""
-PEOPLE = "truth", "modelled"
+PEOPLE = "truth", "modelled", "tracker"
 """How the robots know of people."""
 THREADS = (1, 2)
 ROUNDS = 5

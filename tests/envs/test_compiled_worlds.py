@@ -8,6 +8,7 @@ from gymnasium.vector import AutoresetMode
 from tagalong.envs import FollowEnv
 from tagalong.envs.compiled.rules import compiled_config, make_rules
 from tagalong.envs.scenes import make_scene
+from tagalong.perception import perception_preset
 from tagalong.slam import InputError
 
 EXACT = {
@@ -241,6 +242,7 @@ def test_both_simulators_tell_in_the_same_form(mode):
     [
         ({"people": "camera", "camera": "kinect-v2"}, "`people` 'camera'"),
         ({"people": "tracker", "lidar.rate_hz": 40.0}, "`people` 'tracker': with 4 sweeps a step"),
+        ({"people": "tracker", "perception": perception_preset("recorded")}, "`perception.method` 'hypotheses'"),
         ({"slam": "gmapping"}, "`slam`"),
         ({"camera": "kinect-v2"}, "`camera`"),
         ({"leader": False}, "`task.leader` False"),

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from body_selector_reference import PlainSelector
 from tagalong.perception.leader.body_selector import BodyConfig, BodyLeaderSelector
 from tagalong.perception.leader.selector import LeaderSelector
 from tagalong.perception.tracking.people import People, SeenLegs
@@ -195,7 +196,7 @@ def test_a_leader_whose_track_was_stolen_is_seen_by_legs_that_are_nobodys(seed):
 
 def test_a_leader_alone_is_its_track(monkeypatch):
     room = Room(body_selector())
-    monkeypatch.setattr("tagalong.perception.leader.body_selector.BodyCloud", None)  # it needs no cloud
+    monkeypatch.setattr("tagalong.perception.leader.body_selector.cloud_draws", None)  # it needs no cloud
     for k in range(40):
         place = np.array([1.5, -1.0 + 0.05 * k])
         found = room.show([(0, place, np.array([0.0, 0.5]), True), (1, place + 1.6, np.zeros(2), True)])
@@ -226,3 +227,29 @@ def test_a_leader_who_vanishes_within_the_first_second_is_not_seen():
     assert gone[-1].unseen_s == pytest.approx(0.6)
     found = room.show([(0, place, still, True)])
     assert (found.visible, found.track_id, found.id) == (True, 0, 0)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_leader_is_that_of_plain_numpy_in_any_crowd(seed):
+    rng = np.random.default_rng(seed)
+    rooms = [Room(kind(np.random.default_rng(seed))) for kind in (BodyLeaderSelector, PlainSelector)]
+    places, speeds = rng.uniform(-2.5, 2.5, (6, 2)) + np.array((2.0, 0.0)), rng.normal(0.0, 0.6, (6, 2))
+    numbers, lost, changed = np.arange(6), 0, 0
+    for k in range(200):
+        places += DT * speeds
+        speeds = np.where(np.abs(places - [2.0, 0.0]) > 2.5, -np.sign(places - [2.0, 0.0]) * np.abs(speeds), speeds)
+        if rng.random() < 0.1:  # two tracks change bodies, or one ends and a new one begins
+            numbers[:2] = rng.permutation(numbers[:2])
+            numbers[rng.integers(6)] = 10 + k
+        seen, tracked = rng.random(6) < 0.8, np.roll(rng.random(6) < 0.9, k // 40)
+        shown = [(int(numbers[i]), places[i].copy(), speeds[i], bool(seen[i])) for i in range(6) if tracked[i]]
+        loose = [places[i] for i in range(6) if not tracked[i] and seen[i]]
+        ours, theirs = (room.show(shown, loose) for room in rooms)
+        assert (ours is None) == (theirs is None)
+        if ours is not None:
+            assert (ours.id, ours.track_id, ours.visible) == (theirs.id, theirs.track_id, theirs.visible)
+            for name in ("position", "velocity", "confidence", "unseen_s"):
+                assert getattr(ours, name) == pytest.approx(getattr(theirs, name), rel=1e-6, abs=1e-9)
+            lost, changed = lost + (ours.track_id < 0), changed + (ours.track_id != ours.id)
+    assert lost > 5
+    assert changed > lost

@@ -3,8 +3,11 @@
 import cloud_reference as reference
 import numpy as np
 import pytest
+from tagalong.perception.leader import cloud
 from tagalong.perception.leader import cloud_kernels as kernels
-from tagalong.perception.leader.cloud import BodyCloud, CloudConfig, LeaderView
+from tagalong.perception.leader.body_selector import BodyConfig, body_numbers
+from tagalong.perception.leader.cloud import CloudConfig, LeaderView, seen_in
+from tagalong.perception.leader.onset import LeaderConfig
 from tagalong.slam import InputError, LaserScan
 
 SEEDS = pytest.mark.parametrize("seed", range(4))
@@ -48,6 +51,29 @@ def test_kernels_do_what_the_reference_does(seed):
     np.testing.assert_allclose(claims, reference.claimed(legs, owner, 2, places, seen, 0.5, 2.0, 0.35), rtol=1e-12)
 
 
+class Cloud:
+    """A cloud around somebody, with draws of its own."""
+
+    def __init__(self, position, velocity=(0.0, 0.0), **fields):
+        self.rng, self.numbers = (
+            np.random.default_rng(0),
+            body_numbers(BodyConfig(cloud=CloudConfig(**fields)), LeaderConfig()),
+        )
+        self.bodies, self.weights = np.empty((200, 4)), np.empty(200)
+        around = np.array([*position, *velocity])
+        cloud.begin_cloud(self.bodies, self.weights, around, self.rng.standard_normal((200, 4)), self.numbers)
+
+    def advance(self, dt, view):
+        cloud.advance_cloud(self.bodies, self.weights, self.rng.standard_normal((200, 2)), dt, view, self.numbers)
+
+    def weigh(self, legs, count, view):
+        if cloud.weigh_cloud(self.bodies, self.weights, legs, count, view, self.numbers):
+            cloud.draw_anew(self.bodies, self.weights, self.rng.random())
+
+    def near(self, place, radius):
+        return self.weights[np.hypot(*(self.bodies[:, :2] - place).T) < radius].sum()
+
+
 def open_view(ranges=9.0, count=361):
     return LeaderView(np.full(count, float(ranges)), -np.pi / 2.0, np.pi / (count - 1), np.zeros(3))
 
@@ -55,43 +81,60 @@ def open_view(ranges=9.0, count=361):
 def test_a_scan_becomes_a_view_in_the_odometry_frame():
     ranges = np.array([1.0, np.inf, np.nan, 0.01, 30.0])
     scan = LaserScan(ranges, np.linspace(-1.0, 1.0, 5), 0.1, 20.0, T_robot_lidar=(0.2, 0.0, 0.0))
-    view = LeaderView.of(scan, (1.0, 2.0, np.pi / 2.0))
+    view = seen_in(scan, (1.0, 2.0, np.pi / 2.0))
     assert view.ranges.tolist() == [1.0, 20.0, 0.0, 0.0, 20.0]
     assert (view.first, view.step) == (-1.0, 0.5)
     assert view.laser == pytest.approx([1.0, 2.2, np.pi / 2.0])
 
 
+def test_a_cloud_begins_around_the_leader_and_is_spread_as_configured():
+    around = Cloud((3.0, 1.0), (0.5, 0.0))
+    assert cloud.mean_of(around.bodies, around.weights) == pytest.approx([3.0, 1.0, 0.5, 0.0], abs=0.1)
+    assert around.bodies.std(axis=0) == pytest.approx([0.1, 0.1, 0.3, 0.3], rel=0.2)
+    assert cloud.spread_of(around.bodies, around.weights) == pytest.approx(0.1 * np.sqrt(2.0), rel=0.2)
+    assert around.weights.tolist() == [1.0 / 200] * 200
+
+
 def test_bodies_die_in_free_view_and_live_on_out_of_sight():
-    cloud = BodyCloud(CloudConfig(), np.random.default_rng(0), np.array([3.0, 0.0]), np.zeros(2))
-    cloud.bodies[::2, :2] = 3.0, 3.0
+    around = Cloud((3.0, 0.0))
+    around.bodies[::2, :2] = 3.0, 3.0
     ranges = np.full(361, 9.0)
     ranges[225:] = 2.0  # a wall before the half of them at 45 degrees
     view = LeaderView(ranges, -np.pi / 2.0, np.pi / 360.0, np.zeros(3))
     for _ in range(3):
-        cloud.weigh(np.zeros((0, 2)), np.zeros(0), view)
-    assert cloud.near(np.array([[3.0, 3.0]]), 0.5)[0] > 0.98
-    assert cloud.weights.sum() == pytest.approx(1.0)
+        around.weigh(np.zeros((0, 2)), np.zeros(0), view)
+    assert around.near((3.0, 3.0), 0.5) > 0.98
+    assert around.weights.sum() == pytest.approx(1.0)
 
 
 def test_bodies_do_not_walk_through_walls():
-    cloud = BodyCloud(CloudConfig(push=0.01), np.random.default_rng(0), np.array([1.5, 0.0]), np.array([1.5, 0.0]))
-    cloud.bodies[::2] = 1.5, 0.0, -1.0, 0.0
+    around = Cloud((1.5, 0.0), (1.5, 0.0), push=0.01)
+    around.bodies[::2] = 1.5, 0.0, -1.0, 0.0
     ranges = 2.0 / np.cos(np.linspace(-np.pi / 2.0, np.pi / 2.0, 361)).clip(0.05)
     view = LeaderView(ranges, -np.pi / 2.0, np.pi / 360.0, np.zeros(3))
     for _ in range(8):
-        cloud.advance(0.1, view)
-    assert cloud.weights[cloud.bodies[:, 0] > 2.0].sum() < 0.06
+        around.advance(0.1, view)
+    assert around.weights[around.bodies[:, 0] > 2.0].sum() < 0.06
 
 
 def test_the_cloud_gathers_where_legs_are_seen_and_stays_as_large():
-    cloud = BodyCloud(CloudConfig(), np.random.default_rng(0), np.array([2.0, 0.0]), np.zeros(2))
+    around = Cloud((2.0, 0.0))
     for _ in range(10):
-        cloud.advance(0.1, open_view(2.2))
-        cloud.weigh(np.array([[2.0, 0.5], [2.0, 0.3]]), np.full(2, 4.0), open_view(2.2))
-    assert cloud.mean[:2] == pytest.approx([2.0, 0.4], abs=0.1)
-    assert cloud.spread < 0.35
-    assert cloud.bodies.shape == (200, 4)
-    assert cloud.explained(np.array([[2.0, 0.4], [5.0, 5.0]])) == pytest.approx([0.6, 0.0], abs=0.25)
+        around.advance(0.1, open_view(2.2))
+        around.weigh(np.array([[2.0, 0.5], [2.0, 0.3]]), np.full(2, 4.0), open_view(2.2))
+    assert cloud.mean_of(around.bodies, around.weights)[:2] == pytest.approx([2.0, 0.4], abs=0.1)
+    assert cloud.spread_of(around.bodies, around.weights) < 0.35
+    out = np.empty(2)
+    kernels.explained(around.bodies, around.weights, np.array([[2.0, 0.4], [5.0, 5.0]]), 0.22, out)
+    assert out == pytest.approx([0.6, 0.0], abs=0.25)
+
+
+def test_bodies_are_drawn_anew_by_their_weights_at_equal_steps():
+    bodies, weights = np.arange(16.0).reshape(4, 4), np.array([0.05, 0.6, 0.05, 0.3])
+    drawn = bodies[np.searchsorted(np.cumsum(weights), (0.5 + np.arange(4)) / 4.0)]
+    cloud.draw_anew(bodies, weights, 0.5)
+    np.testing.assert_array_equal(bodies, drawn)
+    assert weights.tolist() == [0.25] * 4
 
 
 def test_wrong_clouds_say_what_is_wrong():

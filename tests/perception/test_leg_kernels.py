@@ -4,8 +4,7 @@ import leg_tracks_reference as leg_reference
 import numpy as np
 import pytest
 from tagalong.perception.tracking import leg_kernels
-from tagalong.perception.tracking.leg_tracks import LEG
-from tagalong.perception.tracking.person_tracks import PERSON
+from tagalong.perception.tracking.tracks import LEG, PERSON
 
 LEGS, PEOPLE, DETECTIONS = 11, 3, 9
 
@@ -26,8 +25,7 @@ def drawn(request):
 
 def test_questions_have_the_answers_of_plain_numpy(drawn):
     legs, people, match, rng = drawn
-    apart, lost = rng.normal(size=(LEGS, LEGS, 2)), rng.normal(size=(2, 2))
-    rows, columns = rng.permutation(LEGS)[:4], rng.permutation(LEGS)[:5]
+    lost = rng.normal(size=(2, 2))
     asked = {
         "moved": (legs,),
         "promising": (legs, 2 * PEOPLE, 1.0, 0.8),
@@ -36,7 +34,6 @@ def test_questions_have_the_answers_of_plain_numpy(drawn):
         "unmatched": (match, DETECTIONS),
         "seen_now": (legs, PEOPLE),
         "since_leg": (legs, PEOPLE),
-        "spread_between": (apart, rows, columns),
     }
     for name, arguments in asked.items():
         ours, theirs = (getattr(module, name)(*arguments) for module in (leg_kernels, leg_reference))

@@ -1,9 +1,12 @@
 """Legs seen apart from the leader stay somebody else's; duplicate tracks of the leader are no other people."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from tagalong.perception.leader.body_memory import memory_of, nothing_remembered
 from tagalong.perception.leader.duplicate_tracks import DuplicateTracks
-from tagalong.perception.leader.legs_of_others import LegsOfOthers
+from tagalong.perception.leader.legs_of_others import SCANS, follow_legs, observe_apart, others_among
 from tagalong.perception.tracking.people import People, SeenLegs
 
 DT = 0.1
@@ -11,16 +14,16 @@ DT = 0.1
 
 def asked(legs, places, own=(), explained=1.0):
     """Show legs at `places`, those of rows `own` carried by the leader's track; return which are others'."""
-    legs.update(np.asarray(places, dtype=np.float64).reshape(-1, 2), DT)
+    follow_legs(legs, np.asarray(places, dtype=np.float64).reshape(-1, 2), DT)
     mine = np.isin(np.arange(len(places)), own)
-    return legs.among(mine, np.where(mine, 1.0, explained), DT).tolist()
+    return others_among(legs, mine, np.where(mine, 1.0, explained), DT).tolist()
 
 
 def seen_apart(times, place=(1.0, 0.0)):
-    legs = LegsOfOthers()
+    legs = memory_of(nothing_remembered(1, 1), 0)
     for _ in range(times):
         asked(legs, [place, (0.0, 0.0)])
-        legs.observe(np.array([True, False]))
+        observe_apart(legs, np.array([True, False]))
     return legs
 
 
@@ -29,10 +32,10 @@ def test_a_leg_is_somebody_elses_after_three_scans_in_a_row_apart_from_the_leade
     assert asked(seen_apart(3), [(1.0, 0.0), (0.0, 0.0)]) == [True, False]
     interrupted = seen_apart(2)
     asked(interrupted, [(1.0, 0.0), (0.0, 0.0)])
-    interrupted.observe(np.array([False, False]))
+    observe_apart(interrupted, np.array([False, False]))
     for _ in range(2):
         asked(interrupted, [(1.0, 0.0), (0.0, 0.0)])
-        interrupted.observe(np.array([True, False]))
+        observe_apart(interrupted, np.array([True, False]))
     assert asked(interrupted, [(1.0, 0.0), (0.0, 0.0)]) == [False, False]
 
 
@@ -48,7 +51,8 @@ def test_a_leg_of_somebody_else_is_recognised_if_it_was_hidden_for_less_than_hal
     legs = seen_apart(3)
     for _ in range(hidden):
         asked(legs, [(0.0, 0.0)])
-    assert len(legs.places) == int(known)
+    followed = legs.followed["apart"][: legs.leader["followed"][0]]
+    assert np.count_nonzero(followed >= SCANS) == int(known)
     assert asked(legs, [(1.1, 0.0), (0.0, 0.0)]) == [known, False]
 
 
@@ -66,7 +70,7 @@ def people_at(places, unseen_s=0.0):
     return People(
         time_s=0.0,
         ids=np.arange(count),
-        positions=np.asarray(places, dtype=np.float64),
+        positions=np.asarray(places, dtype=np.float64).reshape(-1, 2),
         velocities=np.zeros((count, 2)),
         confidence=np.full(count, 0.8),
         legs=np.zeros((count, 2, 2)),
@@ -99,6 +103,14 @@ def test_who_is_tracked_at_the_leaders_place_for_long_is_a_duplicate():
     assert watched((0.3, 0.0), 7).among(pair).tolist() == [False, False]
     assert watched((0.5, 0.0), 10).among(pair).tolist() == [False, False]
     assert watched((0.3, 0.0), 10, unseen_s=0.2).among(pair).tolist() == [False, False]
+
+
+def test_however_many_came_and_went_a_duplicate_is_known():
+    duplicates, pair = watched((0.3, 0.0), 10), people_at([(0.0, 0.0), (0.3, 0.0)])
+    for k in range(100):
+        update(duplicates, replace(pair, ids=np.array([0, 10 + k])))
+    assert duplicates.among(pair).tolist() == [False, True]
+    assert duplicates.among(people_at([])).tolist() == []
 
 
 def test_a_duplicate_seen_somewhere_else_is_somebody_else():

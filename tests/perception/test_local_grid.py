@@ -1,25 +1,6 @@
 import numpy as np
+from people_tracker_reference import PlainGrid
 from tagalong.perception.tracking.local_grid import OCCUPIED, LocalGrid
-
-
-class PlainGrid:
-    """The same rules, cell by cell in a dictionary."""
-
-    def __init__(self, resolution, rise_s, fade_s):
-        self.resolution, self.rise_s, self.fade_s, self.cells = resolution, rise_s, fade_s, {}
-
-    def mark(self, points, time_s, dt):
-        for cell in {tuple(cell) for cell in np.floor(points / self.resolution).astype(int)}:
-            self.cells[cell] = (min(1.0, self.evidence(cell, time_s) + dt / self.rise_s), time_s)
-
-    def evidence(self, cell, time_s):
-        value, seen_s = self.cells.get(cell, (0.0, time_s))
-        return value * np.exp((seen_s - time_s) / self.fade_s)
-
-    def is_free(self, points, time_s):
-        around = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)]
-        cells = np.floor(points / self.resolution).astype(int)
-        return np.array([max(self.evidence((x + i, y + j), time_s) for i, j in around) < OCCUPIED for x, y in cells])
 
 
 def test_the_ring_buffer_says_what_a_dictionary_says():

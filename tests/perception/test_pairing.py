@@ -2,9 +2,10 @@ import numpy as np
 import pytest
 from pairing_reference import better_pairs_reference, mutual_pairs_reference
 from tagalong.perception.tracking.config import TrackerConfig
+from tagalong.perception.tracking.numbers import numbers_of
 from tagalong.perception.tracking.pairing import better_pairs, mutual_pairs
-from tagalong.perception.tracking.person_tracks import PERSON
-from tagalong.perception.tracking.reidentification import Reidentification
+from tagalong.perception.tracking.reidentification import number, predict_lost
+from tagalong.perception.tracking.tracks import LOST, PERSON, no_tracks, tracks_of
 
 
 def spread_of(places):
@@ -45,23 +46,28 @@ def test_a_person_gives_its_newer_leg_for_a_nearer_one():
 
 
 def lost_person(config, seconds):
-    person = np.zeros(1, dtype=PERSON)
+    tracks = tracks_of(no_tracks(1), 0)
+    person = tracks.lost[:1]
     person["id"], person["x"], person["p"], person["unseen_s"] = 7, (1.0, 0.0, 0.5, 0.0), (0.05, 0.0, 0.05), 0.5
-    person["age_s"] = 20.0
-    memory = Reidentification(config)
-    memory.add(person)
+    tracks.counts[LOST], tracks.counts[3] = 1, 8
     for _ in range(round(10 * seconds)):
-        memory.predict(0.1)
-    return memory
+        predict_lost(tracks, 0.1, numbers_of(config))
+    return tracks
+
+
+def numbered(tracks, place, age_s, config):
+    fresh = np.zeros(1, dtype=PERSON)
+    fresh["x"][0, :2], fresh["age_s"] = place, age_s
+    number(tracks, fresh, numbers_of(config))
+    return int(fresh["id"][0])
 
 
 def test_a_lost_person_is_met_again_where_it_went_but_not_elsewhere_nor_if_it_was_there_before():
-    config, nobody = TrackerConfig(), np.zeros(0, dtype=PERSON)
-    near, far, young, old = np.array([[1.6, 0.1]]), np.array([[6.0, 0.0]]), np.array([1.0]), np.array([9.0])
-    assert lost_person(config, 2.0).identify(near, young, nobody).tolist() == [7]
-    assert lost_person(config, 2.0).identify(far, young, nobody).tolist() == [-1]
-    assert lost_person(config, 2.0).identify(near, old, nobody).tolist() == [-1]
-    assert lost_person(config, config.reidentification.max_age_s).identify(near, young, nobody).tolist() == [-1]
-    memory = lost_person(config, 2.0)
-    memory.identify(near, young, nobody)
-    assert memory.identify(near, young, nobody).tolist() == [-1]  # met once, lost no more
+    config, near, far = TrackerConfig(), (1.6, 0.1), (6.0, 0.0)
+    assert numbered(lost_person(config, 2.0), near, 1.0, config) == 7
+    assert numbered(lost_person(config, 2.0), far, 1.0, config) == 8
+    assert numbered(lost_person(config, 2.0), near, 9.0, config) == 8
+    assert numbered(lost_person(config, config.reidentification.max_age_s), near, 1.0, config) == 8
+    tracks = lost_person(config, 2.0)
+    numbered(tracks, near, 1.0, config)
+    assert numbered(tracks, near, 1.0, config) == 8  # met once, lost no more

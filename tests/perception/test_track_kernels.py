@@ -6,8 +6,8 @@ import tracking_reference as reference
 from centres_reference import move_to_centres_reference
 from tagalong.perception.legs.centres_kernel import move_to_centres
 from tagalong.perception.tracking import track_kernels
-from tagalong.perception.tracking.leg_tracks import LEG
-from tagalong.perception.tracking.person_tracks import PERSON
+from tagalong.perception.tracking.assignment import near_pairs
+from tagalong.perception.tracking.tracks import LEG, LEGS, PERSON, begin, no_tracks, take, tracks_of, with_room
 
 SEEDS = pytest.mark.parametrize("seed", range(4))
 
@@ -93,10 +93,24 @@ def test_means_of_the_vectors_between_tracks(seed):
     assert wide == (np.linalg.norm(apart[[0, 2], [1, 3]], axis=1) > 1.5).any()
     track_kernels.average_apart(x, age_s, apart, 0.1, 1.0)
     np.testing.assert_allclose(apart, expected, rtol=1e-14)
-    more = rng.normal(size=(8, 4))
-    np.testing.assert_array_equal(track_kernels.with_fresh(apart, more), reference.with_fresh(apart, more[:, :2]))
-    order = np.array([4, 0, 5])
-    np.testing.assert_array_equal(track_kernels.taken(apart, order), apart[np.ix_(order, order)])
+
+
+@SEEDS
+def test_tracks_that_begin_and_those_that_are_taken_keep_their_means(seed):
+    rng = np.random.default_rng(seed)
+    many = tracks_of(with_room(no_tracks(1, 12), 20), 0)
+    begin(many, rng.normal(size=(6, 2)), np.ones(6), 0.05)
+    many.apart[:6, :6] = rng.normal(size=(6, 6, 2))
+    before, z = many.apart[:6, :6].copy(), rng.normal(size=(2, 2))
+    begin(many, z, np.ones(2), 0.05)
+    grown = reference.with_fresh(before, many.legs["x"][:8, :2])
+    np.testing.assert_array_equal(many.apart[:8, :8], grown)
+    np.testing.assert_array_equal(many.legs["high"][6:8], z)
+    legs, order = many.legs[:8].copy(), np.array([4, 0, 7])
+    take(many, order)
+    assert many.counts[LEGS] == 3
+    np.testing.assert_array_equal(many.apart[:3, :3], grown[np.ix_(order, order)])
+    np.testing.assert_array_equal(many.legs[:3], legs[order])
 
 
 @SEEDS
@@ -116,7 +130,7 @@ def test_pairs_nearer_than_their_limit(seed):
     rng = np.random.default_rng(seed)
     cost, limit = rng.uniform(0, 1, (5, 4)), rng.uniform(0, 0.5, 5)
     near = cost < limit[:, None]
-    rows, columns, alone = track_kernels.near_pairs(cost, limit)
+    rows, columns, alone = near_pairs(cost, limit)
     assert alone == (near.sum(axis=0).max() <= 1 and near.sum(axis=1).max() <= 1)
     np.testing.assert_array_equal(rows, np.flatnonzero(near.any(axis=1)))
     np.testing.assert_array_equal(np.sort(columns), np.flatnonzero(near.any(axis=0)))

@@ -58,8 +58,3 @@ def seen_now(legs: Tracks, people: int) -> tuple[Rows, Rows]:
 def since_leg(legs: Tracks, people: int) -> Array:
     """Return (`people`,) the time since a leg of each person was seen apart [s]."""
     return np.asarray(legs["unseen_s"][: 2 * people].reshape(-1, 2).min(axis=1))
-
-
-def spread_between(apart: Array, rows: Rows, columns: Rows) -> Array:
-    """Return (k, l) lengths of the mean vectors `apart` (n, n, 2) between tracks."""
-    return np.sqrt((apart[np.ix_(rows, columns)] ** 2).sum(axis=-1))

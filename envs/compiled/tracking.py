@@ -1,0 +1,155 @@
+"""Leg detector, tracker and choice of the leader for many worlds: the very kernels of the onboard stack, in a loop."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...perception.leader import body_kernels
+from ...perception.leader.body_kernels import BodyNumbers
+from ...perception.leader.body_memory import CLOUD, BodyMemory, Company, can_hold, forget_leader, memory_of
+from ...perception.leader.cloud import view_of
+from ...perception.legs.detection_kernel import Beams, Splitting, find_legs
+from ...perception.legs.forest_kernel import PackedForest
+from ...perception.tracking import following, leg_kernels
+from ...perception.tracking.numbers import Numbers
+from ...perception.tracking.tracks import LEGS, PEOPLE, Tracks, forget, has_room, tracks_of
+from ...slam.geometry import composed
+from ...slam.view_kernel import inner_kernel, kernel
+from .entries import leader_entry, people_entry
+from .episodes import REST, STEP
+from .leading import Known
+
+Array = NDArray[np.float64]
+
+
+class TrackingRules(NamedTuple):
+    """What never changes: the laser, and the numbers of detector, tracker and selector."""
+
+    beams: Beams
+    splitting: Splitting
+    forest: PackedForest
+    tracker: Numbers
+    selector: BodyNumbers
+
+
+class Knowledge(NamedTuple):
+    """What the trackers of w worlds know, and what is drawn for them.
+
+    Attributes:
+        tracks: Of people and legs.
+        memory: Of the choice of the leader.
+        time_s: (w,) of the last scan [s].
+        lacking: (w,) whether there was no room for the last scan, which then is as if it had not been.
+        first: (w, n, 4) for `body_kernels.look`, as the next one.
+        pushes: (w, n, 2).
+        draw: (w,) for `body_kernels.decide`; 0 where it is to be drawn.
+    """
+
+    tracks: Tracks
+    memory: BodyMemory
+    time_s: Array
+    lacking: NDArray[np.bool_]
+    first: Array
+    pushes: Array
+    draw: Array
+
+
+class Swept(NamedTuple):
+    """What the robots measured: (w, beams) ranges [m], (w,) when [s], and (w, 3) where, by odometry."""
+
+    ranges: Array
+    time_s: Array
+    odometry: Array
+
+
+class Read(NamedTuple):
+    """What is told of it: entries of the observation, how many people are known, and the leader's track."""
+
+    leader: NDArray[np.float32]
+    people: NDArray[np.float32]
+    tracked: NDArray[np.int64]
+    track: NDArray[np.int64]
+
+
+@kernel
+def track_worlds(worlds, what, rules, minds, swept):
+    """Track people in the sweeps of the `worlds` (first, end) that did `what` (w,), and ask who leads."""
+    for w in range(worlds[0], worlds[1]):
+        if what[w] == REST:
+            continue
+        tracks, memory = tracks_of(minds.tracks, w), memory_of(minds.memory, w)
+        if what[w] != STEP:
+            forget(tracks)
+            forget_leader(memory)
+        found = find_legs(swept.ranges[w], rules.beams, rules.splitting, rules.forest)
+        fresh = np.count_nonzero(found.human)
+        legs = tracks.counts[LEGS] + fresh + 1
+        minds.lacking[w] = not (has_room(tracks, fresh) and can_hold(memory, legs, legs))
+        if minds.lacking[w]:
+            continue
+        pose, time_s, c = swept.odometry[w], swept.time_s[w], rules.tracker
+        dt = time_s - minds.time_s[w] if what[w] == STEP else 1.0 / c.motion_reference_rate_hz
+        minds.time_s[w] = time_s
+        seen, things = following.follow(tracks, found, pose, lidar_at(pose, rules.beams.mount), time_s, dt, c)
+        following.mark_things(tracks, found, seen, things, pose, time_s, dt, c)
+        body_kernels.meet(memory, company_of(tracks), pose, time_s, rules.selector)
+
+
+@kernel
+def look_worlds(worlds, what, rules, minds, swept):
+    """Let the clouds of the worlds in doubt see the scan."""
+    for w in range(worlds[0], worlds[1]):
+        memory = memory_of(minds.memory, w)
+        minds.draw[w] = -1.0
+        if what[w] == REST or minds.lacking[w] or memory.leader[0].doubt < CLOUD:
+            continue
+        view = view_of(swept.ranges[w], rules.beams, lidar_at(swept.odometry[w], rules.beams.mount))
+        company, draws = company_of(tracks_of(minds.tracks, w)), minds.pushes[w]
+        if body_kernels.look(memory, company, view, minds.first[w], draws, rules.selector):
+            minds.draw[w] = 0.0
+
+
+@kernel
+def decide_worlds(worlds, what, rules, minds, swept, read):
+    """Say who leads in the worlds, and tell of it."""
+    for w in range(worlds[0], worlds[1]):
+        if what[w] == REST or minds.lacking[w]:
+            continue
+        memory, company = memory_of(minds.memory, w), company_of(tracks_of(minds.tracks, w))
+        body_kernels.decide(memory, company, minds.draw[w], rules.selector)
+        _tell(w, memory, company, swept.odometry[w], read)
+
+
+@inner_kernel
+def lidar_at(pose, mount):
+    """Return (3,) T_odom_lidar of a laser at `mount` (3,) on a robot at `pose` (3,)."""
+    x, y, theta = composed(pose[0], pose[1], pose[2], mount[0], mount[1], mount[2])
+    return np.array((x, y, theta))
+
+
+@inner_kernel
+def company_of(tracks):
+    """Return who is tracked now."""
+    people, legs = tracks.people[: tracks.counts[PEOPLE]], tracks.legs[: tracks.counts[LEGS]]
+    rows, owner = leg_kernels.seen_now(legs, len(people))
+    return Company(
+        people["id"].copy(), people["x"].copy(), people["confidence"].copy(), people["unseen_s"].copy(),
+        legs["seen"][rows], legs["confidence"][rows], owner.copy(),
+    )  # fmt: skip
+
+
+@inner_kernel
+def _tell(w, memory, company, odometry, read):
+    """Write what is told of world w."""
+    one, count = memory.leader[0], len(company.ids)
+    leads = one.track_id if one.known else -1
+    apart, row = np.empty(count), -1
+    for i in range(count):
+        apart[i] = np.hypot(company.x[i, 0] - odometry[0], company.x[i, 1] - odometry[1])
+        row = i if company.ids[i] == leads else row
+    places, motions = company.x[:, :2].copy(), company.x[:, 2:].copy()
+    known = Known(np.ones(count, np.bool_), apart, places, motions, company.unseen_s, company.confidence)
+    leader_entry(one.known, one.x, one.confidence, 1.0 if one.visible else 0.0, odometry, read.leader[w])
+    people_entry(row, odometry, known, read.people[w])
+    read.tracked[w], read.track[w] = count, leads
