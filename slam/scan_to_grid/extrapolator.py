@@ -72,6 +72,12 @@ class Prediction:
         information[2, 2] = rotation**-2
         return information
 
+    def squared_distance(self, pose: Array) -> float:
+        """Return the squared distance of `pose` (3,) from the prediction, in standard deviations."""
+        x, y, turn = between(self.pose, pose).tolist()
+        linear, angular = self.sigma.tolist()
+        return (x * x + y * y) / linear**2 + (turn / angular) ** 2
+
     def then(self, other: "Prediction") -> "Prediction":
         """Return this motion and the `other` after it as one; their errors are independent."""
         return Prediction(compose(self.pose, other.pose), np.hypot(self.sigma, other.sigma))

@@ -45,7 +45,8 @@ class GridScanMatcherConfig:
             much of the typical one.
         beside: A scan sees nothing of what it was matched on if its score is below so much of the typical one, and only
             this share of it tells.
-        independent: Share of the points that tell, where places are compared: beside each other they err alike.
+        independent: Share of the points that tell, where places are compared, in the search and after it: beside each
+            other they err alike, so that counted one by one they outvote any odometry.
     """
 
     weight: float = 1.5
@@ -216,7 +217,7 @@ class GridScanMatcher:
         start = prior
         if reach or angles:
             thinned = points[:: max(1, len(points) // config.search_points)]
-            weight = config.weight * len(points) / len(thinned)
+            weight = config.independent * config.weight * len(points) / len(thinned)
             start, _ = correlate(*place, thinned, prior, information, weight, reach, angles, step)
         pose, curvature, rest, _ = refine_pose(
             *place, points, start, prior, information, config.weight, config.iterations

@@ -238,3 +238,20 @@ def test_a_rougher_guess_is_needless_where_the_match_of_the_precise_one_asked_fo
     near, far = straight(61)[-1], straight(61)[-1] + [0.05, 0.0, 0.0]
     assert rough.is_needless(precise, near)
     assert not rough.is_needless(precise, far)
+
+
+def test_no_wheels_lead_to_a_place_that_only_looks_alike():
+    model, _ = driven(straight(30, step=1.0), straight(30, step=1.0))
+    model.predict(straight(31, step=1.0)[-1], STEP_S * 30)
+
+    def cost(x, y, turn=0.0):
+        pose = np.array([x, y, turn])
+        return model.found(pose).cost_at(pose, CLEAR)
+
+    stood, went = cost(29.0, 0.0), cost(30.0, 0.0)
+    assert stood == pytest.approx(went)
+    assert cost(30.3, 0.1, 0.1) < went + 1.0  # a slip
+    assert cost(29.5, 0.0) < went + 1.0  # the wheels held only half of the way
+    assert cost(30.0, 4.0) > went + 15.0  # the next room
+    assert cost(26.0, 0.0) > went + 8.0
+    assert cost(30.0, 0.0, 2.0) > went + 15.0

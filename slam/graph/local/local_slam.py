@@ -271,7 +271,7 @@ class LocalSlam:
             wide = self._matcher.search(front, points, anywhere)
             if wide:
                 wide = replace(wide, seen=telling_share(front, points, sensor, wide.pose))
-                jumped = self._motion.found(wide.pose, anywhere.sigma)
+                jumped = self._motion.found(wide.pose)
                 best = self._best([*found, (hypotheses[0], wide), (jumped, wide)], len(points))
                 if best[1] is wide:
                     hypotheses[:] = [*(motion for motion in hypotheses if motion.sound), jumped]

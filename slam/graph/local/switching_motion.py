@@ -15,6 +15,7 @@ the rest of them, one as rough as its error model.
 
 import copy
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,6 +34,7 @@ _NEAR = np.array([0.1, 0.05])  # [m, rad] ... and beyond, a match from one predi
 _TRUSTED = 0.9  # probability from which sound odometry stands for where the robot is
 _LATE = 0.5  # share of odometry that is sound again after a fault that tells where the robot went meanwhile
 _SLIP, _STEPS = np.array([0.5, 0.5]), 3.0  # [m, rad] a robot without odometry may be so far, and so many usual steps
+_VARIES = 0.5  # of a usual step: that a robot stops, or goes twice as fast, is within two standard deviations
 _FARTHEST = np.array([5.0, np.pi])  # [m, rad] and no farther
 _MEMORY = 0.1  # weight of the newest step in the usual one
 _SHORTEST = 1e-3  # [s] no laser turns faster; stamps that are nearer to each other tell no time
@@ -75,17 +77,11 @@ class MotionHypothesis:
         d, e, f = linear * d, 1.0 + linear * e, linear * f
         g, h, i = angular * g, angular * h, 1.0 + angular * i
         determinant = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
-        return self.cost + 0.5 * (self._off(pose) + math.log(determinant))
+        return self.cost + 0.5 * (self.prediction.squared_distance(pose) + math.log(determinant))
 
     def is_needless(self, narrower: "MotionHypothesis", pose: Array) -> bool:
         """Return whether this only leaves more open than another one, whose match at `pose` (3,) asked for no more."""
-        return narrower.prediction.pose is self.prediction.pose and narrower._off(pose) < 1.0
-
-    def _off(self, pose: Array) -> float:
-        """Return the squared distance of `pose` (3,) from the prediction, in standard deviations."""
-        x, y, turn = between(self.prediction.pose, pose).tolist()
-        linear, angular = self.prediction.sigma.tolist()
-        return (x * x + y * y) / linear**2 + (turn / angular) ** 2
+        return narrower.prediction.pose is self.prediction.pose and narrower.prediction.squared_distance(pose) < 1.0
 
 
 class SwitchingMotion:
@@ -253,15 +249,28 @@ class SwitchingMotion:
         gap = self._soundness.probability > 0.5 and self._moved > reach[0]
         return None if self._matched is None or gap else Prediction(self._matched, reach)
 
-    def found(self, pose: Array, sigma: Array) -> MotionHypothesis:
-        """Return the hypothesis that the motion, of which the odometry knew nothing, led to `pose` (3,).
+    def found(self, pose: Array) -> MotionHypothesis:
+        """Return the hypothesis that the motion, of which the odometry knew nothing, led to `pose` (3,), T_local_robot.
 
-        Args:
-            pose: T_local_robot.
-            sigma: (2,) within which it was sought [m, rad].
+        Wheels that slip, stand still or tell nothing carry no robot anywhere: it stood, went as they say or went on as
+        before, but for about half a usual step a scan. A place beyond looks like where the robot is, and is not.
         """
+        sigma = _SLIP / 3.0 + _VARIES * (self._unmatched + 1) * self._usual
+        predictions = [Prediction(place, sigma) for place in self._places()]
+        nearest = min(predictions, key=lambda prediction: prediction.squared_distance(pose))
         odometry = compose(inverse(self._anchor), pose)
-        return MotionHypothesis(odometry, Prediction(pose, sigma), -math.log(1.0 - self._soundness.probability), False)
+        return MotionHypothesis(odometry, nearest, -math.log(1.0 - self._soundness.probability), False)
+
+    def _places(self) -> Iterator[Array]:
+        """Yield (3,) T_local_robot of a robot that stood since its last match, went as told, or went on as before."""
+        assert self._matched is not None
+        yield self._matched
+        yield compose(self._anchor, self._believed)
+        if self._step is not None:
+            place = self._matched
+            for _ in range(self._unmatched + 1):
+                place = compose(place, self._step)
+            yield place
 
     @property
     def _anchor(self) -> Array:
