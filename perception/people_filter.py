@@ -43,8 +43,8 @@ class RemovalConfig:
         check_positive(self, "unconfirmed_radius")
 
 
-METHODS = ("leg pairs", "hypotheses", "ye2021")
-"""How people are tracked: as pairs of leg tracks, as hypotheses of whole people, or as Ye 2021 tells it."""
+METHODS = ("hypotheses", "leg pairs", "ye2021")
+"""How people are tracked: as hypotheses of whole people, as pairs of leg tracks, or as Ye 2021 tells it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,9 +55,10 @@ class PeopleFilterConfig:
         forest: Leg forest: "real" for recorded scans, "simulation" for those of the environments, or a file that
             `tagalong train legs` wrote.
         detector: Of legs in single scans.
-        method: How people are tracked, one of `METHODS`: "leg pairs" asks for two legs that move, each seen apart;
-            "hypotheses" for what is more likely a person than a thing, be it one cluster, from moving robots, too;
-            "ye2021" is the paper's own tracker and nothing more, for comparison.
+        method: How people are tracked, one of `METHODS`: "hypotheses" asks for what is more likely a person than a
+            thing, be it one cluster, from moving robots, too; "leg pairs" for two legs that move, each seen apart, as
+            the environment's robot does, and takes what a camera saw; "ye2021" is the paper's own tracker and nothing
+            more, for comparison.
         tracker: Of people.
         hypotheses: What the method "hypotheses" has of its own.
         removal: Which returns are dropped.
@@ -65,7 +66,7 @@ class PeopleFilterConfig:
 
     forest: str = "real"
     detector: LegDetectorConfig = field(default_factory=LegDetectorConfig)
-    method: str = "leg pairs"
+    method: str = "hypotheses"
     tracker: TrackerConfig = field(default_factory=TrackerConfig)
     hypotheses: HypothesisConfig = field(default_factory=HypothesisConfig)
     removal: RemovalConfig = field(default_factory=RemovalConfig)

@@ -16,11 +16,14 @@ HYPOTHESIS = np.dtype(
         ("looks", np.float64),  # how many looks from elsewhere its evidence comes from
         ("evidence", np.float64),  # mean log likelihood ratio of a look, person against thing
         ("way", np.float64),  # how far it has moved of its own in the time that `path` reaches back [m]
+        ("swing", np.float64),  # how far it has moved before the laser in that time [m]
         ("missing", np.float64),  # what being unseen says: log likelihood ratio, 0 while it is seen
         ("viewed", np.float64, 2),  # where it was, in the laser's frame, at the last look [m]
+        ("stood", np.float64, 2),  # and in the odometry frame [m]
         ("legs", np.float64, (2, 2)),  # of both legs from the centre [m]
         ("clusters", np.int64, 2),  # rows of the clusters that are its legs in this scan; -1: none
         ("path", np.float64, (PATH, 2)),  # former places [m]
+        ("seen", np.float64, (PATH, 2)),  # the same in the laser's frame [m]
         ("came", np.uint8, PATH),  # whether nothing was at each before
         ("marked_s", np.float64),  # age at which the last of them was written [s]
         ("places", np.int64),  # how many were written
@@ -131,39 +134,55 @@ def place_legs(legs: Any, clusters: Any, z: Any, x: Any, fade: float) -> None:
 
 
 @njit(cache=True, nogil=True)
-def note_path(rows: Any, z: Any, left: Any, came: Any, spacing_s: float) -> None:
+def distance_to(place: Any, z: Any, a: int, b: int) -> float:
+    """Return how far the nearer of the clusters `a` and `b` (rows of `z` (m, 2); -1: none) is from `place` (2,) [m]."""
+    nearest = np.inf
+    for c in (a, b):
+        if c >= 0:
+            dx, dy = place[0] - z[c, 0], place[1] - z[c, 1]
+            nearest = min(nearest, np.sqrt(dx * dx + dy * dy))
+    return nearest
+
+
+@njit(cache=True, nogil=True)
+def note_path(rows: Any, z: Any, seen: Any, left: Any, came: Any, hidden: Any, spacing_s: float, jitter: float) -> None:
     """Note how far each hypothesis has moved, and, each `spacing_s` [s], where one of its clusters is.
 
     It has moved if nothing was a moment ago where it is now, from a former place where nothing is left, or where
-    nothing was before it, either. Two such places are needed, the nearer of the two farthest counts: a cluster that
-    flickers, or another one that is taken for it, moves once.
+    nothing was before it, either. Who walks away walks into the own shadow: there nobody knows what was, and a former
+    place where nothing is left tells as much. Two such places are needed, the nearer of the two farthest counts: a
+    cluster that flickers, or another one that is taken for it, moves once. What keeps its place before the laser is
+    carried by the robot, wherever that goes.
 
     Args:
         rows: (n,) hypotheses.
         z: (m, 2) clusters [m].
+        seen: (m, 2) the same in the laser's frame [m].
         left: (n, PATH) whether the laser sees now that nothing is at each former place.
         came: (m,) whether the place of each cluster was empty a moment ago.
+        hidden: (m,) whether nothing was seen to stand there.
         spacing_s: Between two noted places [s].
+        jitter: Less motion before the laser than this is none [m].
     """
     for i in range(len(rows)):
         a, b = rows["clusters"][i, 0], rows["clusters"][i, 1]
         if a < 0 and b < 0:
             continue
         new = (a >= 0 and came[a]) or (b >= 0 and came[b])
-        way, farthest = 0.0, 0.0
+        unknown = (a < 0 or hidden[a] or came[a]) and (b < 0 or hidden[b] or came[b])
+        way, farthest, rows["swing"][i] = 0.0, 0.0, 0.0
         for k in range(min(rows["places"][i], PATH)):
-            if not new or not (left[i, k] or rows["came"][i, k]):
+            nearest = distance_to(rows["path"][i, k], z, a, b)
+            swing = distance_to(rows["seen"][i, k], seen, a, b)
+            rows["swing"][i] = max(swing, rows["swing"][i])
+            if swing < jitter or not ((new and (left[i, k] or rows["came"][i, k])) or (unknown and left[i, k])):
                 continue
-            nearest = np.inf
-            for c in (a, b):
-                if c >= 0:
-                    dx, dy = rows["path"][i, k, 0] - z[c, 0], rows["path"][i, k, 1] - z[c, 1]
-                    nearest = min(nearest, np.sqrt(dx * dx + dy * dy))
             way, farthest = max(way, min(nearest, farthest)), max(nearest, farthest)
         rows["way"][i] = way
         if rows["age_s"][i] - rows["marked_s"][i] >= spacing_s - 1e-9:
             slot, c = rows["places"][i] % PATH, a if a >= 0 else b
             rows["path"][i, slot, 0], rows["path"][i, slot, 1] = z[c, 0], z[c, 1]
+            rows["seen"][i, slot, 0], rows["seen"][i, slot, 1] = seen[c, 0], seen[c, 1]
             rows["came"][i, slot] = new
             rows["places"][i] += 1
             rows["marked_s"][i] = rows["age_s"][i]
@@ -176,6 +195,7 @@ def weigh(
     second: Any,
     empty: Any,
     viewed: Any,
+    known: float,
     dt: float,
     look: float,
     jitter: float,
@@ -191,8 +211,9 @@ def weigh(
         second: (m,) as the other one.
         empty: (n, 2) whether the laser sees that nothing is where each hypothesis is.
         viewed: (n, 2) where they are in the laser's frame [m].
+        known: How far the odometry frame stands still: only then is motion in it a new look.
         dt: Since the last scan [s].
-        look: Motion relative to the laser that counts as one look [m].
+        look: Motion relative to the laser, or in the odometry frame, that counts as one look [m].
         jitter: Less than this is none [m].
         most: Looks that are remembered.
         hidden: Log odds lost a second while unseen [1/s].
@@ -206,6 +227,9 @@ def weigh(
         rows["missing"][i] = 0.0
         dx, dy = viewed[i, 0] - rows["viewed"][i, 0], viewed[i, 1] - rows["viewed"][i, 1]
         way = np.sqrt(dx * dx + dy * dy)
+        if rows["swing"][i] >= jitter:  # else it may be a part of the robot
+            dx, dy = rows["x"][i, 0] - rows["stood"][i, 0], rows["x"][i, 1] - rows["stood"][i, 1]
+            way = max(way, known * np.sqrt(dx * dx + dy * dy))
         if way < jitter:
             continue
         value = max(first[a], first[b]) + min(second[a], second[b]) if a >= 0 and b >= 0 else first[max(a, b)]
@@ -214,6 +238,7 @@ def weigh(
         rows["evidence"][i] += weight / looks * (value - rows["evidence"][i])
         rows["looks"][i] = min(looks, most)
         rows["viewed"][i, 0], rows["viewed"][i, 1] = viewed[i, 0], viewed[i, 1]
+        rows["stood"][i, 0], rows["stood"][i, 1] = rows["x"][i, 0], rows["x"][i, 1]
 
 
 @njit(cache=True, nogil=True)

@@ -31,8 +31,8 @@ class PersonEvidenceConfig:
         empty: Weight of the share of recent scans in which the place was empty.
         alike: Intraclass correlation of looks at one thing: a thing looks like itself again.
         most_looks: No more are remembered.
-        look: Motion relative to the laser that gives a new look: what stands before a standing robot shows nothing new,
-            however often [m].
+        look: Motion relative to the laser, or in a frame that stands still, that gives a new look: what stands before a
+            standing robot shows nothing new, however often; who walks ahead of one shows other steps [m].
         jitter: Less motion than this is noise [m].
         hidden_rate: Log odds lost a second while unseen [1/s].
         missing_rate: The same where the laser sees that nobody is there [1/s].
@@ -66,17 +66,19 @@ class HypothesisConfig:
         frame: How far memory of places is to be believed.
         unknown: Added to the share of recent scans that tell of a place: one of which little is known says little.
         start: Log odds from which a hypothesis is a person (7 to 1).
-        sure: And has moved `least_way` in a frame that stands still, unless its log odds are as high as this (33 to 1)
-            and nothing is known to have stood still there.
+        sure: And has moved `least_way` in a frame that stands still, unless its log odds are as high as this (33 to 1);
+            where something has stood still they count for less, by twice `memory`.
         stop: Log odds below which a person is none any more (evens).
         least_way: As far as a leg must move in Table II (delta) [m].
-        came: Nothing was at a place a moment ago if it was empty in this share of the recent scans.
+        came: Nothing was at a place a moment ago if it was empty in this share of the recent scans; whether anything
+            was is not known if it was met in less.
         body: A person is missing only if all beams pass that go within this distance of its centre: a leg is there [m].
         still_s: What was hit for so long is a thing, no person, until it moves [s].
         fade_s: How fast that is forgotten where nothing is hit any more [s].
         memory: Log odds by which a leg seen there is less sure in what is told of legs, and surer elsewhere: half the
             weight of it beside the forest's log odds in a logistic regression (1.7; 1.3 to 2.1 with one of positive_1
-            to 3 left out, where as many legs are found); gamma keeps its meaning, 0.5 false legs a people-free scan.
+            to 3 left out, where as many legs are found); gamma keeps its meaning, 0.5 false legs a people-free scan. The
+            whole weight counts where a hypothesis becomes a person.
         clutter: Things that could be legs, a square metre.
         stride: Farthest that two legs of one person are apart [m].
         merge: Two hypotheses so near are one [m].

@@ -81,7 +81,9 @@ class HypothesisTracker:
         self._associate(sight)
         self._correct(sight.z, dt)
         left = self._now.look(self._rows["path"].reshape(-1, 2))[:, 0].reshape(-1, kernels.PATH) > 0.0
-        kernels.note_path(self._rows, sight.z, left, sight.came, self._config.views.spacing_s)
+        seen_at = transform_points(inverse(lidar), sight.z)
+        numbers = self._config.views.spacing_s, self._config.evidence.jitter
+        kernels.note_path(self._rows, sight.z, seen_at, left, sight.came, sight.hidden, *numbers)
         self._weigh(sight, lidar, dt)
         self._begin(sight, lidar)
         self._views.keep(scan, lidar)
@@ -113,7 +115,8 @@ class HypothesisTracker:
         possible = (detections.confidence > 0.0) & (apart >= self._config.near)
         affinity = np.clip(first - self._config.indifferent, *self._config.affinity)
         affinity = np.where(possible, affinity, -np.inf)
-        return _Sight(z, first, second, affinity, free, free & (empty >= self._config.came))
+        came, hidden = free & (empty >= self._config.came), free & (shares[:, 1] < self._config.came)
+        return _Sight(z, first, second, affinity, free, came, hidden)
 
     def _remembering(self, detections: Detections, free: NDArray[np.bool_]) -> Detections:
         """Return `detections` (m,) less sure where something has stood still, and surer where it is `free` (m,)."""
@@ -148,7 +151,7 @@ class HypothesisTracker:
         viewed = transform_points(inverse(lidar), places)
         looks = config.look, config.jitter, config.most_looks, config.hidden_rate, config.missing_rate
         empty = self._now.look(places, self._config.body)
-        kernels.weigh(rows, sight.first, sight.second, empty, viewed, dt, *looks)
+        kernels.weigh(rows, sight.first, sight.second, empty, viewed, self._frame.known, dt, *looks)
 
     def _begin(self, sight: "_Sight", lidar: Array) -> None:
         """Begin hypotheses at clusters that no hypothesis explains."""
@@ -167,6 +170,8 @@ class HypothesisTracker:
         fresh["legs"] = np.stack((z[a], z[other]), axis=1) - centre[:, None]
         fresh["evidence"] = first[a] + np.where(paired, np.minimum(second[a], second[other]), 0.0)
         fresh["viewed"] = transform_points(inverse(lidar), centre)
+        fresh["stood"] = centre
+        fresh["seen"][:, 0] = transform_points(inverse(lidar), z[a])
         fresh["path"][:, 0], fresh["places"], fresh["came"][:, 0] = z[a], 1, sight.came[a]
         self._rows = np.concatenate((self._rows, fresh))
 
@@ -187,9 +192,10 @@ class HypothesisTracker:
         likely = (rows["id"] < 0) & (self._odds >= config.start)
         if not likely.any():
             return
-        leg, stands = rows["clusters"][:, 0], self._frame.known >= 0.5
+        leg, known = rows["clusters"][:, 0], self._frame.known
         still = ~self._grid.is_free(rows["x"][:, :2], time_s) | ~np.append(sight.free, True)[leg]
-        sure = ((self._odds >= config.sure) & ~(still & stands)) | ((rows["way"] >= config.least_way) & stands)
+        sure = self._odds - 2.0 * config.memory * known * still >= config.sure
+        sure |= (rows["way"] >= config.least_way) & (known >= 0.5)
         for i in np.flatnonzero(likely & sure):
             number = self._lost.identify(rows[i], time_s)
             rows["id"][i] = self._next_id if number < 0 else number
@@ -235,6 +241,7 @@ class _Sight:
         affinity: (m,) what each says to association.
         free: (m,) whether nothing has stood still there.
         came: (m,) whether nothing at all was there a moment ago.
+        hidden: (m,) whether nothing was seen to stand there a moment ago: nothing was, or nobody knows.
     """
 
     z: Array
@@ -243,3 +250,4 @@ class _Sight:
     affinity: Array
     free: NDArray[np.bool_]
     came: NDArray[np.bool_]
+    hidden: NDArray[np.bool_]

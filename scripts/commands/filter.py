@@ -55,6 +55,7 @@ def run(options: argparse.Namespace) -> int:
         result = filter_log(options.log, options.target, config, topics, bar.update)
     for note in result.notes:
         print(f"tagalong: {options.log}: {note}", file=sys.stderr)
+    print(f"tracker: preset {options.preset}, leg forest {options.forest}")
     counts = result.counts
     share = 100.0 * counts.removed / max(counts.returns, 1)
     print(

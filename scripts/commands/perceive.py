@@ -46,7 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "as guesses (floor_known 0)."
     )
     parser.epilog = (
-        "examples:\n  tagalong perceive lobby.bag --out out/people --preset recorded\n"
+        "examples:\n  tagalong perceive lobby.bag --out out/people\n"
         "  tagalong perceive frames/ --out out/frames --camera-height 1.3\n"
         "  tagalong perceive camera.bag --out out/frames --every 1"
     )
@@ -54,7 +54,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_topics(parser)
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the results")
     parser.add_argument(
-        "--preset", default="table2", help=f"numbers of the tracker: {', '.join(PRESETS)} (default: %(default)s)"
+        "--preset", default="recorded", help=f"numbers of the tracker: {', '.join(PRESETS)} (default: %(default)s)"
     )
     parser.add_argument("--forest", default="real", help='leg forest: "real", "simulation" or a file (default: real)')
     parser.add_argument(
@@ -101,6 +101,14 @@ def run(options: argparse.Namespace) -> int:
     write_text(options.out / "people.csv", "\n".join(people) + "\n")
     settings = {"preset": options.preset, "odometry": options.odometry}
     write_json(options.out / "config.json", {**settings, "frame": options.frame, "perception": asdict(config)})
+    made = (
+        "made of the scans"
+        if odometry[:1] == [None]
+        else "taken as zero"
+        if options.odometry == "none"
+        else "the log's"
+    )
+    print(f"tracker: preset {options.preset}, leg forest {options.forest}; odometry: {made}")
     print(f"{len(scans)} scans, {len(legs) - 1} legs, {len(ids)} people; wrote {options.out}/legs.csv, people.csv")
     return 0
 

@@ -142,6 +142,32 @@ def test_what_has_stood_still_is_a_person_only_when_it_moves(hall):
     assert len(people) == 1
 
 
+def test_somebody_who_walks_away_into_the_own_shadow_is_a_person(hall):
+    counts = [len(hall.show([[1.2 + 0.13 * k, 0.0]], confidence=0.5)) for k in range(25)]
+    assert counts[-8:] == [1] * 8
+
+
+def test_somebody_who_walks_ahead_of_the_robot_at_its_own_pace_is_a_person(hall):
+    for k in range(30):  # a step forward and none: 0.3 m nearer and farther before the laser
+        sway = 0.15 * np.sin(2.0 * np.pi * k / 8)
+        people = hall.show([[-2.0 + 0.13 * k + sway, 0.0]], confidence=0.4, odometry=(-4.0 + 0.13 * k, 0.0, 0.0))
+    assert len(people) == 1
+
+
+def test_a_part_of_the_robot_is_nobody_however_much_it_looks_like_a_leg_and_however_far_the_robot_drives(hall):
+    for k in range(40):
+        assert len(hall.show([[-3.2 + 0.13 * k, 0.2]], confidence=0.3, odometry=(-4.0 + 0.13 * k, 0.0, 0.0))) == 0
+
+
+def test_two_legs_that_leave_no_doubt_are_a_person_though_something_has_stood_there(hall):
+    legs = [[3.0, 0.0], [3.0, 0.3]]
+    for k in range(15):
+        hall.show(legs, confidence=0.05, odometry=(0.1 * k, 1.0, 0.0))
+    for k in range(15):
+        people = hall.show(legs, confidence=0.95, odometry=(1.5 - 0.1 * k, 1.0, 0.0))
+    assert len(people) == 1
+
+
 def test_somebody_whom_a_robot_without_odometry_follows_is_a_person_though_still_in_its_frame(hall):
     for k in range(60):
         true = np.array([-6.0 + 0.2 * k, 0.0, 0.0])  # the walls say that the frame does not stand still

@@ -18,11 +18,13 @@ CARRIED = TrackerConfig(  # for a frame that moves with the robot: patient, and 
 )
 
 
-def test_table_two_is_the_default():
+def test_table_two_is_what_every_method_has_and_people_in_recordings_are_hypotheses_by_default():
     c, printed = PerceptionConfig(), (0.13, 3, 0.3, 0.5, 0.9, 0.35, 0.1, 0.05, 0.1)
     assert tuple(table_ii(c)) == ("alpha", "beta", "gamma", "delta", "epsilon", "zeta", "c_min", "q", "r")
     assert tuple(table_ii(c).values()) == printed
-    assert PRESETS["table2"] == c
+    assert PRESETS["recorded"] == c
+    assert PRESETS["table2"] == dataclasses.replace(c, method="leg pairs")
+    assert c.method == "hypotheses"
 
 
 def test_wrong_configurations_say_what_is_wrong():
