@@ -77,8 +77,8 @@ class HypothesisConfig:
         fade_s: How fast that is forgotten where nothing is hit any more [s].
         memory: Log odds by which a leg seen there is less sure in what is told of legs, and surer elsewhere: half the
             weight of it beside the forest's log odds in a logistic regression (1.7; 1.3 to 2.1 with one of positive_1
-            to 3 left out, where as many legs are found); gamma keeps its meaning, 0.5 false legs a people-free scan. The
-            whole weight counts where a hypothesis becomes a person.
+            to 3 left out, where as many legs are found); gamma keeps its meaning, 0.5 false legs a people-free scan.
+            The whole weight counts where a hypothesis becomes a person.
         clutter: Things that could be legs, a square metre.
         stride: Farthest that two legs of one person are apart [m].
         merge: Two hypotheses so near are one [m].
