@@ -227,10 +227,9 @@ def weigh(
         rows["missing"][i] = 0.0
         dx, dy = viewed[i, 0] - rows["viewed"][i, 0], viewed[i, 1] - rows["viewed"][i, 1]
         way = np.sqrt(dx * dx + dy * dy)
-        if rows["swing"][i] >= jitter:  # else it may be a part of the robot
-            dx, dy = rows["x"][i, 0] - rows["stood"][i, 0], rows["x"][i, 1] - rows["stood"][i, 1]
-            way = max(way, known * np.sqrt(dx * dx + dy * dy))
-        if way < jitter:
+        dx, dy = rows["x"][i, 0] - rows["stood"][i, 0], rows["x"][i, 1] - rows["stood"][i, 1]
+        way = max(way, known * np.sqrt(dx * dx + dy * dy))
+        if way < jitter or rows["swing"][i] < jitter:  # the second may be a part of the robot
             continue
         value = max(first[a], first[b]) + min(second[a], second[b]) if a >= 0 and b >= 0 else first[max(a, b)]
         weight = min(way / look, 1.0)
