@@ -16,7 +16,7 @@ HYPOTHESIS = np.dtype(
         ("looks", np.float64),  # how many looks from elsewhere its evidence comes from
         ("evidence", np.float64),  # mean log likelihood ratio of a look, person against thing
         ("way", np.float64),  # how far it has moved of its own in the time that `path` reaches back [m]
-        ("swing", np.float64),  # how far it has moved before the laser in that time [m]
+        ("swing", np.float64),  # how far it has ever moved before the laser within that time [m]
         ("missing", np.float64),  # what being unseen says: log likelihood ratio, 0 while it is seen
         ("viewed", np.float64, 2),  # where it was, in the laser's frame, at the last look [m]
         ("stood", np.float64, 2),  # and in the odometry frame [m]
@@ -145,14 +145,13 @@ def distance_to(place: Any, z: Any, a: int, b: int) -> float:
 
 
 @njit(cache=True, nogil=True)
-def note_path(rows: Any, z: Any, seen: Any, left: Any, came: Any, hidden: Any, spacing_s: float, jitter: float) -> None:
+def note_path(rows: Any, z: Any, seen: Any, left: Any, came: Any, hidden: Any, spacing_s: float) -> None:
     """Note how far each hypothesis has moved, and, each `spacing_s` [s], where one of its clusters is.
 
     It has moved if nothing was a moment ago where it is now, from a former place where nothing is left, or where
     nothing was before it, either. Who walks away walks into the own shadow: there nobody knows what was, and a former
     place where nothing is left tells as much. Two such places are needed, the nearer of the two farthest counts: a
-    cluster that flickers, or another one that is taken for it, moves once. What keeps its place before the laser is
-    carried by the robot, wherever that goes.
+    cluster that flickers, or another one that is taken for it, moves once.
 
     Args:
         rows: (n,) hypotheses.
@@ -162,7 +161,6 @@ def note_path(rows: Any, z: Any, seen: Any, left: Any, came: Any, hidden: Any, s
         came: (m,) whether the place of each cluster was empty a moment ago.
         hidden: (m,) whether nothing was seen to stand there.
         spacing_s: Between two noted places [s].
-        jitter: Less motion before the laser than this is none [m].
     """
     for i in range(len(rows)):
         a, b = rows["clusters"][i, 0], rows["clusters"][i, 1]
@@ -170,12 +168,11 @@ def note_path(rows: Any, z: Any, seen: Any, left: Any, came: Any, hidden: Any, s
             continue
         new = (a >= 0 and came[a]) or (b >= 0 and came[b])
         unknown = (a < 0 or hidden[a] or came[a]) and (b < 0 or hidden[b] or came[b])
-        way, farthest, rows["swing"][i] = 0.0, 0.0, 0.0
+        way, farthest = 0.0, 0.0
         for k in range(min(rows["places"][i], PATH)):
             nearest = distance_to(rows["path"][i, k], z, a, b)
-            swing = distance_to(rows["seen"][i, k], seen, a, b)
-            rows["swing"][i] = max(swing, rows["swing"][i])
-            if swing < jitter or not ((new and (left[i, k] or rows["came"][i, k])) or (unknown and left[i, k])):
+            rows["swing"][i] = max(distance_to(rows["seen"][i, k], seen, a, b), rows["swing"][i])
+            if not ((new and (left[i, k] or rows["came"][i, k])) or (unknown and left[i, k])):
                 continue
             way, farthest = max(way, min(nearest, farthest)), max(nearest, farthest)
         rows["way"][i] = way
@@ -227,10 +224,9 @@ def weigh(
         rows["missing"][i] = 0.0
         dx, dy = viewed[i, 0] - rows["viewed"][i, 0], viewed[i, 1] - rows["viewed"][i, 1]
         way = np.sqrt(dx * dx + dy * dy)
-        if rows["swing"][i] >= jitter:  # else it may be a part of the robot
-            dx, dy = rows["x"][i, 0] - rows["stood"][i, 0], rows["x"][i, 1] - rows["stood"][i, 1]
-            way = max(way, known * np.sqrt(dx * dx + dy * dy))
-        if way < jitter:
+        dx, dy = rows["x"][i, 0] - rows["stood"][i, 0], rows["x"][i, 1] - rows["stood"][i, 1]
+        way = max(way, known * np.sqrt(dx * dx + dy * dy))
+        if way < jitter or rows["swing"][i] < jitter:  # the second may be a part of the robot
             continue
         value = max(first[a], first[b]) + min(second[a], second[b]) if a >= 0 and b >= 0 else first[max(a, b)]
         weight = min(way / look, 1.0)

@@ -82,8 +82,8 @@ class HypothesisTracker:
         self._correct(sight.z, dt)
         left = self._now.look(self._rows["path"].reshape(-1, 2))[:, 0].reshape(-1, kernels.PATH) > 0.0
         seen_at = transform_points(inverse(lidar), sight.z)
-        numbers = self._config.views.spacing_s, self._config.evidence.jitter
-        kernels.note_path(self._rows, sight.z, seen_at, left, sight.came, sight.hidden, *numbers)
+        spacing_s = self._config.views.spacing_s
+        kernels.note_path(self._rows, sight.z, seen_at, left, sight.came, sight.hidden, spacing_s)
         self._weigh(sight, lidar, dt)
         self._begin(sight, lidar)
         self._views.keep(scan, lidar)

@@ -101,14 +101,9 @@ def run(options: argparse.Namespace) -> int:
     write_text(options.out / "people.csv", "\n".join(people) + "\n")
     settings = {"preset": options.preset, "odometry": options.odometry}
     write_json(options.out / "config.json", {**settings, "frame": options.frame, "perception": asdict(config)})
-    made = (
-        "made of the scans"
-        if odometry[:1] == [None]
-        else "taken as zero"
-        if options.odometry == "none"
-        else "the log's"
+    print(
+        f"tracker: preset {options.preset}, leg forest {options.forest}; odometry {_source(options.odometry, odometry)}"
     )
-    print(f"tracker: preset {options.preset}, leg forest {options.forest}; odometry: {made}")
     print(f"{len(scans)} scans, {len(legs) - 1} legs, {len(ids)} people; wrote {options.out}/legs.csv, people.csv")
     return 0
 
@@ -128,6 +123,15 @@ def _read(options: argparse.Namespace) -> tuple[list[LaserScan], Sequence[NDArra
     if options.odometry == "log" and odometry is not None:
         return scans, list(odometry)
     return scans, [None] * len(scans)
+
+
+def _source(asked: str, odometry: Sequence[NDArray[np.float64] | None]) -> str:
+    """Return in words where the odometry comes from."""
+    if asked == "none":
+        return "none: the laser stands"
+    if any(pose is None for pose in odometry):
+        return "made of the scans" + (", for the log has none" if asked == "log" else "")
+    return "of the log"
 
 
 def _timed(scans: list[LaserScan], rate_hz: float | None, path: Path) -> list[LaserScan]:

@@ -69,9 +69,15 @@ def test_bad_arguments_end_with_one_line_and_status_two(tmp_path, capsys, monkey
     assert words in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(("arguments", "said"), [([], None), (["--odometry", "none"], [0.0, 0.0, 0.0])])
-def test_scans_that_come_without_odometry_are_no_standing_robot_unless_that_is_said(
-    tmp_path, monkeypatch, arguments, said
+@pytest.mark.parametrize(
+    ("arguments", "given_to_it", "words"),
+    [
+        ([], None, "preset recorded, leg forest real; odometry made of the scans, for the log has none"),
+        (["--odometry", "none"], [0.0, 0.0, 0.0], "odometry none: the laser stands"),
+    ],
+)
+def test_scans_that_come_without_odometry_are_no_standing_robot_unless_that_is_said_and_the_choice_is_told(
+    tmp_path, monkeypatch, capsys, arguments, given_to_it, words
 ):
     given, update = [], PeopleFilter.update
 
@@ -81,7 +87,8 @@ def test_scans_that_come_without_odometry_are_no_standing_robot_unless_that_is_s
 
     monkeypatch.setattr(PeopleFilter, "update", noting)
     assert main(["perceive", write_scans(tmp_path / "room.npz"), "--out", str(tmp_path / "out"), *arguments]) == 0
-    assert given == [said] * 5
+    assert given == [given_to_it] * 5
+    assert words in capsys.readouterr().out
 
 
 def test_scans_without_times_are_counted(tmp_path):
