@@ -15,7 +15,6 @@ the rest of them, one as rough as its error model.
 
 import copy
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -255,22 +254,18 @@ class SwitchingMotion:
         Wheels that slip, stand still or tell nothing carry no robot anywhere: it stood, went as they say or went on as
         before, but for about half a usual step a scan. A place beyond looks like where the robot is, and is not.
         """
-        sigma = _SLIP / 3.0 + _VARIES * (self._unmatched + 1) * self._usual
-        predictions = [Prediction(place, sigma) for place in self._places()]
-        nearest = min(predictions, key=lambda prediction: prediction.squared_distance(pose))
-        odometry = compose(inverse(self._anchor), pose)
-        return MotionHypothesis(odometry, nearest, -math.log(1.0 - self._soundness.probability), False)
-
-    def _places(self) -> Iterator[Array]:
-        """Yield (3,) T_local_robot of a robot that stood since its last match, went as told, or went on as before."""
         assert self._matched is not None
-        yield self._matched
-        yield compose(self._anchor, self._believed)
+        sigma = _SLIP / 3.0 + _VARIES * (self._unmatched + 1) * self._usual
+        places = [self._matched, compose(self._anchor, self._believed)]
         if self._step is not None:
             place = self._matched
             for _ in range(self._unmatched + 1):
                 place = compose(place, self._step)
-            yield place
+            places.append(place)
+        predictions = [Prediction(place, sigma) for place in places]
+        nearest = min(predictions, key=lambda prediction: prediction.squared_distance(pose))
+        odometry = compose(inverse(self._anchor), pose)
+        return MotionHypothesis(odometry, nearest, -math.log(1.0 - self._soundness.probability), False)
 
     @property
     def _anchor(self) -> Array:
