@@ -145,6 +145,17 @@ def distance_to(place: Any, z: Any, a: int, b: int) -> float:
 
 
 @njit(cache=True, nogil=True)
+def note_place(rows: Any, i: int, place: Any, seen: Any, new: bool) -> None:
+    """Note that hypothesis i is at `place` (2,) [m], `seen` (2,) in the laser's frame; `new`: nothing was there before."""
+    slot = rows["places"][i] % PATH
+    rows["path"][i, slot, 0], rows["path"][i, slot, 1] = place[0], place[1]
+    rows["seen"][i, slot, 0], rows["seen"][i, slot, 1] = seen[0], seen[1]
+    rows["came"][i, slot] = new
+    rows["places"][i] += 1
+    rows["marked_s"][i] = rows["age_s"][i]
+
+
+@njit(cache=True, nogil=True)
 def note_path(rows: Any, z: Any, seen: Any, left: Any, came: Any, hidden: Any, spacing_s: float) -> None:
     """Note how far each hypothesis has moved, and, each `spacing_s` [s], where one of its clusters is.
 
@@ -177,12 +188,8 @@ def note_path(rows: Any, z: Any, seen: Any, left: Any, came: Any, hidden: Any, s
             way, farthest = max(way, min(nearest, farthest)), max(nearest, farthest)
         rows["way"][i] = way
         if rows["age_s"][i] - rows["marked_s"][i] >= spacing_s - 1e-9:
-            slot, c = rows["places"][i] % PATH, a if a >= 0 else b
-            rows["path"][i, slot, 0], rows["path"][i, slot, 1] = z[c, 0], z[c, 1]
-            rows["seen"][i, slot, 0], rows["seen"][i, slot, 1] = seen[c, 0], seen[c, 1]
-            rows["came"][i, slot] = new
-            rows["places"][i] += 1
-            rows["marked_s"][i] = rows["age_s"][i]
+            c = a if a >= 0 else b
+            note_place(rows, i, z[c], seen[c], new)
 
 
 @njit(cache=True, nogil=True)
