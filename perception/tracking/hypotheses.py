@@ -146,7 +146,7 @@ def distance_to(place: Any, z: Any, a: int, b: int) -> float:
 
 @njit(cache=True, nogil=True)
 def note_place(rows: Any, i: int, place: Any, seen: Any, new: bool) -> None:
-    """Note that hypothesis i is at `place` (2,) [m], `seen` (2,) in the laser's frame; `new`: nothing was there before."""
+    """Note that hypothesis i is at `place` (2,) [m], `seen` in the laser's frame; `new`: nothing was there before."""
     slot = rows["places"][i] % PATH
     rows["path"][i, slot, 0], rows["path"][i, slot, 1] = place[0], place[1]
     rows["seen"][i, slot, 0], rows["seen"][i, slot, 1] = seen[0], seen[1]
