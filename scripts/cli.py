@@ -7,9 +7,7 @@ from contextlib import nullcontext
 from importlib import import_module
 
 from .. import __version__
-from ..slam.errors import InputError, shown
 from ..slam.files.output import require_writable
-from .console.arguments import LARGEST_SEED
 from .console.first_call import tell_first_call
 from .console.last_words import told
 from .console.only_writer import only_writer
@@ -70,8 +68,6 @@ def _run(words: list[str]) -> int:
     for name, is_folder in {"out": out_is_folder, **_TARGETS}.items():
         if getattr(options, name, None) is not None:
             require_writable(getattr(options, name), folder=is_folder)
-    if not 0 <= (getattr(options, "seed", None) or 0) <= LARGEST_SEED:
-        raise InputError(f"--seed must not be negative, nor above {LARGEST_SEED}, got {shown(options.seed)}")
     with only_writer(options.out) if getattr(options, "out", None) and out_is_folder else nullcontext():
         return int(options.run(options))
 

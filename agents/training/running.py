@@ -11,7 +11,7 @@ from ...slam.files.output import read_json, write_json
 
 MOST_WORKERS = 64
 """Processes or threads that drive; a process takes about 300 MB, and no round has more drives to share out."""
-_LONGEST_MIN = 1e6  # two years; whoever wants no limit leaves it out
+LONGEST_MIN = 1e6  # two years; whoever wants no limit leaves it out
 
 
 class TimeUp(Exception):
@@ -38,8 +38,8 @@ class RunLimits:
             raise InputError(f"a run needs 1 to {MOST_WORKERS} workers, got {shown(self.workers)}")
         if not 0 <= self.seed < 1 << 32:
             raise InputError(f"a run's seed is a whole number from 0 to {(1 << 32) - 1}, got {shown(self.seed)}")
-        if self.max_minutes is not None and not 0.0 < self.max_minutes <= _LONGEST_MIN:
-            raise InputError(f"a run needs minutes above 0, at most {_LONGEST_MIN:g}, got {self.max_minutes:g}")
+        if self.max_minutes is not None and not 0.0 < self.max_minutes <= LONGEST_MIN:
+            raise InputError(f"a run needs minutes above 0, at most {LONGEST_MIN:g}, got {self.max_minutes:g}")
 
 
 class RunClock:

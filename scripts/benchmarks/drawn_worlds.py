@@ -24,7 +24,7 @@ from ...slam.errors import InputError
 from ...slam.graph.engine import Cartographer
 from ...slam.logs.drive import RecordedDrive
 from ...slam.quality.trajectory import absolute_error
-from ..console.arguments import LARGEST_SEED, at_least
+from ..console.arguments import at_least, random_seed
 from ..console.tables import format_table
 from ..lab.cells import TIMING, Cell, run_cells
 from ..lab.hardware import reference_kernel_s
@@ -163,7 +163,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--engines", nargs="+", choices=ENGINES, default=ENGINES[:1], help=f"(default: {ENGINES[0]})")
     parser.add_argument("--kinds", nargs="+", choices=KINDS, default=list(KINDS), help="of buildings (default: all)")
     parser.add_argument(
-        "--seeds", type=at_least(0, LARGEST_SEED), nargs=2, default=(0, 9), metavar=("LOW", "HIGH"),
+        "--seeds", type=random_seed, nargs=2, default=(0, 9), metavar=("LOW", "HIGH"),
         help="the worlds of each kind, both ends included (default: 0 9)",
     )  # fmt: skip
     parser.add_argument("--jobs", type=at_least(1), default=1, help="processes (default: 1)")

@@ -30,7 +30,7 @@ from ...slam.logs.drive import RecordedDrive
 from ...slam.occupancy_map import OccupancyMap
 from ...slam.quality.trajectory import absolute_error
 from ...slam.runner import SlamRun, run_slam
-from ..console.arguments import LARGEST_SEED, at_least
+from ..console.arguments import at_least, random_seed
 from ..console.tables import format_table
 from ..lab.cells import TIMING, Cell, run_cells
 from ..lab.scan_pairs import LOGS
@@ -238,9 +238,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("logs", type=Path, metavar="LOGS", help="folder of recorded logs")
     parser.add_argument("--trials", type=at_least(1), default=100, help="of each building (default: %(default)s)")
     parser.add_argument("--jobs", type=at_least(1), default=1, help="processes (default: %(default)s)")
-    parser.add_argument(
-        "--seed", type=at_least(0, LARGEST_SEED), default=0, help="of scenes and places (default: %(default)s)"
-    )
+    parser.add_argument("--seed", type=random_seed, default=0, help="of scenes and places (default: %(default)s)")
 
 
 def run(options: argparse.Namespace) -> int:

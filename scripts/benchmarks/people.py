@@ -21,7 +21,7 @@ from ...perception.metrics.clear_mot import ClearMot
 from ...perception.people_filter import FilteredScan, PeopleFilter, near_points, points_lidar
 from ...slam.geometry import between, compose, inverse, transform_points, wrap_angle
 from ...slam.scan import LaserScan
-from ..console.arguments import LARGEST_SEED, at_least, positive
+from ..console.arguments import at_least, positive, random_seed
 from ..lab.cells import TIMING
 from .results import write_results
 
@@ -196,7 +196,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("--scene", default="corridor")
     parser.add_argument("--seeds", type=at_least(1), default=10)
-    parser.add_argument("--first-seed", type=at_least(0, LARGEST_SEED), default=0)
+    parser.add_argument("--first-seed", type=random_seed, default=0)
     parser.add_argument("--people", type=at_least(1), default=4)
     parser.add_argument("--preset", default="table2")
     parser.add_argument("--forest", default="simulation")

@@ -44,7 +44,7 @@ from ...envs.world.world import World
 from ...perception.metrics.clear_mot import ClearMot
 from ...slam.errors import InputError
 from ...slam.geometry import compose, inverse, transform_points
-from ..console.arguments import LARGEST_SEED, at_least, positive
+from ..console.arguments import at_least, positive, random_seed
 from ..console.tables import format_table
 from ..lab.statistics import Estimate, t_mean
 from ..training.rgbd_truth import WholeBodies
@@ -155,7 +155,7 @@ def _who_never_moves(world: World) -> NDArray[np.bool_]:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("--seeds", type=at_least(1), default=5)
-    parser.add_argument("--first-seed", type=at_least(0, LARGEST_SEED), default=0)
+    parser.add_argument("--first-seed", type=random_seed, default=0)
     parser.add_argument("--seconds", type=positive, default=330.0, help="longest drive [s]")
 
 

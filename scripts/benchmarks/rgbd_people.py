@@ -58,7 +58,7 @@ from ...perception.rgbd.people_finder import PeopleFinder
 from ...perception.rgbd.person_svm import MODEL, PersonSvm
 from ...perception.rgbd.planes import PlaneFinder
 from ...slam.geometry import inverse, transform_points
-from ..console.arguments import LARGEST_SEED, at_least
+from ..console.arguments import at_least, random_seed
 from ..console.tables import format_table
 from ..figures.detections import save_detections
 from ..training.evaluate_people import THRESHOLD, PeopleScores, score_people
@@ -144,7 +144,7 @@ def by_visible(scores: PeopleScores) -> list[str]:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("--seeds", type=at_least(1), default=5)
-    parser.add_argument("--first-seed", type=at_least(0, LARGEST_SEED), default=0)
+    parser.add_argument("--first-seed", type=random_seed, default=0)
     parser.add_argument("--model", type=Path, default=MODEL, help="classifier (the shipped one)")
     parser.add_argument("--work", nargs="+", choices=WORK, default=list(WORK[:3]))
 

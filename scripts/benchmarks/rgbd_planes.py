@@ -36,7 +36,7 @@ from ...envs.sensors.lidar import LidarConfig
 from ...envs.world.config import WorldConfig
 from ...envs.world.world import World
 from ...perception.rgbd.planes import PlaneFinder, Planes, Surface
-from ..console.arguments import LARGEST_SEED, at_least
+from ..console.arguments import at_least, random_seed
 from ..console.tables import format_table
 from .results import write_results
 
@@ -127,7 +127,7 @@ def count_drive(seed: int, mount: RgbdConfig, counts: Counts, longest_s: float =
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("--seeds", type=at_least(1), default=3)
-    parser.add_argument("--first-seed", type=at_least(0, LARGEST_SEED), default=0)
+    parser.add_argument("--first-seed", type=random_seed, default=0)
     parser.add_argument("--mounts", nargs="+", choices=tuple(MOUNTS), default=list(MOUNTS), help="default: all")
 
 

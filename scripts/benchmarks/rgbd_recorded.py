@@ -43,8 +43,7 @@ from ...perception.rgbd.people_finder import PeopleFinder
 from ...perception.rgbd.person_svm import DEPTH_MODEL, MODEL, PersonSvm
 from ...perception.rgbd.pictures import RecordedFrame, read_frames
 from ...perception.rgbd.planes import PlaneFinder, Planes, Surface
-from ...slam.errors import InputError
-from ..console.arguments import at_least
+from ..console.arguments import at_least, within
 from ..console.tables import format_table
 from ..figures.planes import save_planes
 from ..training.rgbd_labels import FrameLabels, labels_of
@@ -256,8 +255,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--camera-height", choices=("none", "reference"), default="none", help="what is told of it (default: none)"
     )
-    parser.add_argument("--height-error", type=float, default=0.0, metavar="M", help="added to what is told [m]")
-    parser.add_argument("--columns", type=at_least(40), help="look at the frames in about so many columns")
+    parser.add_argument(
+        "--height-error", type=within(-10.0, 10.0), default=0.0, metavar="M", help="added to what is told [m]"
+    )
+    parser.add_argument(
+        "--columns", type=at_least(40, _MOST_COLUMNS), help="look at the frames in about so many columns"
+    )
     parser.add_argument("--no-colour", action="store_true", help="look at depth alone")
     parser.add_argument("--model", type=Path, default=MODEL, help="classifier (the shipped one)")
     parser.add_argument(
@@ -268,10 +271,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Measure, print, write results.json."""
-    if not abs(options.height_error) < 10.0:
-        raise InputError(f"--height-error must be less than 10 m, got {options.height_error}")
-    if options.columns is not None and options.columns > _MOST_COLUMNS:
-        raise InputError(f"--columns must be {_MOST_COLUMNS} at most, got {options.columns}")
     tallies = tally(read_frames(options.folder), options)
     rows = [[source, *each.row()] for source, each in tallies.items()]
     print(format_table(HEADER, [*rows, ["all", *joined(tallies.values()).row()]]))

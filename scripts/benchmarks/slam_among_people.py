@@ -34,7 +34,7 @@ from ...slam.logs.bag_writer import write_rosbag
 from ...slam.logs.drive_folder import SimulatedDrive, read_drive, write_drive
 from ...slam.logs.tum import read_tum
 from ...slam.runner import run_slam
-from ..console.arguments import LARGEST_SEED, at_least
+from ..console.arguments import at_least, random_seed
 from ..console.tables import format_table
 from ..lab.maps_among_people import FILTERS, DriveAmongPeople, without_reference
 from .results import write_results
@@ -46,7 +46,7 @@ HEADER = ("drive", "engine", "scans", "ATE", "max", "relation", "deg", "ghosts",
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument("--scenes", nargs="+", default=["corridor", "meeting_room"], metavar="NAME")
-    parser.add_argument("--seeds", nargs="+", type=at_least(0, LARGEST_SEED), default=[0, 1, 2], metavar="SEED")
+    parser.add_argument("--seeds", nargs="+", type=random_seed, default=[0, 1, 2], metavar="SEED")
     parser.add_argument("--people", type=at_least(1), default=2, help="who walk, the leader counted (default: 2)")
     parser.add_argument("--odometry", default="typical", help="of simulated drives (default: %(default)s)")
     parser.add_argument("--logs", type=Path, metavar="DIR", help="drives to read instead")

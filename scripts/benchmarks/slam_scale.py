@@ -18,9 +18,8 @@ import numpy as np
 
 from ...envs.simulation2d.campus import LEAST_SIZE, CampusDrive, draw_campus_drive
 from ...slam.engine import SlamEngine, make_slam
-from ...slam.errors import InputError
 from ...slam.quality.trajectory import absolute_error
-from ..console.arguments import LARGEST_SEED, at_least
+from ..console.arguments import random_seed, within
 from ..console.tables import format_table
 from ..figures.plots import new_figure, require_matplotlib, save_figure
 from ..lab.cells import TIMING, Cell
@@ -136,24 +135,27 @@ def draw_curves(path: Path, results: Mapping[str, Any]) -> Path:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.add_argument(
-        "--sizes", type=float, nargs="+", default=[50.0, 200.0, 800.0], metavar="M", help="(default: 50 200 800)"
+        "--sizes",
+        type=within(LEAST_SIZE, MOST_SIZE),
+        nargs="+",
+        default=[50.0, 200.0, 800.0],
+        metavar="M",
+        help="(default: 50 200 800)",
     )
-    parser.add_argument("--km", type=float, nargs="+", default=[0.5, 2.0, 10.0], help="of drives (default: 0.5 2 10)")
-    parser.add_argument("--engines", nargs="+", choices=ENGINES, default=["cartographer"], help="(default: that)")
     parser.add_argument(
-        "--seed", type=at_least(0, LARGEST_SEED), default=0, help="of campus and drives (default: %(default)s)"
+        "--km",
+        type=within(0.01, MOST_KM),
+        nargs="+",
+        default=[0.5, 2.0, 10.0],
+        help="of drives (default: 0.5 2 10)",
     )
+    parser.add_argument("--engines", nargs="+", choices=ENGINES, default=["cartographer"], help="(default: that)")
+    parser.add_argument("--seed", type=random_seed, default=0, help="of campus and drives (default: %(default)s)")
 
 
 def run(options: argparse.Namespace) -> int:
     """Measure, print, write results.json and scale.png."""
     require_matplotlib()
-    for option, values, low, high in (
-        ("--sizes", options.sizes, LEAST_SIZE, MOST_SIZE),
-        ("--km", options.km, 0.01, MOST_KM),
-    ):
-        if not all(low <= value <= high for value in values):
-            raise InputError(f"{option} must be within {low:g} .. {high:g}, got {values}")
     wanted = cells(options.sizes, options.km, options.engines, options.seed)
     results = {cell.name: run_alone(cell, options.out) for cell in wanted}
     write_results(options, {"results": results})

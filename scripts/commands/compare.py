@@ -16,7 +16,7 @@ from ...envs.suites import FIRST_SEED, SUITES, suite
 from ...slam.errors import InputError, shown
 from ...slam.files.output import made_folder, write_json, write_text
 from ..benchmarks.follower_comparison import episode_row, finished_rows
-from ..console.arguments import require_count
+from ..console.arguments import MOST_EPISODES, at_least
 from ..console.tables import format_table
 from ..lab.cell_comparison import ComparedCell, compare_cells, report
 from ..lab.hardware import describe_machine
@@ -46,7 +46,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     followers = ["pid", "learned"]
     parser.add_argument("--followers", nargs="+", default=followers, metavar="WHO", help="as for `tagalong evaluate`")
     parser.add_argument("--suites", nargs="+", choices=sorted(SUITES), default=["hard-v2"], metavar="SUITE")
-    parser.add_argument("--episodes", type=int, default=20, metavar="N", help="of each cell (%(default)s)")
+    parser.add_argument(
+        "--episodes", type=at_least(1, MOST_EPISODES), default=20, metavar="N", help="of each cell (%(default)s)"
+    )
     parser.add_argument("--quick", action="store_true", help=f"{QUICK} episodes of each cell")
     parser.add_argument(
         "--leaderboard", type=Path, metavar="FILE", help="write all followers in one table, as Markdown"
@@ -56,7 +58,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Drive what has not been driven, print and write the table."""
-    require_count("--episodes", options.episodes, 10_000, "each takes some seconds: days")
     followers = list(dict.fromkeys(options.followers))
     if len(followers) < 2:
         raise InputError(f"--followers must name two or more, got {shown(followers)}")

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ...slam.errors import InputError
 from ...slam.logs.recording import check_recording
-from ..console.arguments import LARGEST_SEED, at_least
+from ..console.arguments import HIGHEST_M, random_seed, within
 from ..console.subcommands import add_subcommands
 from ..console.tables import format_table
 from ..public_data.catalogue import DAMAGED, MISSING, OK, Collection, catalogue
@@ -61,19 +61,25 @@ def _declare(name: str, parser: argparse.ArgumentParser) -> None:
 
 def _declare_record(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("file", type=Path, metavar="FILE", help="FILE.mcap")
-    parser.add_argument("--seed", type=at_least(0, LARGEST_SEED), default=0, help="of building, people and noise (0)")
-    parser.add_argument("--camera-hz", type=float, default=5.0, metavar="F", help="frames a second (default: 5)")
-    parser.add_argument("--camera-height", type=float, default=1.0, metavar="M", help="above the floor (default: 1.0)")
-    parser.add_argument("--pitch", type=float, default=0.0, metavar="DEG", help="how far its nose points down (0)")
-    parser.add_argument("--minutes", type=float, default=7.0, metavar="M", help="cut the drive off (at its end)")
+    parser.add_argument("--seed", type=random_seed, default=0, help="of building, people and noise (0)")
+    parser.add_argument(
+        "--camera-hz", type=within(0.1, 1000.0), default=5.0, metavar="F", help="frames a second (default: 5)"
+    )
+    parser.add_argument(
+        "--camera-height", type=within(0.01, HIGHEST_M), default=1.0, metavar="M", help="above the floor (default: 1.0)"
+    )
+    parser.add_argument(
+        "--pitch", type=within(-90.0, 90.0), default=0.0, metavar="DEG", help="how far its nose points down (0)"
+    )
+    parser.add_argument(
+        "--minutes", type=within(0.01, 60.0), default=7.0, metavar="M", help="cut the drive off (at its end)"
+    )
 
 
 def _record(options: argparse.Namespace) -> int:
     from ...envs.sensors.camera.config import RgbdConfig
     from ..runs.lab_recording import record_lab
 
-    if not 0.0 < options.minutes <= _MOST_MINUTES:
-        raise InputError(f"--minutes must be within 0 .. {_MOST_MINUTES:g}, got {options.minutes}")
     pitch = math.radians(options.pitch)
     camera = RgbdConfig(rate_hz=options.camera_hz, camera_height=options.camera_height, pitch=pitch)
     check_recording(options.file)

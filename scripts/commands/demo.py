@@ -11,6 +11,7 @@ from ...envs.topview.rendering import has_display
 from ...envs.viewing.live import require_viewer
 from ...slam.engine import ENGINES, make_slam
 from ...slam.errors import InputError
+from ..console.arguments import at_least, random_seed
 from ..console.record_option import add_record, check_record
 from ..console.setting_words import add_settings, read_settings
 from ..console.tables import format_table
@@ -45,12 +46,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.epilog = EPILOG
     parser.add_argument("--scene", choices=tuple(SCENES), default="corridor", help="building (default: %(default)s)")
-    parser.add_argument("--people", type=int, default=2, help="walking people, leader included (default: %(default)s)")
-    parser.add_argument("--standing", type=int, default=0, help="people who stop and stand (default: %(default)s)")
+    parser.add_argument(
+        "--people", type=at_least(1), default=2, help="walking people, leader included (default: %(default)s)"
+    )
+    parser.add_argument(
+        "--standing", type=at_least(0), default=0, help="people who stop and stand (default: %(default)s)"
+    )
     parser.add_argument(
         "--method", default="gmapping", help=f"SLAM engine: {', '.join(ENGINES)} (default: %(default)s)"
     )
-    parser.add_argument("--seed", type=int, default=0, help="seed of everything (default: %(default)s)")
+    parser.add_argument("--seed", type=random_seed, default=0, help="seed of everything (default: %(default)s)")
     add_settings(parser, "an argument of the environment, e.g. robot=pioneer or lidar.height=0.3")
     add_record(parser)
     parser.add_argument("--live", action="store_true", help="show it in rerun's viewer meanwhile (extra `rerun`)")
@@ -77,10 +82,6 @@ def run(options: argparse.Namespace) -> int:
     """Run the demo, write everything, print the table."""
     from ..runs import demo_run
 
-    if options.people < 1:
-        raise InputError(f"--people counts the leader and must be at least 1, got {options.people}")
-    if options.standing < 0:
-        raise InputError(f"--standing must not be negative, got {options.standing}")
     check_record(options.record)
     if options.live:
         require_viewer(display=has_display())

@@ -15,7 +15,7 @@ from ...envs.registration import IDS
 from ...envs.suites import FIRST_SEED, SUITES, Scenario, suite
 from ...slam.errors import InputError
 from ...slam.files.output import write_json
-from ..console.arguments import require_count
+from ..console.arguments import MOST_EPISODES, at_least, random_seed
 from ..console.record_option import add_record, check_record
 from ..console.setting_words import add_settings, read_settings
 from ..console.tables import format_table
@@ -85,18 +85,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--env", choices=sorted(IDS), default="tagalong/Corridor-v0", help="where (%(default)s)")
     where.add_argument("--suite", choices=sorted(SUITES), help="a set of unseen episodes, instead of --env")
-    parser.add_argument("--episodes", type=int, default=30, metavar="N", help="how many (%(default)s)")
     parser.add_argument(
-        "--people", type=int, metavar="N", help="people, leader included (2; a suite has its own numbers)"
+        "--episodes", type=at_least(1, MOST_EPISODES), default=30, metavar="N", help="how many (%(default)s)"
     )
-    parser.add_argument("--seed", type=int, metavar="N", help="seed of the first episode (0; with --suite 1000000)")
+    parser.add_argument(
+        "--people", type=at_least(1), metavar="N", help="people, leader included (2; a suite has its own numbers)"
+    )
+    parser.add_argument(
+        "--seed", type=random_seed, metavar="N", help="seed of the first episode (0; with --suite 1000000)"
+    )
     parser.add_argument(
         "--perception",
         choices=("tracker", "truth", "modelled"),
         default="tracker",
         help="how people are perceived (%(default)s)",
     )
-    parser.add_argument("--beams", type=int, default=1081, metavar="N", help="beams of the laser (%(default)s)")
+    parser.add_argument("--beams", type=at_least(1), default=1081, metavar="N", help="beams of the laser (%(default)s)")
     add_settings(parser, "an argument of the environment, e.g. robot=pioneer, lidar.height=0.3 or slam=gmapping")
     add_record(parser)
     parser.add_argument("--out", type=Path, metavar="DIR", help="write evaluation.json there")
@@ -104,7 +108,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Drive, print the table, write what was asked for."""
-    require_count("--episodes", options.episodes, 100_000, "each takes some seconds: days")
     check_record(options.record)
     with recorded_episodes(options.record) as recording:
         rows = _drive(options, recording)

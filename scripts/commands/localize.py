@@ -19,6 +19,7 @@ from ...slam.logs.beesoft import is_beesoft_map, read_beesoft_map
 from ...slam.logs.ros_map import read_ros_map
 from ...slam.occupancy_map import OccupancyMap
 from ...slam.settings import with_settings
+from ..console.arguments import within
 from ..console.log_options import add_odometry, add_topics, read_with_odometry
 from ..console.setting_words import read_settings
 from ..console.tables import format_table
@@ -89,7 +90,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="where the results go")
     parser.add_argument(
         "--start",
-        type=float,
+        type=within(-1e6, 1e6),
         nargs=3,
         metavar=("X", "Y", "DEG"),
         help="pose on the map at the first scan [m, m, deg]; without it a grid map is searched, and on landmarks the "

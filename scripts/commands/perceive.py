@@ -20,6 +20,7 @@ from ...slam.files.output import write_json, write_text
 from ...slam.logs.log import read_log
 from ...slam.logs.scans_npz import read_scans_npz
 from ...slam.scan import LaserScan
+from ..console.arguments import within
 from ..console.log_options import add_topics
 from ..console.record_option import add_record, check_record
 from ..lab.people_recordings import recorded_people
@@ -69,18 +70,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="robot",
         help="frame of people.csv: the robot's at each scan, or the odometry's (default: robot; legs: always robot)",
     )
-    parser.add_argument("--rate", type=float, metavar="HZ", help="scans a second, for logs whose times are unusable")
+    parser.add_argument(
+        "--rate", type=within(0.01, 1e5), metavar="HZ", help="scans a second, for logs whose times are unusable"
+    )
     add_record(parser)
     add_camera_options(parser)
-    parser.add_argument("--min-confidence", type=float, default=0.1, help="of rows in legs.csv (default: 0.1)")
+    parser.add_argument(
+        "--min-confidence", type=within(0.0, 1.0), default=0.1, help="of rows in legs.csv (default: 0.1)"
+    )
 
 
 def run(options: argparse.Namespace) -> int:
     """Read the scans, track people through them, write the tables; or look at frames."""
     if holds_frames(options.scans, options.frames):
         return perceive_frames(options)
-    if not 0.0 <= options.min_confidence <= 1.0:
-        raise InputError(f"--min-confidence must lie in [0, 1], got {options.min_confidence}")
     check_record(options.record)
     config = replace(perception_preset(options.preset), forest=options.forest)
     people_filter, selector = PeopleFilter(config), LeaderSelector(config.leader, config.tracker.motion)
@@ -136,8 +139,6 @@ def _source(asked: str, odometry: Sequence[NDArray[np.float64] | None]) -> str:
 
 def _timed(scans: list[LaserScan], rate_hz: float | None, path: Path) -> list[LaserScan]:
     if rate_hz is not None:
-        if not rate_hz > 0.0:
-            raise InputError(f"--rate must be positive [1/s], got {rate_hz}")
         return [replace(scan, time_s=number / rate_hz) for number, scan in enumerate(scans)]
     times = np.array([scan.time_s for scan in scans])
     back = np.flatnonzero(~(np.diff(times) > 0.0))

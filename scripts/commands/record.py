@@ -9,7 +9,7 @@ from ...envs.suites import SUITES, Scenario, suite
 from ...slam.errors import InputError
 from ...slam.files.output import write_json
 from ...slam.processes.crew import require_workers
-from ..console.arguments import require_count
+from ..console.arguments import MOST_EPISODES, at_least, random_seed
 from ..console.setting_words import add_settings, read_settings
 from ..console.tables import format_table
 from ..lab.hardware import describe_machine
@@ -44,15 +44,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--scene", choices=sorted(SCENES), default="corridor", help="where (default: %(default)s)")
     where.add_argument("--suite", choices=sorted(SUITES), help="the episodes of a suite in turn, instead of --scene")
-    parser.add_argument("--episodes", type=int, default=10, metavar="N", help="of each follower (%(default)s)")
     parser.add_argument(
-        "--people", type=int, metavar="N", help="people, leader included (2; a suite has its own numbers)"
+        "--episodes", type=at_least(1, MOST_EPISODES), default=10, metavar="N", help="of each follower (%(default)s)"
     )
-    parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the first episode (%(default)s)")
-    parser.add_argument("--beams", type=int, metavar="N", help="beams of the laser (as many as the environment has)")
+    parser.add_argument(
+        "--people", type=at_least(1), metavar="N", help="people, leader included (2; a suite has its own numbers)"
+    )
+    parser.add_argument(
+        "--seed", type=random_seed, default=0, metavar="N", help="seed of the first episode (%(default)s)"
+    )
+    parser.add_argument(
+        "--beams", type=at_least(1), metavar="N", help="beams of the laser (as many as the environment has)"
+    )
     parser.add_argument("--formats", nargs="+", choices=tuple(CHECKS), default=list(CHECKS), help="default: all")
     add_settings(parser, "an argument of the environment, e.g. robot=pioneer or slam=cartographer")
-    parser.add_argument("--jobs", type=int, default=1, metavar="N", help="processes (default: %(default)s)")
+    parser.add_argument("--jobs", type=at_least(1), default=1, metavar="N", help="processes (default: %(default)s)")
     parser.add_argument(
         "--out", type=Path, default=Path("out/demonstrations"), metavar="DIR", help="default: %(default)s"
     )
@@ -60,7 +66,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Drive, write the datasets, print what is in them."""
-    require_count("--episodes", options.episodes, 100_000, "each takes some seconds: days")
     require_workers(options.jobs, "--jobs")
     for name in options.formats:
         CHECKS[name]()

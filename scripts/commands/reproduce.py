@@ -6,6 +6,7 @@ from pathlib import Path
 
 from ...slam.errors import InputError
 from ...slam.processes.crew import require_workers
+from ..console.arguments import at_least
 from ..console.subcommands import add_subcommands
 from ..console.tables import format_table
 from ..lab.backends import BACKENDS, MOST_CLUSTER_JOBS
@@ -32,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _declare(name: str, parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="where everything is written")
     parser.add_argument("--quick", action="store_true", help="the same on fewer repeats")
-    parser.add_argument("--jobs", type=int, default=1, metavar="N", help="processes (default: %(default)s)")
+    parser.add_argument("--jobs", type=at_least(1), default=1, metavar="N", help="processes (default: %(default)s)")
     parser.add_argument("--backend", choices=BACKENDS, default="local", help="who runs them (default: %(default)s)")
     parser.add_argument("--data", type=Path, metavar="DIR", help="recorded data (default: TAGALONG_DATA)")
     if name == _ALL:

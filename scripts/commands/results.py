@@ -9,6 +9,7 @@ from pathlib import Path
 from ...slam.errors import InputError
 from ...slam.files.output import write_json
 from ...slam.processes.crew import require_workers
+from ..console.arguments import at_least
 from ..console.tables import format_table
 from ..lab.cells import run_cells
 from ..lab.hardware import describe_machine
@@ -27,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.epilog = EPILOG
     parser.add_argument("--out", type=Path, default=Path("out/results"), metavar="DIR", help="(default: %(default)s)")
-    parser.add_argument("--jobs", type=int, default=1, help="processes (default: %(default)s)")
+    parser.add_argument("--jobs", type=at_least(1), default=1, help="processes (default: %(default)s)")
     parser.add_argument("--quick", action="store_true", help="the same on few seeds")
     parser.add_argument("--data", type=Path, metavar="DIR", help="recorded data (default: TAGALONG_DATA)")
     parser.add_argument("--readme", type=Path, metavar="FILE", help="write the table into this file")

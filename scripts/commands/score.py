@@ -6,6 +6,7 @@ from pathlib import Path
 from ...slam.errors import InputError
 from ...slam.files.output import write_json
 from ...slam.logs.ros_map import read_ros_map
+from ..console.arguments import MOST_S, within
 from ..console.tables import format_table
 from ..figures.canvas import save_png
 from ..figures.maps import overlay_picture
@@ -36,7 +37,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--readings", type=Path, metavar="FILE", help="odometry of all readings (for relations)")
     parser.add_argument("--people", type=Path, metavar="NPZ", help="true feet, NAME.people.npz (for the residue)")
     parser.add_argument(
-        "--max-gap", type=float, default=0.02, metavar="S", help="pair poses at most this far apart [s] (%(default)s)"
+        "--max-gap",
+        type=within(0.0, MOST_S),
+        default=0.02,
+        metavar="S",
+        help="pair poses at most this far apart [s] (%(default)s)",
     )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the scores there, too")
     parser.add_argument("--overlay", type=Path, metavar="PNG", help="draw both maps on each other")
@@ -44,8 +49,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Judge, print a table, write what was asked for."""
-    if not options.max_gap >= 0.0:
-        raise InputError(f"--max-gap must not be negative [s], got {options.max_gap}")
     extras = ScoringOptions(readings=options.readings, people=options.people, max_gap_s=options.max_gap)
     judgement = judge(options.estimate, options.reference, extras)
     if options.overlay is not None and judgement.metrics["kind"] != "map":

@@ -14,6 +14,7 @@ from ...slam.errors import InputError
 from ...slam.logs.drive import RecordedDrive
 from ...slam.logs.tum import read_tum
 from ...slam.runner import run_slam
+from ..console.arguments import random_seed, within
 from ..console.log_options import add_odometry, add_topics, read_with_odometry
 from ..console.record_option import add_record, check_record
 from ..console.setting_words import add_settings, read_settings
@@ -68,8 +69,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--method", default="gmapping", help=f"SLAM engine: {', '.join(ENGINES)}, immobile (default: %(default)s)"
     )
-    parser.add_argument("--seed", type=int, default=0, help="seed of all random draws (default: %(default)s)")
-    parser.add_argument("--resolution", type=float, metavar="M", help="side of a map cell [m] (default: the engine's)")
+    parser.add_argument("--seed", type=random_seed, default=0, help="seed of all random draws (default: %(default)s)")
+    parser.add_argument(
+        "--resolution", type=within(0.001, 10.0), metavar="M", help="side of a map cell [m] (default: the engine's)"
+    )
     add_settings(parser, "a field of the engine's configuration, e.g. particles=50 or local.insertion_voxel=0.1")
     add_people_options(parser)
     add_mapping_options(parser)
@@ -79,8 +82,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Map the log, write the results, print a table."""
-    if options.resolution is not None and not 0.001 <= options.resolution <= 10.0:
-        raise InputError(f"--resolution must lie in [0.001, 10] m, got {options.resolution}")
     check_record(options.record)
     check_mapping(options)
     forest = options.forest if options.mapping == OWN else None

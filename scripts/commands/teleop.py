@@ -9,6 +9,7 @@ from ...agents.teleop.joystick import JoystickLog, read_joystick_log, write_joys
 from ...envs.follow_env import FollowEnv
 from ...envs.registration import IDS
 from ...slam.errors import InputError
+from ..console.arguments import at_least, random_seed
 from ..console.setting_words import add_settings, read_settings
 from ..console.tables import format_table
 
@@ -43,8 +44,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.epilog = EPILOG
     parser.add_argument("--env", choices=sorted(IDS), default="tagalong/Corridor-v0", help="where (%(default)s)")
-    parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the episode (%(default)s)")
-    parser.add_argument("--people", type=int, default=2, metavar="N", help="bystanders (%(default)s)")
+    parser.add_argument("--seed", type=random_seed, default=0, metavar="N", help="seed of the episode (%(default)s)")
+    parser.add_argument("--people", type=at_least(0), default=2, metavar="N", help="bystanders (%(default)s)")
     parser.add_argument(
         "--operator", choices=("keyboard", "gamepad", "model"), default="keyboard", help="who drives (%(default)s)"
     )

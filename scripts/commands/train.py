@@ -5,8 +5,9 @@ from pathlib import Path
 from typing import Any
 
 from ...perception.rgbd.person_svm import DEPTH_MODEL, MODEL
-from ...slam.errors import InputError, shown
+from ...slam.errors import InputError
 from ...slam.files.output import write_json
+from ..console.arguments import at_least, random_seed
 from ..console.subcommands import add_described
 from ..console.tables import format_table
 from ..training.evaluate_legs import RATES
@@ -63,11 +64,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="folder of positive_{1,2,3}_labelled.npz and negative_2_left_scans.npz (simulation: only to score it)",
     )
     legs.add_argument("--out", type=Path, default=Path("out/legs"), metavar="DIR", help="default: %(default)s")
-    legs.add_argument("--seed", type=int, default=0, help="of all random draws (default: %(default)s)")
+    legs.add_argument("--seed", type=random_seed, default=0, help="of all random draws (default: %(default)s)")
     for name in COUNTS:
         default = getattr(TrainConfig(), name)
         flag = f"--{name.replace('_', '-')}"
-        legs.add_argument(flag, type=int, default=default, metavar="N", help="default: %(default)s")
+        legs.add_argument(flag, type=at_least(1), default=default, metavar="N", help="default: %(default)s")
     _add_people(models)
 
 
@@ -75,14 +76,14 @@ def _add_people(models: "argparse._SubParsersAction[argparse.ArgumentParser]") -
     summary = "the classifier that tells people in RGB-D frames"
     people = add_described(models, "people", summary, PEOPLE_EPILOG)
     people.add_argument("--out", type=Path, default=Path("out/people"), metavar="DIR", help="default: %(default)s")
-    people.add_argument("--seed", type=int, default=0, help="of all random draws (default: %(default)s)")
+    people.add_argument("--seed", type=random_seed, default=0, help="of all random draws (default: %(default)s)")
     people.add_argument(
         "--recorded", type=Path, metavar="FOLDER", help="labelled frames to train on, too, as of `bench rgbd-recorded`"
     )
     for name in PEOPLE_COUNTS:
         default = getattr(PeopleTrainConfig(), name)
         flag = f"--{name.replace('_', '-')}"
-        people.add_argument(flag, type=int, default=default, metavar="N", help="default: %(default)s")
+        people.add_argument(flag, type=at_least(1), default=default, metavar="N", help="default: %(default)s")
 
 
 def run(options: argparse.Namespace) -> int:
@@ -98,11 +99,6 @@ def run(options: argparse.Namespace) -> int:
 def _counts(options: argparse.Namespace, names: tuple[str, ...]) -> dict[str, Any]:
     """Return the options that count things, and look at the seed, before hours of work are spent."""
     counts = {name: getattr(options, name) for name in names}
-    for name, count in counts.items():
-        if not 1 <= count <= MOST:
-            raise InputError(f"--{name.replace('_', '-')} must be 1 to {MOST}, got {shown(count)}")
-    if not 0 <= options.seed < 1 << 32:
-        raise InputError(f"--seed must be a whole number from 0 to {(1 << 32) - 1}, got {shown(options.seed)}")
     return counts
 
 

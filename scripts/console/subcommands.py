@@ -4,16 +4,22 @@ import argparse
 from collections.abc import Callable, Mapping
 from typing import Any, NoReturn
 
-from ...slam.errors import one_line
-from .last_words import MOST_SAID
+from ...slam.errors import InputError, one_line
+
+_MOST_SAID = 400
+"""Characters of a complaint about words, which argparse shows whole."""
 
 
 class CommandParser(argparse.ArgumentParser):
-    """An argument parser that shows words of thousands of characters in a few."""
+    """An argument parser for which words that it does not understand are bad input like any other."""
 
     def error(self, message: str) -> NoReturn:
-        """Print the usage and `message`, and exit with status 2."""
-        super().error(one_line(message, MOST_SAID))
+        """Refuse the words.
+
+        Raises:
+            InputError: With `message`, and where help is to be found.
+        """
+        raise InputError(f"{one_line(message, _MOST_SAID)} (see {self.prog} --help)")
 
 
 class _LateSubcommands(argparse._SubParsersAction):

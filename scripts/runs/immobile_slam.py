@@ -21,6 +21,7 @@ from ...slam.errors import InputError
 from ...slam.immobile.layers import LayersConfig
 from ...slam.logs.drive import RecordedDrive
 from ...slam.logs.ros_map import write_ros_map
+from ..console.arguments import HIGHEST_M, within
 
 OWN, IMMOBILE = "own", "immobile"
 MAPPINGS = (OWN, IMMOBILE)
@@ -40,9 +41,15 @@ def add_mapping_options(parser: argparse.ArgumentParser) -> None:
         help="the engine's own map, or that of immobile area, by laser and, if the bag has one, RGB-D camera; "
         "--method immobile lets the map itself localize (default: %(default)s)",
     )
-    group.add_argument("--laser-height", type=float, metavar="M", help="above the floor (default: 0.32)")
-    group.add_argument("--camera-height", type=float, metavar="M", help="above the floor, within 0.15 m or so")
-    group.add_argument("--camera-every", type=float, metavar="S", help="leave out frames that follow sooner [s] (0.1)")
+    group.add_argument(
+        "--laser-height", type=within(0.01, HIGHEST_M), metavar="M", help="above the floor (default: 0.32)"
+    )
+    group.add_argument(
+        "--camera-height", type=within(0.01, HIGHEST_M), metavar="M", help="above the floor, within 0.15 m or so"
+    )
+    group.add_argument(
+        "--camera-every", type=within(0.0, 3600.0), metavar="S", help="leave out frames that follow sooner [s] (0.1)"
+    )
     group.add_argument("--depth-topic", metavar="NAME", help="of a bag with several topics of depth pictures")
     group.add_argument("--colour-topic", metavar="NAME", help="of a bag with several topics of colour pictures")
     group.add_argument("--camera-info-topic", metavar="NAME", help="of a bag with several topics of intrinsics")
@@ -63,10 +70,6 @@ def check_mapping(options: argparse.Namespace) -> None:
         return
     if options.filter_people:
         raise InputError("--filter-people is of the engine's own map; --mapping immobile keeps people out by itself")
-    if options.camera_every is not None and not 0.0 <= options.camera_every <= 3600.0:
-        raise InputError(f"--camera-every must be within 0 .. 3600 s, got {options.camera_every}")
-    if options.camera_height is not None and not 0.0 < options.camera_height <= _HIGHEST_M:
-        raise InputError(f"--camera-height must be within 0 .. {_HIGHEST_M:g} m, got {options.camera_height}")
     LegForest.load(options.forest or "real")
     _grid(options)
 

@@ -19,6 +19,7 @@ from ...perception.rgbd.planes import PlaneConfig, PlaneFinder, Planes, Surface
 from ...slam.errors import InputError
 from ...slam.files.output import write_json, write_text
 from ...slam.logs.bag_messages import is_bag
+from ..console.arguments import HIGHEST_M, within
 from ..console.tables import format_table
 from ..figures.planes import save_planes
 
@@ -55,9 +56,15 @@ class SeenFrame:
 def add_camera_options(parser: argparse.ArgumentParser) -> None:
     """Declare what can be told of a camera whose frames are looked at."""
     group = parser.add_argument_group("of RGB-D frames, in a folder or a bag")
-    group.add_argument("--camera-height", type=float, metavar="M", help="above the floor, within 0.15 m or so")
     group.add_argument(
-        "--camera-tilt", type=float, nargs=2, metavar=("PITCH", "ROLL"), help="nose down, left side up [deg]"
+        "--camera-height", type=within(0.01, HIGHEST_M), metavar="M", help="above the floor, within 0.15 m or so"
+    )
+    group.add_argument(
+        "--camera-tilt",
+        type=within(-90.0, 90.0),
+        nargs=2,
+        metavar=("PITCH", "ROLL"),
+        help="nose down, left side up [deg]",
     )
     group.add_argument(
         "--sensor",
@@ -70,7 +77,10 @@ def add_camera_options(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument("--frames", action="store_true", help="of a bag with scans, too: look at its frames instead")
     group.add_argument(
-        "--every", type=float, metavar="S", help="of a bag: leave out frames that follow sooner [s] (default: 0.5)"
+        "--every",
+        type=within(0.0, 3600.0),
+        metavar="S",
+        help="of a bag: leave out frames that follow sooner [s] (default: 0.5)",
     )
     for what in ("depth", "colour", "camera-info"):
         group.add_argument(f"--{what}-topic", metavar="NAME", help=f"of a bag with several topics of {WORDS[what]}")
@@ -112,15 +122,8 @@ def perceive_frames(options: argparse.Namespace) -> int:
 
 
 def _check(options: argparse.Namespace) -> None:
-    height, tilt = options.camera_height, options.camera_tilt
     if options.record is not None:
         raise InputError("--record is for scans: what is found in frames is drawn into overlays/")
-    if height is not None and not 0.0 < height <= _HIGHEST_M:
-        raise InputError(f"--camera-height must be within 0 .. {_HIGHEST_M:g} m, got {height}")
-    if options.every is not None and not 0.0 <= options.every <= _LONGEST_S:
-        raise InputError(f"--every must be within 0 .. {_LONGEST_S:g} s, got {options.every}")
-    if tilt is not None and not np.all(np.abs(tilt) <= 90.0):
-        raise InputError(f"--camera-tilt must be two angles within 90 degrees, got {tilt}")
 
 
 def _look(options: argparse.Namespace, config: PlaneConfig) -> Iterator[SeenFrame]:

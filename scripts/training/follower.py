@@ -5,8 +5,9 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
-from ...slam.errors import InputError, MissingExtraError, shown
+from ...slam.errors import InputError, MissingExtraError
 from ...slam.processes.crew import require_workers
+from ..console.arguments import at_least, random_seed, within
 from ..console.setting_words import add_settings, read_settings
 from ..console.subcommands import add_described
 
@@ -43,11 +44,17 @@ def add_follower_arguments(models: "argparse._SubParsersAction[argparse.Argument
     parser = add_described(models, "follower", summary, EPILOG)
     parser.add_argument("--algo", choices=ALGORITHMS, default="ppo", help="default: %(default)s")
     parser.add_argument("--preset", choices=PRESETS, default=WORLDS, help="default: %(default)s")
-    parser.add_argument("--seed", type=int, default=0, help="of all random draws (default: %(default)s)")
-    parser.add_argument("--steps", type=int, metavar="N", help="steps of reinforcement (worlds: 4000000)")
-    parser.add_argument("--max-minutes", type=float, metavar="M", help="stop then, evaluations included")
+    parser.add_argument("--seed", type=random_seed, default=0, help="of all random draws (default: %(default)s)")
     parser.add_argument(
-        "--workers", type=int, default=2, metavar="N", help="processes that drive (worlds: threads; %(default)s)"
+        "--steps", type=at_least(1, MOST_STEPS), metavar="N", help="steps of reinforcement (worlds: 4000000)"
+    )
+    parser.add_argument("--max-minutes", type=within(0.001, 1e6), metavar="M", help="stop then, evaluations included")
+    parser.add_argument(
+        "--workers",
+        type=at_least(1),
+        default=2,
+        metavar="N",
+        help="processes that drive (worlds: threads; %(default)s)",
     )
     add_settings(parser, "an argument of the environments that it is trained in, e.g. robot=pioneer")
     parser.add_argument("--out", type=Path, default=Path("out/follower"), metavar="DIR", help="default: %(default)s")
@@ -91,8 +98,6 @@ def train_follower(options: argparse.Namespace) -> int:
 def _train_on_worlds(options: argparse.Namespace) -> int:
     if options.algo != "ppo":
         raise InputError(f"the preset {WORLDS} is trained by ppo, got {options.algo}")
-    if options.steps is not None and not 1 <= options.steps <= MOST_STEPS:
-        raise InputError(f"--steps must be 1 to {MOST_STEPS}, got {shown(options.steps)}")
     try:
         from ...agents.training.worlds.preset import WorldsPreset
         from ...agents.training.worlds.run import WorldsRun, WorldsRunConfig

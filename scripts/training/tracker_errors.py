@@ -7,7 +7,7 @@ from typing import Any
 
 from ...envs.tracker_errors.errors import SHIPPED, named
 from ...slam.files.output import made_folder, write_json
-from ..console.arguments import require_count
+from ..console.arguments import at_least
 from ..console.subcommands import add_described
 from ..console.tables import format_table
 from .tracker_check import compare
@@ -70,14 +70,14 @@ def add_tracker_arguments(models: "argparse._SubParsersAction[argparse.ArgumentP
         ("check-seeds", 10, "drives in each setting of the check"),
         ("steps", 900, "most control periods of a drive"),
     ):
-        parser.add_argument(f"--{name}", type=int, default=default, metavar="N", help=f"{what} (default: %(default)s)")
+        parser.add_argument(
+            f"--{name}", type=at_least(1, 100_000), default=default, metavar="N", help=f"{what} (default: %(default)s)"
+        )
     parser.add_argument("--out", type=Path, default=Path("out/tracker-errors"), metavar="DIR", help="%(default)s")
 
 
 def train_tracker_errors(options: argparse.Namespace) -> int:
     """Drive, fit, drive again with and without the model, print and write the comparison."""
-    for name in ("seeds", "check_seeds", "steps"):
-        require_count(f"--{name.replace('_', '-')}", getattr(options, name), 100_000, "days of driving")
     seeds = range(FIRST_FITTED, FIRST_FITTED + options.seeds)
     fitted = record_drives(FITTED, seeds, options.steps, people="tracker")
     path = made_folder(options.out) / SHIPPED.name

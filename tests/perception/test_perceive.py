@@ -59,7 +59,7 @@ def test_bad_files_end_with_one_line_and_status_two(tmp_path, capsys, changed, w
         (["nowhere.log"], "no file nowhere.log"),
         (["room.npz", "--preset", "table3"], "unknown preset 'table3'"),
         (["room.npz", "--forest", "oak"], "no leg forest 'oak'"),
-        (["room.npz", "--rate", "-1"], "--rate must be positive"),
+        (["room.npz", "--rate", "-1"], "--rate: must be a number within 0.01 .. 100000"),
     ],
 )
 def test_bad_arguments_end_with_one_line_and_status_two(tmp_path, capsys, monkeypatch, arguments, words):

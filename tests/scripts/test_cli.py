@@ -29,13 +29,16 @@ def test_an_output_folder_that_cannot_be_is_told_before_the_work(tmp_path, capsy
         ("evaluate damaged:A", "named as module:class, got 'damaged:A' (invalid syntax (damaged.py, line 1))"),
         ("teleop --operator model --out FOLDER", "is a folder, where a file has to be written"),
         ("teleop --operator gamepad --out new --gamepad FOLDER", "no gamepad at"),
-        ("bench speed --steps 0", "--steps must be at least 1, got 0"),
+        (
+            "bench speed --steps 0",
+            "argument --steps: must be a whole number of at least 1, got '0' (see tag",
+        ),
         ("score FILE FILE --json FOLDER", "is a folder, where a file has to be written"),
         ("reproduce all --out new --pages FILE", "is a file, where a folder has to be written"),
         ("results --readme FILE", "needs the marks"),
-        ("evaluate random --people 0", "--people counts the leader"),
-        ("perceive FILE --out new --min-confidence nan", "--min-confidence must lie in [0, 1], got nan"),
-        ("perceive FILE --out new --min-confidence 2", "--min-confidence must lie in [0, 1], got 2.0"),
+        ("evaluate random --people 0", "argument --people: must be a whole number of at least 1"),
+        ("perceive FILE --out new --min-confidence nan", "--min-confidence: must be a number within 0 .. 1, got 'nan'"),
+        ("perceive FILE --out new --min-confidence 2", "--min-confidence: must be a number within 0 .. 1, got '2'"),
         ("results --readme nowhere", "nowhere: cannot be read"),
     ],
 )
@@ -66,8 +69,7 @@ def test_the_demo_hands_settings_to_its_environment(capsys, monkeypatch):
 
 
 def test_a_suite_is_an_environment_of_its_own(capsys):
-    with pytest.raises(SystemExit):
-        main(["evaluate", "pid", "--suite", "corridor", "--env", "tagalong/Office-v0"])
+    assert main(["evaluate", "pid", "--suite", "corridor", "--env", "tagalong/Office-v0"]) == 2
     assert "not allowed with argument" in capsys.readouterr().err
 
 
@@ -125,10 +127,9 @@ def test_the_engines_of_slam_are_named_in_the_help(command, capsys):
         ("--first-seed 4294967296", "--first-seed: must be at most 4294967295"),
     ],
 )
-def test_a_count_that_nobody_lives_to_see_the_end_of_is_told(words, complaint, capsys):
-    with pytest.raises(SystemExit, match="2"):
+def test_a_count_that_nobody_lives_to_see_the_end_of_is_told(words, complaint):
+    with pytest.raises(InputError, match=complaint):
         make_parser().parse_args(["bench", "people", *words.split()])
-    assert complaint in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -139,10 +140,9 @@ def test_a_count_that_nobody_lives_to_see_the_end_of_is_told(words, complaint, c
     ],
 )  # fmt: skip
 @pytest.mark.parametrize("count", ["-1", "9" * 40])
-def test_no_experiment_begins_to_list_more_cells_than_anybody_waits_for(words, count, capsys):
-    with pytest.raises(SystemExit, match="2"):
+def test_no_experiment_begins_to_list_more_cells_than_anybody_waits_for(words, count):
+    with pytest.raises(InputError, match=f"argument {words.split()[1]}: must be"):
         make_parser().parse_args(["reproduce", *words.split(), count])
-    assert f"argument {words.split()[1]}: must be" in capsys.readouterr().err
 
 
 def test_a_log_that_is_a_link_to_itself_is_told_by_its_name(tmp_path, capsys):

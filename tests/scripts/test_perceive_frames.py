@@ -159,7 +159,7 @@ def test_more_columns_than_any_camera_has_are_refused(tmp_path, capsys):
     write(tmp_path / "in", "one_a", depths(), **LABELS)
     words = ["bench", "rgbd-recorded", str(tmp_path / "in"), "--out", str(tmp_path / "out")]
     assert main([*words, "--columns", "8193"]) == 2
-    assert "--columns must be 8192 at most" in capsys.readouterr().err
+    assert "--columns: must be at most 8192" in capsys.readouterr().err
 
 
 def test_labelled_frames_are_scored_by_source(tmp_path, capsys):

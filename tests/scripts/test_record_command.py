@@ -79,8 +79,8 @@ def test_cells_of_a_suite_that_differ_in_options_alone_share_a_dataset_named_aft
         (["--followers", "frontier"], "frontier explores without a leader"),
         (["--followers", "pid", "pid+"], "must differ in letters and numbers"),
         (["--suite", "office", "--people", "3"], "leave out --people"),
-        (["--people", "0"], "at least 1, got 0"),
-        (["--episodes", "0"], "--episodes must be at least 1"),
+        (["--people", "0"], "argument --people: must be a whole number of at least 1, got '0'"),
+        (["--episodes", "0"], "--episodes: must be a whole number of at least 1"),
         (["--set", "no.such=1"], "no.such"),
     ],
 )

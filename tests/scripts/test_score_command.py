@@ -132,7 +132,7 @@ def test_feet_of_another_frame_are_placed_by_the_two_trajectories(here, capsys):
         (["moved.tum.gz", "truth.tum", "--people", "people.npz"], "true feet of people judge a map"),
         (["raw.yaml", "static.yaml", "--readings", "truth.tum"], "odometry of readings goes with relations"),
         (["moved.tum.gz", "truth.tum", "--overlay", "o.png"], "--overlay draws two maps"),
-        (["moved.tum.gz", "truth.tum", "--max-gap", "-1"], "--max-gap must not be negative"),
+        (["moved.tum.gz", "truth.tum", "--max-gap", "-1"], "--max-gap: must be a number within 0 .. 86400"),
         (["moved.tum.gz", "truth.tum", "--json", "truth.tum/s.json"], "cannot be written"),
     ],
 )

@@ -142,7 +142,7 @@ def test_what_cannot_be_measured_is_refused(tmp_path, capsys):
     assert main(["bench", "slam-faults", "--worlds", "0", *out]) == 2
     assert main(["bench", "slam-faults", str(tmp_path / "none"), *out]) == 2
     assert main(["bench", "slam-scale", "--sizes", "5", *out]) == 2
-    assert "--sizes must be within 20 .. 2000" in capsys.readouterr().err
+    assert "--sizes: must be a number within 20 .. 2000" in capsys.readouterr().err
 
 
 def test_worlds_take_the_kinds_by_turns():

@@ -5,8 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ....slam.errors import InputError
-from ...console.arguments import LARGEST_SEED, MOST_CELLS, at_least
+from ...console.arguments import MOST_CELLS, at_least, random_seed, within
 from ...lab.cells import Cell
 from .drives import MAPPERS, METHOD, POSES, lab_drive
 
@@ -71,32 +70,26 @@ def add_plan_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--seeds", type=at_least(1, MOST_CELLS), metavar="N", help=f"(default: {SEEDS}, quick: {QUICK_SEEDS})"
     )
-    parser.add_argument(
-        "--first-seed", type=at_least(0, LARGEST_SEED), default=0, metavar="S", help="(default: %(default)s)"
-    )
+    parser.add_argument("--first-seed", type=random_seed, default=0, metavar="S", help="(default: %(default)s)")
     parser.add_argument("--poses", choices=POSES, default="gmapping", help="who localises (default: %(default)s)")
-    parser.add_argument("--camera-hz", type=float, metavar="F", help="frames a second (default: 10, quick: 2)")
-    parser.add_argument("--delay", type=float, default=0.3, metavar="S", help="of views [s] (default: %(default)s)")
+    parser.add_argument(
+        "--camera-hz", type=within(0.1, 1000.0), metavar="F", help="frames a second (default: 10, quick: 2)"
+    )
+    parser.add_argument(
+        "--delay", type=within(0.0, 60.0), default=0.3, metavar="S", help="of views [s] (default: %(default)s)"
+    )
     parser.add_argument(
         "--paper", action="store_true", help="the paper's robot and camera: a Pioneer 3-DX, 512 x 424 pixels"
     )
-    parser.add_argument("--minutes", type=float, metavar="M", help="cut the drive off (default: at its end)")
+    parser.add_argument(
+        "--minutes", type=within(0.1, 1440.0), metavar="M", help="cut the drive off (default: at its end)"
+    )
 
 
 def plan_of(options: argparse.Namespace) -> ImmobilePlan:
-    """Return the plan that the options ask for.
-
-    Raises:
-        InputError: If one is out of its range.
-    """
+    """Return the plan that the options ask for."""
     count = options.seeds if options.seeds is not None else QUICK_SEEDS if options.quick else SEEDS
     hz = options.camera_hz if options.camera_hz is not None else QUICK_CAMERA_HZ if options.quick else CAMERA_HZ
-    if count < 1:
-        raise InputError(f"--seeds must be at least 1, got {count}")
-    if not options.delay >= 0.0:
-        raise InputError(f"--delay must not be negative [s], got {options.delay}")
-    if options.minutes is not None and not options.minutes >= 0.1:
-        raise InputError(f"--minutes must be at least 0.1, got {options.minutes}")
     longest = None if options.minutes is None else 60.0 * options.minutes
     settings = {"poses": options.poses, "camera_hz": hz, "delay_s": options.delay, "longest_s": longest}
     return ImmobilePlan(

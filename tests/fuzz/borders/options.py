@@ -6,6 +6,7 @@ import os
 import shutil
 import sys
 import tempfile
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -13,12 +14,15 @@ import numpy as np
 from borders.engines import FEW, setting_names
 from fuzzer import grammars
 from fuzzer.border import Area, Border, Call, Input, require
+from fuzzer.declared import declared_options, takes_numbers
 from fuzzer.files import put
 from fuzzer.mutations import choice, mutated_text
 from fuzzer.sanity import sane_map, sane_poses
 from fuzzer.values import hostile_value, hostile_word, said
 from numpy.random import Generator
+from tagalong.scripts.benchmarks.benchmark import BENCHMARKS
 from tagalong.scripts.cli import main
+from tagalong.scripts.reproduce.experiment import EXPERIMENTS
 from tagalong.slam import InputError, make_slam, read_ros_map
 from tagalong.slam.engine import ENGINES
 from tagalong.slam.logs import read_tum
@@ -42,41 +46,48 @@ machine, as the tests may run with the rights to replace it."""
 _NAMES = ("OUT", "IN/fifo", "IN/loop", "IN", "IN/nowhere/x", "OUT/" + "n" * 300)
 
 
-_LONG_WORK: dict[tuple[str, ...], list[str]] = {
-    ("evaluate", "pid", "--out", "OUT"): ["--episodes", "--people", "--beams", "--env", "--suite", "--perception"],
-    ("bench", "speed", "--out", "OUT"): ["--steps"],
-    ("demo", "--out", "OUT"): ["--people", "--scene"],
-    ("teleop", "--operator", "model", "--out", "OUT/log.txt"): ["--env"],
-    ("train", "follower", "--out", "OUT"): ["--workers", "--max-minutes", "--algo", "--preset"],
-    ("train", "legs", "--out", "OUT"): ["--scans", "--drives", "--trees", "--forest"],
-    ("train", "people", "--out", "OUT"): ["--buildings", "--frames"],
-    ("reproduce", "following", "--quick", "--out", "OUT"): ["--jobs", "--backend"],
-    ("train", "follower", "--preset", "worlds", "--out", "OUT"): ["--steps", "--workers", "--max-minutes", "--algo"],
-    ("train", "tracker-errors", "--out", "OUT"): ["--seeds", "--check-seeds", "--steps"],
-    ("record", "--out", "OUT"): ["--followers", "--scene", "--suite", "--episodes", "--people", "--formats", "--jobs"],
-    ("compare", "--out", "OUT"): ["--followers", "--suites", "--episodes"],
-    ("bench", "simulators", "--out", "OUT"): ["--followers", "--suites", "--episodes", "--people", "--beams"],
-    ("bench", "worlds", "--out", "OUT"): ["--seconds", "--worlds"],
-    ("bench", "drawn-worlds", "--out", "OUT"): ["--kinds", "--engines", "--jobs"],
-    ("bench", "slam-scale", "--out", "OUT"): ["--sizes", "--km", "--engines"],
-    ("bench", "people", "--out", "OUT"): ["--seeds", "--people", "--seconds", "--preset", "--scene", "--forest"],
-    ("bench", "follower-comparison", "--out", "OUT"): ["--followers", "--suites", "--episodes"],
-    ("ros",): ["filter", "people", "follower", "slam"],
-    ("results", "--quick", "--out", "OUT"): ["--jobs"],
-    ("reproduce", "clustering", "--out", "OUT"): ["--worlds"],
-    ("reproduce", "following", "--out", "OUT"): ["--repeats"],
-    ("reproduce", "guidance", "--out", "OUT"): ["--repeats", "--minutes"],
-    ("reproduce", "immobile", "--out", "OUT"): ["--seeds"],
-    ("reproduce", "scan-matching", "--out", "OUT"): ["--trials"],
-}
-"""Commands that work for minutes: they get one option more than they can take, which they have to say at once."""
-_NEVER = ("0", "-1", "nan", "-inf", "1.5.2", "", "x", "9" * 5000, "a" * 5000, "1e", "\x00", "½", "99999999999999999999")
+_LINES = """
+evaluate pid --out OUT
+demo --out OUT
+teleop --operator model --out OUT/log.txt
+train follower --out OUT
+train follower --preset office --out OUT
+train legs --forest simulation --out OUT
+train people --out OUT
+train tracker-errors --out OUT
+record --out OUT
+compare --out OUT
+results --quick --out OUT
+data record OUT/a.mcap
+slam LOG --out OUT
+localize LOG --map MAP --out OUT
+perceive LOG --out OUT
+score TUM TUM2
+"""
+_LONG_WORK = (
+    *(tuple(line.split()) for line in _LINES.strip().splitlines()),
+    *(("bench", name, "--out", "OUT") for name in BENCHMARKS),
+    *(("reproduce", name, "--out", "OUT") for name in (*EXPERIMENTS, "all")),
+)  # fmt: skip
+"""Commands, most of which work for minutes: they get one option more that none takes, and have to say so at once."""
+_NEVER = ("nan", "-inf", "1.5.2", "", "x", "9" * 5000, "a" * 5000, "1e", "\x00", "½", "99999999999999999999")
 
 
 def _never_taken(rng: Generator) -> Input:
-    fixed = list(_LONG_WORK)[int(rng.integers(len(_LONG_WORK)))]
-    options = _LONG_WORK[fixed]
-    return [*fixed, options[int(rng.integers(len(options)))], choice(rng, list(_NEVER))]
+    fixed = _LONG_WORK[int(rng.integers(len(_LONG_WORK)))]
+    options = _bounded()
+    names = next(options[fixed[:n]] for n in (2, 1) if fixed[:n] in options)
+    return [*fixed, names[int(rng.integers(len(names)))], choice(rng, list(_NEVER))]
+
+
+@cache
+def _bounded() -> dict[tuple[str, ...], list[str]]:
+    """Return the options of each command that take numbers, or one of a few words."""
+    found: dict[tuple[str, ...], list[str]] = {}
+    for command, action in declared_options():
+        if takes_numbers(action.type) or action.choices:
+            found.setdefault(command, []).append(action.option_strings[0])
+    return found
 
 
 def _refused_at_once(value: Input, folder: Path) -> Any:
@@ -130,10 +141,10 @@ def run_words(value: Input, folder: Path) -> Any:
     with contextlib.redirect_stderr(printed), contextlib.redirect_stdout(io.StringIO()):
         try:
             code = main(words)
-        except SystemExit as end:  # argparse
+        except SystemExit as end:  # --help
             code = end.code
     require((inputs / "fifo").is_fifo(), "a pipe was replaced by a file")
-    lines = [line for line in printed.getvalue().split("\n") if line and not line.startswith(("usage:", "  "))]
+    lines = [line for line in printed.getvalue().split("\n") if line]
     if code == 2:
         if any("not enough memory" in line for line in lines):
             raise MemoryError(_one_line(lines))
