@@ -41,7 +41,8 @@ class _Signals:
 
     def give_back(self, *, for_good: bool) -> None:
         """Let others have the signals; those of a program that is over (`for_good`) end it without a word."""
-        sys.unraisablehook = self._hook
+        if self.came is None or not for_good:  # else objects that were half made may complain as the program ends
+            sys.unraisablehook = self._hook
         for number, before in self._before.items():
             signal.signal(number, signal.SIG_DFL if for_good else before)
 
@@ -52,9 +53,13 @@ class _Signals:
         raise Interruption
 
     def _unraisable(self, lost: Any) -> None:
-        """Send the signal again if its exception was lost in a finalizer or a callback from C."""
-        if not isinstance(lost.exc_value, Interruption) or self.came is None:
+        """Send the signal again if its exception was lost in a finalizer or a callback from C.
+
+        What else comes out of a finalizer after a signal, comes of it: an object was half made.
+        """
+        if self.came is None:
             self._hook(lost)
+        if self.came is None or not isinstance(lost.exc_value, Interruption):
             return
         self._raised_s = float("-inf")
         again = threading.Timer(0.05, os.kill, (os.getpid(), self.came))

@@ -22,6 +22,7 @@ class Plan:
         within_s: The kills come at random within so many seconds; None: within the time of a whole run.
         compared: Whether it is run to its end, undisturbed and after kills, and the files are compared.
         in_a_row: Kills in the same folder before it is run to its end.
+        once: What it makes last, if it refuses to write where that is already.
         times: Names of its JSON under which stand times by nature; all the rest is compared.
     """
 
@@ -29,6 +30,7 @@ class Plan:
     within_s: float | None = None
     compared: bool = True
     in_a_row: int = 5
+    once: str | None = None
     times: frozenset[str] = frozenset()
 
 
@@ -56,7 +58,7 @@ PLANS = {
     "filter": _tagalong("filter IN/room.log.gz out/room.log.gz"),
     "filter bag": _tagalong("filter IN/room.bag out/room.bag"),
     "filter mcap": _tagalong("filter IN/room.mcap out/room.mcap"),
-    "filter folder": _tagalong("filter IN/room out/room"),
+    "filter folder": _tagalong("filter IN/room out/room", once="out/room"),
     "score": _tagalong("score IN/map/map.yaml IN/map/map.yaml --json out/scores.json --overlay out/overlay.png"),
     "reproduce following": _tagalong("reproduce following --quick --repeats 1 --no-sweep --jobs 2 --out out", **_LONG),
     "reproduce scan-matching": _tagalong("reproduce scan-matching --quick --trials 10 --jobs 2 --out out", **_LONG),

@@ -122,6 +122,34 @@ def test_a_command_may_finish_what_it_has_when_it_is_interrupted():
         signal.signal(signal.SIGINT, shells)
 
 
+def test_what_a_signal_left_half_made_says_nothing_as_the_program_ends(tmp_path):
+    program = """
+import os, signal, sys
+from tagalong.scripts.console.last_words import told
+
+class HalfMade:
+    def __del__(self):
+        raise AttributeError("never set")
+
+kept = HalfMade()
+
+def run():
+    HalfMade()
+    if sys.argv[1] == "killed":
+        os.kill(os.getpid(), signal.SIGINT)
+    return 0
+
+status = told(run)
+HalfMade()
+sys.exit(status)
+"""
+    for how, status, complaints in (("killed", 130, 1), ("whole", 0, 3)):
+        done = subprocess.run([sys.executable, "-c", program, how], capture_output=True, text=True)
+        assert done.returncode == status
+        assert done.stderr.count("Exception ignored") == complaints
+        assert done.stderr.count("tagalong: interrupted\n") == (how == "killed")
+
+
 def test_a_folder_has_one_writer_at_a_time(tmp_path):
     write_carmen(tmp_path / "room.log.gz", room_drive(1000))
     words = ["slam", str(tmp_path / "room.log.gz"), "--out", str(tmp_path / "out"), "--set", "particles=400"]
