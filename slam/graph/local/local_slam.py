@@ -293,10 +293,14 @@ class LocalSlam:
     def _best(
         self, found: list[tuple[MotionHypothesis, GridMatch | None]], points: int
     ) -> tuple[MotionHypothesis, GridMatch | None, float]:
-        """Return the likeliest of some hypotheses with their matches: that odometry lies needs a scan that fits."""
+        """Return the likeliest of some hypotheses with their matches: the first is that of the odometry.
+
+        That the robot is elsewhere needs a scan that fits there: where nothing is known, none fits badly.
+        """
+        by_odometry = found[0][0].prediction.pose
 
         def cost(motion: MotionHypothesis, match: GridMatch | None) -> float:
-            if not motion.sound and not (match and self._matcher.explains(match)):
+            if motion.prediction.pose is not by_odometry and not (match and self._matcher.explains(match)):
                 return np.inf
             fit = motion.cost_at(match.pose, self._matcher.information(match)) if match else motion.cost
             return self._matcher.cost(match, points) + fit
