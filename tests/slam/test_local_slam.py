@@ -197,6 +197,17 @@ def test_a_guess_that_sees_nothing_is_not_likelier_than_one_that_fits():
     assert lead == -np.inf
 
 
+def test_a_robot_is_nowhere_else_because_nothing_is_known_there():
+    slam, here, caught_up = LocalSlam(LocalSlamConfig()), guess(0.0), guess(8.0)
+    fits = GridMatch(np.zeros(3), np.diag([100.0, 100.0, 100.0]), 0.6, False)
+    slam._matcher.believe(fits)
+    hardly = replace(fits, score=0.02)
+    unknown = GridMatch(np.array([8.0, 0.0, 0.0]), np.zeros((3, 3)), 0.05, False, seen=0.1)
+    for elsewhere in (None, unknown):
+        assert slam._best([(here, hardly), (caught_up, elsewhere)], 200)[0] is here
+    assert slam._best([(here, hardly), (caught_up, replace(fits, pose=unknown.pose))], 200)[0] is caught_up
+
+
 def test_where_no_scan_tells_a_robot_whose_odometry_is_frozen_goes_on(monkeypatch):
     slam, told, rng = LocalSlam(LocalSlamConfig()), np.zeros(3), np.random.default_rng(4)
     for k in range(20):
