@@ -256,8 +256,8 @@ class LocalSlam:
 
         None: nothing matches. The lead is the logarithm of how many times likelier a fault is than sound odometry.
         """
-        if not self._active.begun:
-            return hypotheses[0], None, 0.0
+        if not self._active.begun:  # there is no map: the scan says nothing for or against a fault
+            return hypotheses[0], None, hypotheses[0].cost - hypotheses[-1].cost
         degenerate = degenerate_direction(scan, points)
         sensor = np.array(scan.T_robot_lidar[:2], dtype=np.float64)
         front, anywhere = self._active.front, self._motion.anywhere
