@@ -1,13 +1,15 @@
 """Ctrl-C, SIGTERM and SIGHUP end a command in order: what it began is undone, its workers end, one line says why."""
 
+import atexit
 import os
 import signal
 import sys
 import threading
 from collections.abc import Callable
+from contextlib import suppress
 from time import monotonic
 from types import FrameType
-from typing import Any
+from typing import Any, NoReturn
 
 _WORDS = {"SIGINT": "interrupted", "SIGTERM": "terminated", "SIGHUP": "its terminal is gone"}
 _AGAIN_S = 2.0
@@ -67,6 +69,18 @@ class _Signals:
         again.start()
 
 
+def _end(status: int) -> NoReturn:
+    """End the process with `status`, and leave the interpreter as it is.
+
+    An import that a signal has cut off leaves modules of C half made, of which some crash as Python takes them down.
+    """
+    atexit._run_exitfuncs()
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError, ValueError, AttributeError):  # it is closed, or nobody reads it
+            stream.flush()
+    os._exit(status)
+
+
 def interruptible(run: Callable[[], int], *, is_program: bool) -> int:
     """Return the exit status of `run`: its own, or 128 + the number of a signal that ended it (130 for Ctrl-C).
 
@@ -86,6 +100,8 @@ def interruptible(run: Callable[[], int], *, is_program: bool) -> int:
         # after a signal, whatever comes out comes of it: a kernel turns it into an error of its own
         number = signals.came or signal.SIGINT
         print(f"tagalong: {_WORDS[signal.Signals(number).name]}", file=sys.stderr)
+        if is_program and signals.came is not None:
+            _end(128 + number)
         return 128 + number
     finally:
         signals.give_back(for_good=is_program)

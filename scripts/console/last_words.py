@@ -25,12 +25,9 @@ def told(run: Callable[[], int], *, is_program: bool = True) -> int:
         run: What to do.
         is_program: The process has nothing else to do.
     """
-    return interruptible(lambda: _told(run), is_program=is_program)
-
-
-def _told(run: Callable[[], int]) -> int:
+    # outermost: after a signal, an error of any kind comes of it, such as that a library is not there
     try:
-        return exit_status(run)
+        return exit_status(lambda: interruptible(run, is_program=is_program))
     except WorkerError as error:
         print(f"tagalong: {one_line(str(error), MOST_SAID)}", file=sys.stderr)
         return LOST_WORKER

@@ -122,6 +122,31 @@ def test_a_command_may_finish_what_it_has_when_it_is_interrupted():
         signal.signal(signal.SIGINT, shells)
 
 
+def test_an_error_that_comes_of_a_signal_is_not_told_as_bad_input(tmp_path):
+    program = """
+import os, signal, sys
+from tagalong.scripts.console.last_words import told
+from tagalong.slam.errors import MissingExtraError
+
+class Crashes:
+    def __del__(self):
+        os.abort()
+
+def run():
+    try:
+        os.kill(os.getpid(), signal.SIGTERM)
+        signal.pause()
+    except KeyboardInterrupt:
+        global kept
+        kept = Crashes()  # as modules of C are that a signal has left half made
+        raise MissingExtraError("plots", "viz") from None
+
+sys.exit(told(run))
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (143, "tagalong: terminated\n")
+
+
 def test_what_a_signal_left_half_made_says_nothing_as_the_program_ends(tmp_path):
     program = """
 import os, signal, sys
