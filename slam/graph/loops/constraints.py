@@ -17,7 +17,8 @@ from ...recent import Recent
 from ...scan_to_grid.match_kernels import information_in_node, match_nodes
 from ...scan_to_grid.refine_kernels import refine_pose
 from ...scan_to_grid.scan_matcher import far_radius
-from ...search.branch_and_bound import SearchWindow, branch_and_bound
+from ...scan_to_grid.wide_search import ALIKE
+from ...search.branch_and_bound import SearchWindow, Separation, branch_and_bound
 from ...search.score_pyramid import ScoreGrid, ScorePyramid, build_pyramid
 from ..local.submap import Submap
 from .blur_kernels import blurred_scores
@@ -177,7 +178,11 @@ class ConstraintBuilder:
         ]
 
     def search(self, index: int, submap: Submap, node: int, points: Array, guess: Array) -> Constraint | None:
-        """Return the best constraint in the search window around `guess` (3,); None: none reaches the least score."""
+        """Return the one constraint in the search window around `guess` (3,).
+
+        None: no place reaches the least score, or another looks alike, as along a corridor: one closure at a wrong place
+        bends the graph so far that right ones are dropped.
+        """
         config = self._config
         if len(points) < config.min_points:
             return None
@@ -185,11 +190,17 @@ class ConstraintBuilder:
         step = 1.5 * submap.config.resolution / max(far_radius(points), 1.0)
         window = SearchWindow(linear=config.search_linear, angular=config.search_angular, angular_step=step)
         found = branch_and_bound(
-            self._pyramids[submap], thinned, compose(submap.pose_local, guess), window, min_score=config.bound
-        ).best
-        if found is None:
+            self._pyramids[submap],
+            thinned,
+            compose(submap.pose_local, guess),
+            window,
+            min_score=config.bound,
+            maxima=2,
+            separation=Separation(least_share=ALIKE),
+        ).maxima
+        if len(found) != 1:
             return None
-        return self._closure(index, submap, node, points, np.array(found.pose), config.search_min_score)
+        return self._closure(index, submap, node, points, np.array(found[0].pose), config.search_min_score)
 
     def rematch(self, constraint: Constraint, submap: Submap, points: Array) -> Constraint | None:
         """Return a loop closure matched anew on the `submap` as it is drawn now; None: it does not fit any more.
