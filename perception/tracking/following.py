@@ -77,7 +77,8 @@ def _things(tracks, is_human, human, match, c):
     """Return (m,) which clusters are not human; `human` (k,) are those of which `is_human` (m,) says they are."""
     legs, owned = tracks.legs[: tracks.counts[LEGS]], 2 * tracks.counts[PEOPLE]
     things = ~is_human
-    things[human] = leg_kernels.still(legs, owned, match, c.grid_still_s, c.confirmation_delta, len(human))
+    still = leg_kernels.still(legs, owned, match, c.grid_still_s, c.confirmation_delta, len(human))
+    track_kernels.put(still, is_human, things)
     return things
 
 
