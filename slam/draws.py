@@ -8,7 +8,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from .view_kernel import view_kernel
+from .view_kernel import inner_view_kernel
 
 Array = NDArray[np.float64]
 Words = NDArray[np.uint64]
@@ -38,7 +38,7 @@ def _upper_tail(x: float) -> float:
 _WIDTH, _HEIGHT = _ziggurat()
 
 
-@view_kernel
+@inner_view_kernel
 def mixed(word: np.uint64) -> np.uint64:
     """Return a word in which each bit of `word` counts everywhere."""
     z = np.uint64(word)
@@ -47,20 +47,20 @@ def mixed(word: np.uint64) -> np.uint64:
     return z ^ (z >> _S31)
 
 
-@view_kernel
+@inner_view_kernel
 def word(state: Words) -> np.uint64:
     """Return 64 random bits and advance `state` (1,)."""
     state[0] += _STEP
     return mixed(state[0])
 
 
-@view_kernel
+@inner_view_kernel
 def uniform(state: Words) -> float:
     """Return a number in (0, 1]."""
     return ((word(state) >> _S11) + np.float64(1.0)) * (1.0 / 9007199254740992.0)
 
 
-@view_kernel
+@inner_view_kernel
 def normal(state: Words) -> float:
     """Return a standard normal number."""
     while True:
@@ -80,7 +80,7 @@ def normal(state: Words) -> float:
             return x
 
 
-@view_kernel
+@inner_view_kernel
 def until_failure(state: Words, share: float) -> int:
     """Return how many trials go well until one fails, of which a `share` does; a large number if none does."""
     if share <= 0.0:

@@ -23,6 +23,19 @@ def view_kernel(function: Function) -> Function:
     return cast(Function, compiled)
 
 
+def inner_view_kernel(function: Function) -> Function:
+    """Return a `view_kernel` that only kernels call: what reads Python's objects for it would be half of its code."""
+    bare: dict[str, Any] = {"_nrt": False, "no_cfunc_wrapper": True, "no_cpython_wrapper": True}
+    compiled: Any = njit(cache=True, nogil=True, **bare)(function)
+    return cast(Function, compiled)
+
+
+def spliced_kernel(function: Function) -> Function:
+    """Return a kernel whose lines are put into the kernels that call it, as if they stood there."""
+    compiled: Any = njit(inline="always")(function)
+    return cast(Function, compiled)
+
+
 def as_record(numbers: Any) -> Any:
     """Return a NamedTuple of floats as a record, which kernels hand on by its place in memory, not number by number."""
     return np.array([tuple(numbers)], dtype=[(name, np.float64) for name in numbers._fields])[0]

@@ -9,7 +9,7 @@ to the bit; here a beam costs a tenth, and is equal within rounding.
 import numpy as np
 from numpy.typing import NDArray
 
-from ...slam.view_kernel import view_kernel
+from ...slam.view_kernel import inner_view_kernel
 
 Array = NDArray[np.float64]
 
@@ -18,7 +18,7 @@ _ROUGH = 5e-4
 """Error of `_rough_angle`, rounded up [rad]."""
 
 
-@view_kernel
+@inner_view_kernel
 def _rough_angle(x: float, y: float) -> float:
     """Return the direction of (x, y) within 3e-4 rad, in [-pi, pi]."""
     ax, ay = abs(x), abs(y)
@@ -33,7 +33,7 @@ def _rough_angle(x: float, y: float) -> float:
     return -angle if y < 0.0 else angle
 
 
-@view_kernel
+@inner_view_kernel
 def point_beams(heading: float, cos_bearing: Array, sin_bearing: Array, ux: Array, uy: Array) -> None:
     """Write the unit vectors `ux`, `uy` (n,) of beams with the bearings (n,) for a laser that looks to `heading`."""
     cos, sin = np.cos(heading), np.sin(heading)
@@ -42,7 +42,7 @@ def point_beams(heading: float, cos_bearing: Array, sin_bearing: Array, ux: Arra
         uy[j] = sin * cos_bearing[j] + cos * sin_bearing[j]
 
 
-@view_kernel
+@inner_view_kernel
 def cast_faces(ax: float, ay: float, bx: float, by: float, first: float, spacing: float, beams: Array) -> None:
     """Let the beams meet a straight face between two points, seen from the laser; either order.
 
@@ -78,7 +78,7 @@ def cast_faces(ax: float, ay: float, bx: float, by: float, first: float, spacing
             exact[j] = at if at < exact[j] else exact[j]
 
 
-@view_kernel
+@inner_view_kernel
 def cast_rectangle(x: float, y: float, row: Array, first: float, spacing: float, beams: Array) -> None:
     """Let the beams of a laser at (x, y) meet a rectangle (centre x and y, cos and sin of its yaw, half sides)."""
     cos, sin, half_x, half_y = row[2], row[3], row[4], row[5]
@@ -101,7 +101,7 @@ def cast_rectangle(x: float, y: float, row: Array, first: float, spacing: float,
                        first, spacing, beams)  # fmt: skip
 
 
-@view_kernel
+@inner_view_kernel
 def cast_ellipse(
     dx: float, dy: float, xx: float, xy: float, yy: float, radius: float, first: float, spacing: float, beams: Array
 ) -> None:

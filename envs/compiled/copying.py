@@ -1,17 +1,17 @@
 """Rows of arrays copied number by number: kernels that count no references cannot assign arrays to arrays."""
 
-from ...slam.view_kernel import view_kernel
+from ...slam.view_kernel import inner_view_kernel
 from .state import Array
 
 
-@view_kernel
+@inner_view_kernel
 def copy_row(source: Array, target: Array) -> None:
     """Copy `source` (k,) to the beginning of `target`."""
     for i in range(len(source)):
         target[i] = source[i]
 
 
-@view_kernel
+@inner_view_kernel
 def copy_rows(source: Array, target: Array) -> None:
     """Copy `source` (k, m) to the beginning of `target`."""
     for i in range(len(source)):

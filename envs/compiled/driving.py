@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...slam.view_kernel import view_kernel
+from ...slam.view_kernel import inner_view_kernel
 from ..people.movement.things import Things, cell_of
 
 Array = NDArray[np.float64]
@@ -51,7 +51,7 @@ class Base(NamedTuple):
     dt: float
 
 
-@view_kernel
+@inner_view_kernel
 def cut_command(wanted: Array, base: Base) -> None:
     """Cut a wanted body velocity (3,) to the limits, in place."""
     speed = np.hypot(wanted[0], wanted[1])
@@ -61,7 +61,7 @@ def cut_command(wanted: Array, base: Base) -> None:
     wanted[2] = min(max(wanted[2], -base.max_turn_rate), base.max_turn_rate)
 
 
-@view_kernel
+@inner_view_kernel
 def ramp(setpoint: Array, wanted: Array, base: Base, dt: float) -> None:
     """Move the setpoints (3,) towards `wanted` (3,) for `dt` seconds, in place."""
     for k in range(3):
@@ -69,7 +69,7 @@ def ramp(setpoint: Array, wanted: Array, base: Base, dt: float) -> None:
         setpoint[k] += min(max(wanted[k] - setpoint[k], -step), step)
 
 
-@view_kernel
+@inner_view_kernel
 def drive(
     pose: Array, velocity: Array, setpoint: Array, base: Base, contacts: Array, touched: int, work: Array
 ) -> None:
@@ -102,7 +102,7 @@ def drive(
         pose[k] += base.dt * velocity[k]
 
 
-@view_kernel
+@inner_view_kernel
 def _servo(k: int, missing: float, base: Base) -> tuple[float, float]:
     """Return the force of servo k that is so much too slow, and what its implicit braking adds to the mass [kg]."""
     force, limit = base.gains[k] * missing, base.limits[k]
@@ -111,7 +111,7 @@ def _servo(k: int, missing: float, base: Base) -> tuple[float, float]:
     return min(max(force, -limit), limit), 0.0
 
 
-@view_kernel
+@inner_view_kernel
 def _contact_forces(
     pose: Array,
     velocity: Array,
@@ -153,7 +153,7 @@ def _contact_forces(
     return fx - acting[0], fy - acting[1], torque - acting[2]
 
 
-@view_kernel
+@inner_view_kernel
 def touch_things(pose: Array, base: Base, things: Things, contacts: Array, touched: int) -> int:
     """Add where the chassis touches walls and furniture to `contacts`; return how many there are then."""
     cos, sin = np.cos(pose[2]), np.sin(pose[2])
@@ -168,7 +168,7 @@ def touch_things(pose: Array, base: Base, things: Things, contacts: Array, touch
     return touched
 
 
-@view_kernel
+@inner_view_kernel
 def touch_circle(
     pose: Array, cos: float, sin: float, base: Base, x: float, y: float, radius: float, contacts: Array, touched: int
 ) -> int:
@@ -189,7 +189,7 @@ def touch_circle(
     return _note(pose, cos, sin, (near_u, near_v), (nu, nv), depth, contacts, touched)
 
 
-@view_kernel
+@inner_view_kernel
 def _note(
     pose: Array,
     cos: float,
@@ -220,7 +220,7 @@ def _note(
     return touched + 1
 
 
-@view_kernel
+@inner_view_kernel
 def touch_box(pose: Array, cos: float, sin: float, base: Base, box: Array, contacts: Array, touched: int) -> int:
     """Add where the chassis touches a box; return how many contacts there are then.
 
@@ -252,7 +252,7 @@ def touch_box(pose: Array, cos: float, sin: float, base: Base, box: Array, conta
     return touched
 
 
-@view_kernel
+@inner_view_kernel
 def _way_out(
     centre: tuple[float, float], yaw: tuple[float, float], chassis: tuple[float, float], box: tuple[float, float]
 ) -> tuple[float, float, float]:

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from ...slam.view_kernel import view_kernel
+from ...slam.view_kernel import inner_view_kernel
 from ..task.observation import FARTHEST_M, FASTEST_MPS
 from .leading import Known
 from .state import Array, Floats
 
 
-@view_kernel
+@inner_view_kernel
 def leader_entry(chosen: bool, place: Array, trust: float, visible: float, odometry: Array, entry: Floats) -> None:
     """Write the leader at `place` (4,), odometry frame, in the robot's frame; zeros before one was `chosen`."""
     entry[:] = 0.0
@@ -17,7 +17,7 @@ def leader_entry(chosen: bool, place: Array, trust: float, visible: float, odome
         entry[4], entry[5] = trust, visible
 
 
-@view_kernel
+@inner_view_kernel
 def _in_robot_frame(odometry: Array, x: float, y: float, vx: float, vy: float, row: Floats) -> None:
     """Write place and motion, given in the odometry frame, into the first four of an observation's row."""
     cos, sin = np.cos(odometry[2]), np.sin(odometry[2])
@@ -28,7 +28,7 @@ def _in_robot_frame(odometry: Array, x: float, y: float, vx: float, vy: float, r
     row[3] = min(max(cos * vy - sin * vx, -FASTEST_MPS), FASTEST_MPS)
 
 
-@view_kernel
+@inner_view_kernel
 def people_entry(track: int, odometry: Array, known: Known, table: Floats) -> None:
     """Write who does not lead, the nearest first; `known.who` is used up."""
     table[:] = 0.0

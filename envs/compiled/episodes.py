@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...slam.draws import mixed
-from ...slam.view_kernel import view_kernel
+from ...slam.view_kernel import inner_view_kernel, spliced_kernel, view_kernel
 from ..oracle import SAME_PERSON_M
 from ..people.behaviours.leader import DONE
 from ..task.endings import ending_code
@@ -14,7 +14,7 @@ from ..world.config import TICK
 from .copying import copy_row, copy_rows
 from .leading import WAITING_S
 from .moving import advance
-from .perceiving import perceive
+from .perceiving import believe, perceive
 from .plans import Plans
 from .rules import Rules
 from .state import Array, Floats, Scratch, Told, WorldsState
@@ -47,23 +47,47 @@ def step_worlds(
         room: Scratch of this thread.
     """
     for w in range(worlds[0], worlds[1]):
-        if what[w] == REST:
-            continue
-        if what[w] == STEP:
-            state.change[w] = _cut(actions[w], state.action[w])
-            advance(w, state.action[w, : actions.shape[1]], rules, plans, state, room)
-            state.steps[w] += 1
-        else:
-            state.change[w], slot = 0.0, rules.ahead + w
-            if what[w] == BEGIN_AGAIN:
-                state.episode[w] += 1
-                lot = mixed(state.seed[w] ^ mixed(np.uint64(state.episode[w])))
-                slot = np.int64(lot % np.uint64(rules.ahead))
-            _begin(w, slot, plans, state)  # pyright: ignore[reportArgumentType]
-        told.time_s[w] = state.steps[w] * rules.ticks * TICK
-        perceive(w, rules, plans, state, told, room)
-        if not rules.tracked:
+        if what[w] != REST:
+            _go_on(w, what[w], actions[w], rules, plans, state, told, room)
+            believe(w, rules, plans, state, told, room)
             _judge(w, rules, plans, state, told, room)
+
+
+@view_kernel
+def sweep_worlds(
+    worlds: tuple[int, int],
+    what: NDArray[np.int8],
+    actions: Array,
+    rules: Rules,
+    plans: Plans,
+    state: WorldsState,
+    told: Told,
+    room: Scratch,
+) -> None:
+    """Do as `step_worlds` up to the sweep, for those who know people by reading it; `judge_worlds` does the rest."""
+    for w in range(worlds[0], worlds[1]):
+        if what[w] != REST:
+            _go_on(w, what[w], actions[w], rules, plans, state, told, room)
+
+
+@spliced_kernel
+def _go_on(
+    w: int, what: int, action: Array, rules: Rules, plans: Plans, state: WorldsState, told: Told, room: Scratch
+) -> None:
+    """Step world w, or begin an episode in it, and take a sweep."""
+    if what == STEP:
+        state.change[w] = _cut(action, state.action[w])
+        advance(w, state.action[w, : len(action)], rules, plans, state, room)
+        state.steps[w] += 1
+    else:
+        state.change[w], slot = 0.0, rules.ahead + w
+        if what == BEGIN_AGAIN:
+            state.episode[w] += 1
+            lot = mixed(state.seed[w] ^ mixed(np.uint64(state.episode[w])))
+            slot = np.int64(lot % np.uint64(rules.ahead))
+        _begin(w, slot, plans, state)  # pyright: ignore[reportArgumentType]
+    told.time_s[w] = state.steps[w] * rules.ticks * TICK
+    perceive(w, rules, plans, state, told, room)
 
 
 @view_kernel
@@ -82,7 +106,7 @@ def judge_worlds(
             _judge(w, rules, plans, state, told, room)
 
 
-@view_kernel
+@inner_view_kernel
 def _cut(action: Array, last: Array) -> float:
     """Write an action, cut to [-1, 1], over the last one; return the norm of the change."""
     change = 0.0
@@ -93,7 +117,7 @@ def _cut(action: Array, last: Array) -> float:
     return np.sqrt(change)
 
 
-@view_kernel
+@inner_view_kernel
 def _begin(w: int, slot: int, plans: Plans, state: WorldsState) -> None:
     """Put the episode of plan `slot` into world w."""
     n = plans.people[slot]
@@ -120,7 +144,7 @@ def _begin(w: int, slot: int, plans: Plans, state: WorldsState) -> None:
     forget(state.tracks[w])
 
 
-@view_kernel
+@inner_view_kernel
 def _judge(w: int, rules: Rules, plans: Plans, state: WorldsState, told: Told, room: Scratch) -> None:
     """Write what is so in world w, and what the step is worth."""
     s, pose, steps = state.slot[w], state.pose[w], state.steps[w]
@@ -145,7 +169,7 @@ def _judge(w: int, rules: Rules, plans: Plans, state: WorldsState, told: Told, r
     state.ended[w] = told.terminated[w] or told.truncated[w]
 
 
-@view_kernel
+@inner_view_kernel
 def _facts(position: Array, radius: Array, pose: Array, robot_radius: float, change: float, truth: Array) -> None:
     """Write distance and bearing of the leader, free space to the others, and the action's change into `truth`."""
     space = np.inf
@@ -157,7 +181,7 @@ def _facts(position: Array, radius: Array, pose: Array, robot_radius: float, cha
     truth[2], truth[3] = space, change
 
 
-@view_kernel
+@inner_view_kernel
 def _follows(position: Array, pose: Array, leader: Floats) -> bool:
     """Return whether the robot sees a leader, and it is truly the one: the first of the people."""
     if leader[5] == 0.0:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...perception.config import PerceptionConfig
-from ...slam.view_kernel import view_kernel
+from ...slam.view_kernel import inner_view_kernel, view_kernel
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -113,7 +113,7 @@ def select(
     return found
 
 
-@view_kernel
+@inner_view_kernel
 def _chosen(time_s: float, known: Known, rules: Selecting, memory: Array) -> int:
     """Return who is chosen in this scan; -1: nobody, or the time to choose is over."""
     before = memory[CHOSEN] > 0.0
@@ -134,7 +134,7 @@ def _chosen(time_s: float, known: Known, rules: Selecting, memory: Array) -> int
     return nearest
 
 
-@view_kernel
+@inner_view_kernel
 def _kept(track: int, known: Known, rules: Selecting, duplicate: Flags) -> int:
     """Note duplicates of the leader's track; return it, or the nearest of them that is seen once it is not."""
     places, own, least = known.places, track, np.inf
@@ -148,7 +148,7 @@ def _kept(track: int, known: Known, rules: Selecting, duplicate: Flags) -> int:
     return own
 
 
-@view_kernel
+@inner_view_kernel
 def _looked_for(
     time_s: float,
     dt: float,

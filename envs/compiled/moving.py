@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...slam.draws import Words, normal
-from ...slam.view_kernel import view_kernel
+from ...slam.view_kernel import inner_view_kernel
 from ..people.behaviours.deciding import decide
 from ..people.behaviours.mind import Around, Minds
 from ..people.movement.ground import Ways
@@ -19,7 +19,7 @@ from .rules import Rules
 from .state import Array, Scratch, WorldsState, bodies_of
 
 
-@view_kernel
+@inner_view_kernel
 def advance(w: int, action: Array, rules: Rules, plans: Plans, state: WorldsState, room: Scratch) -> None:
     """Move world w for one control period.
 
@@ -71,7 +71,7 @@ def advance(w: int, action: Array, rules: Rules, plans: Plans, state: WorldsStat
     locate(room.place, state.progress[w], ways.points, ways.tangents, ways.first[:1], ways.rows[:1])
 
 
-@view_kernel
+@inner_view_kernel
 def _command(action: Array, top: Array, base: Base, wanted: Array) -> None:
     """Write the body velocity (3,) that an action asks for, cut to the robot's limits."""
     last = len(action) - 1
@@ -80,14 +80,14 @@ def _command(action: Array, top: Array, base: Base, wanted: Array) -> None:
     cut_command(wanted, base)
 
 
-@view_kernel
+@inner_view_kernel
 def _robot_row(pose: Array, speed: Array, base: Base, row: Array) -> None:
     """Write the robot (8,) as `advance_bodies` takes it."""
     row[0], row[1], row[2], row[3] = pose[0], pose[1], np.cos(pose[2]), np.sin(pose[2])
     row[4], row[5], row[6], row[7] = speed[0], speed[1], base.half_length, base.half_width
 
 
-@view_kernel
+@inner_view_kernel
 def _decide(w: int, s: int, period: float, plans: Plans, state: WorldsState, ways: Ways, robot: Array) -> None:
     """Let the people of world w, which plays plan s, wish something for a control period."""
     n = int(plans.people[s])
@@ -99,7 +99,7 @@ def _decide(w: int, s: int, period: float, plans: Plans, state: WorldsState, way
     decide(Minds(plans.kind[s, :n], state.numbers[w, :n], plans.script[s, :n]), around, period)
 
 
-@view_kernel
+@inner_view_kernel
 def _turn_doors(leaves: Array, position: Array, opened: Array) -> None:
     """Open the doors near which somebody is, and go on with those that have begun."""
     for d in range(len(leaves)):
@@ -111,7 +111,7 @@ def _turn_doors(leaves: Array, position: Array, opened: Array) -> None:
             opened[d] = min(1.0, opened[d] + SPEED * TICK / abs(leaf[3]))
 
 
-@view_kernel
+@inner_view_kernel
 def door_box(leaf: Array, opened: float, box: Array) -> None:
     """Write the box (6,) of a door's leaf that is open so far."""
     yaw = leaf[2] + opened * leaf[3]
@@ -121,7 +121,7 @@ def door_box(leaf: Array, opened: float, box: Array) -> None:
     box[4], box[5] = leaf[4], HALF_LEAF
 
 
-@view_kernel
+@inner_view_kernel
 def _touch_doors(
     pose: Array, base: Base, leaves: Array, opened: Array, box: Array, contacts: Array, touched: int
 ) -> int:
@@ -132,7 +132,7 @@ def _touch_doors(
     return touched
 
 
-@view_kernel
+@inner_view_kernel
 def _touch_people(pose: Array, base: Base, position: Array, radius: Array, contacts: Array, touched: int) -> int:
     """Add the contacts with people; return how many there are then."""
     reach = np.sqrt(base.half_length**2 + base.half_width**2)
@@ -144,7 +144,7 @@ def _touch_people(pose: Array, base: Base, position: Array, radius: Array, conta
     return touched
 
 
-@view_kernel
+@inner_view_kernel
 def _roll(
     random: Words, odometry: Array, odometry_before: Array, rolled: Array, errors: Array, poses: Array, noise: Array
 ) -> None:

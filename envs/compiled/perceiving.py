@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...slam.draws import Words, normal, until_failure
-from ...slam.view_kernel import view_kernel
+from ...slam.view_kernel import inner_view_kernel
 from ..oracle import FARTHEST_M as KNOWN_M
 from ..people.posture import cut_shins
 from ..sensors.ray_kernel import measured
@@ -19,19 +19,15 @@ from .rules import Laser, Rules
 from .state import Array, Floats, Scratch, Told, WorldsState, bodies_of
 
 
-@view_kernel
+@inner_view_kernel
 def perceive(w: int, rules: Rules, plans: Plans, state: WorldsState, told: Told, room: Scratch) -> None:
-    """Take a sweep, see the people, choose the leader, and write the observation of world w.
-
-    With `rules.tracked` people and leader are left to who reads the sweep.
-    """
+    """Take a sweep, and write what the observation of world w tells of it and of the robot's velocity."""
     s, pose, odometry = state.slot[w], state.pose[w], state.odometry[w]
     n, began = int(plans.people[s]), state.steps[w] == 0
     bodies = bodies_of(state.bodies, w, n)
-    position, velocity = bodies.position, bodies.velocity
     _start_sweep(pose, rules.laser, room.beams)
     _meet_people(
-        pose, position, bodies.heading, plans.size[s], bodies.feet, bodies.lift, rules.laser, room.ellipse,
+        pose, bodies.position, bodies.heading, plans.size[s], bodies.feet, bodies.lift, rules.laser, room.ellipse,
         room.beams,
     )  # fmt: skip
     for d in range(plans.doors[s]):
@@ -40,8 +36,6 @@ def perceive(w: int, rules: Rules, plans: Plans, state: WorldsState, told: Told,
     boxes, circles = plans.seen_boxes[s, : plans.rectangles[s]], plans.seen_circles[s, : plans.rounds[s]]
     _meet_walls(pose, rules.laser, boxes, circles, room.beams)
     _measure(rules.laser, state.random[w], room.beams[2], told.scan[w], told.ranges[w])
-    if not rules.tracked:
-        _believe(w, position, velocity, rules, state, told, room)
     if began:
         told.velocity[w] = 0.0
     else:
@@ -49,12 +43,11 @@ def perceive(w: int, rules: Rules, plans: Plans, state: WorldsState, told: Told,
         _velocity(state.odometry_before[w], odometry, dt, rules.sweeps, told.velocity[w])
 
 
-@view_kernel
-def _believe(
-    w: int, position: Array, velocity: Array, rules: Rules, state: WorldsState, told: Told, room: Scratch
-) -> None:
-    """Let the robot of world w know the people at `position` (n, 2), and choose its leader; write both entries."""
-    pose, odometry, n, began = state.pose[w], state.odometry[w], len(position), state.steps[w] == 0
+@inner_view_kernel
+def believe(w: int, rules: Rules, plans: Plans, state: WorldsState, told: Told, room: Scratch) -> None:
+    """Let the robot of world w know people by the sweep just taken, and choose its leader; write both entries."""
+    pose, odometry, n, began = state.pose[w], state.odometry[w], int(plans.people[state.slot[w]]), state.steps[w] == 0
+    position, velocity = state.bodies.position[w, :n], state.bodies.velocity[w, :n]
     rows = kernel.rows_for(n) if rules.modelled else n
     known = Known(
         room.known[:rows], room.apart[:rows], room.places[:rows], room.motions[:rows], room.unseen_s[:rows],
@@ -79,21 +72,21 @@ def _believe(
     people_entry(state.track[w], odometry, known, told.people[w])
 
 
-@view_kernel
+@inner_view_kernel
 def _start_sweep(pose: Array, laser: Laser, beams: Array) -> None:
     """Point the beams (3, n) from the robot's pose (3,); they have met nothing yet."""
     point_beams(pose[2], laser.cos_bearing, laser.sin_bearing, beams[0], beams[1])
     beams[2] = np.inf
 
 
-@view_kernel
+@inner_view_kernel
 def _origin(pose: Array, laser: Laser) -> tuple[float, float]:
     cos, sin = np.cos(pose[2]), np.sin(pose[2])
     x, y = laser.mount[0], laser.mount[1]
     return pose[0] + cos * x - sin * y, pose[1] + sin * x + cos * y
 
 
-@view_kernel
+@inner_view_kernel
 def _meet_people(
     pose: Array,
     position: Array,
@@ -116,7 +109,7 @@ def _meet_people(
                 cast_ellipse(e[0] - x, e[1] - y, e[2], e[3], e[4], e[5], first, laser.spacing, beams)
 
 
-@view_kernel
+@inner_view_kernel
 def _meet_walls(pose: Array, laser: Laser, boxes: Array, circles: Array, beams: Array) -> None:
     """Let the beams meet boxes (b, 6) and circles (c, 3)."""
     x, y = _origin(pose, laser)
@@ -128,7 +121,7 @@ def _meet_walls(pose: Array, laser: Laser, boxes: Array, circles: Array, beams: 
         cast_ellipse(circles[k, 0] - x, circles[k, 1] - y, form, 0.0, form, radius, first, spacing, beams)
 
 
-@view_kernel
+@inner_view_kernel
 def _measure(laser: Laser, random: Words, exact: Array, entry: Floats, ranges: Array) -> None:
     """Write a measured sweep as the observation has it: shares of the largest range, 1 where there is no return.
 
@@ -148,7 +141,7 @@ def _measure(laser: Laser, random: Words, exact: Array, entry: Floats, ranges: A
         entry[j] = range_ / laser.range_max if laser.range_min <= range_ <= laser.range_max else 1.0
 
 
-@view_kernel
+@inner_view_kernel
 def _track(
     dt: float, pose: Array, position: Array, velocity: Array, exact: Array, rules: Rules, random: Words, tracks: Array
 ) -> None:
@@ -157,7 +150,7 @@ def _track(
     kernel.track_people(dt, pose, position, velocity, exact, laser, rules.errors, random, tracks)
 
 
-@view_kernel
+@inner_view_kernel
 def _know(pose: Array, odometry: Array, position: Array, velocity: Array, known: Known) -> int:
     """Write what the robot knows of the people by the truth; return how many it knows."""
     tracked = 0
@@ -168,7 +161,7 @@ def _know(pose: Array, odometry: Array, position: Array, velocity: Array, known:
     return tracked
 
 
-@view_kernel
+@inner_view_kernel
 def _know_tracks(pose: Array, odometry: Array, tracks: Array, known: Known) -> int:
     """Write what the robot knows of the people by tracks (n, COLUMNS); return how many it knows."""
     tracked = 0
@@ -182,7 +175,7 @@ def _know_tracks(pose: Array, odometry: Array, tracks: Array, known: Known) -> i
     return tracked
 
 
-@view_kernel
+@inner_view_kernel
 def _place(i: int, pose: Array, odometry: Array, x: float, y: float, vx: float, vy: float, known: Known) -> None:
     """Write where in the odometry frame somebody is who is at (x, y) in the world, and how they move."""
     turn = odometry[2] - pose[2]
@@ -193,7 +186,7 @@ def _place(i: int, pose: Array, odometry: Array, x: float, y: float, vx: float, 
     known.motions[i, 0], known.motions[i, 1] = cos * vx - sin * vy, sin * vx + cos * vy
 
 
-@view_kernel
+@inner_view_kernel
 def _velocity(before: Array, now: Array, dt: float, sweeps: int, entry: Floats) -> None:
     """Write the robot's velocity by odometry, from the last sweep but one to the last one, `dt` [s] later."""
     x, y, turn = _between(before[0], before[1], before[2], now[0], now[1], now[2])
@@ -207,7 +200,7 @@ def _velocity(before: Array, now: Array, dt: float, sweeps: int, entry: Floats) 
     entry[last] = min(max(turn / dt, -FASTEST_TURN), FASTEST_TURN)
 
 
-@view_kernel
+@inner_view_kernel
 def _between(x0: float, y0: float, theta0: float, x1: float, y1: float, theta1: float) -> tuple[float, float, float]:
     """Return the second pose seen from the first."""
     cos, sin = np.cos(theta0), np.sin(theta0)

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...slam.view_kernel import view_kernel
+from ...slam.view_kernel import inner_view_kernel
 from ..people.behaviours.mind import Mind, minds_of
 from ..people.crowd import reach_of_things
 from ..people.movement.bodies import standing_bodies
@@ -128,13 +128,13 @@ class Plans(NamedTuple):
     errors: Array
 
 
-@view_kernel
+@inner_view_kernel
 def things_of(plans: Plans, s: int) -> Things:
     """Return what people of plan s walk round."""
     return Things(plans.boxes[s], plans.circles[s], plans.frame[s], plans.first[s], plans.items[s])
 
 
-@view_kernel
+@inner_view_kernel
 def touchable_of(plans: Plans, s: int) -> Things:
     """Return what the robot of plan s can touch."""
     return Things(
@@ -146,7 +146,7 @@ def touchable_of(plans: Plans, s: int) -> Things:
     )
 
 
-@view_kernel
+@inner_view_kernel
 def ways_of(plans: Plans, s: int) -> Ways:
     """Return the ways of plan s."""
     return Ways(

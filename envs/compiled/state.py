@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...slam.view_kernel import view_kernel
+from ...slam.view_kernel import inner_view_kernel
 from ..people.behaviours.mind import NUMBERS
 from ..people.movement.bodies import Bodies, Start, standing_bodies
 from ..task.interface import LEADER_COLUMNS, PERSON_COLUMNS
@@ -118,7 +118,7 @@ def arrays_of(state: WorldsState) -> list[NDArray[Any]]:
     return [*state.bodies, *(array for name, array in state._asdict().items() if name != "bodies")]
 
 
-@view_kernel
+@inner_view_kernel
 def bodies_of(bodies: Bodies, w: int, n: int) -> Bodies:
     """Return the first `n` people of world w."""
     b = bodies

@@ -8,13 +8,14 @@ from ...perception.leader.body_selector import body_numbers, cloud_draws
 from ...perception.legs.detection_kernel import Beams
 from ...perception.legs.detector import splitting
 from ...perception.legs.forest import LegForest
+from ...perception.tracking.local_grid import PAGES, no_cells, with_more_pages
 from ...perception.tracking.numbers import numbers_of
 from ...perception.tracking.tracks import no_tracks, with_room
 from ..episode_setup import leader_draws
 from ..follow_config import FollowConfig
 from .episodes import REST, STEP
 from .state import Told, WorldsState
-from .tracking import Knowledge, Read, Swept, TrackingRules, decide_worlds, look_worlds, track_worlds
+from .tracking import CELLS, TRACKS, Knowledge, Read, Swept, TrackingRules, decide_worlds, look_worlds, track_worlds
 
 _DRAWS = 0x7AC8  # sets the draws of the leaders' clouds apart from those of episodes
 
@@ -26,21 +27,23 @@ class Trackers:
         config: Of the environment; people are known by "tracker", nothing maps, there is no camera.
         worlds: How many.
         room: Tracks, legs and people that each has room for at first; a crowded office has thirty.
+        pages: Of the grid of things that each has room for at first.
     """
 
-    def __init__(self, config: FollowConfig, worlds: int, room: int = 48) -> None:
+    def __init__(self, config: FollowConfig, worlds: int, room: int = 48, pages: int = PAGES) -> None:
         self._rules, self._count = _rules(config), config.perception.body.cloud.count
         self._rng = [np.random.default_rng(0)] * worlds
         clouds = np.zeros((worlds, self._count, 4)), np.zeros((worlds, self._count, 2))
         memory = nothing_remembered(worlds, self._count, room, room)
         row = np.zeros(worlds)
-        self._minds = Knowledge(no_tracks(worlds, room), memory, row, np.zeros(worlds, bool), *clouds, row.copy())
+        tracks = no_tracks(worlds, room, no_cells(worlds, pages))
+        self._minds = Knowledge(tracks, memory, row, np.zeros(worlds, np.int8), *clouds, row.copy())
 
     @property
     def memory(self) -> int:
         """Memory of what is known [bytes]."""
         minds = self._minds
-        return sum(array.nbytes for array in (*minds.tracks, *minds.memory, *minds[2:]))
+        return sum(array.nbytes for array in (*minds.tracks[:-1], *minds.tracks.cells, *minds.memory, *minds[2:]))
 
     def read(self, part: tuple[int, int], what: NDArray[np.int8], state: WorldsState, told: Told) -> None:
         """Let the robots of the worlds `part` (first, end) that did `what` (w,) read their sweeps, and tell it.
@@ -51,7 +54,7 @@ class Trackers:
         for w in (part[0] + np.flatnonzero(((what != REST) & (what != STEP))[part[0] : part[1]])).tolist():
             self._rng[w] = leader_draws(np.random.default_rng([_DRAWS, int(state.seed[w]), int(state.episode[w])]))
         track_worlds(part, what, self._rules, minds, swept)
-        doubt = np.where((what == REST) | minds.lacking, 0, minds.memory.leader["doubt"][:, 0])[part[0] : part[1]]
+        doubt = np.where((what == REST) | (minds.lacking > 0), 0, minds.memory.leader["doubt"][:, 0])[part[0] : part[1]]
         for w in (part[0] + np.flatnonzero(doubt >= CLOUD)).tolist():
             first, minds.pushes[w] = cloud_draws(self._rng[w], self._count, doubt[w - part[0]])
             if len(first):
@@ -65,11 +68,14 @@ class Trackers:
 
     def make_room(self, what: NDArray[np.int8]) -> NDArray[np.int8]:
         """Make room where it was lacking; return (w,) `what` is left to do, with sweeps unread."""
-        minds, left = self._minds, np.where(self._minds.lacking, what, REST).astype(np.int8)
-        if minds.lacking.any():
-            tracks, memory = with_room(minds.tracks, 2 * minds.tracks.legs.shape[1]), with_more_room(minds.memory)
-            self._minds = minds._replace(tracks=tracks, memory=memory)
-        minds.lacking[:] = False
+        lacking, left = self._minds.lacking, np.where(self._minds.lacking, what, REST).astype(np.int8)
+        if (lacking == TRACKS).any():
+            tracks = with_room(self._minds.tracks, 2 * self._minds.tracks.legs.shape[1])
+            self._minds = self._minds._replace(tracks=tracks, memory=with_more_room(self._minds.memory))
+        if (lacking == CELLS).any():
+            tracks = self._minds.tracks._replace(cells=with_more_pages(self._minds.tracks.cells))
+            self._minds = self._minds._replace(tracks=tracks)
+        lacking[:] = 0
         return left
 
 

@@ -12,15 +12,20 @@ from ...perception.leader.cloud import view_of
 from ...perception.legs.detection_kernel import Beams, Splitting, find_legs
 from ...perception.legs.forest_kernel import PackedForest
 from ...perception.tracking import following, leg_kernels
+from ...perception.tracking.local_grid import make_pages
 from ...perception.tracking.numbers import Numbers
 from ...perception.tracking.tracks import LEGS, PEOPLE, Tracks, forget, has_room, tracks_of
 from ...slam.geometry import composed
+from ...slam.rigid_kernel import moved_points
 from ...slam.view_kernel import inner_kernel, kernel
 from .entries import leader_entry, people_entry
 from .episodes import REST, STEP
 from .leading import Known
 
 Array = NDArray[np.float64]
+
+TRACKS, CELLS = 1, 2
+"""What a world may have no room for."""
 
 
 class TrackingRules(NamedTuple):
@@ -40,7 +45,8 @@ class Knowledge(NamedTuple):
         tracks: Of people and legs.
         memory: Of the choice of the leader.
         time_s: (w,) of the last scan [s].
-        lacking: (w,) whether there was no room for the last scan, which then is as if it had not been.
+        lacking: (w,) what there was no room for in the last scan, `TRACKS` or `CELLS`, 0 for nothing; where anything
+            was, that scan is as if it had not been.
         first: (w, n, 4) for `body_kernels.look`, as the next one.
         pushes: (w, n, 2).
         draw: (w,) for `body_kernels.decide`; 0 where it is to be drawn.
@@ -49,7 +55,7 @@ class Knowledge(NamedTuple):
     tracks: Tracks
     memory: BodyMemory
     time_s: Array
-    lacking: NDArray[np.bool_]
+    lacking: NDArray[np.int8]
     first: Array
     pushes: Array
     draw: Array
@@ -85,14 +91,18 @@ def track_worlds(worlds, what, rules, minds, swept):
         found = find_legs(swept.ranges[w], rules.beams, rules.splitting, rules.forest)
         fresh = np.count_nonzero(found.human)
         legs = tracks.counts[LEGS] + fresh + 1
-        minds.lacking[w] = not (has_room(tracks, fresh) and can_hold(memory, legs, legs))
+        pose, time_s, c = swept.odometry[w], swept.time_s[w], rules.tracker
+        points = moved_points(lidar_at(pose, rules.beams.mount), found.points)
+        if not (has_room(tracks, fresh) and can_hold(memory, legs, legs)):
+            minds.lacking[w] = TRACKS
+        elif not make_pages(tracks.cells, points, pose, c.grid_resolution):
+            minds.lacking[w] = CELLS
         if minds.lacking[w]:
             continue
-        pose, time_s, c = swept.odometry[w], swept.time_s[w], rules.tracker
         dt = time_s - minds.time_s[w] if what[w] == STEP else 1.0 / c.motion_reference_rate_hz
         minds.time_s[w] = time_s
-        seen, things = following.follow(tracks, found, pose, lidar_at(pose, rules.beams.mount), time_s, dt, c)
-        following.mark_things(tracks, found, seen, things, pose, time_s, dt, c)
+        things = following.follow(tracks, found, points, pose, time_s, dt, c)
+        following.mark_things(tracks, found, points, things, pose, time_s, dt, c)
         body_kernels.meet(memory, company_of(tracks), pose, time_s, rules.selector)
 
 

@@ -19,7 +19,7 @@ from ..episode_setup import check_options, checked_seed, interface, observed
 from ..limits.field_checks import finite_numbers
 from ..task.observation import observation_space
 from ..vector.arguments import chosen_by, each_seed
-from .episodes import BEGIN, BEGIN_AGAIN, REST, STEP, judge_worlds, step_worlds
+from .episodes import BEGIN, BEGIN_AGAIN, REST, STEP, judge_worlds, step_worlds, sweep_worlds
 from .infos import infos, masked, observations
 from .pool import EpisodePool
 from .rules import compiled_config, make_rules
@@ -227,7 +227,8 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
         blocks = [(first, end) for first, end in pairwise(edges) if first < end]
 
         def move(part: tuple[int, int]) -> None:
-            step_worlds(part, what, actions, self._rules, plans, state, self._told, self._room())
+            step = step_worlds if self._trackers is None else sweep_worlds
+            step(part, what, actions, self._rules, plans, state, self._told, self._room())
 
         def judge(part: tuple[int, int]) -> None:
             judge_worlds(part, what, self._rules, plans, state, self._told, self._room())

@@ -8,7 +8,7 @@ The landing place is as far ahead of the body as the stance foot will be behind 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...slam.view_kernel import view_kernel
+from ...slam.view_kernel import inner_view_kernel, view_kernel
 from .movement.things import Things, keep_clear
 
 Array = NDArray[np.float64]
@@ -72,7 +72,7 @@ def advance_gait(
                 phase[i] = remaining
 
 
-@view_kernel
+@inner_view_kernel
 def _swing(
     i: int,
     foot: int,
@@ -100,7 +100,7 @@ def _swing(
     lift[i, foot] = (0.03 + 0.05 * min(speed, 1.3)) * np.sin(np.pi * share) if share < 1.0 else 0.0
 
 
-@view_kernel
+@inner_view_kernel
 def _keep_apart(feet: Array, foot: int, room: float, cos: float, sin: float) -> None:
     """Move the swing foot aside where it would pass through the standing leg: legs do not cross in a turn."""
     side = 1.0 if foot == 0 else -1.0
@@ -112,14 +112,14 @@ def _keep_apart(feet: Array, foot: int, room: float, cos: float, sin: float) -> 
         feet[foot, 1] += side * (needed - aside) * cos
 
 
-@view_kernel
+@inner_view_kernel
 def _lift_off(person: int, foot: int, feet: Array, origin: Array, phase: Array, swing: NDArray[np.int64]) -> None:
     swing[person] = foot
     phase[person] = 0.0
     origin[person, 0], origin[person, 1] = feet[person, foot, 0], feet[person, foot, 1]
 
 
-@view_kernel
+@inner_view_kernel
 def _restless_foot(
     position: Array, velocity: Array, heading: float, half_width: float, feet: Array, speed: float
 ) -> int:

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ...slam.view_kernel import view_kernel
+from ...slam.view_kernel import inner_view_kernel, view_kernel
 from .body import ANKLE, HIP_HALF_WIDTH, SHIN_LENGTH, SHIN_SHAPE
 
 Array = NDArray[np.float64]
@@ -56,7 +56,7 @@ def pose_bodies(
             legs[i, foot, 1] = ankle[1] + share * (knee[1] - ankle[1])
 
 
-@view_kernel
+@inner_view_kernel
 def hip_height(position: Array, cos: float, sin: float, leg: float, feet: Array, lift: Array) -> float:
     """Return the largest height of the hips [m] at which legs of length `leg` reach both feet."""
     reach = 0.995 * leg
@@ -68,7 +68,7 @@ def hip_height(position: Array, cos: float, sin: float, leg: float, feet: Array,
     return height
 
 
-@view_kernel
+@inner_view_kernel
 def joints(
     foot: int, position: Array, cos: float, sin: float, hips: float, size: Array, feet: Array, lift: Array
 ) -> tuple[Point, Point, Point]:
@@ -94,7 +94,7 @@ def joints(
     return hip, knee, ankle
 
 
-@view_kernel
+@inner_view_kernel
 def _axes(upper: Point, lower: Point, cos: float, sin: float) -> tuple[Point, Point, Point]:
     """Return the axes of a limb between two joints in the frame of the heading: z along it, x as near to the heading
     as possible.
@@ -109,7 +109,7 @@ def _axes(upper: Point, lower: Point, cos: float, sin: float) -> tuple[Point, Po
     return (x0, x1, x2), (y0, y1, y2), (z0, z1, z2)
 
 
-@view_kernel
+@inner_view_kernel
 def _place(part: int, upper: Point, lower: Point, cos: float, sin: float, positions: Array, quaternions: Array) -> None:
     """Write the pose of a limb between two joints.
 
@@ -129,7 +129,7 @@ def _place(part: int, upper: Point, lower: Point, cos: float, sin: float, positi
     quaternions[part, 3] = c * qz + s * w
 
 
-@view_kernel
+@inner_view_kernel
 def cut_shins(
     position: Array, heading: float, size: Array, feet: Array, lift: Array, height: float, ellipses: Array
 ) -> int:

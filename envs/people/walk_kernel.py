@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...slam.view_kernel import view_kernel
+from ...slam.view_kernel import inner_view_kernel, view_kernel
 from .behaviours.deciding import go_straight
 from .gait import advance_gait
 from .movement.bodies import Bodies
@@ -80,7 +80,7 @@ def walk(
     )  # fmt: skip
 
 
-@view_kernel
+@inner_view_kernel
 def _close_laps(arc: Array, way: Ints, group: int, ways: Ways) -> None:
     """Carry those who do not belong to the group from the end of a route of several laps back to its start."""
     lap = ways.sizes[0]

@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ...slam.view_kernel import view_kernel
+from ...slam.view_kernel import inner_view_kernel, view_kernel
 
 Prices, Cells, Flags = NDArray[np.float64], NDArray[np.int64], NDArray[np.bool_]
 Links = NDArray[np.int32]
@@ -68,7 +68,7 @@ def explore(
     return bucket - empty
 
 
-@view_kernel
+@inner_view_kernel
 def _look_around(
     cost: Prices, price: Prices, before: Cells, settled: Flags, links: Links, heads: Links, flat: int
 ) -> None:
@@ -94,7 +94,7 @@ def _look_around(
                 before[i, j] = flat
 
 
-@view_kernel
+@inner_view_kernel
 def _put_in(cell: int, bucket: int, links: Links, heads: Links) -> None:
     first = heads[bucket]
     links[0, cell], links[1, cell], heads[bucket] = first, -1, cell
@@ -102,7 +102,7 @@ def _put_in(cell: int, bucket: int, links: Links, heads: Links) -> None:
         links[1, first] = cell
 
 
-@view_kernel
+@inner_view_kernel
 def _take_out(cell: int, bucket: int, links: Links, heads: Links) -> None:
     after, behind = links[0, cell], links[1, cell]
     if behind >= 0:

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...slam.draws import Words, normal, uniform
-from ...slam.view_kernel import view_kernel
+from ...slam.view_kernel import inner_view_kernel, view_kernel
 from .errors import BORN, DOUBT, FOUND, LOST, MISSED, PLACE, SECOND, TrackerErrors
 
 Array = NDArray[np.float64]
@@ -168,7 +168,7 @@ def enough_way(way: float, enough: float, power: float) -> float:
     return 1.0 / (1.0 + (enough / way) ** power) if way > 1e-3 else 0.0
 
 
-@view_kernel
+@inner_view_kernel
 def _happens(rate: float, dt: float, random: Words) -> bool:
     expected = rate * dt
     if expected <= 0.0:
@@ -223,7 +223,7 @@ def track_people(
     _thing(dt, pose, ranges, laser, errors, random, tracks[2 * n])
 
 
-@view_kernel
+@inner_view_kernel
 def _track_person(
     dt: float,
     place: Array,
@@ -258,7 +258,7 @@ def _track_person(
     track[UNSEEN_S] += dt
 
 
-@view_kernel
+@inner_view_kernel
 def _next_phase(
     track: Array,
     dt: float,
@@ -280,7 +280,7 @@ def _next_phase(
     return SEEN if uniform(random) * (found + lost) < found else UNKNOWN
 
 
-@view_kernel
+@inner_view_kernel
 def _begin(place: Array, motion: Array, random: Words, track: Array) -> None:
     track[X], track[Y] = place[0], place[1]
     for k in range(ERROR_X, ERROR_VY + 1):
@@ -288,7 +288,7 @@ def _begin(place: Array, motion: Array, random: Words, track: Array) -> None:
     track[LAGGED_X], track[LAGGED_Y] = motion[0], motion[1]
 
 
-@view_kernel
+@inner_view_kernel
 def _drift(track: Array, keep_place: float, keep_motion: float, random: Words) -> None:
     """Let the errors go on; they keep so much of what they were."""
     for k in range(ERROR_X, ERROR_VY + 1):
@@ -296,7 +296,7 @@ def _drift(track: Array, keep_place: float, keep_motion: float, random: Words) -
         track[k] = keep * track[k] + np.sqrt(1.0 - keep * keep) * normal(random)
 
 
-@view_kernel
+@inner_view_kernel
 def _believe(
     place: Array,
     motion: Array,
@@ -313,7 +313,7 @@ def _believe(
     track[TRUST], track[UNSEEN_S] = max(1.0 - quantity(DOUBT, errors, sight, 0.0, 0.0), 0.0), 0.0
 
 
-@view_kernel
+@inner_view_kernel
 def _swap(dt: float, position: Array, errors: TrackerErrors, random: Words, tracks: Array) -> None:
     """Take people for each other who are near each other, and each for who they are again after a while."""
     for i in range(len(tracks)):
@@ -332,7 +332,7 @@ def _swap(dt: float, position: Array, errors: TrackerErrors, random: Words, trac
                 a = b
 
 
-@view_kernel
+@inner_view_kernel
 def _begin_second(own: Array, errors: TrackerErrors, random: Words, track: Array) -> None:
     """Begin a second track of the person with the track `own`; its offset is kept in `ERROR_X`, `ERROR_Y` [m]."""
     track[PHASE], track[TRUST], track[BODY] = SEEN, errors.false_confidence, own[BODY]
@@ -341,7 +341,7 @@ def _begin_second(own: Array, errors: TrackerErrors, random: Words, track: Array
     track[X], track[Y], track[VX], track[VY] = own[X] + track[ERROR_X], own[Y] + track[ERROR_Y], 0.0, 0.0
 
 
-@view_kernel
+@inner_view_kernel
 def _move_seconds(dt: float, n: int, position: Array, errors: TrackerErrors, random: Words, tracks: Array) -> None:
     """End second tracks, and let those that do not stand go with their people."""
     for i in range(n):
@@ -356,7 +356,7 @@ def _move_seconds(dt: float, n: int, position: Array, errors: TrackerErrors, ran
             track[VX], track[VY] = own[VX], own[VY]
 
 
-@view_kernel
+@inner_view_kernel
 def _thing(
     dt: float,
     pose: Array,

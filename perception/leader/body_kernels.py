@@ -142,7 +142,7 @@ def look(memory, company, view, first, pushes, c):
     places, count = np.empty((legs + 1, 2)), np.empty(legs + 1)
     apart = own >= 0 and company.unseen_s[own] == 0.0  # seen, though both legs were seen as one
     for j in range(legs):
-        places[j] = company.places[j]
+        places[j, 0], places[j, 1] = company.places[j, 0], company.places[j, 1]
         weight = c.own_weight if company.owner[j] == own else c.weight
         count[j] = weight * min(company.sure[j] / c.sure, 1.0) * memory.free[j]
         apart = apart and company.owner[j] != own
@@ -296,7 +296,7 @@ def _keep_others(memory, company, c):
 def _collect(memory, places, count):
     """Write `places` (n, 2) behind the first `count` others; return how many there are."""
     for i in range(len(places)):
-        memory.others[count + i] = places[i]
+        memory.others[count + i, 0], memory.others[count + i, 1] = places[i, 0], places[i, 1]
     return count + len(places)
 
 

@@ -133,7 +133,8 @@ def draw_anew(bodies, weights, draw):
         while total < (draw + i) / count and chosen < count - 1:
             chosen += 1
             total += weights[chosen]
-        bodies[i] = before[chosen]
+        for k in range(4):
+            bodies[i, k] = before[chosen, k]
     weights[:] = 1.0 / count
 
 

@@ -76,7 +76,8 @@ def vote(forest, rows, out):
     at = np.empty(trees, np.uint32)
     for m in range(len(rows)):
         row = rows[m]
-        at[:] = np.arange(trees)
+        for tree in range(trees):
+            at[tree] = tree
         for _ in range(forest.depth):
             for tree in range(trees):
                 node = nodes[at[tree]]

@@ -160,7 +160,8 @@ def _mate(points, start, end, described, centres, c, out):
             if cost < best_cost:
                 best, best_cost = o, cost
     row = out[c]
-    row[SHAPE_COUNT + 16 : SHAPE_COUNT + 25] = (1.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    for column in range(16, 25):
+        row[SHAPE_COUNT + column] = 1.0 if column in (16, 17, 19) else 0.0  # a slice takes long to compile
     row[SHAPE_COUNT + 25] = nearer
     row[SHAPE_COUNT + 26] = near
     row[SHAPE_COUNT + 27] = second

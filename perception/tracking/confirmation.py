@@ -92,7 +92,7 @@ def _moved_together(tracks, among, pairs, points, time_s, c):
             asked[a] = asked[b] = True
     asked &= moves & ~known
     left = np.ones(len(moved), np.bool_)
-    left[asked] = _left_origin(tracks, among.rows[asked], points, time_s, c)
+    track_kernels.put(_left_origin(tracks, among.rows[asked], points, time_s, c), asked, left)
     went = known | (moves & left)
     for k in range(count):
         a, b = pairs[k, 0], pairs[k, 1]
@@ -138,7 +138,7 @@ def _confirm_one_leg(tracks, points, time_s, c):
     rows = owned + np.flatnonzero((legs["unseen_s"][owned:] == 0.0) & (legs["age_s"][owned:] >= age_s))
     known = may_be_legs(tracks, rows, c)
     walked = ~known & (leg_kernels.moved(legs)[rows] >= far) & (legs["confidence"][rows] >= sure)
-    walked[walked] = _left_origin(tracks, rows[walked], points, time_s, c)
+    track_kernels.put(_left_origin(tracks, rows[walked], points, time_s, c), walked, walked)
     rows = rows[known | walked]
     rows = rows[are_free(tracks.cells, legs["x"][rows], c.grid_resolution, time_s, c.grid_fade_s)]
     if len(rows) == 0:

@@ -20,11 +20,11 @@ from .tracks import LEGS, LOST, PEOPLE, begin, count_owned, take
 
 
 @kernel
-def follow(tracks, found, pose, lidar, time_s, dt, c):
+def follow(tracks, found, points, pose, time_s, dt, c):
     """Take the clusters `found` in one scan, taken `dt` seconds after the last from `pose` (3,), T_odom_robot.
 
-    Returns the scan's points (k, 2) in the odometry frame, seen from `lidar` (3,), T_odom_lidar; and (m,) which of the
-    clusters are not human: no leg-like ones, and old tentative tracks that never moved.
+    `points` (k, 2) are the scan's in the odometry frame. Returns (m,) which of the clusters are not human: no leg-like
+    ones, and old tentative tracks that never moved.
     """
     places, human = moved_points(pose, found.positions), np.flatnonzero(found.human)
     z, d = places[human], found.confidence[human]
@@ -36,9 +36,8 @@ def follow(tracks, found, pose, lidar, time_s, dt, c):
     _terminate(tracks, c)
     fresh = leg_kernels.unmatched(match, len(z))
     begin(tracks, z[fresh], d[fresh], c.motion_initial_variance)
-    points = moved_points(lidar, found.points)
     confirm_people(tracks, points, time_s, c)
-    return points, things
+    return things
 
 
 @kernel
@@ -78,7 +77,8 @@ def _things(tracks, is_human, human, match, c):
     """Return (m,) which clusters are not human; `human` (k,) are those of which `is_human` (m,) says they are."""
     legs, owned = tracks.legs[: tracks.counts[LEGS]], 2 * tracks.counts[PEOPLE]
     things = ~is_human
-    things[human] = leg_kernels.still(legs, owned, match, c.grid_still_s, c.confirmation_delta, len(human))
+    still = leg_kernels.still(legs, owned, match, c.grid_still_s, c.confirmation_delta, len(human))
+    track_kernels.put(still, is_human, things)
     return things
 
 

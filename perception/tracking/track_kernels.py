@@ -191,6 +191,16 @@ def points_of_things(points, start, end, thing, humans, zeta):
     return kept[:count]
 
 
+@inner_kernel
+def put(values, where, out):
+    """Write `values` (k,) into `out` (n,) `where` (n,) says so: `out[where] = values`, which takes long to compile."""
+    count = 0
+    for i in range(len(where)):
+        if where[i]:
+            out[i] = values[count]
+            count += 1
+
+
 @kernel
 def any_moved(legs, first, least, c_min, unseen_s):
     """Return whether any of `legs` from row `first` on, believed in and seen within `unseen_s`, moved `least` [m]."""

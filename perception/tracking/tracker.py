@@ -8,12 +8,14 @@ from numpy.typing import ArrayLike, NDArray
 from ...slam.bounds import checked_pose
 from ...slam.errors import InputError
 from ...slam.geometry import compose
+from ...slam.rigid_kernel import moved_points
 from ...slam.scan import LaserScan
 from ..legs.detection_kernel import Found
 from ..legs.detector import Detections, Detector
 from . import following, leg_kernels
 from .camera import CameraTracking, SeenPeople
 from .config import TrackerConfig
+from .local_grid import make_pages, with_more_pages
 from .numbers import numbers_of
 from .people import People, SeenLegs
 from .tracks import LEGS, PEOPLE, Tracks, has_room, no_tracks, tracks_of, with_room
@@ -70,8 +72,9 @@ class PeopleTracker:
         pose, dt = checked_pose(odometry), self._step(scan.time_s)
         detections = self._detector.detect(scan)
         found, lidar = found_in(detections), compose(pose, scan.T_robot_lidar)
-        tracks = self._with_room(len(detections) + (0 if seen is None else 2 * len(seen.positions)))
-        points, things = following.follow(tracks, found, pose, lidar, scan.time_s, dt, self._numbers)
+        points = moved_points(np.asarray(lidar), found.points)
+        tracks = self._with_room(len(detections) + (0 if seen is None else 2 * len(seen.positions)), points, pose)
+        things = following.follow(tracks, found, points, pose, scan.time_s, dt, self._numbers)
         if seen is not None:
             self._camera.update(tracks, seen, scan.time_s, dt)
         following.mark_things(tracks, found, points, things, pose, scan.time_s, dt, self._numbers)
@@ -85,8 +88,10 @@ class PeopleTracker:
         self._time_s = time_s
         return 1.0 / self._config.motion.reference_rate_hz if before is None else time_s - before
 
-    def _with_room(self, fresh: int) -> Tracks:
-        """Return the tracks, with room for `fresh` more."""
+    def _with_room(self, fresh: int, points: Array, pose: Array) -> Tracks:
+        """Return the tracks, with room for `fresh` more and for things at `points` (k, 2) around `pose` (3,)."""
+        while not make_pages(tracks_of(self._all, 0).cells, points, pose, self._config.grid.resolution):
+            self._all = self._all._replace(cells=with_more_pages(self._all.cells))
         while not has_room(tracks_of(self._all, 0), fresh):
             self._all = with_room(self._all, 2 * self._all.legs.shape[1])
         return tracks_of(self._all, 0)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...slam.view_kernel import inner_kernel, kernel
-from .local_grid import CELL, SIDE
+from .local_grid import Cells, cells_of, free_all, no_cells
 
 LEGS, PEOPLE, LOST, NEXT_ID = range(4)
 """Columns of `Tracks.counts`."""
@@ -54,7 +54,7 @@ class Tracks(NamedTuple):
         people: (w, room) of `PERSON`, confirmed.
         lost: (w, room) of `PERSON`, whose track has ended, to be re-identified.
         counts: (w, 4) how many `LEGS`, `PEOPLE` and `LOST` there are, and the next person's number.
-        cells: (w, SIDE * SIDE) of `CELL`, see `LocalGrid`.
+        cells: See `LocalGrid`.
     """
 
     legs: NDArray[Any]
@@ -62,24 +62,24 @@ class Tracks(NamedTuple):
     people: NDArray[Any]
     lost: NDArray[Any]
     counts: NDArray[np.int64]
-    cells: NDArray[Any]
+    cells: Cells
 
 
-def no_tracks(trackers: int, room: int = 48) -> Tracks:
-    """Return trackers that know nothing, with room for so many tracks each; a crowded office has thirty."""
+def no_tracks(trackers: int, room: int = 48, cells: Cells | None = None) -> Tracks:
+    """Return trackers that know nothing but `cells`, with room for so many tracks each; a crowded office has thirty."""
     return Tracks(
         legs=np.zeros((trackers, room), LEG),
         apart=np.zeros((trackers, room, room, 2)),
         people=np.zeros((trackers, room), PERSON),
         lost=np.zeros((trackers, room), PERSON),
         counts=np.zeros((trackers, 4), np.int64),
-        cells=np.zeros((trackers, SIDE * SIDE), CELL),
+        cells=cells or no_cells(trackers),
     )
 
 
 def with_room(tracks: Tracks, room: int) -> Tracks:
     """Return the same with more room."""
-    grown = no_tracks(len(tracks.counts), room)._replace(counts=tracks.counts, cells=tracks.cells)
+    grown = no_tracks(len(tracks.counts), room, tracks.cells)._replace(counts=tracks.counts)
     before = tracks.legs.shape[1]
     grown.apart[:, :before, :before] = tracks.apart
     for new, old in ((grown.legs, tracks.legs), (grown.people, tracks.people), (grown.lost, tracks.lost)):
@@ -91,7 +91,8 @@ def with_room(tracks: Tracks, room: int) -> Tracks:
 def tracks_of(tracks, w):
     """Return what tracker w knows."""
     return Tracks(
-        tracks.legs[w], tracks.apart[w], tracks.people[w], tracks.lost[w], tracks.counts[w], tracks.cells[w]
+        tracks.legs[w], tracks.apart[w], tracks.people[w], tracks.lost[w], tracks.counts[w],
+        cells_of(tracks.cells, w),
     )  # fmt: skip
 
 
@@ -106,8 +107,7 @@ def has_room(tracks, detections):
 def forget(tracks):
     """Let one tracker know nothing."""
     tracks.counts[:] = 0
-    for i in range(len(tracks.cells)):
-        tracks.cells[i].evidence = 0.0
+    free_all(tracks.cells)
 
 
 @kernel

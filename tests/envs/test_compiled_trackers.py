@@ -66,12 +66,21 @@ def test_each_world_knows_what_the_onboard_stack_knows_by_the_same_sweeps(name, 
     env.close()
 
 
+def test_a_thousand_worlds_take_no_more_than_two_gibibytes():
+    env = worlds(beams=360)
+    observation, _ = env.reset(seed=9)
+    for _ in range(60):
+        observation, *_ = env.step(towards(observation["leader"]))
+    assert env.unwrapped._trackers.memory / WORLDS * 1024 < 2**30  # and as much for all else
+    env.close()
+
+
 def test_where_there_is_no_room_for_a_sweep_it_is_made_and_nothing_else_changes():
     told = []
     for little in (False, True):
         env = worlds(beams=360, workers=2)
         if little:
-            env.unwrapped._trackers = Trackers(env.unwrapped.config, WORLDS, room=2)
+            env.unwrapped._trackers = Trackers(env.unwrapped.config, WORLDS, room=2, pages=4)
         trackers = env.unwrapped._trackers
         observation, _ = env.reset(seed=9)
         told.append([])
@@ -79,6 +88,7 @@ def test_where_there_is_no_room_for_a_sweep_it_is_made_and_nothing_else_changes(
             told[-1] += [observation[key].tobytes() for key in ("leader", "people", "scan")]
             observation, *_ = env.step(towards(observation["leader"]))
         assert trackers._minds.tracks.legs.shape[1] >= 16
-        assert env.unwrapped.memory > trackers.memory > WORLDS * 4e6
+        assert trackers._minds.tracks.cells.cells.shape[1] >= 64 * 100
+        assert env.unwrapped.memory > trackers.memory > WORLDS * 2e5
         env.close()
     assert told[0] == told[1]

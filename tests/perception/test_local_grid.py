@@ -1,6 +1,16 @@
 import numpy as np
 from people_tracker_reference import PlainGrid
-from tagalong.perception.tracking.local_grid import OCCUPIED, LocalGrid
+from tagalong.perception.tracking.local_grid import (
+    OCCUPIED,
+    LocalGrid,
+    are_free,
+    cells_of,
+    free_all,
+    make_pages,
+    mark,
+    no_cells,
+    with_more_pages,
+)
 
 
 def test_the_ring_buffer_says_what_a_dictionary_says():
@@ -40,3 +50,50 @@ def test_points_beyond_the_grid_leave_it_alone():
     near = np.array([[0.51, 0.51]])
     grid.mark(near + np.array([25.6, 0.0]), np.zeros(2), 0.0, 1.0)  # would fall on the same slot
     assert grid.is_free(near, 0.0).all()
+
+
+def test_what_stood_there_before_there_was_more_room_still_stands_there():
+    rng, robot = np.random.default_rng(1), np.zeros(2)
+    crowded, roomy, points = no_cells(1, room=8), no_cells(1, room=4000), []
+    for k in range(12):
+        points.append(np.round(rng.uniform(-8.0, 8.0, (30, 2)), 1))
+        while not make_pages(cells_of(crowded, 0), points[-1], robot, 0.05):
+            crowded = with_more_pages(crowded)
+        assert make_pages(cells_of(roomy, 0), points[-1], robot, 0.05)
+        for cells in (crowded, roomy):
+            mark(cells_of(cells, 0), points[-1], robot, 0.05, 0.1 * k, 0.6, 3.0)
+    asked = np.concatenate((*points, rng.uniform(-9.0, 9.0, (500, 2))))
+    told = [are_free(cells_of(cells, 0), asked, 0.05, 1.1, 3.0) for cells in (crowded, roomy)]
+    np.testing.assert_array_equal(*told)
+    assert 0 < told[0].sum() < len(asked)
+    assert crowded.cells.shape[1] < roomy.cells.shape[1] / 2
+
+
+def test_pages_are_there_where_things_are_and_nowhere_else():
+    cells = cells_of(no_cells(1), 0)
+    wall = np.stack((np.full(200, 5.0), np.linspace(-5.0, 5.0, 200)), axis=1)
+    assert make_pages(cells, wall, np.zeros(2), 0.05)
+    count = int(cells.pages[-1])
+    assert 10.0 / 0.4 <= count <= 10.0 / 0.4 + 1  # pages are 0.4 m wide
+    assert make_pages(cells, wall, np.zeros(2), 0.05)
+    assert make_pages(cells, np.array([[30.0, 0.0], [np.nan, 0.0]]), np.zeros(2), 0.05)
+    assert int(cells.pages[-1]) == count
+
+
+def test_no_page_is_made_beyond_the_room_that_there_is():
+    cells, posts = cells_of(no_cells(1, room=3), 0), np.array([[0.1, 0.1], [1.1, 0.1], [2.1, 0.1]])
+    assert make_pages(cells, posts[:2], np.zeros(2), 0.05)
+    assert not make_pages(cells, posts, np.zeros(2), 0.05)
+    assert int(cells.pages.max()) == 2
+
+
+def test_pages_that_are_used_anew_are_free():
+    cells, posts = cells_of(no_cells(1), 0), np.array([[0.1, 0.1], [1.2, 0.1], [2.3, 0.1]])
+    for place in (posts[:1], posts[1:2]):
+        assert make_pages(cells, place, np.zeros(2), 0.05)
+        mark(cells, place, np.zeros(2), 0.05, 5.0, 1.0, 3.0)
+    free_all(cells)
+    offsets = np.stack(np.meshgrid(np.arange(8), np.arange(8)), axis=-1).reshape(-1, 2) * 0.05 + 0.025
+    anew = np.concatenate([np.array([x, 4.0]) + offsets for x in (4.0, 4.4)])
+    assert make_pages(cells, anew, np.zeros(2), 0.05)
+    assert are_free(cells, anew, 0.05, 5.0, 3.0).all()

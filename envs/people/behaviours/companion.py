@@ -6,7 +6,7 @@ The numbers of the mind: how far ahead of the leader [m], preferred offset from 
 import numpy as np
 from numpy.typing import NDArray
 
-from ....slam.view_kernel import view_kernel
+from ....slam.view_kernel import inner_view_kernel
 from ..movement.ground import heading_at
 from .making_room import group_offset
 from .mind import Around, CompiledWish, Mind, MindKind
@@ -20,7 +20,7 @@ def companion(*, gap: float, side: float) -> Mind:
     return Mind(MindKind.COMPANION, (gap, side))
 
 
-@view_kernel
+@inner_view_kernel
 def companion_wish(person: int, mind: NDArray[np.float64], around: Around) -> CompiledWish:
     """Return the leader's speed, more or less by how far the gap is from the wanted one."""
     offset, ahead = group_offset(person, mind[1], around), around.arc[person] - around.arc[0]

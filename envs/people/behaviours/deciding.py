@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ....slam.view_kernel import view_kernel
+from ....slam.view_kernel import inner_view_kernel, view_kernel
 from .companion import companion_wish
 from .leader import leader_wish
 from .mind import Around, CompiledWish, MindKind, Minds
@@ -24,7 +24,7 @@ def decide(minds: Minds, around: Around, dt: float) -> None:
         begin(person, _wish(person, minds, around, dt), around, dt)
 
 
-@view_kernel
+@inner_view_kernel
 def _wish(person: int, minds: Minds, around: Around, dt: float) -> CompiledWish:
     kind, mind = minds.kind[person], minds.numbers[person]
     if kind == _LEADER:
@@ -51,7 +51,7 @@ def begin(person: int, wish: CompiledWish, around: Around, dt: float) -> None:
     around.goal[person, 0], around.goal[person, 1] = goal_x, goal_y
 
 
-@view_kernel
+@inner_view_kernel
 def go_straight(goal: NDArray[np.float64], position: NDArray[np.float64], direction: NDArray[np.float64]) -> None:
     """Point those who have a goal to it; all (n, 2)."""
     for person in range(len(goal)):

@@ -9,7 +9,7 @@ duration [s], and whether they turn to the robot, of each pause.
 import numpy as np
 from numpy.typing import NDArray
 
-from ....slam.view_kernel import view_kernel
+from ....slam.view_kernel import inner_view_kernel
 from ..movement.ground import heading_at
 from .making_room import group_offset
 from .mind import Around, CompiledWish, Mind, MindKind
@@ -48,7 +48,7 @@ def sided(leader: Mind, side: float) -> Mind:
     return leader._replace(numbers=(leader.numbers[_PACE], side, *leader.numbers[_SIDE + 1 :]))
 
 
-@view_kernel
+@inner_view_kernel
 def leader_wish(person: int, mind: Array, script: Array, around: Around, dt: float) -> CompiledWish:
     """Return the pace, or 0 in a pause, while waiting for the robot, and at the end of the tour."""
     robot, position = around.robot, around.position
@@ -61,7 +61,7 @@ def leader_wish(person: int, mind: Array, script: Array, around: Around, dt: flo
     return speed, group_offset(person, mind[_SIDE], around), 1.0, face, np.nan, np.nan
 
 
-@view_kernel
+@inner_view_kernel
 def _speed(mind: Array, pauses: Array, arc: float, robot_distance: float, dt: float) -> float:
     if arc >= mind[_STOP_AT]:
         mind[DONE] = 1.0

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ....slam.view_kernel import view_kernel
+from ....slam.view_kernel import inner_view_kernel, view_kernel
 from ..movement.ground import Ground, row_at, turn_out, within_free
 from ..movement.meeting import first_coming
 from .mind import Around
@@ -10,7 +10,7 @@ from .mind import Around
 _BESIDE = int(Ground.BESIDE)
 
 
-@view_kernel
+@inner_view_kernel
 def group_offset(person: int, side: float, around: Around) -> float:
     """Return the wanted offset from the route [m] of one of the group around the robot.
 

@@ -7,7 +7,7 @@ go to or wait at, for how long they have waited there [s]. The script: x, y [m] 
 import numpy as np
 from numpy.typing import NDArray
 
-from ....slam.view_kernel import view_kernel
+from ....slam.view_kernel import inner_view_kernel
 from ...scenes.scene import Errand
 from .mind import Around, CompiledWish, Mind, MindKind
 
@@ -21,7 +21,7 @@ def scripted(errand: Errand) -> Mind:
     return Mind(MindKind.SCRIPTED, (errand.pace, errand.face), errand.places)
 
 
-@view_kernel
+@inner_view_kernel
 def scripted_wish(person: int, mind: Array, script: Array, around: Around, dt: float) -> CompiledWish:
     """Return the pace towards the place, 0 while they wait, and at the last one."""
     place = script[int(mind[2])]
@@ -32,7 +32,7 @@ def scripted_wish(person: int, mind: Array, script: Array, around: Around, dt: f
     return speed, 0.0, 1.0, mind[1], goal[0], goal[1]
 
 
-@view_kernel
+@inner_view_kernel
 def _speed(mind: Array, script: Array, away: float, dt: float) -> float:
     """Return the speed `away` from the present place [m]."""
     place = int(mind[2])

@@ -8,7 +8,7 @@ was near since they last stood [s], for how long they will still stand [s].
 import numpy as np
 from numpy.typing import NDArray
 
-from ....slam.view_kernel import view_kernel
+from ....slam.view_kernel import inner_view_kernel
 from .mind import Around, CompiledWish, Mind, MindKind
 
 _SEES_ROBOT_M, _WALKS_ON_S, _STANDS_S = 6.0, 3.0, 25.0
@@ -19,7 +19,7 @@ def stander(*, pace: float, side: float, window: tuple[float, float]) -> Mind:
     return Mind(MindKind.STANDER, (pace, side, *window))
 
 
-@view_kernel
+@inner_view_kernel
 def stander_wish(person: int, mind: NDArray[np.float64], around: Around, dt: float) -> CompiledWish:
     """Return the pace, or 0 while they stand."""
     arc = around.arc[person]

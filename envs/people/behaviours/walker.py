@@ -8,7 +8,7 @@ whether they do not see the group.
 import numpy as np
 from numpy.typing import NDArray
 
-from ....slam.view_kernel import view_kernel
+from ....slam.view_kernel import inner_view_kernel
 from ..movement.ground import length_of, narrows_before, passing, within_free
 from .mind import Around, CompiledWish, Mind, MindKind
 
@@ -20,7 +20,7 @@ def walker(*, pace: float, side: float, heedless: bool = False) -> Mind:
     return Mind(MindKind.WALKER, (pace, side, float(heedless)))
 
 
-@view_kernel
+@inner_view_kernel
 def walker_wish(person: int, mind: NDArray[np.float64], around: Around) -> CompiledWish:
     """Return the pace, less or more where the group is near."""
     ways, way, arc, sense = around.ways, around.way[person], around.arc[person], around.sense[person]
@@ -35,7 +35,7 @@ def walker_wish(person: int, mind: NDArray[np.float64], around: Around) -> Compi
     return speed, offset, sense, np.nan, np.nan, np.nan
 
 
-@view_kernel
+@inner_view_kernel
 def _speed(pace: float, arc: float, sense: float, around: Around) -> float:
     """Return the speed: slower behind the robot, faster before the leader, none before a narrow place."""
     front, lap = around.robot_arc, around.ways.sizes[0]

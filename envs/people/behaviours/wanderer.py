@@ -9,7 +9,7 @@ stay at the ends of their way [s], whether they stop for the leader and the robo
 import numpy as np
 from numpy.typing import NDArray
 
-from ....slam.view_kernel import view_kernel
+from ....slam.view_kernel import inner_view_kernel, view_kernel
 from ..movement.ground import length_of, row_at, within_free
 from ..movement.meeting import group_comes
 from .mind import Around, CompiledWish, Mind, MindKind
@@ -46,7 +46,7 @@ def wanderer_wish(person: int, mind: Array, around: Around, dt: float) -> Compil
     return mind[_PACE] if np.isnan(recorded) else recorded, offset, sense, np.nan, np.nan, np.nan
 
 
-@view_kernel
+@inner_view_kernel
 def _loses_patience(mind: Array, wanted: float, speed: float, dt: float) -> bool:
     held_up = wanted > _WANTS_TO_WALK and speed < _STANDS
     mind[_HELD_UP] = mind[_HELD_UP] + dt if held_up else max(0.0, mind[_HELD_UP] - dt)

@@ -6,7 +6,7 @@ A box is a row of centre x and y, cos and sin of its yaw, half length, half widt
 import numpy as np
 from numpy.typing import NDArray
 
-from ....slam.view_kernel import view_kernel
+from ....slam.view_kernel import inner_view_kernel, view_kernel
 
 Array = NDArray[np.float64]
 
@@ -25,7 +25,7 @@ def nearest_of_box(x: float, y: float, box: Array) -> tuple[float, float, float]
     return nearest_of_rectangle(along, across, box[2], box[3], box[4], box[5])
 
 
-@view_kernel
+@inner_view_kernel
 def nearest_of_rectangle(
     along: float, across: float, cos: float, sin: float, half_length: float, half_width: float
 ) -> tuple[float, float, float]:

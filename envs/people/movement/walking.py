@@ -4,7 +4,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ....slam.view_kernel import view_kernel
+from ....slam.view_kernel import inner_view_kernel, view_kernel
 from .obstacles import is_clear, nearest_of_box, nearest_of_rectangle
 from .social_force import pair_force
 from .things import Things, cell_of, keep_clear
@@ -81,7 +81,7 @@ def free_sides(path: Array, tangent: Array, boxes: Array, circles: Array, cleara
     return found
 
 
-@view_kernel
+@inner_view_kernel
 def wanted_directions(
     position: Array,
     arc: Array,
@@ -121,7 +121,7 @@ def wanted_directions(
         direction[i, 0], direction[i, 1] = x / length, y / length
 
 
-@view_kernel
+@inner_view_kernel
 def _patience(
     i: int, position: Array, direction: Array, speed: float, radius: Array, heedless: bool, robot: Array
 ) -> float:
@@ -195,7 +195,7 @@ def advance_bodies(
         velocity[i, 1] = (position[i, 1] - before[i, 1]) / dt
 
 
-@view_kernel
+@inner_view_kernel
 def _move(dt: float, i: int, fx: float, fy: float, fastest: float, position: Array, velocity: Array) -> None:
     """Accelerate person i by a force [m/s^2], at most 3 m/s^2 and up to the speed `fastest`, and move them."""
     strength = np.sqrt(fx * fx + fy * fy)
@@ -210,7 +210,7 @@ def _move(dt: float, i: int, fx: float, fy: float, fastest: float, position: Arr
     position[i, 1] += dt * velocity[i, 1]
 
 
-@view_kernel
+@inner_view_kernel
 def _forces(
     i: int,
     position: Array,
@@ -236,7 +236,7 @@ def _forces(
     return fx + px, fy + py
 
 
-@view_kernel
+@inner_view_kernel
 def _force_of_things(x: float, y: float, radius: float, things: Things, force: Array) -> tuple[float, float]:
     """Return the force of walls and furniture on a body at a point [m/s^2]."""
     fx = fy = 0.0
@@ -259,7 +259,7 @@ def _force_of_things(x: float, y: float, radius: float, things: Things, force: A
     return fx, fy
 
 
-@view_kernel
+@inner_view_kernel
 def _part(dt: float, position: Array, radius: Array, robot: Array, things: Things) -> bool:
     """Push apart who overlaps: from each other, from the robot (no faster than a person evades), from obstacles.
 
@@ -287,7 +287,7 @@ def _part(dt: float, position: Array, radius: Array, robot: Array, things: Thing
     return pushed
 
 
-@view_kernel
+@inner_view_kernel
 def _beside_robot(x: float, y: float, room: float, fastest: float, robot: Array) -> tuple[float, float]:
     """Return the point (x, y) moved away from the robot's chassis where it is nearer than `room`, at most so far [m].
 
@@ -302,7 +302,7 @@ def _beside_robot(x: float, y: float, room: float, fastest: float, robot: Array)
     return (x + push * ux, y + push * uy) if push > 0.0 else (x, y)
 
 
-@view_kernel
+@inner_view_kernel
 def turn_bodies(dt: float, velocity: Array, direction: Array, wish: Array, face: Array, heading: Array) -> None:
     """Turn `heading` (n,) in place, at most 2.6 rad/s.
 
