@@ -11,8 +11,7 @@ from .sharp_sums import SHARP
 
 Array = NDArray[np.float64]
 
-ALIKE = 0.9
-"""Another place that scores so much of the best looks alike: in corridors, where all places do."""
+_ALIKE = 0.9  # another place that scores so much of the best looks alike: in corridors, where all places do
 
 
 def search_widely(
@@ -43,6 +42,6 @@ def search_widely(
     grid = ScoreGrid.from_likelihood(np.minimum(SHARP * field, 1.0), (x, y), resolution)
     pyramid = build_pyramid(grid, margin=math.ceil(linear / resolution) + 1)
     window = SearchWindow(linear=linear, angular=angular, angular_step=step)
-    apart = Separation(least_share=ALIKE)
+    apart = Separation(least_share=_ALIKE)
     found = branch_and_bound(pyramid, points, centre, window, min_score=least, maxima=2, separation=apart).maxima
     return np.array(found[0].pose) if len(found) == 1 else None

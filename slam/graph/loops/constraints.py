@@ -17,7 +17,6 @@ from ...recent import Recent
 from ...scan_to_grid.match_kernels import information_in_node, match_nodes
 from ...scan_to_grid.refine_kernels import refine_pose
 from ...scan_to_grid.scan_matcher import far_radius
-from ...scan_to_grid.wide_search import ALIKE
 from ...search.branch_and_bound import SearchWindow, Separation, branch_and_bound
 from ...search.score_pyramid import ScoreGrid, ScorePyramid, build_pyramid
 from ..local.submap import Submap
@@ -98,6 +97,7 @@ class ConstraintConfig:
                 raise InputError(f"`{name}` must be positive, got {value}")
 
 
+_DOUBT = 3.0  # [nats] a place that is less likely than the best by so much, one to twenty, is not in question
 _nbytes = attrgetter("nbytes")  # of what is kept; no lambda, for copies of an engine are pickled
 
 
@@ -196,7 +196,7 @@ class ConstraintBuilder:
             window,
             min_score=config.bound,
             maxima=2,
-            separation=Separation(least_share=ALIKE),
+            separation=Separation(least_share=1.0 - _DOUBT / (0.25 * config.weight * len(points))),
         ).maxima
         if len(found) != 1:
             return None
