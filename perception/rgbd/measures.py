@@ -53,7 +53,8 @@ def candidate_measures(planes: Planes, candidates: Candidates) -> Array:
     """Return (n, MEASURES) of the candidates.
 
     Shares of the edge at the sides that are `Border.FREE` and so on, the same of the upper edge; standard deviation of
-    the points along the longer and the shorter axis of what is seen from above [m]; greatest and least height [m];
+    the points along the longer and the shorter axis of what is seen from above [m]; greatest and least height [m], of
+    legs alone twice that, as in their windows;
     distance [m]; area across the line of sight [m2]; shares of the points on upright planes that are no walls, on
     walls, and on the plane that holds most of them.
     """
@@ -64,7 +65,8 @@ def candidate_measures(planes: Planes, candidates: Candidates) -> Array:
     measures[:, : 2 * len(Border)] = shares.reshape(len(candidates), 2 * len(Border))
     for k in range(len(candidates)):
         mine = candidates.label == k
-        measures[k, 2 * len(Border) :] = *_extents(frame, planes.points[mine], mine), *_flatness(planes, mine)
+        scale = 2.0 if candidates.legs[k] else 1.0
+        measures[k, 2 * len(Border) :] = *_extents(frame, planes.points[mine], mine, scale), *_flatness(planes, mine)
     return measures
 
 
@@ -74,13 +76,13 @@ def _flatness(planes: Planes, mine: NDArray[np.bool_]) -> tuple[float, float, fl
     return float((surface == Surface.FACE).mean()), float((surface == Surface.WALL).mean()), float(largest)
 
 
-def _extents(frame: RgbdFrame, of: Array, mine: NDArray[np.bool_]) -> tuple[float, ...]:
+def _extents(frame: RgbdFrame, of: Array, mine: NDArray[np.bool_], scale: float) -> tuple[float, ...]:
     least, most = np.linalg.eigvalsh(np.cov(of[:, :2].T, bias=True))
     across, down = frame.camera.focal
     area = float((frame.depth[mine] ** 2).sum() / (across * down))
     distance = float(np.hypot(*of[:, :2].mean(axis=0)))
     spread = float(np.sqrt(max(most, 0.0))), float(np.sqrt(max(least, 0.0)))
-    return *spread, float(of[:, 2].max()), float(of[:, 2].min()), distance, area
+    return *spread, scale * float(of[:, 2].max()), scale * float(of[:, 2].min()), distance, area
 
 
 def soft_bins(measures: Array) -> NDArray[np.float32]:

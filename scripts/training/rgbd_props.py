@@ -132,6 +132,48 @@ def _high_chair(rng: Generator, x: float, y: float) -> list[Solid]:
     ]
 
 
+def _four_legs(rng: Generator, x: float, y: float) -> list[Solid]:
+    """Return a table, a stool or a chair on four legs, turned anywhere."""
+    yaw, top, radius = float(rng.uniform(-np.pi, np.pi)), float(rng.uniform(0.38, 0.8)), float(rng.uniform(0.012, 0.04))
+    size = np.array([rng.uniform(0.17, 0.6), rng.uniform(0.17, 0.35)])
+    turned = np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
+    found = [_plate(x, y, yaw, (float(size[0]), float(size[1])), top - 0.04, top)]
+    for corner in ((1, 1), (1, -1), (-1, 1), (-1, -1)):
+        dx, dy = turned @ (np.array(corner) * (size - radius))
+        found.append(post("prop", x + float(dx), y + float(dy), radius, top))
+    if rng.random() < 0.5:
+        dx, dy = turned @ (-size[0], 0.0)
+        found.append(_plate(x + float(dx), y + float(dy), yaw, (0.02, float(size[1])), top, top + 0.45))
+    return found
+
+
+def _one_leg(rng: Generator, x: float, y: float) -> list[Solid]:
+    """Return a table or a chair on one post, which stands on a star of five feet or on a plate."""
+    yaw, seat = float(rng.uniform(-np.pi, np.pi)), float(rng.uniform(0.4, 0.75))
+    half, foot = float(rng.uniform(0.2, 0.4)), float(rng.uniform(0.2, 0.32))
+    found = [post("prop", x, y, float(rng.uniform(0.02, 0.06)), seat), _plate(x, y, yaw, (half, half), seat - 0.06, seat)]
+    if rng.random() < 0.4:
+        return [*found, _drum(x, y, foot, 0.0, 0.03)]
+    for turn in yaw + np.arange(5) * (2.0 * np.pi / 5.0):
+        dx, dy = 0.5 * foot * float(np.cos(turn)), 0.5 * foot * float(np.sin(turn))
+        found.append(_plate(x + dx, y + dy, float(turn), (0.5 * foot, 0.025), 0.03, 0.09))
+    return found
+
+
+def _low_things(rng: Generator, x: float, y: float) -> list[Solid]:
+    """Return one to three bins, cases, bags and boxes below the hips."""
+    found: list[Solid] = []
+    for _ in range(int(rng.integers(1, 4))):
+        dx, dy = (float(v) for v in rng.uniform(-0.35, 0.35, 2))
+        top = float(rng.uniform(0.15, 0.8))
+        if rng.random() < 0.5:
+            found.append(_drum(x + dx, y + dy, float(rng.uniform(0.06, 0.22)), 0.0, top))
+        else:
+            size = (float(rng.uniform(0.05, 0.3)), float(rng.uniform(0.05, 0.25)))
+            found.append(_block(rng, x + dx, y + dy, size, top, kind=str(rng.choice(("prop", "carton")))))
+    return found
+
+
 def _plate(x: float, y: float, yaw: float, size: tuple[float, float], bottom: float, top: float) -> Solid:
     half_length, half_width = size
     return Solid(kind="prop", x=x, y=y, yaw=yaw, half_length=half_length, half_width=half_width, bottom=bottom, top=top)
@@ -139,7 +181,11 @@ def _plate(x: float, y: float, yaw: float, size: tuple[float, float], bottom: fl
 
 PROPS: dict[str, tuple[Maker, ...]] = {
     "none": (),
-    "training": (_lamp, _coat_stand, _plant, _stack, _dress_form, _clutter, _shelf, _curtain, _high_chair, _clutter),
+    "training 0": (_lamp, _curtain, _low_things),
+    "training 1": (_coat_stand, _four_legs, _clutter),
+    "training 2": (_plant, _shelf, _high_chair),
+    "training 3": (_stack, _one_leg),
+    "training 4": (_dress_form, _clutter),
     "unseen": (_speaker, _dispenser, _banner, _statue, _hat_stand),
 }
 """Name -> what there is; what a detector is tested among is nothing that it was trained among."""

@@ -24,6 +24,8 @@ from .rgbd_recordings import recorded_candidates
 Array = NDArray[np.float64]
 
 TRAIN_SCENES = ("corridor", "meeting_room", "office", "plain_corridor", "clutter", "doorway", "intersection")
+TRAIN_PROPS = tuple(f"training {fold}" for fold in range(5))
+"""Kinds of things, one of them in each building: what leaves out its buildings has not seen these things, either."""
 TEST_SCENES = ("lab",)
 MINE, OTHERS, FOUND = 0.5, 0.1, 0.3
 """A candidate shows somebody if this share of its pixels is that person's, and this share of the person's pixels is in
@@ -83,9 +85,10 @@ class PeopleSamples:
 
 def training_frames(rng: np.random.Generator, config: PeopleTrainConfig) -> Iterator[list[LabelledFrame]]:
     """Yield the frames of one building after the other."""
-    for _ in range(config.buildings):
+    for number in range(config.buildings):
         camera = draw_camera(rng) if rng.random() < config.any_mount else None
-        frames = draw_frames(rng, TRAIN_SCENES, "training", "training", config.frames, camera, config.seated)
+        props = TRAIN_PROPS[number % len(TRAIN_PROPS)]
+        frames = draw_frames(rng, TRAIN_SCENES, "training", props, config.frames, camera, config.seated)
         if camera is not None and rng.random() < config.stereo:
             frames = [replace(f, frame=shake_depth(f.frame, rng, rng.uniform(0.002, 0.01))) for f in frames]
         yield frames
