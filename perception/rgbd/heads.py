@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from ...slam.bounds import check_numbers
 from ...slam.errors import InputError
 from .clusters import connect
+from .margins import margins
 from .planes import Planes, Surface
 
 Array = NDArray[np.float64]
@@ -17,8 +18,6 @@ _MOST_HEADS = 64
 _ALONE = 2
 HIPS = 0.86
 """Half the height of somebody, where the legs end [m]."""
-EDGE = 2
-"""What has a pixel in so many uppermost rows is cut by the picture's edge."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,14 +68,19 @@ class Candidates:
         heads: (n, 3) highest point of each, level frame [m].
         pixels: (n, 2) its row and column.
         axes: (n, 2) mean of the points below it, down to the waist, level frame [m].
-        legs: (n,) bool whether it can only be somebody's legs: the picture's upper edge cuts it below `HIPS`.
+        cut: (n,) bool whether the picture's upper edge cuts it.
     """
 
     label: NDArray[np.int32]
     heads: Array
     pixels: NDArray[np.int64]
     axes: Array
-    legs: NDArray[np.bool_]
+    cut: NDArray[np.bool_]
+
+    @property
+    def legs(self) -> NDArray[np.bool_]:
+        """(n,) whether it can only be somebody's legs: the picture's upper edge cuts it below `HIPS`."""
+        return self.cut & (self.heads[:, 2] < HIPS)
 
     def __len__(self) -> int:
         return len(self.heads)
@@ -89,9 +93,10 @@ def find_candidates(planes: Planes, config: HeadConfig | None = None) -> Candida
     chosen = _standing(planes, config)
     label = np.empty(chosen.shape, dtype=np.int32)
     clusters = connect(points, chosen, config.gap, config.gap_per_m, config.reach, label)
-    join_cut(points, label, clusters, config.apart)
+    edge = margins(planes.frame.depth).edge
+    join_cut(points, label, clusters, edge, config.apart)
     pixels = np.empty((_MOST_HEADS, 2), dtype=np.int64)
-    found = find_heads(points, label, clusters, config.lowest, config.lowest_cut, config.apart, pixels)
+    found = find_heads(points, label, clusters, edge, config.lowest, config.lowest_cut, config.apart, pixels)
     pixels = pixels[:found]
     heads = points[pixels[:, 0], pixels[:, 1]]
     axes = np.empty((found, 2))
@@ -99,8 +104,7 @@ def find_candidates(planes: Planes, config: HeadConfig | None = None) -> Candida
     owner = np.empty_like(label)
     counts = np.zeros(found, dtype=np.int64)
     assign_points(points, label, pixels, axes, config.radius, config.near, owner, counts)
-    legs = (pixels[:, 0] < EDGE) & (heads[:, 2] < HIPS)
-    return _without_small(Candidates(owner, heads, pixels, axes, legs), counts >= config.least_pixels)
+    return _without_small(Candidates(owner, heads, pixels, axes, pixels[:, 0] < edge), counts >= config.least_pixels)
 
 
 def _standing(planes: Planes, config: HeadConfig) -> NDArray[np.bool_]:
@@ -124,7 +128,7 @@ def _without_small(candidates: Candidates, kept: NDArray[np.bool_]) -> Candidate
     number = np.full(len(kept) + 1, -1, dtype=np.int32)
     number[:-1][kept] = np.arange(np.count_nonzero(kept))
     label = number[candidates.label]
-    of = (candidates.heads, candidates.pixels, candidates.axes, candidates.legs)
+    of = (candidates.heads, candidates.pixels, candidates.axes, candidates.cut)
     return Candidates(label, *(each[kept] for each in of))
 
 
@@ -167,13 +171,13 @@ def _by_cluster(label, clusters):
 
 
 @njit(cache=True, nogil=True)
-def join_cut(points, label, clusters, apart):
-    """Make one cluster of those that the picture's upper edge cuts within `apart` [m] of each other, in `label` (h, w).
+def join_cut(points, label, clusters, edge, apart):
+    """Make one cluster of those in `label` (h, w) that the first `edge` rows cut within `apart` of each other [m].
 
     What belongs together above the edge, two legs under one trunk, is apart below it.
     """
     of = np.arange(clusters)
-    cut = label[:EDGE]
+    cut = label[:edge]
     rows, cols = np.nonzero(cut >= 0)
     for m in range(len(rows)):
         p, mine = points[rows[m], cols[m]], cut[rows[m], cols[m]]
@@ -188,7 +192,7 @@ def join_cut(points, label, clusters, apart):
 
 
 @njit(cache=True, nogil=True)
-def find_heads(points, label, clusters, lowest, lowest_cut, apart, pixels):
+def find_heads(points, label, clusters, edge, lowest, lowest_cut, apart, pixels):
     """Write the heads' pixels (row, column) cluster by cluster; return how many there are.
 
     A head is the highest point of all that are not within `apart` of a higher head of its cluster; and no point of the
@@ -198,8 +202,9 @@ def find_heads(points, label, clusters, lowest, lowest_cut, apart, pixels):
         points: (h, w, 3) level frame [m].
         label: (h, w) cluster of each pixel, -1 for none.
         clusters: How many clusters there are.
+        edge: So many rows are the picture's upper edge.
         lowest: Least height of a head [m].
-        lowest_cut: The same in the picture's uppermost rows, `EDGE` of them [m].
+        lowest_cut: The same in the picture's first rows [m].
         apart: Least distance between heads [m].
         pixels: (k, 2) written.
     """
@@ -213,7 +218,7 @@ def find_heads(points, label, clusters, lowest, lowest_cut, apart, pixels):
             top, best = min(lowest, lowest_cut), -1
             for m in range(len(members)):
                 z = points[members[m] // width, members[m] % width, 2]
-                if free[m] and z > top and (z > lowest or (z > lowest_cut and members[m] // width < EDGE)):
+                if free[m] and z > top and (z > lowest or (z > lowest_cut and members[m] // width < edge)):
                     top, best = z, m
             if best < 0:
                 break

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from .frame import RgbdFrame
 from .heads import Candidates
+from .margins import margins
 from .planes import Planes, Surface
 
 Array = NDArray[np.float64]
@@ -60,7 +61,7 @@ def candidate_measures(planes: Planes, candidates: Candidates) -> Array:
     """
     frame, measures = planes.frame, np.empty((len(candidates), MEASURES))
     counts = np.zeros((len(candidates), 2, len(Border)))
-    count_borders(frame.depth, candidates.label, BORDER_STEP, counts)
+    count_borders(frame.depth, candidates.label, BORDER_STEP, counts, *margins(frame.depth))
     shares = counts / np.maximum(counts.sum(axis=2, keepdims=True), 1.0)
     measures[:, : 2 * len(Border)] = shares.reshape(len(candidates), 2 * len(Border))
     for k in range(len(candidates)):
@@ -98,7 +99,7 @@ def soft_bins(measures: Array) -> NDArray[np.float32]:
 
 
 @njit(cache=True, nogil=True)
-def count_borders(depth, label, step, counts):
+def count_borders(depth, label, step, counts, top, left, right):
     """Count what lies beyond the edges of each candidate: the first thing measured within a few pixels.
 
     Args:
@@ -106,6 +107,9 @@ def count_borders(depth, label, step, counts):
         label: (h, w) candidate of each pixel, -1 for none.
         step: Least difference in depth of what is farther or nearer [m].
         counts: (n, 2, Border) of the sides, and of the upper edge; added to.
+        top: First row of the picture in which depth is measured.
+        left: First column.
+        right: The column after the last one.
     """
     height, width = label.shape
     for row in range(height):
@@ -113,18 +117,17 @@ def count_borders(depth, label, step, counts):
             if label[row, col] >= 0:
                 for side in range(-1, 2):
                     up = 1 if side == 0 else 0
-                    border = _border(depth, label, row, col, -up, side, step)
+                    border = _border(depth, label, row, col, -up, side, step, top, left, right)
                     if border >= 0:
                         counts[label[row, col], up, border] += 1.0
 
 
 @njit(cache=True, nogil=True)
-def _border(depth, label, row, col, down, right, step):
+def _border(depth, label, row, col, down, across, step, top, left, right):
     """Return the number of the `Border` at one side of a pixel, -1 if its own candidate goes on there."""
-    height, width = label.shape
     for away in range(1, _REACH + 1):
-        i, j = row + away * down, col + away * right
-        if i < 0 or i >= height or j < 0 or j >= width:
+        i, j = row + away * down, col + away * across
+        if i < top or i >= label.shape[0] or j < left or j >= right:
             return 4
         if label[i, j] == label[row, col]:
             return -1

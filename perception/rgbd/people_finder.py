@@ -75,7 +75,7 @@ class PeopleFinder:
         candidates = find_candidates(planes, config.heads)
         colour = planes.frame.colour
         svm = self._svm if colour.min() < colour.max() else self._depth_svm
-        likelihood = svm.likelihood(candidate_features(planes, candidates))
+        likelihood = svm.likelihood(candidate_features(planes, candidates), candidates.legs)
         middles = body_centres(candidates, config.behind)
         order = np.argsort(-likelihood, kind="stable")
         owner = np.full(len(order), -1, dtype=np.int64)

@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from .heads import EDGE, HIPS, Candidates
+from .heads import HIPS, Candidates
 from .planes import Planes
 
 Array = NDArray[np.float64]
@@ -43,7 +43,7 @@ def candidate_windows(planes: Planes, candidates: Candidates) -> NDArray[np.floa
         middle = _middle(upper[:, 1] / upper[:, 0]) * away
         if candidates.legs[k]:
             top = HIPS
-        elif candidates.pixels[k, 0] < EDGE:
+        elif candidates.cut[k]:
             top = max(top, _USUAL)
         scale = (top + 2.0 * _MARGIN) / ROWS
         corner = np.array([away, middle + COLUMNS * scale / 2.0, top + _MARGIN - mount.height])

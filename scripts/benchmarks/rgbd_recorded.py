@@ -37,7 +37,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ...perception.rgbd.frame import Pinhole, RgbdFrame, grey
+from ...perception.rgbd.frame import RgbdFrame, grey
 from ...perception.rgbd.people import RgbdPeople
 from ...perception.rgbd.people_finder import PeopleFinder
 from ...perception.rgbd.person_svm import DEPTH_MODEL, MODEL, PersonSvm
@@ -48,7 +48,7 @@ from ..console.arguments import at_least
 from ..console.tables import format_table
 from ..figures.planes import save_planes
 from ..training.rgbd_labels import FrameLabels, labels_of
-from ..training.rgbd_recordings import SEATED_LEFT, boxes_of, source_of
+from ..training.rgbd_recordings import SEATED_LEFT, at_columns, boxes_of, source_of
 from .results import write_results
 
 Array = NDArray[np.float64]
@@ -176,28 +176,6 @@ HEADER = (
 def _upwards(pitch: float, roll: float) -> Array:
     """Return (3,) the vertical in the frame of a camera that looks down by `pitch`, left side up by `roll` [rad]."""
     return np.array([-np.sin(pitch), np.cos(pitch) * np.sin(roll), np.cos(pitch) * np.cos(roll)])
-
-
-def at_columns(frame: RgbdFrame, columns: int | None) -> RgbdFrame:
-    """Return `frame` with every other pixel left out or each one repeated, so that it has about so many columns."""
-    width = frame.camera.width
-    if columns is None or columns == width:
-        return frame
-    if columns > width:
-        times = columns // width
-        depth, colour = (np.repeat(np.repeat(a, times, axis=0), times, axis=1) for a in (frame.depth, frame.colour))
-        (across, down), (column, row) = frame.camera.focal, frame.camera.axis
-        size, focal = (width * times, frame.camera.height * times), (across * times, down * times)
-        camera = Pinhole.from_intrinsics(size, focal, (column * times - 0.5, row * times - 0.5))
-        return replace(frame, depth=depth, colour=colour, camera=camera)
-    step = width // columns
-    camera, start = frame.camera.reduced(step), step // 2
-    rows, cols = camera.height, camera.width
-    depth = frame.depth[start::step, start::step][:rows, :cols]
-    shift = (start + 0.5) / step - 0.5  # of the pixel that is kept from the middle of its block
-    (x, y), (across, down) = camera.axis, camera.focal
-    camera = Pinhole.from_intrinsics((cols, rows), (across, down), (x - 0.5 - shift, y - 0.5 - shift))
-    return replace(frame, depth=depth, colour=frame.colour[start::step, start::step][:rows, :cols], camera=camera)
 
 
 def tally(recorded: Iterable[RecordedFrame], options: argparse.Namespace) -> dict[str, Tally]:

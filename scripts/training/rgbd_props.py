@@ -11,6 +11,8 @@ from ...envs.scenes.solids import Solid, post
 from ...slam.errors import unknown_name
 
 Array = NDArray[np.float64]
+REACH_M = 7.0
+"""Things and people stand no farther off than this, if not told otherwise [m]."""
 Maker = Callable[[Generator, float, float], list[Solid]]
 
 
@@ -74,6 +76,24 @@ def _statue(rng: Generator, x: float, y: float) -> list[Solid]:
         _drum(x, y, 0.13, 0.95, top),
         _drum(x, y, 0.08, top, top + 0.22),
     ]
+
+
+def _column(rng: Generator, x: float, y: float) -> list[Solid]:
+    """Return one to three columns, legs of a machine or of a rack, that stand close, some on a foot of beams."""
+    found: list[Solid] = []
+    for _ in range(int(rng.integers(1, 4))):
+        (dx, dy), top = rng.uniform(-0.3, 0.3, 2), float(rng.uniform(1.2, 2.4))
+        bottom = float(rng.choice((0.0, 0.1, 0.3)))
+        if rng.random() < 0.5:
+            found.append(_drum(x + dx, y + dy, float(rng.uniform(0.03, 0.15)), bottom, top))
+        else:
+            size = (float(rng.uniform(0.03, 0.2)), float(rng.uniform(0.02, 0.12)))
+            found.append(_block(rng, x + dx, y + dy, size, top, bottom))
+    for turn in rng.uniform(-np.pi, np.pi, int(rng.integers(0, 4))):
+        half = float(rng.uniform(0.15, 0.3))
+        dx, dy = half * float(np.cos(turn)), half * float(np.sin(turn))
+        found.append(_plate(x + dx, y + dy, float(turn), (half, 0.04), 0.02, float(rng.uniform(0.08, 0.2))))
+    return found
 
 
 def _hat_stand(rng: Generator, x: float, y: float) -> list[Solid]:
@@ -151,7 +171,10 @@ def _one_leg(rng: Generator, x: float, y: float) -> list[Solid]:
     """Return a table or a chair on one post, which stands on a star of five feet or on a plate."""
     yaw, seat = float(rng.uniform(-np.pi, np.pi)), float(rng.uniform(0.4, 0.75))
     half, foot = float(rng.uniform(0.2, 0.4)), float(rng.uniform(0.2, 0.32))
-    found = [post("prop", x, y, float(rng.uniform(0.02, 0.06)), seat), _plate(x, y, yaw, (half, half), seat - 0.06, seat)]
+    found = [
+        post("prop", x, y, float(rng.uniform(0.02, 0.06)), seat),
+        _plate(x, y, yaw, (half, half), seat - 0.06, seat),
+    ]
     if rng.random() < 0.4:
         return [*found, _drum(x, y, foot, 0.0, 0.03)]
     for turn in yaw + np.arange(5) * (2.0 * np.pi / 5.0):
@@ -184,15 +207,15 @@ PROPS: dict[str, tuple[Maker, ...]] = {
     "training 0": (_lamp, _curtain, _low_things),
     "training 1": (_coat_stand, _four_legs, _clutter),
     "training 2": (_plant, _shelf, _high_chair),
-    "training 3": (_stack, _one_leg),
+    "training 3": (_stack, _one_leg, _column),
     "training 4": (_dress_form, _clutter),
     "unseen": (_speaker, _dispenser, _banner, _statue, _hat_stand),
 }
 """Name -> what there is; what a detector is tested among is nothing that it was trained among."""
 
 
-def draw_props(rng: Generator, scene: Scene, spots: Array, name: str) -> list[Solid]:
-    """Return things standing on free floor before the robot at some of its `spots` (k, 3).
+def draw_props(rng: Generator, scene: Scene, spots: Array, name: str, reach: float = REACH_M) -> list[Solid]:
+    """Return things standing on free floor before the robot at some of its `spots` (k, 3), up to `reach` away [m].
 
     Raises:
         InputError: If there are no props of this name.
@@ -203,18 +226,20 @@ def draw_props(rng: Generator, scene: Scene, spots: Array, name: str) -> list[So
     for spot in spots:
         if not PROPS[name] or rng.random() < 0.3:
             continue
-        place = before(rng, scene, spot, 0.5)
+        place = before(rng, scene, spot, 0.5, reach)
         if place is not None:
             maker = PROPS[name][rng.integers(len(PROPS[name]))]
             found += maker(rng, float(place[0]), float(place[1]))
     return found
 
 
-def before(rng: Generator, scene: Scene, spot: Array, room: float) -> Array | None:
-    """Return (2,) a place with `room` [m] around it, in sight of a robot at `spot` (3,); None where there is none."""
+def before(rng: Generator, scene: Scene, spot: Array, room: float, reach: float = REACH_M) -> Array | None:
+    """Return (2,) a place with `room` around it, in sight of a robot at `spot` (3,) and up to `reach` away [m]; None
+    where there is none.
+    """
     high = [solid for solid in scene.solids if solid.bottom < 1.0 < solid.top]
     for _ in range(12):
-        bearing, distance = rng.uniform(-0.62, 0.62), rng.uniform(0.7, 7.0)
+        bearing, distance = rng.uniform(-0.62, 0.62), rng.uniform(0.7, reach)
         turn = spot[2] + bearing
         place = spot[:2] + distance * np.array([np.cos(turn), np.sin(turn)])
         way = spot[:2] + np.linspace(0.0, 1.0, 24)[:, None] * (place - spot[:2])

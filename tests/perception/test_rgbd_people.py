@@ -9,6 +9,7 @@ from measures_rgbd_reference import count_borders_reference
 from tagalong.perception.rgbd.frame import Pinhole, RgbdFrame
 from tagalong.perception.rgbd.heads import HeadConfig, find_candidates, with_neighbours
 from tagalong.perception.rgbd.hog import hog, hog_length
+from tagalong.perception.rgbd.margins import margins
 from tagalong.perception.rgbd.measures import (
     BORDER_STEP,
     MEASURES,
@@ -89,6 +90,67 @@ def test_a_body_whose_head_is_above_the_picture_is_a_candidate():
     )
 
 
+def legs(away, y, apart=0.1, top=1.75):
+    """Two shins of a cut-out, and what is above them."""
+    return (
+        (away, y - apart - 0.06, y - apart + 0.06, 0.03, 0.8),
+        (away, y + apart - 0.06, y + apart + 0.06, 0.03, 0.8),
+        (away, y - 0.22, y + 0.22, 0.8, top),
+    )
+
+
+def blanked(frame, rows):
+    """The frame with nothing measured in its uppermost `rows`."""
+    depth = frame.depth.copy()
+    depth[:rows] = np.nan
+    return dataclasses.replace(frame, depth=depth)
+
+
+def looking_down(frame, rows):
+    """The lower part of a level camera's picture, `rows` of it: what one shows that is turned down."""
+    (across, down), (column, row) = frame.camera.focal, frame.camera.axis
+    cut = frame.camera.height - rows
+    camera = Pinhole.from_intrinsics((frame.camera.width, rows), (across, down), (column - 0.5, row - cut - 0.5))
+    return RgbdFrame(frame.depth[cut:].copy(), frame.colour[cut:].copy(), camera, 0.0)
+
+
+def test_two_legs_that_the_picture_cuts_are_one_candidate():
+    found = candidates(looking_down(standing(*legs(1.6, 0.2)), 45))
+    assert len(found) == 1
+    assert found.legs.tolist() == [True]
+    assert found.heads[0, 2] < 0.8
+    assert found.axes[0] == pytest.approx([1.6, 0.2], abs=0.12)
+
+
+def test_the_legs_of_two_people_are_two_candidates():
+    found = candidates(looking_down(standing(*legs(1.6, 0.35), *legs(1.6, -0.35)), 45))
+    assert sorted(found.axes[:, 1]) == pytest.approx([-0.35, 0.35], abs=0.12)
+
+
+def test_legs_alone_are_shown_twice_as_large():
+    frame = looking_down(standing(*legs(1.6, 0.0)), 45)
+    planes = PlaneFinder().find(frame)
+    found = find_candidates(planes)
+    own = candidate_windows(planes, found)[0, 2]
+    whole = candidate_windows(planes, dataclasses.replace(found, cut=np.array([False])))[0, 2]
+    assert own[-8].sum() == pytest.approx(2 * 0.12 / ((0.86 + 0.2) / ROWS), rel=0.3)
+    assert candidate_measures(planes, found)[0, 12] == pytest.approx(2.0 * found.heads[0, 2])
+    assert not np.array_equal(own, whole)
+
+
+def test_low_things_that_the_picture_shows_whole_are_no_legs():
+    assert len(candidates(looking_down(standing((1.6, -0.1, 0.1, 0.03, 0.4)), 45))) == 0
+
+
+def test_the_picture_ends_where_nothing_is_measured_any_more():
+    """Depth that is registered to colour leaves the uppermost rows blank."""
+    frame = standing(*person(1.0, 0.0))
+    assert candidates(frame).cut.tolist() == candidates(blanked(frame, 8)).cut.tolist() == [True]
+    assert measured(blanked(frame, 8))[1][Border.CUT] > 0.3
+    assert margins(blanked(frame, 8).depth) == (8, 0, 128)
+    assert margins(blanked(frame, 60).depth).top == 13  # an eighth: what measures nothing below is no margin
+
+
 def test_points_alone_in_space_are_left_out():
     points = np.full((5, 5, 3), 4.0)
     points[2, 2] = 3.0
@@ -161,7 +223,7 @@ def test_the_picture_cuts_people_and_things_touch_them_and_measure_nothing():
     label, depth = np.full((4, 9), -1, dtype=np.int32), np.full((4, 9), 3.0)
     label[1:, 3:6], counts = 0, np.zeros((1, 2, len(Border)))
     depth[:, 6:] = np.nan
-    count_borders(depth, label, BORDER_STEP, counts)
+    count_borders(depth, label, BORDER_STEP, counts, 0, 0, 9)
     assert counts[0, 0].tolist() == [0.0, 0.0, 3.0, 0.0, 3.0]  # nothing measured as far as the picture goes: cut
     assert counts[0, 1].tolist() == [0.0, 0.0, 3.0, 0.0, 0.0]
 
@@ -173,8 +235,9 @@ def test_the_kernel_of_borders_does_what_its_reference_does():
         depth = 3.0 + rng.integers(-1, 2, label.shape) * 0.2
         depth[(label < 0) & (rng.random(depth.shape) < 0.8)] = np.nan  # what is somebody's was measured
         ours, reference = np.zeros((3, 2, len(Border))), np.zeros((3, 2, len(Border)))
-        count_borders(depth, label, BORDER_STEP, ours)
-        count_borders_reference(depth, label, BORDER_STEP, reference)
+        inside = (int(rng.integers(0, 6)), int(rng.integers(0, 8)), label.shape[1] - int(rng.integers(0, 8)))
+        count_borders(depth, label, BORDER_STEP, ours, *inside)
+        count_borders_reference(depth, label, BORDER_STEP, reference, inside)
         assert ours.tolist() == reference.tolist()
         assert (ours.sum(axis=(0, 1)) > 0).all()
 
@@ -227,7 +290,7 @@ def test_histograms_of_gradients_are_those_of_scikit_image():
 
 def test_the_shipped_classifier_has_a_card_and_is_calibrated():
     svm, card = PersonSvm.load(), read_card()
-    assert svm.weights.shape == (LENGTH,)
+    assert svm.weights.shape == (2, LENGTH)
     assert card["test"]["expected_calibration_error"] <= 0.05
     assert card["training"]["wardrobe"] != card["test"]["wardrobe"]
     assert not set(card["training"]["scenes"]) & set(card["test"]["scenes"])
@@ -253,14 +316,16 @@ def test_a_saved_classifier_says_the_same(tmp_path):
     svm = PersonSvm.load()
     svm.save(tmp_path / "people.npz", {"model": "copy"})
     features = np.random.default_rng(0).random((4, LENGTH)).astype(np.float32)
-    assert np.array_equal(PersonSvm.load(tmp_path / "people.npz").likelihood(features), svm.likelihood(features))
+    legs = np.array([False, True, False, True])
+    again = PersonSvm.load(tmp_path / "people.npz").likelihood(features, legs)
+    assert np.array_equal(again, svm.likelihood(features, legs))
     assert MODEL.with_suffix(".json").exists()
 
 
 class Certain(PersonSvm):
     """Takes everything for a person."""
 
-    def likelihood(self, features):
+    def likelihood(self, features, legs):
         return np.full(len(features), 0.9)
 
 
