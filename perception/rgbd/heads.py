@@ -16,6 +16,7 @@ Array = NDArray[np.float64]
 
 _MOST_HEADS = 64
 _ALONE = 2
+_UNEVEN = 0.1  # what is higher than a head by less may be its own [m]
 HIPS = 0.86
 """Half the height of somebody, where the legs end [m]."""
 
@@ -196,7 +197,7 @@ def find_heads(points, label, clusters, edge, lowest, lowest_cut, apart, pixels)
     """Write the heads' pixels (row, column) cluster by cluster; return how many there are.
 
     A head is the highest point of all that are not within `apart` of a higher head of its cluster; and no point of the
-    cluster within `apart` is higher.
+    cluster within `apart` is higher, but by noise where the picture's edge cuts it.
 
     Args:
         points: (h, w, 3) level frame [m].
@@ -226,8 +227,8 @@ def find_heads(points, label, clusters, edge, lowest, lowest_cut, apart, pixels)
             for m in range(len(members)):
                 q = points[members[m] // width, members[m] % width]
                 if (p[0] - q[0]) ** 2 + (p[1] - q[1]) ** 2 < apart * apart:
+                    is_head = is_head and (q[2] <= top or (free[m] and q[2] < top + _UNEVEN))
                     free[m] = False
-                    is_head = is_head and q[2] <= top
             if is_head:
                 pixels[found, 0], pixels[found, 1] = members[best] // width, members[best] % width
                 found += 1
@@ -283,7 +284,7 @@ def assign_points(points, label, pixels, axes, radius, near, owner, counts):
                 i, j = pixels[k]
                 reach = radius if label[i, j] == label[row, col] else near
                 away = np.hypot(p[0] - axes[k, 0], p[1] - axes[k, 1])
-                if away < reach and away < best and p[2] < points[i, j, 2] + 0.1:
+                if away < reach and away < best and p[2] < points[i, j, 2] + _UNEVEN:
                     best = away
                     owner[row, col] = k
             if owner[row, col] >= 0:

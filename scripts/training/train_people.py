@@ -55,7 +55,7 @@ class PeopleTrainConfig:
         recorded: How many simulated candidates a recorded one weighs as much as.
     """
 
-    buildings: int = 480
+    buildings: int = 400
     frames: int = 12
     test_buildings: int = 40
     penalty: float = 0.005

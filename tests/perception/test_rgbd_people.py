@@ -115,7 +115,7 @@ def looking_down(frame, rows):
 
 
 def test_two_legs_that_the_picture_cuts_are_one_candidate():
-    found = candidates(looking_down(standing(*legs(1.6, 0.2)), 45))
+    found = candidates(looking_down(standing(*legs(1.6, 0.2)), 35))
     assert len(found) == 1
     assert found.legs.tolist() == [True]
     assert found.heads[0, 2] < 0.8
@@ -123,12 +123,12 @@ def test_two_legs_that_the_picture_cuts_are_one_candidate():
 
 
 def test_the_legs_of_two_people_are_two_candidates():
-    found = candidates(looking_down(standing(*legs(1.6, 0.35), *legs(1.6, -0.35)), 45))
+    found = candidates(looking_down(standing(*legs(1.6, 0.35), *legs(1.6, -0.35)), 35))
     assert sorted(found.axes[:, 1]) == pytest.approx([-0.35, 0.35], abs=0.12)
 
 
 def test_legs_alone_are_shown_twice_as_large():
-    frame = looking_down(standing(*legs(1.6, 0.0)), 45)
+    frame = looking_down(standing(*legs(1.6, 0.0)), 35)
     planes = PlaneFinder().find(frame)
     found = find_candidates(planes)
     own = candidate_windows(planes, found)[0, 2]
@@ -139,7 +139,7 @@ def test_legs_alone_are_shown_twice_as_large():
 
 
 def test_low_things_that_the_picture_shows_whole_are_no_legs():
-    assert len(candidates(looking_down(standing((1.6, -0.1, 0.1, 0.03, 0.4)), 45))) == 0
+    assert len(candidates(looking_down(standing((1.6, -0.1, 0.1, 0.03, 0.4)), 35))) == 0
 
 
 def test_the_picture_ends_where_nothing_is_measured_any_more():

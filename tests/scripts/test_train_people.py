@@ -54,7 +54,7 @@ def test_people_stand_where_their_pixels_are(frames):
 def test_what_is_tested_is_not_what_is_trained_on():
     assert not set(TRAIN_SCENES) & set(TEST_SCENES)
     assert all(not set(PROPS[kinds]) & set(PROPS["unseen"]) for kinds in TRAIN_PROPS)
-    with pytest.raises(InputError, match="none, training 0, .*, unseen"):
+    with pytest.raises(InputError, match="none, training 0, "):
         drawn(props="statues")
 
 
@@ -71,7 +71,7 @@ def test_people_stand_no_farther_off_than_the_picture_shows_floor():
     assert floor_in_sight(tilted_camera(45.0, 0.1)) == 1.5
     frames = draw_frames(np.random.default_rng(3), ("office",), "training", "none", 12, reach=2.0)
     away = np.concatenate([np.hypot(*frame.places.T) for frame in frames])
-    assert 3 < np.count_nonzero(away < 100.0)
+    assert np.count_nonzero(away < 100.0) > 3
     assert away[away < 100.0].max() < 2.0 + 0.75  # who stands beside somebody may be farther off
 
 
