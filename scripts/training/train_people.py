@@ -16,6 +16,7 @@ from ...perception.rgbd.frame import RgbdFrame, grey
 from ...perception.rgbd.heads import find_candidates
 from ...perception.rgbd.person_svm import LENGTH, LUMA_LENGTH, PersonSvm, candidate_features
 from ...perception.rgbd.planes import PlaneFinder
+from ...slam.errors import InputError
 from .evaluate_people import PeopleScores, score_people
 from .rgbd_cameras import draw_camera, floor_in_sight, shake_depth
 from .rgbd_frames import LabelledFrame, draw_frames
@@ -86,9 +87,11 @@ class PeopleSamples:
     weight: Array
 
 
-def training_frames(rng: np.random.Generator, config: PeopleTrainConfig) -> Iterator[list[LabelledFrame]]:
-    """Yield the frames of one building after the other."""
-    for number in range(config.buildings):
+def training_frames(
+    rng: np.random.Generator, config: PeopleTrainConfig, first: int = 0
+) -> Iterator[list[LabelledFrame]]:
+    """Yield the frames of one building after the other; their numbers, `first` and on, say what things are in them."""
+    for number in range(first, first + config.buildings):
         camera = draw_camera(rng) if rng.random() < config.any_mount else None
         props = TRAIN_PROPS[number % len(TRAIN_PROPS)]
         reach = floor_in_sight(camera) if camera else REACH_M
@@ -170,6 +173,8 @@ def fit_people(samples: PeopleSamples, config: PeopleTrainConfig) -> PersonSvm:
 def _fit(samples: PeopleSamples, mine: NDArray[np.bool_], config: PeopleTrainConfig) -> tuple[Array, Array]:
     """Return (LENGTH,) the weights and (3,) bias, slope and offset of a machine for those of `mine` (n,)."""
     fold = samples.building % config.folds
+    if not all(0 < samples.is_person[mine & (fold != k)].mean() < 1 for k in range(config.folds)):
+        raise InputError("too few frames to train on: they must show people, nobody, and legs alone of both")
     scores = np.empty(len(fold))
     for left_out in range(config.folds):
         theirs = mine & (fold == left_out)
@@ -177,7 +182,7 @@ def _fit(samples: PeopleSamples, mine: NDArray[np.bool_], config: PeopleTrainCon
             scores[theirs] = _machine(config, samples, mine & ~theirs).decision_function(samples.features[theirs])
     platt = LogisticRegression(C=1e3).fit(scores[mine, None], samples.is_person[mine], samples.weight[mine])
     machine = _machine(config, samples, mine)
-    return machine.coef_[0], np.ravel([machine.intercept_, platt.coef_, platt.intercept_])
+    return machine.coef_[0], np.concatenate((machine.intercept_, platt.coef_[0], platt.intercept_))
 
 
 def _machine(config: PeopleTrainConfig, samples: PeopleSamples, chosen: NDArray[np.bool_]) -> LinearSVC:
@@ -210,7 +215,7 @@ def train_people(config: PeopleTrainConfig, seed: int, recorded: str | os.PathLi
     """Train on simulated frames, and on the folder of `recorded` ones if there is one."""
     usual = replace(config, buildings=config.level_buildings, any_mount=0.0, seated=0.0)
     drawn = training_frames(np.random.default_rng([seed, 0]), config)
-    samples = collect(chain(drawn, training_frames(np.random.default_rng([seed, 2]), usual)))
+    samples = collect(chain(drawn, training_frames(np.random.default_rng([seed, 2]), usual, config.buildings)))
     sources: tuple[str, ...] = ()
     parts = {"": samples}
     if recorded is not None:

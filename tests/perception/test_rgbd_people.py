@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from hog_rgbd_reference import hog_reference
 from measures_rgbd_reference import count_borders_reference
-from tagalong.perception.rgbd.frame import Pinhole, RgbdFrame
+from rgbd_cut_outs import CAMERA, candidates, person, standing
+from tagalong.perception.rgbd.frame import RgbdFrame
 from tagalong.perception.rgbd.heads import HeadConfig, find_candidates, with_neighbours
 from tagalong.perception.rgbd.hog import hog, hog_length
-from tagalong.perception.rgbd.margins import margins
 from tagalong.perception.rgbd.measures import (
     BORDER_STEP,
     MEASURES,
@@ -23,31 +23,6 @@ from tagalong.perception.rgbd.person_svm import LENGTH, MODEL, PersonSvm, candid
 from tagalong.perception.rgbd.planes import PlaneFinder
 from tagalong.perception.rgbd.windows import CHANNELS, COLUMNS, ROWS, candidate_windows
 from tagalong.slam import InputError
-
-CAMERA = Pinhole(width=128, height=106, horizontal_fov=np.radians(70.0), vertical_fov=np.radians(60.0))
-
-
-def standing(*figures, wall=6.0):
-    """A frame of upright cut-outs (distance, left edge, right edge, bottom, top) [m] before a wall, on a floor."""
-    rays = CAMERA.rays
-    depth = np.full(rays.shape[:2], wall)
-    floor = rays[..., 2] < -1.0 / wall
-    depth[floor] = -1.0 / rays[..., 2][floor]
-    colour = np.full((*depth.shape, 3), 150, dtype=np.uint8)
-    for number, (away, right, left, bottom, top) in enumerate(figures):
-        y, z = rays[..., 1] * away, rays[..., 2] * away + 1.0
-        inside = (y > right) & (y < left) & (z > bottom) & (z < top) & (depth > away)
-        depth[inside], colour[inside] = away, 40 * number
-    return RgbdFrame(depth.astype(np.float32), colour, CAMERA, 0.0)
-
-
-def candidates(frame, **config):
-    return find_candidates(PlaneFinder().find(frame), HeadConfig(**config))
-
-
-def person(away, y, top=1.75):
-    """Head and body of a cut-out."""
-    return (away, y - 0.09, y + 0.09, 1.4, top), (away, y - 0.22, y + 0.22, 0.1, 1.45)
 
 
 def test_one_head_makes_one_candidate_where_it_stands():
@@ -88,67 +63,6 @@ def test_a_body_whose_head_is_above_the_picture_is_a_candidate():
         ROWS,
         COLUMNS,
     )
-
-
-def legs(away, y, apart=0.1, top=1.75):
-    """Two shins of a cut-out, and what is above them."""
-    return (
-        (away, y - apart - 0.06, y - apart + 0.06, 0.03, 0.8),
-        (away, y + apart - 0.06, y + apart + 0.06, 0.03, 0.8),
-        (away, y - 0.22, y + 0.22, 0.8, top),
-    )
-
-
-def blanked(frame, rows):
-    """The frame with nothing measured in its uppermost `rows`."""
-    depth = frame.depth.copy()
-    depth[:rows] = np.nan
-    return dataclasses.replace(frame, depth=depth)
-
-
-def looking_down(frame, rows):
-    """The lower part of a level camera's picture, `rows` of it: what one shows that is turned down."""
-    (across, down), (column, row) = frame.camera.focal, frame.camera.axis
-    cut = frame.camera.height - rows
-    camera = Pinhole.from_intrinsics((frame.camera.width, rows), (across, down), (column - 0.5, row - cut - 0.5))
-    return RgbdFrame(frame.depth[cut:].copy(), frame.colour[cut:].copy(), camera, 0.0)
-
-
-def test_two_legs_that_the_picture_cuts_are_one_candidate():
-    found = candidates(looking_down(standing(*legs(1.6, 0.2)), 35))
-    assert len(found) == 1
-    assert found.legs.tolist() == [True]
-    assert found.heads[0, 2] < 0.8
-    assert found.axes[0] == pytest.approx([1.6, 0.2], abs=0.12)
-
-
-def test_the_legs_of_two_people_are_two_candidates():
-    found = candidates(looking_down(standing(*legs(1.6, 0.35), *legs(1.6, -0.35)), 35))
-    assert sorted(found.axes[:, 1]) == pytest.approx([-0.35, 0.35], abs=0.12)
-
-
-def test_legs_alone_are_shown_twice_as_large():
-    frame = looking_down(standing(*legs(1.6, 0.0)), 35)
-    planes = PlaneFinder().find(frame)
-    found = find_candidates(planes)
-    own = candidate_windows(planes, found)[0, 2]
-    whole = candidate_windows(planes, dataclasses.replace(found, cut=np.array([False])))[0, 2]
-    assert own[-8].sum() == pytest.approx(2 * 0.12 / ((0.86 + 0.2) / ROWS), rel=0.3)
-    assert candidate_measures(planes, found)[0, 12] == pytest.approx(2.0 * found.heads[0, 2])
-    assert not np.array_equal(own, whole)
-
-
-def test_low_things_that_the_picture_shows_whole_are_no_legs():
-    assert len(candidates(looking_down(standing((1.6, -0.1, 0.1, 0.03, 0.4)), 35))) == 0
-
-
-def test_the_picture_ends_where_nothing_is_measured_any_more():
-    """Depth that is registered to colour leaves the uppermost rows blank."""
-    frame = standing(*person(1.0, 0.0))
-    assert candidates(frame).cut.tolist() == candidates(blanked(frame, 8)).cut.tolist() == [True]
-    assert measured(blanked(frame, 8))[1][Border.CUT] > 0.3
-    assert margins(blanked(frame, 8).depth) == (8, 0, 128)
-    assert margins(blanked(frame, 60).depth).top == 13  # an eighth: what measures nothing below is no margin
 
 
 def test_points_alone_in_space_are_left_out():
@@ -325,8 +239,10 @@ def test_a_saved_classifier_says_the_same(tmp_path):
 class Certain(PersonSvm):
     """Takes everything for a person."""
 
+    sure = 0.9
+
     def likelihood(self, features, legs):
-        return np.full(len(features), 0.9)
+        return np.full(len(features), self.sure)
 
 
 def test_pixels_and_places_of_people_are_given_in_the_robot_frame():
@@ -370,6 +286,8 @@ def test_ragged_pixels_beside_a_person_become_its_own():
 def test_impossible_configurations_are_errors():
     with pytest.raises(InputError, match="least_likelihood"):
         PeopleFinderConfig(least_likelihood=1.5)
+    with pytest.raises(InputError, match="least_of_legs"):
+        PeopleFinderConfig(least_of_legs=-0.1)
     with pytest.raises(InputError, match="apart"):
         PeopleFinderConfig(apart=-1.0)
     with pytest.raises(InputError, match="lowest"):
