@@ -351,8 +351,8 @@ def test_people_are_marked_as_guesses_where_the_floor_is_not_known_or_left_out()
 
 
 def test_a_frame_without_colour_is_judged_by_the_classifier_of_depth_alone():
-    weights = np.zeros(LENGTH, np.float32)
-    finder = PeopleFinder(PersonSvm(weights, 1.0, 1.0, 0.0), depth_svm=PersonSvm(weights, 2.0, 1.0, 0.0))
+    weights, both, one, none = np.zeros((2, LENGTH), np.float32), np.full(2, 2.0), np.ones(2), np.zeros(2)
+    finder = PeopleFinder(PersonSvm(weights, one, one, none), depth_svm=PersonSvm(weights, both, one, none))
     frame, said = standing(*person(3.0, 0.0)), []
     for low, high in ((128, 128), (0, 0), (90, 200)):
         colour = np.full_like(frame.colour, low)
