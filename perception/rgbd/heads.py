@@ -129,8 +129,8 @@ def _without_small(candidates: Candidates, kept: NDArray[np.bool_]) -> Candidate
     number = np.full(len(kept) + 1, -1, dtype=np.int32)
     number[:-1][kept] = np.arange(np.count_nonzero(kept))
     label = number[candidates.label]
-    of = (candidates.heads, candidates.pixels, candidates.axes, candidates.cut)
-    return Candidates(label, *(each[kept] for each in of))
+    heads, pixels, axes = candidates.heads[kept], candidates.pixels[kept], candidates.axes[kept]
+    return Candidates(label, heads, pixels, axes, candidates.cut[kept])
 
 
 @njit(cache=True, nogil=True)

@@ -35,6 +35,6 @@ def margins(depth: NDArray[np.float32]) -> Margins:
     """Return where `depth` (h, w), NaN where nothing was measured [m], begins and ends."""
     measured = np.isfinite(depth)
     rows, columns = measured.any(axis=1), measured.any(axis=0)
-    top, left, right = (int(each.argmax()) for each in (rows, columns, columns[::-1]))
+    top, left, right = int(np.argmax(rows)), int(np.argmax(columns)), int(np.argmax(np.flip(columns)))
     down, across = (int(WIDEST * size) for size in depth.shape)
     return Margins(min(top, down), min(left, across), depth.shape[1] - min(right, across))

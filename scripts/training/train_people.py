@@ -115,8 +115,9 @@ def collect(buildings: Iterable[list[LabelledFrame]]) -> PeopleSamples:
             persons.append(person[sure])
             legs.append(candidates.legs[sure])
             numbers.append(np.full(np.count_nonzero(sure), number))
-    parts = (np.concatenate(each) for each in (features, persons, legs, numbers))
-    return PeopleSamples(*parts, np.ones(sum(map(len, persons))))
+    weight = np.ones(sum(map(len, persons)))
+    all_features, all_persons = np.concatenate(features), np.concatenate(persons)
+    return PeopleSamples(all_features, all_persons, np.concatenate(legs), np.concatenate(numbers), weight)
 
 
 def _truth(
