@@ -9,12 +9,16 @@ from numpy.typing import NDArray
 from ...slam.bounds import check_numbers
 from ...slam.errors import InputError
 from .clusters import connect
+from .margins import margins
 from .planes import Planes, Surface
 
 Array = NDArray[np.float64]
 
 _MOST_HEADS = 64
 _ALONE = 2
+_UNEVEN = 0.1  # what is higher than a head by less may be its own [m]
+HIPS = 0.86
+"""Half the height of somebody, where the legs end [m]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,8 +31,8 @@ class HeadConfig:
         reach: How far away neighbours are [pixels]; more than 1 bridges pixels that measured nothing.
         least_pixels: Fewest points of a candidate.
         lowest: A head is no lower than this [m]: those of people who sit are, backs of chairs are lower.
-        lowest_cut: What the picture's upper edge cuts reaches this [m], the height of the hips: legs alone, as a low
-            camera sees them that looks down, are not told from furniture.
+        lowest_cut: What the picture's upper edge cuts reaches this [m], the height of the ankle: how much of somebody
+            is below the edge is up to the mount, and feet alone are not told from the floor.
         highest: Points above this belong to nobody [m].
         apart: Heads of one cluster are at least this far from each other, on the floor [m]: people who walk shoulder
             to shoulder were 0.37 m apart.
@@ -42,7 +46,7 @@ class HeadConfig:
     reach: int = 2
     least_pixels: int = 30
     lowest: float = 1.1
-    lowest_cut: float = 0.8
+    lowest_cut: float = 0.1
     highest: float = 2.2
     apart: float = 0.3
     radius: float = 0.5
@@ -65,12 +69,19 @@ class Candidates:
         heads: (n, 3) highest point of each, level frame [m].
         pixels: (n, 2) its row and column.
         axes: (n, 2) mean of the points below it, down to the waist, level frame [m].
+        cut: (n,) bool whether the picture's upper edge cuts it.
     """
 
     label: NDArray[np.int32]
     heads: Array
     pixels: NDArray[np.int64]
     axes: Array
+    cut: NDArray[np.bool_]
+
+    @property
+    def legs(self) -> NDArray[np.bool_]:
+        """(n,) whether it can only be somebody's legs: the picture's upper edge cuts it below `HIPS`."""
+        return self.cut & (self.heads[:, 2] < HIPS)
 
     def __len__(self) -> int:
         return len(self.heads)
@@ -83,8 +94,10 @@ def find_candidates(planes: Planes, config: HeadConfig | None = None) -> Candida
     chosen = _standing(planes, config)
     label = np.empty(chosen.shape, dtype=np.int32)
     clusters = connect(points, chosen, config.gap, config.gap_per_m, config.reach, label)
+    edge = margins(planes.frame.depth).edge
+    join_cut(points, label, clusters, edge, config.apart)
     pixels = np.empty((_MOST_HEADS, 2), dtype=np.int64)
-    found = find_heads(points, label, clusters, config.lowest, config.lowest_cut, config.apart, pixels)
+    found = find_heads(points, label, clusters, edge, config.lowest, config.lowest_cut, config.apart, pixels)
     pixels = pixels[:found]
     heads = points[pixels[:, 0], pixels[:, 1]]
     axes = np.empty((found, 2))
@@ -92,7 +105,7 @@ def find_candidates(planes: Planes, config: HeadConfig | None = None) -> Candida
     owner = np.empty_like(label)
     counts = np.zeros(found, dtype=np.int64)
     assign_points(points, label, pixels, axes, config.radius, config.near, owner, counts)
-    return _without_small(Candidates(owner, heads, pixels, axes), counts >= config.least_pixels)
+    return _without_small(Candidates(owner, heads, pixels, axes, pixels[:, 0] < edge), counts >= config.least_pixels)
 
 
 def _standing(planes: Planes, config: HeadConfig) -> NDArray[np.bool_]:
@@ -116,7 +129,8 @@ def _without_small(candidates: Candidates, kept: NDArray[np.bool_]) -> Candidate
     number = np.full(len(kept) + 1, -1, dtype=np.int32)
     number[:-1][kept] = np.arange(np.count_nonzero(kept))
     label = number[candidates.label]
-    return Candidates(label, candidates.heads[kept], candidates.pixels[kept], candidates.axes[kept])
+    heads, pixels, axes = candidates.heads[kept], candidates.pixels[kept], candidates.axes[kept]
+    return Candidates(label, heads, pixels, axes, candidates.cut[kept])
 
 
 @njit(cache=True, nogil=True)
@@ -158,18 +172,40 @@ def _by_cluster(label, clusters):
 
 
 @njit(cache=True, nogil=True)
-def find_heads(points, label, clusters, lowest, lowest_cut, apart, pixels):
+def join_cut(points, label, clusters, edge, apart):
+    """Make one cluster of those in `label` (h, w) that the first `edge` rows cut within `apart` of each other [m].
+
+    What belongs together above the edge, two legs under one trunk, is apart below it.
+    """
+    of = np.arange(clusters)
+    cut = label[:edge]
+    rows, cols = np.nonzero(cut >= 0)
+    for m in range(len(rows)):
+        p, mine = points[rows[m], cols[m]], cut[rows[m], cols[m]]
+        for n in range(m):
+            q, other = points[rows[n], cols[n]], cut[rows[n], cols[n]]
+            if of[mine] != of[other] and (p[0] - q[0]) ** 2 + (p[1] - q[1]) ** 2 < apart * apart:
+                of[of == of[mine]] = of[other]
+    for row in range(label.shape[0]):
+        for col in range(label.shape[1]):
+            if label[row, col] >= 0:
+                label[row, col] = of[label[row, col]]
+
+
+@njit(cache=True, nogil=True)
+def find_heads(points, label, clusters, edge, lowest, lowest_cut, apart, pixels):
     """Write the heads' pixels (row, column) cluster by cluster; return how many there are.
 
     A head is the highest point of all that are not within `apart` of a higher head of its cluster; and no point of the
-    cluster within `apart` is higher.
+    cluster within `apart` is higher, but by noise where the picture's edge cuts it.
 
     Args:
         points: (h, w, 3) level frame [m].
         label: (h, w) cluster of each pixel, -1 for none.
         clusters: How many clusters there are.
+        edge: So many rows are the picture's upper edge.
         lowest: Least height of a head [m].
-        lowest_cut: The same in the picture's two uppermost rows [m].
+        lowest_cut: The same in the picture's first rows [m].
         apart: Least distance between heads [m].
         pixels: (k, 2) written.
     """
@@ -183,7 +219,7 @@ def find_heads(points, label, clusters, lowest, lowest_cut, apart, pixels):
             top, best = min(lowest, lowest_cut), -1
             for m in range(len(members)):
                 z = points[members[m] // width, members[m] % width, 2]
-                if free[m] and z > top and (z > lowest or (z > lowest_cut and members[m] // width < 2)):
+                if free[m] and z > top and (z > lowest or (z > lowest_cut and members[m] // width < edge)):
                     top, best = z, m
             if best < 0:
                 break
@@ -191,8 +227,8 @@ def find_heads(points, label, clusters, lowest, lowest_cut, apart, pixels):
             for m in range(len(members)):
                 q = points[members[m] // width, members[m] % width]
                 if (p[0] - q[0]) ** 2 + (p[1] - q[1]) ** 2 < apart * apart:
+                    is_head = is_head and (q[2] <= top or (free[m] and q[2] < top + _UNEVEN))
                     free[m] = False
-                    is_head = is_head and q[2] <= top
             if is_head:
                 pixels[found, 0], pixels[found, 1] = members[best] // width, members[best] % width
                 found += 1
@@ -248,7 +284,7 @@ def assign_points(points, label, pixels, axes, radius, near, owner, counts):
                 i, j = pixels[k]
                 reach = radius if label[i, j] == label[row, col] else near
                 away = np.hypot(p[0] - axes[k, 0], p[1] - axes[k, 1])
-                if away < reach and away < best and p[2] < points[i, j, 2] + 0.1:
+                if away < reach and away < best and p[2] < points[i, j, 2] + _UNEVEN:
                     best = away
                     owner[row, col] = k
             if owner[row, col] >= 0:

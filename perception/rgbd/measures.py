@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from .frame import RgbdFrame
 from .heads import Candidates
+from .margins import margins
 from .planes import Planes, Surface
 
 Array = NDArray[np.float64]
@@ -53,18 +54,20 @@ def candidate_measures(planes: Planes, candidates: Candidates) -> Array:
     """Return (n, MEASURES) of the candidates.
 
     Shares of the edge at the sides that are `Border.FREE` and so on, the same of the upper edge; standard deviation of
-    the points along the longer and the shorter axis of what is seen from above [m]; greatest and least height [m];
+    the points along the longer and the shorter axis of what is seen from above [m]; greatest and least height [m], of
+    legs alone twice that, as in their windows;
     distance [m]; area across the line of sight [m2]; shares of the points on upright planes that are no walls, on
     walls, and on the plane that holds most of them.
     """
     frame, measures = planes.frame, np.empty((len(candidates), MEASURES))
     counts = np.zeros((len(candidates), 2, len(Border)))
-    count_borders(frame.depth, candidates.label, BORDER_STEP, counts)
+    count_borders(frame.depth, candidates.label, BORDER_STEP, counts, *margins(frame.depth))
     shares = counts / np.maximum(counts.sum(axis=2, keepdims=True), 1.0)
     measures[:, : 2 * len(Border)] = shares.reshape(len(candidates), 2 * len(Border))
     for k in range(len(candidates)):
         mine = candidates.label == k
-        measures[k, 2 * len(Border) :] = *_extents(frame, planes.points[mine], mine), *_flatness(planes, mine)
+        scale = 2.0 if candidates.legs[k] else 1.0
+        measures[k, 2 * len(Border) :] = *_extents(frame, planes.points[mine], mine, scale), *_flatness(planes, mine)
     return measures
 
 
@@ -74,13 +77,13 @@ def _flatness(planes: Planes, mine: NDArray[np.bool_]) -> tuple[float, float, fl
     return float((surface == Surface.FACE).mean()), float((surface == Surface.WALL).mean()), float(largest)
 
 
-def _extents(frame: RgbdFrame, of: Array, mine: NDArray[np.bool_]) -> tuple[float, ...]:
+def _extents(frame: RgbdFrame, of: Array, mine: NDArray[np.bool_], scale: float) -> tuple[float, ...]:
     least, most = np.linalg.eigvalsh(np.cov(of[:, :2].T, bias=True))
     across, down = frame.camera.focal
     area = float((frame.depth[mine] ** 2).sum() / (across * down))
     distance = float(np.hypot(*of[:, :2].mean(axis=0)))
     spread = float(np.sqrt(max(most, 0.0))), float(np.sqrt(max(least, 0.0)))
-    return *spread, float(of[:, 2].max()), float(of[:, 2].min()), distance, area
+    return *spread, scale * float(of[:, 2].max()), scale * float(of[:, 2].min()), distance, area
 
 
 def soft_bins(measures: Array) -> NDArray[np.float32]:
@@ -96,7 +99,7 @@ def soft_bins(measures: Array) -> NDArray[np.float32]:
 
 
 @njit(cache=True, nogil=True)
-def count_borders(depth, label, step, counts):
+def count_borders(depth, label, step, counts, top, left, right):
     """Count what lies beyond the edges of each candidate: the first thing measured within a few pixels.
 
     Args:
@@ -104,6 +107,9 @@ def count_borders(depth, label, step, counts):
         label: (h, w) candidate of each pixel, -1 for none.
         step: Least difference in depth of what is farther or nearer [m].
         counts: (n, 2, Border) of the sides, and of the upper edge; added to.
+        top: First row of the picture in which depth is measured.
+        left: First column.
+        right: The column after the last one.
     """
     height, width = label.shape
     for row in range(height):
@@ -111,18 +117,17 @@ def count_borders(depth, label, step, counts):
             if label[row, col] >= 0:
                 for side in range(-1, 2):
                     up = 1 if side == 0 else 0
-                    border = _border(depth, label, row, col, -up, side, step)
+                    border = _border(depth, label, row, col, -up, side, step, top, left, right)
                     if border >= 0:
                         counts[label[row, col], up, border] += 1.0
 
 
 @njit(cache=True, nogil=True)
-def _border(depth, label, row, col, down, right, step):
+def _border(depth, label, row, col, down, across, step, top, left, right):
     """Return the number of the `Border` at one side of a pixel, -1 if its own candidate goes on there."""
-    height, width = label.shape
     for away in range(1, _REACH + 1):
-        i, j = row + away * down, col + away * right
-        if i < 0 or i >= height or j < 0 or j >= width:
+        i, j = row + away * down, col + away * across
+        if i < top or i >= label.shape[0] or j < left or j >= right:
             return 4
         if label[i, j] == label[row, col]:
             return -1

@@ -1,4 +1,4 @@
-"""The linear support vector machine that tells people from other things of their height."""
+"""The linear support vector machines that tell people from other things of their height."""
 
 import os
 from dataclasses import dataclass
@@ -33,27 +33,29 @@ LENGTH = _OF_WINDOW + MEASURES_LENGTH
 
 @dataclass(frozen=True, eq=False)
 class PersonSvm:
-    """A linear classifier with Platt's calibration: likelihood = 1 / (1 + exp(-(slope score + offset))).
+    """Two linear classifiers with Platt's calibration: likelihood = 1 / (1 + exp(-(slope score + offset))).
+
+    The first judges bodies, the second legs alone (`Candidates.legs`), whose windows are of another size.
 
     Attributes:
-        weights: (LENGTH,) float32.
-        bias: Of the score, weights features + bias.
-        slope: Of the calibration, positive.
-        offset: Of the calibration.
+        weights: (2, LENGTH) float32.
+        bias: (2,) of the score, weights features + bias.
+        slope: (2,) of the calibration, positive.
+        offset: (2,) of the calibration.
     """
 
     weights: NDArray[np.float32]
-    bias: float
-    slope: float
-    offset: float
+    bias: Array
+    slope: Array
+    offset: Array
 
     def __post_init__(self) -> None:
-        if self.weights.shape != (LENGTH,) or not self.slope > 0.0:
+        if self.weights.shape != (2, LENGTH) or not (self.slope > 0.0).all():
             raise InputError(
-                f"a classifier of people has {LENGTH} weights and a positive slope, got {self.weights.shape} and "
-                f"{self.slope}"
+                f"a classifier of people has 2 x {LENGTH} weights and positive slopes, got {self.weights.shape} and "
+                f"{self.slope.tolist()}"
             )
-        if not (np.isfinite(self.weights).all() and np.isfinite([self.bias, self.slope, self.offset]).all()):
+        if not all(np.isfinite(each).all() for each in (self.weights, self.bias, self.slope, self.offset)):
             raise InputError("a classifier of people has finite weights only")
 
     @classmethod
@@ -69,16 +71,15 @@ class PersonSvm:
             content = read_arrays(path)
         except InputError as error:
             raise InputError(f"no classifier of people (npz of `tagalong train people`): {error}") from None
-        for name, shape in (("weights", (LENGTH,)), ("calibration", (3,))):
+        for name, shape in (("weights", (2, LENGTH)), ("calibration", (3, 2))):
             if name not in content or content[name].shape != shape or content[name].dtype.kind != "f":
                 got = f"{content[name].dtype} {shown(content[name].shape)}" if name in content else "none"
                 raise InputError(
                     f"{named(path)} is no classifier of people (npz of `tagalong train people`): `{name}` must be "
                     f"floats of shape {shape}, got {got}"
                 )
-        bias, slope, offset = content["calibration"].astype(np.float64).tolist()
         try:
-            return cls(content["weights"].astype(np.float32), bias, slope, offset)
+            return cls(content["weights"].astype(np.float32), *content["calibration"].astype(np.float64))
         except InputError as error:
             raise InputError(f"{named(path)}: {error}") from error
 
@@ -89,13 +90,15 @@ class PersonSvm:
             np.savez_compressed(temporary, weights=self.weights, calibration=calibration)
         write_json(Path(path).with_suffix(".json"), card)
 
-    def score(self, features: NDArray[np.float32]) -> Array:
-        """Return (n,) how far each row of `features` (n, LENGTH) is on the side of people."""
-        return features.astype(np.float64) @ self.weights.astype(np.float64) + self.bias
+    def score(self, features: NDArray[np.float32], legs: NDArray[np.bool_]) -> Array:
+        """Return (n,) how far each row of `features` (n, LENGTH) is on the side of people, as `legs` (n,) or bodies."""
+        both = features.astype(np.float64) @ self.weights.astype(np.float64).T + self.bias
+        return np.where(legs, both[:, 1], both[:, 0])
 
-    def likelihood(self, features: NDArray[np.float32]) -> Array:
+    def likelihood(self, features: NDArray[np.float32], legs: NDArray[np.bool_]) -> Array:
         """Return (n,) how likely each candidate with `features` (n, LENGTH) is somebody, in [0, 1]."""
-        return 1.0 / (1.0 + np.exp(-(self.slope * self.score(features) + self.offset)))
+        row = legs.astype(np.intp)
+        return 1.0 / (1.0 + np.exp(-(self.slope[row] * self.score(features, legs) + self.offset[row])))
 
 
 def candidate_features(planes: Planes, candidates: Candidates) -> NDArray[np.float32]:

@@ -12,6 +12,7 @@ from .cloud import cloud, surface_normals
 from .floor import Regions, find_floor, floor_tolerance, with_ceiling
 from .frame import RgbdFrame
 from .growing import grow_regions, settle
+from .margins import margins
 from .mount import Mount, MountConfig, believed, by_ceiling
 from .noise import DepthNoise, measured_noise
 from .reduction import reduced_frame
@@ -149,7 +150,7 @@ class PlaneFinder:
         normals = scene.planes[:, :3] @ R_level_camera.T
         offsets = scene.planes[:, 3] + mount.height * normals[:, 2]
         on_floor = self._on_floor(scene, level, normals, offsets, mount)
-        kinds, likelihood = self._kinds(level, scene.region, normals, offsets, on_floor)
+        kinds, likelihood = self._kinds(level, scene.region, normals, offsets, on_floor, margins(small.depth).edge)
         measured = np.isfinite(level[..., 0])
         surface = np.where(measured, int(Surface.OTHER), int(Surface.NOTHING)).astype(np.int8)
         surface = np.where(scene.region >= 0, np.append(kinds, np.int8(0))[scene.region], surface)
@@ -217,8 +218,9 @@ class PlaneFinder:
         normals: Array,
         offsets: Array,
         on_floor: NDArray[np.bool_],
+        edge: int,
     ) -> tuple[NDArray[np.int8], Array]:
-        """Return (k,) the kind of each plane, and how sure it is."""
+        """Return (k,) the kind of each plane, and how sure it is; the picture's upper edge is the first `edge` rows."""
         config = self.config
         kinds = np.zeros(len(normals), dtype=np.int8)
         likelihood = np.ones(len(normals))
@@ -238,7 +240,7 @@ class PlaneFinder:
         ceiling = float(mean[above, 2].max()) if above.any() else None
         if ceiling is not None:
             kinds[above & (mean[:, 2] > ceiling - config.connected)] = Surface.CEILING
-        top, cut = _tops(level, region, len(normals))
+        top, cut = _tops(level, region, len(normals), edge)
         connected = upright & (top > ceiling - config.connected) if ceiling is not None else np.zeros_like(upright)
         tall = upright & cut & ~connected & (top > config.tall)
         pieces = _coplanar(level, region, normals, offsets, connected | tall, upright, config)
@@ -255,13 +257,13 @@ def _sizes(points: Array, region: NDArray[np.int32], count: int) -> tuple[NDArra
     return number, total / np.maximum(number, 1)[:, None]
 
 
-def _tops(level: Array, region: NDArray[np.int32], count: int) -> tuple[Array, NDArray[np.bool_]]:
+def _tops(level: Array, region: NDArray[np.int32], count: int, edge: int) -> tuple[Array, NDArray[np.bool_]]:
     """Return (k,) the height that each region reaches [m], and whether the picture's upper edge cuts it."""
     top, cut = np.full(count, -np.inf), np.zeros(count, dtype=bool)
     inside = region >= 0
     np.maximum.at(top, region[inside], level[inside, 2])
-    edge = region[:2]
-    cut[np.unique(edge[edge >= 0])] = True
+    highest = region[:edge]
+    cut[np.unique(highest[highest >= 0])] = True
     return top, cut
 
 

@@ -1,14 +1,14 @@
 """Pictures of candidates, all of one size: brightness, relative depth and outline of each.
 
 A window is a part of an upright plane through the candidate, that faces the camera: however the camera is tilted,
-people stand upright in it and have their size.
+people stand upright in it and have their size. One of legs alone shows the lower half of a body, twice as large.
 """
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from .heads import Candidates
+from .heads import HIPS, Candidates
 from .planes import Planes
 
 Array = NDArray[np.float64]
@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 CHANNELS, ROWS, COLUMNS = 3, 64, 32
 """Size of a picture [pixels]; it shows a person with a margin of 0.1 m, and half as much width as height."""
 _MARGIN = 0.1
-_USUAL = 1.72
+_USUAL = 2.0 * HIPS
 """Height of somebody whose head is above the picture [m]."""
 _UPPER = 0.8
 _THICK = 0.4
@@ -41,7 +41,9 @@ def candidate_windows(planes: Planes, candidates: Candidates) -> NDArray[np.floa
         away, top = float(np.median(of[:, 0])), float(candidates.heads[k, 2])
         upper = of[of[:, 2] > top - _UPPER]
         middle = _middle(upper[:, 1] / upper[:, 0]) * away
-        if candidates.pixels[k, 0] < 2:
+        if candidates.legs[k]:
+            top = HIPS
+        elif candidates.cut[k]:
             top = max(top, _USUAL)
         scale = (top + 2.0 * _MARGIN) / ROWS
         corner = np.array([away, middle + COLUMNS * scale / 2.0, top + _MARGIN - mount.height])

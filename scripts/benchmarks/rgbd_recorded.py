@@ -15,12 +15,10 @@ was trained without it.
 
 On 28 frames of seven sources, nothing being told of the camera and each source judged by a classifier trained without
 it: floor in 23 of 23, height within 2.3 cm, tilt within 1.75 degrees (0.55 on average), recall 0.970, precision
-0.999; table tops 2 of 2; people 10 of 10, false ones 0.14 a frame; the same floor with a height told 5 cm too low,
-and at 160 and 640 columns (false ones 0.21 and 0.25 a frame). Three of the four false ones are chairs in one frame of a
-camera 0.6 m high that looks down, cut below 1.2 m by the picture's edge; the others have likelihoods of 0.5 to 0.9.
-By depth alone (--no-colour), likewise, people 10 of 10, false ones 0.11 a frame.
-To ask of what is cut that it reaches 1.0 m (`HeadConfig.lowest_cut`) left one of the four, and found 0.88, 0.67 and
-0.09 instead of 0.94, 0.75 and 0.36 of simulated people under cameras 15, 30 and 45 degrees down: not done.
+0.999; table tops 2 of 2; people 10 of 10, false ones 0.18 a frame; the same floor with a height told 5 cm too low,
+and at 160 and 640 columns (false ones 0.18 and 0.21 a frame). Three of the five false ones are the columns of one
+machine before a camera 0.6 m high that looks down, cut at 0.9 to 1.2 m by the picture's edge.
+Without `least_of_legs` there are 0.36.
 
 examples:
   tagalong bench rgbd-recorded FOLDER
@@ -37,7 +35,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ...perception.rgbd.frame import Pinhole, RgbdFrame, grey
+from ...perception.rgbd.frame import RgbdFrame, grey
 from ...perception.rgbd.people import RgbdPeople
 from ...perception.rgbd.people_finder import PeopleFinder
 from ...perception.rgbd.person_svm import DEPTH_MODEL, MODEL, PersonSvm
@@ -47,7 +45,7 @@ from ..console.arguments import at_least, within
 from ..console.tables import format_table
 from ..figures.planes import save_planes
 from ..training.rgbd_labels import FrameLabels, labels_of
-from ..training.rgbd_recordings import SEATED_LEFT, boxes_of, source_of
+from ..training.rgbd_recordings import SEATED_LEFT, at_columns, boxes_of, source_of
 from .results import write_results
 
 Array = NDArray[np.float64]
@@ -175,28 +173,6 @@ HEADER = (
 def _upwards(pitch: float, roll: float) -> Array:
     """Return (3,) the vertical in the frame of a camera that looks down by `pitch`, left side up by `roll` [rad]."""
     return np.array([-np.sin(pitch), np.cos(pitch) * np.sin(roll), np.cos(pitch) * np.cos(roll)])
-
-
-def at_columns(frame: RgbdFrame, columns: int | None) -> RgbdFrame:
-    """Return `frame` with every other pixel left out or each one repeated, so that it has about so many columns."""
-    width = frame.camera.width
-    if columns is None or columns == width:
-        return frame
-    if columns > width:
-        times = columns // width
-        depth, colour = (np.repeat(np.repeat(a, times, axis=0), times, axis=1) for a in (frame.depth, frame.colour))
-        (across, down), (column, row) = frame.camera.focal, frame.camera.axis
-        size, focal = (width * times, frame.camera.height * times), (across * times, down * times)
-        camera = Pinhole.from_intrinsics(size, focal, (column * times - 0.5, row * times - 0.5))
-        return replace(frame, depth=depth, colour=colour, camera=camera)
-    step = width // columns
-    camera, start = frame.camera.reduced(step), step // 2
-    rows, cols = camera.height, camera.width
-    depth = frame.depth[start::step, start::step][:rows, :cols]
-    shift = (start + 0.5) / step - 0.5  # of the pixel that is kept from the middle of its block
-    (x, y), (across, down) = camera.axis, camera.focal
-    camera = Pinhole.from_intrinsics((cols, rows), (across, down), (x - 0.5 - shift, y - 0.5 - shift))
-    return replace(frame, depth=depth, colour=frame.colour[start::step, start::step][:rows, :cols], camera=camera)
 
 
 def tally(recorded: Iterable[RecordedFrame], options: argparse.Namespace) -> dict[str, Tally]:

@@ -105,7 +105,7 @@ class PeopleScores:
 
 def score_people(svm: PersonSvm, frames: Iterable[LabelledFrame]) -> PeopleScores:
     """Score the finder with `svm` on frames."""
-    planes, finder = PlaneFinder(), PeopleFinder(svm, PeopleFinderConfig(least_likelihood=0.0))
+    planes, finder = PlaneFinder(), PeopleFinder(svm, PeopleFinderConfig(least_likelihood=0.0, least_of_legs=0.0))
     parts = [score_frame(finder.find(drawn.frame, planes.find(drawn.frame)), drawn) for drawn in frames]
     return joined(parts)
 

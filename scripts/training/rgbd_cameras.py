@@ -8,9 +8,11 @@ from scipy.ndimage import gaussian_filter
 
 from ...envs.sensors.camera.config import RgbdConfig
 from ...perception.rgbd.frame import RgbdFrame
+from .rgbd_props import REACH_M
 
 _VIEWS = ((70.0, 60.0, 128, 106), (58.0, 45.0, 160, 120), (58.0, 45.0, 128, 96), (80.0, 56.0, 128, 80))
 """Fields of view [deg] and pixels: Kinect V2, Kinect V1 and Xtion, active stereo."""
+_NEAREST_M = 1.5  # room for somebody to stand before the camera
 _PATCH = 2.5  # standard deviation of a patch [pixels]: block matching compares windows
 _NOISES = (1.0, 2.0, 4.0)
 """Of the Kinect V2's: time of flight, and about structured light at 2 m and at 4 m."""
@@ -30,6 +32,12 @@ def draw_camera(rng: Generator) -> RgbdConfig:
         noise=float(_NOISES[rng.integers(len(_NOISES))]),
         missing=float(rng.choice((0.002, 0.05))),
     )
+
+
+def floor_in_sight(camera: RgbdConfig) -> float:
+    """Return how far off the upper edge of the picture meets the floor [m], 1.5 m at least and at most `REACH_M`."""
+    below = camera.pitch - camera.vertical_fov / 2.0
+    return float(np.clip(camera.camera_height / max(np.tan(below), 1e-6), _NEAREST_M, REACH_M))
 
 
 def shake_depth(frame: RgbdFrame, rng: Generator, quadratic: float) -> RgbdFrame:

@@ -21,7 +21,7 @@ from ...envs.sensors.lidar import LidarConfig
 from ...envs.world.building import build
 from ...perception.rgbd.frame import RgbdFrame
 from ...slam.geometry import inverse, transform_points
-from .rgbd_props import before, draw_props
+from .rgbd_props import REACH_M, before, draw_props
 from .rgbd_seats import draw_chairs, seat_person
 from .rgbd_truth import WholeBodies, people_of
 
@@ -59,6 +59,7 @@ def draw_frames(
     count: int,
     camera: RgbdConfig | None = None,
     seated: float = 0.0,
+    reach: float = REACH_M,
 ) -> list[LabelledFrame]:
     """Draw one building of `scenes` with people in it, and return `count` frames from places along its route.
 
@@ -70,13 +71,14 @@ def draw_frames(
         count: How many frames.
         camera: The camera; its wardrobe is not looked at.
         seated: Share of the frames with somebody on a chair.
+        reach: People and things stand no farther off than this [m].
     """
     scene = make_scene(scenes[int(rng.integers(len(scenes)))], rng)
     if scene.ceiling is None and rng.random() < 0.7:
         scene = replace(scene, ceiling=HEADROOM)
     spots = _spots(rng, scene, count)
-    scene = replace(scene, solids=(*scene.solids, *draw_props(rng, scene, spots, props)))
-    chairs, seats = draw_chairs(rng, scene, spots, seated) if seated else ([], {})
+    scene = replace(scene, solids=(*scene.solids, *draw_props(rng, scene, spots, props, reach)))
+    chairs, seats = draw_chairs(rng, scene, spots, seated, reach) if seated else ([], {})
     scene = replace(scene, solids=(*scene.solids, *chairs))
     physiques = tuple(draw_physique(rng) for _ in range(_PEOPLE))
     outfits = tuple(draw_outfit(rng, wardrobe(clothing)) for _ in range(_PEOPLE))
@@ -86,7 +88,7 @@ def draw_frames(
     taker, data = RgbdCamera(camera or RgbdConfig(), model, looks), mujoco.MjData(model)
     whole, frames = WholeBodies(taker.config, model, _PEOPLE), []
     for number, spot in enumerate(spots):
-        people = _place_people(rng, scene, spot)
+        people = _place_people(rng, scene, spot, reach)
         _pose(rng, data, people, physiques, lidar.height)
         sits = np.zeros(_PEOPLE, dtype=bool)
         if number in seats:
@@ -118,12 +120,12 @@ def _spots(rng: Generator, scene: Scene, count: int) -> Array:
     return spots
 
 
-def _place_people(rng: Generator, scene: Scene, spot: Array) -> Array:
+def _place_people(rng: Generator, scene: Scene, spot: Array, reach: float) -> Array:
     """Return (n, 2) places of people [m], most of them before the robot at `spot` (3,), some side by side."""
     places = np.zeros((_PEOPLE, 2))
     places[:, 0] = 1000.0 + 3.0 * np.arange(_PEOPLE)
     for k in range(int(rng.integers(0, _PEOPLE + 1))):
-        place = before(rng, scene, spot, 0.22)
+        place = before(rng, scene, spot, 0.22, reach)
         if k and rng.random() < 0.35:
             turn = rng.uniform(-np.pi, np.pi)
             place = places[k - 1] + float(rng.uniform(0.5, 0.75)) * np.array([np.cos(turn), np.sin(turn)])

@@ -11,6 +11,8 @@ from ...envs.scenes.solids import Solid, post
 from ...slam.errors import unknown_name
 
 Array = NDArray[np.float64]
+REACH_M = 7.0
+"""Things and people stand no farther off than this, if not told otherwise [m]."""
 Maker = Callable[[Generator, float, float], list[Solid]]
 
 
@@ -76,6 +78,24 @@ def _statue(rng: Generator, x: float, y: float) -> list[Solid]:
     ]
 
 
+def _column(rng: Generator, x: float, y: float) -> list[Solid]:
+    """Return one to three columns, legs of a machine or of a rack, that stand close, some on a foot of beams."""
+    found: list[Solid] = []
+    for _ in range(int(rng.integers(1, 4))):
+        (dx, dy), top = rng.uniform(-0.3, 0.3, 2), float(rng.uniform(1.2, 2.4))
+        bottom = float(rng.choice((0.0, 0.1, 0.3)))
+        if rng.random() < 0.5:
+            found.append(_drum(x + dx, y + dy, float(rng.uniform(0.03, 0.15)), bottom, top))
+        else:
+            size = (float(rng.uniform(0.03, 0.2)), float(rng.uniform(0.02, 0.12)))
+            found.append(_block(rng, x + dx, y + dy, size, top, bottom))
+    for turn in rng.uniform(-np.pi, np.pi, int(rng.integers(0, 4))):
+        half = float(rng.uniform(0.15, 0.3))
+        dx, dy = half * float(np.cos(turn)), half * float(np.sin(turn))
+        found.append(_plate(x + dx, y + dy, float(turn), (half, 0.04), 0.02, float(rng.uniform(0.08, 0.2))))
+    return found
+
+
 def _hat_stand(rng: Generator, x: float, y: float) -> list[Solid]:
     return [post("prop", x, y, 0.035, 1.6), _drum(x, y, float(rng.uniform(0.14, 0.2)), 1.6, 1.72)]
 
@@ -132,6 +152,51 @@ def _high_chair(rng: Generator, x: float, y: float) -> list[Solid]:
     ]
 
 
+def _four_legs(rng: Generator, x: float, y: float) -> list[Solid]:
+    """Return a table, a stool or a chair on four legs, turned anywhere."""
+    yaw, top, radius = float(rng.uniform(-np.pi, np.pi)), float(rng.uniform(0.38, 0.8)), float(rng.uniform(0.012, 0.04))
+    size = np.array([rng.uniform(0.17, 0.6), rng.uniform(0.17, 0.35)])
+    turned = np.array([[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]])
+    found = [_plate(x, y, yaw, (float(size[0]), float(size[1])), top - 0.04, top)]
+    for corner in ((1, 1), (1, -1), (-1, 1), (-1, -1)):
+        dx, dy = turned @ (np.array(corner) * (size - radius))
+        found.append(post("prop", x + float(dx), y + float(dy), radius, top))
+    if rng.random() < 0.5:
+        dx, dy = turned @ (-size[0], 0.0)
+        found.append(_plate(x + float(dx), y + float(dy), yaw, (0.02, float(size[1])), top, top + 0.45))
+    return found
+
+
+def _one_leg(rng: Generator, x: float, y: float) -> list[Solid]:
+    """Return a table or a chair on one post, which stands on a star of five feet or on a plate."""
+    yaw, seat = float(rng.uniform(-np.pi, np.pi)), float(rng.uniform(0.4, 0.75))
+    half, foot = float(rng.uniform(0.2, 0.4)), float(rng.uniform(0.2, 0.32))
+    found = [
+        post("prop", x, y, float(rng.uniform(0.02, 0.06)), seat),
+        _plate(x, y, yaw, (half, half), seat - 0.06, seat),
+    ]
+    if rng.random() < 0.4:
+        return [*found, _drum(x, y, foot, 0.0, 0.03)]
+    for turn in yaw + np.arange(5) * (2.0 * np.pi / 5.0):
+        dx, dy = 0.5 * foot * float(np.cos(turn)), 0.5 * foot * float(np.sin(turn))
+        found.append(_plate(x + dx, y + dy, float(turn), (0.5 * foot, 0.025), 0.03, 0.09))
+    return found
+
+
+def _low_things(rng: Generator, x: float, y: float) -> list[Solid]:
+    """Return one to three bins, cases, bags and boxes below the hips."""
+    found: list[Solid] = []
+    for _ in range(int(rng.integers(1, 4))):
+        dx, dy = (float(v) for v in rng.uniform(-0.35, 0.35, 2))
+        top = float(rng.uniform(0.15, 0.8))
+        if rng.random() < 0.5:
+            found.append(_drum(x + dx, y + dy, float(rng.uniform(0.06, 0.22)), 0.0, top))
+        else:
+            size = (float(rng.uniform(0.05, 0.3)), float(rng.uniform(0.05, 0.25)))
+            found.append(_block(rng, x + dx, y + dy, size, top, kind=str(rng.choice(("prop", "carton")))))
+    return found
+
+
 def _plate(x: float, y: float, yaw: float, size: tuple[float, float], bottom: float, top: float) -> Solid:
     half_length, half_width = size
     return Solid(kind="prop", x=x, y=y, yaw=yaw, half_length=half_length, half_width=half_width, bottom=bottom, top=top)
@@ -139,14 +204,18 @@ def _plate(x: float, y: float, yaw: float, size: tuple[float, float], bottom: fl
 
 PROPS: dict[str, tuple[Maker, ...]] = {
     "none": (),
-    "training": (_lamp, _coat_stand, _plant, _stack, _dress_form, _clutter, _shelf, _curtain, _high_chair, _clutter),
+    "training 0": (_lamp, _curtain),
+    "training 1": (_coat_stand, _four_legs, _clutter),
+    "training 2": (_plant, _shelf, _high_chair),
+    "training 3": (_stack, _one_leg, _column),
+    "training 4": (_dress_form, _low_things),
     "unseen": (_speaker, _dispenser, _banner, _statue, _hat_stand),
 }
 """Name -> what there is; what a detector is tested among is nothing that it was trained among."""
 
 
-def draw_props(rng: Generator, scene: Scene, spots: Array, name: str) -> list[Solid]:
-    """Return things standing on free floor before the robot at some of its `spots` (k, 3).
+def draw_props(rng: Generator, scene: Scene, spots: Array, name: str, reach: float = REACH_M) -> list[Solid]:
+    """Return things standing on free floor before the robot at some of its `spots` (k, 3), up to `reach` away [m].
 
     Raises:
         InputError: If there are no props of this name.
@@ -157,18 +226,20 @@ def draw_props(rng: Generator, scene: Scene, spots: Array, name: str) -> list[So
     for spot in spots:
         if not PROPS[name] or rng.random() < 0.3:
             continue
-        place = before(rng, scene, spot, 0.5)
+        place = before(rng, scene, spot, 0.5, reach)
         if place is not None:
             maker = PROPS[name][rng.integers(len(PROPS[name]))]
             found += maker(rng, float(place[0]), float(place[1]))
     return found
 
 
-def before(rng: Generator, scene: Scene, spot: Array, room: float) -> Array | None:
-    """Return (2,) a place with `room` [m] around it, in sight of a robot at `spot` (3,); None where there is none."""
+def before(rng: Generator, scene: Scene, spot: Array, room: float, reach: float = REACH_M) -> Array | None:
+    """Return (2,) a place with `room` around it, in sight of a robot at `spot` (3,) and up to `reach` away [m]; None
+    where there is none.
+    """
     high = [solid for solid in scene.solids if solid.bottom < 1.0 < solid.top]
     for _ in range(12):
-        bearing, distance = rng.uniform(-0.62, 0.62), rng.uniform(0.7, 7.0)
+        bearing, distance = rng.uniform(-0.62, 0.62), rng.uniform(0.7, reach)
         turn = spot[2] + bearing
         place = spot[:2] + distance * np.array([np.cos(turn), np.sin(turn)])
         way = spot[:2] + np.linspace(0.0, 1.0, 24)[:, None] * (place - spot[:2])

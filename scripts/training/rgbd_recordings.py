@@ -3,6 +3,7 @@
 import os
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,8 @@ NO_LICENCE = "none stated"
 """How the `licence` of frames begins that may be measured with and not trained on."""
 SEATED_LEFT = {"tue": 2.5}
 """Source -> left of the boxes and farther than this [m] people sit who are not boxed: neither somebody nor nobody."""
+COLUMNS = (80, 160, 320, 640)
+"""Each frame is trained on at all these widths [pixels]: what is somebody at one is at the others."""
 BOX_MARGIN = 6.0
 """The boxes are drawn by hand, +- 6 pixels of 320 columns."""
 _INSIDE, _OUTSIDE = 0.7, 0.2
@@ -38,21 +41,46 @@ def boxes_of(recorded: RecordedFrame, columns: int) -> Array:
 
 def recorded_candidates(
     folder: str | os.PathLike[str],
-) -> Iterator[tuple[str, NDArray[np.float32], NDArray[np.bool_]]]:
-    """Yield, for each frame that may be trained on and its mirror image: source, features and who is somebody."""
+) -> Iterator[tuple[str, NDArray[np.float32], NDArray[np.bool_], NDArray[np.bool_]]]:
+    """Yield, for each frame that may be trained on, its mirror image, and each of `COLUMNS`: source, features, who is
+    somebody, and what can only be legs.
+    """
     finder = PlaneFinder()
     for recorded in read_frames(folder):
         if labels_of(recorded).licence.startswith(NO_LICENCE):
             continue
-        for mirror in (False, True):
-            planes = finder.find(mirrored(recorded.frame) if mirror else recorded.frame)
+        for mirror, columns in product((False, True), COLUMNS):
+            frame = at_columns(recorded.frame, columns)
+            planes = finder.find(mirrored(frame) if mirror else frame)
             candidates = find_candidates(planes)
             boxes = boxes_of(recorded, planes.frame.camera.width)
             if mirror:
                 boxes[:, [0, 2]] = planes.frame.camera.width - boxes[:, [2, 0]]
             person, sure = _truth(candidates, boxes, source_of(recorded.name), mirror)
             features = candidate_features(planes, candidates)
-            yield source_of(recorded.name), features[sure], person[sure]
+            yield source_of(recorded.name), features[sure], person[sure], candidates.legs[sure]
+
+
+def at_columns(frame: RgbdFrame, columns: int | None) -> RgbdFrame:
+    """Return `frame` with every other pixel left out or each one repeated, so that it has about so many columns."""
+    width = frame.camera.width
+    if columns is None or columns == width:
+        return frame
+    if columns > width:
+        times = columns // width
+        depth, colour = (np.repeat(np.repeat(a, times, axis=0), times, axis=1) for a in (frame.depth, frame.colour))
+        (across, down), (column, row) = frame.camera.focal, frame.camera.axis
+        size, focal = (width * times, frame.camera.height * times), (across * times, down * times)
+        camera = Pinhole.from_intrinsics(size, focal, (column * times - 0.5, row * times - 0.5))
+        return replace(frame, depth=depth, colour=colour, camera=camera)
+    step = width // columns
+    camera, start = frame.camera.reduced(step), step // 2
+    rows, cols = camera.height, camera.width
+    depth = frame.depth[start::step, start::step][:rows, :cols]
+    shift = (start + 0.5) / step - 0.5  # of the pixel that is kept from the middle of its block
+    (x, y), (across, down) = camera.axis, camera.focal
+    camera = Pinhole.from_intrinsics((cols, rows), (across, down), (x - 0.5 - shift, y - 0.5 - shift))
+    return replace(frame, depth=depth, colour=frame.colour[start::step, start::step][:rows, :cols], camera=camera)
 
 
 def mirrored(frame: RgbdFrame) -> RgbdFrame:

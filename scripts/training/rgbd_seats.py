@@ -8,7 +8,7 @@ from ...envs.people.body import ANKLE, HIP_HALF_WIDTH, PARTS, Physique
 from ...envs.physics.mj import MjData
 from ...envs.scenes.scene import Scene
 from ...envs.scenes.solids import Solid
-from .rgbd_props import before
+from .rgbd_props import REACH_M, before
 
 Array = NDArray[np.float64]
 
@@ -17,14 +17,18 @@ _ABOVE_SEAT = 0.09  # of the hips' axis
 _NECK = 0.75  # of the head's middle above the hips
 
 
-def draw_chairs(rng: Generator, scene: Scene, spots: Array, share: float) -> tuple[list[Solid], dict[int, Array]]:
-    """Return chairs before a `share` of the robot's `spots` (k, 3), and spot -> (x, y, heading) of who sits there."""
+def draw_chairs(
+    rng: Generator, scene: Scene, spots: Array, share: float, reach: float = REACH_M
+) -> tuple[list[Solid], dict[int, Array]]:
+    """Return chairs before a `share` of the robot's `spots` (k, 3), up to `reach` away [m], and spot -> (x, y, heading)
+    of who sits there.
+    """
     solids: list[Solid] = []
     seats: dict[int, Array] = {}
     for number, spot in enumerate(spots):
         if rng.random() >= share:
             continue
-        place = before(rng, scene, spot, 0.3)
+        place = before(rng, scene, spot, 0.3, reach)
         if place is None:
             continue
         heading = float(rng.uniform(-np.pi, np.pi))

@@ -16,14 +16,18 @@ from ...perception.rgbd.frame import RgbdFrame, grey
 from ...perception.rgbd.heads import find_candidates
 from ...perception.rgbd.person_svm import LENGTH, LUMA_LENGTH, PersonSvm, candidate_features
 from ...perception.rgbd.planes import PlaneFinder
+from ...slam.errors import InputError
 from .evaluate_people import PeopleScores, score_people
-from .rgbd_cameras import draw_camera, shake_depth
+from .rgbd_cameras import draw_camera, floor_in_sight, shake_depth
 from .rgbd_frames import LabelledFrame, draw_frames
-from .rgbd_recordings import recorded_candidates
+from .rgbd_props import REACH_M
+from .rgbd_recordings import COLUMNS, recorded_candidates
 
 Array = NDArray[np.float64]
 
 TRAIN_SCENES = ("corridor", "meeting_room", "office", "plain_corridor", "clutter", "doorway", "intersection")
+TRAIN_PROPS = tuple(f"training {fold}" for fold in range(5))
+"""Kinds of things, one of them in each building: what leaves out its buildings has not seen these things, either."""
 TEST_SCENES = ("lab",)
 MINE, OTHERS, FOUND = 0.5, 0.1, 0.3
 """A candidate shows somebody if this share of its pixels is that person's, and this share of the person's pixels is in
@@ -52,7 +56,7 @@ class PeopleTrainConfig:
         recorded: How many simulated candidates a recorded one weighs as much as.
     """
 
-    buildings: int = 320
+    buildings: int = 400
     frames: int = 12
     test_buildings: int = 40
     penalty: float = 0.005
@@ -71,21 +75,27 @@ class PeopleSamples:
     Attributes:
         features: (n, LENGTH) float32.
         is_person: (n,) bool.
+        legs: (n,) bool `Candidates.legs`.
         building: (n,) number of the building; of a recording that of its source.
         weight: (n,) how much each counts.
     """
 
     features: NDArray[np.float32]
     is_person: NDArray[np.bool_]
+    legs: NDArray[np.bool_]
     building: NDArray[np.int64]
     weight: Array
 
 
-def training_frames(rng: np.random.Generator, config: PeopleTrainConfig) -> Iterator[list[LabelledFrame]]:
-    """Yield the frames of one building after the other."""
-    for _ in range(config.buildings):
+def training_frames(
+    rng: np.random.Generator, config: PeopleTrainConfig, first: int = 0
+) -> Iterator[list[LabelledFrame]]:
+    """Yield the frames of one building after the other; their numbers, `first` and on, say what things are in them."""
+    for number in range(first, first + config.buildings):
         camera = draw_camera(rng) if rng.random() < config.any_mount else None
-        frames = draw_frames(rng, TRAIN_SCENES, "training", "training", config.frames, camera, config.seated)
+        props = TRAIN_PROPS[number % len(TRAIN_PROPS)]
+        reach = floor_in_sight(camera) if camera else REACH_M
+        frames = draw_frames(rng, TRAIN_SCENES, "training", props, config.frames, camera, config.seated, reach)
         if camera is not None and rng.random() < config.stereo:
             frames = [replace(f, frame=shake_depth(f.frame, rng, rng.uniform(0.002, 0.01))) for f in frames]
         yield frames
@@ -94,7 +104,8 @@ def training_frames(rng: np.random.Generator, config: PeopleTrainConfig) -> Iter
 def collect(buildings: Iterable[list[LabelledFrame]]) -> PeopleSamples:
     """Return the candidates in all frames that are somebody, or nobody."""
     finder = PlaneFinder()
-    features, persons, numbers = [np.empty((0, LENGTH), np.float32)], [np.empty(0, bool)], [np.empty(0, np.int64)]
+    features, persons = [np.empty((0, LENGTH), np.float32)], [np.empty(0, bool)]
+    legs, numbers = [np.empty(0, bool)], [np.empty(0, np.int64)]
     for number, frames in enumerate(buildings):
         for drawn in frames:
             planes = finder.find(drawn.frame)
@@ -102,9 +113,11 @@ def collect(buildings: Iterable[list[LabelledFrame]]) -> PeopleSamples:
             person, sure = _truth(drawn.person, candidates.label, len(candidates))
             features.append(candidate_features(planes, candidates)[sure])
             persons.append(person[sure])
+            legs.append(candidates.legs[sure])
             numbers.append(np.full(np.count_nonzero(sure), number))
-    persons = np.concatenate(persons)
-    return PeopleSamples(np.concatenate(features), persons, np.concatenate(numbers), np.ones(len(persons)))
+    weight = np.ones(sum(map(len, persons)))
+    all_features, all_persons = np.concatenate(features), np.concatenate(persons)
+    return PeopleSamples(all_features, all_persons, np.concatenate(legs), np.concatenate(numbers), weight)
 
 
 def _truth(
@@ -127,20 +140,18 @@ def collect_recorded(folder: str | os.PathLike[str], weight: float) -> tuple[Peo
     """Return the candidates in the recorded frames of `folder`, each with the number of its source, and the sources."""
     parts = list(recorded_candidates(folder))
     sources = tuple(sorted({source for source, *_ in parts}))
-    numbers = [np.full(len(person), sources.index(source)) for source, _, person in parts]
-    persons = np.concatenate([person for *_, person in parts])
-    features = np.concatenate([features for _, features, _ in parts])
-    return PeopleSamples(features, persons, np.concatenate(numbers), np.full(len(persons), weight)), sources
+    numbers = np.concatenate([np.full(len(person), sources.index(source)) for source, _, person, _ in parts])
+    features, persons, legs = (np.concatenate([part[k] for part in parts]) for k in (1, 2, 3))
+    return PeopleSamples(features, persons, legs, numbers, np.full(len(persons), weight / len(COLUMNS))), sources
 
 
 def with_recorded(simulated: PeopleSamples, recorded: PeopleSamples, without: int | None = None) -> PeopleSamples:
     """Return all of them together, but for those `recorded` at one source."""
     kept = recorded.building != without
     after = recorded.building + (simulated.building.max(initial=-1) + 1)
-    pairs = ((getattr(simulated, name), getattr(recorded, name)) for name in ("features", "is_person"))
-    features, persons = (np.concatenate((ours, theirs[kept])) for ours, theirs in pairs)
-    buildings = np.concatenate((simulated.building, after[kept]))
-    return PeopleSamples(features, persons, buildings, np.concatenate((simulated.weight, recorded.weight[kept])))
+    recorded = replace(recorded, building=after)
+    names = PeopleSamples.__dataclass_fields__
+    return PeopleSamples(*(np.concatenate((getattr(simulated, n), getattr(recorded, n)[kept])) for n in names))
 
 
 def without_colour(samples: PeopleSamples) -> PeopleSamples:
@@ -151,17 +162,28 @@ def without_colour(samples: PeopleSamples) -> PeopleSamples:
 
 
 def fit_people(samples: PeopleSamples, config: PeopleTrainConfig) -> PersonSvm:
-    """Fit scikit-learn's linear support vector machine; calibrate it on buildings and sources left out in turn."""
-    scores = np.empty(len(samples.is_person))
+    """Fit scikit-learn's linear support vector machines, of bodies and of legs alone; calibrate each on buildings, with
+    the things in them, and sources left out in turn.
+    """
+    weights, rest = np.empty((2, LENGTH), dtype=np.float32), np.empty((3, 2))
+    for row, mine in enumerate((~samples.legs, samples.legs)):
+        weights[row], rest[:, row] = _fit(samples, mine, config)
+    return PersonSvm(weights, *rest)
+
+
+def _fit(samples: PeopleSamples, mine: NDArray[np.bool_], config: PeopleTrainConfig) -> tuple[Array, Array]:
+    """Return (LENGTH,) the weights and (3,) bias, slope and offset of a machine for those of `mine` (n,)."""
     fold = samples.building % config.folds
+    if not all(0 < samples.is_person[mine & (fold != k)].mean() < 1 for k in range(config.folds)):
+        raise InputError("too few frames to train on: they must show people, nobody, and legs alone of both")
+    scores = np.empty(len(fold))
     for left_out in range(config.folds):
-        mine = fold == left_out
-        scores[mine] = _machine(config, samples, ~mine).decision_function(samples.features[mine])
-    platt = LogisticRegression(C=1e3).fit(scores[:, None], samples.is_person, samples.weight)
-    calibration = float(np.ravel(platt.coef_)[0]), float(np.ravel(platt.intercept_)[0])
-    machine = _machine(config, samples, np.ones(len(fold), dtype=bool))
-    weights = machine.coef_[0].astype(np.float32)
-    return PersonSvm(weights, float(np.ravel(machine.intercept_)[0]), *calibration)
+        theirs = mine & (fold == left_out)
+        if theirs.any():
+            scores[theirs] = _machine(config, samples, mine & ~theirs).decision_function(samples.features[theirs])
+    platt = LogisticRegression(C=1e3).fit(scores[mine, None], samples.is_person[mine], samples.weight[mine])
+    machine = _machine(config, samples, mine)
+    return machine.coef_[0], np.concatenate((machine.intercept_, platt.coef_[0], platt.intercept_))
 
 
 def _machine(config: PeopleTrainConfig, samples: PeopleSamples, chosen: NDArray[np.bool_]) -> LinearSVC:
@@ -194,7 +216,7 @@ def train_people(config: PeopleTrainConfig, seed: int, recorded: str | os.PathLi
     """Train on simulated frames, and on the folder of `recorded` ones if there is one."""
     usual = replace(config, buildings=config.level_buildings, any_mount=0.0, seated=0.0)
     drawn = training_frames(np.random.default_rng([seed, 0]), config)
-    samples = collect(chain(drawn, training_frames(np.random.default_rng([seed, 2]), usual)))
+    samples = collect(chain(drawn, training_frames(np.random.default_rng([seed, 2]), usual, config.buildings)))
     sources: tuple[str, ...] = ()
     parts = {"": samples}
     if recorded is not None:
@@ -213,14 +235,18 @@ def train_people(config: PeopleTrainConfig, seed: int, recorded: str | os.PathLi
     scores = score_people(svm, tested)
     card = _card(svm, samples, scores, config, seed, sources)
     figures = score_people(depth_svm, (replace(f, frame=colourless(f.frame)) for f in tested)).figures()
-    slope, offset = depth_svm.slope, depth_svm.offset
-    card["without_colour"] = {"test": figures, "calibration": {"slope": slope, "offset": offset}}
+    card["without_colour"] = {"test": figures, "calibration": _calibration(depth_svm)}
     return TrainedPeople(svm, card, scores, left_out, depth_svm, depth_left_out)
 
 
 def colourless(frame: RgbdFrame) -> RgbdFrame:
     """Return the frame without its colour."""
     return replace(frame, colour=grey(frame.camera))
+
+
+def _calibration(svm: PersonSvm) -> dict[str, list[float]]:
+    """Return what a card says of it: two numbers each, of bodies and of legs alone."""
+    return {"slope": svm.slope.tolist(), "offset": svm.offset.tolist()}
 
 
 def _card(
@@ -239,17 +265,13 @@ def _card(
         "training": {
             "scenes": TRAIN_SCENES,
             "wardrobe": "training",
-            "props": "training",
+            "props": TRAIN_PROPS,
             "recorded": sources,
             "candidates": len(samples.is_person),
             "people": int(samples.is_person.sum()),
         },
         "test": {"scenes": TEST_SCENES, "wardrobe": "everyday", "props": "unseen", **scores.figures()},
-        "calibration": {
-            "slope": svm.slope,
-            "offset": svm.offset,
-            "fitted_on": "buildings and sources left out in turn",
-        },
+        "calibration": {**_calibration(svm), "fitted_on": "buildings, things and sources left out in turn"},
         "limits": LIMITS,
         "scikit_learn": sklearn.__version__,
     }

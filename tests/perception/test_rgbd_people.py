@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from hog_rgbd_reference import hog_reference
 from measures_rgbd_reference import count_borders_reference
-from tagalong.perception.rgbd.frame import Pinhole, RgbdFrame
+from rgbd_cut_outs import CAMERA, candidates, person, standing
+from tagalong.perception.rgbd.frame import RgbdFrame
 from tagalong.perception.rgbd.heads import HeadConfig, find_candidates, with_neighbours
 from tagalong.perception.rgbd.hog import hog, hog_length
 from tagalong.perception.rgbd.measures import (
@@ -22,31 +23,6 @@ from tagalong.perception.rgbd.person_svm import LENGTH, MODEL, PersonSvm, candid
 from tagalong.perception.rgbd.planes import PlaneFinder
 from tagalong.perception.rgbd.windows import CHANNELS, COLUMNS, ROWS, candidate_windows
 from tagalong.slam import InputError
-
-CAMERA = Pinhole(width=128, height=106, horizontal_fov=np.radians(70.0), vertical_fov=np.radians(60.0))
-
-
-def standing(*figures, wall=6.0):
-    """A frame of upright cut-outs (distance, left edge, right edge, bottom, top) [m] before a wall, on a floor."""
-    rays = CAMERA.rays
-    depth = np.full(rays.shape[:2], wall)
-    floor = rays[..., 2] < -1.0 / wall
-    depth[floor] = -1.0 / rays[..., 2][floor]
-    colour = np.full((*depth.shape, 3), 150, dtype=np.uint8)
-    for number, (away, right, left, bottom, top) in enumerate(figures):
-        y, z = rays[..., 1] * away, rays[..., 2] * away + 1.0
-        inside = (y > right) & (y < left) & (z > bottom) & (z < top) & (depth > away)
-        depth[inside], colour[inside] = away, 40 * number
-    return RgbdFrame(depth.astype(np.float32), colour, CAMERA, 0.0)
-
-
-def candidates(frame, **config):
-    return find_candidates(PlaneFinder().find(frame), HeadConfig(**config))
-
-
-def person(away, y, top=1.75):
-    """Head and body of a cut-out."""
-    return (away, y - 0.09, y + 0.09, 1.4, top), (away, y - 0.22, y + 0.22, 0.1, 1.45)
 
 
 def test_one_head_makes_one_candidate_where_it_stands():
@@ -161,7 +137,7 @@ def test_the_picture_cuts_people_and_things_touch_them_and_measure_nothing():
     label, depth = np.full((4, 9), -1, dtype=np.int32), np.full((4, 9), 3.0)
     label[1:, 3:6], counts = 0, np.zeros((1, 2, len(Border)))
     depth[:, 6:] = np.nan
-    count_borders(depth, label, BORDER_STEP, counts)
+    count_borders(depth, label, BORDER_STEP, counts, 0, 0, 9)
     assert counts[0, 0].tolist() == [0.0, 0.0, 3.0, 0.0, 3.0]  # nothing measured as far as the picture goes: cut
     assert counts[0, 1].tolist() == [0.0, 0.0, 3.0, 0.0, 0.0]
 
@@ -173,8 +149,9 @@ def test_the_kernel_of_borders_does_what_its_reference_does():
         depth = 3.0 + rng.integers(-1, 2, label.shape) * 0.2
         depth[(label < 0) & (rng.random(depth.shape) < 0.8)] = np.nan  # what is somebody's was measured
         ours, reference = np.zeros((3, 2, len(Border))), np.zeros((3, 2, len(Border)))
-        count_borders(depth, label, BORDER_STEP, ours)
-        count_borders_reference(depth, label, BORDER_STEP, reference)
+        inside = (int(rng.integers(0, 6)), int(rng.integers(0, 8)), label.shape[1] - int(rng.integers(0, 8)))
+        count_borders(depth, label, BORDER_STEP, ours, *inside)
+        count_borders_reference(depth, label, BORDER_STEP, reference, inside)
         assert ours.tolist() == reference.tolist()
         assert (ours.sum(axis=(0, 1)) > 0).all()
 
@@ -227,7 +204,7 @@ def test_histograms_of_gradients_are_those_of_scikit_image():
 
 def test_the_shipped_classifier_has_a_card_and_is_calibrated():
     svm, card = PersonSvm.load(), read_card()
-    assert svm.weights.shape == (LENGTH,)
+    assert svm.weights.shape == (2, LENGTH)
     assert card["test"]["expected_calibration_error"] <= 0.05
     assert card["training"]["wardrobe"] != card["test"]["wardrobe"]
     assert not set(card["training"]["scenes"]) & set(card["test"]["scenes"])
@@ -253,15 +230,19 @@ def test_a_saved_classifier_says_the_same(tmp_path):
     svm = PersonSvm.load()
     svm.save(tmp_path / "people.npz", {"model": "copy"})
     features = np.random.default_rng(0).random((4, LENGTH)).astype(np.float32)
-    assert np.array_equal(PersonSvm.load(tmp_path / "people.npz").likelihood(features), svm.likelihood(features))
+    legs = np.array([False, True, False, True])
+    again = PersonSvm.load(tmp_path / "people.npz").likelihood(features, legs)
+    assert np.array_equal(again, svm.likelihood(features, legs))
     assert MODEL.with_suffix(".json").exists()
 
 
 class Certain(PersonSvm):
     """Takes everything for a person."""
 
-    def likelihood(self, features):
-        return np.full(len(features), 0.9)
+    sure = 0.9
+
+    def likelihood(self, features, legs):
+        return np.full(len(features), self.sure)
 
 
 def test_pixels_and_places_of_people_are_given_in_the_robot_frame():
@@ -305,6 +286,8 @@ def test_ragged_pixels_beside_a_person_become_its_own():
 def test_impossible_configurations_are_errors():
     with pytest.raises(InputError, match="least_likelihood"):
         PeopleFinderConfig(least_likelihood=1.5)
+    with pytest.raises(InputError, match="least_of_legs"):
+        PeopleFinderConfig(least_of_legs=-0.1)
     with pytest.raises(InputError, match="apart"):
         PeopleFinderConfig(apart=-1.0)
     with pytest.raises(InputError, match="lowest"):
@@ -368,8 +351,8 @@ def test_people_are_marked_as_guesses_where_the_floor_is_not_known_or_left_out()
 
 
 def test_a_frame_without_colour_is_judged_by_the_classifier_of_depth_alone():
-    weights = np.zeros(LENGTH, np.float32)
-    finder = PeopleFinder(PersonSvm(weights, 1.0, 1.0, 0.0), depth_svm=PersonSvm(weights, 2.0, 1.0, 0.0))
+    weights, both, one, none = np.zeros((2, LENGTH), np.float32), np.full(2, 2.0), np.ones(2), np.zeros(2)
+    finder = PeopleFinder(PersonSvm(weights, one, one, none), depth_svm=PersonSvm(weights, both, one, none))
     frame, said = standing(*person(3.0, 0.0)), []
     for low, high in ((128, 128), (0, 0), (90, 200)):
         colour = np.full_like(frame.colour, low)

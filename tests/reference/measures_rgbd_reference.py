@@ -7,14 +7,20 @@ from numpy.typing import NDArray
 from tagalong.perception.rgbd.measures import _REACH, Array, Border
 
 
-def count_borders_reference(depth: Array, label: NDArray[np.int32], step: float, counts: Array) -> None:
+def count_borders_reference(
+    depth: Array, label: NDArray[np.int32], step: float, counts: Array, inside: tuple[int, int, int]
+) -> None:
     """Do what `count_borders` does, in numpy: shifted pictures, one step farther out each time."""
-    for up, (down, right) in ((0, (0, -1)), (0, (0, 1)), (1, (-1, 0))):
+    row, column = np.indices(label.shape)
+    for up, (down, across) in ((0, (0, -1)), (0, (0, 1)), (1, (-1, 0))):
         border = np.where(label >= 0, np.int64(Border.UNMEASURED), -1)
         undecided = label >= 0
         for away in range(1, _REACH + 1):
-            beyond = _shifted(depth, away * down, away * right, np.inf) - depth
-            other = _shifted(label, away * down, away * right, -2)
+            beyond = _shifted(depth, away * down, away * across, np.inf) - depth
+            i, j = row + away * down, column + away * across
+            outside = (i < inside[0]) | (j < inside[1]) | (j >= inside[2])
+            beyond[outside] = np.inf
+            other = np.where(outside, -2, _shifted(label, away * down, away * across, -2))
             border[undecided & (other == label)] = -1
             undecided &= other != label
             for mine, kind in (

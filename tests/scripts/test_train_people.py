@@ -8,16 +8,17 @@ from tagalong.perception.rgbd import PersonSvm, RgbdPeople
 from tagalong.scripts.benchmarks.rgbd_people import by_distance, by_visible
 from tagalong.scripts.cli import main
 from tagalong.scripts.training.evaluate_people import PeopleScores, joined, score_frame
+from tagalong.scripts.training.rgbd_cameras import floor_in_sight, tilted_camera
 from tagalong.scripts.training.rgbd_frames import LabelledFrame, draw_frames
-from tagalong.scripts.training.rgbd_props import PROPS
-from tagalong.scripts.training.train_people import TEST_SCENES, TRAIN_SCENES
+from tagalong.scripts.training.rgbd_props import PROPS, REACH_M
+from tagalong.scripts.training.train_people import TEST_SCENES, TRAIN_PROPS, TRAIN_SCENES, PeopleTrainConfig
 from tagalong.slam import InputError
 
 BRIGHTNESS = 7 * 3 * 4 * 9
 """So many features tell of brightness, the first ones: blocks of 64 x 32 pixels, cells of each, directions."""
 
 
-def drawn(seed=0, scene="corridor", props="training"):
+def drawn(seed=0, scene="corridor", props="training 1"):
     return draw_frames(np.random.default_rng(seed), (scene,), "training", props, 6)
 
 
@@ -52,9 +53,26 @@ def test_people_stand_where_their_pixels_are(frames):
 
 def test_what_is_tested_is_not_what_is_trained_on():
     assert not set(TRAIN_SCENES) & set(TEST_SCENES)
-    assert not set(PROPS["training"]) & set(PROPS["unseen"])
-    with pytest.raises(InputError, match="none, training, unseen"):
+    assert all(not set(PROPS[kinds]) & set(PROPS["unseen"]) for kinds in TRAIN_PROPS)
+    with pytest.raises(InputError, match="none, training 0, "):
         drawn(props="statues")
+
+
+def test_buildings_left_out_together_hold_things_that_the_others_do_not():
+    assert len(TRAIN_PROPS) == PeopleTrainConfig().folds
+    for mine in TRAIN_PROPS:
+        others = set().union(*(PROPS[other] for other in TRAIN_PROPS if other != mine))
+        assert not set(PROPS[mine]) & others
+
+
+def test_people_stand_no_farther_off_than_the_picture_shows_floor():
+    assert floor_in_sight(tilted_camera(0.0, 1.0)) == REACH_M
+    assert floor_in_sight(tilted_camera(45.0, 1.0)) == pytest.approx(1.0 / np.tan(np.radians(15.0)))
+    assert floor_in_sight(tilted_camera(45.0, 0.1)) == 1.5
+    frames = draw_frames(np.random.default_rng(3), ("office",), "training", "none", 12, reach=2.0)
+    away = np.concatenate([np.hypot(*frame.places.T) for frame in frames])
+    assert np.count_nonzero(away < 100.0) > 3
+    assert away[away < 100.0].max() < 2.0 + 0.75  # who stands beside somebody may be farther off
 
 
 def labelled(places, whole=200):
@@ -112,19 +130,22 @@ def test_a_second_detection_of_a_person_is_false():
 
 
 def test_the_command_trains_and_writes_classifier_and_card(tmp_path, capsys):
-    words = ["train", "people", "--buildings", "5", "--frames", "6", "--test-buildings", "1", "--out", str(tmp_path)]
-    assert main(words) == 0
+    counts = ["--buildings", "30", "--level-buildings", "2", "--frames", "6", "--test-buildings", "1"]
+    assert main(["train", "people", *counts, "--out", str(tmp_path)]) == 0
     assert "recall" in capsys.readouterr().out
-    assert PersonSvm.load(tmp_path / "people_rgbd.npz").slope > 0.0
+    assert (PersonSvm.load(tmp_path / "people_rgbd.npz").slope > 0.0).all()
     card = json.loads((tmp_path / "people_rgbd.json").read_text())
-    assert card["config"]["buildings"] == 5
+    assert card["config"]["buildings"] == 30
     assert card["training"]["people"] > 10
     alone = PersonSvm.load(tmp_path / "people_rgbd_depth.npz")
-    assert not alone.weights[:BRIGHTNESS].any()
-    assert alone.weights[BRIGHTNESS:].any()
+    assert not alone.weights[:, :BRIGHTNESS].any()
+    assert alone.weights[:, BRIGHTNESS:].any(axis=1).all()
     assert card["without_colour"]["test"]["frames"] == 6
 
 
 def test_impossible_numbers_are_errors(tmp_path, capsys):
     assert main(["train", "people", "--buildings", "2", "--out", str(tmp_path)]) != 0
     assert "--buildings" in capsys.readouterr().err
+    few = ["--buildings", "5", "--level-buildings", "1", "--frames", "1", "--test-buildings", "1"]
+    assert main(["train", "people", *few, "--out", str(tmp_path)]) != 0
+    assert "too few frames" in capsys.readouterr().err
