@@ -97,6 +97,7 @@ class ConstraintConfig:
                 raise InputError(f"`{name}` must be positive, got {value}")
 
 
+_INDEPENDENT = 0.25  # share of the points that tell, as in local matching: beside each other they err alike
 _DOUBT = 3.0  # [nats] a place that is less likely than the best by so much, one to twenty, is not in question
 _nbytes = attrgetter("nbytes")  # of what is kept; no lambda, for copies of an engine are pickled
 
@@ -180,8 +181,8 @@ class ConstraintBuilder:
     def search(self, index: int, submap: Submap, node: int, points: Array, guess: Array) -> Constraint | None:
         """Return the one constraint in the search window around `guess` (3,).
 
-        None: no place reaches the least score, or another looks alike, as along a corridor: one closure at a wrong place
-        bends the graph so far that right ones are dropped.
+        None: no place reaches the least score, or another looks alike, as along a corridor: one closure at a wrong
+        place bends the graph so far that right ones are dropped.
         """
         config = self._config
         if len(points) < config.min_points:
@@ -189,6 +190,7 @@ class ConstraintBuilder:
         thinned = points[:: max(1, len(points) // config.search_points)]
         step = 1.5 * submap.config.resolution / max(far_radius(points), 1.0)
         window = SearchWindow(linear=config.search_linear, angular=config.search_angular, angular_step=step)
+        told = _INDEPENDENT * config.weight * len(points)  # log-odds of a scan that fits and one that fits nowhere
         found = branch_and_bound(
             self._pyramids[submap],
             thinned,
@@ -196,7 +198,7 @@ class ConstraintBuilder:
             window,
             min_score=config.bound,
             maxima=2,
-            separation=Separation(least_share=1.0 - _DOUBT / (0.25 * config.weight * len(points))),
+            separation=Separation(least_share=max(0.0, 1.0 - _DOUBT / told)),
         ).maxima
         if len(found) != 1:
             return None
