@@ -161,18 +161,18 @@ kept = HalfMade()
 def run():
     HalfMade()
     if sys.argv[1] == "killed":
-        os.kill(os.getpid(), signal.SIGINT)
+        os.kill(os.getpid(), signal.SIGTERM)
     return 0
 
 status = told(run)
 HalfMade()
 sys.exit(status)
 """
-    for how, status, complaints in (("killed", 130, 1), ("whole", 0, 3)):
+    for how, status, complaints in (("killed", 143, 1), ("whole", 0, 3)):
         done = subprocess.run([sys.executable, "-c", program, how], capture_output=True, text=True)
         assert done.returncode == status
         assert done.stderr.count("Exception ignored") == complaints
-        assert done.stderr.count("tagalong: interrupted\n") == (how == "killed")
+        assert done.stderr.count("tagalong: terminated\n") == (how == "killed")
 
 
 def test_a_folder_has_one_writer_at_a_time(tmp_path):
