@@ -20,6 +20,7 @@ from fuzzer.mutations import choice, mutated_text
 from fuzzer.sanity import sane_map, sane_poses
 from fuzzer.values import hostile_value, hostile_word, said
 from numpy.random import Generator
+from tagalong.perception.config import PRESETS
 from tagalong.scripts.benchmarks.benchmark import BENCHMARKS
 from tagalong.scripts.cli import main
 from tagalong.scripts.reproduce.experiment import EXPERIMENTS
@@ -218,6 +219,8 @@ def _warm() -> None:
     with tempfile.TemporaryDirectory() as folder:
         for command in ("slam", "localize", "perceive", "score"):
             run_words([command, "--help"], Path(folder))
+        for preset in PRESETS:  # each has kernels of its own
+            run_words(["perceive", "LOG", "--out", "OUT", "--preset", preset], Path(folder))
 
 
 AREA = Area(
