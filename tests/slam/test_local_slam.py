@@ -10,6 +10,7 @@ from tagalong.slam.geometry import between, compose
 from tagalong.slam.graph.engine import Cartographer
 from tagalong.slam.graph.local.active_submaps import ActiveSubmaps, ActiveSubmapsConfig
 from tagalong.slam.graph.local.local_slam import LocalSlam, LocalSlamConfig
+from tagalong.slam.graph.local.odometry_soundness import OdometrySoundness
 from tagalong.slam.graph.local.sweep import Sweep
 from tagalong.slam.graph.local.switching_motion import MotionHypothesis
 from tagalong.slam.graph.loops.constraints import Kind
@@ -206,6 +207,17 @@ def test_a_robot_is_nowhere_else_because_nothing_is_known_there():
     for elsewhere in (None, unknown):
         assert slam._best([(here, hardly), (caught_up, elsewhere)], 200)[0] is here
     assert slam._best([(here, hardly), (caught_up, replace(fits, pose=unknown.pose))], 200)[0] is caught_up
+
+
+def test_a_scan_without_a_map_says_nothing_for_or_against_a_fault():
+    slam, soundness = LocalSlam(LocalSlamConfig()), OdometrySoundness()
+    sound = replace(guess(0.0), cost=-np.log(0.998))
+    fault = replace(guess(1.0, sound=False), cost=-np.log(0.002))
+    scan = cast(WALLS, np.zeros(3), np.random.default_rng(5), bearings=BEARINGS)
+    motion, match, lead = slam._match(scan, scan.points_robot, [sound, fault])
+    soundness.weigh(lead)
+    assert (motion, match) == (sound, None)
+    assert soundness.probability == pytest.approx(0.998)
 
 
 def test_where_no_scan_tells_a_robot_whose_odometry_is_frozen_goes_on(monkeypatch):
