@@ -193,6 +193,18 @@ def join_cut(points, label, clusters, edge, apart):
 
 
 @njit(cache=True, nogil=True)
+def _highest(points, members, free, edge, lowest, lowest_cut):
+    """Return the index of the highest of the `free` members that may be a head; -1: none may."""
+    width, top, best = points.shape[1], min(lowest, lowest_cut), -1
+    for m in range(len(members)):
+        row = members[m] // width
+        z = points[row, members[m] % width, 2]
+        if free[m] and z > top and (z > lowest or (z > lowest_cut and row < edge)):
+            top, best = z, m
+    return best
+
+
+@njit(cache=True, nogil=True)
 def find_heads(points, label, clusters, edge, lowest, lowest_cut, apart, pixels):
     """Write the heads' pixels (row, column) cluster by cluster; return how many there are.
 
@@ -216,14 +228,11 @@ def find_heads(points, label, clusters, edge, lowest, lowest_cut, apart, pixels)
         members = order[start[c] : start[c + 1]]
         free = np.ones(len(members), dtype=np.bool_)
         while found < len(pixels):
-            top, best = min(lowest, lowest_cut), -1
-            for m in range(len(members)):
-                z = points[members[m] // width, members[m] % width, 2]
-                if free[m] and z > top and (z > lowest or (z > lowest_cut and members[m] // width < edge)):
-                    top, best = z, m
+            best = _highest(points, members, free, edge, lowest, lowest_cut)
             if best < 0:
                 break
             p, is_head = points[members[best] // width, members[best] % width], True
+            top = p[2]
             for m in range(len(members)):
                 q = points[members[m] // width, members[m] % width]
                 if (p[0] - q[0]) ** 2 + (p[1] - q[1]) ** 2 < apart * apart:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from rgbd_cut_outs import candidates, person, standing
 from tagalong.perception.rgbd.frame import Pinhole, RgbdFrame
-from tagalong.perception.rgbd.heads import find_candidates
+from tagalong.perception.rgbd.heads import HeadConfig, find_candidates, join_cut
 from tagalong.perception.rgbd.margins import margins
 from tagalong.perception.rgbd.measures import Border, candidate_measures
 from tagalong.perception.rgbd.people_finder import PeopleFinder
@@ -122,3 +122,12 @@ def test_bodies_and_legs_have_a_classifier_each():
     features = np.ones((2, LENGTH), dtype=np.float32)
     assert svm.score(features, np.array([False, True])).tolist() == [0.5, 1.0]
     assert svm.likelihood(features, np.array([False, True])) == pytest.approx(1 / (1 + np.exp([-1.0, -5.0])))
+
+
+@pytest.mark.parametrize(("between", "clusters"), [(0.25, 1), (0.6, 2)])
+def test_two_legs_at_the_edge_are_one_person_and_two_people_beside_each_other_are_two(between, clusters):
+    points, label = np.zeros((4, 9, 3)), np.full((4, 9), -1, dtype=np.int64)
+    label[:, 1], label[:, 7] = 0, 1
+    points[:, 7, 0] = between
+    join_cut(points, label, 2, 2, HeadConfig().apart)
+    assert len(set(label[label >= 0].tolist())) == clusters

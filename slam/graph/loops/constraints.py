@@ -66,6 +66,7 @@ class ConstraintConfig:
 
     Attributes:
         weight: Weight of a point's `1 - occupancy`, as in local matching.
+        independent: Share of the points that tell, as in local matching: beside each other they err alike.
         intra_sigma: Least standard deviation of INTRA constraints [m, rad].
         inter_sigma: Least standard deviation of INTER constraints [m, rad].
         min_score: Least score of a match from a good guess, as a share of the typical score of local matches.
@@ -79,6 +80,7 @@ class ConstraintConfig:
     """
 
     weight: float = 1.5
+    independent: Share = 0.25
     intra_sigma: tuple[float, float] = (0.003, 0.001)
     inter_sigma: tuple[float, float] = (0.01, 0.003)
     min_score: Share = 0.6
@@ -97,7 +99,6 @@ class ConstraintConfig:
                 raise InputError(f"`{name}` must be positive, got {value}")
 
 
-_INDEPENDENT = 0.25  # share of the points that tell, as in local matching: beside each other they err alike
 _DOUBT = 3.0  # [nats] a place that is less likely than the best by so much, one to twenty, is not in question
 _nbytes = attrgetter("nbytes")  # of what is kept; no lambda, for copies of an engine are pickled
 
@@ -190,7 +191,9 @@ class ConstraintBuilder:
         thinned = points[:: max(1, len(points) // config.search_points)]
         step = 1.5 * submap.config.resolution / max(far_radius(points), 1.0)
         window = SearchWindow(linear=config.search_linear, angular=config.search_angular, angular_step=step)
-        told = _INDEPENDENT * config.weight * len(points)  # log-odds of a scan that fits and one that fits nowhere
+        told = (
+            config.independent * config.weight * len(points)
+        )  # log-odds of a scan that fits and one that fits nowhere
         found = branch_and_bound(
             self._pyramids[submap],
             thinned,
@@ -198,7 +201,7 @@ class ConstraintBuilder:
             window,
             min_score=config.bound,
             maxima=2,
-            separation=Separation(least_share=max(0.0, 1.0 - _DOUBT / told)),
+            separation=Separation(least_share=1.0 - _DOUBT / max(told, _DOUBT)),
         ).maxima
         if len(found) != 1:
             return None
