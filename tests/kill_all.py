@@ -24,7 +24,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent / "helpers"))
 
 import kill_plans
-from kills import Killed, digests, files, is_whole, kill_once, start
+from kills import Killed, digests, files, is_whole, kill_once, left_in, scratch_of, start
 
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
 COLUMNS = ("kills", "late", "orphans", "half files", "temporaries", "words", "resumed equal", "slowest end [s]")
@@ -142,6 +142,8 @@ def whole(words: list[str], folder: Path, seen: Killed, plan: kill_plans.Plan) -
     _, said = process.communicate(timeout=1800)
     if process.returncode not in {0, 1}:
         seen.said.append(f"exit status {process.returncode} of a whole run: {said[-1500:]!r}")
+    seen.leftovers += [f"{path.name} after a whole run" for path in left_in(scratch_of(folder))]
+    shutil.rmtree(scratch_of(folder))
     return digests(folder, plan.times)
 
 

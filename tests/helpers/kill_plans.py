@@ -98,13 +98,14 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
-from tagalong.agents.training import (
-    CurriculumConfig, ImitationConfig, ReinforcementConfig, RunConfig, TrainingRun, make_preset
-)
 from tagalong.scripts.console.last_words import told
 
 
 def train():
+    from tagalong.agents.training import (
+        CurriculumConfig, ImitationConfig, ReinforcementConfig, RunConfig, TrainingRun, make_preset
+    )
+
     preset = replace(
         make_preset("corridor", "ppo"),
         env={"slam": None, "beams": 360, "people": "truth"},
@@ -128,16 +129,16 @@ TRAIN_WORLDS = """
 import sys
 from pathlib import Path
 
-from tagalong.agents.training.worlds.preset import WorldKind, WorldsPreset
-from tagalong.agents.training.worlds.run import WorldsRun, WorldsRunConfig
 from tagalong.scripts.console.last_words import told
-
-KINDS = (WorldKind(name="office", count=3, episodes=6), WorldKind(name="corridor", count=2, people=3, episodes=4))
 
 
 def train():
+    from tagalong.agents.training.worlds.preset import WorldKind, WorldsPreset
+    from tagalong.agents.training.worlds.run import WorldsRun, WorldsRunConfig
+
+    kinds = WorldKind(name="office", count=3, episodes=6), WorldKind(name="corridor", count=2, people=3, episodes=4)
     preset = WorldsPreset(
-        kinds=KINDS, env={"beams": 90}, steps=3000, rollout=80, batch=100, epochs=1, width=8, most_steps=60
+        kinds=kinds, env={"beams": 90}, steps=3000, rollout=80, batch=100, epochs=1, width=8, most_steps=60
     )
     WorldsRun(WorldsRunConfig(preset=preset, workers=2), Path(sys.argv[1]), print).train()
     return 0

@@ -5,6 +5,7 @@ import hashlib
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -60,7 +61,8 @@ class Killed:
 
 
 def start(words: list[str], folder: Path, preexec_fn=None) -> subprocess.Popen[str]:
-    """Start `python WORDS` in a session of its own, in `folder`."""
+    """Start `python WORDS` in a session of its own, in `folder`; its temporary files go to `scratch_of(folder)`."""
+    scratch_of(folder).mkdir(exist_ok=True)
 
     def begin():
         signal.signal(signal.SIGINT, signal.SIG_DFL)  # a background shell has it ignored
@@ -75,7 +77,18 @@ def start(words: list[str], folder: Path, preexec_fn=None) -> subprocess.Popen[s
         text=True,
         start_new_session=True,
         preexec_fn=begin,
+        env=os.environ | {"TMPDIR": str(scratch_of(folder))},
     )
+
+
+def scratch_of(folder: Path) -> Path:
+    """Return the folder of the temporary files of what runs in `folder`."""
+    return folder.with_name(f"{folder.name}.tmp")
+
+
+def left_in(scratch: Path) -> list[Path]:
+    """Return what a command left in the folder of its temporary files, but for the cache that importing torch makes."""
+    return sorted(path for path in scratch.iterdir() if not path.name.startswith("torchinductor_"))
 
 
 def members(session: int) -> list[int]:
@@ -120,12 +133,13 @@ def kill_once(words: list[str], folder: Path, end: signal.Signals, after_s: floa
                 os.kill(pid, signal.SIGKILL)
         process.wait()
     seen.broken += [str(path.relative_to(folder)) for path in files(folder) if not is_whole(path)]
+    scratch = scratch_of(folder)
     hidden = [path for path in folder.rglob("*") if path.is_file() and is_hidden(path, folder)]
-    if end == signal.SIGKILL:
-        for path in hidden:
-            path.unlink()  # so that those of other signals are told from them
-    else:
-        seen.leftovers += [str(path.relative_to(folder)) for path in hidden]
+    if end != signal.SIGKILL:  # nobody can tidy up after that
+        seen.leftovers += [str(path.relative_to(folder.parent)) for path in (*hidden, *left_in(scratch))]
+    for path in hidden:
+        path.unlink(missing_ok=True)  # so that those of another signal are told from them
+    shutil.rmtree(scratch)
 
 
 def _note_words(status: int, said: str, end: signal.Signals, promised: set[int], seen: Killed) -> None:

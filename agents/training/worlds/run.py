@@ -11,6 +11,7 @@ from typing import Any
 import torch
 from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.logger import Logger
 from torch import nn
 
 from ....envs.task.interface import FollowInterface
@@ -61,6 +62,7 @@ class WorldsRun:
         torch.set_num_threads(1)  # sums of several threads are not the same bytes
         self._env = WorldsVecEnv(self._preset, config.seed, config.workers)
         self._model = _model(self._preset, self._env, config.seed)
+        self._model.set_logger(Logger(None, []))  # its own would leave an empty folder in /tmp
         self.progress = Progress()
         self._resume()
         self._recent: deque[tuple[str, float, int]] = deque(maxlen=_RECENT)
