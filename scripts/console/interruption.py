@@ -14,6 +14,11 @@ from typing import Any, NoReturn
 _WORDS = {"SIGINT": "interrupted", "SIGTERM": "terminated", "SIGHUP": "its terminal is gone"}
 _AGAIN_S = 2.0
 """Signals that follow the first sooner than this mean the same: Ctrl-C reaches a program by its shell, too [s]."""
+_BRITTLE = ("<frozen importlib._bootstrap>", os.path.join("numba", "core", "serialize.py"))
+"""Where these files run Python, C has called it and may crash on an exception: modules of C that are imported, and
+kernels of numba that ask for the class of a named tuple."""
+_MOST_PATIENCE_S = 20.0
+"""That may end in peace, but not if it waits for ever [s]."""
 
 
 class Interruption(KeyboardInterrupt):
@@ -29,6 +34,7 @@ class _Signals:
 
     def __init__(self) -> None:
         self.came: int | None = None
+        self._came_s = 0.0
         self._raised_s = float("-inf")
         self._before: dict[int, Any] = {}
         self._hook = sys.unraisablehook
@@ -48,11 +54,22 @@ class _Signals:
         for number, before in self._before.items():
             signal.signal(number, signal.SIG_DFL if for_good else before)
 
-    def _raise(self, number: int, _: FrameType | None) -> None:
-        if monotonic() - self._raised_s < _AGAIN_S:
+    def _raise(self, number: int, frame: FrameType | None) -> None:
+        now = monotonic()
+        if now - self._raised_s < _AGAIN_S:
             return
-        self.came, self._raised_s = self.came or number, monotonic()
+        if self.came is None:
+            self.came, self._came_s = number, now
+        if _is_brittle(frame) and now - self._came_s < _MOST_PATIENCE_S:
+            self._send_again()
+            return
+        self._raised_s = now
         raise Interruption
+
+    def _send_again(self) -> None:
+        again = threading.Timer(0.05, os.kill, (os.getpid(), self.came))
+        again.daemon = True
+        again.start()
 
     def _unraisable(self, lost: Any) -> None:
         """Send the signal again if its exception was lost in a finalizer or a callback from C.
@@ -64,15 +81,22 @@ class _Signals:
         if self.came is None or not isinstance(lost.exc_value, Interruption):
             return
         self._raised_s = float("-inf")
-        again = threading.Timer(0.05, os.kill, (os.getpid(), self.came))
-        again.daemon = True
-        again.start()
+        self._send_again()
+
+
+def _is_brittle(frame: FrameType | None) -> bool:
+    """Return whether what runs in `frame` was called by C that may crash on an exception."""
+    while frame is not None:
+        if frame.f_code.co_filename.endswith(_BRITTLE):
+            return True
+        frame = frame.f_back
+    return False
 
 
 def _end(status: int) -> NoReturn:
     """End the process with `status`, and leave the interpreter as it is.
 
-    An import that a signal has cut off leaves modules of C half made, of which some crash as Python takes them down.
+    What a signal has cut off leaves objects of C half made, of which some crash as Python takes them down.
     """
     atexit._run_exitfuncs()
     for stream in (sys.stdout, sys.stderr):

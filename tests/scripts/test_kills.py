@@ -50,6 +50,29 @@ def run():
 
 sys.exit(told(run))
 """
+NAMED_TUPLES = """
+import sys
+from typing import NamedTuple
+
+import numba
+from tagalong.scripts.console.last_words import told
+
+class Pair(NamedTuple):
+    a: int
+    b: int
+
+@numba.njit
+def pair(a):
+    return Pair(a, a)
+
+def run():
+    pair(1)
+    print("ready", flush=True)
+    while True:
+        pair(1)
+
+sys.exit(told(run))
+"""
 KERNEL = """
 import sys, numba
 from tagalong.scripts.console.last_words import told
@@ -90,19 +113,22 @@ def test_a_killed_experiment_ends_with_its_workers_and_keeps_finished_cells(tmp_
     assert {path.name for path in files(tmp_path)} <= {"cells.py", "c0.2.json"}
 
 
-@pytest.mark.parametrize("program", [FINALIZER, KERNEL], ids=["finalizer", "kernel"])
-def test_ctrl_c_is_one_line_wherever_it_comes(tmp_path, program):
+@pytest.mark.parametrize(
+    ("program", "times"), [(FINALIZER, 1), (KERNEL, 1), (NAMED_TUPLES, 6)], ids=["finalizer", "kernel", "named tuples"]
+)
+def test_ctrl_c_is_one_line_wherever_it_comes(tmp_path, program, times):
     (tmp_path / "program.py").write_text(program)
-    process = subprocess.Popen(
-        [sys.executable, "program.py"], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
-    )  # fmt: skip
-    assert process.stdout is not None
-    process.stdout.readline()
-    time.sleep(0.1)
-    process.send_signal(signal.SIGINT)
-    _, said = process.communicate(timeout=60)
-    assert (process.returncode, said) == (130, "tagalong: interrupted\n")
+    for _ in range(times):
+        process = subprocess.Popen(
+            [sys.executable, "program.py"], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+        )  # fmt: skip
+        assert process.stdout is not None
+        process.stdout.readline()
+        time.sleep(0.1)
+        process.send_signal(signal.SIGINT)
+        _, said = process.communicate(timeout=60)
+        assert (process.returncode, said) == (130, "tagalong: interrupted\n")
 
 
 def test_a_command_may_finish_what_it_has_when_it_is_interrupted():
@@ -145,6 +171,32 @@ sys.exit(told(run))
 """
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=tmp_path)
     assert (done.returncode, done.stderr) == (143, "tagalong: terminated\n")
+
+
+def test_a_signal_lets_an_import_end_before_it_ends_the_program(tmp_path):
+    (tmp_path / "module_of_c.py").write_text("""
+import os, signal, time
+
+try:
+    os.kill(os.getpid(), signal.SIGTERM)
+    time.sleep(0.3)
+except BaseException:
+    os.abort()  # as modules of C may whose initialisation is cut off
+print("imported", flush=True)
+""")
+    program = """
+import sys, time
+from tagalong.scripts.console.last_words import told
+
+def run():
+    import module_of_c
+    time.sleep(10.0)
+    print("not ended")
+
+sys.exit(told(run))
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=tmp_path)
+    assert (done.returncode, done.stdout, done.stderr) == (143, "imported\n", "tagalong: terminated\n")
 
 
 def test_what_a_signal_left_half_made_says_nothing_as_the_program_ends(tmp_path):
