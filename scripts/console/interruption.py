@@ -14,9 +14,13 @@ from typing import Any, NoReturn
 _WORDS = {"SIGINT": "interrupted", "SIGTERM": "terminated", "SIGHUP": "its terminal is gone"}
 _AGAIN_S = 2.0
 """Signals that follow the first sooner than this mean the same: Ctrl-C reaches a program by its shell, too [s]."""
-_BRITTLE = ("<frozen importlib._bootstrap>", os.path.join("numba", "core", "serialize.py"))
-"""Where these files run Python, C has called it and may crash on an exception: modules of C that are imported, and
-kernels of numba that ask for the class of a named tuple."""
+_BRITTLE = (
+    "<frozen importlib._bootstrap>",
+    os.path.join("numba", "core", "serialize.py"),
+    os.path.join("multiprocessing", "popen_spawn_posix.py"),
+)
+"""What runs for these files breaks more than itself on an exception: C crashes in modules that are imported and in
+kernels of numba that ask for the class of a named tuple; a worker that is half started ends in a traceback."""
 _MOST_PATIENCE_S = 20.0
 """That may end in peace, but not if it waits for ever [s]."""
 
@@ -85,7 +89,7 @@ class _Signals:
 
 
 def _is_brittle(frame: FrameType | None) -> bool:
-    """Return whether what runs in `frame` was called by C that may crash on an exception."""
+    """Return whether an exception that is raised in `frame` would break more than what runs."""
     while frame is not None:
         if frame.f_code.co_filename.endswith(_BRITTLE):
             return True
