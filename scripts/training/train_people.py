@@ -174,8 +174,11 @@ def fit_people(samples: PeopleSamples, config: PeopleTrainConfig) -> PersonSvm:
 def _fit(samples: PeopleSamples, mine: NDArray[np.bool_], config: PeopleTrainConfig) -> tuple[Array, Array]:
     """Return (LENGTH,) the weights and (3,) bias, slope and offset of a machine for those of `mine` (n,)."""
     fold = samples.building % config.folds
-    if not all(0 < samples.is_person[mine & (fold != k)].mean() < 1 for k in range(config.folds)):
-        raise InputError("too few frames to train on: they must show people, nobody, and legs alone of both")
+    if not all(len(np.unique(samples.is_person[mine & (fold != k)])) == 2 for k in range(config.folds)):
+        raise InputError(
+            "too few frames to train on: they must show people, nobody, and legs alone of both; draw more buildings, or "
+            "more frames of each"
+        )
     scores = np.empty(len(fold))
     for left_out in range(config.folds):
         theirs = mine & (fold == left_out)

@@ -71,7 +71,7 @@ PLANS = {
         "train legs --forest simulation --scans 40 --drives 1 --test-scans 10 --test-drives 1 --trees 3 --out out"
     ),
     "train people": _tagalong(
-        "train people --buildings 5 --level-buildings 2 --frames 2 --test-buildings 1 --out out", in_a_row=20
+        "train people --buildings 24 --level-buildings 12 --frames 4 --test-buildings 1 --out out", in_a_row=20
     ),
     "train follower": Plan(words=("IN/train_follower.py", "out"), **_LONG),
     "train worlds": Plan(words=("IN/train_worlds.py", "out")),
