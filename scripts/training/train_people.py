@@ -176,8 +176,8 @@ def _fit(samples: PeopleSamples, mine: NDArray[np.bool_], config: PeopleTrainCon
     fold = samples.building % config.folds
     if not all(len(np.unique(samples.is_person[mine & (fold != k)])) == 2 for k in range(config.folds)):
         raise InputError(
-            "too few frames to train on: they must show people, nobody, and legs alone of both; draw more buildings, or "
-            "more frames of each"
+            "too few frames to train on: they must show people, nobody, and legs alone of both; draw more buildings "
+            "or more frames of each"
         )
     scores = np.empty(len(fold))
     for left_out in range(config.folds):
