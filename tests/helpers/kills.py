@@ -151,7 +151,7 @@ def _note_words(status: int, said: str, end: signal.Signals, promised: set[int],
         return
     if status not in promised | {STATUS[end]}:
         seen.said.append(f"exit status {status} after {end.name}: {said[-300:]!r}")
-    lines = [line for line in said.splitlines() if line.startswith("tagalong: ") and "finished cells" not in line]
+    lines = [line for line in said.splitlines() if "tagalong: " in line and "finished cells" not in line]
     if "Traceback" in said or "Exception ignored" in said or len(lines) != (end != signal.SIGKILL):
         seen.said.append(f"after {end.name}: {said[-1500:]!r}")
 
