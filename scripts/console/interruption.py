@@ -11,18 +11,13 @@ from time import monotonic
 from types import FrameType
 from typing import Any, NoReturn
 
+from ...slam.processes.brittle import is_brittle, send_again
+
 _WORDS = {"SIGINT": "interrupted", "SIGTERM": "terminated", "SIGHUP": "its terminal is gone"}
 _AGAIN_S = 2.0
 """Signals that follow the first sooner than this mean the same: Ctrl-C reaches a program by its shell, too [s]."""
-_BRITTLE = (
-    "<frozen importlib._bootstrap>",
-    os.path.join("numba", "core", "serialize.py"),
-    os.path.join("multiprocessing", "popen_spawn_posix.py"),
-)
-"""What runs for these files breaks more than itself on an exception: C crashes in modules that are imported and in
-kernels of numba that ask for the class of a named tuple; a worker that is half started ends in a traceback."""
 _MOST_PATIENCE_S = 20.0
-"""That may end in peace, but not if it waits for ever [s]."""
+"""What is brittle may end in peace, but not if it waits for ever [s]."""
 
 
 class Interruption(KeyboardInterrupt):
@@ -64,16 +59,11 @@ class _Signals:
             return
         if self.came is None:
             self.came, self._came_s = number, now
-        if _is_brittle(frame) and now - self._came_s < _MOST_PATIENCE_S:
-            self._send_again()
+        if is_brittle(frame) and now - self._came_s < _MOST_PATIENCE_S:
+            send_again(number)
             return
         self._raised_s = now
         raise Interruption
-
-    def _send_again(self) -> None:
-        again = threading.Timer(0.05, os.kill, (os.getpid(), self.came))
-        again.daemon = True
-        again.start()
 
     def _unraisable(self, lost: Any) -> None:
         """Send the signal again if its exception was lost in a finalizer or a callback from C.
@@ -85,16 +75,7 @@ class _Signals:
         if self.came is None or not isinstance(lost.exc_value, Interruption):
             return
         self._raised_s = float("-inf")
-        self._send_again()
-
-
-def _is_brittle(frame: FrameType | None) -> bool:
-    """Return whether an exception that is raised in `frame` would break more than what runs."""
-    while frame is not None:
-        if frame.f_code.co_filename.endswith(_BRITTLE):
-            return True
-        frame = frame.f_back
-    return False
+        send_again(self.came)
 
 
 def _end(status: int) -> NoReturn:

@@ -10,9 +10,11 @@ import traceback
 from collections.abc import Callable
 from contextlib import suppress
 from multiprocessing.connection import Connection, wait
+from types import FrameType
 from typing import Any
 
 from ..errors import InputError
+from .brittle import is_brittle, send_again
 
 BEAT_S = 1.0
 """A worker shows that it lives, and looks whether its parent does, this often [s]: orphans are gone within two."""
@@ -97,8 +99,11 @@ def _take_signals() -> list[int]:
     """
     came: list[int] = []
 
-    def leave(number: int, _: object) -> None:
+    def leave(number: int, frame: FrameType | None) -> None:
         came.append(number)
+        if is_brittle(frame):
+            send_again(number)
+            return
         raise SystemExit(128 + number)
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -1,0 +1,46 @@
+"""A signal that comes where an exception would break more than what runs is sent again until it does not."""
+
+import os
+import signal
+import sys
+import time
+
+import pytest
+from tagalong.slam.processes.brittle import is_brittle, send_again
+
+ASKED = "asked = is_brittle(sys._getframe())"
+
+
+@pytest.mark.parametrize(
+    ("path", "brittle"),
+    [
+        (os.path.join("site-packages", "numba", "core", "serialize.py"), True),
+        (os.path.join("site-packages", "llvmlite", "binding", "executionengine.py"), True),
+        (os.path.join("multiprocessing", "popen_spawn_posix.py"), True),
+        (os.path.join("site-packages", "serialize.py"), False),
+    ],
+)
+def test_what_others_run_for_c_is_brittle(path, brittle):
+    found = {"sys": sys, "is_brittle": is_brittle}
+    exec(compile(ASKED, path, "exec"), found)
+    assert found["asked"] == brittle
+
+
+def test_an_import_is_brittle(tmp_path, monkeypatch):
+    (tmp_path / "asks.py").write_text(f"import sys\nfrom tagalong.slam.processes.brittle import is_brittle\n{ASKED}\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    assert __import__("asks").asked
+    assert not is_brittle(None)
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGUSR1"), reason="signals of POSIX")
+def test_a_signal_that_is_sent_again_comes_a_little_later():
+    came = []
+    before = signal.signal(signal.SIGUSR1, lambda number, _: came.append(number))
+    try:
+        send_again(signal.SIGUSR1)
+        assert came == []
+        time.sleep(0.5)
+        assert came == [signal.SIGUSR1]
+    finally:
+        signal.signal(signal.SIGUSR1, before)
