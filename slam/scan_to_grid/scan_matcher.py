@@ -18,7 +18,11 @@ from .wide_search import search_widely
 
 Array = NDArray[np.float64]
 
+DOUBT = 3.0
+"""A place that is less likely than the best by so much, one to twenty, is not in question [nats]."""
+
 _SCORE_MEMORY = 0.1  # share of the newest score in the typical one
+_TYPICAL_SCORE = 0.5  # before any match: of ten logs, most scores are between 0.45 and 0.65
 _TRUSTED = 100.0  # times more than elsewhere the odometry counts along a degenerate direction
 _MOST_POSES = 50_000_000  # of a correlative search, of each of its points: seconds; by default it has 10^5
 _UNKNOWN = 0.5  # of a usual score: a point where nothing is known fits as likely as not
@@ -42,7 +46,7 @@ class GridScanMatcherConfig:
         retry_found: ... and it takes what it finds where the score is at least so much of the typical one.
         retry_sigmas: How many times wider the odometry's errors count then.
         explained: A scan says that the robot is far from where it was expected only if its score there is at least so
-            much of the typical one.
+            much of the typical one of what it sees of the submap there.
         beside: A scan sees nothing of what it was matched on if its score is below so much of the typical one, and only
             this share of it tells.
         independent: Share of the points that tell, where places are compared, in the search and after it: beside each
@@ -123,7 +127,7 @@ class GridScanMatcher:
 
     def __init__(self, config: GridScanMatcherConfig) -> None:
         self._config = config
-        self._typical_score = 0.0
+        self._typical_score = _TYPICAL_SCORE
 
     def match(
         self, submap: Walls, points: Array, prediction: Prediction, degenerate: Array | None = None
@@ -156,29 +160,29 @@ class GridScanMatcher:
             match = replace(again, retried=True) if good else match
         return match
 
-    def search(self, submap: Walls, points: Array, anywhere: Prediction) -> GridMatch | None:
-        """Return the match of a scan wherever the robot may be; None: no place stands out, or it explains too little.
+    def search(self, submap: Walls, points: Array, anywhere: Prediction) -> list[GridMatch]:
+        """Return the matches of a scan at the places where it fits best, wherever the robot may be.
 
         Args:
             submap: What it is matched on.
             points: (N, 2) robot frame [m].
             anywhere: The middle of the window, and half its sides as `sigma`.
+
+        Returns:
+            Some of them may be of the same place.
         """
         thinned = points[:: max(1, len(points) // self._config.search_points)]
         step = submap.resolution / max(far_radius(points), 1.0)
         place = submap.field, submap.corner, submap.resolution
         linear, angular = anywhere.sigma.tolist()
-        least = self._config.explained * self._typical_score
-        start = search_widely(*place, thinned, anywhere.pose, linear, angular, step, least)
-        if start is None:
-            return None
-        found = self._match(submap, points, Prediction(start, anywhere.sigma), None)
-        return replace(found, retried=True) if self.explains(found) else None
+        least = self._config.explained * self._config.beside * self._typical_score
+        starts = search_widely(*place, thinned, anywhere.pose, linear, angular, step, least)
+        found = [self._match(submap, points, Prediction(start, anywhere.sigma), None) for start in starts]
+        return [replace(match, retried=True) for match in found]
 
     def believe(self, match: GridMatch) -> None:
         """Learn from a match that holds which scores are typical."""
-        memory = _SCORE_MEMORY if self._typical_score else 1.0
-        self._typical_score += memory * (match.score - self._typical_score)
+        self._typical_score += _SCORE_MEMORY * (match.score - self._typical_score)
 
     def is_beside(self, match: GridMatch) -> bool:
         """Return whether a scan sees hardly anything of what it was matched on."""
@@ -190,7 +194,8 @@ class GridScanMatcher:
 
     def explains(self, match: GridMatch) -> bool:
         """Return whether a match is so good that it tells where the robot is, even far from where it was expected."""
-        return match.score >= self._config.explained * self._typical_score
+        seen = max(match.seen, self._config.beside)
+        return match.score >= self._config.explained * self._typical_score * seen
 
     def cost(self, match: GridMatch | None, points: int) -> float:
         """Return the negative log-likelihood of a scan of so many `points` where it was matched, up to a constant.

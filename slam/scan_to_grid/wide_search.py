@@ -1,4 +1,4 @@
-"""The pose where a scan fits best on walls, wherever the robot may have gone since its place was known."""
+"""The poses where a scan fits best on walls, wherever the robot may have gone since its place was known."""
 
 import math
 
@@ -11,7 +11,8 @@ from .sharp_sums import SHARP
 
 Array = NDArray[np.float64]
 
-_ALIKE = 0.9  # another place that scores so much of the best looks alike: in corridors, where all places do
+_PLACES = 4  # a scan that fits in more has many, as along a corridor, and which it is, is not for a scan to tell
+_LEAST_SHARE = 0.5  # of the best score: no motion is so likely that a place which scores less stands for it
 
 
 def search_widely(
@@ -24,8 +25,8 @@ def search_widely(
     angular: float,
     step: float,
     least: float,
-) -> Array | None:
-    """Return the pose (3,) of a window at which the most points fall on walls; None: too few do, or as many elsewhere.
+) -> list[Array]:
+    """Return the poses (3,) of a window at which the most points fall on walls, the best first.
 
     Args:
         field: (rows, cols) occupancy in [0, 1].
@@ -42,6 +43,6 @@ def search_widely(
     grid = ScoreGrid.from_likelihood(np.minimum(SHARP * field, 1.0), (x, y), resolution)
     pyramid = build_pyramid(grid, margin=math.ceil(linear / resolution) + 1)
     window = SearchWindow(linear=linear, angular=angular, angular_step=step)
-    apart = Separation(least_share=_ALIKE)
-    found = branch_and_bound(pyramid, points, centre, window, min_score=least, maxima=2, separation=apart).maxima
-    return np.array(found[0].pose) if len(found) == 1 else None
+    apart = Separation(least_share=_LEAST_SHARE)
+    found = branch_and_bound(pyramid, points, centre, window, min_score=least, maxima=_PLACES, separation=apart)
+    return [np.array(place.pose) for place in found.maxima]

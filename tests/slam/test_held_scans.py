@@ -78,6 +78,7 @@ def test_odometry_that_stands_still_for_good_is_not_waited_for_for_ever():
     truth = np.concatenate((round_the_corner()[:38], corner))
     _, updates = drive(range(38, len(truth)), truth)
     assert any(update.integrated for update in updates[60:])
+    assert np.linalg.norm(updates[-1].pose[:2] - truth[-1, :2]) < 1.0
 
 
 def motion_of(steps):

@@ -168,8 +168,7 @@ def test_finished_submaps_keep_what_is_matched_on_and_drop_what_only_insertion_n
 
 def test_what_lies_where_nothing_is_known_fits_as_likely_as_not():
     matcher = GridScanMatcher(GridScanMatcherConfig())
-    usual = GridMatch(np.zeros(3), np.eye(3), 0.6, False)
-    matcher.believe(usual)
+    usual = GridMatch(np.zeros(3), np.eye(3), 0.5, False)
     unknown, missed = GridMatch(np.zeros(3), np.eye(3), 0.0, False, seen=0.0), replace(usual, score=0.0)
     assert matcher.cost(unknown, 100) == pytest.approx(0.5 * (matcher.cost(usual, 100) + matcher.cost(missed, 100)))
     assert matcher.cost(None, 100) == matcher.cost(unknown, 100)
@@ -214,7 +213,7 @@ def test_a_scan_without_a_map_says_nothing_for_or_against_a_fault():
     sound = replace(guess(0.0), cost=-np.log(0.998))
     fault = replace(guess(1.0, sound=False), cost=-np.log(0.002))
     scan = cast(WALLS, np.zeros(3), np.random.default_rng(5), bearings=BEARINGS)
-    motion, match, lead = slam._match(scan, scan.points_robot, [sound, fault])
+    motion, match, lead, _ = slam._match(scan, scan.points_robot, [sound, fault])
     soundness.weigh(lead)
     assert (motion, match) == (sound, None)
     assert soundness.probability == pytest.approx(0.998)
@@ -232,3 +231,49 @@ def test_where_no_scan_tells_a_robot_whose_odometry_is_frozen_goes_on(monkeypatc
         result = slam.update(told, scan)
     assert result.contradicts
     np.testing.assert_allclose(between(result.pose, pose), 0.0, atol=0.05)
+
+
+def test_a_place_at_the_edge_of_the_map_is_told_by_what_is_seen_of_it():
+    matcher = GridScanMatcher(GridScanMatcherConfig())
+    usual = GridMatch(np.zeros(3), np.eye(3), 0.5, False)
+    assert matcher.explains(replace(usual, score=0.2, seen=0.5))
+    assert not matcher.explains(replace(usual, score=0.2, seen=1.0))
+    assert not matcher.explains(replace(usual, score=0.02, seen=0.04))
+
+
+def lost(places, here=0.02):
+    """Return the match of a scan that fits by `here` where it is expected and by 0.5 at `places`; if in question."""
+    slam, rng = LocalSlam(LocalSlamConfig()), np.random.default_rng(6)
+    for k in range(4):
+        pose = np.array([0.1 * k, 0.0, 0.0])
+        slam.update(pose, cast(WALLS, pose, rng, bearings=BEARINGS))
+    fits = GridMatch(np.array([0.3, 0.0, 0.0]), 100.0 * np.eye(3), here, False)
+    slam._matcher.search = lambda *_: [replace(fits, pose=np.array(place), score=0.5) for place in places]
+    points = cast(WALLS, pose, rng, bearings=BEARINGS).points_robot
+    _, match, _, in_question = slam._anywhere(points, np.zeros(2), [guess(0.3)], [(guess(0.3), fits)])
+    assert match is not None
+    return match.pose.tolist(), in_question
+
+
+def test_a_scan_is_where_it_fits_if_no_other_place_is_about_as_likely():
+    assert lost([(0.6, 0.0, 0.0), (5.0, 0.0, 0.0)]) == ([0.6, 0.0, 0.0], False)
+
+
+def test_a_scan_that_is_elsewhere_at_either_of_two_places_is_in_question():
+    two = [(0.7, 0.3, 0.0), (0.7, -0.3, 0.0)]
+    assert lost(two)[1]
+    assert lost(two, here=0.7) == ([0.3, 0.0, 0.0], False)
+
+
+def test_a_scan_that_fits_nowhere_is_in_question():
+    assert lost([])[1]
+    assert lost([(9.0, 9.0, 2.0)])[1]
+
+
+def test_a_robot_that_stands_where_its_map_was_given_up_begins_another():
+    rng, slam = np.random.default_rng(7), LocalSlam(LocalSlamConfig())
+    for k in range(4):
+        pose = np.array([0.1 * k, 0.0, 0.0])
+        slam.update(pose, cast(WALLS, pose, rng, bearings=BEARINGS))
+    slam._leave_map()
+    assert slam.update(pose, cast(WALLS, pose, rng, bearings=BEARINGS)).insertion is not None

@@ -28,6 +28,7 @@ class Look:
         motion: The one that holds.
         match: Where the scan fits; None: nowhere.
         lead: Logarithm of how many times likelier a fault is than sound odometry.
+        in_question: Whether the scan fits so badly there that it is elsewhere, and it is not known where.
         drawn: So many scans had been drawn into submaps.
     """
 
@@ -36,6 +37,7 @@ class Look:
     motion: MotionHypothesis
     match: GridMatch | None
     lead: float
+    in_question: bool
     drawn: int
 
     @property

@@ -1,5 +1,6 @@
 """Local SLAM: a continuous, slowly drifting trajectory from odometry and scans, without loop closure."""
 
+import math
 from collections.abc import Iterator
 from copy import copy
 from dataclasses import dataclass, field, replace
@@ -13,7 +14,7 @@ from ...geometry import between
 from ...scan import LaserScan
 from ...scan_to_grid.degenerate_direction import degenerate_direction
 from ...scan_to_grid.extrapolator import ExtrapolatorConfig, Prediction
-from ...scan_to_grid.scan_matcher import GridMatch, GridScanMatcher, GridScanMatcherConfig
+from ...scan_to_grid.scan_matcher import DOUBT, GridMatch, GridScanMatcher, GridScanMatcherConfig
 from ...scan_to_grid.voxel_filter import AdaptiveVoxelConfig, AdaptiveVoxelFilter
 from .active_submaps import ActiveSubmaps, ActiveSubmapsConfig
 from .held_scans import Due, HeldScans, Look
@@ -25,6 +26,13 @@ from .sweep import Sweep
 from .switching_motion import MotionHypothesis, SwitchingMotion
 
 Array = NDArray[np.float64]
+
+
+Candidate = tuple[MotionHypothesis, GridMatch | None]
+"""A way in which the robot may have moved, and where its scan fits then; None: nowhere."""
+
+_NOWHERE = 0.001  # share of the scans that a submap knows nothing of: of a robot that was carried, among people
+_APART = np.array([0.2, 0.1])  # [m, rad] places farther from each other are not the same, of two matches
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,11 +137,15 @@ class LocalSlam:
             odometry: (3,) T_odom_robot of the scan before ...
             pose: ... and (3,) T_local_robot.
         """
-        self._active.restart()
+        self._leave_map()
         self._motion, self._held = self._motion.restarted(odometry, pose), HeldScans()
-        self._motion_filter = MotionFilter(self._config.motion_filter)
         self._matcher = GridScanMatcher(self._config.matcher)
         self._monitor.restart()
+
+    def _leave_map(self) -> None:
+        """Begin submaps apart from those before with the next scan, wherever it is."""
+        self._active.restart()
+        self._motion_filter = MotionFilter(self._config.motion_filter)
 
     def trim(self, stay: NDArray[np.bool_]) -> None:
         """Drop the finished submaps where `stay` (one for each submap) is false."""
@@ -152,7 +164,7 @@ class LocalSlam:
         self._held.looked(look)
         motion, match = look.motion, look.match
         pose = match.pose if match else motion.prediction.pose
-        contradicts = self._contradicts(scan, look, copy(self._monitor))
+        contradicts = look.in_question or self._contradicts(scan, look, copy(self._monitor))
         self._motion.take(look.hypotheses, motion, pose, look.lead if match else None, bool(match and match.retried))
         return LocalResult(pose, match, None, contradicts, not motion.sound, self._motion.jumped)
 
@@ -198,13 +210,16 @@ class LocalSlam:
         look = due.known(self._active.drawn) or self._looked(scan, hypotheses)
         ambiguous, hypotheses = not hypotheses[-1].sound, look.hypotheses
         points, motion, match, lead = look.points, look.motion, look.match, look.lead
+        if look.in_question:
+            self._monitor.doubt()
+            return self._by_odometry(min(hypotheses, key=lambda motion: motion.cost), match, True)
         contradicts = self._contradicts(scan, look, self._monitor)
         if match and contradicts and (look.far or not self._matcher.explains(match)):
             if ambiguous or (self._matcher.is_beside(match) and not self._monitor.alarmed):
                 return self._by_odometry(min(hypotheses, key=lambda motion: motion.cost), match, True)
             motion, match = hypotheses[0], None if look.far else match
         if match and self._matcher.is_beside(match):  # the robot has left the submap behind, as after a gap in a log
-            self._active.restart()
+            self._leave_map()
             self._monitor.alarm()
             motion, match, contradicts = hypotheses[0], None, True
         return self._taken(hypotheses, motion, match, lead, scan, points, contradicts)
@@ -228,7 +243,7 @@ class LocalSlam:
     ) -> LocalResult:
         """Take a scan for where it was matched, or where `motion` has it, and insert it."""
         if match is None and self._motion.anywhere is None:  # a gap in the log, and nothing that was seen before it
-            self._active.restart()
+            self._leave_map()
         if match:
             self._matcher.believe(match)
         pose = match.pose if match else motion.prediction.pose
@@ -245,37 +260,61 @@ class LocalSlam:
         pose = motion.prediction.pose
         self._motion.take([motion], motion, pose, None)
         if self._monitor.worn_out:
-            self._active.restart()
+            self._leave_map()
             self._monitor.restart()
         return LocalResult(pose, match, None, contradicts, False, self._motion.jumped)
 
     def _match(
         self, scan: LaserScan, points: Array, hypotheses: list[MotionHypothesis]
-    ) -> tuple[MotionHypothesis, GridMatch | None, float]:
+    ) -> tuple[MotionHypothesis, GridMatch | None, float, bool]:
         """Return the hypothesis that explains the scan best, its match on the submap, and the lead of a fault.
 
-        None: nothing matches. The lead is the logarithm of how many times likelier a fault is than sound odometry.
+        None: nothing matches. The lead is the logarithm of how many times likelier a fault is than sound odometry. The
+        last is whether the place is in question, as of a `Look`.
         """
         if not self._active.begun:  # there is no map: the scan says nothing for or against a fault
-            return hypotheses[0], None, hypotheses[0].cost - hypotheses[-1].cost
+            return hypotheses[0], None, hypotheses[0].cost - hypotheses[-1].cost, False
         degenerate = degenerate_direction(scan, points)
         sensor = np.array(scan.T_robot_lidar[:2], dtype=np.float64)
-        front, anywhere = self._active.front, self._motion.anywhere
         first = self._matched(points, sensor, hypotheses[0].prediction, degenerate)
         found = [(hypotheses[0], first)]
         for motion in hypotheses[1:]:
             if not (first and motion.is_needless(hypotheses[0], first.pose)):
                 found.append((motion, self._matched(points, sensor, motion.prediction, degenerate)))
         best = self._best(found, len(points))
-        if best[1] and anywhere and self._matcher.is_poor(best[1]):
-            wide = self._matcher.search(front, points, anywhere)
-            if wide:
-                wide = replace(wide, seen=telling_share(front, points, sensor, wide.pose))
-                jumped = self._motion.found(wide.pose)
-                best = self._best([*found, (hypotheses[0], wide), (jumped, wide)], len(points))
-                if best[1] is wide:
-                    hypotheses[:] = [*(motion for motion in hypotheses if motion.sound), jumped]
-        return best
+        if best[1] and self._matcher.is_poor(best[1]):
+            return self._anywhere(points, sensor, hypotheses, found)
+        return *best, False
+
+    def _anywhere(
+        self, points: Array, sensor: Array, hypotheses: list[MotionHypothesis], found: list[Candidate]
+    ) -> tuple[MotionHypothesis, GridMatch | None, float, bool]:
+        """Return as `_match` for a scan that fits nowhere well of what was `found`: it is searched for more widely.
+
+        A place counts where no other is about as likely; it becomes the last of the `hypotheses` then.
+        """
+        first, best, anywhere = found[0][0], self._best(found, len(points)), self._motion.anywhere
+        places: list[tuple[float, list[Candidate]]] = []
+        for match in self._matcher.search(self._active.front, points, anywhere) if anywhere else ():
+            match = replace(match, seen=telling_share(self._active.front, points, sensor, match.pose))
+            if not self._matcher.explains(match):
+                continue
+            candidates: list[Candidate] = [(first, match), (self._motion.found(match.pose), match)]
+            places.append((min(self._cost(first, *candidate, len(points)) for candidate in candidates), candidates))
+        stays = self._cost(first, *best[:2], len(points))
+        nowhere = self._matcher.cost(None, len(points)) - math.log(_NOWHERE)
+        if not places:
+            return *best, stays > nowhere
+        places.sort(key=lambda place: place[0])
+        (least, likeliest), *others = places
+        motion, match = likeliest[-1]
+        alike = any(cost < least + DOUBT and _are_apart(match, candidates[0][1]) for cost, candidates in others)
+        if (alike or least > nowhere) and _are_apart(match, best[1]):
+            return *best, stays > min(least + DOUBT, nowhere)
+        best = self._best([*found, *likeliest], len(points))
+        if best[1] is match:
+            hypotheses[:] = [*(motion for motion in hypotheses if motion.sound), motion]
+        return *best, False
 
     def _matched(
         self, points: Array, sensor: Array, prediction: Prediction, degenerate: Array | None
@@ -290,25 +329,26 @@ class LocalSlam:
         score = found.score * len(seen) / len(points)
         return replace(found, score=score, seen=telling_share(front, points, sensor, found.pose))
 
-    def _best(
-        self, found: list[tuple[MotionHypothesis, GridMatch | None]], points: int
-    ) -> tuple[MotionHypothesis, GridMatch | None, float]:
-        """Return the likeliest of some hypotheses with their matches: the first is that of the odometry.
-
-        That the robot is elsewhere needs a scan that fits there: where nothing is known, none fits badly.
-        """
-        by_odometry = found[0][0].prediction.pose
-
-        def cost(motion: MotionHypothesis, match: GridMatch | None) -> float:
-            if motion.prediction.pose is not by_odometry and not (match and self._matcher.explains(match)):
-                return np.inf
-            fit = motion.cost_at(match.pose, self._matcher.information(match)) if match else motion.cost
-            return self._matcher.cost(match, points) + fit
-
-        costs = [cost(*candidate) for candidate in found]
+    def _best(self, found: list[Candidate], points: int) -> tuple[MotionHypothesis, GridMatch | None, float]:
+        """Return the likeliest of some hypotheses with their matches: the first is that of the odometry."""
+        costs = [self._cost(found[0][0], *candidate, points) for candidate in found]
         sound = min(cost for cost, (motion, _) in zip(costs, found, strict=True) if motion.sound)
         fault = min((cost for cost, (motion, _) in zip(costs, found, strict=True) if not motion.sound), default=np.inf)
         return *found[int(np.argmin(costs))], sound - fault
+
+    def _cost(
+        self, by_odometry: MotionHypothesis, motion: MotionHypothesis, match: GridMatch | None, points: int
+    ) -> float:
+        """Return the negative log-likelihood of a scan of so many `points` by a hypothesis, with its match.
+
+        That the robot is elsewhere than its odometry says needs a scan that fits there: where nothing is known, none
+        fits badly.
+        """
+        elsewhere = motion.prediction.pose is not by_odometry.prediction.pose
+        if elsewhere and not (match and self._matcher.explains(match)):
+            return np.inf
+        fit = motion.cost_at(match.pose, self._matcher.information(match)) if match else motion.cost
+        return self._matcher.cost(match, points) + fit
 
     def _insert(
         self, odometry: Array, scan: LaserScan, points: Array, pose: Array, match: GridMatch | None
@@ -324,3 +364,11 @@ class LocalSlam:
     def sweep(self, scan: LaserScan) -> Sweep:
         """Return what a scan draws into a submap, robot frame."""
         return Sweep.of(scan, self._config.insertion_voxel, self._config.submaps.submap.free_ray_length)
+
+
+def _are_apart(match: GridMatch | None, other: GridMatch | None) -> bool:
+    """Return whether two matches are of different places."""
+    if match is None or other is None:
+        return True
+    x, y, turn = between(match.pose, other.pose).tolist()
+    return math.hypot(x, y) > _APART[0] or abs(turn) > _APART[1]

@@ -76,6 +76,10 @@ class MatchMonitor:
         """Whether so many scans in a row were rejected that the submap can hardly be right."""
         return self.rejected >= self._config.most
 
+    def doubt(self) -> None:
+        """Reject a scan that may as well be elsewhere."""
+        self.rejected += 1
+
     def alarm(self) -> None:
         """Say that it is doubtful where the robot is: the odometry alone has led there."""
         self.rejected = max(self.rejected, self._config.patience)

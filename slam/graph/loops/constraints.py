@@ -16,7 +16,7 @@ from ...geometry import between, compose
 from ...recent import Recent
 from ...scan_to_grid.match_kernels import information_in_node, match_nodes
 from ...scan_to_grid.refine_kernels import refine_pose
-from ...scan_to_grid.scan_matcher import far_radius
+from ...scan_to_grid.scan_matcher import DOUBT, far_radius
 from ...search.branch_and_bound import SearchWindow, Separation, branch_and_bound
 from ...search.score_pyramid import ScoreGrid, ScorePyramid, build_pyramid
 from ..local.submap import Submap
@@ -99,7 +99,6 @@ class ConstraintConfig:
                 raise InputError(f"`{name}` must be positive, got {value}")
 
 
-_DOUBT = 3.0  # [nats] a place that is less likely than the best by so much, one to twenty, is not in question
 _nbytes = attrgetter("nbytes")  # of what is kept; no lambda, for copies of an engine are pickled
 
 
@@ -201,7 +200,7 @@ class ConstraintBuilder:
             window,
             min_score=config.bound,
             maxima=2,
-            separation=Separation(least_share=1.0 - _DOUBT / max(told, _DOUBT)),
+            separation=Separation(least_share=1.0 - DOUBT / max(told, DOUBT)),
         ).maxima
         if len(found) != 1:
             return None
