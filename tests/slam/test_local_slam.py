@@ -246,7 +246,7 @@ def lost(places, here=0.02):
     slam, rng = LocalSlam(LocalSlamConfig()), np.random.default_rng(6)
     pose = np.zeros(3)
     for _ in range(4):
-        pose = pose + [0.1, 0.0, 0.0]
+        pose = pose + np.array([0.1, 0.0, 0.0])
         slam.update(pose, cast(WALLS, pose, rng, bearings=BEARINGS))
     fits = GridMatch(pose, 100.0 * np.eye(3), here, False)
     slam._matcher.search = lambda *_: [replace(fits, pose=np.array(place), score=0.5) for place in places]
@@ -275,7 +275,7 @@ def test_a_robot_that_stands_where_its_map_was_given_up_begins_another():
     rng, slam = np.random.default_rng(7), LocalSlam(LocalSlamConfig())
     pose = np.zeros(3)
     for _ in range(4):
-        pose = pose + [0.1, 0.0, 0.0]
+        pose = pose + np.array([0.1, 0.0, 0.0])
         slam.update(pose, cast(WALLS, pose, rng, bearings=BEARINGS))
     slam._leave_map()
     assert slam.update(pose, cast(WALLS, pose, rng, bearings=BEARINGS)).insertion is not None
