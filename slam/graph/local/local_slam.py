@@ -300,8 +300,8 @@ class LocalSlam:
             if not self._matcher.explains(match):
                 continue
             candidates: list[Candidate] = [(first, match), (self._motion.found(match.pose), match)]
-            places.append((min(self._cost(first, *candidate, len(points)) for candidate in candidates), candidates))
-        stays = self._cost(first, *best[:2], len(points))
+            places.append((min(_cost(self._matcher, first, candidate, len(points)) for candidate in candidates), candidates))
+        stays = _cost(self._matcher, first, best[:2], len(points))
         nowhere = self._matcher.cost(None, len(points)) - math.log(_NOWHERE)
         if not places:
             return *best, stays > nowhere
@@ -331,24 +331,10 @@ class LocalSlam:
 
     def _best(self, found: list[Candidate], points: int) -> tuple[MotionHypothesis, GridMatch | None, float]:
         """Return the likeliest of some hypotheses with their matches: the first is that of the odometry."""
-        costs = [self._cost(found[0][0], *candidate, points) for candidate in found]
+        costs = [_cost(self._matcher, found[0][0], candidate, points) for candidate in found]
         sound = min(cost for cost, (motion, _) in zip(costs, found, strict=True) if motion.sound)
         fault = min((cost for cost, (motion, _) in zip(costs, found, strict=True) if not motion.sound), default=np.inf)
         return *found[int(np.argmin(costs))], sound - fault
-
-    def _cost(
-        self, by_odometry: MotionHypothesis, motion: MotionHypothesis, match: GridMatch | None, points: int
-    ) -> float:
-        """Return the negative log-likelihood of a scan of so many `points` by a hypothesis, with its match.
-
-        That the robot is elsewhere than its odometry says needs a scan that fits there: where nothing is known, none
-        fits badly.
-        """
-        elsewhere = motion.prediction.pose is not by_odometry.prediction.pose
-        if elsewhere and not (match and self._matcher.explains(match)):
-            return np.inf
-        fit = motion.cost_at(match.pose, self._matcher.information(match)) if match else motion.cost
-        return self._matcher.cost(match, points) + fit
 
     def _insert(
         self, odometry: Array, scan: LaserScan, points: Array, pose: Array, match: GridMatch | None
@@ -372,3 +358,16 @@ def _are_apart(match: GridMatch | None, other: GridMatch | None) -> bool:
         return True
     x, y, turn = between(match.pose, other.pose).tolist()
     return math.hypot(x, y) > _APART[0] or abs(turn) > _APART[1]
+
+
+def _cost(matcher: GridScanMatcher, by_odometry: MotionHypothesis, candidate: Candidate, points: int) -> float:
+    """Return the negative log-likelihood of a scan of so many `points` by a hypothesis, with its match.
+
+    That the robot is elsewhere than its odometry says needs a scan that fits there: where nothing is known, none fits
+    badly.
+    """
+    motion, match = candidate
+    if motion.prediction.pose is not by_odometry.prediction.pose and not (match and matcher.explains(match)):
+        return np.inf
+    fit = motion.cost_at(match.pose, matcher.information(match)) if match else motion.cost
+    return matcher.cost(match, points) + fit
