@@ -300,7 +300,8 @@ class LocalSlam:
             if not self._matcher.explains(match):
                 continue
             candidates: list[Candidate] = [(first, match), (self._motion.found(match.pose), match)]
-            places.append((min(_cost(self._matcher, first, candidate, len(points)) for candidate in candidates), candidates))
+            cost = min(_cost(self._matcher, first, candidate, len(points)) for candidate in candidates)
+            places.append((cost, candidates))
         stays = _cost(self._matcher, first, best[:2], len(points))
         nowhere = self._matcher.cost(None, len(points)) - math.log(_NOWHERE)
         if not places:
