@@ -2,6 +2,7 @@
 
 import os
 import signal
+import subprocess
 import sys
 import time
 
@@ -44,3 +45,25 @@ def test_a_signal_that_is_sent_again_comes_a_little_later():
         assert came == [signal.SIGUSR1]
     finally:
         signal.signal(signal.SIGUSR1, before)
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="signals of POSIX")
+def test_a_worker_lets_an_import_end_before_it_ends(tmp_path):
+    (tmp_path / "module_of_c.py").write_text("""
+import os, signal
+try:
+    os.kill(os.getpid(), signal.SIGTERM)
+    sum(range(1000))
+except BaseException:
+    os.abort()
+""")
+    program = """
+import time
+from tagalong.slam.processes.inside import _take_signals
+came = _take_signals()
+import module_of_c
+print("imported", flush=True)
+time.sleep(10.0)
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (143, "imported\n")
