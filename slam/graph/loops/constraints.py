@@ -190,9 +190,8 @@ class ConstraintBuilder:
         thinned = points[:: max(1, len(points) // config.search_points)]
         step = 1.5 * submap.config.resolution / max(far_radius(points), 1.0)
         window = SearchWindow(linear=config.search_linear, angular=config.search_angular, angular_step=step)
-        told = (
-            config.independent * config.weight * len(points)
-        )  # log-odds of a scan that fits and one that fits nowhere
+        # log-odds of a scan that fits and one that fits nowhere
+        told = config.independent * config.weight * len(points)
         found = branch_and_bound(
             self._pyramids[submap],
             thinned,
