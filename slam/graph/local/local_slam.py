@@ -72,6 +72,7 @@ class Insertion:
         points: (N, 2) thinned returns for matching, robot frame [m].
         match: How it was matched; None: not at all (the first scan, or too few points).
         motion: By the odometry since the last inserted scan, in its frame; zero for the first.
+        sigma: (2,) how far off that is likely to be, as precise as the odometry has been of late [m, rad].
         scan: The scan itself.
     """
 
@@ -79,6 +80,7 @@ class Insertion:
     points: Array
     match: GridMatch | None
     motion: Prediction
+    sigma: Array
     scan: LaserScan
 
 
@@ -346,7 +348,8 @@ class LocalSlam:
         since = between(odometry if self._inserted_at is None else self._inserted_at, odometry)
         motion = Prediction(since, self._config.extrapolator.sigma(since))
         self._inserted_at = odometry
-        return Insertion(self._active.insert(pose, self.sweep(scan)), points, match, motion, replace(scan))
+        sigma, submaps = self._motion.likely_sigma(since), self._active.insert(pose, self.sweep(scan))
+        return Insertion(submaps, points, match, motion, sigma, replace(scan))
 
     def sweep(self, scan: LaserScan) -> Sweep:
         """Return what a scan draws into a submap, robot frame."""

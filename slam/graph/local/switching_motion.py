@@ -135,6 +135,11 @@ class SwitchingMotion:
         motion._precision = self._precision
         return motion
 
+    def likely_sigma(self, way: Array) -> Array:
+        """Return (2,) how far off the odometry may be after a `way` (3,), as precise as it was of late."""
+        sound = self._soundness.probability > 0.5
+        return self._config.sigma(way) * (self._precision.shares if sound else np.maximum(self._precision.shares, 1.0))
+
     def stands_still(self, odometry: Array) -> bool:
         """Return whether the odometry pose T_odom_robot (3,) is the one of the last scan."""
         return self.odometry is not None and _stands(between(self._told, odometry))

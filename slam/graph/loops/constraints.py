@@ -1,5 +1,6 @@
 """Constraints between submaps and nodes, and how a node is matched against a finished submap."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
@@ -21,11 +22,14 @@ from ...search.branch_and_bound import SearchWindow, Separation, branch_and_boun
 from ...search.score_pyramid import ScoreGrid, ScorePyramid, build_pyramid
 from ..local.submap import Submap
 from .blur_kernels import blurred_scores
+from .slack import SIGMAS, Slack
 
 Array = NDArray[np.float64]
 Field = NDArray[np.float32]
 
 _CERTAIN = 1e9  # [1/m^2, 1/rad^2] of a node that defines its submap
+_PLACE = 0.25, 0.35  # [m^2, rad] a place that a search tells from others
+_TOP = 5  # level of the search trees: blocks of 32 cells
 _FIELDS = 16 << 20, 8  # bytes, or so many, of unpacked submaps ...
 _PYRAMIDS = 64 << 20, 4  # ... and of their search trees that are kept, for the submaps around the robot
 
@@ -70,8 +74,6 @@ class ConstraintConfig:
         intra_sigma: Least standard deviation of INTRA constraints [m, rad].
         inter_sigma: Least standard deviation of INTER constraints [m, rad].
         min_score: Least score of a match from a good guess, as a share of the typical score of local matches.
-        search_min_score: Likewise of a match by global search.
-        bound: The search opens no block of poses that scores less, on the blurred submap.
         search_linear: Half side of the searched square [m].
         search_angular: Half range of the searched headings [rad].
         search_points: The search uses about so many points.
@@ -84,11 +86,9 @@ class ConstraintConfig:
     intra_sigma: tuple[float, float] = (0.003, 0.001)
     inter_sigma: tuple[float, float] = (0.01, 0.003)
     min_score: Share = 0.6
-    search_min_score: Share = 0.7
-    bound: Share = 0.4
     search_linear: Annotated[float, Within(0.0, 100.0)] = 4.0
     search_angular: Angle = 0.8
-    search_points: Annotated[int, Within(1, 10_000)] = 100
+    search_points: Annotated[int, Within(1, 10_000)] = 300
     max_shift: Annotated[tuple[float, float], Within(0.0, 10.0)] = (0.25, 0.1)
     min_points: int = 30
 
@@ -97,6 +97,19 @@ class ConstraintConfig:
         for name, value in vars(self).items():
             if not np.all(np.asarray(value) > 0):
                 raise InputError(f"`{name}` must be positive, got {value}")
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Place:
+    """Where a stretch of the drive may have been driven before.
+
+    Attributes:
+        pose: (3,) T_submap_node of its last node [m, m, rad].
+        lead: Logarithm of how many times likelier that is than that it was driven nowhere before.
+    """
+
+    pose: Array
+    lead: float
 
 
 _nbytes = attrgetter("nbytes")  # of what is kept; no lambda, for copies of an engine are pickled
@@ -178,32 +191,43 @@ class ConstraintBuilder:
             if sizes[k] >= config.min_points
         ]
 
-    def search(self, index: int, submap: Submap, node: int, points: Array, guess: Array) -> Constraint | None:
-        """Return the one constraint in the search window around `guess` (3,).
+    def places(self, submap: Submap, points: Array, guess: Array, slack: Slack) -> list[Place]:
+        """Return where on a submap `points` (N, 2) fit best near `guess` (3,), two places at most.
 
-        None: no place reaches the least score, or another looks alike, as along a corridor: one closure at a wrong
-        place bends the graph so far that right ones are dropped.
+        The second is as likely as the first, but for a factor of twenty. They are sought as far off as drift, or three
+        standard deviations of the `slack`, may lead.
         """
         config = self._config
-        if len(points) < config.min_points:
-            return None
         thinned = points[:: max(1, len(points) // config.search_points)]
         step = 1.5 * submap.config.resolution / max(far_radius(points), 1.0)
-        window = SearchWindow(linear=config.search_linear, angular=config.search_angular, angular_step=step)
-        # log-odds of a scan that fits and one that fits nowhere
-        told = config.independent * config.weight * len(points)
+        linear = config.search_linear + SIGMAS * slack.linear
+        angular = min(config.search_angular + SIGMAS * slack.angular, math.pi)
+        window = SearchWindow(linear=linear, angular=angular, angular_step=step)
+        # log-odds of points that fit and ones that fit nowhere; as of nothing known, half fit
+        told = config.independent * config.weight * len(thinned)
+        places = math.log(max(4.0 * linear**2 / _PLACE[0] * 2.0 * angular / _PLACE[1], 1.0))
+        nowhere = 0.5 * self.typical_score + places / told
         found = branch_and_bound(
             self._pyramids[submap],
             thinned,
             compose(submap.pose_local, guess),
             window,
-            min_score=config.bound,
+            min_score=nowhere + DOUBT / told,
             maxima=2,
             separation=Separation(least_share=1.0 - DOUBT / max(told, DOUBT)),
-        ).maxima
-        if len(found) != 1:
-            return None
-        return self._closure(index, submap, node, points, np.array(found[0].pose), config.search_min_score)
+        )
+        return [
+            Place(between(submap.pose_local, np.array(place.pose)), told * (place.score - nowhere))
+            for place in found.maxima
+        ]
+
+    def closure(self, index: int, submap: Submap, node: int, points: Array, guess: Array) -> Constraint | None:
+        """Return the loop closure of a node whose stretch of `points` (N, 2) fits a submap near `guess` (3,).
+
+        None: it fits too badly.
+        """
+        start = compose(submap.pose_local, guess)
+        return self._closure(index, submap, node, points, start)
 
     def rematch(self, constraint: Constraint, submap: Submap, points: Array) -> Constraint | None:
         """Return a loop closure matched anew on the `submap` as it is drawn now; None: it does not fit any more.
@@ -214,17 +238,15 @@ class ConstraintBuilder:
             points: (N, 2) points of its node, robot frame [m].
         """
         start = compose(submap.pose_local, constraint.pose)
-        return self._closure(constraint.submap, submap, constraint.node, points, start, self._config.min_score)
+        return self._closure(constraint.submap, submap, constraint.node, points, start)
 
-    def _closure(
-        self, index: int, submap: Submap, node: int, points: Array, start: Array, least: float
-    ) -> Constraint | None:
-        """Return the closure of a node near `start` (3,) in the local frame, if it scores `least` of the typical."""
+    def _closure(self, index: int, submap: Submap, node: int, points: Array, start: Array) -> Constraint | None:
+        """Return the closure of a node near `start` (3,) in the local frame, if it scores well."""
         config = self._config
         place = self._fields[submap], submap.corner, submap.config.resolution
         pose, curvature, rest, _ = refine_pose(*place, points, start, start, np.eye(3), config.weight, 20)
         score = 1.0 - rest / len(points)
-        if score < least * self.typical_score:
+        if score < config.min_score * self.typical_score:
             return None
         pose = between(submap.pose_local, pose)
         information = information_in_node(config.weight * curvature, pose[2], config.inter_sigma)
@@ -233,4 +255,4 @@ class ConstraintBuilder:
     def _pyramid(self, submap: Submap) -> ScorePyramid:
         h, corner = submap.config.resolution, submap.corner - 0.5 * submap.config.resolution
         grid = ScoreGrid(blurred_scores(self._fields[submap]), (float(corner[0]), float(corner[1])), h)
-        return build_pyramid(grid, margin=int(self._config.search_linear / h) + 1)
+        return build_pyramid(grid, top_level=_TOP, margin=int(self._config.search_linear / h) + 1)

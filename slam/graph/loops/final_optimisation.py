@@ -11,6 +11,7 @@ from ..local.sweep import Sweep
 from .constraints import Constraint, ConstraintBuilder, Kind
 from .global_config import GlobalSlamConfig
 from .node_matching import NodeMatching
+from .stretch import stretch
 from .submap_graph import SubmapGraph
 
 _ROUGHLY = 2  # near submaps that a node is matched with before the submaps are straightened
@@ -102,7 +103,7 @@ class FinalOptimisation:
         graph.moved()
         kept = list[Constraint]()
         for c in graph.constraints:
-            again = self._builder.rematch(c, graph.submaps[c.submap], graph.nodes[c.node].points) if c.searched else c
+            again = self._builder.rematch(c, graph.submaps[c.submap], stretch(graph, c.node)) if c.searched else c
             kept += [again] if again else []
         self.rejected += len(graph.constraints) - len(kept)
         graph.constraints = kept

@@ -43,7 +43,7 @@ class GlobalSlamConfig:
     final_residual: tuple[float, float] = (0.1, 0.0175)
     converged: tuple[float, float] = (0.05, 0.02)
     nearest: int = 4
-    search_every: float = 0.4
+    search_every: float = 1.0
     revisits: RevisitConfig = field(default_factory=RevisitConfig)
     threads: Threads = 2
 

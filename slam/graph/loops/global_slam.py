@@ -17,9 +17,11 @@ from .constraints import Constraint, ConstraintBuilder, Kind
 from .final_optimisation import FinalOptimisation
 from .global_config import GlobalSlamConfig
 from .loop_schedule import LoopSchedule
+from .loop_search import LoopSearch
 from .node import Node
 from .node_matching import NodeMatching
 from .optimisation import optimise
+from .slack import SIGMAS, Slack
 from .submap_graph import GraphMark, SubmapGraph
 from .trimming import Renumbering, TrimmedNodes
 
@@ -50,6 +52,7 @@ class GlobalSlam:
         self._builder = ConstraintBuilder(config.constraints)
         self._schedule = LoopSchedule(config)
         self._matching = NodeMatching(self.graph, self._builder, self._schedule)
+        self._loops = LoopSearch(self.graph, self._builder, config.max_distance)
         self._matched = 0  # nodes that local SLAM has matched, for their mean score
         self._T_global_local = np.zeros(3)  # of a drive segment without any node yet
         self._finished_nodes = self._adjusted = 0  # nodes at the end of the drive, and when the graph was adjusted last
@@ -135,7 +138,7 @@ class GlobalSlam:
         graph.add_submaps(T_global_local)
         motion = self._motion(insertion, pose)
         if len(insertion.submaps) == 1 and not graph.drawn[insertion.submaps[0]]:
-            self._schedule.begin_anew(insertion.submaps[0])
+            graph.pieces.begin(len(graph.nodes), insertion.submaps[0], Prediction(motion.pose, insertion.sigma))
         index = graph.add_node(Node(pose_local, insertion.points, insertion.submaps, motion, insertion.scan), pose)
         told = insertion.match or insertion.motion
         if insertion.match:
@@ -156,21 +159,42 @@ class GlobalSlam:
         """Match the newest node against older submaps, search for it on one of them, optimise the graph when due."""
         config, nodes, index = self._config, self.graph.nodes, len(self.graph.nodes) - 1
         near = self.graph.near([index], config.max_distance)[0]
-        tracked, waiting = self._schedule.split(near, index, nodes[index].submaps[0])
+        tracked, waiting = self._schedule.split(near, index, nodes[index].submaps[0], self.graph.pieces.first_submap)
         for s in tracked[: config.nearest]:
             self._matching.track(s, [index])
         moved = float(np.hypot(*between(nodes[index - 1].pose_local, nodes[index].pose_local)[:2]))
-        searched = self._schedule.next_search(waiting, index, moved)
-        if searched is not None:
-            self._matching.search(searched, index)
+        self._search(waiting, index, moved)
         new, due = index + 1 - self._adjusted, (index + 1) % config.adjust_every == 0
         if due and self._matching.news and new >= config.adjust_share * index:
             self.optimise()
+
+    def _search(self, waiting: list[int], node: int, moved: float) -> None:
+        """Search for a node, `moved` [m] after the one before, where a search is due.
+
+        Args:
+            waiting: Submaps near which the graph has it, but nothing has tied it to them of late.
+            node: The node.
+            moved: How far the robot has driven since the node before [m].
+        """
+        joined = [s for s in waiting if self.graph.pieces.are_joined(s, node)]
+        near = self._schedule.search_is_due(moved)
+        for submaps in (joined if near else [], self._loose(node) if self._schedule.wide_search_is_due(moved) else []):
+            closure = self._loops.search(submaps, node) if submaps else None
+            self._matching.add([closure] if closure else [])
+
+    def _loose(self, node: int) -> list[int]:
+        """Return the submaps that a node may stand near, but that only odometry ties to it."""
+        graph, loosest = self.graph, self.graph.pieces.loosest
+        if loosest == Slack():
+            return []
+        near = graph.near([node], self._config.max_distance + SIGMAS * loosest.linear)[0]
+        return [s for s in near if not graph.pieces.are_joined(s, node)]
 
     def optimise(self, final: bool = False) -> None:
         """Adjust all poses; drop INTER constraints that end far off. `final`: as `optimise` of the graph has it."""
         self.rejected += optimise(self.graph, self._config, final)
         self._matching.news, self._trim_due = False, not final
+        self.graph.pieces.rejoin(self.graph.constraints)
         self._adjusted = len(self.graph.nodes)
 
     def finish(self) -> None:

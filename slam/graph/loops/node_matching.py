@@ -40,6 +40,7 @@ class NodeMatching:
 
     def add(self, constraints: Sequence[Constraint]) -> None:
         """Add constraints to the graph."""
+        self._graph.pieces.join(constraints)
         for constraint in constraints:
             self._graph.constraints.append(constraint)
             self._schedule.place(constraint.submap, constraint.node)
@@ -48,10 +49,3 @@ class NodeMatching:
     def track(self, submap: int, nodes: list[int]) -> None:
         """Match some nodes against a submap and their surroundings there, and add what is found."""
         self.add(self.match(submap, nodes, True))
-
-    def search(self, submap: int, node: int) -> None:
-        """Search for a node on a submap, farther around than `track`, and add the loop closure if there is one."""
-        graph = self._graph
-        guess, points = graph.guess(submap, node), graph.nodes[node].points
-        found = self._builder.search(submap, graph.submaps[submap], node, points, guess)
-        self.add([found] if found else [])

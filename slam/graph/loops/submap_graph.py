@@ -14,6 +14,7 @@ from ..local.sweep import Sweep
 from .constraints import Constraint
 from .drive_segments import DriveSegments
 from .node import Node
+from .pieces import Pieces
 from .trimming import Renumbering
 
 Array = NDArray[np.float64]
@@ -52,6 +53,7 @@ class SubmapGraph:
         node_poses: (3,) T_global_node of each node.
         submap_poses: (3,) T_global_submap of each submap in which a node stands.
         segments: The drive segments that nodes and submaps belong to.
+        pieces: The pieces of the drive that local SLAM has mapped without a break.
     """
 
     def __init__(self, submaps: list[Submap]) -> None:
@@ -61,7 +63,7 @@ class SubmapGraph:
         self.drawn: list[dict[int, Array]] = []
         self.node_poses, self.submap_poses = PoseLog(), PoseLog()
         self._middles: Array | None = None
-        self.segments = DriveSegments()
+        self.segments, self.pieces = DriveSegments(), Pieces()
 
     def add_submaps(self, T_global_local: Array) -> None:
         """Take in the submaps that local SLAM has begun since the last node."""
@@ -91,7 +93,7 @@ class SubmapGraph:
             indices: The nodes.
             max_distance: From a node to the mean place of the laser in the submap [m].
         """
-        centres, near = self._centres(), list[list[int]]()
+        centres, near = self.centres, list[list[int]]()
         for k in indices:
             x, y, _ = self.node_poses[k].tolist()
             distance = np.hypot(centres[:, 0] - x, centres[:, 1] - y)
@@ -107,8 +109,9 @@ class SubmapGraph:
         """Say that poses of submaps have changed, or submaps themselves."""
         self._middles = None
 
-    def _centres(self) -> Array:
-        """Return (n, 2) the mean places of the laser in the finished submaps, global frame [m]."""
+    @property
+    def centres(self) -> Array:
+        """(n, 2) mean places of the laser in the finished submaps, global frame [m]."""
         if self._middles is None:
             count = max(0, min(len(self.submaps) - 2, len(self.submap_poses)))
             offsets = np.array([(*submap.centre, 0.0) for submap in self.submaps[:count]]).reshape(-1, 3)
@@ -125,6 +128,7 @@ class SubmapGraph:
         nodes, submaps = len(mark.node_poses), len(mark.submap_poses)
         del self.nodes[nodes:], self.submaps[submaps:]
         self.constraints = list(mark.constraints)
+        self.pieces.rewind(nodes, submaps, self.constraints)
         self.drawn = [{k: pose for k, pose in drawn.items() if k < nodes} for drawn in self.drawn[:submaps]]
         self.node_poses, self.submap_poses = PoseLog.of(mark.node_poses), PoseLog.of(mark.submap_poses)
         self.segments.begin(nodes, submaps)
@@ -151,6 +155,7 @@ class SubmapGraph:
         self.submap_poses = PoseLog.of(self.submap_poses.array()[submaps])
         self.moved()
         self.segments.renumber(stay)
+        self.pieces.renumber(stay)
         self.nodes = stay.chain(self.nodes)
         self.node_poses = PoseLog.of(self.node_poses.array()[nodes])
         self.constraints = stay.constraints(self.constraints)

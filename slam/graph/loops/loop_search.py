@@ -1,0 +1,74 @@
+"""Where a stretch of the drive was driven before: the search for loop closures."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry import between, compose
+from ...scan_to_grid.scan_matcher import DOUBT
+from .constraints import Constraint, ConstraintBuilder
+from .piece_fit import agrees
+from .stretch import stretch
+from .submap_graph import SubmapGraph
+
+Array = NDArray[np.float64]
+
+_APART = 1.0, 0.35  # [m, rad] submaps do not quite agree: places nearer to each other are the same
+
+
+class LoopSearch:
+    """Searches for the stretch of the drive that ends at a node, since one scan fits many places.
+
+    Args:
+        graph: The graph.
+        builder: Matches it with submaps.
+        max_distance: Submaps whose middle is farther off a node say nothing of it [m].
+    """
+
+    def __init__(self, graph: SubmapGraph, builder: ConstraintBuilder, max_distance: float) -> None:
+        self._graph, self._builder, self._max_distance = graph, builder, max_distance
+
+    def search(self, submaps: Sequence[int], node: int) -> Constraint | None:
+        """Return the loop closure of a node with one of some submaps.
+
+        None: the stretch is nowhere so likely that it must have been driven before, or at two places that are about as
+        likely, as along a corridor: one closure at a wrong place bends the graph so far that right ones are dropped.
+
+        Args:
+            submaps: Indices of all submaps that it may stand near.
+            node: Index of the node.
+        """
+        graph, points = self._graph, stretch(self._graph, node)
+        begin = between(graph.nodes[node].pose_local, graph.nodes[graph.pieces.first_node(node)].pose_local)
+        found: list[tuple[float, int, Array]] = []
+        for s in submaps:
+            guess, slack = graph.guess(s, node), graph.pieces.slack(s, node)
+            for place in self._builder.places(graph.submaps[s], points, guess, slack.after(begin)):
+                off = between(compose(guess, begin), compose(place.pose, begin))
+                found.append((place.lead - slack.cost(off), s, place.pose))
+        if not found:
+            return None
+        lead, submap, pose = max(found, key=lambda place: place[0])
+        there = compose(graph.submap_poses[submap], pose)
+        alike = any(
+            lead - other < DOUBT and are_apart(there, compose(graph.submap_poses[s], at)) for other, s, at in found
+        )
+        if lead < DOUBT or alike or not self._may_lie(submap, node, there, submaps):
+            return None
+        return self._builder.closure(submap, graph.submaps[submap], node, points, pose)
+
+    def _may_lie(self, submap: int, node: int, pose: Array, submaps: Sequence[int]) -> bool:
+        """Return whether the piece of a node may lie so that the node is at `pose` (3,), global frame."""
+        pieces = self._graph.pieces
+        if pieces.are_joined(submap, node):
+            return True
+        before = [s for s in submaps if not pieces.are_joined(s, node)]
+        return agrees(self._graph, before, node, pose, self._max_distance)
+
+
+def are_apart(pose: Array, other: Array) -> bool:
+    """Return whether two poses (3,) are of different places."""
+    x, y, turn = between(pose, other).tolist()
+    return math.hypot(x, y) > _APART[0] or abs(turn) > _APART[1]
