@@ -74,6 +74,7 @@ class ConstraintConfig:
         intra_sigma: Least standard deviation of INTRA constraints [m, rad].
         inter_sigma: Least standard deviation of INTER constraints [m, rad].
         min_score: Least score of a match from a good guess, as a share of the typical score of local matches.
+        search_min_score: Likewise of a match by global search.
         search_linear: Half side of the searched square [m].
         search_angular: Half range of the searched headings [rad].
         search_points: The search uses about so many points.
@@ -86,6 +87,7 @@ class ConstraintConfig:
     intra_sigma: tuple[float, float] = (0.003, 0.001)
     inter_sigma: tuple[float, float] = (0.01, 0.003)
     min_score: Share = 0.6
+    search_min_score: Share = 0.7
     search_linear: Annotated[float, Within(0.0, 100.0)] = 4.0
     search_angular: Angle = 0.8
     search_points: Annotated[int, Within(1, 10_000)] = 300
@@ -227,7 +229,7 @@ class ConstraintBuilder:
         None: it fits too badly.
         """
         start = compose(submap.pose_local, guess)
-        return self._closure(index, submap, node, points, start)
+        return self._closure(index, submap, node, points, start, self._config.search_min_score)
 
     def rematch(self, constraint: Constraint, submap: Submap, points: Array) -> Constraint | None:
         """Return a loop closure matched anew on the `submap` as it is drawn now; None: it does not fit any more.
@@ -238,15 +240,15 @@ class ConstraintBuilder:
             points: (N, 2) points of its node, robot frame [m].
         """
         start = compose(submap.pose_local, constraint.pose)
-        return self._closure(constraint.submap, submap, constraint.node, points, start)
+        return self._closure(constraint.submap, submap, constraint.node, points, start, self._config.min_score)
 
     def _closure(self, index: int, submap: Submap, node: int, points: Array, start: Array) -> Constraint | None:
-        """Return the closure of a node near `start` (3,) in the local frame, if it scores well."""
+        """Return the closure of a node near `start` (3,) in the local frame, if it scores `least` of the typical."""
         config = self._config
         place = self._fields[submap], submap.corner, submap.config.resolution
         pose, curvature, rest, _ = refine_pose(*place, points, start, start, np.eye(3), config.weight, 20)
         score = 1.0 - rest / len(points)
-        if score < config.min_score * self.typical_score:
+        if score < least * self.typical_score:
             return None
         pose = between(submap.pose_local, pose)
         information = information_in_node(config.weight * curvature, pose[2], config.inter_sigma)

@@ -176,11 +176,15 @@ class GlobalSlam:
             node: The node.
             moved: How far the robot has driven since the node before [m].
         """
-        joined = [s for s in waiting if self.graph.pieces.are_joined(s, node)]
-        near = self._schedule.search_is_due(moved)
-        for submaps in (joined if near else [], self._loose(node) if self._schedule.wide_search_is_due(moved) else []):
+        near = [s for s in waiting if not self._is_loose(s, node)] if self._schedule.search_is_due(moved) else []
+        far = self._loose(node) if self._schedule.wide_search_is_due(moved) else []
+        for submaps in near, far:
             closure = self._loops.search(submaps, node) if submaps else None
             self._matching.add([closure] if closure else [])
+
+    def _is_loose(self, submap: int, node: int) -> bool:
+        """Return whether a node may stand farther off where the graph has it, seen from a submap, than by drift."""
+        return SIGMAS * self.graph.pieces.slack(submap, node).linear > self._config.constraints.search_linear
 
     def _loose(self, node: int) -> list[int]:
         """Return the submaps that a node may stand near, but that only odometry ties to it."""
@@ -188,7 +192,7 @@ class GlobalSlam:
         if loosest == Slack():
             return []
         near = graph.near([node], self._config.max_distance + SIGMAS * loosest.linear)[0]
-        return [s for s in near if not graph.pieces.are_joined(s, node)]
+        return [s for s in near if self._is_loose(s, node)]
 
     def optimise(self, final: bool = False) -> None:
         """Adjust all poses; drop INTER constraints that end far off. `final`: as `optimise` of the graph has it."""

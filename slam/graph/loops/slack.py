@@ -1,5 +1,6 @@
 """How far off what odometry alone tells may be."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,6 +9,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 SIGMAS = 3.0  # standard deviations within which something is looked for
+_FAULTY = 0.01  # share of ways without a scan to tell of them of which odometry told nothing true
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,4 +37,5 @@ class Slack:
         if not self.angular:
             return 0.0
         x, y, turn = off.tolist()
-        return 0.5 * ((x * x + y * y) / self.linear**2 + (turn / self.angular) ** 2)
+        squared = (x * x + y * y) / self.linear**2 + (turn / self.angular) ** 2
+        return -math.log(_FAULTY + (1.0 - _FAULTY) * math.exp(-0.5 * squared))
