@@ -242,7 +242,9 @@ class ConstraintBuilder:
         start = compose(submap.pose_local, constraint.pose)
         return self._closure(constraint.submap, submap, constraint.node, points, start, self._config.min_score)
 
-    def _closure(self, index: int, submap: Submap, node: int, points: Array, start: Array) -> Constraint | None:
+    def _closure(
+        self, index: int, submap: Submap, node: int, points: Array, start: Array, least: float
+    ) -> Constraint | None:
         """Return the closure of a node near `start` (3,) in the local frame, if it scores `least` of the typical."""
         config = self._config
         place = self._fields[submap], submap.corner, submap.config.resolution
