@@ -191,7 +191,7 @@ def test_a_guess_that_sees_nothing_is_not_likelier_than_one_that_fits():
     slam, blind, seen = LocalSlam(LocalSlamConfig()), guess(9.0), guess(0.0)
     fits = GridMatch(np.zeros(3), np.diag([100.0, 100.0, 100.0]), 0.6, False)
     slam._matcher.believe(fits)
-    chosen, match, lead = slam._best([(blind, None), (seen, fits)], 200)
+    chosen, match, lead = slam._matching._best([(blind, None), (seen, fits)], 200)
     assert chosen is seen
     assert match is fits
     assert lead == -np.inf
@@ -204,8 +204,8 @@ def test_a_robot_is_nowhere_else_because_nothing_is_known_there():
     hardly = replace(fits, score=0.02)
     unknown = GridMatch(np.array([8.0, 0.0, 0.0]), np.zeros((3, 3)), 0.05, False, seen=0.1)
     for elsewhere in (None, unknown):
-        assert slam._best([(here, hardly), (caught_up, elsewhere)], 200)[0] is here
-    assert slam._best([(here, hardly), (caught_up, replace(fits, pose=unknown.pose))], 200)[0] is caught_up
+        assert slam._matching._best([(here, hardly), (caught_up, elsewhere)], 200)[0] is here
+    assert slam._matching._best([(here, hardly), (caught_up, replace(fits, pose=unknown.pose))], 200)[0] is caught_up
 
 
 def test_a_scan_without_a_map_says_nothing_for_or_against_a_fault():
@@ -213,7 +213,7 @@ def test_a_scan_without_a_map_says_nothing_for_or_against_a_fault():
     sound = replace(guess(0.0), cost=-np.log(0.998))
     fault = replace(guess(1.0, sound=False), cost=-np.log(0.002))
     scan = cast(WALLS, np.zeros(3), np.random.default_rng(5), bearings=BEARINGS)
-    motion, match, lead, _ = slam._match(scan, scan.points_robot, [sound, fault])
+    motion, match, lead, _ = slam._matching.match(slam._motion, scan, scan.points_robot, [sound, fault])
     soundness.weigh(lead)
     assert (motion, match) == (sound, None)
     assert soundness.probability == pytest.approx(0.998)
@@ -251,7 +251,9 @@ def lost(places, here=0.02):
     fits = GridMatch(pose, 100.0 * np.eye(3), here, False)
     slam._matcher.search = lambda *_: [replace(fits, pose=np.array(place), score=0.5) for place in places]
     points = cast(WALLS, pose, rng, bearings=BEARINGS).points_robot
-    _, match, _, in_question = slam._anywhere(points, np.zeros(2), [guess(0.4)], [(guess(0.4), fits)])
+    _, match, _, in_question = slam._matching._anywhere(
+        slam._motion, points, np.zeros(2), [guess(0.4)], [(guess(0.4), fits)]
+    )
     assert match is not None
     return match.pose.tolist(), in_question
 

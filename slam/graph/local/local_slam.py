@@ -1,6 +1,5 @@
 """Local SLAM: a continuous, slowly drifting trajectory from odometry and scans, without loop closure."""
 
-import math
 from collections.abc import Iterator
 from copy import copy
 from dataclasses import dataclass, field, replace
@@ -12,27 +11,19 @@ from ...bounds import Cell, check_numbers
 from ...errors import InputError
 from ...geometry import between
 from ...scan import LaserScan
-from ...scan_to_grid.degenerate_direction import degenerate_direction
 from ...scan_to_grid.extrapolator import ExtrapolatorConfig, Prediction
-from ...scan_to_grid.scan_matcher import DOUBT, GridMatch, GridScanMatcher, GridScanMatcherConfig
+from ...scan_to_grid.scan_matcher import GridMatch, GridScanMatcher, GridScanMatcherConfig
 from ...scan_to_grid.voxel_filter import AdaptiveVoxelConfig, AdaptiveVoxelFilter
 from .active_submaps import ActiveSubmaps, ActiveSubmapsConfig
 from .held_scans import Due, HeldScans, Look
+from .hypothesis_matching import HypothesisMatching
 from .match_monitor import MatchMonitor, MatchMonitorConfig
 from .motion_filter import MotionFilter, MotionFilterConfig
-from .seen_points import seen_points, telling_share
 from .submap import Submap
 from .sweep import Sweep
 from .switching_motion import MotionHypothesis, SwitchingMotion
 
 Array = NDArray[np.float64]
-
-
-Candidate = tuple[MotionHypothesis, GridMatch | None]
-"""A way in which the robot may have moved, and where its scan fits then; None: nowhere."""
-
-_NOWHERE = 0.001  # share of the scans that a submap knows nothing of: of a robot that was carried, among people
-_APART = np.array([0.2, 0.1])  # [m, rad] places farther from each other are not the same, of two matches
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -124,6 +115,7 @@ class LocalSlam:
         self._voxel_filter = AdaptiveVoxelFilter(config.voxel_filter)
         self._active = ActiveSubmaps(config.submaps)
         self._matcher = GridScanMatcher(config.matcher)
+        self._matching = HypothesisMatching(self._matcher, self._active)
         self._ranges = np.empty(0)  # of the last scan
         self._held = HeldScans()
 
@@ -142,6 +134,7 @@ class LocalSlam:
         self._leave_map()
         self._motion, self._held = self._motion.restarted(odometry, pose), HeldScans()
         self._matcher = GridScanMatcher(self._config.matcher)
+        self._matching = HypothesisMatching(self._matcher, self._active)
         self._monitor.restart()
 
     def _leave_map(self) -> None:
@@ -173,7 +166,9 @@ class LocalSlam:
     def _looked(self, scan: LaserScan, hypotheses: list[MotionHypothesis]) -> Look:
         """Match a scan; `hypotheses` are those of `SwitchingMotion.predict`."""
         points = self._voxel_filter.apply(scan.points_robot)
-        return Look(points, hypotheses, *self._match(scan, points, hypotheses), self._active.drawn)
+        return Look(
+            points, hypotheses, *self._matching.match(self._motion, scan, points, hypotheses), self._active.drawn
+        )
 
     def due(self, odometry: Array, scan: LaserScan) -> Iterator[Due]:
         """Yield what `update` is to take now, in order: the scans that have waited, and a scan that need not."""
@@ -266,79 +261,6 @@ class LocalSlam:
             self._monitor.restart()
         return LocalResult(pose, match, None, contradicts, False, self._motion.jumped)
 
-    def _match(
-        self, scan: LaserScan, points: Array, hypotheses: list[MotionHypothesis]
-    ) -> tuple[MotionHypothesis, GridMatch | None, float, bool]:
-        """Return the hypothesis that explains the scan best, its match on the submap, and the lead of a fault.
-
-        None: nothing matches. The lead is the logarithm of how many times likelier a fault is than sound odometry. The
-        last is whether the place is in question, as of a `Look`.
-        """
-        if not self._active.begun:  # there is no map: the scan says nothing for or against a fault
-            return hypotheses[0], None, hypotheses[0].cost - hypotheses[-1].cost, False
-        degenerate = degenerate_direction(scan, points)
-        sensor = np.array(scan.T_robot_lidar[:2], dtype=np.float64)
-        first = self._matched(points, sensor, hypotheses[0].prediction, degenerate)
-        found = [(hypotheses[0], first)]
-        for motion in hypotheses[1:]:
-            if not (first and motion.is_needless(hypotheses[0], first.pose)):
-                found.append((motion, self._matched(points, sensor, motion.prediction, degenerate)))
-        best = self._best(found, len(points))
-        if best[1] and self._matcher.is_poor(best[1]):
-            return self._anywhere(points, sensor, hypotheses, found)
-        return *best, False
-
-    def _anywhere(
-        self, points: Array, sensor: Array, hypotheses: list[MotionHypothesis], found: list[Candidate]
-    ) -> tuple[MotionHypothesis, GridMatch | None, float, bool]:
-        """Return as `_match` for a scan that fits nowhere well of what was `found`: it is searched for more widely.
-
-        A place counts where no other is about as likely; it becomes the last of the `hypotheses` then.
-        """
-        first, best, anywhere = found[0][0], self._best(found, len(points)), self._motion.anywhere
-        places: list[tuple[float, list[Candidate]]] = []
-        for match in self._matcher.search(self._active.front, points, anywhere) if anywhere else ():
-            match = replace(match, seen=telling_share(self._active.front, points, sensor, match.pose))
-            if not self._matcher.explains(match):
-                continue
-            candidates: list[Candidate] = [(first, match), (self._motion.found(match.pose), match)]
-            cost = min(_cost(self._matcher, first, candidate, len(points)) for candidate in candidates)
-            places.append((cost, candidates))
-        stays = _cost(self._matcher, first, best[:2], len(points))
-        nowhere = self._matcher.cost(None, len(points)) - math.log(_NOWHERE)
-        if not places:
-            return *best, stays > nowhere
-        places.sort(key=lambda place: place[0])
-        (least, likeliest), *others = places
-        motion, match = likeliest[-1]
-        alike = any(cost < least + DOUBT and _are_apart(match, candidates[0][1]) for cost, candidates in others)
-        if (alike or least > nowhere) and _are_apart(match, best[1]):
-            return *best, stays > min(least + DOUBT, nowhere)
-        best = self._best([*found, *likeliest], len(points))
-        if best[1] is match:
-            hypotheses[:] = [*(motion for motion in hypotheses if motion.sound), motion]
-        return *best, False
-
-    def _matched(
-        self, points: Array, sensor: Array, prediction: Prediction, degenerate: Array | None
-    ) -> GridMatch | None:
-        """Return the match of a scan near one prediction, by what the submap may have seen of it; None: too little."""
-        front = self._active.front
-        match = self._matcher.match if self._motion.anywhere else self._matcher.match_anyhow
-        seen = seen_points(front, points, prediction)
-        found = match(front, seen, prediction, degenerate)
-        if found is None:
-            return None
-        score = found.score * len(seen) / len(points)
-        return replace(found, score=score, seen=telling_share(front, points, sensor, found.pose))
-
-    def _best(self, found: list[Candidate], points: int) -> tuple[MotionHypothesis, GridMatch | None, float]:
-        """Return the likeliest of some hypotheses with their matches: the first is that of the odometry."""
-        costs = [_cost(self._matcher, found[0][0], candidate, points) for candidate in found]
-        sound = min(cost for cost, (motion, _) in zip(costs, found, strict=True) if motion.sound)
-        fault = min((cost for cost, (motion, _) in zip(costs, found, strict=True) if not motion.sound), default=np.inf)
-        return *found[int(np.argmin(costs))], sound - fault
-
     def _insert(
         self, odometry: Array, scan: LaserScan, points: Array, pose: Array, match: GridMatch | None
     ) -> Insertion | None:
@@ -354,24 +276,3 @@ class LocalSlam:
     def sweep(self, scan: LaserScan) -> Sweep:
         """Return what a scan draws into a submap, robot frame."""
         return Sweep.of(scan, self._config.insertion_voxel, self._config.submaps.submap.free_ray_length)
-
-
-def _are_apart(match: GridMatch | None, other: GridMatch | None) -> bool:
-    """Return whether two matches are of different places."""
-    if match is None or other is None:
-        return True
-    x, y, turn = between(match.pose, other.pose).tolist()
-    return math.hypot(x, y) > _APART[0] or abs(turn) > _APART[1]
-
-
-def _cost(matcher: GridScanMatcher, by_odometry: MotionHypothesis, candidate: Candidate, points: int) -> float:
-    """Return the negative log-likelihood of a scan of so many `points` by a hypothesis, with its match.
-
-    That the robot is elsewhere than its odometry says needs a scan that fits there: where nothing is known, none fits
-    badly.
-    """
-    motion, match = candidate
-    if motion.prediction.pose is not by_odometry.prediction.pose and not (match and matcher.explains(match)):
-        return np.inf
-    fit = motion.cost_at(match.pose, matcher.information(match)) if match else motion.cost
-    return matcher.cost(match, points) + fit
