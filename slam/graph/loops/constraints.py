@@ -29,7 +29,7 @@ Field = NDArray[np.float32]
 
 _CERTAIN = 1e9  # [1/m^2, 1/rad^2] of a node that defines its submap
 _PLACE = 0.25, 0.35  # [m^2, rad] a place that a search tells from others
-_TOP = 5  # level of the search trees: blocks of 32 cells
+_TOP = 6  # level of the search trees: blocks of 64 cells
 _FIELDS = 16 << 20, 8  # bytes, or so many, of unpacked submaps ...
 _PYRAMIDS = 64 << 20, 4  # ... and of their search trees that are kept, for the submaps around the robot
 

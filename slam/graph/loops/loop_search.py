@@ -15,6 +15,8 @@ from .submap_graph import SubmapGraph
 
 Array = NDArray[np.float64]
 
+Found = tuple[float, int, Array]
+
 _APART = 1.0, 0.35  # [m, rad] submaps do not quite agree: places nearer to each other are the same
 
 
@@ -35,21 +37,35 @@ class LoopSearch:
 
         None: the stretch is nowhere so likely that it must have been driven before, or at two places that are about as
         likely, as along a corridor: one closure at a wrong place bends the graph so far that right ones are dropped.
+        Where most of the stretch may be new, since the robot has just come to what it knows, its last scan is searched
+        for alone.
 
         Args:
             submaps: Indices of all submaps that it may stand near.
             node: Index of the node.
         """
-        graph, points = self._graph, stretch(self._graph, node)
+        joined = all(self._graph.pieces.are_joined(s, node) for s in submaps)
+        for points in (stretch(self._graph, node), self._graph.nodes[node].points)[: 1 + joined]:
+            found = self._places(submaps, node, points)
+            if found:
+                return self._closure(submaps, node, points, found)
+        return None
+
+    def _places(self, submaps: Sequence[int], node: int, points: Array) -> list[Found]:
+        """Return where `points` (N, 2) of a stretch fit well: what each place leads by, its submap, T_submap_node."""
+        graph = self._graph
         begin = between(graph.nodes[node].pose_local, graph.nodes[graph.pieces.first_node(node)].pose_local)
-        found: list[tuple[float, int, Array]] = []
+        found: list[Found] = []
         for s in submaps:
             guess, slack = graph.guess(s, node), graph.pieces.slack(s, node)
             for place in self._builder.places(graph.submaps[s], points, guess, slack.after(begin)):
                 off = between(compose(guess, begin), compose(place.pose, begin))
                 found.append((place.lead - slack.cost(off), s, place.pose))
-        if not found:
-            return None
+        return found
+
+    def _closure(self, submaps: Sequence[int], node: int, points: Array, found: list[Found]) -> Constraint | None:
+        """Return the closure at the likeliest of the places that were `found`, if it counts."""
+        graph = self._graph
         lead, submap, pose = max(found, key=lambda place: place[0])
         there = compose(graph.submap_poses[submap], pose)
         alike = any(
