@@ -35,14 +35,14 @@ def test_a_drive_begins_as_one_piece():
 
 
 def test_what_a_way_leaves_open_grows_with_the_turn_that_is_not_known(pieces):
-    assert pieces.slack(2, 12) == Slack(1.0 + 20.0 * 0.1, 0.1)
+    assert pieces.slack(2, 12) == Slack(np.hypot(1.0, 20.0 * 0.1), 0.1)
     assert pieces.slack(4, 5) == pieces.slack(2, 12)  # seen from either side
 
 
 def test_what_lies_between_adds_up_over_the_pieces(pieces):
     far, (one, other) = pieces.slack(0, 25), (pieces.slack(2, 12), pieces.slack(4, 25))
-    assert far.linear == pytest.approx(one.linear + other.linear)
-    assert far.angular == pytest.approx(0.3)
+    assert far.linear == pytest.approx(np.hypot(one.linear, other.linear))
+    assert far.angular == pytest.approx(np.hypot(0.1, 0.2))
     assert far == pieces.loosest
 
 

@@ -28,6 +28,7 @@ Array = NDArray[np.float64]
 Field = NDArray[np.float32]
 
 _CERTAIN = 1e9  # [1/m^2, 1/rad^2] of a node that defines its submap
+_FARTHEST = 40.0  # [m] to each side that are searched at most
 _PLACE = 0.25, 0.35  # [m^2, rad] a place that a search tells from others
 _TOP = 6  # level of the search trees: blocks of 64 cells
 _FIELDS = 16 << 20, 8  # bytes, or so many, of unpacked submaps ...
@@ -202,7 +203,7 @@ class ConstraintBuilder:
         config = self._config
         thinned = points[:: max(1, len(points) // config.search_points)]
         step = 1.5 * submap.config.resolution / max(far_radius(points), 1.0)
-        linear = config.search_linear + SIGMAS * slack.linear
+        linear = min(config.search_linear + SIGMAS * slack.linear, _FARTHEST)
         angular = min(config.search_angular + SIGMAS * slack.angular, math.pi)
         window = SearchWindow(linear=linear, angular=angular, angular_step=step)
         # log-odds of points that fit and ones that fit nowhere; as of nothing known, half fit

@@ -25,12 +25,13 @@ class Slack:
     angular: float = 0.0
 
     def __add__(self, other: "Slack") -> "Slack":
-        """Return how far off a pose over two such ways may be."""
-        return Slack(self.linear + other.linear, self.angular + other.angular)
+        """Return how far off a pose over two such ways may be, whose errors are independent."""
+        return Slack(math.hypot(self.linear, other.linear), math.hypot(self.angular, other.angular))
 
     def after(self, way: Array) -> "Slack":
         """Return how far off a pose is that hangs by a `way` (3,) on one that is so far off."""
-        return Slack(self.linear + float(np.hypot(way[0], way[1])) * min(self.angular, 1.0), self.angular)
+        aside = math.hypot(way[0], way[1]) * min(self.angular, 1.0)
+        return Slack(math.hypot(self.linear, aside), self.angular)
 
     def cost(self, off: Array) -> float:
         """Return the negative log-likelihood of being `off` (3,) [m, m, rad]; drift without slack costs nothing."""
