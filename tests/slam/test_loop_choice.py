@@ -1,0 +1,110 @@
+"""Which of the places that a search finds closes a loop."""
+
+from collections import defaultdict
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from tagalong.slam.graph.local.submap import Submap, SubmapConfig
+from tagalong.slam.graph.loops.constraints import Constraint, ConstraintBuilder, ConstraintConfig, Kind, Place
+from tagalong.slam.graph.loops.global_config import GlobalSlamConfig
+from tagalong.slam.graph.loops.global_slam import GlobalSlam
+from tagalong.slam.graph.loops.loop_schedule import LoopSchedule
+from tagalong.slam.graph.loops.loop_search import LoopSearch
+from tagalong.slam.graph.loops.node_matching import NodeMatching
+from tagalong.slam.graph.loops.pieces import Pieces
+from tagalong.slam.graph.loops.slack import Slack
+from tagalong.slam.graph.loops.stretch import stretch
+from tagalong.slam.scan_to_grid.extrapolator import Prediction
+
+SCAN = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]])
+LOOSE = Prediction(np.array([3.0, 0.0, 0.0]), np.array([2.0, 0.2]))
+
+
+def graph(nodes=4, begins=()):
+    """Return a graph of nodes a metre apart, with pieces that begin at some of them and at submaps of that number."""
+    pieces = Pieces()
+    for k in begins:
+        pieces.begin(k, k, LOOSE)
+    poses = [np.array([float(k), 0.0, 0.0]) for k in range(nodes)]
+    return SimpleNamespace(
+        nodes=[SimpleNamespace(pose_local=pose, points=SCAN + [0.0, 5.0 * k]) for k, pose in enumerate(poses)],
+        node_poses=poses, pieces=pieces, constraints=[], submaps=range(nodes),
+        submap_poses=[np.zeros(3)] * nodes, guess=lambda _submap, _node: np.zeros(3),
+    )  # fmt: skip
+
+
+def closure(*places, seen=None, begins=()):
+    """Return where node 3 is tied to submap 0 or 1, of `places` (submap, x, lead) that a search finds; None: nowhere.
+
+    `seen`: how many points a search must have to find them; None: any.
+    """
+
+    def found(submap, points, _guess, _slack):
+        fits = seen is None or len(points) == seen
+        return [Place(np.array([x, 0.0, 0.0]), lead) for s, x, lead in places if s == submap and fits]
+
+    def tie(index, _submap, node, _points, pose):
+        return Constraint(index, node, pose, np.eye(3), Kind.INTER, searched=True)
+
+    builder = SimpleNamespace(places=found, closure=tie)
+    made = LoopSearch(graph(begins=begins), builder, 15.0).search([0, 1], 3)  # pyright: ignore[reportArgumentType]
+    return None if made is None else (made.submap, made.pose[0])
+
+
+def test_the_likeliest_place_counts():
+    assert closure((0, 1.0, 9.0), (1, 5.0, 20.0)) == (1, 5.0)
+
+
+def test_two_places_that_are_about_as_likely_close_no_loop_also_on_two_submaps():
+    assert closure((0, 1.0, 19.0), (1, 5.0, 20.0)) is None
+    assert closure((0, 4.6, 19.0), (1, 5.0, 20.0)) == (1, 5.0)  # the same place
+
+
+def test_a_place_must_be_likelier_than_that_it_was_never_seen():
+    assert closure((0, 1.0, 2.0)) is None
+
+
+def test_where_the_stretch_is_nowhere_its_last_scan_is_searched_for():
+    assert closure((0, 1.0, 9.0), seen=len(SCAN)) == (0, 1.0)
+
+
+def test_what_only_odometry_ties_is_searched_for_by_the_whole_stretch():
+    assert closure((0, 1.0, 9.0), seen=len(SCAN), begins=(2,)) is None
+
+
+def test_a_stretch_ends_where_its_piece_begins():
+    assert len(stretch(graph(), 3)) == 4 * len(SCAN)  # pyright: ignore[reportArgumentType]
+    assert len(stretch(graph(begins=(2,)), 3)) == 2 * len(SCAN)  # pyright: ignore[reportArgumentType]
+
+
+def test_a_constraint_that_is_added_joins_its_pieces():
+    made = graph(begins=(2,))
+    matching = NodeMatching(made, ConstraintBuilder(ConstraintConfig()), LoopSchedule(GlobalSlamConfig()))  # pyright: ignore[reportArgumentType]
+    matching.add([Constraint(0, 3, np.zeros(3), np.eye(3), Kind.INTER)])
+    assert made.pieces.are_joined(0, 3)
+
+
+def test_pieces_come_apart_when_the_graph_drops_their_closure(monkeypatch):
+    made = GlobalSlam(GlobalSlamConfig(), [], lambda scan: scan)  # pyright: ignore[reportArgumentType]
+    made.graph.pieces.begin(2, 2, LOOSE)
+    made.graph.pieces.join([Constraint(0, 3, np.zeros(3), np.eye(3), Kind.INTER)])
+    monkeypatch.setattr("tagalong.slam.graph.loops.global_slam.optimise", lambda *_: 1)
+    made.optimise()
+    assert not made.graph.pieces.are_joined(0, 3)
+
+
+@pytest.mark.parametrize(("slack", "linear"), [(0.0, 4.0), (5.0, 19.0), (500.0, 40.0)])
+def test_the_window_is_as_wide_as_odometry_leaves_open_but_no_wider_than_can_be_searched(monkeypatch, slack, linear):
+    asked = []
+
+    def search(_pyramid, _points, _centre, window, **_):
+        asked.append(window.linear)
+        return SimpleNamespace(maxima=())
+
+    monkeypatch.setattr("tagalong.slam.graph.loops.constraints.branch_and_bound", search)
+    builder = ConstraintBuilder(ConstraintConfig())
+    monkeypatch.setattr(builder, "_pyramids", defaultdict(lambda: None))
+    submap = Submap(SubmapConfig(), np.zeros(3))
+    builder.places(submap, SCAN, np.zeros(3), Slack(slack, 0.1 if slack else 0.0))
+    assert asked == [pytest.approx(linear)]
