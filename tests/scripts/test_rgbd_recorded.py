@@ -1,0 +1,32 @@
+"""What `bench rgbd-recorded` counts of one frame."""
+
+import numpy as np
+import pytest
+from tagalong.perception.rgbd.frame import Pinhole, RgbdFrame, grey
+from tagalong.perception.rgbd.planes import PlaneFinder
+from tagalong.scripts.benchmarks.rgbd_recorded import NEAR_M, Tally
+from tagalong.scripts.training.rgbd_labels import FrameLabels
+
+CAMERA = Pinhole(width=128, height=106, horizontal_fov=np.radians(70.0), vertical_fov=np.radians(60.0))
+HEIGHT, PITCH = 0.8, np.radians(20.0)
+
+
+def floor_alone():
+    rays = CAMERA.rays
+    down = rays[..., 0] * np.sin(PITCH) - rays[..., 2] * np.cos(PITCH)
+    with np.errstate(divide="ignore"):
+        depth = np.where(down > 0.0, HEIGHT / down, np.nan)
+    return RgbdFrame(np.where(depth < 6.0, depth, np.nan).astype(np.float32), grey(CAMERA), CAMERA, 0.0)
+
+
+@pytest.mark.parametrize("wrong_deg", [0.0, 2.0])
+def test_a_reference_that_is_wrong_is_told_by_the_floor_being_off_it(wrong_deg):
+    tilt = (PITCH + np.radians(wrong_deg), 0.0)
+    frame = floor_alone()
+    ahead = (CAMERA.rays @ (np.cos(PITCH), 0.0, np.sin(PITCH)) * frame.depth)[frame.depth < NEAR_M]
+    labels = FrameLabels(True, False, HEIGHT, tilt, np.empty((0, 4)), "")
+    tally = Tally()
+    tally.add_floor(PlaneFinder().find(frame), labels)
+    assert tally.tilt == pytest.approx([wrong_deg], abs=0.05)
+    assert tally.off == pytest.approx([0.0], abs=0.001)
+    assert tally.off_reference == pytest.approx([np.median(ahead) * np.sin(np.radians(wrong_deg))], abs=0.002)
