@@ -59,7 +59,7 @@ from ...envs.sensors.lidar import LidarConfig
 from ...envs.world.config import WorldConfig
 from ...envs.world.world import World
 from ...perception.rgbd.people_finder import PeopleFinder
-from ...perception.rgbd.person_svm import MODEL, PersonSvm
+from ...perception.rgbd.person_classifier import MODEL, PersonClassifier
 from ...perception.rgbd.planes import PlaneFinder
 from ...slam.geometry import inverse, transform_points
 from ..console.arguments import at_least, random_seed
@@ -155,16 +155,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Measure, print, write results.json."""
-    svm = PersonSvm.load(options.model)
+    classifier = PersonClassifier.load(options.model)
     seeds = range(options.first_seed, options.first_seed + options.seeds)
-    scores = {name: score_people(svm, (f for seed in seeds for f in work(name, seed))) for name in options.work}
+    scores = {name: score_people(classifier, (f for seed in seeds for f in work(name, seed))) for name in options.work}
     _print(scores)
     figures = {
         name: {**each.figures(), "by_distance": by_distance(each), "by_visible": by_visible(each)}
         for name, each in scores.items()
     }
     write_results(options, {"figures": figures})
-    _draw(options.out / "detections.png", svm, options.first_seed, options.work)
+    _draw(options.out / "detections.png", classifier, options.first_seed, options.work)
     return 0
 
 
@@ -178,9 +178,9 @@ def _print(scores: dict[str, PeopleScores]) -> None:
     print(words + format_table(["", *spans], [[n, *by_visible(s)] for n, s in scores.items()]))
 
 
-def _draw(path: Path, svm: PersonSvm, seed: int, names: list[str]) -> None:
+def _draw(path: Path, classifier: PersonClassifier, seed: int, names: list[str]) -> None:
     """Draw what is found in a few frames with somebody in them."""
-    planes, finder, seen = PlaneFinder(), PeopleFinder(svm), []
+    planes, finder, seen = PlaneFinder(), PeopleFinder(classifier), []
     for name in names:
         frames = [drawn for drawn in work(name, seed) if (drawn.person >= 0).sum() > 60]
         chosen = frames[:: max(1, len(frames) * len(names) // FIGURE_FRAMES)][: FIGURE_FRAMES // len(names)]

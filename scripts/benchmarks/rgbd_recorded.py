@@ -39,7 +39,7 @@ from numpy.typing import NDArray
 from ...perception.rgbd.frame import RgbdFrame, grey
 from ...perception.rgbd.people import RgbdPeople
 from ...perception.rgbd.people_finder import PeopleFinder
-from ...perception.rgbd.person_svm import DEPTH_MODEL, MODEL, PersonSvm
+from ...perception.rgbd.person_classifier import DEPTH_MODEL, MODEL, PersonClassifier
 from ...perception.rgbd.pictures import RecordedFrame, read_frames
 from ...perception.rgbd.planes import PlaneFinder, Planes, Surface
 from ..console.arguments import at_least, within
@@ -213,8 +213,8 @@ def _finder_for(source: str, options: argparse.Namespace) -> PeopleFinder:
         without = options.left_out / f"without_{source}{ending}.npz"
         if without.exists():
             models[ending] = without
-    svm, depth_svm = (PersonSvm.load(path) for path in models.values())
-    return PeopleFinder(svm, depth_svm=depth_svm)
+    classifier, depth_classifier = (PersonClassifier.load(path) for path in models.values())
+    return PeopleFinder(classifier, depth_classifier=depth_classifier)
 
 
 def _told(each: RecordedFrame, labels: FrameLabels, options: argparse.Namespace) -> RgbdFrame:

@@ -2,10 +2,13 @@
 
 import numpy as np
 import pytest
+from tagalong.perception.rgbd.cloud import cloud
 from tagalong.perception.rgbd.frame import Pinhole, RgbdFrame, grey
+from tagalong.perception.rgbd.pictures import RecordedFrame
 from tagalong.perception.rgbd.planes import PlaneFinder
 from tagalong.scripts.benchmarks.rgbd_recorded import NEAR_M, Tally
 from tagalong.scripts.training.rgbd_labels import FrameLabels
+from tagalong.scripts.training.rgbd_recordings import boxes_of, cut_above
 
 CAMERA = Pinhole(width=128, height=106, horizontal_fov=np.radians(70.0), vertical_fov=np.radians(60.0))
 HEIGHT, PITCH = 0.8, np.radians(20.0)
@@ -30,3 +33,17 @@ def test_a_reference_that_is_wrong_is_told_by_the_floor_being_off_it(wrong_deg):
     assert tally.tilt == pytest.approx([wrong_deg], abs=0.05)
     assert tally.off == pytest.approx([0.0], abs=0.001)
     assert tally.off_reference == pytest.approx([np.median(ahead) * np.sin(np.radians(wrong_deg))], abs=0.002)
+
+
+def test_a_picture_cut_above_shows_its_other_pixels_at_the_same_places():
+    whole = floor_alone()
+    below = cut_above(whole, 26)
+    assert below.depth.shape == below.colour.shape[:2] == (80, 128)
+    assert below.camera.rays * below.depth[..., None] == pytest.approx(cloud(whole)[26:], nan_ok=True)
+
+
+def test_boxes_of_people_move_up_with_what_is_cut_above():
+    notes = {"floor_visible": True, "table_top_visible": False, "people_boxes_xyxy": [[10, 40, 30, 90]]}
+    notes |= dict.fromkeys(("camera_height_m", "pitch_deg_nose_down", "roll_deg_left_up"))
+    recorded = RecordedFrame("a_1", floor_alone(), notes)
+    assert boxes_of(recorded, 64, 26).tolist() == [[2.0, 4.0, 18.0, 35.0]]

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from tagalong.perception.rgbd import PersonSvm, RgbdPeople
+from tagalong.perception.rgbd import PersonClassifier, RgbdPeople
 from tagalong.scripts.benchmarks.rgbd_people import by_distance, by_visible
 from tagalong.scripts.cli import main
 from tagalong.scripts.training.evaluate_people import PeopleScores, joined, score_frame
@@ -130,22 +130,44 @@ def test_a_second_detection_of_a_person_is_false():
 
 
 def test_the_command_trains_and_writes_classifier_and_card(tmp_path, capsys):
-    counts = ["--buildings", "30", "--level-buildings", "2", "--frames", "6", "--test-buildings", "1"]
+    counts = [
+        "--buildings",
+        "30",
+        "--level-buildings",
+        "2",
+        "--tilted-buildings",
+        "2",
+        "--frames",
+        "6",
+        "--test-buildings",
+        "1",
+    ]
     assert main(["train", "people", *counts, "--out", str(tmp_path)]) == 0
     assert "recall" in capsys.readouterr().out
-    assert (PersonSvm.load(tmp_path / "people_rgbd.npz").slope > 0.0).all()
+    assert PersonClassifier.load(tmp_path / "people_rgbd.npz").hidden.shape[1] == PeopleTrainConfig().units
     card = json.loads((tmp_path / "people_rgbd.json").read_text())
     assert card["config"]["buildings"] == 30
     assert card["training"]["people"] > 10
-    alone = PersonSvm.load(tmp_path / "people_rgbd_depth.npz")
-    assert not alone.weights[:, :BRIGHTNESS].any()
-    assert alone.weights[:, BRIGHTNESS:].any(axis=1).all()
+    alone = PersonClassifier.load(tmp_path / "people_rgbd_depth.npz")
+    assert not alone.hidden[:BRIGHTNESS].any()
+    assert alone.hidden[BRIGHTNESS:].any(axis=0).all()
     assert card["without_colour"]["test"]["frames"] == 6
 
 
 def test_impossible_numbers_are_errors(tmp_path, capsys):
     assert main(["train", "people", "--buildings", "2", "--out", str(tmp_path)]) != 0
     assert "--buildings" in capsys.readouterr().err
-    few = ["--buildings", "5", "--level-buildings", "1", "--frames", "1", "--test-buildings", "1"]
+    few = [
+        "--buildings",
+        "5",
+        "--level-buildings",
+        "1",
+        "--tilted-buildings",
+        "1",
+        "--frames",
+        "1",
+        "--test-buildings",
+        "1",
+    ]
     assert main(["train", "people", *few, "--out", str(tmp_path)]) != 0
     assert "too few frames" in capsys.readouterr().err
