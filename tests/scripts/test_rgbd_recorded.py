@@ -1,11 +1,11 @@
 """What `bench rgbd-recorded` counts of one frame."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
-from tagalong.perception.rgbd.cloud import cloud
-from tagalong.perception.rgbd.frame import Pinhole, RgbdFrame, grey
-from tagalong.perception.rgbd.pictures import RecordedFrame
-from tagalong.perception.rgbd.planes import PlaneFinder
+from tagalong.perception import PlaneFinder
+from tagalong.perception.rgbd import Pinhole, RgbdFrame
 from tagalong.scripts.benchmarks.rgbd_recorded import NEAR_M, Tally
 from tagalong.scripts.training.rgbd_labels import FrameLabels
 from tagalong.scripts.training.rgbd_recordings import boxes_of, cut_above
@@ -19,7 +19,9 @@ def floor_alone():
     down = rays[..., 0] * np.sin(PITCH) - rays[..., 2] * np.cos(PITCH)
     with np.errstate(divide="ignore"):
         depth = np.where(down > 0.0, HEIGHT / down, np.nan)
-    return RgbdFrame(np.where(depth < 6.0, depth, np.nan).astype(np.float32), grey(CAMERA), CAMERA, 0.0)
+    return RgbdFrame(
+        np.where(depth < 6.0, depth, np.nan).astype(np.float32), np.full((106, 128, 3), 128, np.uint8), CAMERA, 0.0
+    )
 
 
 @pytest.mark.parametrize("wrong_deg", [0.0, 2.0])
@@ -39,11 +41,12 @@ def test_a_picture_cut_above_shows_its_other_pixels_at_the_same_places():
     whole = floor_alone()
     below = cut_above(whole, 26)
     assert below.depth.shape == below.colour.shape[:2] == (80, 128)
-    assert below.camera.rays * below.depth[..., None] == pytest.approx(cloud(whole)[26:], nan_ok=True)
+    points = [frame.camera.rays * frame.depth[..., None] for frame in (below, whole)]
+    assert points[0] == pytest.approx(points[1][26:], nan_ok=True)
 
 
 def test_boxes_of_people_move_up_with_what_is_cut_above():
     notes = {"floor_visible": True, "table_top_visible": False, "people_boxes_xyxy": [[10, 40, 30, 90]]}
     notes |= dict.fromkeys(("camera_height_m", "pitch_deg_nose_down", "roll_deg_left_up"))
-    recorded = RecordedFrame("a_1", floor_alone(), notes)
+    recorded = SimpleNamespace(name="a_1", frame=floor_alone(), notes=notes)
     assert boxes_of(recorded, 64, 26).tolist() == [[2.0, 4.0, 18.0, 35.0]]

@@ -11,7 +11,14 @@ from tagalong.scripts.training.evaluate_people import PeopleScores, joined, scor
 from tagalong.scripts.training.rgbd_cameras import floor_in_sight, tilted_camera
 from tagalong.scripts.training.rgbd_frames import LabelledFrame, draw_frames
 from tagalong.scripts.training.rgbd_props import PROPS, REACH_M
-from tagalong.scripts.training.train_people import TEST_SCENES, TRAIN_PROPS, TRAIN_SCENES, PeopleTrainConfig
+from tagalong.scripts.training.train_people import (
+    TEST_SCENES,
+    TRAIN_PROPS,
+    TRAIN_SCENES,
+    PeopleSamples,
+    PeopleTrainConfig,
+    fit_people,
+)
 from tagalong.slam import InputError
 
 BRIGHTNESS = 7 * 3 * 4 * 9
@@ -157,17 +164,10 @@ def test_the_command_trains_and_writes_classifier_and_card(tmp_path, capsys):
 def test_impossible_numbers_are_errors(tmp_path, capsys):
     assert main(["train", "people", "--buildings", "2", "--out", str(tmp_path)]) != 0
     assert "--buildings" in capsys.readouterr().err
-    few = [
-        "--buildings",
-        "5",
-        "--level-buildings",
-        "1",
-        "--tilted-buildings",
-        "1",
-        "--frames",
-        "1",
-        "--test-buildings",
-        "1",
-    ]
-    assert main(["train", "people", *few, "--out", str(tmp_path)]) != 0
-    assert "too few frames" in capsys.readouterr().err
+
+
+def test_frames_that_show_only_people_or_nobody_are_too_few():
+    features, everybody = np.zeros((10, 4), np.float32), np.ones(10, bool)
+    for persons in (everybody, ~everybody, np.arange(10) == 3):
+        with pytest.raises(InputError, match="too few frames to train on"):
+            fit_people(PeopleSamples(features, persons, np.arange(10), np.ones(10)), PeopleTrainConfig())
