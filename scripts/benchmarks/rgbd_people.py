@@ -26,8 +26,8 @@ to 243, looked at once) gave:
     down45     220     0.864   0.954      0.864    0.024
 
 With a linear classifier of bodies and one of legs, trained on half as many buildings, they gave 0.938, 0.932, 0.898,
-0.819 and 0.832 at that precision, calibration errors 0.020, 0.016, 0.021, 0.010 and 0.018. A likelihood that is right has one
-of 0.013 to 0.018 in so few frames.
+0.819 and 0.832 at that precision, calibration errors 0.020, 0.016, 0.021, 0.010 and 0.018. A likelihood that is right
+has one of 0.013 to 0.018 in so few frames.
 
 Before any mount was trained on, the classifier for level cameras gave, at a likelihood of 0.5 (in brackets 95 %
 intervals; then the recall where the precision is 0.95, and the expected calibration error of the likelihood):
