@@ -30,7 +30,7 @@ SURFACE = {
 FOLDERS = {
     "slam.logs": "RerunRecording RosRecording Trajectory open_recording read_carmen read_tum write_carmen write_tum",
     "perception.immobile": "CameraViewMaker ImmobileSlam",
-    "perception.rgbd": "PersonSvm Pinhole RgbdFrame RgbdPeople Surface read_bag_frames read_frames",
+    "perception.rgbd": "PersonClassifier Pinhole RgbdFrame RgbdPeople Surface read_bag_frames read_frames",
     "perception.tracking": "NoLegs SeenPeople",
     "envs.recording": "Demonstration EpisodeRecording demonstrate write_lerobot write_minari",
     "envs.scenes": """Door Errand RUN_OUT SCENES Scene SceneMaker SceneRequest Solid Walk box choose_route make_scene

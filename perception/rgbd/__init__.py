@@ -5,7 +5,7 @@
     read_frames(folder)                              recorded frames: depth, colour, intrinsics of each
     read_bag_frames(bag)                             the same of a ROS 1 or ROS 2 bag, or mcap file
     RgbdPeople                                       who is in a frame; what a people finder of one's own returns
-    PersonSvm.load(path)                             a classifier that `tagalong train people` wrote
+    PersonClassifier.load(path)                             a classifier that `tagalong train people` wrote
 
 All other names are private.
 """
@@ -18,12 +18,12 @@ if TYPE_CHECKING:
     from .bag_frames import read_bag_frames
     from .frame import Pinhole, RgbdFrame
     from .people import RgbdPeople
-    from .person_svm import PersonSvm
+    from .person_classifier import PersonClassifier
     from .pictures import read_frames
     from .planes import Surface
 
 __all__ = [
-    "PersonSvm",
+    "PersonClassifier",
     "Pinhole",
     "RgbdFrame",
     "RgbdPeople",
@@ -33,7 +33,7 @@ __all__ = [
 ]
 
 _HOME = {
-    "PersonSvm": "person_svm",
+    "PersonClassifier": "person_classifier",
     "Pinhole": "frame",
     "RgbdFrame": "frame",
     "RgbdPeople": "people",

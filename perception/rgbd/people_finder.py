@@ -1,4 +1,4 @@
-"""People in RGB-D frames: clusters, heads, gradients, support vectors (Munaro et al. 2012)."""
+"""People in RGB-D frames: clusters and heads (Munaro et al. 2012), gradients, a small network."""
 
 from dataclasses import dataclass, field, replace
 
@@ -12,7 +12,7 @@ from ...slam.geometry import transform_points
 from .frame import RgbdFrame
 from .heads import Candidates, HeadConfig, find_candidates
 from .people import RgbdPeople, nobody
-from .person_svm import DEPTH_MODEL, PersonSvm, candidate_features
+from .person_classifier import DEPTH_MODEL, PersonClassifier, candidate_features
 from .planes import Planes, Surface
 
 Array = NDArray[np.float64]
@@ -57,20 +57,24 @@ class PeopleFinder:
     """Finds people in frames, each by itself.
 
     Args:
-        svm: The classifier; `PersonSvm.load()` is the shipped one.
+        classifier: The classifier; `PersonClassifier.load()` is the shipped one.
         config: Parameters.
-        depth_svm: The classifier of frames without colour; None: `svm` is.
+        depth_classifier: The classifier of frames without colour; None: `classifier` is.
     """
 
     def __init__(
-        self, svm: PersonSvm, config: PeopleFinderConfig | None = None, depth_svm: PersonSvm | None = None
+        self,
+        classifier: PersonClassifier,
+        config: PeopleFinderConfig | None = None,
+        depth_classifier: PersonClassifier | None = None,
     ) -> None:
-        self._svm, self._depth_svm, self._config = svm, depth_svm or svm, config or PeopleFinderConfig()
+        self._config = config or PeopleFinderConfig()
+        self._classifier, self._depth_classifier = classifier, depth_classifier or classifier
 
     @classmethod
     def load(cls, config: PeopleFinderConfig | None = None) -> "PeopleFinder":
         """Return a finder with the shipped classifiers."""
-        return cls(PersonSvm.load(), config, PersonSvm.load(DEPTH_MODEL))
+        return cls(PersonClassifier.load(), config, PersonClassifier.load(DEPTH_MODEL))
 
     def find(self, frame: RgbdFrame, planes: Planes) -> RgbdPeople:
         """Return the people in `frame`, whose planes are known; the likeliest first."""
@@ -79,8 +83,8 @@ class PeopleFinder:
             return replace(nobody(*planes.surface.shape), floor_known=False)
         candidates = find_candidates(planes, config.heads)
         colour = planes.frame.colour
-        svm = self._svm if colour.min() < colour.max() else self._depth_svm
-        likelihood = svm.likelihood(candidate_features(planes, candidates), candidates.legs)
+        classifier = self._classifier if colour.min() < colour.max() else self._depth_classifier
+        likelihood = classifier.likelihood(candidate_features(planes, candidates))
         middles = body_centres(candidates, config.behind)
         told = likelihood >= np.where(candidates.legs, config.least_of_legs, config.least_likelihood)
         order = np.argsort(-likelihood, kind="stable")

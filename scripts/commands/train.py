@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from ...perception.rgbd.person_svm import DEPTH_MODEL, MODEL
+from ...perception.rgbd.person_classifier import DEPTH_MODEL, MODEL
 from ...slam.errors import InputError
 from ...slam.files.output import write_json
 from ..console.arguments import at_least, random_seed
@@ -19,7 +19,7 @@ from ..training.tracker_errors import add_tracker_arguments, train_tracker_error
 from ..training.train_legs import TrainConfig
 from ..training.train_people import PeopleTrainConfig, train_people
 
-PEOPLE_COUNTS = ("buildings", "level_buildings", "frames", "test_buildings")
+PEOPLE_COUNTS = ("buildings", "level_buildings", "tilted_buildings", "frames", "test_buildings")
 COUNTS = ("scans", "drives", "test_scans", "test_drives", "trees")
 MOST = 100_000
 """Of each of them: many times what the shipped models were trained with, and days of work."""
@@ -109,13 +109,13 @@ def _train_people(options: argparse.Namespace) -> int:
         raise InputError(f"--buildings must be at least {PeopleTrainConfig().folds}, got {options.buildings}")
     trained = train_people(PeopleTrainConfig(**counts), options.seed, options.recorded)
     path = options.out / MODEL.name
-    trained.svm.save(path, trained.card)
-    for source, svm in trained.left_out.items():
-        svm.save(options.out / f"without_{source}.npz", {"trained": f"as {MODEL.name}, without {source}"})
-    trained.depth_svm.save(options.out / DEPTH_MODEL.name, {"trained": f"with {MODEL.name}, without colour"})
-    for source, svm in trained.depth_left_out.items():
+    trained.classifier.save(path, trained.card)
+    for source, classifier in trained.left_out.items():
+        classifier.save(options.out / f"without_{source}.npz", {"trained": f"as {MODEL.name}, without {source}"})
+    trained.depth_classifier.save(options.out / DEPTH_MODEL.name, {"trained": f"with {MODEL.name}, without colour"})
+    for source, classifier in trained.depth_left_out.items():
         told = {"trained": f"as {DEPTH_MODEL.name}, without {source}"}
-        svm.save(options.out / f"without_{source}_depth.npz", told)
+        classifier.save(options.out / f"without_{source}_depth.npz", told)
     print(f"wrote {path}")
     print(format_table(["figure", "value"], [[name, str(value)] for name, value in trained.scores.figures().items()]))
     return 0

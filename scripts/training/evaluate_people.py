@@ -10,7 +10,7 @@ from scipy.optimize import linear_sum_assignment
 
 from ...perception.rgbd.people import RgbdPeople
 from ...perception.rgbd.people_finder import PeopleFinder, PeopleFinderConfig
-from ...perception.rgbd.person_svm import PersonSvm
+from ...perception.rgbd.person_classifier import PersonClassifier
 from ...perception.rgbd.planes import PlaneFinder
 from .rgbd_frames import LabelledFrame
 
@@ -103,9 +103,12 @@ class PeopleScores:
         }
 
 
-def score_people(svm: PersonSvm, frames: Iterable[LabelledFrame]) -> PeopleScores:
-    """Score the finder with `svm` on frames."""
-    planes, finder = PlaneFinder(), PeopleFinder(svm, PeopleFinderConfig(least_likelihood=0.0, least_of_legs=0.0))
+def score_people(classifier: PersonClassifier, frames: Iterable[LabelledFrame]) -> PeopleScores:
+    """Score the finder with `classifier` on frames."""
+    planes, finder = (
+        PlaneFinder(),
+        PeopleFinder(classifier, PeopleFinderConfig(least_likelihood=0.0, least_of_legs=0.0)),
+    )
     parts = [score_frame(finder.find(drawn.frame, planes.find(drawn.frame)), drawn) for drawn in frames]
     return joined(parts)
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...perception.rgbd.frame import Pinhole, RgbdFrame
 from ...perception.rgbd.heads import Candidates, find_candidates
-from ...perception.rgbd.person_svm import candidate_features
+from ...perception.rgbd.person_classifier import candidate_features
 from ...perception.rgbd.pictures import RecordedFrame, read_frames
 from ...perception.rgbd.planes import PlaneFinder
 from .rgbd_labels import labels_of
@@ -23,6 +23,8 @@ SEATED_LEFT = {"tue": 2.5}
 """Source -> left of the boxes and farther than this [m] people sit who are not boxed: neither somebody nor nobody."""
 COLUMNS = (80, 160, 320, 640)
 """Each frame is trained on at all these widths [pixels]: what is somebody at one is at the others."""
+CUTS = (0.0, 0.25, 0.5, 0.75)
+"""So much of each frame's height is cut off above: a mount that looks lower, or a smaller lens, shows so much."""
 BOX_MARGIN = 6.0
 """The boxes are drawn by hand, +- 6 pixels of 320 columns."""
 _INSIDE, _OUTSIDE = 0.7, 0.2
@@ -33,32 +35,34 @@ def source_of(name: str) -> str:
     return name.split("_")[0]
 
 
-def boxes_of(recorded: RecordedFrame, columns: int) -> Array:
-    """Return (n, 4) the people's boxes with their margin, at a width of `columns` [pixels]."""
+def boxes_of(recorded: RecordedFrame, columns: int, cut: int = 0) -> Array:
+    """Return (n, 4) the people's boxes with their margin, at a width of `columns`, without `cut` rows [pixels]."""
     scale = columns / recorded.frame.camera.width
-    return (labels_of(recorded).boxes + np.array([-1.0, -1.0, 1.0, 1.0]) * BOX_MARGIN) * scale
+    off = np.array([0.0, cut, 0.0, cut])
+    return (labels_of(recorded).boxes - off + np.array([-1.0, -1.0, 1.0, 1.0]) * BOX_MARGIN) * scale
 
 
 def recorded_candidates(
     folder: str | os.PathLike[str],
-) -> Iterator[tuple[str, NDArray[np.float32], NDArray[np.bool_], NDArray[np.bool_]]]:
-    """Yield, for each frame that may be trained on, its mirror image, and each of `COLUMNS`: source, features, who is
-    somebody, and what can only be legs.
+) -> Iterator[tuple[str, NDArray[np.float32], NDArray[np.bool_]]]:
+    """Yield, for each frame that may be trained on, its mirror image, each of `COLUMNS` and each of `CUTS`: source,
+    features, and who is somebody.
     """
     finder = PlaneFinder()
     for recorded in read_frames(folder):
         if labels_of(recorded).licence.startswith(NO_LICENCE):
             continue
-        for mirror, columns in product((False, True), COLUMNS):
-            frame = at_columns(recorded.frame, columns)
+        for mirror, columns, share in product((False, True), COLUMNS, CUTS):
+            cut = round(share * recorded.frame.camera.height)
+            frame = at_columns(cut_above(recorded.frame, cut), columns)
             planes = finder.find(mirrored(frame) if mirror else frame)
             candidates = find_candidates(planes)
-            boxes = boxes_of(recorded, planes.frame.camera.width)
+            boxes = boxes_of(recorded, planes.frame.camera.width, cut)
             if mirror:
                 boxes[:, [0, 2]] = planes.frame.camera.width - boxes[:, [2, 0]]
             person, sure = _truth(candidates, boxes, source_of(recorded.name), mirror)
             features = candidate_features(planes, candidates)
-            yield source_of(recorded.name), features[sure], person[sure], candidates.legs[sure]
+            yield source_of(recorded.name), features[sure], person[sure]
 
 
 def at_columns(frame: RgbdFrame, columns: int | None) -> RgbdFrame:
@@ -81,6 +85,14 @@ def at_columns(frame: RgbdFrame, columns: int | None) -> RgbdFrame:
     (x, y), (across, down) = camera.axis, camera.focal
     camera = Pinhole.from_intrinsics((cols, rows), (across, down), (x - 0.5 - shift, y - 0.5 - shift))
     return replace(frame, depth=depth, colour=frame.colour[start::step, start::step][:rows, :cols], camera=camera)
+
+
+def cut_above(frame: RgbdFrame, rows: int) -> RgbdFrame:
+    """Return the frame without its uppermost `rows` [pixels]."""
+    (column, row), camera = frame.camera.axis, frame.camera
+    size = (camera.width, camera.height - rows)
+    below = Pinhole.from_intrinsics(size, camera.focal, (column - 0.5, row - rows - 0.5))
+    return replace(frame, depth=frame.depth[rows:], colour=frame.colour[rows:], camera=below)
 
 
 def mirrored(frame: RgbdFrame) -> RgbdFrame:

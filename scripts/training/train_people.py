@@ -1,6 +1,7 @@
 """Train the classifier of people in RGB-D frames: on simulated frames under any mount, and on recorded ones."""
 
 import os
+import warnings
 from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass, replace
 from itertools import chain
@@ -9,12 +10,13 @@ from typing import Any
 import numpy as np
 import sklearn
 from numpy.typing import NDArray
+from sklearn.exceptions import ConvergenceWarning
 from sklearn.linear_model import LogisticRegression
-from sklearn.svm import LinearSVC
+from sklearn.neural_network import MLPClassifier
 
 from ...perception.rgbd.frame import RgbdFrame, grey
 from ...perception.rgbd.heads import find_candidates
-from ...perception.rgbd.person_svm import LENGTH, LUMA_LENGTH, PersonSvm, candidate_features
+from ...perception.rgbd.person_classifier import LENGTH, LUMA_LENGTH, PersonClassifier, candidate_features
 from ...perception.rgbd.planes import PlaneFinder
 from ...slam.errors import InputError
 from .evaluate_people import PeopleScores, score_people
@@ -46,7 +48,11 @@ class PeopleTrainConfig:
         buildings: Buildings to train on.
         frames: Frames of each.
         test_buildings: Buildings to score on.
-        penalty: Of errors against the margin's width (C of the support vector machine).
+        tilted_buildings: Further buildings, all seen by cameras of any mount, which are most of what shows legs alone.
+        units: Of the hidden layer.
+        decay: Of the weights, as a penalty on their squares.
+        rate: Of learning.
+        rounds: Passes over the samples.
         folds: Parts of the buildings that are left out in turn, for the calibration.
         any_mount: Share of these that are seen by a camera of any mount (`rgbd_cameras.py`), the others by the usual
             level one.
@@ -59,10 +65,14 @@ class PeopleTrainConfig:
     buildings: int = 400
     frames: int = 12
     test_buildings: int = 40
-    penalty: float = 0.005
     folds: int = 5
     any_mount: float = 0.5
     level_buildings: int = 200
+    tilted_buildings: int = 480
+    units: int = 64
+    decay: float = 0.3
+    rate: float = 5e-4
+    rounds: int = 15
     stereo: float = 0.4
     seated: float = 0.3
     recorded: float = 3.0
@@ -75,14 +85,12 @@ class PeopleSamples:
     Attributes:
         features: (n, LENGTH) float32.
         is_person: (n,) bool.
-        legs: (n,) bool `Candidates.legs`.
         building: (n,) number of the building; of a recording that of its source.
         weight: (n,) how much each counts.
     """
 
     features: NDArray[np.float32]
     is_person: NDArray[np.bool_]
-    legs: NDArray[np.bool_]
     building: NDArray[np.int64]
     weight: Array
 
@@ -105,7 +113,7 @@ def collect(buildings: Iterable[list[LabelledFrame]]) -> PeopleSamples:
     """Return the candidates in all frames that are somebody, or nobody."""
     finder = PlaneFinder()
     features, persons = [np.empty((0, LENGTH), np.float32)], [np.empty(0, bool)]
-    legs, numbers = [np.empty(0, bool)], [np.empty(0, np.int64)]
+    numbers = [np.empty(0, np.int64)]
     for number, frames in enumerate(buildings):
         for drawn in frames:
             planes = finder.find(drawn.frame)
@@ -113,11 +121,9 @@ def collect(buildings: Iterable[list[LabelledFrame]]) -> PeopleSamples:
             person, sure = _truth(drawn.person, candidates.label, len(candidates))
             features.append(candidate_features(planes, candidates)[sure])
             persons.append(person[sure])
-            legs.append(candidates.legs[sure])
             numbers.append(np.full(np.count_nonzero(sure), number))
     weight = np.ones(sum(map(len, persons)))
-    all_features, all_persons = np.concatenate(features), np.concatenate(persons)
-    return PeopleSamples(all_features, all_persons, np.concatenate(legs), np.concatenate(numbers), weight)
+    return PeopleSamples(np.concatenate(features), np.concatenate(persons), np.concatenate(numbers), weight)
 
 
 def _truth(
@@ -140,9 +146,9 @@ def collect_recorded(folder: str | os.PathLike[str], weight: float) -> tuple[Peo
     """Return the candidates in the recorded frames of `folder`, each with the number of its source, and the sources."""
     parts = list(recorded_candidates(folder))
     sources = tuple(sorted({source for source, *_ in parts}))
-    numbers = np.concatenate([np.full(len(person), sources.index(source)) for source, _, person, _ in parts])
-    features, persons, legs = (np.concatenate([part[k] for part in parts]) for k in (1, 2, 3))
-    return PeopleSamples(features, persons, legs, numbers, np.full(len(persons), weight / len(COLUMNS))), sources
+    numbers = np.concatenate([np.full(len(person), sources.index(source)) for source, _, person in parts])
+    features, persons = (np.concatenate([part[k] for part in parts]) for k in (1, 2))
+    return PeopleSamples(features, persons, numbers, np.full(len(persons), weight / len(COLUMNS))), sources
 
 
 def with_recorded(simulated: PeopleSamples, recorded: PeopleSamples, without: int | None = None) -> PeopleSamples:
@@ -161,37 +167,37 @@ def without_colour(samples: PeopleSamples) -> PeopleSamples:
     return replace(samples, features=features)
 
 
-def fit_people(samples: PeopleSamples, config: PeopleTrainConfig) -> PersonSvm:
-    """Fit scikit-learn's linear support vector machines, of bodies and of legs alone; calibrate each on buildings, with
-    the things in them, and sources left out in turn.
-    """
-    weights, rest = np.empty((2, LENGTH), dtype=np.float32), np.empty((3, 2))
-    for row, mine in enumerate((~samples.legs, samples.legs)):
-        weights[row], rest[:, row] = _fit(samples, mine, config)
-    return PersonSvm(weights, *rest)
-
-
-def _fit(samples: PeopleSamples, mine: NDArray[np.bool_], config: PeopleTrainConfig) -> tuple[Array, Array]:
-    """Return (LENGTH,) the weights and (3,) bias, slope and offset of a machine for those of `mine` (n,)."""
+def fit_people(samples: PeopleSamples, config: PeopleTrainConfig) -> PersonClassifier:
+    """Fit scikit-learn's network; calibrate it on buildings, with the things in them, and sources left out in turn."""
     fold = samples.building % config.folds
-    if not all(len(np.unique(samples.is_person[mine & (fold != k)])) == 2 for k in range(config.folds)):
-        raise InputError(
-            "too few frames to train on: they must show people, nobody, and legs alone of both; draw more buildings "
-            "or more frames of each"
-        )
+    if not all(len(np.unique(samples.is_person[fold != k])) == 2 for k in range(config.folds)):
+        raise InputError("too few frames to train on: they must show people and nobody; draw more buildings or frames")
     scores = np.empty(len(fold))
     for left_out in range(config.folds):
-        theirs = mine & (fold == left_out)
+        theirs = fold == left_out
         if theirs.any():
-            scores[theirs] = _machine(config, samples, mine & ~theirs).decision_function(samples.features[theirs])
-    platt = LogisticRegression(C=1e3).fit(scores[mine, None], samples.is_person[mine], samples.weight[mine])
-    machine = _machine(config, samples, mine)
-    return machine.coef_[0], np.concatenate((machine.intercept_, platt.coef_[0], platt.intercept_))
+            scores[theirs] = _network(samples, ~theirs, config).score(samples.features[theirs])
+    platt = LogisticRegression(C=1e3).fit(scores[:, None], samples.is_person, samples.weight)
+    network = _network(samples, np.ones(len(fold), dtype=bool), config)
+    output = network.output * np.float32(platt.coef_[0, 0])
+    output[-1] += np.float32(platt.intercept_[0])
+    return replace(network, output=output)
 
 
-def _machine(config: PeopleTrainConfig, samples: PeopleSamples, chosen: NDArray[np.bool_]) -> LinearSVC:
-    machine = LinearSVC(C=config.penalty, dual="auto", tol=1e-3, random_state=0)
-    return machine.fit(samples.features[chosen], samples.is_person[chosen], samples.weight[chosen])
+def _network(samples: PeopleSamples, chosen: NDArray[np.bool_], config: PeopleTrainConfig) -> PersonClassifier:
+    """Return a network fitted to the `chosen` (n,) samples, without calibration; unused inputs have no weights."""
+    features = samples.features[chosen]
+    machine = MLPClassifier(
+        (config.units,), alpha=config.decay, learning_rate_init=config.rate, max_iter=config.rounds, tol=0.0,
+        n_iter_no_change=config.rounds, random_state=0,
+    )  # fmt: skip
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ConvergenceWarning)  # it ends after its rounds
+        machine.fit(features, samples.is_person[chosen], samples.weight[chosen])
+    used = np.any(features != 0.0, axis=0).astype(np.float32)
+    hidden = np.vstack((machine.coefs_[0] * used[:, None], machine.intercepts_[0]))
+    output = np.append(machine.coefs_[1][:, 0], machine.intercepts_[1])
+    return PersonClassifier(hidden.astype(np.float32), output.astype(np.float32))
 
 
 @dataclass(frozen=True, eq=False)
@@ -199,27 +205,31 @@ class TrainedPeople:
     """What a training made.
 
     Attributes:
-        svm: The classifier.
+        classifier: The classifier.
         card: What it was trained on, how well it does.
         scores: On clothing, poses, things and a scene not trained on.
         left_out: Source of recorded frames -> the classifier trained without them.
-        depth_svm: The classifier for frames without colour, trained on the same ones.
+        depth_classifier: The classifier for frames without colour, trained on the same ones.
         depth_left_out: As `left_out`, for frames without colour.
     """
 
-    svm: PersonSvm
+    classifier: PersonClassifier
     card: dict[str, Any]
     scores: PeopleScores
-    left_out: dict[str, PersonSvm]
-    depth_svm: PersonSvm
-    depth_left_out: dict[str, PersonSvm]
+    left_out: dict[str, PersonClassifier]
+    depth_classifier: PersonClassifier
+    depth_left_out: dict[str, PersonClassifier]
 
 
 def train_people(config: PeopleTrainConfig, seed: int, recorded: str | os.PathLike[str] | None = None) -> TrainedPeople:
     """Train on simulated frames, and on the folder of `recorded` ones if there is one."""
     usual = replace(config, buildings=config.level_buildings, any_mount=0.0, seated=0.0)
-    drawn = training_frames(np.random.default_rng([seed, 0]), config)
-    samples = collect(chain(drawn, training_frames(np.random.default_rng([seed, 2]), usual, config.buildings)))
+    tilted = replace(config, buildings=config.tilted_buildings, any_mount=1.0)
+    drawn, first = [], 0
+    for stream, part in ((0, config), (2, usual), (3, tilted)):
+        drawn.append(training_frames(np.random.default_rng([seed, stream]), part, first))
+        first += part.buildings
+    samples = collect(chain.from_iterable(drawn))
     sources: tuple[str, ...] = ()
     parts = {"": samples}
     if recorded is not None:
@@ -228,18 +238,18 @@ def train_people(config: PeopleTrainConfig, seed: int, recorded: str | os.PathLi
         parts[""] = samples = with_recorded(samples, real)
     left_out = {name: fit_people(part, config) for name, part in parts.items()}
     depth_left_out = {name: fit_people(without_colour(part), config) for name, part in parts.items()}
-    svm, depth_svm = left_out.pop(""), depth_left_out.pop("")
+    classifier, depth_classifier = left_out.pop(""), depth_left_out.pop("")
     rng = np.random.default_rng([seed, 1])
     tested = [
         frame
         for _ in range(config.test_buildings)
         for frame in draw_frames(rng, TEST_SCENES, "everyday", "unseen", config.frames)
     ]
-    scores = score_people(svm, tested)
-    card = _card(svm, samples, scores, config, seed, sources)
-    figures = score_people(depth_svm, (replace(f, frame=colourless(f.frame)) for f in tested)).figures()
-    card["without_colour"] = {"test": figures, "calibration": _calibration(depth_svm)}
-    return TrainedPeople(svm, card, scores, left_out, depth_svm, depth_left_out)
+    scores = score_people(classifier, tested)
+    card = _card(samples, scores, config, seed, sources)
+    figures = score_people(depth_classifier, (replace(f, frame=colourless(f.frame)) for f in tested)).figures()
+    card["without_colour"] = {"test": figures}
+    return TrainedPeople(classifier, card, scores, left_out, depth_classifier, depth_left_out)
 
 
 def colourless(frame: RgbdFrame) -> RgbdFrame:
@@ -247,13 +257,7 @@ def colourless(frame: RgbdFrame) -> RgbdFrame:
     return replace(frame, colour=grey(frame.camera))
 
 
-def _calibration(svm: PersonSvm) -> dict[str, list[float]]:
-    """Return what a card says of it: two numbers each, of bodies and of legs alone."""
-    return {"slope": svm.slope.tolist(), "offset": svm.offset.tolist()}
-
-
 def _card(
-    svm: PersonSvm,
     samples: PeopleSamples,
     scores: PeopleScores,
     config: PeopleTrainConfig,
@@ -261,7 +265,7 @@ def _card(
     sources: tuple[str, ...],
 ) -> dict[str, Any]:
     return {
-        "model": "people in RGB-D frames: HOG of brightness and depth, measures, linear SVM, Platt's calibration",
+        "model": "people in RGB-D frames: HOG of brightness and depth, measures, a small network, Platt's calibration",
         "command": f"tagalong train people --seed {seed}{' --recorded FOLDER' * bool(sources)} --out DIR",
         "seed": seed,
         "config": asdict(config),
@@ -274,7 +278,7 @@ def _card(
             "people": int(samples.is_person.sum()),
         },
         "test": {"scenes": TEST_SCENES, "wardrobe": "everyday", "props": "unseen", **scores.figures()},
-        "calibration": {**_calibration(svm), "fitted_on": "buildings, things and sources left out in turn"},
+        "calibration": {"fitted_on": "buildings, things and sources left out in turn"},
         "limits": LIMITS,
         "scikit_learn": sklearn.__version__,
     }

@@ -5,6 +5,7 @@ import os
 import pickle
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -162,6 +163,24 @@ def test_a_picture_too_large_for_opengl_is_not_called_a_lack_of_it():
     model = mujoco.MjModel.from_xml_string("<mujoco/>")
     with pytest.raises(InputError, match="at most 640 x 480 pixels, got 2000 x 240"):
         open_renderer(model, 240, 2000)
+
+
+class PyOpenGlError(Exception):
+    """Stands in for `OpenGL.error.Error`, which is loaded only with MuJoCo's EGL or OSMesa."""
+
+
+@pytest.mark.parametrize("kind", [mujoco.FatalError, ImportError, RuntimeError, PyOpenGlError])
+def test_whatever_is_missing_of_opengl_is_called_so(kind, monkeypatch):
+    monkeypatch.setitem(sys.modules, "OpenGL.error", SimpleNamespace(Error=PyOpenGlError))
+    monkeypatch.setattr(mujoco, "Renderer", lambda *_: (_ for _ in ()).throw(kind("no display")))
+    with pytest.raises(InputError, match=r"OpenGL is not present \(no display\).*MUJOCO_GL=egl.*needs nothing of this"):
+        open_renderer(mujoco.MjModel.from_xml_string("<mujoco/>"), 48, 64)
+
+
+def test_a_mistake_of_ours_is_not_called_a_lack_of_opengl(monkeypatch):
+    monkeypatch.setattr(mujoco, "Renderer", lambda *_: (_ for _ in ()).throw(TypeError("height must be an integer")))
+    with pytest.raises(TypeError, match="must be an integer"):
+        open_renderer(mujoco.MjModel.from_xml_string("<mujoco/>"), 48, 64)
 
 
 def test_rays_and_opengl_show_the_same():

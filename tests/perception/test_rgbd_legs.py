@@ -10,7 +10,7 @@ from tagalong.perception.rgbd.heads import HeadConfig, find_candidates, join_cut
 from tagalong.perception.rgbd.margins import margins
 from tagalong.perception.rgbd.measures import Border, candidate_measures
 from tagalong.perception.rgbd.people_finder import PeopleFinder
-from tagalong.perception.rgbd.person_svm import LENGTH, PersonSvm
+from tagalong.perception.rgbd.person_classifier import PersonClassifier, candidate_features
 from tagalong.perception.rgbd.planes import PlaneFinder
 from tagalong.perception.rgbd.windows import ROWS, candidate_windows
 
@@ -87,12 +87,12 @@ def test_the_picture_ends_where_nothing_is_measured_any_more():
     assert margins(blanked(frame, 60).depth).top == 13  # an eighth: what measures nothing below is no margin
 
 
-class Sure(PersonSvm):
+class Sure(PersonClassifier):
     """Takes everything for a person."""
 
     sure = 0.9
 
-    def likelihood(self, features, legs):
+    def likelihood(self, features):
         return np.full(len(features), self.sure)
 
 
@@ -103,25 +103,21 @@ class NearlySure(Sure):
 
 
 def test_legs_alone_are_told_by_a_classifier_that_is_sure():
-    svm, frame = PersonSvm.load(), looking_down(standing(*legs(1.6, 0.0)), 35)
+    classifier, frame = PersonClassifier.load(), looking_down(standing(*legs(1.6, 0.0)), 35)
     planes = PlaneFinder().find(frame)
     told = [
-        len(PeopleFinder(kind(svm.weights, svm.bias, svm.slope, svm.offset)).find(frame, planes))
-        for kind in (NearlySure, Sure)
+        len(PeopleFinder(kind(classifier.hidden, classifier.output)).find(frame, planes)) for kind in (NearlySure, Sure)
     ]
     assert told == [0, 1]
     body = standing(*person(3.0, 0.0))
-    finder = PeopleFinder(NearlySure(svm.weights, svm.bias, svm.slope, svm.offset))
+    finder = PeopleFinder(NearlySure(classifier.hidden, classifier.output))
     assert len(finder.find(body, PlaneFinder().find(body))) == 1
 
 
-def test_bodies_and_legs_have_a_classifier_each():
-    weights = np.zeros((2, LENGTH), dtype=np.float32)
-    weights[1, 0] = 1.0
-    svm = PersonSvm(weights, np.array([0.5, 0.0]), np.array([2.0, 4.0]), np.array([0.0, 1.0]))
-    features = np.ones((2, LENGTH), dtype=np.float32)
-    assert svm.score(features, np.array([False, True])).tolist() == [0.5, 1.0]
-    assert svm.likelihood(features, np.array([False, True])) == pytest.approx(1 / (1 + np.exp([-1.0, -5.0])))
+def test_the_classifier_is_told_what_can_only_be_legs():
+    for frame, alone in ((looking_down(standing(*legs(1.6, 0.0)), 35), 1.0), (standing(*person(3.0, 0.0)), 0.0)):
+        planes = PlaneFinder().find(frame)
+        assert candidate_features(planes, find_candidates(planes))[:, -1].tolist() == [alone]
 
 
 @pytest.mark.parametrize(("between", "clusters"), [(0.25, 1), (0.6, 2)])

@@ -19,7 +19,7 @@ from tagalong.perception.rgbd.measures import (
     soft_bins,
 )
 from tagalong.perception.rgbd.people_finder import PeopleFinder, PeopleFinderConfig, spread
-from tagalong.perception.rgbd.person_svm import LENGTH, MODEL, PersonSvm, candidate_features, read_card
+from tagalong.perception.rgbd.person_classifier import LENGTH, MODEL, PersonClassifier, candidate_features, read_card
 from tagalong.perception.rgbd.planes import PlaneFinder
 from tagalong.perception.rgbd.windows import CHANNELS, COLUMNS, ROWS, candidate_windows
 from tagalong.slam import InputError
@@ -203,8 +203,8 @@ def test_histograms_of_gradients_are_those_of_scikit_image():
 
 
 def test_the_shipped_classifier_has_a_card_and_is_calibrated():
-    svm, card = PersonSvm.load(), read_card()
-    assert svm.weights.shape == (2, LENGTH)
+    classifier, card = PersonClassifier.load(), read_card()
+    assert classifier.hidden.shape == (LENGTH + 1, card["config"]["units"])
     assert card["test"]["expected_calibration_error"] <= 0.05
     assert card["training"]["wardrobe"] != card["test"]["wardrobe"]
     assert not set(card["training"]["scenes"]) & set(card["test"]["scenes"])
@@ -212,42 +212,54 @@ def test_the_shipped_classifier_has_a_card_and_is_calibrated():
 
 def test_damaged_classifiers_are_errors(tmp_path):
     with pytest.raises(InputError, match="no classifier of people at"):
-        PersonSvm.load(tmp_path / "none.npz")
+        PersonClassifier.load(tmp_path / "none.npz")
     (tmp_path / "bad.npz").write_bytes(b"nothing")
     with pytest.raises(InputError, match="tagalong train people"):
-        PersonSvm.load(tmp_path / "bad.npz")
+        PersonClassifier.load(tmp_path / "bad.npz")
     damaged = bytearray(MODEL.read_bytes())
     damaged[200] ^= 0xFF
     (tmp_path / "bad.npz").write_bytes(damaged)
     with pytest.raises(InputError, match="tagalong train people"):
-        PersonSvm.load(tmp_path / "bad.npz")
-    np.savez(tmp_path / "short.npz", weights=np.ones(5, np.float32), calibration=np.ones(3))
-    with pytest.raises(InputError, match="weights"):
-        PersonSvm.load(tmp_path / "short.npz")
+        PersonClassifier.load(tmp_path / "bad.npz")
+    np.savez(tmp_path / "short.npz", hidden=np.ones(5, np.float32), output=np.ones(3, np.float32))
+    with pytest.raises(InputError, match="`hidden` layer"):
+        PersonClassifier.load(tmp_path / "short.npz")
+
+
+def test_the_likelihood_is_that_of_a_network_of_one_hidden_layer():
+    hidden = np.zeros((LENGTH + 1, 2), dtype=np.float32)
+    hidden[0], hidden[-1] = (2.0, -3.0), (1.0, 0.5)
+    classifier = PersonClassifier(hidden, np.array([0.5, 4.0, -1.0], dtype=np.float32))
+    features = np.zeros((3, LENGTH), dtype=np.float32)
+    features[:, 0] = 0.0, 1.0, -1.0
+    units = [(1.0, 0.5), (3.0, 0.0), (0.0, 3.5)]
+    odds = np.array([0.5 * a + 4.0 * b - 1.0 for a, b in units])
+    assert classifier.score(features) == pytest.approx(odds)
+    assert classifier.likelihood(features) == pytest.approx(1.0 / (1.0 + np.exp(-odds)))
+    assert classifier.likelihood(1e6 * features).tolist() == [pytest.approx(1 / (1 + np.exp(-1.5))), 1.0, 1.0]
 
 
 def test_a_saved_classifier_says_the_same(tmp_path):
-    svm = PersonSvm.load()
-    svm.save(tmp_path / "people.npz", {"model": "copy"})
+    classifier = PersonClassifier.load()
+    classifier.save(tmp_path / "people.npz", {"model": "copy"})
     features = np.random.default_rng(0).random((4, LENGTH)).astype(np.float32)
-    legs = np.array([False, True, False, True])
-    again = PersonSvm.load(tmp_path / "people.npz").likelihood(features, legs)
-    assert np.array_equal(again, svm.likelihood(features, legs))
+    again = PersonClassifier.load(tmp_path / "people.npz").likelihood(features)
+    assert np.array_equal(again, classifier.likelihood(features))
     assert MODEL.with_suffix(".json").exists()
 
 
-class Certain(PersonSvm):
+class Certain(PersonClassifier):
     """Takes everything for a person."""
 
     sure = 0.9
 
-    def likelihood(self, features, legs):
+    def likelihood(self, features):
         return np.full(len(features), self.sure)
 
 
 def test_pixels_and_places_of_people_are_given_in_the_robot_frame():
-    svm = PersonSvm.load()
-    finder = PeopleFinder(Certain(svm.weights, svm.bias, svm.slope, svm.offset))
+    classifier = PersonClassifier.load()
+    finder = PeopleFinder(Certain(classifier.hidden, classifier.output))
     plain = standing(*person(3.0, 0.4))
     frame = RgbdFrame(plain.depth, plain.colour, CAMERA, 0.0, T_robot_camera=(0.1, 0.0, np.pi / 2.0))
     people = finder.find(frame, PlaneFinder().find(frame))
@@ -261,9 +273,10 @@ def test_pixels_and_places_of_people_are_given_in_the_robot_frame():
 def test_nobody_is_in_an_empty_room_and_unlikely_people_are_left_out():
     frame = standing()
     assert len(PeopleFinder.load().find(frame, PlaneFinder().find(frame))) == 0
-    svm = PersonSvm.load()
+    classifier = PersonClassifier.load()
     choosy = PeopleFinder(
-        Certain(svm.weights, svm.bias, svm.slope, svm.offset), PeopleFinderConfig(least_likelihood=0.95)
+        Certain(classifier.hidden, classifier.output),
+        PeopleFinderConfig(least_likelihood=0.95),
     )
     frame = standing(*person(3.0, 0.0))
     people = choosy.find(frame, PlaneFinder().find(frame))
@@ -320,8 +333,8 @@ def test_a_person_stands_upright_in_the_window_however_the_camera_is_tilted():
 
 
 def test_people_beyond_what_the_noise_allows_are_not_told():
-    frame, svm = standing(*person(3.0, 0.0)), PersonSvm.load()
-    finder = PeopleFinder(Certain(svm.weights, svm.bias, svm.slope, svm.offset))
+    frame, classifier = standing(*person(3.0, 0.0)), PersonClassifier.load()
+    finder = PeopleFinder(Certain(classifier.hidden, classifier.output))
     planes = PlaneFinder().find(frame)
     assert len(finder.find(frame, planes)) == 1
     assert len(finder.find(frame, dataclasses.replace(planes, reach=2.5))) == 0
@@ -340,8 +353,8 @@ def test_a_noisy_frame_reaches_less_far():
 def test_people_are_marked_as_guesses_where_the_floor_is_not_known_or_left_out():
     frame = standing(*person(2.0, 0.0))
     blind = dataclasses.replace(frame, depth=np.where(CAMERA.rays[..., 2] < -0.15, np.nan, frame.depth))
-    planes, svm = PlaneFinder().find(blind), PersonSvm.load()
-    certain = Certain(svm.weights, svm.bias, svm.slope, svm.offset)
+    planes, classifier = PlaneFinder().find(blind), PersonClassifier.load()
+    certain = Certain(classifier.hidden, classifier.output)
     assert not planes.mount.known
     people = PeopleFinder(certain).find(blind, planes)
     assert len(people) >= 1
@@ -351,8 +364,9 @@ def test_people_are_marked_as_guesses_where_the_floor_is_not_known_or_left_out()
 
 
 def test_a_frame_without_colour_is_judged_by_the_classifier_of_depth_alone():
-    weights, both, one, none = np.zeros((2, LENGTH), np.float32), np.full(2, 2.0), np.ones(2), np.zeros(2)
-    finder = PeopleFinder(PersonSvm(weights, one, one, none), depth_svm=PersonSvm(weights, both, one, none))
+    hidden = np.zeros((LENGTH + 1, 1), np.float32)
+    by_colour, by_depth = (PersonClassifier(hidden, np.array([0.0, odds], np.float32)) for odds in (1.0, 2.0))
+    finder = PeopleFinder(by_colour, depth_classifier=by_depth)
     frame, said = standing(*person(3.0, 0.0)), []
     for low, high in ((128, 128), (0, 0), (90, 200)):
         colour = np.full_like(frame.colour, low)

@@ -4,14 +4,21 @@ import json
 
 import numpy as np
 import pytest
-from tagalong.perception.rgbd import PersonSvm, RgbdPeople
+from tagalong.perception.rgbd import PersonClassifier, RgbdPeople
 from tagalong.scripts.benchmarks.rgbd_people import by_distance, by_visible
 from tagalong.scripts.cli import main
 from tagalong.scripts.training.evaluate_people import PeopleScores, joined, score_frame
 from tagalong.scripts.training.rgbd_cameras import floor_in_sight, tilted_camera
 from tagalong.scripts.training.rgbd_frames import LabelledFrame, draw_frames
 from tagalong.scripts.training.rgbd_props import PROPS, REACH_M
-from tagalong.scripts.training.train_people import TEST_SCENES, TRAIN_PROPS, TRAIN_SCENES, PeopleTrainConfig
+from tagalong.scripts.training.train_people import (
+    TEST_SCENES,
+    TRAIN_PROPS,
+    TRAIN_SCENES,
+    PeopleSamples,
+    PeopleTrainConfig,
+    fit_people,
+)
 from tagalong.slam import InputError
 
 BRIGHTNESS = 7 * 3 * 4 * 9
@@ -130,22 +137,37 @@ def test_a_second_detection_of_a_person_is_false():
 
 
 def test_the_command_trains_and_writes_classifier_and_card(tmp_path, capsys):
-    counts = ["--buildings", "30", "--level-buildings", "2", "--frames", "6", "--test-buildings", "1"]
+    counts = [
+        "--buildings",
+        "30",
+        "--level-buildings",
+        "2",
+        "--tilted-buildings",
+        "2",
+        "--frames",
+        "6",
+        "--test-buildings",
+        "1",
+    ]
     assert main(["train", "people", *counts, "--out", str(tmp_path)]) == 0
     assert "recall" in capsys.readouterr().out
-    assert (PersonSvm.load(tmp_path / "people_rgbd.npz").slope > 0.0).all()
+    assert PersonClassifier.load(tmp_path / "people_rgbd.npz").hidden.shape[1] == PeopleTrainConfig().units
     card = json.loads((tmp_path / "people_rgbd.json").read_text())
     assert card["config"]["buildings"] == 30
     assert card["training"]["people"] > 10
-    alone = PersonSvm.load(tmp_path / "people_rgbd_depth.npz")
-    assert not alone.weights[:, :BRIGHTNESS].any()
-    assert alone.weights[:, BRIGHTNESS:].any(axis=1).all()
+    alone = PersonClassifier.load(tmp_path / "people_rgbd_depth.npz")
+    assert not alone.hidden[:BRIGHTNESS].any()
+    assert alone.hidden[BRIGHTNESS:].any(axis=0).all()
     assert card["without_colour"]["test"]["frames"] == 6
 
 
 def test_impossible_numbers_are_errors(tmp_path, capsys):
     assert main(["train", "people", "--buildings", "2", "--out", str(tmp_path)]) != 0
     assert "--buildings" in capsys.readouterr().err
-    few = ["--buildings", "5", "--level-buildings", "1", "--frames", "1", "--test-buildings", "1"]
-    assert main(["train", "people", *few, "--out", str(tmp_path)]) != 0
-    assert "too few frames" in capsys.readouterr().err
+
+
+def test_frames_that_show_only_people_or_nobody_are_too_few():
+    features, everybody = np.zeros((10, 4), np.float32), np.ones(10, bool)
+    for persons in (everybody, ~everybody, np.arange(10) == 3):
+        with pytest.raises(InputError, match="too few frames to train on"):
+            fit_people(PeopleSamples(features, persons, np.arange(10), np.ones(10)), PeopleTrainConfig())

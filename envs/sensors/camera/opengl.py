@@ -1,5 +1,6 @@
 """The same picture by MuJoCo's renderer, where OpenGL is present."""
 
+import sys
 from typing import Any
 
 import numpy as np
@@ -91,8 +92,17 @@ def open_renderer(model: MjModel, height: int, width: int, instead: str = 'the c
         raise InputError(f"OpenGL draws at most {most.offwidth} x {most.offheight} pixels, got {width} x {height}")
     try:
         return mujoco.Renderer(model, height, width)
-    except Exception as error:  # MuJoCo raises different kinds for each way in which OpenGL can be missing
+    except _missing() as error:
         raise InputError(
             f"OpenGL is not present ({error}); on a machine without a display, set MUJOCO_GL=egl before Python starts; "
             f"{instead} needs nothing of this"
         ) from error
+
+
+def _missing() -> tuple[type[Exception], ...]:
+    """Return what MuJoCo raises where there is no context, binding, device or display, or where a call to OpenGL fails.
+
+    PyOpenGL's own errors are among them only where MuJoCo has loaded it: to load it is to choose one of its platforms.
+    """
+    loaded = sys.modules.get("OpenGL.error")
+    return (mujoco.FatalError, ImportError, RuntimeError, *((loaded.Error,) if loaded else ()))

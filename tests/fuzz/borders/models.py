@@ -4,14 +4,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from fuzzer.arrays import arrays_of, edits, packed
+from fuzzer.arrays import edits, packed
 from fuzzer.border import Border, Input, require
 from fuzzer.files import put
 from fuzzer.sanity import finite
 from tagalong.perception import LegForest
 from tagalong.perception.legs.features import FEATURE_NAMES
-from tagalong.perception.legs.forest import MODELS
-from tagalong.perception.rgbd.person_svm import LENGTH, PersonSvm
+from tagalong.perception.rgbd.person_classifier import LENGTH, PersonClassifier
 
 FILE = "model.npz"
 
@@ -37,9 +36,14 @@ def _sane_forest(result: Any) -> None:
     finite(votes, "votes", 1.0)
 
 
-def _svm(value: Input, folder: Path) -> Any:
-    svm = PersonSvm.load(put(folder, FILE, packed(arrays_of(MODELS / "people_rgbd.npz"), value)))
-    return svm.likelihood(np.ones((3, LENGTH), np.float32), np.array([False, True, True]))
+def _small_classifier() -> dict[str, np.ndarray]:
+    """Return a network of two units."""
+    return {"hidden": np.full((LENGTH + 1, 2), 0.01, np.float32), "output": np.array([1.0, -2.0, 0.5], np.float32)}
+
+
+def _classifier(value: Input, folder: Path) -> Any:
+    classifier = PersonClassifier.load(put(folder, FILE, packed(_small_classifier(), value)))
+    return classifier.likelihood(np.ones((3, LENGTH), np.float32))
 
 
 BORDERS = (
@@ -48,7 +52,7 @@ BORDERS = (
         file=FILE, ms=1.7,
     ),
     Border(
-        name="models.person_svm", make=lambda rng: edits(rng, ["weights", "calibration"]), call=_svm, file=FILE,
-        sane=lambda likelihood: finite(likelihood, "likelihood", 1.0), ms=1.2,
+        name="models.person_classifier", make=lambda rng: edits(rng, list(_small_classifier())), call=_classifier,
+        file=FILE, sane=lambda likelihood: finite(likelihood, "likelihood", 1.0), ms=1.2,
     ),
 )  # fmt: skip

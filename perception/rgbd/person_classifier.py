@@ -1,4 +1,4 @@
-"""The linear support vector machines that tell people from other things of their height."""
+"""The network that tells people from other things of their height."""
 
 import os
 from dataclasses import dataclass
@@ -27,39 +27,34 @@ SOFTNESS = 0.02
 LUMA_LENGTH = hog_length(ROWS, COLUMNS, 1)
 """So many of the features, the first ones, tell of brightness."""
 _OF_WINDOW = hog_length(ROWS, COLUMNS, CHANNELS)
-LENGTH = _OF_WINDOW + MEASURES_LENGTH
-"""How many features there are."""
+LENGTH = _OF_WINDOW + MEASURES_LENGTH + 1
+"""How many features there are; the last one is 1 for legs alone, whose windows are of another size, else 0."""
 
 
 @dataclass(frozen=True, eq=False)
-class PersonSvm:
-    """Two linear classifiers with Platt's calibration: likelihood = 1 / (1 + exp(-(slope score + offset))).
-
-    The first judges bodies, the second legs alone (`Candidates.legs`), whose windows are of another size.
+class PersonClassifier:
+    """A network of one hidden layer: likelihood = 1 / (1 + exp(-(v max(W x + b, 0) + c))).
 
     Attributes:
-        weights: (2, LENGTH) float32.
-        bias: (2,) of the score, weights features + bias.
-        slope: (2,) of the calibration, positive.
-        offset: (2,) of the calibration.
+        hidden: (LENGTH + 1, k) float32: W, a column for each of k units, and b in the last row.
+        output: (k + 1,) float32: v, and c at the end; Platt's calibration is in both.
     """
 
-    weights: NDArray[np.float32]
-    bias: Array
-    slope: Array
-    offset: Array
+    hidden: NDArray[np.float32]
+    output: NDArray[np.float32]
 
     def __post_init__(self) -> None:
-        if self.weights.shape != (2, LENGTH) or not (self.slope > 0.0).all():
+        rows, units = self.hidden.shape if self.hidden.ndim == 2 else (0, 0)
+        if rows != LENGTH + 1 or not units or self.output.shape != (units + 1,):
             raise InputError(
-                f"a classifier of people has 2 x {LENGTH} weights and positive slopes, got {self.weights.shape} and "
-                f"{self.slope.tolist()}"
+                f"a classifier of people has a `hidden` layer of {LENGTH + 1} x k and k + 1 numbers of `output`, got "
+                f"{shown(self.hidden.shape)} and {shown(self.output.shape)}"
             )
-        if not all(np.isfinite(each).all() for each in (self.weights, self.bias, self.slope, self.offset)):
+        if not (np.isfinite(self.hidden).all() and np.isfinite(self.output).all()):
             raise InputError("a classifier of people has finite weights only")
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str] = MODEL) -> "PersonSvm":
+    def load(cls, path: str | os.PathLike[str] = MODEL) -> "PersonClassifier":
         """Load the shipped classifier, or one that `tagalong train people` wrote to `path`.
 
         Raises:
@@ -71,43 +66,43 @@ class PersonSvm:
             content = read_arrays(path)
         except InputError as error:
             raise InputError(f"no classifier of people (npz of `tagalong train people`): {error}") from None
-        for name, shape in (("weights", (2, LENGTH)), ("calibration", (3, 2))):
-            if name not in content or content[name].shape != shape or content[name].dtype.kind != "f":
-                got = f"{content[name].dtype} {shown(content[name].shape)}" if name in content else "none"
+        for name in ("hidden", "output"):
+            if name not in content or content[name].dtype != np.float32:
+                got = str(content[name].dtype) if name in content else "none"
                 raise InputError(
                     f"{named(path)} is no classifier of people (npz of `tagalong train people`): `{name}` must be "
-                    f"floats of shape {shape}, got {got}"
+                    f"float32, got {got}"
                 )
         try:
-            return cls(content["weights"].astype(np.float32), *content["calibration"].astype(np.float64))
+            return cls(content["hidden"], content["output"])
         except InputError as error:
             raise InputError(f"{named(path)}: {error}") from error
 
     def save(self, path: str | os.PathLike[str], card: dict[str, Any]) -> None:
         """Write the arrays to `path` (.npz) and `card` (what it was trained on, how well it does) beside it (.json)."""
-        calibration = np.array([self.bias, self.slope, self.offset])
         with replacing(path) as temporary:
-            np.savez_compressed(temporary, weights=self.weights, calibration=calibration)
+            np.savez_compressed(temporary, hidden=self.hidden, output=self.output)
         write_json(Path(path).with_suffix(".json"), card)
 
-    def score(self, features: NDArray[np.float32], legs: NDArray[np.bool_]) -> Array:
-        """Return (n,) how far each row of `features` (n, LENGTH) is on the side of people, as `legs` (n,) or bodies."""
-        both = features.astype(np.float64) @ self.weights.astype(np.float64).T + self.bias
-        return np.where(legs, both[:, 1], both[:, 0])
+    def score(self, features: NDArray[np.float32]) -> Array:
+        """Return (n,) the log odds of each candidate with `features` (n, LENGTH) being somebody."""
+        hidden, output = self.hidden.astype(np.float64), self.output.astype(np.float64)
+        units = np.maximum(features @ hidden[:-1] + hidden[-1], 0.0)
+        return units @ output[:-1] + output[-1]
 
-    def likelihood(self, features: NDArray[np.float32], legs: NDArray[np.bool_]) -> Array:
+    def likelihood(self, features: NDArray[np.float32]) -> Array:
         """Return (n,) how likely each candidate with `features` (n, LENGTH) is somebody, in [0, 1]."""
-        row = legs.astype(np.intp)
-        return 1.0 / (1.0 + np.exp(-(self.slope[row] * self.score(features, legs) + self.offset[row])))
+        return 0.5 * (1.0 + np.tanh(0.5 * self.score(features)))
 
 
 def candidate_features(planes: Planes, candidates: Candidates) -> NDArray[np.float32]:
-    """Return (n, LENGTH): gradients' histograms of the candidates' windows, then the soft bins of their measures."""
+    """Return (n, LENGTH): gradients' histograms of the candidates' windows, soft bins of their measures, legs alone."""
     features = np.empty((len(candidates), LENGTH), dtype=np.float32)
     histograms = np.empty((len(candidates), _OF_WINDOW), dtype=np.float32)
     hog(candidate_windows(planes, candidates), SOFTNESS, histograms)
     features[:, :_OF_WINDOW] = histograms
-    features[:, _OF_WINDOW:] = soft_bins(candidate_measures(planes, candidates))
+    features[:, _OF_WINDOW:-1] = soft_bins(candidate_measures(planes, candidates))
+    features[:, -1] = candidates.legs
     return features
 
 
