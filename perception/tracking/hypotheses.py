@@ -21,6 +21,7 @@ HYPOTHESIS = np.dtype(
         ("viewed", np.float64, 2),  # where it was, in the laser's frame, at the last look [m]
         ("stood", np.float64, 2),  # and in the odometry frame [m]
         ("legs", np.float64, (2, 2)),  # of both legs from the centre [m]
+        ("leg_unseen_s", np.float64, 2),  # since each leg was seen [s]
         ("clusters", np.int64, 2),  # rows of the clusters that are its legs in this scan; -1: none
         ("path", np.float64, (PATH, 2)),  # former places [m]
         ("seen", np.float64, (PATH, 2)),  # the same in the laser's frame [m]
@@ -38,6 +39,8 @@ def predict(rows: Any, dt: float, q: float) -> None:
     """Move hypotheses `rows` (n,) `dt` [s] ahead (eq. 4a, 4b) with process noise `q`."""
     x, p = rows["x"], rows["p"]
     for i in range(len(rows)):
+        rows["leg_unseen_s"][i, 0] += dt
+        rows["leg_unseen_s"][i, 1] += dt
         x[i, 0] += dt * x[i, 2]
         x[i, 1] += dt * x[i, 3]
         a, b, c = p[i, 0], p[i, 1], p[i, 2]
@@ -45,45 +48,30 @@ def predict(rows: Any, dt: float, q: float) -> None:
 
 
 @njit(cache=True, nogil=True)
-def first_costs(rows: Any, z: Any, e: Any, r: float, clutter: float, cost: Any) -> None:
-    """Write into `cost` (n, m) how unlikely each cluster is a leg of each hypothesis: negative log likelihood ratio.
+def leg_costs(
+    rows: Any, z: Any, e: Any, thing: Any, dt: float, r: float, pace: float, apart: float, clutter: float, cost: Any
+) -> None:
+    """Write into `cost` (2 n, m) how unlikely each cluster is each leg: negative log likelihood ratio.
 
-    A leg is around the predicted centre with the variance of the prediction and `r` [m^2]; other things are anywhere,
-    `clutter` of them a square metre; `e` (m,) is the evidence of what the cluster itself shows.
+    Rows 2 i and 2 i + 1 are the legs of hypothesis i. A leg is where it was last seen, moved on with its person, with
+    the variance `r` [m^2] and what it may have swung since at `pace` [m/s], but no farther than `apart` [m] from the
+    predicted centre; other things are anywhere, `clutter` of them a square metre; `e` (m,) is the evidence of what the
+    cluster itself shows.
     """
-    x, p = rows["x"], rows["p"]
     for i in range(len(rows)):
-        s = p[i, 0] + r
-        base = np.log(2.0 * np.pi * s * clutter)
-        for j in range(len(z)):
-            dx, dy = z[j, 0] - x[i, 0], z[j, 1] - x[i, 1]
-            cost[i, j] = 0.5 * (dx * dx + dy * dy) / s + base - e[j]
-
-
-@njit(cache=True, nogil=True)
-def second_costs(rows: Any, first: Any, z: Any, e: Any, r: float, stride: float, clutter: float, cost: Any) -> None:
-    """Write into `cost` (n, m) how unlikely each cluster is the other leg of hypotheses with first legs `first` (n,).
-
-    The other leg is within a `stride` [m] of the first (standard deviation half of it), and the middle between both is
-    around the predicted centre.
-    """
-    x, p = rows["x"], rows["p"]
-    apart = (0.5 * stride) ** 2
-    cost[:] = np.inf
-    for i in range(len(rows)):
-        if first[i] < 0:
-            continue
-        s = p[i, 0] + 0.5 * r
-        ax, ay = z[first[i], 0], z[first[i], 1]
-        base = np.log(2.0 * np.pi * apart * clutter)
-        alone = 0.5 * ((ax - x[i, 0]) ** 2 + (ay - x[i, 1]) ** 2) / (p[i, 0] + r)
-        for j in range(len(z)):
-            dx, dy = z[j, 0] - ax, z[j, 1] - ay
-            if j == first[i] or dx * dx + dy * dy > stride * stride:
-                continue
-            mx, my = ax + 0.5 * dx - x[i, 0], ay + 0.5 * dy - x[i, 1]
-            both = 0.5 * (mx * mx + my * my) / s
-            cost[i, j] = both - alone + 0.5 * (dx * dx + dy * dy) / apart + base - e[j]
+        x, legs = rows["x"][i], rows["legs"][i]
+        farthest = rows["p"][i, 0] + apart * apart
+        reach = apart * apart + 4.0 * rows["p"][i, 0]
+        for s in range(2):
+            s2 = r + min((pace * rows["leg_unseen_s"][i, s]) ** 2, farthest)
+            base = np.log(2.0 * np.pi * s2 * clutter)
+            for j in range(len(z)):
+                dx, dy = z[j, 0] - x[0] - legs[s, 0], z[j, 1] - x[1] - legs[s, 1]
+                cost[2 * i + s, j] = 0.5 * (dx * dx + dy * dy) / s2 + base - e[j]
+                if (z[j, 0] - x[0]) ** 2 + (z[j, 1] - x[1]) ** 2 > reach:
+                    cost[2 * i + s, j] = np.inf
+                if (dx + x[2] * dt) ** 2 + (dy + x[3] * dt) ** 2 > r:
+                    cost[2 * i + s, j] += thing[j]
 
 
 @njit(cache=True, nogil=True)
@@ -97,12 +85,14 @@ def correct(rows: Any, z: Any, r: float, r_one: float, dt: float, fade: float) -
     for i in range(len(rows)):
         rows["age_s"][i] += dt
         a, b = clusters[i, 0], clusters[i, 1]
-        if a < 0:
+        if a < 0 and b < 0:
             rows["unseen_s"][i] += dt
             continue
         rows["unseen_s"][i] = 0.0
-        zx, zy, noise = z[a, 0], z[a, 1], r_one
-        if b >= 0:
+        c = max(a, b)
+        zx, zy, noise = z[c, 0], z[c, 1], r_one
+        if a >= 0 and b >= 0:
+            zx, zy = z[a, 0], z[a, 1]
             zx, zy, noise = 0.5 * (zx + z[b, 0]), 0.5 * (zy + z[b, 1]), r
         k, gain = p[i, 0] / (p[i, 0] + noise), p[i, 1] / (p[i, 0] + noise)
         dx, dy = zx - x[i, 0], zy - x[i, 1]
@@ -112,25 +102,12 @@ def correct(rows: Any, z: Any, r: float, r_one: float, dt: float, fade: float) -
         x[i, 3] += gain * dy
         p[i, 2] -= gain * p[i, 1]
         p[i, 0], p[i, 1] = (1.0 - k) * p[i, 0], (1.0 - k) * p[i, 1]
-        place_legs(legs[i], clusters[i], z, x[i], fade)
-
-
-@njit(cache=True, nogil=True)
-def place_legs(legs: Any, clusters: Any, z: Any, x: Any, fade: float) -> None:
-    """Write the `legs` (2, 2) of a person at `x` from its `clusters` (2,), each leg as the one that it was before."""
-    a, b = clusters[0], clusters[1]
-    near = np.zeros(2)
-    for s in range(2):
-        near[s] = (z[a, 0] - x[0] - legs[s, 0]) ** 2 + (z[a, 1] - x[1] - legs[s, 1]) ** 2
-        if b >= 0:
-            near[s] += (z[b, 0] - x[0] - legs[1 - s, 0]) ** 2 + (z[b, 1] - x[1] - legs[1 - s, 1]) ** 2
-    own = 0 if near[0] <= near[1] else 1
-    clusters[own], clusters[1 - own] = a, b
-    for s in range(2):
-        if clusters[s] >= 0:
-            legs[s, 0], legs[s, 1] = z[clusters[s], 0] - x[0], z[clusters[s], 1] - x[1]
-        else:
-            legs[s, 0], legs[s, 1] = fade * legs[s, 0], fade * legs[s, 1]
+        for s in range(2):
+            if clusters[i, s] >= 0:
+                legs[i, s, 0], legs[i, s, 1] = z[clusters[i, s], 0] - x[i, 0], z[clusters[i, s], 1] - x[i, 1]
+                rows["leg_unseen_s"][i, s] = 0.0
+            else:
+                legs[i, s, 0], legs[i, s, 1] = fade * legs[i, s, 0], fade * legs[i, s, 1]
 
 
 @njit(cache=True, nogil=True)

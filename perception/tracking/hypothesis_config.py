@@ -105,6 +105,8 @@ class HypothesisConfig:
     memory: float = 0.85
     clutter: float = 0.2
     stride: float = 0.9
+    leg: float = 0.1
+    pace: float = 1.0
     merge: float = 0.35
     own: float = 0.6
     near: float = 0.2

@@ -78,7 +78,7 @@ class HypothesisTracker:
         self._now.reset()
         self._now.keep(scan, lidar)
         kernels.predict(self._rows, dt, self._tracker.motion.process_variance(dt))
-        self._associate(sight)
+        self._associate(sight, dt)
         self._correct(sight.z, dt)
         left = self._now.look(self._rows["path"].reshape(-1, 2))[:, 0].reshape(-1, kernels.PATH) > 0.0
         seen_at = transform_points(inverse(lidar), sight.z)
@@ -125,20 +125,17 @@ class HypothesisTracker:
         confidence = np.where(detections.confidence > 0.0, odds / (1.0 + odds), 0.0)
         return replace(detections, confidence=confidence, human=confidence >= self._tracker.confirmation.gamma)
 
-    def _associate(self, sight: "_Sight") -> None:
-        """Give each hypothesis its most likely cluster, then another of those left as its other leg."""
-        z, affinity = sight.z, sight.affinity
-        rows, config, r = self._rows, self._config, self._tracker.motion.r
-        cost = np.empty((len(rows), len(z)))
-        kernels.first_costs(rows, z, affinity, r, config.clutter, cost)
-        clusters = np.full((len(rows), 2), -1)
+    def _associate(self, sight: "_Sight", dt: float) -> None:
+        """Give the legs of all hypotheses the clusters that they are together most likely."""
+        config, rows, z = self._config, self._rows, sight.z
+        cost = np.empty((2 * len(rows), len(z)))
+        side = 3.0 * self._tracker.grid.resolution
+        thing = ~sight.free * self._frame.known * np.log(1.0 / (side**2 * config.clutter))
+        kernels.leg_costs(rows, z, sight.affinity, thing, dt, config.leg**2, config.pace, 0.5 * config.stride, config.clutter, cost)
+        clusters = np.full(2 * len(rows), -1)
         i, j = assign(cost, 0.0)
-        clusters[i, 0] = j
-        kernels.second_costs(rows, clusters[:, 0], z, affinity, r, config.stride, config.clutter, cost)
-        cost[:, j] = np.inf
-        i, j = assign(cost, 0.0)
-        clusters[i, 1] = j
-        rows["clusters"] = clusters
+        clusters[i] = j
+        rows["clusters"] = clusters.reshape(-1, 2)
 
     def _correct(self, z: Array, dt: float) -> None:
         motion = self._tracker.motion
@@ -167,6 +164,7 @@ class HypothesisTracker:
         fresh["id"], fresh["clusters"], fresh["looks"] = -1, found, 1.0
         fresh["x"][:, :2] = centre = 0.5 * (z[a] + z[other])
         fresh["p"] = (motion.initial_variance, 0.0, 4.0 * motion.initial_variance)  # nobody begins at rest
+        fresh["leg_unseen_s"] = np.where(found >= 0, 0.0, np.inf)
         fresh["legs"] = np.stack((z[a], z[other]), axis=1) - centre[:, None]
         fresh["evidence"] = first[a] + np.where(paired, np.minimum(second[a], second[other]), 0.0)
         fresh["viewed"] = transform_points(inverse(lidar), centre)
@@ -192,7 +190,7 @@ class HypothesisTracker:
         likely = (rows["id"] < 0) & (self._odds >= config.start)
         if not likely.any():
             return
-        leg, known = rows["clusters"][:, 0], self._frame.known
+        leg, known = rows["clusters"].max(axis=1), self._frame.known
         still = ~self._grid.is_free(rows["x"][:, :2], time_s) | ~np.append(sight.free, True)[leg]
         sure = self._odds - 2.0 * config.memory * known * still >= config.sure
         sure |= (rows["way"] >= config.least_way) & (known >= 0.5)
