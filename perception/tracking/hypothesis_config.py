@@ -106,7 +106,7 @@ class HypothesisConfig:
     clutter: float = 0.2
     stride: float = 0.9
     leg: float = 0.1
-    pace: float = 1.0
+    pace: float = 1.5
     merge: float = 0.35
     own: float = 0.6
     near: float = 0.2
