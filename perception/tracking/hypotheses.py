@@ -15,7 +15,7 @@ HYPOTHESIS = np.dtype(
         ("p", np.float64, 3),  # covariance, see kalman.py
         ("looks", np.float64),  # how many looks from elsewhere its evidence comes from
         ("evidence", np.float64),  # mean log likelihood ratio of a look, person against thing
-        ("way", np.float64),  # how far it has moved of its own in the time that `path` reaches back [m]
+        ("moved", np.float64),  # how surely it has moved of its own, in [0, 1]
         ("swing", np.float64),  # how far it has ever moved before the laser within that time [m]
         ("missing", np.float64),  # what being unseen says: log likelihood ratio, 0 while it is seen
         ("viewed", np.float64, 2),  # where it was, in the laser's frame, at the last look [m]
@@ -25,7 +25,6 @@ HYPOTHESIS = np.dtype(
         ("clusters", np.int64, 2),  # rows of the clusters that are its legs in this scan; -1: none
         ("path", np.float64, (PATH, 2)),  # former places [m]
         ("seen", np.float64, (PATH, 2)),  # the same in the laser's frame [m]
-        ("came", np.uint8, PATH),  # whether nothing was at each before
         ("marked_s", np.float64),  # age at which the last of them was written [s]
         ("places", np.int64),  # how many were written
         ("age_s", np.float64),
@@ -111,62 +110,40 @@ def correct(rows: Any, z: Any, r: float, r_one: float, dt: float, fade: float) -
 
 
 @njit(cache=True, nogil=True)
-def distance_to(place: Any, z: Any, a: int, b: int) -> float:
-    """Return how far the nearer of the clusters `a` and `b` (rows of `z` (m, 2); -1: none) is from `place` (2,) [m]."""
-    nearest = np.inf
-    for c in (a, b):
-        if c >= 0:
-            dx, dy = place[0] - z[c, 0], place[1] - z[c, 1]
-            nearest = min(nearest, np.sqrt(dx * dx + dy * dy))
-    return nearest
+def note_path(rows: Any, seen: Any, free: Any, known: float, spacing_s: float, least: float, pace: float) -> None:
+    """Note which hypotheses have moved, and, each `spacing_s` [s], where they are.
 
-
-@njit(cache=True, nogil=True)
-def note_place(rows: Any, i: int, place: Any, seen: Any, new: bool) -> None:
-    """Note that hypothesis i is at `place` (2,) [m], `seen` in the laser's frame; `new`: nothing was there before."""
-    slot = rows["places"][i] % PATH
-    rows["path"][i, slot, 0], rows["path"][i, slot, 1] = place[0], place[1]
-    rows["seen"][i, slot, 0], rows["seen"][i, slot, 1] = seen[0], seen[1]
-    rows["came"][i, slot] = new
-    rows["places"][i] += 1
-    rows["marked_s"][i] = rows["age_s"][i]
-
-
-@njit(cache=True, nogil=True)
-def note_path(rows: Any, z: Any, seen: Any, left: Any, came: Any, hidden: Any, spacing_s: float) -> None:
-    """Note how far each hypothesis has moved, and, each `spacing_s` [s], where one of its clusters is.
-
-    It has moved if nothing was a moment ago where it is now, from a former place where nothing is left, or where
-    nothing was before it, either. Who walks away walks into the own shadow: there nobody knows what was, and a former
-    place where nothing is left tells as much. Two such places are needed, the nearer of the two farthest counts: a
-    cluster that flickers, or another one that is taken for it, moves once.
+    One has moved if it is `least` [m] from where it was within the time that its path reaches back, still faster than
+    `pace` [m/s], where nothing has stood still, in a frame that stands still: who is taken for one thing after the
+    other hops, and stands again.
 
     Args:
         rows: (n,) hypotheses.
-        z: (m, 2) clusters [m].
-        seen: (m, 2) the same in the laser's frame [m].
-        left: (n, PATH) whether the laser sees now that nothing is at each former place.
-        came: (m,) whether the place of each cluster was empty a moment ago.
-        hidden: (m,) whether nothing was seen to stand there.
+        seen: (m, 2) the clusters in the laser's frame [m].
+        free: (n,) whether nothing has stood still there.
+        known: How far the odometry frame stands still.
         spacing_s: Between two noted places [s].
+        least: [m].
+        pace: [m/s].
     """
     for i in range(len(rows)):
-        a, b = rows["clusters"][i, 0], rows["clusters"][i, 1]
-        if a < 0 and b < 0:
+        c = max(rows["clusters"][i, 0], rows["clusters"][i, 1])
+        if c < 0:
             continue
-        new = (a >= 0 and came[a]) or (b >= 0 and came[b])
-        unknown = (a < 0 or hidden[a] or came[a]) and (b < 0 or hidden[b] or came[b])
-        way, farthest = 0.0, 0.0
+        x, way = rows["x"][i], 0.0
         for k in range(min(rows["places"][i], PATH)):
-            nearest = distance_to(rows["path"][i, k], z, a, b)
-            rows["swing"][i] = max(distance_to(rows["seen"][i, k], seen, a, b), rows["swing"][i])
-            if not ((new and (left[i, k] or rows["came"][i, k])) or (unknown and left[i, k])):
-                continue
-            way, farthest = max(way, min(nearest, farthest)), max(nearest, farthest)
-        rows["way"][i] = way
+            px, py = x[0] - rows["path"][i, k, 0], x[1] - rows["path"][i, k, 1]
+            way = max(way, np.sqrt(px * px + py * py))
+            px, py = seen[c, 0] - rows["seen"][i, k, 0], seen[c, 1] - rows["seen"][i, k, 1]
+            rows["swing"][i] = max(np.sqrt(px * px + py * py), rows["swing"][i])
+        if free[i] and way >= least and x[2] * x[2] + x[3] * x[3] >= pace * pace:
+            rows["moved"][i] = max(rows["moved"][i], known)
         if rows["age_s"][i] - rows["marked_s"][i] >= spacing_s - 1e-9:
-            c = a if a >= 0 else b
-            note_place(rows, i, z[c], seen[c], new)
+            slot = rows["places"][i] % PATH
+            rows["path"][i, slot, 0], rows["path"][i, slot, 1] = x[0], x[1]
+            rows["seen"][i, slot, 0], rows["seen"][i, slot, 1] = seen[c, 0], seen[c, 1]
+            rows["places"][i] += 1
+            rows["marked_s"][i] = rows["age_s"][i]
 
 
 @njit(cache=True, nogil=True)
@@ -222,12 +199,13 @@ def weigh(
 
 
 @njit(cache=True, nogil=True)
-def log_odds(rows: Any, prior: float, alike: float) -> Any:
+def log_odds(rows: Any, prior: float, alike: float, moved: float) -> Any:
     """Return (n,) the log odds that each is a person: looks at one thing are `alike` (intraclass correlation)."""
     out = np.empty(len(rows))
     for i in range(len(rows)):
         n = rows["looks"][i]
         out[i] = prior + n / (1.0 + alike * max(n - 1.0, 0.0)) * rows["evidence"][i] + rows["missing"][i]
+        out[i] += moved * rows["moved"][i]
     return out
 
 

@@ -44,6 +44,7 @@ class PersonEvidenceConfig:
     second: float = 2.02
     second_from: float = -2.2
     empty: float = 4.5
+    moved: float = 2.0
     alike: float = 0.6
     most_looks: float = 10.0
     look: float = 0.3
@@ -98,6 +99,7 @@ class HypothesisConfig:
     sure: float = 3.5
     stop: float = 0.0
     least_way: float = 0.5
+    least_pace: float = 0.4
     came: float = 0.4
     body: float = 0.16
     still_s: float = 0.5

@@ -80,10 +80,7 @@ class HypothesisTracker:
         kernels.predict(self._rows, dt, self._tracker.motion.process_variance(dt))
         self._associate(sight, dt)
         self._correct(sight.z, dt)
-        left = self._now.look(self._rows["path"].reshape(-1, 2))[:, 0].reshape(-1, kernels.PATH) > 0.0
-        seen_at = transform_points(inverse(lidar), sight.z)
-        spacing_s = self._config.views.spacing_s
-        kernels.note_path(self._rows, sight.z, seen_at, left, sight.came, sight.hidden, spacing_s)
+        self._note_path(sight.z, lidar, scan.time_s)
         self._weigh(sight, lidar, dt)
         self._begin(sight, lidar)
         self._views.keep(scan, lidar)
@@ -115,8 +112,7 @@ class HypothesisTracker:
         possible = (detections.confidence > 0.0) & (apart >= self._config.near)
         affinity = np.clip(first - self._config.indifferent, *self._config.affinity)
         affinity = np.where(possible, affinity, -np.inf)
-        came, hidden = free & (empty >= self._config.came), free & (shares[:, 1] < self._config.came)
-        return _Sight(z, first, second, affinity, free, came, hidden)
+        return _Sight(z, first, second, affinity, free)
 
     def _remembering(self, detections: Detections, free: NDArray[np.bool_]) -> Detections:
         """Return `detections` (m,) less sure where something has stood still, and surer where it is `free` (m,)."""
@@ -141,6 +137,12 @@ class HypothesisTracker:
         motion = self._tracker.motion
         fade = float(np.exp(-dt / self._tracker.pairing.offset_s))
         kernels.correct(self._rows, z, motion.r, motion.r + motion.one_leg_variance, dt, fade)
+
+    def _note_path(self, z: Array, lidar: Array, time_s: float) -> None:
+        rows, config = self._rows, self._config
+        seen, free = transform_points(inverse(lidar), z), self._grid.is_free(rows["x"][:, :2], time_s)
+        known, spacing_s = self._frame.known, self._config.views.spacing_s
+        kernels.note_path(rows, seen, free, known, spacing_s, config.least_way, config.least_pace)
 
     def _weigh(self, sight: "_Sight", lidar: Array, dt: float) -> None:
         rows, config = self._rows, self._config.evidence
@@ -169,14 +171,13 @@ class HypothesisTracker:
         fresh["evidence"] = first[a] + np.where(paired, np.minimum(second[a], second[other]), 0.0)
         fresh["viewed"] = transform_points(inverse(lidar), centre)
         fresh["stood"] = centre
-        fresh["seen"][:, 0] = transform_points(inverse(lidar), z[a])
-        fresh["path"][:, 0], fresh["places"], fresh["came"][:, 0] = z[a], 1, sight.came[a]
+        fresh["path"][:, 0], fresh["seen"][:, 0], fresh["places"] = centre, transform_points(inverse(lidar), z[a]), 1
         self._rows = np.concatenate((self._rows, fresh))
 
     def _end(self, time_s: float) -> None:
         """End duplicates, and hypotheses that nobody believes in."""
         config = self._config
-        rows, odds = self._rows, kernels.log_odds(self._rows, config.evidence.prior, config.evidence.alike)
+        rows, odds = self._rows, kernels.log_odds(self._rows, config.evidence.prior, config.evidence.alike, config.evidence.moved)
         keep = kernels.without_duplicates(rows, odds, config.merge, config.own)
         known = rows["id"] >= 0
         keep &= (rows["p"][:, 0] <= self._tracker.termination.epsilon) & np.where(known, odds >= config.stop, True)
@@ -193,7 +194,6 @@ class HypothesisTracker:
         leg, known = rows["clusters"].max(axis=1), self._frame.known
         still = ~self._grid.is_free(rows["x"][:, :2], time_s) | ~np.append(sight.free, True)[leg]
         sure = self._odds - 2.0 * config.memory * known * still >= config.sure
-        sure |= (rows["way"] >= config.least_way) & (known >= 0.5)
         for i in np.flatnonzero(likely & sure):
             number = self._lost.identify(rows[i], time_s)
             rows["id"][i] = self._next_id if number < 0 else number
@@ -238,8 +238,6 @@ class _Sight:
         second: (m,) as the other one.
         affinity: (m,) what each says to association.
         free: (m,) whether nothing has stood still there.
-        came: (m,) whether nothing at all was there a moment ago.
-        hidden: (m,) whether nothing was seen to stand there a moment ago: nothing was, or nobody knows.
     """
 
     z: Array
@@ -247,5 +245,3 @@ class _Sight:
     second: Array
     affinity: Array
     free: NDArray[np.bool_]
-    came: NDArray[np.bool_]
-    hidden: NDArray[np.bool_]
