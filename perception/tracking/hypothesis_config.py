@@ -95,8 +95,8 @@ class HypothesisConfig:
     views: RecentViewsConfig = field(default_factory=RecentViewsConfig)
     frame: StillFrameConfig = field(default_factory=StillFrameConfig)
     unknown: float = 0.3
-    start: float = 2.0
-    sure: float = 3.5
+    start: float = 3.5
+    again: float = 2.0
     stop: float = 0.0
     least_way: float = 0.5
     least_pace: float = 0.4

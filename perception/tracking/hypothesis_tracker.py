@@ -188,16 +188,19 @@ class HypothesisTracker:
     def _believe(self, sight: "_Sight", time_s: float) -> None:
         """Give a number to those who are people now: their old one, where they are somebody lost."""
         config, rows = self._config, self._rows
-        likely = (rows["id"] < 0) & (self._odds >= config.start)
-        if not likely.any():
-            return
-        leg, known = rows["clusters"].max(axis=1), self._frame.known
-        still = ~self._grid.is_free(rows["x"][:, :2], time_s) | ~np.append(sight.free, True)[leg]
-        sure = self._odds - 2.0 * config.memory * known * still >= config.sure
-        for i in np.flatnonzero(likely & sure):
-            number = self._lost.identify(rows[i], time_s)
-            rows["id"][i] = self._next_id if number < 0 else number
-            self._next_id += number < 0
+        odds = self._odds - 2.0 * config.memory * self._frame.known * self._stands(sight, time_s)
+        for i in np.flatnonzero((rows["id"] < 0) & (odds >= config.start - config.again)):
+            lost = self._lost.nearest(rows[i], time_s)
+            if lost >= 0:
+                rows["id"][i] = self._lost.take(lost)
+            elif odds[i] >= config.start:
+                rows["id"][i] = self._next_id
+                self._next_id += 1
+
+    def _stands(self, sight: "_Sight", time_s: float) -> NDArray[np.bool_]:
+        """Return (n,) which hypotheses are where something has stood still."""
+        free = self._grid.is_free(self._rows["x"][:, :2], time_s)
+        return ~free | ~np.append(sight.free, True)[self._rows["clusters"].max(axis=1)]
 
     def _mark_grid(self, points: Array, pose: Array, time_s: float, dt: float) -> None:
         """Mark where something stands, but never where a person does, by the returns `points` (k, 2) of a scan."""
