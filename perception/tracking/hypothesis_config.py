@@ -95,11 +95,12 @@ class HypothesisConfig:
     views: RecentViewsConfig = field(default_factory=RecentViewsConfig)
     frame: StillFrameConfig = field(default_factory=StillFrameConfig)
     unknown: float = 0.3
-    start: float = 3.5
-    again: float = 2.0
+    start: float = 4.0
+    again: float = 2.5
     stop: float = 0.0
     least_way: float = 0.5
     least_pace: float = 0.4
+    vague: float = 0.5
     came: float = 0.4
     body: float = 0.16
     still_s: float = 0.5

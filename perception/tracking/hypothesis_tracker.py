@@ -180,7 +180,7 @@ class HypothesisTracker:
         rows, odds = self._rows, kernels.log_odds(self._rows, config.evidence.prior, config.evidence.alike, config.evidence.moved)
         keep = kernels.without_duplicates(rows, odds, config.merge, config.own)
         known = rows["id"] >= 0
-        keep &= (rows["p"][:, 0] <= self._tracker.termination.epsilon) & np.where(known, odds >= config.stop, True)
+        keep &= (rows["p"][:, 0] <= config.vague) & np.where(known, odds >= config.stop, True)
         keep &= known | (rows["unseen_s"] <= config.tentative_s)
         self._lost.add(rows[~keep & known], time_s)
         self._rows, self._odds = rows[keep], odds[keep]
