@@ -112,7 +112,7 @@ class HypothesisTracker:
         possible = (detections.confidence > 0.0) & (apart >= self._config.near)
         affinity = np.clip(first - self._config.indifferent, *self._config.affinity)
         affinity = np.where(possible, affinity, -np.inf)
-        return _Sight(z, first, second, affinity, free)
+        return _Sight(z, first, second, affinity, free, empty >= self._config.came)
 
     def _remembering(self, detections: Detections, free: NDArray[np.bool_]) -> Detections:
         """Return `detections` (m,) less sure where something has stood still, and surer where it is `free` (m,)."""
@@ -188,7 +188,7 @@ class HypothesisTracker:
     def _believe(self, sight: "_Sight", time_s: float) -> None:
         """Give a number to those who are people now: their old one, where they are somebody lost."""
         config, rows = self._config, self._rows
-        odds = self._odds - 2.0 * config.memory * self._frame.known * self._stands(sight, time_s)
+        odds = self._odds - 2.0 * config.memory * self._frame.known * self._may_stand(sight, time_s)
         for i in np.flatnonzero((rows["id"] < 0) & (odds >= config.start - config.again)):
             lost = self._lost.nearest(rows[i], time_s)
             if lost >= 0:
@@ -197,10 +197,12 @@ class HypothesisTracker:
                 rows["id"][i] = self._next_id
                 self._next_id += 1
 
-    def _stands(self, sight: "_Sight", time_s: float) -> NDArray[np.bool_]:
-        """Return (n,) which hypotheses are where something has stood still."""
-        free = self._grid.is_free(self._rows["x"][:, :2], time_s)
-        return ~free | ~np.append(sight.free, True)[self._rows["clusters"].max(axis=1)]
+    def _may_stand(self, sight: "_Sight", time_s: float) -> NDArray[np.bool_]:
+        """Return (n,) which hypotheses are where something stands still, or may do so for all that is known yet."""
+        config, rows = self._config, self._rows
+        leg = rows["clusters"].max(axis=1)
+        free = self._grid.is_free(rows["x"][:, :2], time_s) & np.append(sight.free, True)[leg]
+        return ~free | ((rows["age_s"] < config.still_s) & ~np.append(sight.came, False)[leg])
 
     def _mark_grid(self, points: Array, pose: Array, time_s: float, dt: float) -> None:
         """Mark where something stands, but never where a person does, by the returns `points` (k, 2) of a scan."""
@@ -241,6 +243,7 @@ class _Sight:
         second: (m,) as the other one.
         affinity: (m,) what each says to association.
         free: (m,) whether nothing has stood still there.
+        came: (m,) whether nothing at all was there a moment ago.
     """
 
     z: Array
@@ -248,3 +251,4 @@ class _Sight:
     second: Array
     affinity: Array
     free: NDArray[np.bool_]
+    came: NDArray[np.bool_]
