@@ -15,16 +15,17 @@ HYPOTHESIS = np.dtype(
         ("p", np.float64, 3),  # covariance, see kalman.py
         ("looks", np.float64),  # how many looks from elsewhere its evidence comes from
         ("evidence", np.float64),  # mean log likelihood ratio of a look, person against thing
-        ("moved", np.float64),  # how surely it has moved of its own, in [0, 1]
+        ("born", np.float64, 2),  # where it began [m]
+        ("moved", np.float64),  # how far it has moved of its own from there, as far as that is known [m]
         ("swing", np.float64),  # how far it has ever moved before the laser within that time [m]
         ("missing", np.float64),  # what being unseen says: log likelihood ratio, 0 while it is seen
         ("viewed", np.float64, 2),  # where it was, in the laser's frame, at the last look [m]
         ("stood", np.float64, 2),  # and in the odometry frame [m]
         ("legs", np.float64, (2, 2)),  # of both legs from the centre [m]
         ("leg_unseen_s", np.float64, 2),  # since each leg was seen [s]
-        ("clusters", np.int64, 2),  # rows of the clusters that are its legs in this scan; -1: none
+        ("clusters", np.int64, 2),  # rows of the clusters that are these legs in this scan; -1: none
         ("path", np.float64, (PATH, 2)),  # former places [m]
-        ("seen", np.float64, (PATH, 2)),  # the same in the laser's frame [m]
+        ("seen", np.float64, (PATH, 2)),  # of a leg then, in the laser's frame [m]
         ("marked_s", np.float64),  # age at which the last of them was written [s]
         ("places", np.int64),  # how many were written
         ("age_s", np.float64),
@@ -48,29 +49,45 @@ def predict(rows: Any, dt: float, q: float) -> None:
 
 @njit(cache=True, nogil=True)
 def leg_costs(
-    rows: Any, z: Any, e: Any, thing: Any, dt: float, r: float, pace: float, apart: float, clutter: float, cost: Any
+    rows: Any, z: Any, e: Any, thing: Any, r: float, pace: float, reach: float, clutter: float, cost: Any
 ) -> None:
     """Write into `cost` (2 n, m) how unlikely each cluster is each leg: negative log likelihood ratio.
 
-    Rows 2 i and 2 i + 1 are the legs of hypothesis i. A leg is where it was last seen, moved on with its person, with
-    the variance `r` [m^2] and what it may have swung since at `pace` [m/s], but no farther than `apart` [m] from the
-    predicted centre; other things are anywhere, `clutter` of them a square metre; `e` (m,) is the evidence of what the
-    cluster itself shows.
+    A leg is where it was last seen, moved on with its person, but for the variance `r` and what it may have swung since
+    then; a leg that was never seen, or long ago, is anywhere beside the predicted centre.
+
+    Args:
+        rows: (n,) hypotheses, predicted; 2 i and 2 i + 1 are the legs of hypothesis i.
+        z: (m, 2) clusters [m].
+        e: (m,) evidence of what each cluster itself shows.
+        thing: (m,) how much likelier each is a thing that has stood there than a leg that has come there.
+        r: Variance with which the place of a leg is seen [m^2].
+        pace: How fast a leg swings past its person [m/s].
+        reach: Farthest that a leg is from the centre [m].
+        clutter: Things that could be legs, a square metre.
+        cost: Where to write.
     """
     for i in range(len(rows)):
-        x, legs = rows["x"][i], rows["legs"][i]
-        farthest = rows["p"][i, 0] + apart * apart
-        reach = apart * apart + 4.0 * rows["p"][i, 0]
+        x, p = rows["x"][i], rows["p"][i, 0]
         for s in range(2):
-            s2 = r + min((pace * rows["leg_unseen_s"][i, s]) ** 2, farthest)
-            base = np.log(2.0 * np.pi * s2 * clutter)
+            unseen_s = rows["leg_unseen_s"][i, s]
+            leg_x, leg_y = x[0] + rows["legs"][i, s, 0], x[1] + rows["legs"][i, s, 1]
+            was_x, was_y = leg_x - unseen_s * x[2], leg_y - unseen_s * x[3]
+            variance = r + min((pace * unseen_s) ** 2, reach * reach + p)
+            base = np.log(2.0 * np.pi * variance * clutter)
             for j in range(len(z)):
-                dx, dy = z[j, 0] - x[0] - legs[s, 0], z[j, 1] - x[1] - legs[s, 1]
-                cost[2 * i + s, j] = 0.5 * (dx * dx + dy * dy) / s2 + base - e[j]
-                if (z[j, 0] - x[0]) ** 2 + (z[j, 1] - x[1]) ** 2 > reach:
+                if square_distance(z[j, 0], z[j, 1], x[0], x[1]) > reach * reach + 4.0 * p:
                     cost[2 * i + s, j] = np.inf
-                if (dx + x[2] * dt) ** 2 + (dy + x[3] * dt) ** 2 > r:
-                    cost[2 * i + s, j] += thing[j]
+                    continue
+                off = square_distance(z[j, 0], z[j, 1], leg_x, leg_y)
+                come = square_distance(z[j, 0], z[j, 1], was_x, was_y) > r
+                cost[2 * i + s, j] = 0.5 * off / variance + base - e[j] + (thing[j] if come else 0.0)
+
+
+@njit(cache=True, nogil=True)
+def square_distance(x: float, y: float, other_x: float, other_y: float) -> float:
+    """Return the squared distance of two places [m^2]."""
+    return (x - other_x) ** 2 + (y - other_y) ** 2
 
 
 @njit(cache=True, nogil=True)
@@ -80,70 +97,86 @@ def correct(rows: Any, z: Any, r: float, r_one: float, dt: float, fade: float) -
     Two legs measure the centre with variance `r`, one with `r_one`. `fade` is the share of what is known of an unseen
     leg's place that is kept.
     """
-    x, p, legs, clusters = rows["x"], rows["p"], rows["legs"], rows["clusters"]
+    x, p = rows["x"], rows["p"]
     for i in range(len(rows)):
         rows["age_s"][i] += dt
-        a, b = clusters[i, 0], clusters[i, 1]
+        a, b = rows["clusters"][i, 0], rows["clusters"][i, 1]
         if a < 0 and b < 0:
             rows["unseen_s"][i] += dt
             continue
         rows["unseen_s"][i] = 0.0
-        c = max(a, b)
-        zx, zy, noise = z[c, 0], z[c, 1], r_one
-        if a >= 0 and b >= 0:
-            zx, zy = z[a, 0], z[a, 1]
-            zx, zy, noise = 0.5 * (zx + z[b, 0]), 0.5 * (zy + z[b, 1]), r
+        first, second = a if a >= 0 else b, b if b >= 0 else a
+        noise = r if a >= 0 and b >= 0 else r_one
         k, gain = p[i, 0] / (p[i, 0] + noise), p[i, 1] / (p[i, 0] + noise)
-        dx, dy = zx - x[i, 0], zy - x[i, 1]
+        dx, dy = 0.5 * (z[first, 0] + z[second, 0]) - x[i, 0], 0.5 * (z[first, 1] + z[second, 1]) - x[i, 1]
         x[i, 0] += k * dx
         x[i, 1] += k * dy
         x[i, 2] += gain * dx
         x[i, 3] += gain * dy
         p[i, 2] -= gain * p[i, 1]
         p[i, 0], p[i, 1] = (1.0 - k) * p[i, 0], (1.0 - k) * p[i, 1]
-        for s in range(2):
-            if clusters[i, s] >= 0:
-                legs[i, s, 0], legs[i, s, 1] = z[clusters[i, s], 0] - x[i, 0], z[clusters[i, s], 1] - x[i, 1]
-                rows["leg_unseen_s"][i, s] = 0.0
-            else:
-                legs[i, s, 0], legs[i, s, 1] = fade * legs[i, s, 0], fade * legs[i, s, 1]
+        place_legs(rows, i, z, fade)
 
 
 @njit(cache=True, nogil=True)
-def note_path(rows: Any, seen: Any, free: Any, known: float, spacing_s: float, least: float, pace: float) -> None:
+def place_legs(rows: Any, i: int, z: Any, fade: float) -> None:
+    """Write where the legs of hypothesis i are; an unseen one is near the centre after a while, see `correct`."""
+    x, legs = rows["x"][i], rows["legs"][i]
+    for s in range(2):
+        c = rows["clusters"][i, s]
+        if c >= 0:
+            legs[s, 0], legs[s, 1] = z[c, 0] - x[0], z[c, 1] - x[1]
+            rows["leg_unseen_s"][i, s] = 0.0
+        else:
+            legs[s, 0], legs[s, 1] = fade * legs[s, 0], fade * legs[s, 1]
+
+
+@njit(cache=True, nogil=True)
+def note_path(
+    rows: Any, seen: Any, free: Any, known: float, spacing_s: float, least: float, pace: float, jitter: float
+) -> None:
     """Note which hypotheses have moved, and, each `spacing_s` [s], where they are.
 
-    One has moved if it is `least` [m] from where it was within the time that its path reaches back, still faster than
-    `pace` [m/s], where nothing has stood still, in a frame that stands still: who is taken for one thing after the
-    other hops, and stands again.
+    One has moved if it is `least` away from where it was within the time that its path reaches back, and still moves
+    at `pace`: who is taken for one thing and then for another hops, and stands again.
 
     Args:
-        rows: (n,) hypotheses.
-        seen: (m, 2) the clusters in the laser's frame [m].
-        free: (n,) whether nothing has stood still there.
-        known: How far the odometry frame stands still.
+        rows: (n,) hypotheses, corrected.
+        seen: (m, 2) clusters in the laser's frame [m].
+        free: (n,) whether nothing has stood still where each hypothesis is.
+        known: How far the odometry frame stands still: only then is motion in it motion.
         spacing_s: Between two noted places [s].
         least: [m].
         pace: [m/s].
+        jitter: What has never moved as far before the laser may be a part of the robot [m].
     """
     for i in range(len(rows)):
         c = max(rows["clusters"][i, 0], rows["clusters"][i, 1])
         if c < 0:
             continue
-        x, way = rows["x"][i], 0.0
+        x, way, swing = rows["x"][i], 0.0, 0.0
         for k in range(min(rows["places"][i], PATH)):
-            px, py = x[0] - rows["path"][i, k, 0], x[1] - rows["path"][i, k, 1]
-            way = max(way, np.sqrt(px * px + py * py))
-            px, py = seen[c, 0] - rows["seen"][i, k, 0], seen[c, 1] - rows["seen"][i, k, 1]
-            rows["swing"][i] = max(np.sqrt(px * px + py * py), rows["swing"][i])
-        if free[i] and way >= least and x[2] * x[2] + x[3] * x[3] >= pace * pace:
-            rows["moved"][i] = max(rows["moved"][i], known)
+            path, view = rows["path"][i, k], rows["seen"][i, k]
+            way = max(way, square_distance(x[0], x[1], path[0], path[1]))
+            swing = max(swing, square_distance(seen[c, 0], seen[c, 1], view[0], view[1]))
+        rows["swing"][i] = max(rows["swing"][i], np.sqrt(swing))
+        goes = way >= least * least and x[2] * x[2] + x[3] * x[3] >= pace * pace
+        if goes and free[i] and rows["swing"][i] >= jitter:
+            born = rows["born"][i]
+            away = np.sqrt(square_distance(x[0], x[1], born[0], born[1]))
+            rows["moved"][i] = max(rows["moved"][i], known * away)
         if rows["age_s"][i] - rows["marked_s"][i] >= spacing_s - 1e-9:
-            slot = rows["places"][i] % PATH
-            rows["path"][i, slot, 0], rows["path"][i, slot, 1] = x[0], x[1]
-            rows["seen"][i, slot, 0], rows["seen"][i, slot, 1] = seen[c, 0], seen[c, 1]
-            rows["places"][i] += 1
-            rows["marked_s"][i] = rows["age_s"][i]
+            note_place(rows, i, x, seen[c])
+
+
+@njit(cache=True, nogil=True)
+def note_place(rows: Any, i: int, place: Any, seen: Any) -> None:
+    """Note that hypothesis i is at `place` [m], `seen` in the laser's frame."""
+    slot = rows["places"][i] % PATH
+    rows["path"][i, slot, 0], rows["path"][i, slot, 1] = place[0], place[1]
+    rows["seen"][i, slot, 0], rows["seen"][i, slot, 1] = seen[0], seen[1]
+    rows["places"][i] += 1
+    rows["marked_s"][i] = rows["age_s"][i]
 
 
 @njit(cache=True, nogil=True)
@@ -199,13 +232,17 @@ def weigh(
 
 
 @njit(cache=True, nogil=True)
-def log_odds(rows: Any, prior: float, alike: float, moved: float) -> Any:
-    """Return (n,) the log odds that each is a person: looks at one thing are `alike` (intraclass correlation)."""
+def log_odds(rows: Any, prior: float, alike: float, moved: float, stride: float) -> Any:
+    """Return (n,) the log odds that each is a person.
+
+    Looks at one thing are `alike` (intraclass correlation); what has `moved` is likelier a person by as much.
+    """
     out = np.empty(len(rows))
     for i in range(len(rows)):
         n = rows["looks"][i]
-        out[i] = prior + n / (1.0 + alike * max(n - 1.0, 0.0)) * rows["evidence"][i] + rows["missing"][i]
-        out[i] += moved * rows["moved"][i]
+        out[i] = prior + n / (1.0 + alike * max(n - 1.0, 0.0)) * rows["evidence"][i]
+        n = rows["moved"][i] / stride
+        out[i] += n / (1.0 + alike * max(n - 1.0, 0.0)) * moved + rows["missing"][i]
     return out
 
 

@@ -36,6 +36,10 @@ _VOTES = (0.01, 0.99)
 """A forest of some ten trees is no surer than this."""
 
 
+_LONG_AGO_S = 1e3
+"""A leg that was never seen is as uncertain as one that was last seen so long ago."""
+
+
 class HypothesisTracker:
     """Tracks people in the odometry frame, with moving or standing robots, by hypotheses of whole people.
 
@@ -78,7 +82,7 @@ class HypothesisTracker:
         self._now.reset()
         self._now.keep(scan, lidar)
         kernels.predict(self._rows, dt, self._tracker.motion.process_variance(dt))
-        self._associate(sight, dt)
+        self._associate(sight)
         self._correct(sight.z, dt)
         self._note_path(sight.z, lidar, scan.time_s)
         self._weigh(sight, lidar, dt)
@@ -121,13 +125,17 @@ class HypothesisTracker:
         confidence = np.where(detections.confidence > 0.0, odds / (1.0 + odds), 0.0)
         return replace(detections, confidence=confidence, human=confidence >= self._tracker.confirmation.gamma)
 
-    def _associate(self, sight: "_Sight", dt: float) -> None:
-        """Give the legs of all hypotheses the clusters that they are together most likely."""
+    def _associate(self, sight: "_Sight") -> None:
+        """Give the legs of all hypotheses the clusters that they are together most likely.
+
+        A cluster where something has stood still is that thing: it is somewhere in three by three cells of the grid,
+        not anywhere; who steps there is seen beside it.
+        """
         config, rows, z = self._config, self._rows, sight.z
-        cost = np.empty((2 * len(rows), len(z)))
-        side = 3.0 * self._tracker.grid.resolution
-        thing = ~sight.free * self._frame.known * np.log(1.0 / (side**2 * config.clutter))
-        kernels.leg_costs(rows, z, sight.affinity, thing, dt, config.leg**2, config.pace, 0.5 * config.stride, config.clutter, cost)
+        cost, side = np.empty((2 * len(rows), len(z))), 3.0 * self._tracker.grid.resolution
+        thing = np.where(sight.free, 0.0, -self._frame.known * np.log(side**2 * config.clutter))
+        legs = config.leg**2, config.pace, 0.5 * config.stride, config.clutter
+        kernels.leg_costs(rows, z, sight.affinity, thing, *legs, cost)
         clusters = np.full(2 * len(rows), -1)
         i, j = assign(cost, 0.0)
         clusters[i] = j
@@ -142,7 +150,8 @@ class HypothesisTracker:
         rows, config = self._rows, self._config
         seen, free = transform_points(inverse(lidar), z), self._grid.is_free(rows["x"][:, :2], time_s)
         known, spacing_s = self._frame.known, self._config.views.spacing_s
-        kernels.note_path(rows, seen, free, known, spacing_s, config.least_way, config.least_pace)
+        least = config.least_way, config.least_pace, config.evidence.jitter
+        kernels.note_path(rows, seen, free, known, spacing_s, *least)
 
     def _weigh(self, sight: "_Sight", lidar: Array, dt: float) -> None:
         rows, config = self._rows, self._config.evidence
@@ -166,18 +175,18 @@ class HypothesisTracker:
         fresh["id"], fresh["clusters"], fresh["looks"] = -1, found, 1.0
         fresh["x"][:, :2] = centre = 0.5 * (z[a] + z[other])
         fresh["p"] = (motion.initial_variance, 0.0, 4.0 * motion.initial_variance)  # nobody begins at rest
-        fresh["leg_unseen_s"] = np.where(found >= 0, 0.0, np.inf)
+        fresh["leg_unseen_s"] = np.where(found >= 0, 0.0, _LONG_AGO_S)
         fresh["legs"] = np.stack((z[a], z[other]), axis=1) - centre[:, None]
         fresh["evidence"] = first[a] + np.where(paired, np.minimum(second[a], second[other]), 0.0)
         fresh["viewed"] = transform_points(inverse(lidar), centre)
-        fresh["stood"] = centre
+        fresh["stood"] = fresh["born"] = centre
         fresh["path"][:, 0], fresh["seen"][:, 0], fresh["places"] = centre, transform_points(inverse(lidar), z[a]), 1
         self._rows = np.concatenate((self._rows, fresh))
 
     def _end(self, time_s: float) -> None:
         """End duplicates, and hypotheses that nobody believes in."""
-        config = self._config
-        rows, odds = self._rows, kernels.log_odds(self._rows, config.evidence.prior, config.evidence.alike, config.evidence.moved)
+        config, rows, evidence = self._config, self._rows, self._config.evidence
+        odds = kernels.log_odds(rows, evidence.prior, evidence.alike, evidence.moved, config.least_way)
         keep = kernels.without_duplicates(rows, odds, config.merge, config.own)
         known = rows["id"] >= 0
         keep &= (rows["p"][:, 0] <= config.vague) & np.where(known, odds >= config.stop, True)
@@ -186,7 +195,7 @@ class HypothesisTracker:
         self._rows, self._odds = rows[keep], odds[keep]
 
     def _believe(self, sight: "_Sight", time_s: float) -> None:
-        """Give a number to those who are people now: their old one, where they are somebody lost."""
+        """Give a number to those who are people now; somebody lost is found again sooner, under the old number."""
         config, rows = self._config, self._rows
         odds = self._odds - 2.0 * config.memory * self._frame.known * self._may_stand(sight, time_s)
         for i in np.flatnonzero((rows["id"] < 0) & (odds >= config.start - config.again)):
