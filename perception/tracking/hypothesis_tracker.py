@@ -214,8 +214,9 @@ class HypothesisTracker:
         return ~free | ((rows["age_s"] < config.still_s) & ~np.append(sight.came, False)[leg])
 
     def _mark_grid(self, points: Array, pose: Array, time_s: float, dt: float) -> None:
-        """Mark where something stands, but never where a person does, by the returns `points` (k, 2) of a scan."""
-        known = self._rows[self._rows["id"] >= 0]
+        """Mark where something stands by the returns `points` (k, 2) of a scan, but not where a person does who came."""
+        rows = self._rows
+        known = rows[(rows["id"] >= 0) & (rows["moved"] >= self._config.least_way)]
         people = np.concatenate((known["x"][:, None, :2], known["x"][:, None, :2] + known["legs"]), axis=1)
         all_of_them = np.zeros(1, dtype=np.int64), np.array([len(points)]), np.ones(1, dtype=np.bool_)
         things = points_of_things(points, *all_of_them, people.reshape(-1, 2), self._tracker.grid.clearance)

@@ -237,6 +237,18 @@ def test_who_goes_out_of_sight_beside_a_post_is_not_that_post(hall):
     assert counts[-1] == 0
 
 
+@pytest.mark.parametrize(("begin", "still"), [(3.0, True), (4.2, False)])
+def test_where_somebody_stands_something_stands_unless_the_person_has_walked_there(hall, begin, still):
+    for k in range(25):
+        x, pose = max(3.0, begin - 0.15 * k), np.array([0.05 * k, 0.5, 0.0])
+        people = hall.show([[x, 0.0], [x, 0.3]], confidence=0.95, odometry=pose)
+    assert len(people) == 1
+    hall.detector.confidence = np.full(2, 0.3)
+    scan = scan_of(hall.detector.positions, 26 / hall.rate_hz, wall=wall_from(pose))
+    confidence = hall.tracker.update(scan, pose).detections.confidence[:2]
+    assert (confidence < 0.3).all() if still else (confidence > 0.3).all()
+
+
 def test_somebody_lost_is_believed_in_again_sooner_than_somebody_new(make_hall, step):
     def scans_until_seen(known):
         hall = make_hall()
