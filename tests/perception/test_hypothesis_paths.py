@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
-from tagalong.perception.tracking.hypotheses import HYPOTHESIS, leg_costs, log_odds, note_path
+from tagalong.perception.tracking.config import TrackerConfig
+from tagalong.perception.tracking.hypotheses import HYPOTHESIS, correct, leg_costs, log_odds, note_path, predict
+from tagalong.perception.tracking.lost_people import LostPeople
 
 
 def noted(way, speed=1.0, free=True, known=1.0):
@@ -61,3 +63,31 @@ def test_a_leg_seen_a_moment_ago_is_sought_nearer_than_one_long_hidden():
 def test_a_thing_that_has_stood_there_is_no_leg_that_comes_there_but_may_be_one_that_has_been_there():
     assert costs_of([2.0, -0.3], thing=5.0)[0] == pytest.approx(costs_of([2.0, -0.3])[0] + 5.0)
     assert costs_of([2.0, -0.2], thing=5.0)[0] == costs_of([2.0, -0.2])[0]
+
+
+def test_the_leg_that_is_seen_is_known_and_the_other_one_is_less_so_from_scan_to_scan():
+    rows = np.zeros(1, HYPOTHESIS)
+    rows["x"], rows["legs"], rows["p"] = (2.0, 0.0, 0.0, 0.0), [[0.0, -0.2], [0.0, 0.2]], (0.05, 0.0, 0.2)
+    for _ in range(3):
+        predict(rows, 0.1, 0.01)
+        rows["clusters"] = (-1, 0)
+        correct(rows, np.array([[2.0, 0.2]]), 0.1, 0.2, 0.1, 0.5)
+    assert rows["leg_unseen_s"][0] == pytest.approx([0.3, 0.0])
+    assert rows["x"][0, :2] + rows["legs"][0, 1] == pytest.approx([2.0, 0.2])
+    assert np.abs(rows["legs"][0, 0]).max() == pytest.approx(0.2 * 0.5**3)
+
+
+def test_one_leg_tells_less_of_the_centre_than_two():
+    rows = np.zeros(2, HYPOTHESIS)
+    rows["p"], rows["clusters"] = (0.1, 0.0, 0.2), [[0, -1], [0, 1]]
+    correct(rows, np.array([[0.1, 0.0], [0.1, 0.0]]), 0.1, 0.2, 0.1, 0.5)
+    assert rows["x"][:, 0] == pytest.approx([0.1 / 3, 0.05])
+
+
+def test_somebody_lost_is_found_once():
+    lost, somebody = LostPeople(TrackerConfig()), np.zeros(1, HYPOTHESIS)
+    somebody["id"], somebody["age_s"] = 7, 5.0
+    lost.add(somebody, 10.0)
+    found = np.zeros(1, HYPOTHESIS)[0]
+    assert lost.take(lost.nearest(found, 11.0)) == 7
+    assert lost.nearest(found, 11.0) == -1

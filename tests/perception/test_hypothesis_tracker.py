@@ -271,6 +271,20 @@ def test_whom_nobody_saw_come_is_not_believed_in_by_looks_before_it_is_known_whe
     assert len(hall.show(legs, confidence=0.95, odometry=(0.48, 1.0, 0.0))) == 1
 
 
+def test_who_comes_where_nothing_was_is_a_person_before_what_stands_could_be_known_to_stand(hall):
+    for _ in range(10):
+        hall.show(())
+    assert len(hall.show([[3.0, -1.0], [3.0, -0.8]], confidence=0.25)) == 1
+
+
+def test_a_leg_that_shows_itself_beside_somebody_seen_by_one_is_the_other_one(make_hall):
+    hall = make_hall(40.0)
+    for _ in range(60):
+        hall.show(())
+    assert len(hall.show([[3.0, 0.0]], confidence=0.95)) == 1
+    assert list(hall.show([[3.0, 0.0], [3.0, 0.42]], confidence=0.95).seen_legs.owner) == [0, 0]
+
+
 def test_two_runs_are_equal_and_a_reset_tracker_starts_anew(make_hall):
     first, second = make_hall(), make_hall()
     for k in range(20):
