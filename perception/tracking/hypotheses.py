@@ -27,6 +27,7 @@ HYPOTHESIS = np.dtype(
         ("path", np.float64, (PATH, 2)),  # former places [m]
         ("seen", np.float64, (PATH, 2)),  # of a leg then, in the laser's frame [m]
         ("marked_s", np.float64),  # age at which the last of them was written [s]
+        ("stands_s", np.float64),  # for how long it has been seen without moving since it has a number [s]
         ("places", np.int64),  # how many were written
         ("age_s", np.float64),
         ("unseen_s", np.float64),
@@ -133,7 +134,15 @@ def place_legs(rows: Any, i: int, z: Any, fade: float) -> None:
 
 @njit(cache=True, nogil=True)
 def note_path(
-    rows: Any, seen: Any, free: Any, known: float, spacing_s: float, least: float, pace: float, jitter: float
+    rows: Any,
+    seen: Any,
+    free: Any,
+    known: float,
+    dt: float,
+    spacing_s: float,
+    least: float,
+    pace: float,
+    jitter: float,
 ) -> None:
     """Note which hypotheses have moved, and, each `spacing_s` [s], where they are.
 
@@ -145,6 +154,7 @@ def note_path(
         seen: (m, 2) clusters in the laser's frame [m].
         free: (n,) whether nothing has stood still where each hypothesis is.
         known: How far the odometry frame stands still: only then is motion in it motion.
+        dt: Since the last scan [s].
         spacing_s: Between two noted places [s].
         least: [m].
         pace: [m/s].
@@ -161,7 +171,9 @@ def note_path(
             swing = max(swing, square_distance(seen[c, 0], seen[c, 1], view[0], view[1]))
         rows["swing"][i] = max(rows["swing"][i], np.sqrt(swing))
         goes = way >= least * least and x[2] * x[2] + x[3] * x[3] >= pace * pace
+        rows["stands_s"][i] += dt if rows["id"][i] >= 0 else 0.0
         if goes and free[i] and rows["swing"][i] >= jitter:
+            rows["stands_s"][i] = 0.0
             born = rows["born"][i]
             away = np.sqrt(square_distance(x[0], x[1], born[0], born[1]))
             rows["moved"][i] = max(rows["moved"][i], known * away)

@@ -84,12 +84,12 @@ class HypothesisTracker:
         kernels.predict(self._rows, dt, self._tracker.motion.process_variance(dt))
         self._associate(sight)
         self._correct(sight.z, dt)
-        self._note_path(sight.z, lidar, scan.time_s)
+        self._note_path(sight.z, lidar, scan.time_s, dt)
         self._weigh(sight, lidar, dt)
         self._begin(sight, lidar)
         self._views.keep(scan, lidar)
-        self._end(scan.time_s)
-        self._believe(sight, scan.time_s)
+        self._end(sight, scan.time_s)
+        self._believe(scan.time_s)
         self._mark_grid(transform_points(lidar, scan.points), pose, scan.time_s, dt)
         return TrackerUpdate(self._people(scan.time_s, sight.z), self._remembering(detections, sight.free), pose)
 
@@ -146,12 +146,12 @@ class HypothesisTracker:
         fade = float(np.exp(-dt / self._tracker.pairing.offset_s))
         kernels.correct(self._rows, z, motion.r, motion.r + motion.one_leg_variance, dt, fade)
 
-    def _note_path(self, z: Array, lidar: Array, time_s: float) -> None:
+    def _note_path(self, z: Array, lidar: Array, time_s: float, dt: float) -> None:
         rows, config = self._rows, self._config
         seen, free = transform_points(inverse(lidar), z), self._grid.is_free(rows["x"][:, :2], time_s)
         known, spacing_s = self._frame.known, self._config.views.spacing_s
         least = config.least_way, config.least_pace, config.evidence.jitter
-        kernels.note_path(rows, seen, free, known, spacing_s, *least)
+        kernels.note_path(rows, seen, free, known, dt, spacing_s, *least)
 
     def _weigh(self, sight: "_Sight", lidar: Array, dt: float) -> None:
         rows, config = self._rows, self._config.evidence
@@ -183,10 +183,12 @@ class HypothesisTracker:
         fresh["path"][:, 0], fresh["seen"][:, 0], fresh["places"] = centre, transform_points(inverse(lidar), z[a]), 1
         self._rows = np.concatenate((self._rows, fresh))
 
-    def _end(self, time_s: float) -> None:
+    def _end(self, sight: "_Sight", time_s: float) -> None:
         """End duplicates, and hypotheses that nobody believes in."""
         config, rows, evidence = self._config, self._rows, self._config.evidence
         odds = kernels.log_odds(rows, evidence.prior, evidence.alike, evidence.moved, config.least_way)
+        still = 2.0 * config.memory * self._may_stand(sight, time_s) + rows["stands_s"] / config.stand_s
+        odds -= self._frame.known * still
         keep = kernels.without_duplicates(rows, odds, config.merge, config.own)
         known = rows["id"] >= 0
         keep &= (rows["p"][:, 0] <= config.vague) & np.where(known, odds >= config.stop, True)
@@ -194,10 +196,9 @@ class HypothesisTracker:
         self._lost.add(rows[~keep & known], time_s)
         self._rows, self._odds = rows[keep], odds[keep]
 
-    def _believe(self, sight: "_Sight", time_s: float) -> None:
+    def _believe(self, time_s: float) -> None:
         """Give a number to those who are people now; somebody lost is found again sooner, under the old number."""
-        config, rows = self._config, self._rows
-        odds = self._odds - 2.0 * config.memory * self._frame.known * self._may_stand(sight, time_s)
+        config, rows, odds = self._config, self._rows, self._odds
         for i in np.flatnonzero((rows["id"] < 0) & (odds >= config.start - config.again)):
             lost = self._lost.nearest(rows[i], time_s)
             if lost >= 0:

@@ -14,7 +14,7 @@ def noted(way, speed=1.0, free=True, known=1.0):
     for k in range(5):
         place = np.array([[2.0 + way * k / 4, 0.0]])
         rows["x"], rows["age_s"] = (*place[0], speed, 0.0), 1.0 + 0.5 * k
-        note_path(rows, place, np.array([free]), known, 0.5, 0.5, 0.4, 0.1)
+        note_path(rows, place, np.array([free]), known, 0.5, 0.5, 0.5, 0.4, 0.1)
     return rows
 
 

@@ -249,6 +249,13 @@ def test_where_somebody_stands_something_stands_unless_the_person_has_walked_the
     assert (confidence < 0.3).all() if still else (confidence > 0.3).all()
 
 
+def test_what_is_taken_for_somebody_but_never_moves_is_not_believed_in_for_ever(hall):
+    legs = [[3.0, 0.0], [3.0, 0.3]]
+    counts = [len(hall.show(legs, confidence=0.55, odometry=(0.6 * np.sin(0.2 * k), 0.5, 0.0))) for k in range(450)]
+    assert counts[20:200] == [1] * 180
+    assert 0 in counts[200:]
+
+
 def test_somebody_lost_is_believed_in_again_sooner_than_somebody_new(make_hall, step):
     def scans_until_seen(known):
         hall = make_hall()
