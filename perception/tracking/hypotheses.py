@@ -15,17 +15,19 @@ HYPOTHESIS = np.dtype(
         ("p", np.float64, 3),  # covariance, see kalman.py
         ("looks", np.float64),  # how many looks from elsewhere its evidence comes from
         ("evidence", np.float64),  # mean log likelihood ratio of a look, person against thing
-        ("way", np.float64),  # how far it has moved of its own in the time that `path` reaches back [m]
+        ("born", np.float64, 2),  # where it began [m]
+        ("moved", np.float64),  # how far it has moved of its own from there, as far as that is known [m]
         ("swing", np.float64),  # how far it has ever moved before the laser within that time [m]
         ("missing", np.float64),  # what being unseen says: log likelihood ratio, 0 while it is seen
         ("viewed", np.float64, 2),  # where it was, in the laser's frame, at the last look [m]
         ("stood", np.float64, 2),  # and in the odometry frame [m]
         ("legs", np.float64, (2, 2)),  # of both legs from the centre [m]
-        ("clusters", np.int64, 2),  # rows of the clusters that are its legs in this scan; -1: none
+        ("leg_unseen_s", np.float64, 2),  # since each leg was seen [s]
+        ("clusters", np.int64, 2),  # rows of the clusters that are these legs in this scan; -1: none
         ("path", np.float64, (PATH, 2)),  # former places [m]
-        ("seen", np.float64, (PATH, 2)),  # the same in the laser's frame [m]
-        ("came", np.uint8, PATH),  # whether nothing was at each before
+        ("seen", np.float64, (PATH, 2)),  # of a leg then, in the laser's frame [m]
         ("marked_s", np.float64),  # age at which the last of them was written [s]
+        ("stands_s", np.float64),  # for how long it has been seen without moving since it has a number [s]
         ("places", np.int64),  # how many were written
         ("age_s", np.float64),
         ("unseen_s", np.float64),
@@ -38,6 +40,8 @@ def predict(rows: Any, dt: float, q: float) -> None:
     """Move hypotheses `rows` (n,) `dt` [s] ahead (eq. 4a, 4b) with process noise `q`."""
     x, p = rows["x"], rows["p"]
     for i in range(len(rows)):
+        rows["leg_unseen_s"][i, 0] += dt
+        rows["leg_unseen_s"][i, 1] += dt
         x[i, 0] += dt * x[i, 2]
         x[i, 1] += dt * x[i, 3]
         a, b, c = p[i, 0], p[i, 1], p[i, 2]
@@ -45,45 +49,46 @@ def predict(rows: Any, dt: float, q: float) -> None:
 
 
 @njit(cache=True, nogil=True)
-def first_costs(rows: Any, z: Any, e: Any, r: float, clutter: float, cost: Any) -> None:
-    """Write into `cost` (n, m) how unlikely each cluster is a leg of each hypothesis: negative log likelihood ratio.
+def leg_costs(
+    rows: Any, z: Any, e: Any, thing: Any, r: float, pace: float, reach: float, clutter: float, cost: Any
+) -> None:
+    """Write into `cost` (2 n, m) how unlikely each cluster is each leg: negative log likelihood ratio.
 
-    A leg is around the predicted centre with the variance of the prediction and `r` [m^2]; other things are anywhere,
-    `clutter` of them a square metre; `e` (m,) is the evidence of what the cluster itself shows.
+    A leg is where it was last seen, moved on with its person, but for the variance `r` and what it may have swung since
+    then; a leg that was never seen, or long ago, is anywhere beside the predicted centre.
+
+    Args:
+        rows: (n,) hypotheses, predicted; 2 i and 2 i + 1 are the legs of hypothesis i.
+        z: (m, 2) clusters [m].
+        e: (m,) evidence of what each cluster itself shows.
+        thing: (m,) how much likelier each is a thing that has stood there than a leg that has come there.
+        r: Variance with which the place of a leg is seen [m^2].
+        pace: How fast a leg swings past its person [m/s].
+        reach: Farthest that a leg is from the centre [m].
+        clutter: Things that could be legs, a square metre.
+        cost: Where to write.
     """
-    x, p = rows["x"], rows["p"]
     for i in range(len(rows)):
-        s = p[i, 0] + r
-        base = np.log(2.0 * np.pi * s * clutter)
-        for j in range(len(z)):
-            dx, dy = z[j, 0] - x[i, 0], z[j, 1] - x[i, 1]
-            cost[i, j] = 0.5 * (dx * dx + dy * dy) / s + base - e[j]
+        x, p = rows["x"][i], rows["p"][i, 0]
+        for s in range(2):
+            unseen_s = rows["leg_unseen_s"][i, s]
+            leg_x, leg_y = x[0] + rows["legs"][i, s, 0], x[1] + rows["legs"][i, s, 1]
+            was_x, was_y = leg_x - unseen_s * x[2], leg_y - unseen_s * x[3]
+            variance = r + min((pace * unseen_s) ** 2, reach * reach + p)
+            base = np.log(2.0 * np.pi * variance * clutter)
+            for j in range(len(z)):
+                if square_distance(z[j, 0], z[j, 1], x[0], x[1]) > reach * reach + 4.0 * p:
+                    cost[2 * i + s, j] = np.inf
+                    continue
+                off = square_distance(z[j, 0], z[j, 1], leg_x, leg_y)
+                come = square_distance(z[j, 0], z[j, 1], was_x, was_y) > r
+                cost[2 * i + s, j] = 0.5 * off / variance + base - e[j] + (thing[j] if come else 0.0)
 
 
 @njit(cache=True, nogil=True)
-def second_costs(rows: Any, first: Any, z: Any, e: Any, r: float, stride: float, clutter: float, cost: Any) -> None:
-    """Write into `cost` (n, m) how unlikely each cluster is the other leg of hypotheses with first legs `first` (n,).
-
-    The other leg is within a `stride` [m] of the first (standard deviation half of it), and the middle between both is
-    around the predicted centre.
-    """
-    x, p = rows["x"], rows["p"]
-    apart = (0.5 * stride) ** 2
-    cost[:] = np.inf
-    for i in range(len(rows)):
-        if first[i] < 0:
-            continue
-        s = p[i, 0] + 0.5 * r
-        ax, ay = z[first[i], 0], z[first[i], 1]
-        base = np.log(2.0 * np.pi * apart * clutter)
-        alone = 0.5 * ((ax - x[i, 0]) ** 2 + (ay - x[i, 1]) ** 2) / (p[i, 0] + r)
-        for j in range(len(z)):
-            dx, dy = z[j, 0] - ax, z[j, 1] - ay
-            if j == first[i] or dx * dx + dy * dy > stride * stride:
-                continue
-            mx, my = ax + 0.5 * dx - x[i, 0], ay + 0.5 * dy - x[i, 1]
-            both = 0.5 * (mx * mx + my * my) / s
-            cost[i, j] = both - alone + 0.5 * (dx * dx + dy * dy) / apart + base - e[j]
+def square_distance(x: float, y: float, other_x: float, other_y: float) -> float:
+    """Return the squared distance of two places [m^2]."""
+    return (x - other_x) ** 2 + (y - other_y) ** 2
 
 
 @njit(cache=True, nogil=True)
@@ -93,103 +98,97 @@ def correct(rows: Any, z: Any, r: float, r_one: float, dt: float, fade: float) -
     Two legs measure the centre with variance `r`, one with `r_one`. `fade` is the share of what is known of an unseen
     leg's place that is kept.
     """
-    x, p, legs, clusters = rows["x"], rows["p"], rows["legs"], rows["clusters"]
+    x, p = rows["x"], rows["p"]
     for i in range(len(rows)):
         rows["age_s"][i] += dt
-        a, b = clusters[i, 0], clusters[i, 1]
-        if a < 0:
+        a, b = rows["clusters"][i, 0], rows["clusters"][i, 1]
+        if a < 0 and b < 0:
             rows["unseen_s"][i] += dt
             continue
         rows["unseen_s"][i] = 0.0
-        zx, zy, noise = z[a, 0], z[a, 1], r_one
-        if b >= 0:
-            zx, zy, noise = 0.5 * (zx + z[b, 0]), 0.5 * (zy + z[b, 1]), r
+        first, second = a if a >= 0 else b, b if b >= 0 else a
+        noise = r if a >= 0 and b >= 0 else r_one
         k, gain = p[i, 0] / (p[i, 0] + noise), p[i, 1] / (p[i, 0] + noise)
-        dx, dy = zx - x[i, 0], zy - x[i, 1]
+        dx, dy = 0.5 * (z[first, 0] + z[second, 0]) - x[i, 0], 0.5 * (z[first, 1] + z[second, 1]) - x[i, 1]
         x[i, 0] += k * dx
         x[i, 1] += k * dy
         x[i, 2] += gain * dx
         x[i, 3] += gain * dy
         p[i, 2] -= gain * p[i, 1]
         p[i, 0], p[i, 1] = (1.0 - k) * p[i, 0], (1.0 - k) * p[i, 1]
-        place_legs(legs[i], clusters[i], z, x[i], fade)
+        place_legs(rows, i, z, fade)
 
 
 @njit(cache=True, nogil=True)
-def place_legs(legs: Any, clusters: Any, z: Any, x: Any, fade: float) -> None:
-    """Write the `legs` (2, 2) of a person at `x` from its `clusters` (2,), each leg as the one that it was before."""
-    a, b = clusters[0], clusters[1]
-    near = np.zeros(2)
+def place_legs(rows: Any, i: int, z: Any, fade: float) -> None:
+    """Write where the legs of hypothesis i are; an unseen one is near the centre after a while, see `correct`."""
+    x, legs = rows["x"][i], rows["legs"][i]
     for s in range(2):
-        near[s] = (z[a, 0] - x[0] - legs[s, 0]) ** 2 + (z[a, 1] - x[1] - legs[s, 1]) ** 2
-        if b >= 0:
-            near[s] += (z[b, 0] - x[0] - legs[1 - s, 0]) ** 2 + (z[b, 1] - x[1] - legs[1 - s, 1]) ** 2
-    own = 0 if near[0] <= near[1] else 1
-    clusters[own], clusters[1 - own] = a, b
-    for s in range(2):
-        if clusters[s] >= 0:
-            legs[s, 0], legs[s, 1] = z[clusters[s], 0] - x[0], z[clusters[s], 1] - x[1]
+        c = rows["clusters"][i, s]
+        if c >= 0:
+            legs[s, 0], legs[s, 1] = z[c, 0] - x[0], z[c, 1] - x[1]
+            rows["leg_unseen_s"][i, s] = 0.0
         else:
             legs[s, 0], legs[s, 1] = fade * legs[s, 0], fade * legs[s, 1]
 
 
 @njit(cache=True, nogil=True)
-def distance_to(place: Any, z: Any, a: int, b: int) -> float:
-    """Return how far the nearer of the clusters `a` and `b` (rows of `z` (m, 2); -1: none) is from `place` (2,) [m]."""
-    nearest = np.inf
-    for c in (a, b):
-        if c >= 0:
-            dx, dy = place[0] - z[c, 0], place[1] - z[c, 1]
-            nearest = min(nearest, np.sqrt(dx * dx + dy * dy))
-    return nearest
+def note_path(
+    rows: Any,
+    seen: Any,
+    free: Any,
+    known: float,
+    dt: float,
+    spacing_s: float,
+    least: float,
+    pace: float,
+    jitter: float,
+) -> None:
+    """Note which hypotheses have moved, and, each `spacing_s` [s], where they are.
+
+    One has moved if it is `least` away from where it was within the time that its path reaches back, and still moves
+    at `pace`: who is taken for one thing and then for another hops, and stands again.
+
+    Args:
+        rows: (n,) hypotheses, corrected.
+        seen: (m, 2) clusters in the laser's frame [m].
+        free: (n,) whether nothing has stood still where each hypothesis is.
+        known: How far the odometry frame stands still: only then is motion in it motion.
+        dt: Since the last scan [s].
+        spacing_s: Between two noted places [s].
+        least: [m].
+        pace: [m/s].
+        jitter: What has never moved as far before the laser may be a part of the robot [m].
+    """
+    for i in range(len(rows)):
+        c = max(rows["clusters"][i, 0], rows["clusters"][i, 1])
+        if c < 0:
+            continue
+        x, way, swing = rows["x"][i], 0.0, 0.0
+        for k in range(min(rows["places"][i], PATH)):
+            path, view = rows["path"][i, k], rows["seen"][i, k]
+            way = max(way, square_distance(x[0], x[1], path[0], path[1]))
+            swing = max(swing, square_distance(seen[c, 0], seen[c, 1], view[0], view[1]))
+        rows["swing"][i] = max(rows["swing"][i], np.sqrt(swing))
+        goes = way >= least * least and x[2] * x[2] + x[3] * x[3] >= pace * pace
+        rows["stands_s"][i] += dt if rows["id"][i] >= 0 else 0.0
+        if goes and free[i] and rows["swing"][i] >= jitter:
+            rows["stands_s"][i] = 0.0
+            born = rows["born"][i]
+            away = np.sqrt(square_distance(x[0], x[1], born[0], born[1]))
+            rows["moved"][i] = max(rows["moved"][i], known * away)
+        if rows["age_s"][i] - rows["marked_s"][i] >= spacing_s - 1e-9:
+            note_place(rows, i, x, seen[c])
 
 
 @njit(cache=True, nogil=True)
-def note_place(rows: Any, i: int, place: Any, seen: Any, new: bool) -> None:
-    """Note that hypothesis i is at `place` (2,) [m], `seen` in the laser's frame; `new`: nothing was there before."""
+def note_place(rows: Any, i: int, place: Any, seen: Any) -> None:
+    """Note that hypothesis i is at `place` [m], `seen` in the laser's frame."""
     slot = rows["places"][i] % PATH
     rows["path"][i, slot, 0], rows["path"][i, slot, 1] = place[0], place[1]
     rows["seen"][i, slot, 0], rows["seen"][i, slot, 1] = seen[0], seen[1]
-    rows["came"][i, slot] = new
     rows["places"][i] += 1
     rows["marked_s"][i] = rows["age_s"][i]
-
-
-@njit(cache=True, nogil=True)
-def note_path(rows: Any, z: Any, seen: Any, left: Any, came: Any, hidden: Any, spacing_s: float) -> None:
-    """Note how far each hypothesis has moved, and, each `spacing_s` [s], where one of its clusters is.
-
-    It has moved if nothing was a moment ago where it is now, from a former place where nothing is left, or where
-    nothing was before it, either. Who walks away walks into the own shadow: there nobody knows what was, and a former
-    place where nothing is left tells as much. Two such places are needed, the nearer of the two farthest counts: a
-    cluster that flickers, or another one that is taken for it, moves once.
-
-    Args:
-        rows: (n,) hypotheses.
-        z: (m, 2) clusters [m].
-        seen: (m, 2) the same in the laser's frame [m].
-        left: (n, PATH) whether the laser sees now that nothing is at each former place.
-        came: (m,) whether the place of each cluster was empty a moment ago.
-        hidden: (m,) whether nothing was seen to stand there.
-        spacing_s: Between two noted places [s].
-    """
-    for i in range(len(rows)):
-        a, b = rows["clusters"][i, 0], rows["clusters"][i, 1]
-        if a < 0 and b < 0:
-            continue
-        new = (a >= 0 and came[a]) or (b >= 0 and came[b])
-        unknown = (a < 0 or hidden[a] or came[a]) and (b < 0 or hidden[b] or came[b])
-        way, farthest = 0.0, 0.0
-        for k in range(min(rows["places"][i], PATH)):
-            nearest = distance_to(rows["path"][i, k], z, a, b)
-            rows["swing"][i] = max(distance_to(rows["seen"][i, k], seen, a, b), rows["swing"][i])
-            if not ((new and (left[i, k] or rows["came"][i, k])) or (unknown and left[i, k])):
-                continue
-            way, farthest = max(way, min(nearest, farthest)), max(nearest, farthest)
-        rows["way"][i] = way
-        if rows["age_s"][i] - rows["marked_s"][i] >= spacing_s - 1e-9:
-            c = a if a >= 0 else b
-            note_place(rows, i, z[c], seen[c], new)
 
 
 @njit(cache=True, nogil=True)
@@ -245,12 +244,17 @@ def weigh(
 
 
 @njit(cache=True, nogil=True)
-def log_odds(rows: Any, prior: float, alike: float) -> Any:
-    """Return (n,) the log odds that each is a person: looks at one thing are `alike` (intraclass correlation)."""
+def log_odds(rows: Any, prior: float, alike: float, moved: float, stride: float) -> Any:
+    """Return (n,) the log odds that each is a person.
+
+    Looks at one thing are `alike` (intraclass correlation); what has `moved` is likelier a person by as much.
+    """
     out = np.empty(len(rows))
     for i in range(len(rows)):
         n = rows["looks"][i]
-        out[i] = prior + n / (1.0 + alike * max(n - 1.0, 0.0)) * rows["evidence"][i] + rows["missing"][i]
+        out[i] = prior + n / (1.0 + alike * max(n - 1.0, 0.0)) * rows["evidence"][i]
+        n = rows["moved"][i] / stride
+        out[i] += n / (1.0 + alike * max(n - 1.0, 0.0)) * moved + rows["missing"][i]
     return out
 
 

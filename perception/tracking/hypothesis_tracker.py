@@ -36,6 +36,10 @@ _VOTES = (0.01, 0.99)
 """A forest of some ten trees is no surer than this."""
 
 
+_LONG_AGO_S = 1e3
+"""A leg that was never seen is as uncertain as one that was last seen so long ago."""
+
+
 class HypothesisTracker:
     """Tracks people in the odometry frame, with moving or standing robots, by hypotheses of whole people.
 
@@ -80,15 +84,12 @@ class HypothesisTracker:
         kernels.predict(self._rows, dt, self._tracker.motion.process_variance(dt))
         self._associate(sight)
         self._correct(sight.z, dt)
-        left = self._now.look(self._rows["path"].reshape(-1, 2))[:, 0].reshape(-1, kernels.PATH) > 0.0
-        seen_at = transform_points(inverse(lidar), sight.z)
-        spacing_s = self._config.views.spacing_s
-        kernels.note_path(self._rows, sight.z, seen_at, left, sight.came, sight.hidden, spacing_s)
+        self._note_path(sight.z, lidar, scan.time_s, dt)
         self._weigh(sight, lidar, dt)
         self._begin(sight, lidar)
         self._views.keep(scan, lidar)
-        self._end(scan.time_s)
-        self._believe(sight, scan.time_s)
+        self._end(sight, scan.time_s)
+        self._believe(scan.time_s)
         self._mark_grid(transform_points(lidar, scan.points), pose, scan.time_s, dt)
         return TrackerUpdate(self._people(scan.time_s, sight.z), self._remembering(detections, sight.free), pose)
 
@@ -115,8 +116,7 @@ class HypothesisTracker:
         possible = (detections.confidence > 0.0) & (apart >= self._config.near)
         affinity = np.clip(first - self._config.indifferent, *self._config.affinity)
         affinity = np.where(possible, affinity, -np.inf)
-        came, hidden = free & (empty >= self._config.came), free & (shares[:, 1] < self._config.came)
-        return _Sight(z, first, second, affinity, free, came, hidden)
+        return _Sight(z, first, second, affinity, free, empty >= self._config.came)
 
     def _remembering(self, detections: Detections, free: NDArray[np.bool_]) -> Detections:
         """Return `detections` (m,) less sure where something has stood still, and surer where it is `free` (m,)."""
@@ -126,24 +126,32 @@ class HypothesisTracker:
         return replace(detections, confidence=confidence, human=confidence >= self._tracker.confirmation.gamma)
 
     def _associate(self, sight: "_Sight") -> None:
-        """Give each hypothesis its most likely cluster, then another of those left as its other leg."""
-        z, affinity = sight.z, sight.affinity
-        rows, config, r = self._rows, self._config, self._tracker.motion.r
-        cost = np.empty((len(rows), len(z)))
-        kernels.first_costs(rows, z, affinity, r, config.clutter, cost)
-        clusters = np.full((len(rows), 2), -1)
+        """Give the legs of all hypotheses the clusters that they are together most likely.
+
+        A cluster where something has stood still is that thing: it is somewhere in three by three cells of the grid,
+        not anywhere; who steps there is seen beside it.
+        """
+        config, rows, z = self._config, self._rows, sight.z
+        cost, side = np.empty((2 * len(rows), len(z))), 3.0 * self._tracker.grid.resolution
+        thing = np.where(sight.free, 0.0, -self._frame.known * np.log(side**2 * config.clutter))
+        legs = config.leg**2, config.pace, 0.5 * config.stride, config.clutter
+        kernels.leg_costs(rows, z, sight.affinity, thing, *legs, cost)
+        clusters = np.full(2 * len(rows), -1)
         i, j = assign(cost, 0.0)
-        clusters[i, 0] = j
-        kernels.second_costs(rows, clusters[:, 0], z, affinity, r, config.stride, config.clutter, cost)
-        cost[:, j] = np.inf
-        i, j = assign(cost, 0.0)
-        clusters[i, 1] = j
-        rows["clusters"] = clusters
+        clusters[i] = j
+        rows["clusters"] = clusters.reshape(-1, 2)
 
     def _correct(self, z: Array, dt: float) -> None:
         motion = self._tracker.motion
         fade = float(np.exp(-dt / self._tracker.pairing.offset_s))
         kernels.correct(self._rows, z, motion.r, motion.r + motion.one_leg_variance, dt, fade)
+
+    def _note_path(self, z: Array, lidar: Array, time_s: float, dt: float) -> None:
+        rows, config = self._rows, self._config
+        seen, free = transform_points(inverse(lidar), z), self._grid.is_free(rows["x"][:, :2], time_s)
+        known, spacing_s = self._frame.known, self._config.views.spacing_s
+        least = config.least_way, config.least_pace, config.evidence.jitter
+        kernels.note_path(rows, seen, free, known, dt, spacing_s, *least)
 
     def _weigh(self, sight: "_Sight", lidar: Array, dt: float) -> None:
         rows, config = self._rows, self._config.evidence
@@ -167,43 +175,49 @@ class HypothesisTracker:
         fresh["id"], fresh["clusters"], fresh["looks"] = -1, found, 1.0
         fresh["x"][:, :2] = centre = 0.5 * (z[a] + z[other])
         fresh["p"] = (motion.initial_variance, 0.0, 4.0 * motion.initial_variance)  # nobody begins at rest
+        fresh["leg_unseen_s"] = np.where(found >= 0, 0.0, _LONG_AGO_S)
         fresh["legs"] = np.stack((z[a], z[other]), axis=1) - centre[:, None]
         fresh["evidence"] = first[a] + np.where(paired, np.minimum(second[a], second[other]), 0.0)
         fresh["viewed"] = transform_points(inverse(lidar), centre)
-        fresh["stood"] = centre
-        fresh["seen"][:, 0] = transform_points(inverse(lidar), z[a])
-        fresh["path"][:, 0], fresh["places"], fresh["came"][:, 0] = z[a], 1, sight.came[a]
+        fresh["stood"] = fresh["born"] = centre
+        fresh["path"][:, 0], fresh["seen"][:, 0], fresh["places"] = centre, transform_points(inverse(lidar), z[a]), 1
         self._rows = np.concatenate((self._rows, fresh))
 
-    def _end(self, time_s: float) -> None:
+    def _end(self, sight: "_Sight", time_s: float) -> None:
         """End duplicates, and hypotheses that nobody believes in."""
-        config = self._config
-        rows, odds = self._rows, kernels.log_odds(self._rows, config.evidence.prior, config.evidence.alike)
+        config, rows, evidence = self._config, self._rows, self._config.evidence
+        odds = kernels.log_odds(rows, evidence.prior, evidence.alike, evidence.moved, config.least_way)
+        still = 2.0 * config.memory * self._may_stand(sight, time_s) + rows["stands_s"] / config.stand_s
+        odds -= self._frame.known * still
         keep = kernels.without_duplicates(rows, odds, config.merge, config.own)
         known = rows["id"] >= 0
-        keep &= (rows["p"][:, 0] <= self._tracker.termination.epsilon) & np.where(known, odds >= config.stop, True)
+        keep &= (rows["p"][:, 0] <= config.vague) & np.where(known, odds >= config.stop, True)
         keep &= known | (rows["unseen_s"] <= config.tentative_s)
         self._lost.add(rows[~keep & known], time_s)
         self._rows, self._odds = rows[keep], odds[keep]
 
-    def _believe(self, sight: "_Sight", time_s: float) -> None:
-        """Give a number to those who are people now: their old one, where they are somebody lost."""
+    def _believe(self, time_s: float) -> None:
+        """Give a number to those who are people now; somebody lost is found again sooner, under the old number."""
+        config, rows, odds = self._config, self._rows, self._odds
+        for i in np.flatnonzero((rows["id"] < 0) & (odds >= config.start - config.again)):
+            lost = self._lost.nearest(rows[i], time_s)
+            if lost >= 0:
+                rows["id"][i] = self._lost.take(lost)
+            elif odds[i] >= config.start:
+                rows["id"][i] = self._next_id
+                self._next_id += 1
+
+    def _may_stand(self, sight: "_Sight", time_s: float) -> NDArray[np.bool_]:
+        """Return (n,) which hypotheses are where something stands still, or may do so for all that is known yet."""
         config, rows = self._config, self._rows
-        likely = (rows["id"] < 0) & (self._odds >= config.start)
-        if not likely.any():
-            return
-        leg, known = rows["clusters"][:, 0], self._frame.known
-        still = ~self._grid.is_free(rows["x"][:, :2], time_s) | ~np.append(sight.free, True)[leg]
-        sure = self._odds - 2.0 * config.memory * known * still >= config.sure
-        sure |= (rows["way"] >= config.least_way) & (known >= 0.5)
-        for i in np.flatnonzero(likely & sure):
-            number = self._lost.identify(rows[i], time_s)
-            rows["id"][i] = self._next_id if number < 0 else number
-            self._next_id += number < 0
+        leg = rows["clusters"].max(axis=1)
+        free = self._grid.is_free(rows["x"][:, :2], time_s) & np.append(sight.free, True)[leg]
+        return ~free | ((rows["age_s"] < config.still_s) & ~np.append(sight.came, False)[leg])
 
     def _mark_grid(self, points: Array, pose: Array, time_s: float, dt: float) -> None:
-        """Mark where something stands, but never where a person does, by the returns `points` (k, 2) of a scan."""
-        known = self._rows[self._rows["id"] >= 0]
+        """Mark where something stands by the returns `points` (k, 2) of a scan, but not where one who came does."""
+        rows = self._rows
+        known = rows[(rows["id"] >= 0) & (rows["moved"] >= self._config.least_way)]
         people = np.concatenate((known["x"][:, None, :2], known["x"][:, None, :2] + known["legs"]), axis=1)
         all_of_them = np.zeros(1, dtype=np.int64), np.array([len(points)]), np.ones(1, dtype=np.bool_)
         things = points_of_things(points, *all_of_them, people.reshape(-1, 2), self._tracker.grid.clearance)
@@ -241,7 +255,6 @@ class _Sight:
         affinity: (m,) what each says to association.
         free: (m,) whether nothing has stood still there.
         came: (m,) whether nothing at all was there a moment ago.
-        hidden: (m,) whether nothing was seen to stand there a moment ago: nothing was, or nobody knows.
     """
 
     z: Array
@@ -250,4 +263,3 @@ class _Sight:
     affinity: Array
     free: NDArray[np.bool_]
     came: NDArray[np.bool_]
-    hidden: NDArray[np.bool_]

@@ -30,8 +30,8 @@ class LostPeople:
         self._seen_s = np.concatenate((self._seen_s, time_s - people["unseen_s"]))
         self._keep(time_s - self._seen_s <= self._config.max_age_s)
 
-    def identify(self, somebody: np.void, time_s: float) -> int:
-        """Return the number of the lost person who may be `somebody` and is nearest; -1: somebody new.
+    def nearest(self, somebody: np.void, time_s: float) -> int:
+        """Return the row of the lost person who may be `somebody` and is nearest; -1: there is none.
 
         It is within a step and what somebody walks in the time since, and was not there long before the other was lost.
         """
@@ -43,11 +43,13 @@ class LostPeople:
         apart = np.hypot(*(places - somebody["x"][:2]).T)
         gate = np.minimum(self._config.distance, 0.5 + gone_s)
         apart[(apart > gate) | (somebody["age_s"] > gone_s + self._config.overlap_s)] = np.inf
-        nearest = int(apart.argmin())
-        if not np.isfinite(apart[nearest]):
-            return -1
-        number = int(self._people["id"][nearest])
-        self._keep(np.arange(len(apart)) != nearest)
+        row = int(apart.argmin())
+        return row if np.isfinite(apart[row]) else -1
+
+    def take(self, row: int) -> int:
+        """Return the number of the lost person in this `row`, who is found again."""
+        number = int(self._people["id"][row])
+        self._keep(np.arange(len(self._people)) != row)
         return number
 
     def _keep(self, kept: NDArray[np.bool_]) -> None:

@@ -217,6 +217,81 @@ def test_two_people_who_cross_keep_their_numbers(hall, step):
     assert all(abs(before[number] - after[number]) < 0.4 for number in before)
 
 
+def test_somebody_behind_another_keeps_the_own_leg_and_takes_none_of_the_other_one(hall, step):
+    for k in range(30):  # both walk away from a robot that follows, the farther one is seen by one leg alone
+        time_s, x = k / 7.5, 2.0 + k / 7.5
+        legs = step(np.array([x, 0.0]), (1.0, 0.0), time_s), step(np.array([x + 1.1, 0.1]), (1.0, 0.0), time_s)[:1]
+        people = hall.show(np.concatenate(legs), confidence=0.3, odometry=(k / 7.5, 0.0, 0.0))
+    assert list(people.ids) == [0, 1]
+    assert np.sort(people.positions[:, 0]) == pytest.approx([x, x + 1.1], abs=0.35)
+
+
+def test_who_goes_out_of_sight_beside_a_post_is_not_that_post(hall):
+    post = [[2.0, 0.0]]
+    for k in range(15):  # there is nothing but a post at first
+        hall.show(post, confidence=0.3, odometry=(0.05 * k, 0.0, 0.0))
+    for k in range(20):
+        people = hall.show([*post, [2.0, -2.0 + 0.1 * k]], confidence=0.6, odometry=(0.75, 0.0, 0.0))
+    assert len(people) == 1
+    counts = [len(hall.show(post, confidence=0.6, odometry=(0.75, 0.0, 0.0))) for _ in range(15)]
+    assert counts[-1] == 0
+
+
+@pytest.mark.parametrize(("begin", "still"), [(3.0, True), (4.2, False)])
+def test_where_somebody_stands_something_stands_unless_the_person_has_walked_there(hall, begin, still):
+    for k in range(25):
+        x, pose = max(3.0, begin - 0.15 * k), np.array([0.05 * k, 0.5, 0.0])
+        people = hall.show([[x, 0.0], [x, 0.3]], confidence=0.95, odometry=pose)
+    assert len(people) == 1
+    hall.detector.confidence = np.full(2, 0.3)
+    scan = scan_of(hall.detector.positions, 26 / hall.rate_hz, wall=wall_from(pose))
+    confidence = hall.tracker.update(scan, pose).detections.confidence[:2]
+    assert (confidence < 0.3).all() if still else (confidence > 0.3).all()
+
+
+def test_what_is_taken_for_somebody_but_never_moves_is_not_believed_in_for_ever(hall):
+    legs = [[3.0, 0.0], [3.0, 0.3]]
+    counts = [len(hall.show(legs, confidence=0.55, odometry=(0.6 * np.sin(0.2 * k), 0.5, 0.0))) for k in range(450)]
+    assert counts[20:200] == [1] * 180
+    assert 0 in counts[200:]
+
+
+def test_somebody_lost_is_believed_in_again_sooner_than_somebody_new(make_hall, step):
+    def scans_until_seen(known):
+        hall = make_hall()
+        for k in range(25):
+            hall.show(step(np.array([2.0, -2.0 + k / 7.5]), (0.0, 1.0), k / 7.5) if known else (), confidence=0.6)
+        for _ in range(12):
+            hall.show((), hidden=True)
+        for k in range(20):
+            if len(hall.show([[2.0, 2.0 + 0.1 * k]], confidence=0.2)):
+                return k
+        return 20
+
+    assert scans_until_seen(known=True) < scans_until_seen(known=False)
+
+
+def test_whom_nobody_saw_come_is_not_believed_in_by_looks_before_it_is_known_whether_it_stands(hall):
+    legs = [[3.0, 0.0], [3.0, 0.3]]
+    counts = [len(hall.show(legs, confidence=0.4, odometry=(0.12 * k, 1.0, 0.0))) for k in range(4)]
+    assert counts == [0, 0, 0, 0]
+    assert len(hall.show(legs, confidence=0.95, odometry=(0.48, 1.0, 0.0))) == 1
+
+
+def test_who_comes_where_nothing_was_is_a_person_before_what_stands_could_be_known_to_stand(hall):
+    for _ in range(10):
+        hall.show(())
+    assert len(hall.show([[3.0, -1.0], [3.0, -0.8]], confidence=0.25)) == 1
+
+
+def test_a_leg_that_shows_itself_beside_somebody_seen_by_one_is_the_other_one(make_hall):
+    hall = make_hall(40.0)
+    for _ in range(60):
+        hall.show(())
+    assert len(hall.show([[3.0, 0.0]], confidence=0.95)) == 1
+    assert list(hall.show([[3.0, 0.0], [3.0, 0.42]], confidence=0.95).seen_legs.owner) == [0, 0]
+
+
 def test_two_runs_are_equal_and_a_reset_tracker_starts_anew(make_hall):
     first, second = make_hall(), make_hall()
     for k in range(20):
