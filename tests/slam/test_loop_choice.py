@@ -27,8 +27,9 @@ def graph(nodes=4, begins=()):
     for k in begins:
         pieces.begin(k, k, LOOSE)
     poses = [np.array([float(k), 0.0, 0.0]) for k in range(nodes)]
+    seen = [SCAN + np.array([0.0, 5.0 * k]) for k in range(nodes)]
     return SimpleNamespace(
-        nodes=[SimpleNamespace(pose_local=pose, points=SCAN + np.array([0.0, 5.0 * k])) for k, pose in enumerate(poses)],
+        nodes=[SimpleNamespace(pose_local=pose, points=points) for pose, points in zip(poses, seen, strict=True)],
         node_poses=poses, pieces=pieces, constraints=[], submaps=range(nodes),
         submap_poses=[np.zeros(3)] * nodes, guess=lambda _submap, _node: np.zeros(3),
     )  # fmt: skip
