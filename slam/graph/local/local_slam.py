@@ -21,7 +21,7 @@ from .match_monitor import MatchMonitor, MatchMonitorConfig
 from .motion_filter import MotionFilter, MotionFilterConfig
 from .submap import Submap
 from .sweep import Sweep
-from .switching_motion import MotionHypothesis, SwitchingMotion
+from .switching_motion import MotionHypothesis, SwitchingMotion, likely_sigma
 
 Array = NDArray[np.float64]
 
@@ -270,7 +270,7 @@ class LocalSlam:
         since = between(odometry if self._inserted_at is None else self._inserted_at, odometry)
         motion = Prediction(since, self._config.extrapolator.sigma(since))
         self._inserted_at = odometry
-        sigma, submaps = self._motion.likely_sigma(since), self._active.insert(pose, self.sweep(scan))
+        sigma, submaps = likely_sigma(self._motion, since), self._active.insert(pose, self.sweep(scan))
         return Insertion(submaps, points, match, motion, sigma, replace(scan))
 
     def sweep(self, scan: LaserScan) -> Sweep:

@@ -96,7 +96,7 @@ class SwitchingMotion:
     """
 
     def __init__(self, config: ExtrapolatorConfig) -> None:
-        self._config = config
+        self.config = config
         self._extrapolator: OdometryExtrapolator | None = None
         self._told = np.zeros(3)  # odometry as the robot tells it
         self._offset: Array | None = None  # T_believed_told of the two odometry frames; None: no fault so far
@@ -106,7 +106,7 @@ class SwitchingMotion:
         self._agree = False  # whether odometry moves the robot as it moved before
         self._doubt = np.zeros(2)  # sigma of the motions since the last match that the odometry did not tell
         self._moved = 0.0  # [m] by the odometry since the last scan
-        self._soundness, self._precision = OdometrySoundness(), OdometryPrecision()
+        self.soundness, self.precision = OdometrySoundness(), OdometryPrecision()
         self._time = self._step_s = self._before_s = 0.0  # [s] of the last scan; between the last two; those before
         self._matched: Array | None = None  # pose at the last match ...
         self._matched_odometry = np.zeros(3)  # ... and the believed odometry
@@ -121,24 +121,19 @@ class SwitchingMotion:
     def copy(self) -> "SwitchingMotion":
         """Return the motion as it is now, to go back to."""
         twin = copy.copy(self)
-        twin._extrapolator, twin._soundness = copy.copy(self._extrapolator), copy.copy(self._soundness)
-        twin._precision = copy.copy(self._precision)
+        twin._extrapolator, twin.soundness = copy.copy(self._extrapolator), copy.copy(self.soundness)
+        twin.precision = copy.copy(self.precision)
         return twin
 
     def restarted(self, odometry: Array, pose: Array) -> "SwitchingMotion":
         """Return the motion of a robot of which only the last odometry pose (3,) and `pose` (3,) are known."""
-        motion = SwitchingMotion(self._config)
+        motion = SwitchingMotion(self.config)
         motion.odometry = motion._told = odometry
-        motion._extrapolator = OdometryExtrapolator(self._config, odometry)
+        motion._extrapolator = OdometryExtrapolator(self.config, odometry)
         motion._extrapolator.correct(odometry, pose)
         motion.faults = self.faults
-        motion._precision = self._precision
+        motion.precision = self.precision
         return motion
-
-    def likely_sigma(self, way: Array) -> Array:
-        """Return (2,) how far off the odometry may be after a `way` (3,), as precise as it was of late."""
-        sound = self._soundness.probability > 0.5
-        return self._config.sigma(way) * (self._precision.shares if sound else np.maximum(self._precision.shares, 1.0))
 
     def stands_still(self, odometry: Array) -> bool:
         """Return whether the odometry pose T_odom_robot (3,) is the one of the last scan."""
@@ -176,7 +171,7 @@ class SwitchingMotion:
 
     def widen(self, way: Array) -> None:
         """Let the next scan be predicted as roughly as after a `way` (3,) that the odometry told at once."""
-        self._doubt = self._config.sigma(way)
+        self._doubt = self.config.sigma(way)
 
     def predict(self, odometry: Array, time_s: float, bridge: Array | None = None) -> list[MotionHypothesis]:
         """Return hypotheses about the motion to the odometry pose T_odom_robot (3,) at `time_s` [s]: a fault last.
@@ -188,7 +183,7 @@ class SwitchingMotion:
         """
         if self._extrapolator is None or self.odometry is None:
             self.odometry = odometry
-            self._extrapolator = OdometryExtrapolator(self._config, odometry)
+            self._extrapolator = OdometryExtrapolator(self.config, odometry)
             self._told, self._time = odometry, time_s
         moved = between(self._told, odometry)
         self._moved = math.hypot(moved[0], moved[1])
@@ -197,7 +192,7 @@ class SwitchingMotion:
         self._before_s, self._step_s = self._step_s, elapsed
         moves = not _stands(moved)
         self._bridges = bridge is not None
-        self._soundness.advance(moves)
+        self.soundness.advance(moves)
         self._believed = odometry if self._offset is None else compose(self._offset, odometry)
         if bridge is not None:
             return [self._guessed(self._believed, 1.0, bridge, True)]
@@ -217,10 +212,10 @@ class SwitchingMotion:
         coasted, sigma = going_on
         told = between(self._matched_odometry, self._believed)
         off = np.abs(between(coasted, told))
-        most = _AGREE * np.maximum(self._precision.shares, 1.0) * self._config.sigma(told) + _NEAR
+        most = _AGREE * np.maximum(self.precision.shares, 1.0) * self.config.sigma(told) + _NEAR
         self._agree = math.hypot(off[0], off[1]) <= most[0] and bool(off[2] <= most[1])
         went = compose(self._matched_odometry, coasted)
-        fault = 1.0 - self._soundness.probability
+        fault = 1.0 - self.soundness.probability
         return [] if self._agree else [self._guessed(went, fault, sigma, False)]
 
     def _going_on(self, elapsed: float) -> tuple[Array, Array] | None:
@@ -241,7 +236,7 @@ class SwitchingMotion:
         for _ in range(self._unmatched):
             coasted = compose(self._step, coasted)
         wide = np.minimum(_ACCELERATION * elapsed**2, self._usual) if timed else self._usual
-        return coasted, np.hypot(self._config.sigma(np.zeros(3)), (self._unmatched + 1) * wide)
+        return coasted, np.hypot(self.config.sigma(np.zeros(3)), (self._unmatched + 1) * wide)
 
     @property
     def anywhere(self) -> Prediction | None:
@@ -250,7 +245,7 @@ class SwitchingMotion:
         None: there was none, or sound odometry tells of a way that is longer, as across a gap in a log.
         """
         reach = np.minimum(_SLIP + _STEPS * (self._unmatched + 1) * self._usual, _FARTHEST)
-        gap = self._soundness.probability > 0.5 and self._moved > reach[0]
+        gap = self.soundness.probability > 0.5 and self._moved > reach[0]
         return None if self._matched is None or gap else Prediction(self._matched, reach)
 
     def found(self, pose: Array) -> MotionHypothesis:
@@ -270,7 +265,7 @@ class SwitchingMotion:
         predictions = [Prediction(place, sigma) for place in places]
         nearest = min(predictions, key=lambda prediction: prediction.squared_distance(pose))
         odometry = compose(inverse(self._anchor), pose)
-        return MotionHypothesis(odometry, nearest, -math.log(1.0 - self._soundness.probability), False)
+        return MotionHypothesis(odometry, nearest, -math.log(1.0 - self.soundness.probability), False)
 
     @property
     def _anchor(self) -> Array:
@@ -281,8 +276,8 @@ class SwitchingMotion:
     def _by_odometry(self, odometry: Array) -> list[MotionHypothesis]:
         """Return that the odometry is believed: precise as it mostly is, and rough as its error model."""
         assert self._extrapolator is not None
-        prediction, sound = self._extrapolator.predict(odometry), self._soundness.probability
-        pose, precise = prediction.pose, self._precision.shares * prediction.sigma
+        prediction, sound = self._extrapolator.predict(odometry), self.soundness.probability
+        pose, precise = prediction.pose, self.precision.shares * prediction.sigma
         rough = np.maximum(precise, prediction.sigma)
         if np.array_equal(precise, rough):
             return [self._hypothesis(odometry, sound, pose, rough, True)]
@@ -300,8 +295,8 @@ class SwitchingMotion:
         x, y, turn = np.abs(between(self._believed, whole)).tolist()
         if math.hypot(x, y) <= _NEAR[0] and turn <= _NEAR[1]:
             return []
-        extra = self._config.sigma(between(odometry, whole))
-        return [self._guessed(whole, _LATE * self._soundness.probability, extra, True)]
+        extra = self.config.sigma(between(odometry, whole))
+        return [self._guessed(whole, _LATE * self.soundness.probability, extra, True)]
 
     def _guessed(self, odometry: Array, probability: float, extra: Array, sound: bool) -> MotionHypothesis:
         """Return that the odometry is at a guessed place, of standard deviations `extra` (2,) [m, rad]."""
@@ -348,12 +343,12 @@ class SwitchingMotion:
             self._unmatched += 1
             return
         if not hypotheses[-1].sound:
-            self._soundness.weigh(lead)
+            self.soundness.weigh(lead)
         elif self._agree:
-            self._soundness.agree()
-        self.jumped = jumped or (self.jumped and self._soundness.probability < _TRUSTED)
+            self.soundness.agree()
+        self.jumped = jumped or (self.jumped and self.soundness.probability < _TRUSTED)
         if chosen.sound and not jumped and not self._unmatched and not self._bridges:
-            self._precision.learn(self._extrapolator.predict(chosen.odometry), pose)
+            self.precision.learn(self._extrapolator.predict(chosen.odometry), pose)
         self._extrapolator.correct(odometry, pose)
         self._doubt = np.zeros(2)
         self._learn(pose)
@@ -380,3 +375,9 @@ class SwitchingMotion:
 
 def _stands(motion: Array) -> bool:
     return abs(motion[0]) < _STILL and abs(motion[1]) < _STILL and abs(motion[2]) < _STILL
+
+
+def likely_sigma(motion: SwitchingMotion, way: Array) -> Array:
+    """Return (2,) how far off the odometry may be after a `way` (3,), as precise as it was of late."""
+    shares = motion.precision.shares
+    return motion.config.sigma(way) * (shares if motion.soundness.probability > 0.5 else np.maximum(shares, 1.0))

@@ -25,7 +25,7 @@ class GlobalSlamConfig:
         reject_beyond: INTER constraints that the adjusted graph contradicts by more standard deviations are dropped.
         converged: A match that the adjusted graph meets as well as this is not made anew [m, rad].
         nearest: A node is matched with at most so many known submaps; in the end with twice as many.
-        search_every: One global search for each so many metres travelled [m].
+        search_every: One global search for each so many metres travelled: half the stretch that is searched for [m].
         final_residual: INTER constraints that the finished graph misses by more are dropped [m, rad].
         revisits: When a node is superseded; a submap all of whose nodes are leaves the graph, and with it those nodes.
         threads: Threads that share what `finish` matches and draws; the result does not depend on them.
@@ -43,7 +43,7 @@ class GlobalSlamConfig:
     final_residual: tuple[float, float] = (0.1, 0.0175)
     converged: tuple[float, float] = (0.05, 0.02)
     nearest: int = 4
-    search_every: float = 1.0
+    search_every: float = 3.0
     revisits: RevisitConfig = field(default_factory=RevisitConfig)
     threads: Threads = 2
 
