@@ -5,8 +5,6 @@ from tagalong.slam.geometry import between, compose
 from tagalong.slam.graph.loops.between_nodes import between_nodes
 from tagalong.slam.graph.loops.drive_record import DriveRecord
 from tagalong.slam.graph.loops.drive_segments import DriveSegments
-from tagalong.slam.graph.loops.global_config import GlobalSlamConfig
-from tagalong.slam.graph.loops.loop_schedule import LoopSchedule
 from tagalong.slam.graph.loops.trimming import Renumbering
 from tagalong.slam.scan import LaserScan
 
@@ -81,30 +79,3 @@ def test_a_record_takes_scans_back_and_begins_a_segment():
     assert record.nodes == [0, 2, 3]
     nodes = np.array([[0.0, 0.0, 0.0], [2.5, 0.0, 0.0], [50.0, 0.0, 0.0]])
     np.testing.assert_allclose(record.trajectory(nodes, np.zeros((0, 3)))[:, 0], [0.0, 1.25, 2.5, 50.0])
-
-
-def test_submaps_that_were_tied_lately_are_tracked_and_the_others_are_searched_for():
-    schedule = LoopSchedule(GlobalSlamConfig(known_for=20))
-    schedule.place(1, 90)
-    assert schedule.split([0, 1, 2, 7], node=100, own_submap=9, first_submap=0) == ([1, 7], [0, 2])
-    assert schedule.split([1], node=111, own_submap=9, first_submap=0) == ([], [1])
-
-
-def test_submaps_of_before_local_slam_began_anew_are_searched_for():
-    schedule = LoopSchedule(GlobalSlamConfig())
-    assert schedule.split([7, 8], node=100, own_submap=9, first_submap=8) == ([8], [7])
-
-
-def test_searches_are_due_by_the_way():
-    schedule = LoopSchedule(GlobalSlamConfig(search_every=0.4))
-    assert [schedule.search_is_due(0.25) for _ in range(6)] == [False, True, False, True, False, True]
-    assert [schedule.wide_search_is_due(3.5) for _ in range(4)] == [False, True, False, True]
-
-
-def test_a_schedule_forgets_what_was_taken_back():
-    schedule = LoopSchedule(GlobalSlamConfig(known_for=20))
-    schedule.place(1, 90)
-    schedule.place(5, 95)
-    schedule.rewind(nodes=60, submaps=3)
-    assert schedule.split([1, 2], node=79, own_submap=9, first_submap=0) == ([1], [2])
-    assert schedule.split([1, 2], node=81, own_submap=9, first_submap=0) == ([], [1, 2])

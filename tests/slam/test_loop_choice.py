@@ -9,12 +9,12 @@ from tagalong.slam.graph.local.submap import Submap, SubmapConfig
 from tagalong.slam.graph.loops.constraints import Constraint, ConstraintBuilder, ConstraintConfig, Kind, Place
 from tagalong.slam.graph.loops.global_config import GlobalSlamConfig
 from tagalong.slam.graph.loops.global_slam import GlobalSlam
-from tagalong.slam.graph.loops.loop_schedule import LoopSchedule
 from tagalong.slam.graph.loops.loop_search import LoopSearch
 from tagalong.slam.graph.loops.node_matching import NodeMatching
 from tagalong.slam.graph.loops.pieces import Pieces
 from tagalong.slam.graph.loops.slack import Slack
 from tagalong.slam.graph.loops.stretch import stretch
+from tagalong.slam.graph.loops.submap_links import SubmapLinks
 from tagalong.slam.scan_to_grid.extrapolator import Prediction
 
 SCAN = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]])
@@ -29,8 +29,8 @@ def graph(nodes=4, begins=()):
     poses = [np.array([float(k), 0.0, 0.0]) for k in range(nodes)]
     seen = [SCAN + np.array([0.0, 5.0 * k]) for k in range(nodes)]
     return SimpleNamespace(
-        nodes=[SimpleNamespace(pose_local=pose, points=points) for pose, points in zip(poses, seen, strict=True)],
-        node_poses=poses, pieces=pieces, constraints=[], submaps=range(nodes),
+        nodes=[SimpleNamespace(pose_local=pose, points=p, submaps=(7,)) for pose, p in zip(poses, seen, strict=True)],
+        node_poses=poses, pieces=pieces, links=SubmapLinks(), constraints=[], submaps=range(nodes),
         submap_poses=[np.zeros(3)] * nodes, guess=lambda _submap, _node: np.zeros(3),
     )  # fmt: skip
 
@@ -81,7 +81,7 @@ def test_a_stretch_ends_where_its_piece_begins():
 
 def test_a_constraint_that_is_added_joins_its_pieces():
     made = graph(begins=(2,))
-    matching = NodeMatching(made, ConstraintBuilder(ConstraintConfig()), LoopSchedule(GlobalSlamConfig()))  # pyright: ignore[reportArgumentType]
+    matching = NodeMatching(made, ConstraintBuilder(ConstraintConfig()))  # pyright: ignore[reportArgumentType]
     matching.add([Constraint(0, 3, np.zeros(3), np.eye(3), Kind.INTER)])
     assert made.pieces.are_joined(0, 3)
 

@@ -19,7 +19,8 @@ class GlobalSlamConfig:
         adjust_share: ... and this share of all nodes is: all adjustments cost as much as 50 of the whole graph then,
             however long the drive is.
         max_distance: Submaps whose middle (the laser's mean place) is farther off a node are not matched [m].
-        known_for: A submap that tied a node counts as well placed for so many nodes after it: no search is needed.
+        placed_within: A submap to which the way over nodes and submaps is no longer counts as well placed: a match
+            suffices [m].
         kernel_width: Of INTER constraints, in standard deviations.
         odometry_share: Share of its information with which odometry ties a node to the one before.
         reject_beyond: INTER constraints that the adjusted graph contradicts by more standard deviations are dropped.
@@ -36,7 +37,7 @@ class GlobalSlamConfig:
     adjust_every: int = 40
     adjust_share: Share = 0.02
     max_distance: float = 15.0
-    known_for: int = 20
+    placed_within: float = 12.0
     kernel_width: float = 4.0
     odometry_share: float = 0.02
     reject_beyond: float = 12.0
@@ -50,5 +51,5 @@ class GlobalSlamConfig:
     def __post_init__(self) -> None:
         check_numbers(self)
         check_positive(
-            self, "adjust_every", "max_distance", "known_for", "kernel_width", "odometry_share", "reject_beyond"
+            self, "adjust_every", "max_distance", "placed_within", "kernel_width", "odometry_share", "reject_beyond"
         )

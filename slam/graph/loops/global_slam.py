@@ -16,13 +16,15 @@ from ..local.sweep import Sweep
 from .constraints import Constraint, ConstraintBuilder, Kind
 from .final_optimisation import FinalOptimisation
 from .global_config import GlobalSlamConfig
-from .loop_schedule import LoopSchedule
 from .loop_search import LoopSearch
 from .node import Node
 from .node_matching import NodeMatching
 from .optimisation import optimise
+from .search_interval import SearchInterval
 from .slack import SIGMAS, Slack
+from .stretch import STRETCH
 from .submap_graph import GraphMark, SubmapGraph
+from .submap_links import SubmapLinks
 from .trimming import Renumbering, TrimmedNodes
 
 Array = NDArray[np.float64]
@@ -50,8 +52,8 @@ class GlobalSlam:
         self.graph = SubmapGraph(submaps)
         self.rejected = 0
         self._builder = ConstraintBuilder(config.constraints)
-        self._schedule = LoopSchedule(config)
-        self._matching = NodeMatching(self.graph, self._builder, self._schedule)
+        self._near_search, self._far_search = SearchInterval(config.search_every), SearchInterval(STRETCH)
+        self._matching = NodeMatching(self.graph, self._builder)
         self._loops = LoopSearch(self.graph, self._builder, config.max_distance)
         self._matched = 0  # nodes that local SLAM has matched, for their mean score
         self._T_global_local = np.zeros(3)  # of a drive segment without any node yet
@@ -96,7 +98,6 @@ class GlobalSlam:
         """
         graph = self.graph
         graph.rewind(mark, self._sweep)
-        self._schedule.rewind(len(graph.nodes), len(graph.submap_poses))
         self._T_global_local = mark.local_to_global
         self._finished_nodes, self._adjusted = 0, min(self._adjusted, len(graph.nodes))
 
@@ -128,7 +129,6 @@ class GlobalSlam:
             found = Prediction(self.graph.guess(s, last), _RELOCALIZED)
             self._matching.add([Constraint(s, last, found.pose, found.information, Kind.INTER, searched=True)])
         for s in near:
-            self._schedule.place(s, last)
             self._matching.track(s, nodes)
 
     def add_node(self, pose_local: Array, insertion: Insertion) -> None:
@@ -159,11 +159,11 @@ class GlobalSlam:
         """Match the newest node against older submaps, search for it on one of them, optimise the graph when due."""
         config, nodes, index = self._config, self.graph.nodes, len(self.graph.nodes) - 1
         near = self.graph.near([index], config.max_distance)[0]
-        tracked, waiting = self._schedule.split(near, index, nodes[index].submaps[0], self.graph.pieces.first_submap)
-        for s in tracked[: config.nearest]:
+        placed = self.graph.links.within(config.placed_within, index, nodes[index].submaps, self.graph.node_poses)
+        for s in [s for s in near if s in placed][: config.nearest]:
             self._matching.track(s, [index])
         moved = float(np.hypot(*between(nodes[index - 1].pose_local, nodes[index].pose_local)[:2]))
-        self._search(waiting, index, moved)
+        self._search([s for s in near if s not in placed], index, moved)
         new, due = index + 1 - self._adjusted, (index + 1) % config.adjust_every == 0
         if due and self._matching.news and new >= config.adjust_share * index:
             self.optimise()
@@ -172,12 +172,12 @@ class GlobalSlam:
         """Search for a node, `moved` [m] after the one before, where a search is due.
 
         Args:
-            waiting: Submaps near which the graph has it, but nothing has tied it to them of late.
+            waiting: Submaps near which the graph has it, but nothing ties it to them closely.
             node: The node.
             moved: How far the robot has driven since the node before [m].
         """
-        near = [s for s in waiting if not self._is_loose(s, node)] if self._schedule.search_is_due(moved) else []
-        far = self._loose(node) if self._schedule.wide_search_is_due(moved) else []
+        near = [s for s in waiting if not self._is_loose(s, node)] if self._near_search.is_over(moved) else []
+        far = self._loose(node) if self._far_search.is_over(moved) else []
         for submaps in near, far:
             closure = self._loops.search(submaps, node) if submaps else None
             self._matching.add([closure] if closure else [])
@@ -199,6 +199,7 @@ class GlobalSlam:
         self.rejected += optimise(self.graph, self._config, final)
         self._matching.news, self._trim_due = False, not final
         self.graph.pieces.rejoin(self.graph.constraints)
+        self.graph.links = SubmapLinks.of(self.graph.nodes, self.graph.constraints)
         self._adjusted = len(self.graph.nodes)
 
     def finish(self) -> None:
@@ -241,6 +242,5 @@ class GlobalSlam:
         stay = Renumbering(np.array([submaps[list(node.submaps)].any() for node in graph.nodes]), submaps)
         self._trimmed = self._trimmed.after(stay, poses, submap_poses, anchors)
         graph.renumber(stay)
-        self._schedule.renumber(stay)
         self._finished_nodes, self._adjusted = 0, len(graph.nodes)
         return stay

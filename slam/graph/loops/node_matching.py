@@ -5,7 +5,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from .constraints import Constraint, ConstraintBuilder
-from .loop_schedule import LoopSchedule
 from .submap_graph import SubmapGraph
 
 
@@ -15,14 +14,13 @@ class NodeMatching:
     Args:
         graph: The graph.
         builder: Makes the constraints.
-        schedule: Is told of them.
 
     Attributes:
         news: Whether a constraint was added since this was last set to false.
     """
 
-    def __init__(self, graph: SubmapGraph, builder: ConstraintBuilder, schedule: LoopSchedule) -> None:
-        self._graph, self._builder, self._schedule = graph, builder, schedule
+    def __init__(self, graph: SubmapGraph, builder: ConstraintBuilder) -> None:
+        self._graph, self._builder = graph, builder
         self.news = False
 
     def match(self, submap: int, nodes: list[int], wide: bool) -> list[Constraint]:
@@ -40,10 +38,11 @@ class NodeMatching:
 
     def add(self, constraints: Sequence[Constraint]) -> None:
         """Add constraints to the graph."""
-        self._graph.pieces.join(constraints)
+        graph = self._graph
+        graph.pieces.join(constraints)
         for constraint in constraints:
-            self._graph.constraints.append(constraint)
-            self._schedule.place(constraint.submap, constraint.node)
+            graph.constraints.append(constraint)
+            graph.links.add(constraint.node, (constraint.submap, *graph.nodes[constraint.node].submaps))
             self.news = True
 
     def track(self, submap: int, nodes: list[int]) -> None:

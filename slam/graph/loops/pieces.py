@@ -46,11 +46,6 @@ class Pieces:
         return self._begins[self._of_node(node)].node
 
     @property
-    def first_submap(self) -> int:
-        """The first submap of the newest piece."""
-        return self._begins[-1].submap
-
-    @property
     def loosest(self) -> Slack:
         """How far off the newest node may be, seen from any submap of before."""
         return _together(begin.slack for begin in self._begins)

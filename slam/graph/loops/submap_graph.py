@@ -15,6 +15,7 @@ from .constraints import Constraint
 from .drive_segments import DriveSegments
 from .node import Node
 from .pieces import Pieces
+from .submap_links import SubmapLinks
 from .trimming import Renumbering
 
 Array = NDArray[np.float64]
@@ -54,6 +55,7 @@ class SubmapGraph:
         submap_poses: (3,) T_global_submap of each submap in which a node stands.
         segments: The drive segments that nodes and submaps belong to.
         pieces: The pieces of the drive that local SLAM has mapped without a break.
+        links: How far it is from submap to submap over nodes that they share.
     """
 
     def __init__(self, submaps: list[Submap]) -> None:
@@ -63,7 +65,7 @@ class SubmapGraph:
         self.drawn: list[dict[int, Array]] = []
         self.node_poses, self.submap_poses = PoseLog(), PoseLog()
         self._middles: Array | None = None
-        self.segments, self.pieces = DriveSegments(), Pieces()
+        self.segments, self.pieces, self.links = DriveSegments(), Pieces(), SubmapLinks()
 
     def add_submaps(self, T_global_local: Array) -> None:
         """Take in the submaps that local SLAM has begun since the last node."""
@@ -76,6 +78,7 @@ class SubmapGraph:
     def add_node(self, node: Node, pose: Array) -> int:
         """Add a node at `pose` (3,) T_global_node and return its index."""
         self.segments.add_node()
+        self.links.add(len(self.nodes), node.submaps)
         self.nodes.append(node)
         self.node_poses.append(pose)
         return len(self.nodes) - 1
@@ -129,6 +132,7 @@ class SubmapGraph:
         del self.nodes[nodes:], self.submaps[submaps:]
         self.constraints = list(mark.constraints)
         self.pieces.rewind(nodes, submaps, self.constraints)
+        self.links = SubmapLinks.of(self.nodes, self.constraints)
         self.drawn = [{k: pose for k, pose in drawn.items() if k < nodes} for drawn in self.drawn[:submaps]]
         self.node_poses, self.submap_poses = PoseLog.of(mark.node_poses), PoseLog.of(mark.submap_poses)
         self.segments.begin(nodes, submaps)
@@ -159,3 +163,4 @@ class SubmapGraph:
         self.nodes = stay.chain(self.nodes)
         self.node_poses = PoseLog.of(self.node_poses.array()[nodes])
         self.constraints = stay.constraints(self.constraints)
+        self.links = SubmapLinks.of(self.nodes, self.constraints)

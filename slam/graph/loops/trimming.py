@@ -39,10 +39,6 @@ class Renumbering:
         """Return the new number of a submap that stays; of another, that of the next one that does."""
         return self._submap[index]
 
-    def by_submap(self, values: dict[int, int]) -> dict[int, int]:
-        """Return submap -> node with the new numbers of both, for the submaps that stay."""
-        return {self.submap(s): self.node(k) for s, k in values.items() if self.submaps[s]}
-
     def constraints(self, constraints: list[Constraint]) -> list[Constraint]:
         """Return the constraints between submaps and nodes that stay."""
         kept = [c for c in constraints if self.submaps[c.submap] and self.nodes[c.node]]

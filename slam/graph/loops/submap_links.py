@@ -1,0 +1,60 @@
+"""How far it is from submap to submap over nodes that they share, by local SLAM or by a closure."""
+
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from heapq import heappop, heappush
+from math import hypot
+
+from ...pose_log import PoseLog
+from .constraints import Constraint
+from .node import Node
+
+
+class SubmapLinks:
+    """Of each submap the others that share a node with it, and the newest such node."""
+
+    def __init__(self) -> None:
+        self._links: defaultdict[int, dict[int, int]] = defaultdict(dict)
+
+    def add(self, node: int, submaps: Sequence[int]) -> None:
+        """Link the `submaps` of a node."""
+        for a in submaps:
+            for b in submaps:
+                if a != b:
+                    self._links[a][b] = node
+
+    def within(self, reach: float, node: int, submaps: Sequence[int], poses: PoseLog) -> set[int]:
+        """Return the submaps to which the way from a node is no longer than `reach` [m].
+
+        The error of where one is seen from the other grows with that way.
+
+        Args:
+            reach: Longest way, from one shared node to the next [m].
+            node: Where the way begins.
+            submaps: Those that the node stands in.
+            poses: (3,) pose of each node.
+        """
+        waiting, reached = [(0.0, s, node) for s in submaps], set[int]()
+        while waiting:
+            way, submap, at = heappop(waiting)
+            if submap in reached:
+                continue
+            reached.add(submap)
+            x, y, _ = poses[at].tolist()
+            for other, shared in self._links[submap].items():
+                if other not in reached:
+                    there = poses[shared]
+                    longer = way + hypot(there[0] - x, there[1] - y)
+                    if longer <= reach:
+                        heappush(waiting, (longer, other, shared))
+        return reached
+
+    @classmethod
+    def of(cls, nodes: Sequence[Node], constraints: Iterable[Constraint]) -> "SubmapLinks":
+        """Return the links by the submaps in which nodes stand, and by all constraints in force."""
+        links = cls()
+        for k, node in enumerate(nodes):
+            links.add(k, node.submaps)
+        for constraint in constraints:
+            links.add(constraint.node, (constraint.submap, *nodes[constraint.node].submaps))
+        return links
