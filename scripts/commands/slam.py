@@ -139,6 +139,7 @@ def _learned(factors: dict[str, float] | None) -> list[tuple[str, str, str]]:
         ("way, of what odometry tells", f"{factors['way']:.3f}", ""),
         ("turn, of what it tells", f"{factors['turn']:.3f}", ""),
         ("turn that it does not tell", f"{factors['turn_per_metre']:+.3f}", "rad/m"),
+        ("odometry comes late by", f"{factors['late_s']:+.2f}", "s"),
     ]
 
 

@@ -134,11 +134,11 @@ def run_metrics(
 
 
 def _odometry_factors(engine: SlamEngine) -> dict[str, float] | None:
-    """Return what the engine has learned of the wheels; None: it does not."""
+    """Return what the engine has learned of the wheels and their clock; None: it does not."""
     if not isinstance(engine, Cartographer):
         return None
     way, turn, turn_per_metre = engine.calibration.factors.tolist()
-    return {"way": way, "turn": turn, "turn_per_metre": turn_per_metre}
+    return {"way": way, "turn": turn, "turn_per_metre": turn_per_metre, "late_s": engine.clock.late_s}
 
 
 def _stretches(flags: NDArray[np.bool_]) -> int:

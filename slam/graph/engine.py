@@ -17,7 +17,9 @@ from ..scan import LaserScan
 from ..settings import with_settings
 from .local.held_scans import Due
 from .local.local_slam import LocalResult, LocalSlam, LocalSlamConfig
+from .local.matched_steps import MatchedSteps
 from .local.odometry_calibration import OdometryCalibration
+from .local.odometry_clock import OdometryClock
 from .loops.constraints import Constraint
 from .loops.drive_mapping import DriveMapping
 from .loops.global_config import GlobalSlamConfig
@@ -62,7 +64,8 @@ class Cartographer:
 
     Attributes:
         config: As given.
-        calibration: What was learned of the odometry.
+        calibration: What was learned of the wheels.
+        clock: What was learned of how late the odometry is.
     """
 
     def __init__(self, config: CartographerConfig | None = None) -> None:
@@ -72,7 +75,8 @@ class Cartographer:
         self._mapping = DriveMapping(local, self._global)
         self._record = self._mapping.record
         self._recovery = KidnapRecovery(self._mapping) if config.recovery and config.global_ else None
-        self.calibration = OdometryCalibration(config.local.matcher.independent)
+        self.calibration, self.clock = OdometryCalibration(), OdometryClock(config.local.extrapolator)
+        self._steps = MatchedSteps(config.local.matcher.independent)
         self._odometry: Array | None = None
         self._online = PoseLog()
         self._live: GrowingMap | None = None  # only once `live_map` has been asked for
@@ -89,12 +93,14 @@ class Cartographer:
     def update(self, odometry: ArrayLike, scan: LaserScan) -> SlamUpdate:
         """Take one scan and the robot's odometry pose T_odom_robot (3,) at that time."""
         self._odometry = checked_pose(odometry, before=self._odometry)
-        odometry = self.calibration.apply(self._odometry)
+        odometry = self.clock.apply(self.calibration.apply(self._odometry), scan.time_s)
         nodes = len(self._record.nodes)
         waits = self._mapping.wait(odometry, scan)
         result = waits or self._take(self._mapping.due(odometry, scan))
         assert result
-        self.calibration.follow(result, waits is not None)
+        if step := self._steps.follow(result, waits is not None):
+            self.calibration.learn(*step)
+            self.clock.learn(*step)
         elsewhere = self._recovery.pose if self._recovery else None
         self._online.append(self._mapping.pose if elsewhere is None else elsewhere)
         self._trim()

@@ -5,6 +5,7 @@ import pytest
 from tagalong.slam import make_slam
 from tagalong.slam.geometry import between, compose
 from tagalong.slam.graph.local.local_slam import LocalResult
+from tagalong.slam.graph.local.matched_steps import MatchedSteps
 from tagalong.slam.graph.local.odometry_calibration import OdometryCalibration
 from tagalong.slam.scan_to_grid.scan_matcher import GridMatch
 from walls import cast
@@ -105,13 +106,15 @@ def test_graph_slam_learns_the_wheels_of_its_robot():
 @pytest.mark.parametrize("wrong", [{"odometry_fault": True}, {"contradicts": True}, {"jumped": True}, {"waits": True}])
 def test_nothing_is_learned_where_a_scan_was_not_matched_as_usual(wrong):
     def followed(**flags):
-        calibration = OdometryCalibration()
+        calibration, steps = OdometryCalibration(), MatchedSteps()
         waits = flags.pop("waits", False)
         for k in range(60):
             calibration.apply(np.array([0.25 * k, 0.0, 0.0]))
             pose = np.array([0.2 * k, 0.0, 0.0])
             match = GridMatch(pose, CLEAR, 0.6, False)
-            calibration.follow(LocalResult(pose, match, None, **(flags if k % 2 else {})), waits and bool(k % 2))
+            result = LocalResult(pose, match, None, **(flags if k % 2 else {}))
+            if step := steps.follow(result, waits and bool(k % 2)):
+                calibration.learn(*step)
         return calibration.factors[0]
 
     assert followed() < 0.9

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry import between, compose
-from .local_slam import LocalResult
+from .matched_steps import turning
 
 Array = NDArray[np.float64]
 
@@ -27,22 +27,17 @@ _FREEDOM = 4.0  # of the t distribution of a stretch's errors: wheels slip, and 
 class OdometryCalibration:
     """Turns the odometry that a robot tells into what it would tell if its wheels were known well.
 
-    Args:
-        independent: Share of a match's information that counts: neighbouring points err alike.
-
     Attributes:
         factors: (3,) the way by the way that is told, the turn by the turn that is told, and the turn that is not told
             by the way ahead [rad/m].
     """
 
-    def __init__(self, independent: float = 1.0) -> None:
-        self._independent = independent
+    def __init__(self) -> None:
         self.factors: Array = _USUAL
         self._information = np.diag(_SPREAD**-2.0)
         self._told: Array | None = None  # odometry as the robot tells it ...
         self._odometry = np.zeros(3)  # ... and calibrated
         self._step = np.zeros(3)  # told since the last scan
-        self._matched: Array | None = None  # T_local_robot of the last scan, if it was matched as usual
         self._begin()
 
     def _begin(self) -> None:
@@ -61,21 +56,6 @@ class OdometryCalibration:
         self._odometry = compose(self._odometry, _model(self._step, 0.0) @ self.factors)
         return self._odometry
 
-    def follow(self, result: LocalResult, waits: bool) -> None:
-        """Learn from what became of the scan whose odometry was calibrated last, if the one before was matched, too.
-
-        Args:
-            result: Where it was matched.
-            waits: Whether it has to wait for its odometry.
-        """
-        sound = result.match and not (waits or result.contradicts or result.odometry_fault or result.jumped)
-        before, self._matched = self._matched, result.pose if sound else None
-        if before is None or self._matched is None or result.match is None:
-            return
-        rotation = _rotation(before.item(2))
-        information = self._independent * (rotation.T @ result.match.information @ rotation)
-        self.learn(between(before, result.pose), information)
-
     def learn(self, step: Array, information: Array) -> None:
         """Learn from two scans that were matched, the last and the one before.
 
@@ -84,7 +64,7 @@ class OdometryCalibration:
             information: (3, 3) inverse covariance of that as far as the scan alone tells it, in the same frame.
         """
         heading = self._went.item(2)
-        rotation = _rotation(heading)
+        rotation = turning(heading)
         self._model += _model(self._step, heading)
         self._went += rotation @ step
         self._seen += rotation @ information @ rotation.T
@@ -121,9 +101,3 @@ def _model(step: Array, heading: float) -> Array:
     x, y, turn = step.tolist()
     cos, sin = math.cos(heading), math.sin(heading)
     return np.array([[cos * x - sin * y, 0.0, 0.0], [sin * x + cos * y, 0.0, 0.0], [0.0, turn, x]])
-
-
-def _rotation(heading: float) -> Array:
-    """Return (3, 3) what turns a motion by `heading` [rad]."""
-    cos, sin = math.cos(heading), math.sin(heading)
-    return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])

@@ -101,8 +101,7 @@ class SwitchingMotion:
         self._told = np.zeros(3)  # odometry as the robot tells it
         self._offset: Array | None = None  # T_believed_told of the two odometry frames; None: no fault so far
         self._believed = np.zeros(3)  # odometry told, in the frame of the believed one
-        self._before: tuple[Array | None, Array] | None = None  # offset and odometry before the newest fault ...
-        self._since = 0  # ... and scans with sound odometry that moved since
+        self._before: tuple[Array | None, Array] | None = None  # offset and odometry before the newest fault
         self._agree = False  # whether odometry moves the robot as it moved before
         self._doubt = np.zeros(2)  # sigma of the motions since the last match that the odometry did not tell
         self._moved = 0.0  # [m] by the odometry since the last scan
@@ -137,7 +136,7 @@ class SwitchingMotion:
 
     def stands_still(self, odometry: Array) -> bool:
         """Return whether the odometry pose T_odom_robot (3,) is the one of the last scan."""
-        return self.odometry is not None and _stands(between(self._told, odometry))
+        return self.odometry is not None and stands(between(self._told, odometry))
 
     def has_caught_up(self, odometry: Array, scans: int) -> bool:
         """Return whether odometry that stood still until now tells by one step of the way of so many `scans`.
@@ -190,7 +189,7 @@ class SwitchingMotion:
         elapsed = time_s - self._time
         self._told, self._time = odometry, time_s
         self._before_s, self._step_s = self._step_s, elapsed
-        moves = not _stands(moved)
+        moves = not stands(moved)
         self._bridges = bridge is not None
         self.soundness.advance(moves)
         self._believed = odometry if self._offset is None else compose(self._offset, odometry)
@@ -331,7 +330,7 @@ class SwitchingMotion:
         assert self._extrapolator is not None
         guessed = self._bridges or not chosen.sound
         self.faults += guessed
-        self._remember(chosen)
+        self._remember(chosen, lead is not None)
         odometry = chosen.odometry
         if lead is not None and guessed:  # what a guess was off by is no error of the odometry before
             odometry = compose(inverse(self._anchor), pose)
@@ -353,15 +352,13 @@ class SwitchingMotion:
         self._doubt = np.zeros(2)
         self._learn(pose)
 
-    def _remember(self, chosen: MotionHypothesis) -> None:
-        """Keep what was believed before a fault, until odometry has been sound for long."""
+    def _remember(self, chosen: MotionHypothesis, told: bool) -> None:
+        """Keep what was believed before a fault until a scan has `told` whether odometry that moves has caught up."""
         assert self.odometry is not None
         if not chosen.sound:
-            self._before, self._since = self._before or (self._offset, self.odometry), 0
-        elif self._moved > 0.0:
-            self._since += 1
-            if self._since >= _FORGOTTEN:
-                self._before = None
+            self._before = self._before or (self._offset, self.odometry)
+        elif told and self._moved > 0.0:
+            self._before = None
 
     def _learn(self, pose: Array) -> None:
         """Remember how far the robot goes between two scans; `pose` (3,) is that of the last match."""
@@ -373,7 +370,8 @@ class SwitchingMotion:
         self._matched, self._matched_odometry, self._unmatched = pose, self.odometry, 0
 
 
-def _stands(motion: Array) -> bool:
+def stands(motion: Array) -> bool:
+    """Return whether a `motion` (3,) of the odometry is none."""
     return abs(motion[0]) < _STILL and abs(motion[1]) < _STILL and abs(motion[2]) < _STILL
 
 
