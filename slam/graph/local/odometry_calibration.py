@@ -42,8 +42,9 @@ class OdometryCalibration:
 
     def _begin(self) -> None:
         """Begin a stretch."""
-        self._went = np.zeros(3)  # by the matches
-        self._model = np.zeros((3, 3))  # what makes that of the factors
+        self._went = np.zeros(3)  # by the matches ...
+        self._expected = np.zeros(3)  # ... and by the calibrated odometry
+        self._model = np.zeros((3, 3))  # derivative of that by the factors, which stay as they are meanwhile
         self._seen = np.zeros((3, 3))  # sum of the scans' informations of the pose ...
         self._scans = 0  # ... and of how many
         self._way = self._turned = 0.0  # told [m, rad]
@@ -53,7 +54,7 @@ class OdometryCalibration:
         if self._told is None:
             self._odometry = self._told = odometry
         self._step, self._told = between(self._told, odometry), odometry
-        self._odometry = compose(self._odometry, _model(self._step, 0.0) @ self.factors)
+        self._odometry = compose(self._odometry, _calibrated(self._step, self.factors)[0])
         return self._odometry
 
     def learn(self, step: Array, information: Array) -> None:
@@ -63,9 +64,10 @@ class OdometryCalibration:
             step: (3,) how the robot moved between them by the matches, in its frame at the first [m, m, rad].
             information: (3, 3) inverse covariance of that as far as the scan alone tells it, in the same frame.
         """
-        heading = self._went.item(2)
-        rotation = turning(heading)
-        self._model += _model(self._step, heading)
+        rotation = turning(self._went.item(2))
+        expected, model = _calibrated(self._step, self.factors)
+        self._model += rotation @ model
+        self._expected += rotation @ expected
         self._went += rotation @ step
         self._seen += rotation @ information @ rotation.T
         self._scans += 1
@@ -77,8 +79,7 @@ class OdometryCalibration:
 
     def _regress(self) -> None:
         """Learn from a stretch."""
-        self._forget()
-        error = self._went - self._model @ self.factors
+        error = self._went - self._expected - self._model @ self._forget()
         along, turn, drift = (_SPREAD * (self._way, self._turned, self._way)).tolist()
         noise = np.diag([along**2, along**2, turn**2 + drift**2])
         seen = self._seen / self._scans
@@ -89,15 +90,27 @@ class OdometryCalibration:
         self._information = self._information + self._model.T @ weights @ self._model
         self.factors = self.factors + np.linalg.solve(self._information, self._model.T @ (weights @ error))
 
-    def _forget(self) -> None:
+    def _forget(self) -> Array:
+        """Return (3,) by how much the factors change, since what was learned long ago counts for less."""
         kept = math.exp(-self._way / _MEMORY)
         prior = (1.0 - kept) * np.diag(_SPREAD**-2.0)
         self._information = kept * self._information + prior
-        self.factors = self.factors + np.linalg.solve(self._information, prior @ (_USUAL - self.factors))
+        change = np.linalg.solve(self._information, prior @ (_USUAL - self.factors))
+        self.factors = self.factors + change
+        return change
 
 
-def _model(step: Array, heading: float) -> Array:
-    """Return (3, 3) what makes the motion of a told `step` (3,) that begins at a `heading`, of the factors."""
+def _calibrated(step: Array, factors: Array) -> tuple[Array, Array]:
+    """Return the motion (3,) that a told `step` (3,) was by the factors, and its derivative (3, 3) by them.
+
+    A robot turns on its way: what it turns more than it tells leads it aside by half of that.
+    """
     x, y, turn = step.tolist()
-    cos, sin = math.cos(heading), math.sin(heading)
-    return np.array([[cos * x - sin * y, 0.0, 0.0], [sin * x + cos * y, 0.0, 0.0], [0.0, turn, x]])
+    way, by_turn, by_way = factors.tolist()
+    turned = by_turn * turn + by_way * x
+    aside = 0.5 * (turned - turn)
+    cos, sin = math.cos(aside), math.sin(aside)
+    x_way, y_way = cos * x - sin * y, sin * x + cos * y
+    x_aside, y_aside = -0.5 * way * y_way, 0.5 * way * x_way
+    model = [[x_way, turn * x_aside, x * x_aside], [y_way, turn * y_aside, x * y_aside], [0.0, turn, x]]
+    return np.array([way * x_way, way * y_way, turned]), np.array(model)
