@@ -109,3 +109,19 @@ def test_the_window_is_as_wide_as_odometry_leaves_open_but_no_wider_than_can_be_
     submap = Submap(SubmapConfig(), np.zeros(3))
     builder.places(submap, SCAN, np.zeros(3), Slack(slack, 0.1 if slack else 0.0))
     assert asked == [pytest.approx(linear)]
+
+
+def test_a_submap_where_a_match_is_missed_is_searched_for_once(monkeypatch):
+    slam = GlobalSlam(GlobalSlamConfig(search_every=1.0), [], lambda scan: scan)  # pyright: ignore[reportArgumentType]
+    node = SimpleNamespace(submaps=(7,), pose_local=np.zeros(3))
+    asked = []
+    slam.graph.nodes.extend([node, node])  # pyright: ignore[reportArgumentType]
+    monkeypatch.setattr(slam.graph, "near", lambda *_: [[3, 4]])
+    monkeypatch.setattr(slam.graph.links, "within", lambda *_: {3, 4})
+    monkeypatch.setattr(slam._matching, "track", lambda submap, _: submap == 3)
+    monkeypatch.setattr(slam, "_is_loose", lambda *_: False)
+    monkeypatch.setattr(slam._near_search, "is_over", lambda _: True)
+    monkeypatch.setattr(slam._loops, "search", lambda submaps, _: asked.append(submaps))
+    slam.close_loops()
+    assert asked == [[4]]
+    assert slam._missed == set()

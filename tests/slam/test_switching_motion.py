@@ -255,3 +255,11 @@ def test_no_wheels_lead_to_a_place_that_only_looks_alike():
     assert cost(30.0, 4.0) > went + 15.0  # the next room
     assert cost(26.0, 0.0) > went + 8.0
     assert cost(30.0, 0.0, 2.0) > went + 15.0
+
+
+def test_what_was_before_a_fault_is_forgotten_with_the_first_scan_that_tells():
+    truth, told = straight(30), straight(30)
+    told[15:] += np.array([0.0, 3.0, 0.0])  # a jump that is never taken back
+    model, _ = driven(told[:17], truth[:17])
+    assert len(model.predict(told[17] + np.array([0.0, 0.5, 0.0]), STEP_S * 17)) <= 3
+    assert model._before is None

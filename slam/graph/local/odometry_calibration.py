@@ -95,9 +95,9 @@ class OdometryCalibration:
         kept = math.exp(-self._way / _MEMORY)
         prior = (1.0 - kept) * np.diag(_SPREAD**-2.0)
         self._information = kept * self._information + prior
-        change = np.linalg.solve(self._information, prior @ (_USUAL - self.factors))
-        self.factors = self.factors + change
-        return change
+        before = self.factors
+        self.factors = before + np.linalg.solve(self._information, prior @ (_USUAL - before))
+        return self.factors - before
 
 
 def _calibrated(step: Array, factors: Array) -> tuple[Array, Array]:

@@ -55,6 +55,7 @@ class GlobalSlam:
         self._near_search, self._far_search = SearchInterval(config.search_every), SearchInterval(STRETCH)
         self._matching = NodeMatching(self.graph, self._builder)
         self._loops = LoopSearch(self.graph, self._builder, config.max_distance)
+        self._missed = set[int]()  # submaps where a node should have matched, and did not, since the last search
         self._matched = 0  # nodes that local SLAM has matched, for their mean score
         self._T_global_local = np.zeros(3)  # of a drive segment without any node yet
         self._finished_nodes = self._adjusted = 0  # nodes at the end of the drive, and when the graph was adjusted last
@@ -100,6 +101,7 @@ class GlobalSlam:
         graph.rewind(mark, self._sweep)
         self._T_global_local = mark.local_to_global
         self._finished_nodes, self._adjusted = 0, min(self._adjusted, len(graph.nodes))
+        self._missed = set()
 
     def place_segment(self, pose: Array, pose_local: Array) -> None:
         """Say where the newest segment lies: `pose` (3,) T_global_robot belongs to `pose_local` (3,) T_local_robot.
@@ -161,9 +163,12 @@ class GlobalSlam:
         near = self.graph.near([index], config.max_distance)[0]
         placed = self.graph.links.within(config.placed_within, index, nodes[index].submaps, self.graph.node_poses)
         for s in [s for s in near if s in placed][: config.nearest]:
-            self._matching.track(s, [index])
+            if self._matching.track(s, [index]):
+                self._missed.discard(s)
+            else:
+                self._missed.add(s)
         moved = float(np.hypot(*between(nodes[index - 1].pose_local, nodes[index].pose_local)[:2]))
-        self._search([s for s in near if s not in placed], index, moved)
+        self._search([s for s in near if s not in placed or s in self._missed], index, moved)
         new, due = index + 1 - self._adjusted, (index + 1) % config.adjust_every == 0
         if due and self._matching.news and new >= config.adjust_share * index:
             self.optimise()
@@ -176,7 +181,9 @@ class GlobalSlam:
             node: The node.
             moved: How far the robot has driven since the node before [m].
         """
-        near = [s for s in waiting if not self._is_loose(s, node)] if self._near_search.is_over(moved) else []
+        near: list[int] = []
+        if self._near_search.is_over(moved):
+            near, self._missed = [s for s in waiting if not self._is_loose(s, node)], set()
         far = self._loose(node) if self._far_search.is_over(moved) else []
         for submaps in near, far:
             closure = self._loops.search(submaps, node) if submaps else None
@@ -243,4 +250,5 @@ class GlobalSlam:
         self._trimmed = self._trimmed.after(stay, poses, submap_poses, anchors)
         graph.renumber(stay)
         self._finished_nodes, self._adjusted = 0, len(graph.nodes)
+        self._missed = set()
         return stay

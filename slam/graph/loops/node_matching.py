@@ -45,6 +45,8 @@ class NodeMatching:
             graph.links.add(constraint.node, (constraint.submap, *graph.nodes[constraint.node].submaps))
             self.news = True
 
-    def track(self, submap: int, nodes: list[int]) -> None:
-        """Match some nodes against a submap and their surroundings there, and add what is found."""
-        self.add(self.match(submap, nodes, True))
+    def track(self, submap: int, nodes: list[int]) -> bool:
+        """Match some nodes against a submap and their surroundings there, add what is found, return whether any is."""
+        found = self.match(submap, nodes, True)
+        self.add(found)
+        return bool(found)
