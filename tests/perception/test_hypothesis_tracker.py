@@ -204,6 +204,18 @@ def test_a_walker_hidden_for_a_second_keeps_the_number_and_one_who_vanished_in_p
     assert gone[-1] == 0
 
 
+def test_who_is_hidden_is_told_of_as_long_as_the_place_is_known_and_comes_back_as_a_young_track(hall, step):
+    for k in range(25):
+        people = hall.show(step(np.array([2.0, -2.0 + k / 7.5]), (0.0, 1.0), k / 7.5), confidence=0.6)
+    assert people.age_s[0] > 3.0
+    counts = [len(hall.show((), hidden=True)) for _ in range(5)]
+    assert counts[0] == 1
+    assert counts[-1] == 0
+    people = hall.show(step(np.array([2.0, -2.0 + 30 / 7.5]), (0.0, 1.0), 30 / 7.5), confidence=0.6)
+    assert list(people.ids) == [0]
+    assert people.age_s[0] < 0.2
+
+
 def test_two_people_who_cross_keep_their_numbers(hall, step):
     before: dict[int, float] = {}
     for k in range(30):
