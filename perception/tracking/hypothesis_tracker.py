@@ -154,6 +154,8 @@ class HypothesisTracker:
         known, spacing_s = self._frame.known, self._config.views.spacing_s
         least = config.least_way, config.least_pace, config.evidence.jitter
         kernels.note_path(rows, seen, free, known, dt, spacing_s, *least)
+        stood = rows["stands_s"] >= config.stand_s
+        rows["moved"][stood], rows["born"][stood] = 0.0, rows["x"][stood, :2]
 
     def _weigh(self, sight: "_Sight", lidar: Array, dt: float) -> None:
         rows, config = self._rows, self._config.evidence
@@ -217,7 +219,7 @@ class HypothesisTracker:
         return ~free | ((rows["age_s"] < config.still_s) & ~np.append(sight.came, False)[leg])
 
     def _mark_grid(self, points: Array, pose: Array, time_s: float, dt: float) -> None:
-        """Mark where something stands by the returns `points` (k, 2) of a scan, but not where one who came does."""
+        """Mark where something stands by the returns `points` (k, 2) of a scan, but not where one who came just does."""
         rows = self._rows
         known = rows[(rows["id"] >= 0) & (rows["moved"] >= self._config.least_way)]
         people = np.concatenate((known["x"][:, None, :2], known["x"][:, None, :2] + known["legs"]), axis=1)

@@ -261,6 +261,15 @@ def test_where_somebody_stands_something_stands_unless_the_person_has_walked_the
     assert (confidence < 0.3).all() if still else (confidence > 0.3).all()
 
 
+def test_what_has_stood_for_long_is_as_if_it_had_never_moved(hall):
+    for k in range(75):  # walks for a second, stands for nine
+        x, pose = max(3.0, 4.2 - 0.15 * k), np.array([0.02 * k, 0.5, 0.0])
+        hall.show([[x, 0.0], [x, 0.3]], confidence=0.95, odometry=pose)
+    hall.detector.confidence = np.full(2, 0.3)
+    scan = scan_of(hall.detector.positions, 76 / hall.rate_hz, wall=wall_from(pose))
+    assert (hall.tracker.update(scan, pose).detections.confidence[:2] < 0.3).all()
+
+
 def test_what_is_taken_for_somebody_but_never_moves_is_not_believed_in_for_ever(hall):
     legs = [[3.0, 0.0], [3.0, 0.3]]
     counts = [len(hall.show(legs, confidence=0.55, odometry=(0.6 * np.sin(0.2 * k), 0.5, 0.0))) for k in range(450)]
