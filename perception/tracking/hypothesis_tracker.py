@@ -219,7 +219,7 @@ class HypothesisTracker:
         return ~free | ((rows["age_s"] < config.still_s) & ~np.append(sight.came, False)[leg])
 
     def _mark_grid(self, points: Array, pose: Array, time_s: float, dt: float) -> None:
-        """Mark where something stands by the returns `points` (k, 2) of a scan, but not where one who came just does."""
+        """Mark where something stands by the returns `points` (k, 2) of a scan, but not where somebody who came is."""
         rows = self._rows
         known = rows[(rows["id"] >= 0) & (rows["moved"] >= self._config.least_way)]
         people = np.concatenate((known["x"][:, None, :2], known["x"][:, None, :2] + known["legs"]), axis=1)
