@@ -21,7 +21,6 @@ from .tracking.hypothesis_config import HypothesisConfig
 from .tracking.hypothesis_tracker import HypothesisTracker
 from .tracking.people import People
 from .tracking.tracker import PeopleTracker
-from .tracking.ye2021 import Ye2021Tracker
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -135,6 +134,10 @@ class PeopleFilter:
         if self.config.method == "hypotheses":
             self._tracker = HypothesisTracker(self.config.hypotheses, self.config.tracker, detector)
         elif self.config.method == "ye2021":
+            from .tracking.ye2021 import (
+                Ye2021Tracker,
+            )  # and filterpy and scipy's assignment, only where it is asked for
+
             self._tracker = Ye2021Tracker(self.config.tracker, detector)
         else:
             self._tracker = PeopleTracker(self.config.tracker, detector)

@@ -1,9 +1,9 @@
 """The one person to follow: chosen at onset, looked for when lost, never told from outside (Ye 2021, section II.C)."""
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
-from filterpy.kalman import KalmanFilter
 from numpy.typing import ArrayLike, NDArray
 
 from ...slam.bounds import checked_pose
@@ -14,6 +14,9 @@ from ..tracking.people import People
 from .duplicate_tracks import DuplicateTracks
 from .estimate import LeaderEstimate, as_leader
 from .onset import LeaderConfig, LeaderOnset
+
+if TYPE_CHECKING:
+    from filterpy.kalman import KalmanFilter
 
 Array = NDArray[np.float64]
 

@@ -30,6 +30,7 @@ HYPOTHESIS = np.dtype(
         ("stands_s", np.float64),  # for how long it has been seen without moving since it has a number [s]
         ("places", np.int64),  # how many were written
         ("age_s", np.float64),
+        ("placed_s", np.float64),  # for how long its place has been known without a break [s]
         ("unseen_s", np.float64),
     ]
 )

@@ -145,6 +145,8 @@ class HypothesisTracker:
         motion = self._tracker.motion
         fade = float(np.exp(-dt / self._tracker.pairing.offset_s))
         kernels.correct(self._rows, z, motion.r, motion.r + motion.one_leg_variance, dt, fade)
+        rows = self._rows
+        rows["placed_s"] = np.where(rows["p"][:, 0] <= self._config.told, rows["placed_s"] + dt, 0.0)
 
     def _note_path(self, z: Array, lidar: Array, time_s: float, dt: float) -> None:
         rows, config = self._rows, self._config
@@ -152,6 +154,8 @@ class HypothesisTracker:
         known, spacing_s = self._frame.known, self._config.views.spacing_s
         least = config.least_way, config.least_pace, config.evidence.jitter
         kernels.note_path(rows, seen, free, known, dt, spacing_s, *least)
+        stood = rows["stands_s"] >= config.stand_s
+        rows["moved"][stood], rows["born"][stood] = 0.0, rows["x"][stood, :2]
 
     def _weigh(self, sight: "_Sight", lidar: Array, dt: float) -> None:
         rows, config = self._rows, self._config.evidence
@@ -215,7 +219,7 @@ class HypothesisTracker:
         return ~free | ((rows["age_s"] < config.still_s) & ~np.append(sight.came, False)[leg])
 
     def _mark_grid(self, points: Array, pose: Array, time_s: float, dt: float) -> None:
-        """Mark where something stands by the returns `points` (k, 2) of a scan, but not where one who came does."""
+        """Mark where something stands by the returns `points` (k, 2) of a scan, but not where somebody who came is."""
         rows = self._rows
         known = rows[(rows["id"] >= 0) & (rows["moved"] >= self._config.least_way)]
         people = np.concatenate((known["x"][:, None, :2], known["x"][:, None, :2] + known["legs"]), axis=1)
@@ -224,7 +228,8 @@ class HypothesisTracker:
         self._grid.mark(things, pose[:2], time_s, dt)
 
     def _people(self, time_s: float, z: Array) -> People:
-        known = self._rows["id"] >= 0
+        """Return who is believed in and where they are is known: who is hidden for longer is not told of meanwhile."""
+        known = (self._rows["id"] >= 0) & (self._rows["p"][:, 0] <= self._config.told)
         rows, probability = self._rows[known], 1.0 / (1.0 + np.exp(-self._odds))
         i, slot = np.nonzero(self._rows["clusters"] >= 0)
         legs = SeenLegs(
@@ -239,7 +244,7 @@ class HypothesisTracker:
             legs=rows["x"][:, None, :2] + rows["legs"],
             variance=rows["p"][:, 0].copy(),
             unseen_s=rows["unseen_s"].copy(),
-            age_s=rows["age_s"].copy(),
+            age_s=rows["placed_s"].copy(),
             seen_legs=legs,
         )
 

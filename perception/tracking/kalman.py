@@ -7,9 +7,13 @@ time, with a = var(x) = var(y), b = cov(x, vx) = cov(y, vy), c = var(vx) = var(v
 an update of all targets is a few array operations. Equal to filterpy's `KalmanFilter` (tested).
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-from filterpy.kalman import KalmanFilter
 from numpy.typing import ArrayLike, NDArray
+
+if TYPE_CHECKING:
+    from filterpy.kalman import KalmanFilter
 
 Array = NDArray[np.float64]
 
@@ -43,8 +47,10 @@ def full_covariance(p: Array) -> Array:
     return np.asarray(np.kron(np.stack((p[:, :2], p[:, 1:]), axis=1), np.eye(2)), dtype=np.float64)
 
 
-def single_target(position: ArrayLike, variance: float, r: float) -> KalmanFilter:
+def single_target(position: ArrayLike, variance: float, r: float) -> "KalmanFilter":
     """Return filterpy's filter of a target at `position` (2,), at rest (eq. 5): P0 = `variance` I, R = r I."""
+    from filterpy.kalman import KalmanFilter  # takes most of a second, which the filter of a short log has no use for
+
     filter_ = KalmanFilter(dim_x=4, dim_z=2)
     filter_.x = np.concatenate((np.asarray(position, dtype=np.float64), np.zeros(2)))
     filter_.P = np.eye(4) * variance
@@ -53,7 +59,7 @@ def single_target(position: ArrayLike, variance: float, r: float) -> KalmanFilte
     return filter_
 
 
-def predict_single(filter_: KalmanFilter, dt: float, q: float) -> None:
+def predict_single(filter_: "KalmanFilter", dt: float, q: float) -> None:
     """Move `filter_` `dt` seconds ahead with Q = q I."""
     filter_.F = np.eye(4) + dt * np.eye(4, k=2)
     filter_.Q = np.eye(4) * q

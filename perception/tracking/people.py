@@ -46,7 +46,8 @@ class People:
         legs: (n, 2, 2) positions of both legs, measured or believed [m].
         variance: (n,) first element of each covariance [m^2].
         unseen_s: (n,) time since a leg of the person was last seen; 0: in this scan [s].
-        age_s: (n,) time since both legs were first tracked, before they were known as a person [s].
+        age_s: (n,) time since both legs were first tracked, before they were known as a person, or since the place was
+            known again [s].
         seen_legs: The legs that were seen in this scan.
     """
 

@@ -5,9 +5,9 @@ that it builds on: Leigh, Pineau, Olmedo, Zhang, "Person tracking and following 
 """
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
-from filterpy.kalman import KalmanFilter
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import linear_sum_assignment
 from scipy.spatial.distance import cdist
@@ -24,6 +24,9 @@ from .local_grid import LocalGrid
 from .people import People, SeenLegs
 from .track_kernels import points_of_things
 from .tracker import TrackerUpdate
+
+if TYPE_CHECKING:
+    from filterpy.kalman import KalmanFilter
 
 Array = NDArray[np.float64]
 
@@ -45,7 +48,7 @@ class PaperTrack:
         unseen_s: Since it was last detected [s].
     """
 
-    filter: KalmanFilter
+    filter: "KalmanFilter"
     confidence: float
     start: Array
     number: int = -1

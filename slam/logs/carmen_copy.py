@@ -29,7 +29,7 @@ _LASERS = (b"FLASER", b"ROBOTLASER1")
 _MOST_BYTES = 1 << 40
 _GZIP_MAGIC = b"\x1f\x8b"
 _NOTHING = b"0.0"  # "no measurement", as simulators and filters write it
-_WORD = re.compile(rb"\S+")
+_SPACE = re.compile(rb"(\s+)")
 
 
 def copy_carmen(source: str | os.PathLike[str], target: str | os.PathLike[str], removal: Removal) -> None:
@@ -48,13 +48,13 @@ def copy_carmen(source: str | os.PathLike[str], target: str | os.PathLike[str], 
     """
     largest, offset, scans = 0.0, 0.0, 0
     for number, line in _numbered(source):
-        words = line.split()
+        words = line.split(maxsplit=3)
         with _line_named(source, number, words):
             found = front_offset(words)
             offset = offset if found is None else found
-            if words and words[0] in _LASERS:
-                record, scans = laser_record(words), scans + 1
-                largest = max(largest, largest_range(record) if record.max_range is None else 0.0)
+            scans += bool(words and words[0] in _LASERS)
+            if words and words[0] == b"FLASER":
+                largest = max(largest, largest_range(laser_record(line.split())))
     if not scans:
         raise InputError(f"{named(source)}: no laser scan found; expected lines beginning with FLASER or ROBOTLASER1")
     limit = no_return_from(largest)
@@ -95,13 +95,11 @@ def _without(line: bytes, words: list[bytes], offset: float, limit: float, remov
     removed = removal(words[0].decode("ascii"), scan, odometry, order, count)
     if not removed.any():
         return line
-    first = first_reading(words)
-    parts, end = [], 0
-    for number, word in enumerate(_WORD.finditer(line)):
-        if first <= number < first + count and removed[number - first]:
-            parts += [line[end : word.start()], _NOTHING]
-            end = word.end()
-    return b"".join((*parts, line[end:]))
+    parts = _SPACE.split(line)  # words and what is between them, in turns
+    first = 2 * first_reading(words) + (0 if parts[0] else 2)
+    for beam in np.flatnonzero(removed).tolist():
+        parts[first + 2 * beam] = _NOTHING
+    return b"".join(parts)
 
 
 def _numbered(path: str | os.PathLike[str]) -> Iterator[tuple[int, bytes]]:

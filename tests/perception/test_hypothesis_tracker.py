@@ -204,6 +204,18 @@ def test_a_walker_hidden_for_a_second_keeps_the_number_and_one_who_vanished_in_p
     assert gone[-1] == 0
 
 
+def test_who_is_hidden_is_told_of_as_long_as_the_place_is_known_and_comes_back_as_a_young_track(hall, step):
+    for k in range(25):
+        people = hall.show(step(np.array([2.0, -2.0 + k / 7.5]), (0.0, 1.0), k / 7.5), confidence=0.6)
+    assert people.age_s[0] > 3.0
+    counts = [len(hall.show((), hidden=True)) for _ in range(5)]
+    assert counts[0] == 1
+    assert counts[-1] == 0
+    people = hall.show(step(np.array([2.0, -2.0 + 30 / 7.5]), (0.0, 1.0), 30 / 7.5), confidence=0.6)
+    assert list(people.ids) == [0]
+    assert people.age_s[0] < 0.2
+
+
 def test_two_people_who_cross_keep_their_numbers(hall, step):
     before: dict[int, float] = {}
     for k in range(30):
@@ -247,6 +259,15 @@ def test_where_somebody_stands_something_stands_unless_the_person_has_walked_the
     scan = scan_of(hall.detector.positions, 26 / hall.rate_hz, wall=wall_from(pose))
     confidence = hall.tracker.update(scan, pose).detections.confidence[:2]
     assert (confidence < 0.3).all() if still else (confidence > 0.3).all()
+
+
+def test_what_has_stood_for_long_is_as_if_it_had_never_moved(hall):
+    for k in range(75):  # walks for a second, stands for nine
+        x, pose = max(3.0, 4.2 - 0.15 * k), np.array([0.02 * k, 0.5, 0.0])
+        hall.show([[x, 0.0], [x, 0.3]], confidence=0.95, odometry=pose)
+    hall.detector.confidence = np.full(2, 0.3)
+    scan = scan_of(hall.detector.positions, 76 / hall.rate_hz, wall=wall_from(pose))
+    assert (hall.tracker.update(scan, pose).detections.confidence[:2] < 0.3).all()
 
 
 def test_what_is_taken_for_somebody_but_never_moves_is_not_believed_in_for_ever(hall):
