@@ -11,8 +11,7 @@ from ...scan_to_grid.extrapolator import Prediction
 
 Array = NDArray[np.float64]
 
-_BREAKS, _HEALS = 0.001, 0.1  # probability that sound odometry fails with the next scan, and that a fault ends
-_THAWS = 0.5  # probability that a fault ends where odometry that stood still moves again
+_BREAKS, _HEALS = 0.001, 0.5  # probability that sound odometry fails with the next scan, and that a fault ends
 _CHANCE = 0.1  # share of faulty motions that agree with both predictions
 _SUREST = 1e-6  # never is it surer than this that odometry is sound, or is not
 _ERRORS = 20  # so many of the newest tell how precise the odometry is; at first, they are those of its model
@@ -30,14 +29,10 @@ class OdometrySoundness:
 
     def __init__(self) -> None:
         self.probability = 1.0
-        self._moves = True
 
     def advance(self, moves: bool) -> None:
         """Go on to the next scan; `moves` says whether the odometry has told any motion since the last one."""
-        heals = 0.0  # what is frozen, and does not move, is frozen still
-        if moves:
-            heals = _HEALS if self._moves else _THAWS
-        self._moves = moves
+        heals = _HEALS if moves else 0.0  # what is frozen, and does not move, is frozen still
         self.probability += (1.0 - self.probability) * heals - self.probability * _BREAKS
 
     def weigh(self, lead: float) -> None:
