@@ -49,7 +49,6 @@ def test_what_lies_between_adds_up_over_the_pieces(pieces):
 def test_pieces_begin_with_their_first_node_and_submap(pieces):
     assert [pieces.first_node(k) for k in (9, 10, 19, 20)] == [0, 10, 10, 20]
     assert [pieces.are_joined(s, 15) for s in (2, 3, 4, 5)] == [False, True, True, False]
-    assert pieces.first_submap == 5
 
 
 def test_a_loop_closure_joins_two_pieces_and_what_they_are_joined_with(pieces):
@@ -76,7 +75,7 @@ def test_a_closure_that_was_dropped_joins_no_more(pieces):
 def test_a_piece_that_is_taken_back_is_forgotten(pieces):
     pieces.rewind(20, 5, [])
     assert pieces.first_node(25) == 10
-    assert pieces.first_submap == 3
+    assert [pieces.are_joined(s, 15) for s in (2, 3, 5)] == [False, True, True]
 
 
 def test_pieces_keep_their_nodes_when_others_leave(pieces):
@@ -84,7 +83,8 @@ def test_pieces_keep_their_nodes_when_others_leave(pieces):
     stay[[1, 2, 12]], submaps[1] = False, False
     pieces.renumber(Renumbering(stay, submaps))
     assert [pieces.first_node(k) for k in (7, 8, 16, 17)] == [0, 8, 8, 17]
-    assert pieces.first_submap == 4
+    assert [pieces.are_joined(s, 17) for s in (1, 2, 3, 4)] == [False, False, False, True]
+    assert [pieces.are_joined(s, 8) for s in (1, 2, 3, 4)] == [False, True, True, False]
 
 
 def test_odometry_that_told_nothing_true_costs_no_more_than_its_odds():

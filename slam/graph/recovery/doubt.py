@@ -195,8 +195,8 @@ class Doubt:
 
     @property
     def settled(self) -> bool:
-        """Whether the map says that the robot is where local SLAM has it."""
-        return not self._lost and self._fitting >= _VOUCHED
+        """Whether the map says that the robot is where local SLAM has it, and it was not found elsewhere."""
+        return not self._lost and self._fitting >= _VOUCHED and self.elsewhere is None
 
     @property
     def impossible(self) -> bool:

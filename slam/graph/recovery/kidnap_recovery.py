@@ -104,13 +104,16 @@ class KidnapRecovery:
         return result
 
     def _tied(self) -> bool:
-        """Return whether loop closure has tied scans of the doubt to submaps of before: then it has decided."""
+        """Return whether loop closure has tied scans of the doubt to submaps of before: then it has decided.
+
+        A match near where local SLAM has the robot is no closure, if no search has led there.
+        """
         if self._mark is None:
             return False
         graph = self._mark.graph
         first, submaps = len(graph.node_poses), set(range(len(graph.submap_poses))) - set(graph.growing)
         ties = [c for c in self._graph.graph.constraints if c.node >= first and c.submap in submaps]
-        return len(ties) >= _TIES
+        return len(ties) >= _TIES and any(c.searched for c in ties)
 
     def finish(self) -> None:
         """Take note that the drive has ended: what a doubt has come to by now counts."""
