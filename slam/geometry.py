@@ -100,6 +100,21 @@ def part_of(motion: ArrayLike, share: float) -> Array:
     return np.array((cx - cos * cx + sin * cy, cy - sin * cx - cos * cy, part))
 
 
+def first_of_way(steps: ArrayLike, goal: ArrayLike) -> Array:
+    """Return (3,) the first of `steps` (n, 3), one after the other, once all are changed alike to lead to `goal` (3,).
+
+    Steps of zero make a straight line of equal turns of it.
+    """
+    ways, aim = np.array(steps, dtype=np.float64), _array(goal)
+    ways[:, 2] += wrap_one(aim[2] - ways[:, 2].sum()) / len(ways)
+    end = np.zeros(3)
+    for way in ways:
+        end = compose(end, way)
+    first = ways[0]
+    first[:2] += (aim[:2] - end[:2]) / len(ways)
+    return first
+
+
 def transform_points(T_a_b: ArrayLike, points_b: ArrayLike) -> Array:
     """Return `points_b` (..., N, 2) in frame a. `T_a_b` is (3,), or (..., 3) as the points."""
     pose, points = np.asarray(T_a_b, dtype=np.float64), np.asarray(points_b, dtype=np.float64)

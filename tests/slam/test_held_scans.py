@@ -1,11 +1,13 @@
 """Scans that wait for odometry that stands still while the robot drives on."""
 
 from dataclasses import replace
+from functools import reduce
 
 import numpy as np
 import pytest
 from tagalong.slam.engine import make_slam
-from tagalong.slam.geometry import between, compose, part_of
+from tagalong.slam.geometry import between, compose, part_of, wrap_one
+from tagalong.slam.graph.local.bridge import bridge_over
 from tagalong.slam.graph.local.local_slam import LocalSlam, LocalSlamConfig
 from tagalong.slam.graph.local.switching_motion import SwitchingMotion
 from tagalong.slam.scan_to_grid.extrapolator import ExtrapolatorConfig
@@ -16,6 +18,7 @@ from walls import cast
 WALLS = np.array([[-3.0, -1.0, 21.0, -1.0], [21.0, -1.0, 21.0, 30.0], [-3.0, 1.0, -1.0, 1.0], [-1.0, 1.0, -1.0, 2.0],
                   [-1.0, 2.0, 0.5, 2.0], [0.5, 2.0, 0.5, 1.0], [0.5, 1.0, 19.0, 1.0], [19.0, 1.0, 19.0, 30.0],
                   [-3.0, -1.0, -3.0, 1.0]])  # fmt: skip
+USUAL, ROUGH = np.array([0.2, 0.1]), np.array([0.1, 0.1])
 BEARINGS = np.deg2rad(np.arange(-90.0, 90.5, 1.0))
 
 
@@ -110,13 +113,33 @@ def test_what_is_put_between_ends_where_the_odometry_does_whatever_the_scans_on_
     motion, pose = motion_of([np.array([0.3, 0.0, 0.0])] * 10)
     goal = matched = compose(pose, [1.0, 0.8, 1.2])
     for left in range(4, 0, -1):
-        at, sigma = motion.bridge(goal, left)
-        assert (sigma > 0.0).all()
-        hypotheses = motion.predict(at, 3.0 - 0.2 * left, sigma)
-        (only,) = hypotheses
-        matched = compose(only.prediction.pose, [0.05, -0.02, 0.03]) if left > 1 else only.prediction.pose
-        motion.take(hypotheses, only, matched, 0.0)
+        at, ways = motion.bridge(goal, np.zeros((left, 3)))
+        hypotheses = motion.predict(at, 3.0 - 0.2 * left, ways)
+        assert all((motion.prediction.sigma > 0.0).all() for motion in hypotheses)
+        evenly = hypotheses[0]
+        matched = compose(evenly.prediction.pose, [0.05, -0.02, 0.03]) if left > 1 else evenly.prediction.pose
+        motion.take(hypotheses, evenly, matched, 0.0)
     np.testing.assert_allclose(matched, goal, atol=1e-9)
+
+
+SEEN = np.array([(0.5, 0.0, 0.0), (0.0, 0.0, 1.5), (0.0, 0.1, 2.5), (0.4, 0.0, 0.1)])
+
+
+def test_where_the_scans_showed_the_way_that_the_odometry_tells_it_is_the_likelier_one():
+    end = reduce(compose, SEEN)
+    (even, odds), (seen, shown) = ((way.pose, p) for p, way in bridge_over(end, SEEN, USUAL, ROUGH))
+    np.testing.assert_allclose(seen, SEEN[0], atol=1e-9)
+    np.testing.assert_allclose(even, (*(end[:2] / 4), wrap_one(end[2]) / 4), atol=1e-9)
+    assert shown == pytest.approx(0.5) == odds
+    (_, _), (_, shown) = ((way.pose, p) for p, way in bridge_over(compose(end, [2.0, 0.0, 0.0]), SEEN, USUAL, ROUGH))
+    assert shown < 0.01
+
+
+def test_what_the_scans_did_not_show_is_shared_out_among_them():
+    pose, goal = np.zeros(3), np.array([3.0, -1.0, -2.0])
+    for k in range(len(SEEN)):
+        pose = compose(pose, bridge_over(between(pose, goal), SEEN[k:], USUAL, ROUGH)[1][1].pose)
+    np.testing.assert_allclose(pose, goal, atol=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -11,8 +11,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry import between
 from ...scan import LaserScan
 from ...scan_to_grid.scan_matcher import GridMatch
+from .bridge import Bridge
 from .switching_motion import MotionHypothesis, SwitchingMotion
 
 Array = NDArray[np.float64]
@@ -53,13 +55,13 @@ class Due:
     Attributes:
         odometry: (3,) T_odom_robot.
         scan: The scan.
-        bridge: (2,) how far off the odometry may be [m, rad]; None: it is not interpolated.
+        bridge: How the robot may have gone since the scan before; None: as that says, it is not interpolated.
         look: What was found when it was looked at; it holds where nothing was drawn since.
     """
 
     odometry: Array
     scan: LaserScan
-    bridge: Array | None = None
+    bridge: Bridge | None = None
     look: Look | None = None
 
     def known(self, drawn: int) -> Look | None:
@@ -83,16 +85,29 @@ class HeldScans:
     scans: list[Due] = field(default_factory=list)
     motion: SwitchingMotion | None = None
     released: bool = False
+    _poses: list[Array] = field(default_factory=list)  # (3,) T_local_robot before the first, and where each seems to be
 
     def wait(self, motion: SwitchingMotion, odometry: Array, scan: LaserScan) -> bool:
         """Let a scan wait if its odometry pose T_odom_robot (3,) is that of the scan before; return whether it does."""
         if not motion.stands_still(odometry) or self.released or len(self.scans) >= _MOST:
             return False
-        self.motion = self.motion or motion.copy()
+        if self.motion is None:
+            self.motion, self._poses = motion.copy(), [motion.pose]
         self.scans.append(Due(odometry, scan))
         return True
 
-    def looked(self, look: Look) -> None:
-        """Keep what was found when the newest was looked at, if no other waits: what is made of those may change it."""
+    def looked(self, look: Look, pose: Array) -> None:
+        """Keep what was found when the newest was looked at, and that it seems to be at `pose` (3,), T_local_robot.
+
+        All of what was found holds only if no other waits: what is made of those may change it.
+        """
+        self._poses.append(pose)
         if len(self.scans) == 1:
             self.scans[0] = replace(self.scans[0], look=look)
+
+    @property
+    def steps(self) -> Array:
+        """(n + 1, 3) how the robot seems to have gone to each of the n scans, and on in the same way to the next."""
+        poses = np.array(self._poses)
+        steps = between(poses[:-1], poses[1:])
+        return np.concatenate((steps, steps[-1:]))

@@ -156,9 +156,9 @@ class LocalSlam:
         if not self._held.wait(self._motion, odometry, scan):
             return None
         look = self._looked(scan, self._motion.predict(odometry, scan.time_s))
-        self._held.looked(look)
         motion, match = look.motion, look.match
         pose = match.pose if match else motion.prediction.pose
+        self._held.looked(look, pose)
         contradicts = look.in_question or self._contradicts(scan, look, copy(self._monitor))
         self._motion.take(look.hypotheses, motion, pose, look.lead if match else None, bool(match and match.retried))
         return LocalResult(pose, match, None, contradicts, not motion.sound, self._motion.jumped)
@@ -188,9 +188,10 @@ class LocalSlam:
         if odometry is None or stands or not self._motion.has_caught_up(odometry, left):
             yield from held.scans
             return
+        steps = held.steps
         for k, due in enumerate(held.scans):
-            at, sigma = self._motion.bridge(odometry, left - k)
-            yield Due(at, due.scan, sigma)
+            at, bridge = self._motion.bridge(odometry, steps[k:])
+            yield Due(at, due.scan, bridge)
         self._motion.widen(between(held.scans[0].odometry, odometry))
 
     def update(self, odometry: Array, scan: LaserScan) -> LocalResult:

@@ -20,8 +20,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry import between, compose, inverse, part_of
+from ...geometry import between, compose, inverse
 from ...scan_to_grid.extrapolator import ExtrapolatorConfig, OdometryExtrapolator, Prediction
+from .bridge import Bridge, bridge_over
 from .odometry_soundness import OdometryPrecision, OdometrySoundness
 
 Array = NDArray[np.float64]
@@ -150,35 +151,33 @@ class SwitchingMotion:
         told, usual = between(self._told, odometry), np.maximum(self._usual, _LEAST_STEP)
         return bool(max(math.hypot(told[0], told[1]) / usual[0], abs(told[2]) / usual[1]) > math.sqrt(scans))
 
-    def bridge(self, odometry: Array, scans: int) -> tuple[Array, Array]:
-        """Return where the odometry was at the next of so many `scans` in which the robot went to `odometry`.
+    def bridge(self, odometry: Array, steps: Array) -> tuple[Array, Bridge]:
+        """Return where the odometry was at the next of some scans in which the robot went to `odometry`.
 
         Args:
             odometry: (3,) T_odom_robot at the last of them.
-            scans: How many.
+            steps: (n, 3) how the robot seemed to go from each to the next, from the last one taken on.
 
         Returns:
-            (3,) T_odom_robot at constant velocities from where the last scan was matched, and (2,) how far off that may
-            be [m, rad]: a robot may have stood for some of these scans, and gone twice as fast in others.
+            (3,) T_odom_robot if it went evenly, and all the ways in which it may have gone.
         """
         assert self.odometry is not None
         whole = between(self.odometry, odometry if self._offset is None else compose(self._offset, odometry))
-        step = part_of(whole, 1.0 / scans)
-        believed = compose(self.odometry, step)
-        sigma = np.hypot((math.hypot(step[0], step[1]), abs(step[2])), self._usual)
-        return believed if self._offset is None else compose(inverse(self._offset), believed), sigma
+        ways = bridge_over(whole, steps, self._usual, self.config.sigma(whole))
+        evenly = compose(self.odometry, ways[0][1].pose)
+        return evenly if self._offset is None else compose(inverse(self._offset), evenly), ways
 
     def widen(self, way: Array) -> None:
         """Let the next scan be predicted as roughly as after a `way` (3,) that the odometry told at once."""
         self._doubt = self.config.sigma(way)
 
-    def predict(self, odometry: Array, time_s: float, bridge: Array | None = None) -> list[MotionHypothesis]:
+    def predict(self, odometry: Array, time_s: float, bridge: Bridge | None = None) -> list[MotionHypothesis]:
         """Return hypotheses about the motion to the odometry pose T_odom_robot (3,) at `time_s` [s]: a fault last.
 
         Args:
             odometry: (3,) T_odom_robot.
             time_s: When [s].
-            bridge: (2,) how far off odometry that `bridge` has made may be [m, rad]: it is the only hypothesis then.
+            bridge: How the robot may have gone, as `bridge` has it: no other way is a hypothesis then.
         """
         if self._extrapolator is None or self.odometry is None:
             self.odometry = odometry
@@ -194,7 +193,8 @@ class SwitchingMotion:
         self.soundness.advance(moves)
         self._believed = odometry if self._offset is None else compose(self._offset, odometry)
         if bridge is not None:
-            return [self._guessed(self._believed, 1.0, bridge, True)]
+            at = self.odometry
+            return [self._guessed(compose(at, way.pose), odds, way.sigma, True) for odds, way in bridge]
         sound = self._by_odometry(self._believed) + (self._caught_up(odometry) if moves else [])
         return sound + self._by_fault(elapsed)
 
@@ -265,6 +265,12 @@ class SwitchingMotion:
         nearest = min(predictions, key=lambda prediction: prediction.squared_distance(pose))
         odometry = compose(inverse(self._anchor), pose)
         return MotionHypothesis(odometry, nearest, -math.log(1.0 - self.soundness.probability), False)
+
+    @property
+    def pose(self) -> Array:
+        """(3,) T_local_robot at the last scan."""
+        assert self.odometry is not None
+        return compose(self._anchor, self.odometry)
 
     @property
     def _anchor(self) -> Array:
