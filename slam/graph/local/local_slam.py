@@ -157,6 +157,8 @@ class LocalSlam:
             return None
         look = self._looked(scan, self._motion.predict(odometry, scan.time_s))
         motion, match = look.motion, look.match
+        if look.in_question:
+            motion, match = min(look.hypotheses, key=lambda motion: motion.cost), None
         pose = match.pose if match else motion.prediction.pose
         self._held.looked(look, pose)
         contradicts = look.in_question or self._contradicts(scan, look, copy(self._monitor))
