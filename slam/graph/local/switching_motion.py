@@ -33,9 +33,9 @@ _AGREE = 3.0  # standard deviations within which, ...
 _NEAR = np.array([0.1, 0.05])  # [m, rad] ... and beyond, a match from one prediction finds what it would from the other
 _TRUSTED = 0.9  # probability from which sound odometry stands for where the robot is
 _LATE = 0.5  # share of odometry that is sound again after a fault that tells where the robot went meanwhile
-_SLIP, _STEPS = np.array([0.5, 0.5]), 3.0  # [m, rad] a robot without odometry may be so far, and so many usual steps
+_SLIP, _STEPS = np.array([0.5, 0.5]), 3.0  # [m, rad] a robot without odometry may be so far, and so many usual steps,
 _VARIES = 0.5  # of a usual step: that a robot stops, or goes twice as fast, is within two standard deviations
-_FARTHEST = np.array([5.0, np.pi])  # [m, rad] and no farther
+_FARTHEST = 5.0  # [m] and no farther, but may have turned to any side
 _MEMORY = 0.1  # weight of the newest step in the usual one
 _SHORTEST = 1e-3  # [s] no laser turns faster; stamps that are nearer to each other tell no time
 _FORGOTTEN = 10  # scans without a match after which it is not known any more how the robot went
@@ -243,9 +243,9 @@ class SwitchingMotion:
 
         None: there was none, or sound odometry tells of a way that is longer, as across a gap in a log.
         """
-        reach = np.minimum(_SLIP + _STEPS * (self._unmatched + 1) * self._usual, _FARTHEST)
-        gap = self.soundness.probability > 0.5 and self._moved > reach[0]
-        return None if self._matched is None or gap else Prediction(self._matched, reach)
+        reach = min(_SLIP[0] + _STEPS * (self._unmatched + 1) * self._usual[0], _FARTHEST)
+        gap = self.soundness.probability > 0.5 and self._moved > reach
+        return None if self._matched is None or gap else Prediction(self._matched, np.array([reach, np.pi]))
 
     def found(self, pose: Array) -> MotionHypothesis:
         """Return the hypothesis that the motion, of which the odometry knew nothing, led to `pose` (3,), T_local_robot.
