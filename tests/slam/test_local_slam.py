@@ -102,7 +102,8 @@ def test_a_scan_that_a_driver_sends_once_more_tells_nothing():
     rng = np.random.default_rng(0)
     engine, poses = make_slam("cartographer"), [np.array([0.3 * k, 0.0, 0.0]) for k in range(6)]
     scans = [cast(WALLS, pose, rng, bearings=BEARINGS) for pose in poses]
-    scans[5] = scans[4]
+    scans[4].ranges[7] = np.nan  # a beam without a measurement
+    scans[5] = replace(scans[4], ranges=scans[4].ranges.copy())
     updates = [engine.update(pose, scan) for pose, scan in zip(poses, scans, strict=True)]
     np.testing.assert_allclose(between(updates[4].pose, updates[5].pose), [0.3, 0.0, 0.0], atol=1e-9)
     assert not updates[5].integrated

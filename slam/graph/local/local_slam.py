@@ -158,7 +158,7 @@ class LocalSlam:
         look = self._looked(scan, self._motion.predict(odometry, scan.time_s))
         motion, match = look.motion, look.match
         if look.in_question:
-            motion, match = min(look.hypotheses, key=lambda motion: motion.cost), None
+            motion, match = self._motion.likeliest(look.hypotheses), None
         pose = match.pose if match else motion.prediction.pose
         self._held.looked(look, pose)
         contradicts = look.in_question or self._contradicts(scan, look, copy(self._monitor))
@@ -204,7 +204,7 @@ class LocalSlam:
         """Take one scan that is due: predict, match, insert."""
         scan = due.scan
         hypotheses = self._motion.predict(due.odometry, scan.time_s, due.bridge)
-        repeated, self._ranges = np.array_equal(scan.ranges, self._ranges), scan.ranges
+        repeated, self._ranges = np.array_equal(scan.ranges, self._ranges, equal_nan=True), scan.ranges
         if repeated:  # a driver has sent a scan once more: it tells nothing new
             return self._by_odometry(hypotheses[0], None, False)
         look = due.known(self._active.drawn) or self._looked(scan, hypotheses)
@@ -212,11 +212,11 @@ class LocalSlam:
         points, motion, match, lead = look.points, look.motion, look.match, look.lead
         if look.in_question:
             self._monitor.doubt()
-            return self._by_odometry(min(hypotheses, key=lambda motion: motion.cost), match, True)
+            return self._by_odometry(self._motion.likeliest(hypotheses), match, True)
         contradicts = self._contradicts(scan, look, self._monitor)
         if match and contradicts and (look.far or not self._matcher.explains(match)):
             if ambiguous or (self._matcher.is_beside(match) and not self._monitor.alarmed):
-                return self._by_odometry(min(hypotheses, key=lambda motion: motion.cost), match, True)
+                return self._by_odometry(self._motion.likeliest(hypotheses), match, True)
             motion, match = hypotheses[0], None if look.far else match
         if match and self._matcher.is_beside(match):  # the robot has left the submap behind, as after a gap in a log
             self._leave_map()

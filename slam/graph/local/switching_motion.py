@@ -198,6 +198,10 @@ class SwitchingMotion:
         sound = self._by_odometry(self._believed) + (self._caught_up(odometry) if moves else [])
         return sound + self._by_fault(elapsed)
 
+    def likeliest(self, hypotheses: list[MotionHypothesis]) -> MotionHypothesis:
+        """Return the likeliest of what `predict` returned, where no scan tells: sound odometry has several of them."""
+        return hypotheses[0 if self.soundness.probability >= 0.5 else -1]
+
     def _by_fault(self, elapsed: float) -> list[MotionHypothesis]:
         """Return that the robot goes on as before; nothing where odometry says the same, or nothing is known of that.
 
