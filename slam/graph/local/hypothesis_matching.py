@@ -50,8 +50,9 @@ class HypothesisMatching:
         known = motion.anywhere is not None
         first = self._matched(points, sensor, hypotheses[0].prediction, degenerate, known)
         found = [(hypotheses[0], first)]
+        fits = first.pose if first and not self._matcher.is_poor(first) else None
         for other in hypotheses[1:]:
-            if not (first and other.is_needless(hypotheses[0], first.pose)):
+            if fits is None or not other.is_needless(hypotheses[0], fits):
                 found.append((other, self._matched(points, sensor, other.prediction, degenerate, known)))
         best = self._best(found, len(points))
         if best[1] and self._matcher.is_poor(best[1]):
