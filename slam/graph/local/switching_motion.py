@@ -80,7 +80,7 @@ class MotionHypothesis:
         return self.cost + 0.5 * (self.prediction.squared_distance(pose) + math.log(determinant))
 
     def is_needless(self, narrower: "MotionHypothesis", pose: Array) -> bool:
-        """Return whether this only leaves more open than another one, whose good match at `pose` (3,) asked for no more."""
+        """Return whether this only leaves more open than another one, which fits at `pose` (3,) and asked no more."""
         return narrower.prediction.pose is self.prediction.pose and narrower.prediction.squared_distance(pose) < 1.0
 
 
