@@ -103,12 +103,15 @@ class PeopleScores:
         }
 
 
-def score_people(classifier: PersonClassifier, frames: Iterable[LabelledFrame]) -> PeopleScores:
+EVERYBODY = PeopleFinderConfig(least_likelihood=0.0, least_of_legs=0.0)
+"""Tells every candidate, with its likelihood."""
+
+
+def score_people(
+    classifier: PersonClassifier, frames: Iterable[LabelledFrame], config: PeopleFinderConfig = EVERYBODY
+) -> PeopleScores:
     """Score the finder with `classifier` on frames."""
-    planes, finder = (
-        PlaneFinder(),
-        PeopleFinder(classifier, PeopleFinderConfig(least_likelihood=0.0, least_of_legs=0.0)),
-    )
+    planes, finder = PlaneFinder(), PeopleFinder(classifier, config)
     parts = [score_frame(finder.find(drawn.frame, planes.find(drawn.frame)), drawn) for drawn in frames]
     return joined(parts)
 

@@ -21,7 +21,7 @@ from .match_monitor import MatchMonitor, MatchMonitorConfig
 from .motion_filter import MotionFilter, MotionFilterConfig
 from .submap import Submap
 from .sweep import Sweep
-from .switching_motion import MotionHypothesis, SwitchingMotion, likely_sigma
+from .switching_motion import MotionHypothesis, SwitchingMotion, likeliest, likely_sigma
 
 Array = NDArray[np.float64]
 
@@ -158,7 +158,7 @@ class LocalSlam:
         look = self._looked(scan, self._motion.predict(odometry, scan.time_s))
         motion, match = look.motion, look.match
         if look.in_question:
-            motion, match = self._motion.likeliest(look.hypotheses), None
+            motion, match = likeliest(self._motion, look.hypotheses), None
         pose = match.pose if match else motion.prediction.pose
         self._held.looked(look, pose)
         contradicts = look.in_question or self._contradicts(scan, look, copy(self._monitor))
@@ -212,11 +212,11 @@ class LocalSlam:
         points, motion, match, lead = look.points, look.motion, look.match, look.lead
         if look.in_question:
             self._monitor.doubt()
-            return self._by_odometry(self._motion.likeliest(hypotheses), match, True)
+            return self._by_odometry(likeliest(self._motion, hypotheses), match, True)
         contradicts = self._contradicts(scan, look, self._monitor)
         if match and contradicts and (look.far or not self._matcher.explains(match)):
             if ambiguous or (self._matcher.is_beside(match) and not self._monitor.alarmed):
-                return self._by_odometry(self._motion.likeliest(hypotheses), match, True)
+                return self._by_odometry(likeliest(self._motion, hypotheses), match, True)
             motion, match = hypotheses[0], None if look.far else match
         if match and self._matcher.is_beside(match):  # the robot has left the submap behind, as after a gap in a log
             self._leave_map()

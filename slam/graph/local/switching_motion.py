@@ -92,6 +92,7 @@ class SwitchingMotion:
 
     Attributes:
         odometry: (3,) T_odom_robot of the odometry without its faults; None before the first scan.
+        pose: (3,) T_local_robot at the last scan.
         faults: At how many scans the odometry was not believed.
         jumped: Whether the robot was found far from where it was thought to be, and its odometry has not agreed since.
     """
@@ -115,6 +116,7 @@ class SwitchingMotion:
         self._step: Array | None = None  # (3,) between the last two scans that were matched one after the other
         self._bridges = False  # whether the odometry of the last scan is interpolated
         self.odometry: Array | None = None
+        self.pose = np.zeros(3)
         self.faults = 0
         self.jumped = False
 
@@ -128,7 +130,7 @@ class SwitchingMotion:
     def restarted(self, odometry: Array, pose: Array) -> "SwitchingMotion":
         """Return the motion of a robot of which only the last odometry pose (3,) and `pose` (3,) are known."""
         motion = SwitchingMotion(self.config)
-        motion.odometry = motion._told = odometry
+        motion.odometry, motion._told, motion.pose = odometry, odometry, pose
         motion._extrapolator = OdometryExtrapolator(self.config, odometry)
         motion._extrapolator.correct(odometry, pose)
         motion.faults = self.faults
@@ -198,10 +200,6 @@ class SwitchingMotion:
         sound = self._by_odometry(self._believed) + (self._caught_up(odometry) if moves else [])
         return sound + self._by_fault(elapsed)
 
-    def likeliest(self, hypotheses: list[MotionHypothesis]) -> MotionHypothesis:
-        """Return the likeliest of what `predict` returned, where no scan tells: sound odometry has several of them."""
-        return hypotheses[0 if self.soundness.probability >= 0.5 else -1]
-
     def _by_fault(self, elapsed: float) -> list[MotionHypothesis]:
         """Return that the robot goes on as before; nothing where odometry says the same, or nothing is known of that.
 
@@ -269,12 +267,6 @@ class SwitchingMotion:
         nearest = min(predictions, key=lambda prediction: prediction.squared_distance(pose))
         odometry = compose(inverse(self._anchor), pose)
         return MotionHypothesis(odometry, nearest, -math.log(1.0 - self.soundness.probability), False)
-
-    @property
-    def pose(self) -> Array:
-        """(3,) T_local_robot at the last scan."""
-        assert self.odometry is not None
-        return compose(self._anchor, self.odometry)
 
     @property
     def _anchor(self) -> Array:
@@ -347,7 +339,7 @@ class SwitchingMotion:
         if not self._bridges and not np.array_equal(odometry, self._believed):
             self._offset = compose(odometry, inverse(self._told))
             self._doubt = chosen.prediction.sigma
-        self.odometry = odometry
+        self.odometry, self.pose = odometry, pose
         if lead is None:
             self._unmatched += 1
             return
@@ -383,6 +375,11 @@ class SwitchingMotion:
 def stands(motion: Array) -> bool:
     """Return whether a `motion` (3,) of the odometry is none."""
     return abs(motion[0]) < _STILL and abs(motion[1]) < _STILL and abs(motion[2]) < _STILL
+
+
+def likeliest(motion: SwitchingMotion, hypotheses: list[MotionHypothesis]) -> MotionHypothesis:
+    """Return the likeliest of what `predict` returned, where no scan tells: sound odometry has several of them."""
+    return hypotheses[0 if motion.soundness.probability >= 0.5 else -1]
 
 
 def likely_sigma(motion: SwitchingMotion, way: Array) -> Array:
