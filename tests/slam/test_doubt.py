@@ -42,6 +42,8 @@ def test_where_scans_fit_the_map_the_doubt_is_settled(mapped):
     assert doubt.settled
     assert doubt.possible
     assert not doubt.refuted
+    doubt.elsewhere = np.zeros(3)
+    assert not doubt.settled  # found in another place, too
 
 
 def test_local_slam_may_have_drifted_a_little(mapped):
