@@ -76,7 +76,7 @@ class Cartographer:
         self._record = self._mapping.record
         self._recovery = KidnapRecovery(self._mapping) if config.recovery and config.global_ else None
         self.calibration, self.clock = OdometryCalibration(), OdometryClock(config.local.extrapolator)
-        self._steps = MatchedSteps(config.local.matcher.independent)
+        self._steps = MatchedSteps()
         self._odometry: Array | None = None
         self._online = PoseLog()
         self._live: GrowingMap | None = None  # only once `live_map` has been asked for

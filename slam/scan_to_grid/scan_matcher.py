@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from ..bounds import Angle, Rounds, Share, Within, check_numbers
+from ..bounds import Angle, Rounds, Within, check_numbers
 from ..errors import InputError
 from ..geometry import transform_points, wrap_one
 from .correlative import correlate
@@ -49,8 +49,8 @@ class GridScanMatcherConfig:
             much of the typical one of what it sees of the submap there.
         beside: A scan sees nothing of what it was matched on if its score is below so much of the typical one, and only
             this share of it tells.
-        independent: Share of the points that tell, where places are compared, in the search and after it: beside each
-            other they err alike, so that counted one by one they outvote any odometry.
+        independent: At most so many points of a scan tell, where places are compared, in the search and after it: the
+            more there are, the nearer they are to each other and err alike, and one by one they outvote any odometry.
     """
 
     weight: float = 1.5
@@ -65,7 +65,7 @@ class GridScanMatcherConfig:
     retry_found: float = 0.75
     explained: float = 0.5
     beside: float = 0.25
-    independent: Share = 0.25
+    independent: int = 45
     retry_sigmas: float = 10.0
 
     def __post_init__(self) -> None:
@@ -81,7 +81,8 @@ class GridMatch:
 
     Attributes:
         pose: (3,) T_local_robot [m, m, rad].
-        information: (3, 3) curvature of the scan's cost there, without that of the prior.
+        information: (3, 3) curvature of the scan's cost there, without that of the prior, if each point tells.
+        share: So much of that the scan tells, since points beside each other err alike.
         score: Mean occupancy under the points, in [0, 1].
         searched: Whether the correlative search was needed.
         retried: Whether it was found only far from where the odometry expects it.
@@ -94,6 +95,12 @@ class GridMatch:
     searched: bool
     retried: bool = False
     seen: float = 1.0
+    share: float = 1.0
+
+    @property
+    def told(self) -> Array:
+        """(3, 3) what the scan tells of the pose, inverse covariance."""
+        return self.share * self.information
 
 
 class Walls(Protocol):
@@ -130,7 +137,7 @@ class GridScanMatcher:
         self._typical_score = _TYPICAL_SCORE
 
     def match(
-        self, submap: Walls, points: Array, prediction: Prediction, degenerate: Array | None = None
+        self, submap: Walls, points: Array, prediction: Prediction, degenerate: Array | None = None, of: int = 0
     ) -> GridMatch | None:
         """Return the match of a scan; None: there are too few points.
 
@@ -139,23 +146,24 @@ class GridScanMatcher:
             points: (N, 2) robot frame [m].
             prediction: Where the odometry expects it.
             degenerate: (2,) direction that is left to the odometry, robot frame, as `degenerate_direction` returns it.
+            of: So many points the scan has, where `points` are some of them.
         """
         if len(points) < self._config.min_points:
             return None
-        return self._match(submap, points, prediction, degenerate)
+        return self._match(submap, points, prediction, degenerate, max(of, len(points)))
 
     def match_anyhow(
-        self, submap: Walls, points: Array, prediction: Prediction, degenerate: Array | None = None
+        self, submap: Walls, points: Array, prediction: Prediction, degenerate: Array | None = None, of: int = 0
     ) -> GridMatch | None:
         """Return as `match`; where the scan fits much worse than usual, as if the wheels had slipped.
 
         Then it is searched for with `retry_sigmas` times the odometry's standard deviations, and what wheels slip at
         rest. What it finds counts where the score is good enough.
         """
-        match = self.match(submap, points, prediction, degenerate)
+        match = self.match(submap, points, prediction, degenerate, of)
         if match and self.is_poor(match):
             wide = Prediction(prediction.pose, self._config.retry_sigmas * prediction.sigma + _SLIP)
-            again = self._match(submap, points, wide, degenerate)
+            again = self._match(submap, points, wide, degenerate, max(of, len(points)))
             good = again.score >= self._config.retry_found * self._typical_score
             match = replace(again, retried=True) if good else match
         return match
@@ -177,7 +185,8 @@ class GridScanMatcher:
         linear, angular = anywhere.sigma.tolist()
         least = self._config.explained * self._config.beside * self._typical_score
         starts = search_widely(*place, thinned, anywhere.pose, linear, angular, step, least)
-        found = [self._match(submap, points, Prediction(start, anywhere.sigma), None) for start in starts]
+        n = len(points)
+        found = [self._match(submap, points, Prediction(start, anywhere.sigma), None, n) for start in starts]
         return [replace(match, retried=True) for match in found]
 
     def believe(self, match: GridMatch) -> None:
@@ -205,14 +214,12 @@ class GridScanMatcher:
         """
         score, seen = (match.score, match.seen) if match else (0.0, 0.0)
         missed = seen - score + (1.0 - seen) * (1.0 - _UNKNOWN * self._typical_score)
-        return self._config.independent * self._config.weight * points * missed
+        return self._config.weight * min(points, self._config.independent) * missed
 
-    def information(self, match: GridMatch) -> Array:
-        """Return what a scan tells of the pose where it was matched, (3, 3): its points err alike, as in `cost`."""
-        return self._config.independent * match.information
-
-    def _match(self, submap: Walls, points: Array, prediction: Prediction, degenerate: Array | None) -> GridMatch:
-        config = self._config
+    def _match(
+        self, submap: Walls, points: Array, prediction: Prediction, degenerate: Array | None, of: int
+    ) -> GridMatch:
+        config, share = self._config, min(1.0, self._config.independent / of)
         reach, angles, step = self._window(submap.resolution, points, prediction)
         prior, information = prediction.pose, prediction.information
         if degenerate is not None and degenerate.any():
@@ -222,13 +229,14 @@ class GridScanMatcher:
         start = prior
         if reach or angles:
             thinned = points[:: max(1, len(points) // config.search_points)]
-            weight = config.independent * config.weight * len(points) / len(thinned)
+            weight = share * config.weight * len(points) / len(thinned)
             start, _ = correlate(*place, thinned, prior, information, weight, reach, angles, step)
         pose, curvature, rest, _ = refine_pose(
             *place, points, start, prior, information, config.weight, config.iterations
         )
         pose[2] = wrap_one(pose.item(2))
-        return GridMatch(pose, config.weight * curvature, 1.0 - rest / len(points), bool(reach or angles))
+        score, searched = 1.0 - rest / len(points), bool(reach or angles)
+        return GridMatch(pose, config.weight * curvature, score, searched, share=share)
 
     def _window(self, resolution: float, points: Array, prediction: Prediction) -> tuple[int, int, float]:
         """Return cells, angle steps to each side and the step [rad]; zeros where the least squares alone will do."""

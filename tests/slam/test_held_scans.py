@@ -81,7 +81,9 @@ def test_odometry_that_stands_still_for_good_is_not_waited_for_for_ever():
     truth = np.concatenate((round_the_corner()[:38], corner))
     _, updates = drive(range(38, len(truth)), truth)
     assert any(update.integrated for update in updates[60:])
-    assert np.linalg.norm(updates[-1].pose[:2] - truth[-1, :2]) < 1.0
+    off = between(truth[-1], updates[-1].pose)
+    assert abs(off[1]) < 0.2  # how far it is along the corridor no scan tells
+    assert abs(off[2]) < 0.1
 
 
 def motion_of(steps):
@@ -172,6 +174,26 @@ def test_a_scan_that_waits_is_told_to_contradict_the_map_and_is_not_counted_twic
     result = local.wait(round_the_corner()[35], cast(WALLS, np.array([-0.3, 0.5, 1.5]), np.random.default_rng(1)))
     assert result
     assert result.contradicts
+
+
+@pytest.mark.parametrize("in_question", [False, True])
+def test_a_waiting_scan_that_may_as_well_be_elsewhere_tells_nothing_of_the_odometry(monkeypatch, in_question):
+    local, at = waiting(round_the_corner()[35])
+    match, before, pose = local._matching.match, local._motion.soundness.probability, local._motion.pose
+
+    def doubtful(motion, scan, points, hypotheses):
+        _, found, _, _ = match(motion, scan, points, hypotheses)
+        aside = replace(found, pose=compose(found.pose, [0.0, 0.3, 0.0]))
+        return hypotheses[-1], aside, 20.0, in_question  # by far likelier elsewhere, if that place were the right one
+
+    monkeypatch.setattr(local._matching, "match", doubtful)
+    monkeypatch.setattr(SwitchingMotion, "_going_on", lambda *_: (np.array([0.0, 5.0, 0.0]), np.array([0.1, 0.1])))
+    result = local.wait(at, cast(WALLS, at, np.random.default_rng(3), bearings=BEARINGS, reach=8.0))
+    assert result
+    assert (result.match is None) == in_question
+    assert bool(abs(local._motion.soundness.probability - before) > 0.5) != in_question
+    assert bool(np.abs(between(pose, result.pose)).max() < 0.2) == in_question
+    assert result.contradicts or not in_question
 
 
 def test_what_was_found_while_a_scan_waited_holds_until_something_is_drawn():

@@ -234,6 +234,24 @@ def test_where_no_scan_tells_a_robot_whose_odometry_is_frozen_goes_on(monkeypatc
     np.testing.assert_allclose(between(result.pose, pose), 0.0, atol=0.05)
 
 
+def test_odometry_that_seemed_precise_may_be_rough_where_a_scan_fits_badly(monkeypatch):
+    slam, rng, truth = LocalSlam(LocalSlamConfig()), np.random.default_rng(7), np.array([-1.0, -2.0, 0.0])
+    for k in range(6):
+        pose = compose(truth, [0.1 * k - 0.5, 0.0, 0.0])
+        slam.update(pose, cast(WALLS, pose, rng, bearings=BEARINGS))
+    monkeypatch.setattr(slam._matcher, "search", lambda *_: [])
+    expected = compose(truth, [0.2, 0.15, 0.1])
+    precise = MotionHypothesis(expected, Prediction(expected, np.array([0.002, 0.001])), 0.4, True)
+    rough = replace(precise, prediction=Prediction(expected, np.array([0.2, 0.1])), cost=1.2)
+    scan = cast(WALLS, truth, rng, bearings=BEARINGS)
+    _, alone, _, _ = slam._matching.match(slam._motion, scan, scan.points_robot, [precise])
+    assert slam._matcher.is_poor(alone)
+    assert precise.prediction.squared_distance(alone.pose) < 1.0  # so tight that the match cannot ask for more
+    motion, match, _, _ = slam._matching.match(slam._motion, scan, scan.points_robot, [precise, rough])
+    assert motion is rough
+    np.testing.assert_allclose(between(truth, match.pose), 0.0, atol=0.03)
+
+
 def test_a_place_at_the_edge_of_the_map_is_told_by_what_is_seen_of_it():
     matcher = GridScanMatcher(GridScanMatcherConfig())
     usual = GridMatch(np.zeros(3), np.eye(3), 0.5, False)

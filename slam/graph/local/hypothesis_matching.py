@@ -105,7 +105,7 @@ class HypothesisMatching:
         front = self._active.front
         match = self._matcher.match if known else self._matcher.match_anyhow
         seen = seen_points(front, points, prediction)
-        found = match(front, seen, prediction, degenerate)
+        found = match(front, seen, prediction, degenerate, len(points))
         if found is None:
             return None
         score = found.score * len(seen) / len(points)
@@ -136,5 +136,5 @@ def _cost(matcher: GridScanMatcher, by_odometry: MotionHypothesis, candidate: Ca
     motion, match = candidate
     if motion.prediction.pose is not by_odometry.prediction.pose and not (match and matcher.explains(match)):
         return np.inf
-    fit = motion.cost_at(match.pose, matcher.information(match)) if match else motion.cost
+    fit = motion.cost_at(match.pose, match.told) if match else motion.cost
     return matcher.cost(match, points) + fit

@@ -12,14 +12,9 @@ Array = NDArray[np.float64]
 
 
 class MatchedSteps:
-    """Keeps where the last scan was matched.
+    """Keeps where the last scan was matched."""
 
-    Args:
-        independent: Share of a match's information that counts: neighbouring points err alike.
-    """
-
-    def __init__(self, independent: float = 1.0) -> None:
-        self._independent = independent
+    def __init__(self) -> None:
         self._matched: Array | None = None  # T_local_robot of the last scan, if it was matched as usual
 
     def follow(self, result: LocalResult, waits: bool) -> tuple[Array, Array] | None:
@@ -38,7 +33,7 @@ class MatchedSteps:
         if before is None or self._matched is None or result.match is None:
             return None
         turn = turning(before.item(2))
-        return between(before, result.pose), self._independent * (turn.T @ result.match.information @ turn)
+        return between(before, result.pose), turn.T @ result.match.told @ turn
 
 
 def turning(heading: float) -> Array:
