@@ -15,8 +15,8 @@ CROSSING = np.array([[-30.0, -1.0, 30.0, -1.0], [-30.0, 1.0, 1.0, 1.0], [3.0, 1.
                      [3.0, 1.0, 3.0, 9.0]])  # fmt: skip
 
 
-def places(walls, off):
-    """Return where a scan fits a submap of the same place, from a guess `off` (3,) beside the truth."""
+def places(walls, off, every=1):
+    """Return where a scan of `every` n-th beam fits a submap of the same place, from a guess `off` (3,) of it."""
     rng, submap = np.random.default_rng(0), Submap(SubmapConfig(), np.zeros(3))
     for x in np.linspace(-1.0, 1.0, 9):
         pose = np.array([x, 0.0, 0.0])
@@ -24,13 +24,19 @@ def places(walls, off):
     submap.finish()
     builder = ConstraintBuilder(ConstraintConfig())
     builder.typical_score = 0.6
-    points = cast(walls, np.zeros(3), rng, bearings=BEARINGS, reach=6.0).points_robot
+    points = cast(walls, np.zeros(3), rng, bearings=BEARINGS[::every], reach=6.0).points_robot
     return builder.places(submap, points, np.array(off), Slack())
 
 
 def test_a_place_that_stands_out_is_the_only_one():
     (found,) = places(CROSSING, (1.5, 0.3, 0.2))
     np.testing.assert_allclose(found.pose, 0.0, atol=0.05)
+    assert found.lead > DOUBT
+
+
+def test_a_few_returns_tell_of_a_place_too():
+    (found,) = places(CROSSING, (1.5, 0.3, 0.2), every=8)
+    np.testing.assert_allclose(found.pose, 0.0, atol=0.1)
     assert found.lead > DOUBT
 
 
