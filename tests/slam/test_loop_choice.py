@@ -1,5 +1,6 @@
 """Which of the places that a search finds closes a loop."""
 
+import time
 from collections import defaultdict
 from types import SimpleNamespace
 
@@ -15,6 +16,7 @@ from tagalong.slam.graph.loops.pieces import Pieces
 from tagalong.slam.graph.loops.slack import Slack
 from tagalong.slam.graph.loops.stretch import stretch
 from tagalong.slam.graph.loops.submap_links import SubmapLinks
+from tagalong.slam.processes.threads import Workers
 from tagalong.slam.scan_to_grid.extrapolator import Prediction
 
 SCAN = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]])
@@ -35,13 +37,14 @@ def graph(nodes=4, begins=()):
     )  # fmt: skip
 
 
-def closure(*places, seen=None, begins=()):
+def closure(*places, seen=None, begins=(), threads=1):
     """Return where node 3 is tied to submap 0 or 1, of `places` (submap, x, lead) that a search finds; None: nowhere.
 
     `seen`: how many points a search must have to find them; None: any.
     """
 
     def found(submap, points, _guess, _slack):
+        time.sleep(0.02 * (threads - 1) * (1 - submap))  # with threads, the first is done last
         fits = seen is None or len(points) == seen
         return [Place(np.array([x, 0.0, 0.0]), lead) for s, x, lead in places if s == submap and fits]
 
@@ -49,12 +52,17 @@ def closure(*places, seen=None, begins=()):
         return Constraint(index, node, pose, np.eye(3), Kind.INTER, searched=True)
 
     builder = SimpleNamespace(places=found, closure=tie)
-    made = LoopSearch(graph(begins=begins), builder, 15.0).search([0, 1], 3)  # pyright: ignore[reportArgumentType]
+    made = LoopSearch(graph(begins=begins), builder, 15.0, Workers(threads)).search([0, 1], 3)  # pyright: ignore[reportArgumentType]
     return None if made is None else (made.submap, made.pose[0])
 
 
 def test_the_likeliest_place_counts():
     assert closure((0, 1.0, 9.0), (1, 5.0, 20.0)) == (1, 5.0)
+
+
+def test_of_equals_the_first_counts_whichever_thread_is_first():
+    places = (0, 1.0, 20.0), (1, 1.0, 20.0)
+    assert closure(*places, threads=3) == closure(*places) == (0, 1.0)
 
 
 def test_two_places_that_are_about_as_likely_close_no_loop_also_on_two_submaps():

@@ -29,7 +29,8 @@ class GlobalSlamConfig:
         search_every: One global search for each so many metres travelled: half the stretch that is searched for [m].
         final_residual: INTER constraints that the finished graph misses by more are dropped [m, rad].
         revisits: When a node is superseded; a submap all of whose nodes are leaves the graph, and with it those nodes.
-        threads: Threads that share what `finish` matches and draws; the result does not depend on them.
+        threads: Threads that share what is searched for loops, and what `finish` matches and draws; the result does not
+            depend on them.
     """
 
     constraints: ConstraintConfig = field(default_factory=ConstraintConfig)

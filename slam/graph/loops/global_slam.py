@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry import between, compose, inverse
+from ...processes.threads import Workers
 from ...revisits import superseded
 from ...scan import LaserScan
 from ...scan_to_grid.extrapolator import Prediction
@@ -54,7 +55,7 @@ class GlobalSlam:
         self._builder = ConstraintBuilder(config.constraints)
         self._near_search, self._far_search = SearchInterval(config.search_every), SearchInterval(STRETCH)
         self._matching = NodeMatching(self.graph, self._builder)
-        self._loops = LoopSearch(self.graph, self._builder, config.max_distance)
+        self._loops = LoopSearch(self.graph, self._builder, config.max_distance, Workers(config.threads))
         self._missed = set[int]()  # submaps where a node should have matched, and did not, since the last search
         self._matched = 0  # nodes that local SLAM has matched, for their mean score
         self._T_global_local = np.zeros(3)  # of a drive segment without any node yet

@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry import between, compose
+from ...processes.threads import Workers
 from ...scan_to_grid.scan_matcher import DOUBT
-from .constraints import Constraint, ConstraintBuilder
+from .constraints import Constraint, ConstraintBuilder, Place
 from .piece_fit import agrees
 from .stretch import stretch
 from .submap_graph import SubmapGraph
@@ -27,10 +28,11 @@ class LoopSearch:
         graph: The graph.
         builder: Matches it with submaps.
         max_distance: Submaps whose middle is farther off a node say nothing of it [m].
+        workers: Share the submaps.
     """
 
-    def __init__(self, graph: SubmapGraph, builder: ConstraintBuilder, max_distance: float) -> None:
-        self._graph, self._builder, self._max_distance = graph, builder, max_distance
+    def __init__(self, graph: SubmapGraph, builder: ConstraintBuilder, max_distance: float, workers: Workers) -> None:
+        self._graph, self._builder, self._max_distance, self._workers = graph, builder, max_distance, workers
 
     def search(self, submaps: Sequence[int], node: int) -> Constraint | None:
         """Return the loop closure of a node with one of some submaps.
@@ -55,10 +57,18 @@ class LoopSearch:
         """Return where `points` (N, 2) of a stretch fit well: what each place leads by, its submap, T_submap_node."""
         graph = self._graph
         begin = between(graph.nodes[node].pose_local, graph.nodes[graph.pieces.first_node(node)].pose_local)
+        guesses = [(graph.guess(s, node), graph.pieces.slack(s, node)) for s in submaps]
+        places: list[list[Place]] = [[] for _ in submaps]
+
+        def search(start: int, stop: int) -> None:
+            for k in range(start, stop):
+                guess, slack = guesses[k]
+                places[k] = self._builder.places(graph.submaps[submaps[k]], points, guess, slack.after(begin))
+
+        self._workers.run(search, len(submaps))
         found: list[Found] = []
-        for s in submaps:
-            guess, slack = graph.guess(s, node), graph.pieces.slack(s, node)
-            for place in self._builder.places(graph.submaps[s], points, guess, slack.after(begin)):
+        for s, (guess, slack), here in zip(submaps, guesses, places, strict=True):
+            for place in here:
                 off = between(compose(guess, begin), compose(place.pose, begin))
                 found.append((place.lead - slack.cost(off), s, place.pose))
         return found
