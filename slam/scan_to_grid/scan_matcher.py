@@ -25,6 +25,7 @@ _SCORE_MEMORY = 0.1  # share of the newest score in the typical one
 _TYPICAL_SCORE = 0.5  # before any match: of ten logs, most scores are between 0.45 and 0.65
 _TRUSTED = 100.0  # times more than elsewhere the odometry counts along a degenerate direction
 _MOST_POSES = 50_000_000  # of a correlative search, of each of its points: seconds; by default it has 10^5
+_ONE_OF = 0.5  # points beside each other tells, ever: a few returns fit many places
 _UNKNOWN = 0.5  # of a usual score: a point where nothing is known fits as likely as not
 _SLIP = np.array([0.05, 0.1])  # [m, rad] what a wheel may slip at no motion
 
@@ -49,8 +50,9 @@ class GridScanMatcherConfig:
             much of the typical one of what it sees of the submap there.
         beside: A scan sees nothing of what it was matched on if its score is below so much of the typical one, and only
             this share of it tells.
-        independent: At most so many points of a scan tell, where places are compared, in the search and after it: the
-            more there are, the nearer they are to each other and err alike, and one by one they outvote any odometry.
+        independent: At most so many points of a scan tell, and half of them, where places are compared, in the search
+            and after it: the more there are, the nearer they are to each other and err alike; one by one they would
+            outvote any odometry.
     """
 
     weight: float = 1.5
@@ -214,12 +216,16 @@ class GridScanMatcher:
         """
         score, seen = (match.score, match.seen) if match else (0.0, 0.0)
         missed = seen - score + (1.0 - seen) * (1.0 - _UNKNOWN * self._typical_score)
-        return self._config.weight * min(points, self._config.independent) * missed
+        return self._config.weight * self._telling(points) * missed
+
+    def _telling(self, points: int) -> float:
+        """Return how many of so many points of a scan tell."""
+        return min(_ONE_OF * points, self._config.independent)
 
     def _match(
         self, submap: Walls, points: Array, prediction: Prediction, degenerate: Array | None, of: int
     ) -> GridMatch:
-        config, share = self._config, min(1.0, self._config.independent / of)
+        config, share = self._config, self._telling(of) / of
         reach, angles, step = self._window(submap.resolution, points, prediction)
         prior, information = prediction.pose, prediction.information
         if degenerate is not None and degenerate.any():

@@ -175,10 +175,10 @@ def test_what_lies_where_nothing_is_known_fits_as_likely_as_not():
     assert matcher.cost(None, 100) == matcher.cost(unknown, 100)
 
 
-def test_a_few_points_weigh_in_full_and_many_as_those_of_a_usual_scan():
+def test_every_other_of_a_few_points_weighs_and_of_many_as_of_a_usual_scan():
     matcher, match = GridScanMatcher(GridScanMatcherConfig()), GridMatch(np.zeros(3), np.eye(3), 0.5, False)
-    assert matcher.cost(match, 20) == pytest.approx(20 * 1.5 * 0.5)
-    assert matcher.cost(match, 400) == matcher.cost(match, 45)
+    assert matcher.cost(match, 20) == pytest.approx(0.5 * 20 * 1.5 * 0.5)
+    assert matcher.cost(match, 400) == matcher.cost(match, 90)
 
 
 def test_of_a_scan_that_the_map_has_seen_in_part_each_point_tells_no_more_than_of_a_whole_one():

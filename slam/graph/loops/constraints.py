@@ -71,7 +71,7 @@ class ConstraintConfig:
 
     Attributes:
         weight: Weight of a point's `1 - occupancy`, as in local matching.
-        independent: At most so many points of a search tell, as in local matching: beside each other they err alike.
+        independent: Share of the points that tell: beside each other they err alike.
         intra_sigma: Least standard deviation of INTRA constraints [m, rad].
         inter_sigma: Least standard deviation of INTER constraints [m, rad].
         min_score: Least score of a match from a good guess, as a share of the typical score of local matches.
@@ -84,7 +84,7 @@ class ConstraintConfig:
     """
 
     weight: float = 1.5
-    independent: int = 45
+    independent: Share = 0.25
     intra_sigma: tuple[float, float] = (0.003, 0.001)
     inter_sigma: tuple[float, float] = (0.01, 0.003)
     min_score: Share = 0.6
@@ -93,7 +93,7 @@ class ConstraintConfig:
     search_angular: Angle = 0.8
     search_points: Annotated[int, Within(1, 10_000)] = 300
     max_shift: Annotated[tuple[float, float], Within(0.0, 10.0)] = (0.25, 0.1)
-    min_points: int = 10
+    min_points: int = 30
 
     def __post_init__(self) -> None:
         check_numbers(self)
@@ -207,7 +207,7 @@ class ConstraintBuilder:
         angular = min(config.search_angular + SIGMAS * slack.angular, math.pi)
         window = SearchWindow(linear=linear, angular=angular, angular_step=step)
         # log-odds of points that fit and ones that fit nowhere; as of nothing known, half fit
-        told = config.weight * min(len(thinned), config.independent)
+        told = config.independent * config.weight * len(thinned)
         places = math.log(max(4.0 * linear**2 / _PLACE[0] * 2.0 * angular / _PLACE[1], 1.0))
         nowhere = 0.5 * self.typical_score + places / told
         found = branch_and_bound(
