@@ -25,7 +25,7 @@ _SCORE_MEMORY = 0.1  # share of the newest score in the typical one
 _TYPICAL_SCORE = 0.5  # before any match: of ten logs, most scores are between 0.45 and 0.65
 _TRUSTED = 100.0  # times more than elsewhere the odometry counts along a degenerate direction
 _MOST_POSES = 50_000_000  # of a correlative search, of each of its points: seconds; by default it has 10^5
-_ONE_OF = 0.5  # points beside each other tells, ever: a few returns fit many places
+_TELLING = 0.5  # share of the points of a scan that tell, at most: a few returns fit many places
 _UNKNOWN = 0.5  # of a usual score: a point where nothing is known fits as likely as not
 _SLIP = np.array([0.05, 0.1])  # [m, rad] what a wheel may slip at no motion
 
@@ -220,7 +220,7 @@ class GridScanMatcher:
 
     def _telling(self, points: int) -> float:
         """Return how many of so many points of a scan tell."""
-        return min(_ONE_OF * points, self._config.independent)
+        return min(_TELLING * points, self._config.independent)
 
     def _match(
         self, submap: Walls, points: Array, prediction: Prediction, degenerate: Array | None, of: int
