@@ -30,6 +30,7 @@ from typing import TYPE_CHECKING
 from .door import lends
 
 if TYPE_CHECKING:
+    from .drives.log import read_log
     from .ekf.config import EkfSlamConfig
     from .engine import SlamEngine, SlamUpdate, make_slam
     from .errors import InputError
@@ -37,7 +38,6 @@ if TYPE_CHECKING:
     from .graph.engine import CartographerConfig
     from .localization.localizer import Localizer
     from .logs.drive import RecordedDrive
-    from .logs.log import read_log
     from .logs.ros_map import read_ros_map, write_ros_map
     from .occupancy_map import OccupancyMap
     from .quality.score import score_map
@@ -83,7 +83,7 @@ _HOME = {
     "absolute_error": "quality.trajectory",
     "make_matcher": "scan_to_scan.matchers",
     "make_slam": "engine",
-    "read_log": "logs.log",
+    "read_log": "drives.log",
     "read_ros_map": "logs.ros_map",
     "run_slam": "runner",
     "score_map": "quality.score",

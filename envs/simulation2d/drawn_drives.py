@@ -7,7 +7,7 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from ...slam.geometry import between, compose
+from ...slam.geometry import between, compose, part_of
 from ...slam.logs.drive import RecordedDrive
 from ...slam.scan import LaserScan
 from ..robot.odometry import OdometryConfig, WheelOdometry, odometry_quality
@@ -24,6 +24,8 @@ _LOOKAHEAD = 0.3  # of the driver along its way [m]
 _TURN_RATE = 1.2  # highest [rad/s]
 _ROOM = 0.5  # people step aside for the robot so far [m]
 _RANGE_MIN = 0.05  # [m]
+_SLOWEST_TURN = 4  # steps of the motion in which a spinning laser turns once, at most
+_AT_ONCE = 4  # beams of a spinning laser that are measured from one place
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -130,8 +132,14 @@ class DrawnDrive:
         return self.recording.reference
 
 
-def draw_drive(kind: str, seed: int) -> DrawnDrive:
+def draw_drive(kind: str, seed: int, *, spinning: bool = False) -> DrawnDrive:
     """Draw a floor of `kind` and a drive through it; the same to the byte for the same seed.
+
+    Args:
+        kind: Of `KINDS`.
+        seed: Of all random draws.
+        spinning: Whether the laser turns once from scan to scan, at 5 Hz at least, and measures one beam after the
+            other; else it measures at once.
 
     Raises:
         InputError: If there is no such kind.
@@ -139,15 +147,20 @@ def draw_drive(kind: str, seed: int) -> DrawnDrive:
     rng = np.random.default_rng([seed, *kind.encode()])
     plan, traits = draw_plan(kind, rng), draw_traits(rng)
     motion = drive_along(draw_way(plan, traits.way, rng), traits.speed, float(rng.uniform(-np.pi, np.pi)))
-    every = max(round(traits.interval_s / _STEP_S), math.ceil(len(motion) / _MOST_SCANS))
+    every = round(traits.interval_s / _STEP_S)
+    if spinning:
+        every = min(every, _SLOWEST_TURN)
+        motion = motion[: every * _MOST_SCANS]
+    every = max(every, math.ceil(len(motion) / _MOST_SCANS))
     odometry = wheel_odometry(motion, every, ODOMETRY[traits.odometry], rng)
     truth = motion[::every]
     times = np.arange(len(truth), dtype=np.float64) * every * _STEP_S
     legs = draw_feet(plan, truth, times, traits.people, rng)
     walls = plan.outlines.arrays()
+    ways = [motion[k : k + every + 1] if spinning else motion[k : k + 1] for k in range(0, len(motion), every)]
     scans = [
-        take_scan(walls, pose, feet, traits, time, rng)
-        for pose, feet, time in zip(truth, legs, times.tolist(), strict=True)
+        take_scan(walls, way, feet, traits, time, rng)
+        for way, feet, time in zip(ways, legs, times.tolist(), strict=True)
     ]
     return DrawnDrive(plan, traits, RecordedDrive(odometry, scans, truth, f"{kind}-{seed}"))
 
@@ -191,13 +204,13 @@ def drive_along(way: Array, speed: float, heading: float) -> Array:
 
 
 def take_scan(
-    walls: tuple[Array, Array], pose: Array, feet: Array, traits: Traits, time_s: float, rng: Generator
+    walls: tuple[Array, Array], way: Array, feet: Array, traits: Traits, time_s: float, rng: Generator
 ) -> LaserScan:
-    """Return what the laser of a robot at `pose` (3,) measures among ellipses and segments, and of people's feet.
+    """Return what the laser of a robot measures among ellipses and segments, and of people's feet.
 
     Args:
         walls: As of `Outlines.arrays`.
-        pose: T_plan_robot.
+        way: (m, 3) T_plan_robot, evenly in time while the laser turns once; one pose: it measures at once.
         feet: (k, 3) x, y, radius [m].
         traits: Of the laser.
         time_s: Stamp of the scan [s].
@@ -206,11 +219,25 @@ def take_scan(
     ellipses, segments = walls
     legs = np.zeros((len(feet), 7))
     legs[:, :2], legs[:, 2], legs[:, 3] = feet[:, :2], feet[:, 2], feet[:, 2]
-    laser, bearings = compose(pose, np.array([traits.mount, 0.0, 0.0])), traits.bearings
-    ranges = sweep(laser[0], laser[1], laser[2] + bearings, traits.reach, np.concatenate((ellipses, legs)), segments)
+    bearings, things = traits.bearings, np.concatenate((ellipses, legs))
+    ranges = np.empty(len(bearings))
+    for first in range(0, len(bearings), _AT_ONCE if len(way) > 1 else len(bearings)):
+        beams = slice(first, first + _AT_ONCE if len(way) > 1 else len(bearings))
+        pose = _pose_at(way, float(bearings[beams].mean() - bearings[0]) / (2.0 * np.pi))
+        x, y, heading = compose(pose, np.array([traits.mount, 0.0, 0.0])).tolist()
+        ranges[beams] = sweep(x, y, heading + bearings[beams], traits.reach, things, segments)
     ranges = np.maximum(ranges + rng.normal(0.0, traits.noise, len(ranges)), _RANGE_MIN)
     ranges[rng.random(len(ranges)) < traits.missing] = np.nan
     return LaserScan(ranges, bearings, _RANGE_MIN, traits.reach, time_s, (traits.mount, 0.0, 0.0))
+
+
+def _pose_at(way: Array, share: float) -> Array:
+    """Return the pose (3,) at a share of the time that a `way` (m, 3) takes."""
+    before = min(int(share * (len(way) - 1)), max(len(way) - 2, 0))
+    if before + 1 >= len(way):
+        return way[before]
+    step = between(way[before], way[before + 1])
+    return compose(way[before], part_of(step, share * (len(way) - 1) - before))
 
 
 def wheel_odometry(motion: Array, every: int, errors: OdometryErrors, rng: Generator) -> Array:

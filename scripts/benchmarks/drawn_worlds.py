@@ -3,6 +3,7 @@
 Offices, rings of corridors, grids of equal rooms, halls and caves; lasers of 4 to 80 m, 180 to 360 deg and 90 to 720
 beams; a scan every 0.1 to 2 s; good to bad odometry; up to six people. Nobody carries the robot: each time that the
 engine believes it lost is false. Each world has a kind and a seed, and is the same to the byte on every machine alike.
+With --spinning the lasers turn once from scan to scan; `--spinning left` leaves the motion of the robot in their scans.
 
 example:
   tagalong bench drawn-worlds --engines cartographer gmapping --kinds office --seeds 0 99 --jobs 2
@@ -19,6 +20,7 @@ from numpy.typing import NDArray
 
 from ...envs.simulation2d.building_plans import KINDS
 from ...envs.simulation2d.drawn_drives import draw_drive
+from ...slam.drives.sweep_time import deskewed
 from ...slam.engine import SlamEngine, make_slam
 from ...slam.errors import InputError
 from ...slam.graph.engine import Cartographer
@@ -35,23 +37,25 @@ from .results import write_results
 Array = NDArray[np.float64]
 
 ENGINES = ("cartographer", "gmapping")
+SPINNING = ("out", "left")
 LARGE = 0.3  # ATE that counts as large [m]
 RIGHT = (0.5, np.radians(5.0))  # [m, rad] a closure that is farther off is wrong
 _WARM_UP = 40  # scans
 
 
-def world(kind: str, seed: int, engine: str) -> dict[str, Any]:
-    """Return what an engine makes of a drawn world: errors [m], losses, closures, times."""
-    drive = draw_drive(kind, seed)
-    robot, located, took = driven(drive.recording, engine)
+def world(kind: str, seed: int, engine: str, spinning: str = "") -> dict[str, Any]:
+    """Return what an engine makes of a drawn world: errors [m], losses, closures, times; `spinning` as of SPINNING."""
+    drive = draw_drive(kind, seed, spinning=bool(spinning))
+    recording = deskewed(drive.recording) if spinning == SPINNING[0] else drive.recording
+    robot, located, took = driven(recording, engine)
     result: dict[str, Any] = {
-        "scans": len(drive.recording), "traits": asdict(drive.traits), "area_m2": drive.plan.planner.area
+        "scans": len(recording), "traits": asdict(drive.traits), "area_m2": drive.plan.planner.area
     }  # fmt: skip
     start = time.process_time()
     robot.finish()
     result["final"] = _error(robot.trajectory(), drive.truth)
     final_s = time.process_time() - start
-    result["odometry"] = _error(drive.recording.odometry, drive.truth)
+    result["odometry"] = _error(recording.odometry, drive.truth)
     result["not_located"] = float(np.mean(~located))
     if isinstance(robot, Cartographer):
         result["local"] = _error(robot.local_trajectory(), drive.truth)
@@ -81,13 +85,14 @@ def driven(drive: RecordedDrive, engine: str) -> tuple[SlamEngine, NDArray[np.bo
     return robot, located, took
 
 
-def cells(engines: Sequence[str], kinds: Sequence[str], seeds: Sequence[int]) -> list[Cell]:
+def cells(engines: Sequence[str], kinds: Sequence[str], seeds: Sequence[int], spinning: str = "") -> list[Cell]:
     """Return every cell."""
+    more = {"spinning": spinning} if spinning else {}
     return [
         Cell(
-            name=f"{engine}/{kind}/{seed}",
+            name=f"{engine}/{kind}/{seed}" + (f"/{spinning}" if spinning else ""),
             function=world,
-            arguments={"kind": kind, "seed": seed, "engine": engine},
+            arguments={"kind": kind, "seed": seed, "engine": engine, **more},
         )
         for engine in engines
         for seed in seeds
@@ -99,7 +104,7 @@ def summary(results: Mapping[str, Mapping[str, Any]]) -> dict[str, dict[str, Any
     """Return by engine and kind, and by engine over all kinds: errors [m], losses, closures, times."""
     groups: dict[str, list[Mapping[str, Any]]] = {}
     for name, result in results.items():
-        engine, kind, _ = name.split("/")
+        engine, kind, *_ = name.split("/")
         for group in (f"{engine}/{kind}", f"{engine}/all"):
             groups.setdefault(group, []).append(result)
     return {name: _summed(groups[name]) for name in sorted(groups)}
@@ -166,6 +171,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--seeds", type=random_seed, nargs=2, default=(0, 9), metavar=("LOW", "HIGH"),
         help="the worlds of each kind, both ends included (default: 0 9)",
     )  # fmt: skip
+    parser.add_argument(
+        "--spinning", nargs="?", choices=SPINNING, const=SPINNING[0], default="",
+        help="lasers that turn once from scan to scan, the motion meanwhile taken out of their scans, or left in them",
+    )  # fmt: skip
     parser.add_argument("--jobs", type=at_least(1), default=1, help="processes (default: 1)")
 
 
@@ -174,7 +183,7 @@ def run(options: argparse.Namespace) -> int:
     low, high = options.seeds
     if low > high:
         raise InputError(f"--seeds: the first must not be larger than the last, got {low} {high}")
-    worlds = cells(options.engines, options.kinds, range(low, high + 1))
+    worlds = cells(options.engines, options.kinds, range(low, high + 1), options.spinning)
     results = run_cells(worlds, options.out, jobs=options.jobs, label="worlds")
     summed = summary(results)
     write_results(options, {"summary": summed, "worlds": results})

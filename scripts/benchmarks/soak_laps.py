@@ -17,9 +17,9 @@ from tqdm import tqdm
 from ...envs.recording.slow_tour import slow_tour
 from ...envs.scenes.catalogue import SCENES
 from ...envs.world.world import WorldConfig
+from ...slam.drives.log import read_log
 from ...slam.engine import SlamEngine, make_slam
 from ...slam.logs.drive import RecordedDrive
-from ...slam.logs.log import read_log
 from ...slam.scan import LaserScan
 from ..lab.cells import TIMING
 from ..lab.memory import memory_mb

@@ -15,9 +15,9 @@ from ...perception.config import PRESETS, perception_preset
 from ...perception.leader.selector import LeaderSelector, numbered_by_leader
 from ...perception.people_filter import FilteredScan, PeopleFilter
 from ...perception.tracking.people import People
+from ...slam.drives.log import read_log
 from ...slam.errors import InputError
 from ...slam.files.output import write_json, write_text
-from ...slam.logs.log import read_log
 from ...slam.logs.scans_npz import read_scans_npz
 from ...slam.scan import LaserScan
 from ..console.arguments import within

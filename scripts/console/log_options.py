@@ -5,12 +5,12 @@ import sys
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
+from ...slam.drives.log import read_log
+from ...slam.drives.odometry_check import odometry_factors
 from ...slam.errors import InputError, unknown_name
 from ...slam.logs.drive import RecordedDrive
-from ...slam.logs.log import read_log
 from ...slam.scan_to_scan import MATCHERS
 from ...slam.scan_to_scan.laser_odometry import LaserOdometryConfig, laser_odometry
-from ...slam.scan_to_scan.odometry_check import odometry_factors
 from .setting_words import read_settings
 
 SOURCES = ("log", "laser", "refined")

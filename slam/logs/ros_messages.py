@@ -12,7 +12,7 @@ from ..errors import InputError, MissingExtraError
 from ..occupancy_map import OccupancyMap
 from ..scan import LaserScan
 
-_EVEN_RAD = 1e-4  # by how much a beam may lie off its place between the first and the last one
+_EVEN_RAD = 1e-4  # off its place between the first and the last one, a beam of an evenly spaced scan may lie so far
 _LATEST_S = 2.0**31  # a stamp has 32 bits for its seconds
 PERSON_HEIGHT_M, PERSON_WIDTH_M = 1.7, 0.45
 """Of the cylinder that stands for a person in a viewer."""
@@ -49,16 +49,18 @@ class RosMessages:
     def scan(self, scan: LaserScan, time_s: float, frame: str) -> Any:
         """Return a LaserScan; no return is `inf` and no measurement NaN (REP 117).
 
+        The message knows evenly spaced beams alone: of others, each of as many even ones gets what the nearest says.
+
         Raises:
-            InputError: If the beams are not evenly spaced, which the message cannot say, or there are none.
+            InputError: If there are no beams.
         """
         if not len(scan):
             raise InputError("a scan for ROS needs beams; this one has none")
         step = float(scan.bearings[-1] - scan.bearings[0]) / max(len(scan) - 1, 1)
-        even = scan.bearings[0] + step * np.arange(len(scan))
-        if np.abs(scan.bearings - even).max(initial=0.0) > _EVEN_RAD:
-            raise InputError("a scan for ROS needs evenly spaced beams; those of this one are not")
         ranges = np.where(scan.is_no_return, np.inf, np.where(scan.is_return, scan.ranges, np.nan))
+        even = scan.bearings[0] + step * np.arange(len(scan))
+        if np.abs(scan.bearings - even).max() > _EVEN_RAD:
+            ranges = ranges[np.searchsorted(0.5 * (scan.bearings[1:] + scan.bearings[:-1]), even)]
         return self.make(
             "sensor_msgs/LaserScan",
             header=self.header(time_s, frame),

@@ -53,7 +53,7 @@ class ViewerRecording(ABC):
         """Write a scan; where its laser stands on the robot is written with the first one.
 
         Raises:
-            InputError: If the recording cannot say it: its beams are not evenly spaced, or its time is negative.
+            InputError: If the recording cannot say it: it has no beams, or its time is negative.
         """
         time_s = scan.time_s if time_s is None else time_s
         if not self._mounted:

@@ -34,7 +34,7 @@ def square_room(side=10.0):
 
 
 def scan_of(plan, pose, traits=TRAITS, feet=NOBODY):
-    return take_scan(plan.outlines.arrays(), np.array(pose), feet, traits, 0.0, np.random.default_rng(0))
+    return take_scan(plan.outlines.arrays(), np.array([pose]), feet, traits, 0.0, np.random.default_rng(0))
 
 
 def test_rays_meet_an_ellipse_and_a_segment_where_geometry_says():
@@ -123,6 +123,23 @@ def test_one_seed_gives_the_same_bytes_and_another_another_world():
     for a, b in zip(first.recording.scans, again.recording.scans, strict=True):
         assert a.ranges.tobytes() == b.ranges.tobytes()
         assert a.time_s == b.time_s
+
+
+def test_a_spinning_laser_measures_each_beam_where_the_robot_is_by_then():
+    plan, way = square_room(), np.array([(5.0, 5.0, 0.0), (5.0, 5.0, 0.2), (5.4, 5.0, 0.2)])
+    scan = take_scan(plan.outlines.arrays(), way, NOBODY, TRAITS, 0.0, np.random.default_rng(0))
+    turned = scan.bearings + np.minimum(0.4 * (scan.bearings + np.pi) / (2.0 * np.pi), 0.2)
+    moved = np.maximum(0.8 * scan.bearings / (2.0 * np.pi), 0.0)
+    x = np.where(np.cos(turned) > 0.0, 5.0 - moved, 5.0 + moved) / np.abs(np.cos(turned))
+    exact = np.minimum(x, 5.0 / np.abs(np.sin(turned)))
+    near = exact < 5.9
+    np.testing.assert_allclose(scan.ranges[near], exact[near], atol=0.02)
+
+
+def test_a_drive_with_a_spinning_laser_has_scans_at_five_hertz_at_least():
+    drive = draw_drive("cells", 1, spinning=True)
+    assert np.diff(drive.recording.times_s).max() <= 0.2 + 1e-9
+    assert len(drive.recording) <= 2500
 
 
 def test_people_walk_and_step_aside_for_the_robot():

@@ -18,7 +18,7 @@ import tagalong.slam.grid
 from tagalong.perception import LegForest  # noqa: F401 (kernels are loaded before anything is instrumented)
 
 with atheris.instrument_imports(include=["tagalong.slam.logs"]):
-    import tagalong.slam.logs.log  # noqa: F401
+    import tagalong.slam.drives.log  # noqa: F401
 
 from borders.areas import AREAS
 from fuzzer.verdict import judge

@@ -21,7 +21,7 @@ class Traits:
     people: int = 0
 
 
-def tiny(kind, seed):
+def tiny(kind, seed, *, spinning=False):
     """Return a drive of a few scans on the spot in a square room."""
     truth, rng = np.tile((4.0, 6.0, 0.1 * seed), (12, 1)), np.random.default_rng(seed)
     scans = [cast(SQUARE, pose, rng, 6.0, 0.0, BEARINGS) for pose in truth]
@@ -40,10 +40,27 @@ def test_on_the_spot_every_engine_is_where_it_was(monkeypatch, engine):
     assert ("losses" in result) == (engine == "cartographer")
 
 
+def test_spinning_lasers_are_measured_with_and_without_the_motion_in_their_scans(monkeypatch, tmp_path):
+    told = []
+
+    def noted(kind, seed, *, spinning):
+        told.append(spinning)
+        return tiny(kind, seed)
+
+    monkeypatch.setattr(drawn_worlds, "draw_drive", noted)
+    monkeypatch.setattr(drawn_worlds, "deskewed", lambda drive: told.append("deskewed") or drive)
+    words = ["bench", "drawn-worlds", "--kinds", "hall", "--seeds", "0", "0", "--out", str(tmp_path)]
+    assert main(words) == 0
+    assert main([*words, "--spinning"]) == 0
+    assert main([*words, "--spinning", "left"]) == 0
+    assert told == [False, True, "deskewed", True]
+    assert list(json.loads((tmp_path / "results.json").read_text())["worlds"]) == ["cartographer/hall/0/left"]
+
+
 def test_an_interrupted_run_goes_on_and_tells_what_a_whole_one_tells(monkeypatch, tmp_path, capsys):
     drawn = []
 
-    def counted(kind, seed):
+    def counted(kind, seed, *, spinning):
         drawn.append((kind, seed))
         if len(drawn) == 3:
             raise KeyboardInterrupt

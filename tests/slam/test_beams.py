@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from tagalong.slam.drives.log import read_log
 from tagalong.slam.errors import InputError
 from tagalong.slam.logs.beams import cut_behind, measured
 from tagalong.slam.logs.carmen import read_carmen
 from tagalong.slam.logs.carmen_writer import write_carmen
 from tagalong.slam.logs.drive import RecordedDrive
-from tagalong.slam.logs.log import read_log
 from tagalong.slam.logs.ros_map import read_ros_map
 from tagalong.slam.logs.scans_npz import read_scans_npz
 from tagalong.slam.logs.tum import read_tum

@@ -5,6 +5,7 @@ from itertools import islice
 
 import numpy as np
 import pytest
+from tagalong.slam.drives.log import read_log
 from tagalong.slam.errors import InputError
 from tagalong.slam.files import sizes
 from tagalong.slam.logs import text
@@ -12,7 +13,6 @@ from tagalong.slam.logs.beesoft import read_beesoft_map
 from tagalong.slam.logs.carmen import read_carmen
 from tagalong.slam.logs.flat_yaml import read_flat_yaml
 from tagalong.slam.logs.g2o import read_g2o
-from tagalong.slam.logs.log import read_log
 from tagalong.slam.logs.pedestrians import read_pedestrians
 from tagalong.slam.logs.ros_map import read_ros_map
 from tagalong.slam.logs.scans_npz import read_scans_npz

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tagalong.slam.drives.log import read_log
 from tagalong.slam.engine import make_slam
 from tagalong.slam.errors import InputError
-from tagalong.slam.logs.log import read_log
 
 LOG = Path(os.environ.get("TAGALONG_DATA", "")) / "slam_logs" / "dpslam_loop5.log.gz"
 RANGES = "1.0 2.0 " + "8.191 " * 3 + "0.0 " + "3.0 " * 175

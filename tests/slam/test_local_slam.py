@@ -305,6 +305,11 @@ def test_a_scan_that_is_elsewhere_at_either_of_two_places_is_in_question():
     assert lost(two, here=0.7) == ([0.4, 0.0, 0.0], False)
 
 
+def test_a_scan_that_fits_where_it_is_expected_about_as_well_as_elsewhere_is_there():
+    assert lost([(0.7, 0.0, 0.0)], here=0.5) == ([0.4, 0.0, 0.0], False)
+    assert lost([(0.7, 0.0, 0.0)], here=0.4) == ([0.7, 0.0, 0.0], False)
+
+
 def test_a_scan_that_fits_nowhere_is_in_question():
     assert lost([])[1]
     assert lost([(9.0, 9.0, 2.0)])[1]

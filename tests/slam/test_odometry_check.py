@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tagalong.slam.drives.odometry_check import OdometryFactors, odometry_factors
 from tagalong.slam.geometry import between, compose
 from tagalong.slam.logs.drive import RecordedDrive
-from tagalong.slam.scan_to_scan.odometry_check import OdometryFactors, odometry_factors
 from walls import cast
 
 WALLS = np.array(

@@ -13,10 +13,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from tagalong.scripts.cli import main
+from tagalong.slam.drives.log import read_log
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between
 from tagalong.slam.logs.bag_messages import as_defined, open_bag, unpacked_bz2
-from tagalong.slam.logs.log import read_log
 from tagalong.slam.logs.rosbag import read_rosbag
 from tagalong.slam.scan_to_scan.laser_odometry import laser_odometry
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tagalong.slam.drives.log import read_log
 from tagalong.slam.errors import InputError
-from tagalong.slam.logs.log import read_log
 from tagalong.slam.logs.urg import read_urg_log
 
 DATA = os.environ.get("TAGALONG_DATA")

@@ -69,7 +69,7 @@ class HypothesisMatching:
     ) -> tuple[MotionHypothesis, GridMatch | None, float, bool]:
         """Return as `match` for a scan that fits nowhere well of what was `found`: it is searched for more widely.
 
-        A place counts where no other is about as likely; it becomes the last of the `hypotheses` then.
+        A place counts where no other is about as likely, nor what was `found`; it becomes the last of the `hypotheses`.
         """
         first, best, anywhere = found[0][0], self._best(found, len(points)), motion.anywhere
         places: list[tuple[float, list[Candidate]]] = []
@@ -88,7 +88,7 @@ class HypothesisMatching:
         (least, likeliest), *others = places
         jump, match = likeliest[-1]
         alike = any(cost < least + DOUBT and _are_apart(match, candidates[0][1]) for cost, candidates in others)
-        if (alike or least > nowhere) and _are_apart(match, best[1]):
+        if (alike or least > min(nowhere, stays - DOUBT)) and _are_apart(match, best[1]):
             return *best, stays > min(least + DOUBT, nowhere)
         best = self._best([*found, *likeliest], len(points))
         if best[1] is match:

@@ -12,8 +12,8 @@ from fuzzer.scans import drive, hostile_drive, scan_of, with_extreme_numbers
 from fuzzer.values import hostile_value
 from numpy.random import Generator
 from tagalong.slam import Localizer, OccupancyMap, RecordedDrive, make_matcher, make_slam
+from tagalong.slam.drives.odometry_check import odometry_factors
 from tagalong.slam.scan_to_scan.laser_odometry import laser_odometry
-from tagalong.slam.scan_to_scan.odometry_check import odometry_factors
 
 FEW = {"gmapping": {"particles": 3, "threads": 1}, "cartographer": {}, "ekf": {}}
 _MATCHERS = ("icp", "plicp", "mbicp", "hglasm-g-small", "global")

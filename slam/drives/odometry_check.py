@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..geometry import between, compose
 from ..logs.drive import RecordedDrive
 from ..scan import LaserScan
-from . import make_matcher
+from ..scan_to_scan import make_matcher
 
 Array = NDArray[np.float64]
 

@@ -7,19 +7,23 @@ import numpy as np
 
 from ..errors import InputError
 from ..files.input import checked_name, named
-from .bag_messages import is_bag
-from .beesoft import is_beesoft_log, read_beesoft_log
-from .carmen import read_carmen
-from .dpslam import is_dpslam_log, read_dpslam_log
-from .drive import RecordedDrive
-from .rosbag import read_rosbag
-from .urg import is_urg_log, read_urg_log
+from ..logs.bag_messages import is_bag
+from ..logs.beesoft import is_beesoft_log, read_beesoft_log
+from ..logs.carmen import read_carmen
+from ..logs.dpslam import is_dpslam_log, read_dpslam_log
+from ..logs.drive import RecordedDrive
+from ..logs.rosbag import read_rosbag
+from ..logs.urg import is_urg_log, read_urg_log
+from .sweep_time import deskewed
 
 
 def read_log(
     path: str | os.PathLike[str], scan_topic: str | None = None, odometry_topic: str | None = None
 ) -> RecordedDrive:
     """Return the drive in a CARMEN, BeeSoft, DP-SLAM or tinySLAM log (plain or gzipped), a ROS 1 bag or a ROS 2 folder.
+
+    Where its scans say that the laser measured one beam after the other, the robot's motion meanwhile is taken out of
+    them (`deskewed`).
 
     Args:
         path: The log.
@@ -45,7 +49,7 @@ def read_log(
 
 
 def _measured(path: Path, drive: RecordedDrive) -> RecordedDrive:
-    """Return the drive if any beam of it met anything."""
+    """Return the drive, its scans as if measured at once, if any beam of it met anything."""
     if not any(np.isfinite(scan.ranges).any() for scan in drive.scans):
         raise InputError(f"{path}: none of the {len(drive)} scans holds a measured distance; nothing can be mapped")
-    return drive
+    return deskewed(drive)

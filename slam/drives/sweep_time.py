@@ -1,0 +1,176 @@
+"""How long a laser takes for a sweep, and scans as if all of their beams had been measured at once (deskewing).
+
+A laser that spins measures one beam after the other: at 5 to 10 Hz a sweep takes a tenth to a fifth of a second. What a
+robot that turns meanwhile sees is bent, by up to how far it turned, and is not what it sees of the same place while it
+stands. Drivers say little of it that can be relied on: many leave the time between beams at zero, and one that fills
+its message from the back says the opposite of what was. So the scans tell: those taken in the fastest turns are matched
+with neighbours taken in other turns, once for each way in which the beams may have followed each other. What makes them
+agree best is believed if it does so beyond chance; most lasers of 40 Hz and more turn out to measure at once.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import KDTree
+from scipy.stats import rankdata
+
+from ..bounds import LEAST_SPACING
+from ..geometry import between, compose, inverse, transform_points
+from ..logs.drive import RecordedDrive
+from ..scan import LaserScan
+from ..scan_to_scan.match import Matcher
+from ..scan_to_scan.matchers import make_matcher
+
+Array = NDArray[np.float64]
+
+_PAIRS, _ENOUGH = 60, 10  # pairs of scans that are compared; fewer than the second tell nothing
+_NEIGHBOURS = 12  # scans before and after one among which its partner is
+_NEAR = (0.5, 1.0)  # [m, rad] partners are no farther apart, nor is a way between scans longer that can be one
+_OTHERWISE = 0.03  # [rad] by so much a partner turned otherwise, from its scan to the next
+_POINTS, _FAR = 20, 0.1  # least points of a scan; what lies farther off [m] is hidden from the partner
+_SURE = 3.0  # standard deviations beyond chance
+_PARTS = (1.0, 0.5, 0.25)  # a log may hold every second scan, or every fourth
+_LONGER = 1.5  # times the usual time between scans: some are missing
+
+
+@dataclass(frozen=True)
+class SweepTime:
+    """When the beams of a scan are measured.
+
+    Attributes:
+        share: Of the time from one scan to the next, how much a whole turn of the laser takes.
+        clockwise: Whether the beam of the largest bearing is the first.
+        ahead: Whether a full circle begins straight ahead of the laser, not with its first or last beam.
+    """
+
+    share: float
+    clockwise: bool = False
+    ahead: bool = False
+
+    def of(self, scan: LaserScan) -> Array:
+        """Return (N,) when each beam is measured after the scan's time, as a share of the time to the next scan."""
+        turned = scan.bearings % (2.0 * np.pi) if self.ahead else scan.bearings - scan.bearings[0]
+        if self.clockwise:
+            turned = turned.max(initial=0.0) - turned
+        return self.share * turned / (2.0 * np.pi)
+
+
+def deskewed(drive: RecordedDrive) -> RecordedDrive:
+    """Return the drive with each beam where odometry says it was measured, if its scans say that it took time.
+
+    The scans are then as if measured at once, at their time; their bearings are not evenly spaced any more. Else, and
+    without odometry, it is the same drive.
+    """
+    found = sweep_time(drive)
+    if found is None:
+        return drive
+    scans = [at_once(scan, way, found) for scan, way in zip(drive.scans, _ways(drive), strict=True)]
+    order = "clockwise" if found.clockwise else "counter-clockwise"
+    note = f"a turn of the laser, {order}, takes {found.share:.0%} of the time between scans: its motion is taken out"
+    return replace(drive, scans=scans, notes=(*drive.notes, note))
+
+
+def sweep_time(drive: RecordedDrive) -> SweepTime | None:
+    """Return when the beams of a drive's scans are measured; None: at once, or it cannot be told."""
+    if not drive.has_odometry or len(drive) < 2:
+        return None
+    ways, matcher = _ways(drive), make_matcher("plicp")
+    pairs = _pairs(drive, ways)
+    candidates = _candidates(drive.scans[0])
+    rows = [_disagreements(drive, ways, pair, [None, *candidates], matcher) for pair in pairs]
+    told = np.array([row for row in rows if np.isfinite(row).all()]).reshape(-1, len(candidates) + 1)
+    if len(told) < _ENOUGH:
+        return None
+    best = int(np.argmin(told[:, 1:].mean(axis=0)))
+    return candidates[best] if _beyond_chance(told[:, 0] - told[:, 1 + best]) > _SURE else None
+
+
+def _beyond_chance(gains: Array) -> float:
+    """Return how far `gains` (n,) are above zero on the whole, in standard deviations of chance.
+
+    The signed ranks tell (Wilcoxon 1945): a match that failed counts no more than any other.
+    """
+    ranks = np.sign(gains) * rankdata(np.abs(gains))
+    return float(ranks.sum() / np.sqrt(np.square(ranks).sum())) if ranks.any() else 0.0
+
+
+def at_once(scan: LaserScan, way: Array, time: SweepTime) -> LaserScan:
+    """Return a scan as it would be if all beams were measured at its time.
+
+    Args:
+        scan: As it came.
+        way: (3,) how the robot moved until the next scan, in its frame at this one [m, m, rad].
+        time: When the beams were measured.
+    """
+    if not way.any():
+        return scan
+    mount = np.asarray(scan.T_robot_lidar)
+    moved = time.of(scan)[:, None] * compose(inverse(mount), compose(way, mount))
+    met = scan.is_return
+    ends = np.where(met, scan.ranges, 0.0)[:, None] * _directions(scan.bearings + moved[:, 2]) + moved[:, :2]
+    turned = np.where(met, np.arctan2(ends[:, 1], ends[:, 0]) - scan.bearings, moved[:, 2])
+    bearings = scan.bearings + np.remainder(turned + np.pi, 2.0 * np.pi) - np.pi
+    away = np.clip(np.hypot(ends[:, 0], ends[:, 1]), scan.range_min, scan.range_max)
+    order = np.argsort(bearings, kind="stable")
+    apart = 2.0 * LEAST_SPACING * np.arange(len(order))
+    ascending = np.maximum.accumulate(bearings[order] - apart) + apart
+    return replace(scan, ranges=np.where(met, away, scan.ranges)[order], bearings=ascending)
+
+
+def _directions(bearings: Array) -> Array:
+    return np.stack((np.cos(bearings), np.sin(bearings)), axis=-1)
+
+
+def _ways(drive: RecordedDrive) -> Array:
+    """Return (n, 3) how the robot moved from each scan in the usual time to the next; zero where that is not known."""
+    ways = np.zeros((len(drive), 3))
+    ways[:-1] = between(drive.odometry[:-1], drive.odometry[1:])
+    steps = np.diff(drive.times_s)
+    usual = float(np.median(steps)) if len(steps) else 0.0
+    if usual > 0.0:
+        ways[:-1] *= np.where(steps > _LONGER * usual, usual / np.maximum(steps, usual), 1.0)[:, None]
+    ways[(np.hypot(ways[:, 0], ways[:, 1]) > _NEAR[0]) | (np.abs(ways[:, 2]) > _NEAR[1])] = 0.0
+    return ways
+
+
+def _pairs(drive: RecordedDrive, ways: Array) -> list[tuple[int, int]]:
+    """Return the scans of the fastest turns, each with the one nearby during which the robot turned most otherwise."""
+    pairs, last = [], len(drive) - 1
+    for new in np.argsort(-np.abs(ways[:last, 2]), kind="stable")[:_PAIRS].tolist():
+        near = np.arange(max(0, new - _NEIGHBOURS), min(last, new + _NEIGHBOURS + 1))
+        apart = between(drive.odometry[new], drive.odometry[near])
+        reach = (np.hypot(apart[:, 0], apart[:, 1]) <= _NEAR[0]) & (np.abs(apart[:, 2]) <= _NEAR[1])
+        otherwise = np.where(reach, np.abs(ways[near, 2] - ways[new, 2]), 0.0)
+        if otherwise.max() > _OTHERWISE:
+            pairs.append((int(near[np.argmax(otherwise)]), new))
+    return pairs
+
+
+def _candidates(scan: LaserScan) -> list[SweepTime]:
+    """Return when the beams of scans may be measured, if not at once."""
+    spacing = (scan.bearings[-1] - scan.bearings[0]) / max(len(scan) - 1, 1) if len(scan) else 0.0
+    circle = len(scan) * spacing > 1.9 * np.pi
+    return [
+        SweepTime(share, clockwise, ahead)
+        for share in _PARTS
+        for clockwise in (False, True)
+        for ahead in ((False, True) if circle else (False,))
+    ]
+
+
+def _disagreements(
+    drive: RecordedDrive, ways: Array, pair: tuple[int, int], times: list[SweepTime | None], matcher: Matcher
+) -> list[float]:
+    """Return how far two scans lie from each other once matched [m], for each of `times`; nan where they tell none."""
+    reference, new = (drive.scans[k] for k in pair)
+    if min(len(reference.points), len(new.points)) < _POINTS:
+        return [np.nan] * len(times)
+    mounts = (compose(drive.odometry[k], drive.scans[k].T_robot_lidar) for k in pair)
+    guess, away = between(*mounts), list[float]()
+    for time in times:
+        a, b = (s if time is None else at_once(s, ways[k], time) for s, k in zip((reference, new), pair, strict=True))
+        found = matcher.match(a, b, guess)
+        distances, _ = KDTree(a.points).query(transform_points(found.pose, b.points), distance_upper_bound=_FAR)
+        away.append(float(np.minimum(distances, _FAR).mean()))
+    return away

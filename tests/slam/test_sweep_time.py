@@ -1,0 +1,132 @@
+"""Lasers that measure one beam after the other: when, told by the scans, and scans without the robot's motion."""
+
+import numpy as np
+import pytest
+from tagalong.slam import LaserScan, RecordedDrive, read_log
+from tagalong.slam.drives.sweep_time import SweepTime, at_once, deskewed, sweep_time
+from tagalong.slam.geometry import compose, part_of, transform_points
+from tagalong.slam.logs import write_carmen
+
+CORNERS = np.array(
+    [[-3.0, -2.0], [1.0, -2.0], [1.0, -3.0], [4.0, -3.0], [4.0, 2.5], [0.5, 2.5], [0.5, 3.5], [-3.0, 3.5]]
+)
+"""Of a room, in order [m]."""
+MOUNT = (0.1, 0.0, 0.2)
+
+
+def seen_from(lasers, bearings):
+    """Return (n,) ranges in the room from `lasers` (n, 3) along `bearings` (n,) [m]."""
+    angles = lasers[:, 2] + bearings
+    directions, edges = np.stack((np.cos(angles), np.sin(angles)), axis=-1), np.roll(CORNERS, -1, axis=0) - CORNERS
+    across = directions[:, None, 0] * edges[:, 1] - directions[:, None, 1] * edges[:, 0]
+    offset = CORNERS - lasers[:, None, :2]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        away = (offset[..., 0] * edges[:, 1] - offset[..., 1] * edges[:, 0]) / across
+        along = (offset[..., 0] * directions[:, None, 1] - offset[..., 1] * directions[:, None, 0]) / across
+    return np.where((away > 0.0) & (along >= 0.0) & (along <= 1.0), away, np.inf).min(axis=1)
+
+
+def drive_with(time, beams=240, scans=80):
+    """Return a drive that turns to and fro, its beams measured as `time` says; None: at once."""
+    rng = np.random.default_rng(3)
+    bearings = np.linspace(-np.pi, np.pi, beams, endpoint=False)
+    poses, taken = np.zeros((scans + 1, 3)), []
+    shares = np.zeros(beams)
+    if time:
+        shares = time.of(LaserScan(np.ones(beams), bearings, 0.05, 20.0, 0.0, MOUNT))
+    for k in range(scans):
+        step = (0.03, 0.0, 0.3 * np.sin(0.7 * k) + 0.05)
+        poses[k + 1] = compose(poses[k], step)
+        lasers = np.array([compose(compose(poses[k], part_of(step, share)), MOUNT) for share in shares])
+        ranges = seen_from(lasers, bearings) + rng.normal(0.0, 0.005, beams)
+        taken.append(LaserScan(ranges, bearings, 0.05, 20.0, 0.2 * k, MOUNT))
+    return RecordedDrive(poses[:-1], taken, None, "room")
+
+
+@pytest.mark.parametrize(
+    "time", [SweepTime(1.0), SweepTime(1.0, clockwise=True), SweepTime(1.0, ahead=True), SweepTime(0.5)], ids=str
+)
+def test_the_scans_say_when_their_beams_were_measured(time):
+    bent = drive_with(time)
+    assert sweep_time(bent) == time
+    straight = deskewed(bent)
+    assert straight.notes[-1].startswith("a turn of the laser, " + ("clockwise" if time.clockwise else "counter"))
+    assert off_walls(bent) > 0.1
+    assert off_walls(straight) < 0.02
+
+
+def off_walls(drive):
+    """Return how far, in the 90th percentile, the points of a drive lie from the walls of the room [m]."""
+    points = np.concatenate(
+        [transform_points(compose(T, MOUNT), scan.points) for T, scan in zip(drive.odometry, drive.scans, strict=True)]
+    )
+    edges = np.roll(CORNERS, -1, axis=0) - CORNERS
+    offset = points[:, None] - CORNERS
+    along = np.clip((offset * edges).sum(axis=-1) / (edges * edges).sum(axis=-1), 0.0, 1.0)
+    return np.percentile(np.linalg.norm(offset - along[..., None] * edges, axis=-1).min(axis=1), 90)
+
+
+def test_a_laser_that_measures_at_once_is_left_alone():
+    drive = drive_with(None)
+    assert deskewed(drive) is drive
+
+
+def test_without_odometry_or_turns_nothing_can_be_told():
+    bent = drive_with(SweepTime(1.0))
+    blind = RecordedDrive(np.zeros((len(bent), 3)), bent.scans, None, "room", has_odometry=False)
+    assert deskewed(blind) is blind
+    short = RecordedDrive(bent.odometry[:1], bent.scans[:1], None, "room")
+    assert deskewed(short) is short
+    still = RecordedDrive(np.zeros((len(bent), 3)), bent.scans, None, "room")
+    assert deskewed(still) is still
+    empty = [scan.without(np.ones(len(scan), dtype=bool)) for scan in bent.scans]
+    assert sweep_time(RecordedDrive(bent.odometry, empty, None, "room")) is None
+
+
+def test_a_beam_is_put_where_the_robot_was_when_it_was_measured():
+    bearings = np.array([-np.pi / 2, 0.0, np.pi / 2])
+    scan = LaserScan(np.array([2.0, np.inf, 1.0]), bearings, 0.1, 10.0)
+    moved = at_once(scan, np.array([0.4, 0.0, 0.2]), SweepTime(1.0))
+    points = moved.beam_points
+    assert points[0] == pytest.approx([0.0, -2.0])
+    assert points[2] == pytest.approx([0.2 + np.cos(np.pi / 2 + 0.1), np.sin(np.pi / 2 + 0.1)])
+    assert moved.ranges[1] == np.inf
+    assert moved.bearings[1] == pytest.approx(0.05)
+
+
+def test_the_first_beam_of_a_clockwise_laser_is_its_last():
+    bearings = np.array([-np.pi / 2, 0.0, np.pi / 2])
+    scan = LaserScan(np.ones(3), bearings, 0.1, 10.0)
+    assert SweepTime(1.0, clockwise=True).of(scan) == pytest.approx([0.5, 0.25, 0.0])
+    assert SweepTime(0.5, ahead=True).of(scan) == pytest.approx([0.375, 0.0, 0.125])
+
+
+def test_beams_that_cross_stay_ascending_and_within_limits():
+    bearings = np.linspace(-0.1, 0.1, 41)
+    ranges = np.where(np.arange(41) % 2, 0.2, 9.999)
+    moved = at_once(LaserScan(ranges, bearings, 0.1, 10.0), np.array([-0.3, 0.4, 0.0]), SweepTime(1.0))
+    assert len(moved) == 41
+    assert moved.is_return.all()
+    assert (np.diff(moved.bearings) > 0.0).all()
+
+
+def test_the_way_across_missing_scans_is_that_of_one_and_a_jump_is_none():
+    bent = drive_with(SweepTime(1.0))
+    poses = bent.odometry.copy()
+    poses[40:, 0] += 5.0
+    jumped = deskewed(RecordedDrive(poses, bent.scans, None, "room"))
+    assert jumped.scans[39] is bent.scans[39]
+    kept = np.r_[0:40, 41:80]
+    gap = deskewed(RecordedDrive(bent.odometry[kept], [bent.scans[k] for k in kept], None, "room"))
+    whole = deskewed(bent)
+    turned = gap.scans[39].bearings[-1] - bent.scans[39].bearings[-1]
+    assert abs(turned) < 0.6 * abs(bent.odometry[41, 2] - bent.odometry[39, 2]) + 1e-9
+    assert np.array_equal(gap.scans[10].ranges, whole.scans[10].ranges)
+
+
+def test_a_log_is_read_without_the_bend_of_its_scans(tmp_path):
+    bent = drive_with(SweepTime(1.0))
+    write_carmen(tmp_path / "room.log", bent)
+    drive = read_log(tmp_path / "room.log")
+    assert "counter-clockwise" in drive.notes[-1]
+    assert off_walls(drive) < 0.02
