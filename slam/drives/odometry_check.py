@@ -65,7 +65,7 @@ def odometry_factors(drive: RecordedDrive) -> OdometryFactors:
         second = _partner(drive.odometry, int(first), last)
         if second is None:
             continue
-        a, b = _thinned(drive.scans[first]), _thinned(drive.scans[second])
+        a, b = thinned(drive.scans[first]), thinned(drive.scans[second])
         found = tool.match(a, b, (0.0, 0.0, 0.0))
         if not found.converged or np.linalg.eigvalsh(found.covariance[:2, :2])[-1] > _KNOWN**2:
             continue
@@ -80,7 +80,8 @@ def odometry_factors(drive: RecordedDrive) -> OdometryFactors:
     return OdometryFactors(factors[0], factors[1], (len(ratios[0]), len(ratios[1])))
 
 
-def _thinned(scan: LaserScan) -> LaserScan:
+def thinned(scan: LaserScan) -> LaserScan:
+    """Return a scan of fewer beams: enough of them to match it."""
     step = max(1, len(scan) // _BEAMS)
     return replace(scan, ranges=scan.ranges[::step], bearings=scan.bearings[::step])
 

@@ -21,6 +21,7 @@ from ..logs.drive import RecordedDrive
 from ..scan import LaserScan
 from ..scan_to_scan.match import Matcher
 from ..scan_to_scan.matchers import make_matcher
+from .odometry_check import thinned
 
 Array = NDArray[np.float64]
 
@@ -163,7 +164,7 @@ def _disagreements(
     drive: RecordedDrive, ways: Array, pair: tuple[int, int], times: list[SweepTime | None], matcher: Matcher
 ) -> list[float]:
     """Return how far two scans lie from each other once matched [m], for each of `times`; nan where they tell none."""
-    reference, new = (drive.scans[k] for k in pair)
+    reference, new = (thinned(drive.scans[k]) for k in pair)
     if min(len(reference.points), len(new.points)) < _POINTS:
         return [np.nan] * len(times)
     mounts = (compose(drive.odometry[k], drive.scans[k].T_robot_lidar) for k in pair)
