@@ -43,16 +43,18 @@ class SweepTime:
         share: Of the time from one scan to the next, how much a whole turn of the laser takes.
         clockwise: Whether the beam of the largest bearing is the first.
         ahead: Whether a full circle begins straight ahead of the laser, not with its first or last beam.
+        ended: Whether the time of a scan is that of its last beam, else that of its first.
     """
 
     share: float
     clockwise: bool = False
     ahead: bool = False
+    ended: bool = False
 
     def of(self, scan: LaserScan) -> Array:
-        """Return (N,) when each beam is measured after the scan's time, as a share of the time to the next scan."""
+        """Return (N,) how long from the scan's time each beam is measured, as a share of the time between scans."""
         turned = scan.bearings % (2.0 * np.pi) if self.ahead else scan.bearings - scan.bearings[0]
-        if self.clockwise:
+        if self.clockwise != self.ended:
             turned = turned.max(initial=0.0) - turned
         return self.share * turned / (2.0 * np.pi)
 
@@ -66,7 +68,8 @@ def deskewed(drive: RecordedDrive) -> RecordedDrive:
     found = sweep_time(drive)
     if found is None:
         return drive
-    scans = [at_once(scan, way, found) for scan, way in zip(drive.scans, _ways(drive), strict=True)]
+    ways = _ways(drive, ended=found.ended)
+    scans = [at_once(scan, way, found) for scan, way in zip(drive.scans, ways, strict=True)]
     order = "clockwise" if found.clockwise else "counter-clockwise"
     note = f"a turn of the laser, {order}, takes {found.share:.0%} of the time between scans: its motion is taken out"
     return replace(drive, scans=scans, notes=(*drive.notes, note))
@@ -76,8 +79,8 @@ def sweep_time(drive: RecordedDrive) -> SweepTime | None:
     """Return when the beams of a drive's scans are measured; None: at once, or it cannot be told."""
     if not drive.has_odometry or len(drive) < 2:
         return None
-    ways, matcher = _ways(drive), make_matcher("plicp")
-    pairs = _pairs(drive, ways)
+    ways, matcher = [_ways(drive, ended=ended) for ended in (False, True)], make_matcher("plicp")
+    pairs = _pairs(drive, ways[0])
     candidates = _candidates(drive.scans[0])
     rows = [_disagreements(drive, ways, pair, [None, *candidates], matcher) for pair in pairs]
     told = np.array([row for row in rows if np.isfinite(row).all()]).reshape(-1, len(candidates) + 1)
@@ -101,7 +104,8 @@ def at_once(scan: LaserScan, way: Array, time: SweepTime) -> LaserScan:
 
     Args:
         scan: As it came.
-        way: (3,) how the robot moved until the next scan, in its frame at this one [m, m, rad].
+        way: (3,) T_robot_next of the robot at the next scan; where `time` is `ended`, T_robot_before of the one before
+            [m, m, rad].
         time: When the beams were measured.
     """
     if not way.any():
@@ -123,8 +127,11 @@ def _directions(bearings: Array) -> Array:
     return np.stack((np.cos(bearings), np.sin(bearings)), axis=-1)
 
 
-def _ways(drive: RecordedDrive) -> Array:
-    """Return (n, 3) how the robot moved from each scan in the usual time to the next; zero where that is not known."""
+def _ways(drive: RecordedDrive, *, ended: bool) -> Array:
+    """Return (n, 3) where the robot is after the usual time between scans, or was (`ended`), seen from each scan.
+
+    Zero where that is not known.
+    """
     ways = np.zeros((len(drive), 3))
     ways[:-1] = between(drive.odometry[:-1], drive.odometry[1:])
     steps = np.diff(drive.times_s)
@@ -132,6 +139,9 @@ def _ways(drive: RecordedDrive) -> Array:
     if usual > 0.0:
         ways[:-1] *= np.where(steps > _LONGER * usual, usual / np.maximum(steps, usual), 1.0)[:, None]
     ways[(np.hypot(ways[:, 0], ways[:, 1]) > _NEAR[0]) | (np.abs(ways[:, 2]) > _NEAR[1])] = 0.0
+    if ended:
+        ways[1:] = inverse(ways[:-1])
+        ways[0] = 0.0
     return ways
 
 
@@ -153,15 +163,16 @@ def _candidates(scan: LaserScan) -> list[SweepTime]:
     spacing = (scan.bearings[-1] - scan.bearings[0]) / max(len(scan) - 1, 1) if len(scan) else 0.0
     circle = len(scan) * spacing > 1.9 * np.pi
     return [
-        SweepTime(share, clockwise, ahead)
+        SweepTime(share, clockwise, ahead, ended)
         for share in _PARTS
         for clockwise in (False, True)
         for ahead in ((False, True) if circle else (False,))
+        for ended in (False, True)
     ]
 
 
 def _disagreements(
-    drive: RecordedDrive, ways: Array, pair: tuple[int, int], times: list[SweepTime | None], matcher: Matcher
+    drive: RecordedDrive, ways: list[Array], pair: tuple[int, int], times: list[SweepTime | None], matcher: Matcher
 ) -> list[float]:
     """Return how far two scans lie from each other once matched [m], for each of `times`; nan where they tell none."""
     reference, new = (thinned(drive.scans[k]) for k in pair)
@@ -170,7 +181,9 @@ def _disagreements(
     mounts = (compose(drive.odometry[k], drive.scans[k].T_robot_lidar) for k in pair)
     guess, away = between(*mounts), list[float]()
     for time in times:
-        a, b = (s if time is None else at_once(s, ways[k], time) for s, k in zip((reference, new), pair, strict=True))
+        a, b = reference, new
+        if time is not None:
+            a, b = (at_once(scan, ways[time.ended][k], time) for scan, k in zip((a, b), pair, strict=True))
         found = matcher.match(a, b, guess)
         distances, _ = KDTree(a.points).query(transform_points(found.pose, b.points), distance_upper_bound=_FAR)
         away.append(float(np.minimum(distances, _FAR).mean()))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tagalong.slam import LaserScan, RecordedDrive, read_log
 from tagalong.slam.drives.sweep_time import SweepTime, at_once, deskewed, sweep_time
-from tagalong.slam.geometry import compose, part_of, transform_points
+from tagalong.slam.geometry import compose, inverse, part_of, transform_points
 from tagalong.slam.logs import write_carmen
 
 CORNERS = np.array(
@@ -26,25 +26,35 @@ def seen_from(lasers, bearings):
     return np.where((away > 0.0) & (along >= 0.0) & (along <= 1.0), away, np.inf).min(axis=1)
 
 
-def drive_with(time, beams=240, scans=80):
+def drive_with(time, beams=120, scans=80):
     """Return a drive that turns to and fro, its beams measured as `time` says; None: at once."""
     rng = np.random.default_rng(3)
     bearings = np.linspace(-np.pi, np.pi, beams, endpoint=False)
     poses, taken = np.zeros((scans + 1, 3)), []
-    shares = np.zeros(beams)
+    shares, before = np.zeros(beams), (0.0, 0.0, 0.0)
     if time:
         shares = time.of(LaserScan(np.ones(beams), bearings, 0.05, 20.0, 0.0, MOUNT))
     for k in range(scans):
         step = (0.03, 0.0, 0.3 * np.sin(0.7 * k) + 0.05)
         poses[k + 1] = compose(poses[k], step)
-        lasers = np.array([compose(compose(poses[k], part_of(step, share)), MOUNT) for share in shares])
+        way = inverse(before) if time and time.ended else step
+        lasers = np.array([compose(compose(poses[k], part_of(way, share)), MOUNT) for share in shares])
+        before = step
         ranges = seen_from(lasers, bearings) + rng.normal(0.0, 0.005, beams)
         taken.append(LaserScan(ranges, bearings, 0.05, 20.0, 0.2 * k, MOUNT))
     return RecordedDrive(poses[:-1], taken, None, "room")
 
 
 @pytest.mark.parametrize(
-    "time", [SweepTime(1.0), SweepTime(1.0, clockwise=True), SweepTime(1.0, ahead=True), SweepTime(0.5)], ids=str
+    "time",
+    [
+        SweepTime(1.0),
+        SweepTime(1.0, clockwise=True),
+        SweepTime(1.0, ahead=True),
+        SweepTime(1.0, clockwise=True, ended=True),
+        SweepTime(0.5),
+    ],
+    ids=str,
 )
 def test_the_scans_say_when_their_beams_were_measured(time):
     bent = drive_with(time)
@@ -98,6 +108,7 @@ def test_the_first_beam_of_a_clockwise_laser_is_its_last():
     bearings = np.array([-np.pi / 2, 0.0, np.pi / 2])
     scan = LaserScan(np.ones(3), bearings, 0.1, 10.0)
     assert SweepTime(1.0, clockwise=True).of(scan) == pytest.approx([0.5, 0.25, 0.0])
+    assert SweepTime(1.0, ended=True).of(scan) == pytest.approx([0.5, 0.25, 0.0])
     assert SweepTime(0.5, ahead=True).of(scan) == pytest.approx([0.375, 0.0, 0.125])
 
 
