@@ -77,7 +77,7 @@ def deskewed(drive: RecordedDrive) -> RecordedDrive:
 
 def sweep_time(drive: RecordedDrive) -> SweepTime | None:
     """Return when the beams of a drive's scans are measured; None: at once, or it cannot be told."""
-    if not drive.has_odometry or len(drive) < 2:
+    if len(drive) < 2:
         return None
     ways, matcher = [_ways(drive, ended=ended) for ended in (False, True)], make_matcher("plicp")
     pairs = _pairs(drive, ways[0])

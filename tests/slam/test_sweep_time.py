@@ -104,6 +104,13 @@ def test_a_beam_is_put_where_the_robot_was_when_it_was_measured():
     assert moved.bearings[1] == pytest.approx(0.05)
 
 
+def test_a_laser_before_the_centre_swings_sideways_as_the_robot_turns():
+    scan = LaserScan(np.ones(2), np.array([-np.pi / 2, np.pi / 2]), 0.1, 10.0, 0.0, (1.0, 0.0, np.pi / 2))
+    moved = at_once(scan, np.array([0.0, 0.0, 0.02]), SweepTime(1.0))  # half of it until the last beam
+    # 1 cm to the robot's left, which is ahead of the laser, and 0.01 rad to the left of that
+    assert moved.beam_points[1] == pytest.approx([0.01 - 0.01, 1.0], abs=2e-4)
+
+
 def test_the_first_beam_of_a_clockwise_laser_is_its_last():
     bearings = np.array([-np.pi / 2, 0.0, np.pi / 2])
     scan = LaserScan(np.ones(3), bearings, 0.1, 10.0)
@@ -115,7 +122,7 @@ def test_the_first_beam_of_a_clockwise_laser_is_its_last():
 def test_beams_that_cross_stay_ascending_and_within_limits():
     bearings = np.linspace(-0.1, 0.1, 41)
     ranges = np.where(np.arange(41) % 2, 0.2, 9.999)
-    moved = at_once(LaserScan(ranges, bearings, 0.1, 10.0), np.array([-0.3, 0.4, 0.0]), SweepTime(1.0))
+    moved = at_once(LaserScan(ranges, bearings, 0.1, 10.0), np.array([0.3, 0.4, 0.0]), SweepTime(1.0))
     assert len(moved) == 41
     assert moved.is_return.all()
     assert (np.diff(moved.bearings) > 0.0).all()
