@@ -4,6 +4,7 @@ Offices, rings of corridors, grids of equal rooms, halls and caves; lasers of 4 
 beams; a scan every 0.1 to 2 s; good to bad odometry; up to six people. Nobody carries the robot: each time that the
 engine believes it lost is false. Each world has a kind and a seed, and is the same to the byte on every machine alike.
 With --spinning the lasers turn once from scan to scan; `--spinning left` leaves the motion of the robot in their scans.
+With `--odometry laser` nobody knows what the wheels say: odometry is made of the scans.
 
 example:
   tagalong bench drawn-worlds --engines cartographer gmapping --kinds office --seeds 0 99 --jobs 2
@@ -20,6 +21,7 @@ from numpy.typing import NDArray
 
 from ...envs.simulation2d.building_plans import KINDS
 from ...envs.simulation2d.drawn_drives import draw_drive
+from ...slam.drives.made_odometry import with_made_odometry
 from ...slam.drives.sweep_time import deskewed
 from ...slam.engine import SlamEngine, make_slam
 from ...slam.errors import InputError
@@ -38,15 +40,28 @@ Array = NDArray[np.float64]
 
 ENGINES = ("cartographer", "gmapping")
 SPINNING = ("out", "left")
+ODOMETRY = ("wheels", "laser")
 LARGE = 0.3  # ATE that counts as large [m]
 RIGHT = (0.5, np.radians(5.0))  # [m, rad] a closure that is farther off is wrong
 _WARM_UP = 40  # scans
 
 
-def world(kind: str, seed: int, engine: str, spinning: str = "") -> dict[str, Any]:
-    """Return what an engine makes of a drawn world: errors [m], losses, closures, times; `spinning` as of SPINNING."""
+def world(kind: str, seed: int, engine: str, spinning: str = "", odometry: str = ODOMETRY[0]) -> dict[str, Any]:
+    """Return what an engine makes of a drawn world: errors [m], losses, closures, times.
+
+    Args:
+        kind: Of building.
+        seed: Of the world.
+        engine: Its name.
+        spinning: Of `SPINNING`; "": the laser measures at once.
+        odometry: Of `ODOMETRY`.
+    """
     drive = draw_drive(kind, seed, spinning=bool(spinning))
-    recording = deskewed(drive.recording) if spinning == SPINNING[0] else drive.recording
+    recording = drive.recording
+    if odometry == "laser":
+        recording, _ = with_made_odometry(recording)
+    elif spinning == SPINNING[0]:
+        recording = deskewed(recording)
     robot, located, took = driven(recording, engine)
     result: dict[str, Any] = {
         "scans": len(recording), "traits": asdict(drive.traits), "area_m2": drive.plan.planner.area
@@ -85,12 +100,19 @@ def driven(drive: RecordedDrive, engine: str) -> tuple[SlamEngine, NDArray[np.bo
     return robot, located, took
 
 
-def cells(engines: Sequence[str], kinds: Sequence[str], seeds: Sequence[int], spinning: str = "") -> list[Cell]:
+def cells(
+    engines: Sequence[str],
+    kinds: Sequence[str],
+    seeds: Sequence[int],
+    spinning: str = "",
+    odometry: str = ODOMETRY[0],
+) -> list[Cell]:
     """Return every cell."""
     more = {"spinning": spinning} if spinning else {}
+    more |= {"odometry": odometry} if odometry != ODOMETRY[0] else {}
     return [
         Cell(
-            name=f"{engine}/{kind}/{seed}" + (f"/{spinning}" if spinning else ""),
+            name="/".join((engine, kind, str(seed), *more.values())),
             function=world,
             arguments={"kind": kind, "seed": seed, "engine": engine, **more},
         )
@@ -175,6 +197,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--spinning", nargs="?", choices=SPINNING, const=SPINNING[0], default="",
         help="lasers that turn once from scan to scan, the motion meanwhile taken out of their scans, or left in them",
     )  # fmt: skip
+    parser.add_argument(
+        "--odometry", choices=ODOMETRY, default=ODOMETRY[0],
+        help="laser: made of the scans, which lose the motion of a spinning robot by it (default: %(default)s)",
+    )  # fmt: skip
     parser.add_argument("--jobs", type=at_least(1), default=1, help="processes (default: 1)")
 
 
@@ -183,7 +209,9 @@ def run(options: argparse.Namespace) -> int:
     low, high = options.seeds
     if low > high:
         raise InputError(f"--seeds: the first must not be larger than the last, got {low} {high}")
-    worlds = cells(options.engines, options.kinds, range(low, high + 1), options.spinning)
+    if options.odometry == "laser" and options.spinning == "left":
+        raise InputError("--odometry laser takes the motion out of the scans; leave out --spinning left")
+    worlds = cells(options.engines, options.kinds, range(low, high + 1), options.spinning, options.odometry)
     results = run_cells(worlds, options.out, jobs=options.jobs, label="worlds")
     summed = summary(results)
     write_results(options, {"summary": summed, "worlds": results})

@@ -2,15 +2,17 @@
 
 import argparse
 import sys
-from dataclasses import asdict, dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from ...slam.drives.log import read_log
+from ...slam.drives.made_odometry import with_made_odometry
 from ...slam.drives.odometry_check import odometry_factors
 from ...slam.errors import InputError, unknown_name
 from ...slam.logs.drive import RecordedDrive
 from ...slam.scan_to_scan import MATCHERS
-from ...slam.scan_to_scan.laser_odometry import LaserOdometryConfig, laser_odometry
+from ...slam.scan_to_scan.laser_odometry import LaserOdometryConfig
 from .setting_words import read_settings
 
 SOURCES = ("log", "laser", "refined")
@@ -73,22 +75,27 @@ def read_with_odometry(options: argparse.Namespace) -> ReadDrive:
             raise InputError("--matcher matches nothing where the log has odometry; add --odometry refined or laser")
         return ReadDrive(drive)
     refined = options.odometry == "refined"
-    made = laser_odometry(drive.scans, config, drive.odometry if refined else None)
+    moved, made = with_made_odometry(drive, config, refined=refined)
+    _tell(options, moved.notes[len(drive.notes) :])
     lost, what = int((~made.matched).sum()), "refined by" if refined else "made from"
     said = f"odometry is {what} the scans; {lost} of {len(drive)} could not be matched with one before"
     print(f"tagalong: {said}", file=sys.stderr)
     source = "refined" if refined else "laser"
-    return ReadDrive(replace(drive, odometry=made.poses), {"odometry": {"source": source, **asdict(config)}})
+    return ReadDrive(moved, {"odometry": {"source": source, **asdict(config)}})
 
 
 def _read_and_tell(options: argparse.Namespace) -> RecordedDrive:
     """Return the drive in `options.log`; say what was assumed, and what is wrong with an odometry that will be used."""
     drive = read_log(options.log, options.scan_topic, options.odometry_topic)
-    for note in drive.notes:
-        print(f"tagalong: {options.log}: {note}", file=sys.stderr)
+    _tell(options, drive.notes)
     if options.odometry == "refined" and not drive.has_odometry:
         raise InputError(f"{options.log}: has no odometry to refine; `--odometry laser` makes it from the scans")
     complaint = odometry_factors(drive).complaint if drive.has_odometry and options.odometry != "laser" else ""
     if complaint:
         print(f"tagalong: {options.log}: {complaint}; poses may be wrong", file=sys.stderr)
     return drive
+
+
+def _tell(options: argparse.Namespace, notes: Sequence[str]) -> None:
+    for note in notes:
+        print(f"tagalong: {options.log}: {note}", file=sys.stderr)

@@ -1,7 +1,7 @@
 """Drawn worlds: every engine is measured in them, and an interrupted experiment goes on."""
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -55,6 +55,22 @@ def test_spinning_lasers_are_measured_with_and_without_the_motion_in_their_scans
     assert main([*words, "--spinning", "left"]) == 0
     assert told == [False, True, "deskewed", True]
     assert list(json.loads((tmp_path / "results.json").read_text())["worlds"]) == ["cartographer/hall/0/left"]
+
+
+def test_without_wheels_odometry_is_made_of_the_scans(monkeypatch, tmp_path, capsys):
+    def drifting(kind, seed, *, spinning):
+        drive = tiny(kind, seed)
+        odometry = np.linspace((0.0, 0.0, 0.0), (3.0, 1.0, 0.5), len(drive.recording))
+        return SimpleNamespace(**{**vars(drive), "recording": replace(drive.recording, odometry=odometry)})
+
+    monkeypatch.setattr(drawn_worlds, "draw_drive", drifting)
+    words = ["bench", "drawn-worlds", "--kinds", "hall", "--seeds", "0", "0", "--out", str(tmp_path), "--spinning"]
+    assert main([*words, "--odometry", "laser"]) == 0
+    worlds = json.loads((tmp_path / "results.json").read_text())["worlds"]
+    assert list(worlds) == ["cartographer/hall/0/out/laser"]
+    assert worlds["cartographer/hall/0/out/laser"]["odometry"]["rmse_m"] < 0.02
+    assert main([*words, "left", "--odometry", "laser"]) == 2
+    assert "leave out --spinning left" in capsys.readouterr().err
 
 
 def test_an_interrupted_run_goes_on_and_tells_what_a_whole_one_tells(monkeypatch, tmp_path, capsys):

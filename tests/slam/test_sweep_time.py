@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 from tagalong.slam import LaserScan, RecordedDrive, read_log
+from tagalong.slam.drives.made_odometry import with_made_odometry
 from tagalong.slam.drives.sweep_time import SweepTime, at_once, deskewed, sweep_time
-from tagalong.slam.geometry import compose, inverse, part_of, transform_points
+from tagalong.slam.geometry import between, compose, inverse, part_of, transform_points
 from tagalong.slam.logs import write_carmen
 
 CORNERS = np.array(
@@ -148,3 +149,30 @@ def test_a_log_is_read_without_the_bend_of_its_scans(tmp_path):
     drive = read_log(tmp_path / "room.log")
     assert "counter-clockwise" in drive.notes[-1]
     assert off_walls(drive) < 0.02
+
+
+def unmoved(drive):
+    return RecordedDrive(np.zeros((len(drive), 3)), drive.scans, None, drive.name, has_odometry=False)
+
+
+def test_scans_without_odometry_lose_their_bend():
+    bent = drive_with(SweepTime(1.0, clockwise=True))
+    made, found = with_made_odometry(unmoved(bent))
+    assert found.matched.mean() > 0.95
+    assert made.notes[-1].startswith("a turn of the laser, clockwise")
+    np.testing.assert_array_equal(made.odometry, found.poses)
+    error = between(bent.odometry, made.odometry)
+    assert np.hypot(error[:, 0], error[:, 1]).max() < 0.1
+    assert off_walls(made) < 0.05
+
+
+def test_scans_measured_at_once_are_left_alone_and_bad_wheels_are_refined():
+    drive = drive_with(None)
+    made, _ = with_made_odometry(unmoved(drive))
+    assert made.scans is drive.scans
+    assert off_walls(made) < 0.03
+    slipping = RecordedDrive(drive.odometry * (1.2, 1.2, 1.02), drive.scans, None, "room")
+    refined, _ = with_made_odometry(slipping, refined=True)
+    assert refined.scans is drive.scans
+    error = between(drive.odometry, refined.odometry)
+    assert np.hypot(error[:, 0], error[:, 1]).max() < 0.05
