@@ -18,7 +18,8 @@ Array = NDArray[np.float64]
 _FLOOR = (0.01, 0.01)  # [m, rad] odometry that reports no motion may be so far off: a robot that was pushed a little
 _AT_LEAST = (0.05, 0.05)  # [m, rad] so far off may be that a robot goes on as before, however short the time ...
 _ACCELERATION = (1.0, 2.0)  # [m/s^2, rad/s^2] ... and it may brake or speed up so fast: standard deviations
-_HALF_LIFE_S = 2.0  # of the velocity of a robot of which nothing is seen [s]
+_SEARCH = {"second_maxima": 0, "refinement.confidence.least_points": 30}  # of many places a few points fit at one
+_HALF_LIFE_S = 0.5  # of the velocity of a robot of which nothing is seen [s]
 _BELIEVED = 4.0  # standard deviations of how the robot went on that a match may be away
 _MEMORY = 0.1  # weight of the newest time between two scans in the usual one
 _SHORTEST_S, _UNKNOWN_S = 1e-3, 1.0  # no laser turns faster: stamps that say so tell no time, it may have been so long
@@ -106,7 +107,7 @@ class ScanToScanOdometry:
     def __init__(self, config: LaserOdometryConfig | None = None) -> None:
         self.config = config or LaserOdometryConfig()
         self._matcher = make_matcher(self.config.matcher, **self.config.settings)
-        self._search = make_matcher("global", **{"window.linear": self.config.search_way, "second_maxima": 0})
+        self._search = make_matcher("global", **{"window.linear": self.config.search_way, **_SEARCH})
         self._pose = np.zeros(3)
         self._step = np.zeros(3)  # how far the robot went from one scan to the next
         self._time_s: float | None = None  # of the last scan
@@ -169,12 +170,13 @@ class ScanToScanOdometry:
     ) -> Array | None:
         """Return where the scan is, T_odom_robot (3,), by how it matches from `start` (3,); None: that is not known.
 
-        Of several places where it matches as well, the one counts where the robot can have gone, if it is only one.
+        Of several places where it matches as well, the one counts where the robot can have gone, if it is only one. A
+        search that leaves a direction open, as along a corridor, has found any of many places.
         """
         mount = np.asarray(scan.T_robot_lidar)
         lidar_key = compose(key[0], mount)
         found = matcher.match(key[1], scan, between(lidar_key, compose(start, mount)))
-        if not (found.converged or found.ambiguous):
+        if not (found.converged or found.ambiguous) or (matcher is self._search and found.is_blind):
             return None
         places = found.pose[None] if found.alternatives is None else np.vstack((found.pose, found.alternatives))
         wanted = between(lidar_key, compose(expected.pose, mount))

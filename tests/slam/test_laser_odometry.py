@@ -63,9 +63,9 @@ def test_a_robot_of_which_nothing_is_seen_comes_to_rest():
     blind = scans[-1].without(np.ones(len(scans[-1]), dtype=bool))
     made = laser_odometry([*scans, *(replace(blind, time_s=1.0 + 0.1 * k) for k in range(1, 201))])
     went = np.hypot(*np.diff(made.poses[:, :2], axis=0).T)
-    assert went[10] > 0.09
-    np.testing.assert_allclose(went[30], 0.5 * went[10], rtol=0.02)  # after two seconds
-    assert went[-1] < 1e-3
+    assert went[10] > 0.08
+    np.testing.assert_allclose(went[15], 0.5 * went[10], rtol=0.02)  # after half a second
+    assert went[-1] < 1e-6
 
 
 HALL = np.array([(-20, -15, 25, -15), (25, -15, 25, 12), (25, 12, -20, 12), (-20, 12, -20, -15), (8, 2, 9, 5)], float)
