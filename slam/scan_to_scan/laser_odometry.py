@@ -21,6 +21,7 @@ _ACCELERATION = (1.0, 2.0)  # [m/s^2, rad/s^2] ... and it may brake or speed up 
 _SEARCH = {"second_maxima": 0, "refinement.confidence.least_points": 30}  # of many places a few points fit at one
 _HALF_LIFE_S = 0.5  # of the velocity of a robot of which nothing is seen [s]
 _BELIEVED = 4.0  # standard deviations of how the robot went on that a match may be away
+_AGREES = 0.5  # share of its points on the other's surfaces that makes a scan match, though a direction is open
 _MEMORY = 0.1  # weight of the newest time between two scans in the usual one
 _SHORTEST_S, _UNKNOWN_S = 1e-3, 1.0  # no laser turns faster: stamps that say so tell no time, it may have been so long
 
@@ -170,13 +171,18 @@ class ScanToScanOdometry:
     ) -> Array | None:
         """Return where the scan is, T_odom_robot (3,), by how it matches from `start` (3,); None: that is not known.
 
-        Of several places where it matches as well, the one counts where the robot can have gone, if it is only one. A
-        search that leaves a direction open, as along a corridor, has found any of many places.
+        Of several places where it matches as well, the one counts where the robot can have gone, if it is only one.
+        Where scans leave a direction open, as along a corridor, a match nearby tells the rest, and a search nothing.
         """
         mount = np.asarray(scan.T_robot_lidar)
         lidar_key = compose(key[0], mount)
         found = matcher.match(key[1], scan, between(lidar_key, compose(start, mount)))
-        if not (found.converged or found.ambiguous) or (matcher is self._search and found.is_blind):
+        agrees = found.converged or found.ambiguous
+        if (
+            found.is_blind
+        ):  # it comes to rest nowhere along the open direction, and where a search ended there is chance
+            agrees = found.score >= _AGREES and matcher is not self._search
+        if not agrees:
             return None
         places = found.pose[None] if found.alternatives is None else np.vstack((found.pose, found.alternatives))
         wanted = between(lidar_key, compose(expected.pose, mount))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between, compose
-from tagalong.slam.scan_to_scan.laser_odometry import LaserOdometryConfig, laser_odometry
+from tagalong.slam.scan_to_scan.laser_odometry import LaserOdometryConfig, ScanToScanOdometry, laser_odometry
 from walls import cast
 
 ROOM = np.array(
@@ -82,6 +82,31 @@ def test_a_turn_farther_than_a_matcher_looks_is_found():
     assert made.matched.all()
     assert away.max() < 0.1
     assert turned.max() < 0.01
+
+
+def test_along_a_smooth_corridor_the_robot_goes_on_as_before():
+    posts = [(x, side, x, 0.7 * side) for x in (-2.0, -1.0, 0.5, 1.5, 2.5, 3.5) for side in (-1.0, 1.0)]
+    walls = np.array([(-50, -1, 50, -1), (-50, 1, 50, 1), *posts, (-3, -1, -3, 1)], dtype=float)
+    rng, truth = np.random.default_rng(0), np.stack((0.1 * np.arange(120), np.zeros(120), np.zeros(120)), axis=-1)
+    scans = [replace(cast(walls, pose, rng, 6.0, 0.005), time_s=0.1 * k) for k, pose in enumerate(truth)]
+    made = laser_odometry(scans)
+    away, turned = off(truth, made.poses)
+    assert made.matched.mean() > 0.95
+    assert away.max() < 1.2  # of 11.9 m, more than half of which show nothing of the way
+    assert turned.max() < 0.02
+
+
+def test_what_a_search_leaves_open_or_a_few_points_show_is_no_place():
+    _, scans = drive(steps=4)
+    front_end = ScanToScanOdometry()
+    front_end.update(scans[0])
+    few = scans[1].without(np.arange(len(scans[1])) % 12 > 0)
+    assert few.is_return.sum() < 30
+    turned = replace(cast(ROOM, compose((0.0, 0.0, 0.9), MOUNT), np.random.default_rng(2)), T_robot_lidar=MOUNT)
+    assert front_end.update(turned.without(np.arange(len(turned)) % 12 > 0)).matched is False
+    walls, rng = np.array([(-50, -1, 50, -1), (-50, 1, 50, 1)], dtype=float), np.random.default_rng(0)
+    corridor = [cast(walls, (0.0, 0.0, turn), rng, 6.0, 0.005) for turn in (0.0, 0.9)]
+    assert not laser_odometry(corridor).matched[1]
 
 
 def test_stamps_of_arrival_are_late_and_then_in_bursts():
