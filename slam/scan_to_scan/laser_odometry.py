@@ -178,9 +178,7 @@ class ScanToScanOdometry:
         lidar_key = compose(key[0], mount)
         found = matcher.match(key[1], scan, between(lidar_key, compose(start, mount)))
         agrees = found.converged or found.ambiguous
-        if (
-            found.is_blind
-        ):  # it comes to rest nowhere along the open direction, and where a search ended there is chance
+        if found.is_blind:  # along the open direction it comes to rest nowhere, and a search ends anywhere
             agrees = found.score >= _AGREES and matcher is not self._search
         if not agrees:
             return None

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between, compose
+from tagalong.slam.scan_to_scan import Match
+from tagalong.slam.scan_to_scan import laser_odometry as laser_odometry_module
 from tagalong.slam.scan_to_scan.laser_odometry import LaserOdometryConfig, ScanToScanOdometry, laser_odometry
 from walls import cast
 
@@ -14,6 +16,13 @@ ROOM = np.array(
     dtype=float,
 )
 MOUNT = (0.2, 0.05, 0.4)
+
+
+class Blind:
+    """A matcher that finds nothing."""
+
+    def match(self, reference, new, guess):
+        return Match(np.zeros(3), np.eye(3), 0.0, False, 0)
 
 
 def drive(steps=40, speed=0.1, turn=0.04, mount=MOUNT):
@@ -71,17 +80,26 @@ def test_a_robot_of_which_nothing_is_seen_comes_to_rest():
 HALL = np.array([(-20, -15, 25, -15), (25, -15, 25, 12), (25, 12, -20, 12), (-20, 12, -20, -15), (8, 2, 9, 5)], float)
 
 
-def test_a_turn_farther_than_a_matcher_looks_is_found():
-    """Far walls move by metres when the robot turns, and a matcher that looks a metre around finds nothing."""
+def check_turns_in_a_hall(turns, stamp):
+    """Walls that are far move by metres when the robot turns, and a matcher that looks a metre around finds nothing."""
     rng, poses = np.random.default_rng(0), [np.zeros(3)]
-    for turn in (0.0, 0.0, 0.35, 0.35, 0.0, -0.35, -0.35, 0.0):
-        poses.append(compose(poses[-1], (0.1, 0.0, turn)))
-    scans = [replace(cast(HALL, pose, rng), time_s=0.2 * k) for k, pose in enumerate(poses)]
+    for turn in turns:
+        poses.append(compose(poses[-1], (0.1 * (turn is not None), 0.0, turn or 0.0)))
+    scans = [replace(cast(HALL, pose, rng), time_s=stamp(k)) for k, pose in enumerate(poses)]
     made = laser_odometry(scans)
     away, turned = off(np.array(poses), made.poses)
     assert made.matched.all()
     assert away.max() < 0.1
     assert turned.max() < 0.01
+
+
+def test_a_turn_farther_than_a_matcher_looks_is_found():
+    check_turns_in_a_hall((0.0, 0.0, 0.35, 0.35, 0.0, -0.35, -0.35, 0.0), lambda k: 0.2 * k)
+
+
+def test_stamps_of_arrival_are_late_and_then_in_bursts():
+    stands = [None] * 59
+    check_turns_in_a_hall((*stands, 0.0, 0.0, 0.35, 0.35, 0.0, 0.0), lambda k: np.floor(k / 5) + 1e-3 * (k % 5))
 
 
 def test_along_a_smooth_corridor_the_robot_goes_on_as_before():
@@ -96,7 +114,7 @@ def test_along_a_smooth_corridor_the_robot_goes_on_as_before():
     assert turned.max() < 0.02
 
 
-def test_what_a_search_leaves_open_or_a_few_points_show_is_no_place():
+def test_what_a_search_shows_by_a_few_points_is_no_place():
     _, scans = drive(steps=4)
     front_end = ScanToScanOdometry()
     front_end.update(scans[0])
@@ -104,21 +122,31 @@ def test_what_a_search_leaves_open_or_a_few_points_show_is_no_place():
     assert few.is_return.sum() < 30
     turned = replace(cast(ROOM, compose((0.0, 0.0, 0.9), MOUNT), np.random.default_rng(2)), T_robot_lidar=MOUNT)
     assert front_end.update(turned.without(np.arange(len(turned)) % 12 > 0)).matched is False
-    walls, rng = np.array([(-50, -1, 50, -1), (-50, 1, 50, 1)], dtype=float), np.random.default_rng(0)
-    corridor = [cast(walls, (0.0, 0.0, turn), rng, 6.0, 0.005) for turn in (0.0, 0.9)]
-    assert not laser_odometry(corridor).matched[1]
 
 
-def test_stamps_of_arrival_are_late_and_then_in_bursts():
-    rng, poses = np.random.default_rng(0), [np.zeros(3)] * 60
-    for turn in (0.0, 0.0, 0.35, 0.35, 0.0, 0.0):
-        poses.append(compose(poses[-1], (0.1, 0.0, turn)))
-    scans = [replace(cast(HALL, pose, rng), time_s=np.floor(k / 5) + 1e-3 * (k % 5)) for k, pose in enumerate(poses)]
-    made = laser_odometry(scans)
-    away, turned = off(np.array(poses), made.poses)
-    assert made.matched.all()
-    assert away.max() < 0.1
-    assert turned.max() < 0.01
+@pytest.mark.parametrize(
+    ("places", "covariance", "matched"),
+    [
+        ([(0.1, 0.0, 0.9)], 1e-4, True),
+        ([(0.1, 0.0, 0.9)], 9.0, False),  # a direction is open
+        ([(0.1, 0.0, 0.9), (0.5, 0.4, 0.6)], 1e-4, False),  # the robot can have gone to both
+        ([(9.0, 0.0, 0.9), (0.1, 0.0, 0.9)], 1e-4, True),  # only to the second
+    ],
+)
+def test_a_search_tells_where_the_robot_is_if_it_can_be_at_one_place_only(monkeypatch, places, covariance, matched):
+    class Search:
+        def match(self, reference, new, guess):
+            found, others = np.array(places[0]), np.array(places[1:]).reshape(-1, 3)
+            P = np.diag([covariance, 1e-4, 1e-4])
+            return Match(found, P, 0.9, not len(others), 5, ambiguous=len(others) > 0, alternatives=others)
+
+    monkeypatch.setattr(
+        laser_odometry_module, "make_matcher", lambda name, **_: Search() if name == "global" else Blind()
+    )
+    scan = cast(ROOM, (0.0, 0.0, 0.0), np.random.default_rng(0))
+    update = [front_end.update(each) for front_end in [ScanToScanOdometry()] for each in (scan, scan)][1]
+    assert update.matched == matched
+    np.testing.assert_allclose(update.pose, (0.1, 0.0, 0.9) if matched else np.zeros(3), atol=1e-3)
 
 
 def test_a_leap_is_not_believed():
