@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ...slam.drives.calibration import CalibratedOdometry, Calibration
 from ...slam.errors import InputError
 from ...slam.files.input import named, naming
 from ...slam.logs.bag_copy.copied import FileCopy, copied_bag
@@ -22,6 +23,7 @@ def filter_bag(
     config: PeopleFilterConfig,
     counts: FilterCounts,
     topic: str | None = None,
+    right: CalibratedOdometry | None = None,
 ) -> str:
     """Copy a bag to `target`, and its scans without people: their returns become NaN (REP 117: no measurement).
 
@@ -34,6 +36,7 @@ def filter_bag(
         config: Of the people filter.
         counts: Where is counted what was filtered.
         topic: Of the filtered scans; None: that of the scans, and "_filtered".
+        right: Puts the odometry right; None: it is.
 
     Returns:
         That topic.
@@ -46,7 +49,7 @@ def filter_bag(
     for name in added:
         if name in bag.topics:
             raise InputError(f"{named(bag.path)}: has a topic {name} already; give another name by --topic")
-    job = _BagFilter(bag, topic, config, counts)
+    job = _BagFilter(bag, topic, ScanFilter(config), counts, right or CalibratedOdometry(Calibration()))
     with copied_bag(bag.path, target, bag.types, added) as files:
         for file in files:
             for message in file.messages():
@@ -58,8 +61,10 @@ def filter_bag(
 
 
 class _BagFilter:
-    def __init__(self, bag: BagBeginning, topic: str, config: PeopleFilterConfig, counts: FilterCounts) -> None:
-        self.stream, self._filter = ScanStream(bag), ScanFilter(config)
+    def __init__(
+        self, bag: BagBeginning, topic: str, scans: ScanFilter, counts: FilterCounts, right: CalibratedOdometry
+    ) -> None:
+        self.stream, self._filter, self._right = ScanStream(bag), scans, right
         self._messages = PeopleMessages(bag.types, flipped=bag.flipped)
         self._where, self._topic, self._counts = f"{named(bag.path)}: {bag.scans}", topic, counts
 
@@ -67,7 +72,8 @@ class _BagFilter:
         """Filter a scan; write what comes of it."""
         message: Any = streamed.message
         with naming(self._where):
-            filtered = self._filter.update(streamed.scan, streamed.odometry)
+            odometry = None if streamed.odometry is None else self._right.update(streamed.odometry)
+            filtered = self._filter.update(streamed.scan, odometry)
         self._counts.add(filtered)
         removed = removed_readings(filtered, streamed.order, len(message.ranges), float(message.angle_increment))
         ranges = np.where(removed, np.float32(np.nan), message.ranges).astype(np.float32, copy=False)

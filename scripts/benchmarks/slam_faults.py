@@ -21,6 +21,7 @@ from typing import Any
 
 import numpy as np
 
+from ...slam.drives.calibration import calibrated
 from ...slam.engine import SlamEngine, make_slam
 from ...slam.errors import InputError
 from ...slam.logs.drive import RecordedDrive
@@ -62,7 +63,7 @@ def faulty(folder: str | None, drive: str, fault: str, engine: str, inputs: Sequ
     whole = fault_drive(folder, drive)
     rng = np.random.default_rng([*f"{drive}/{fault}".encode()])
     disturbed = FAULTS[fault].into(whole.recording, rng)
-    recording, origin = _fresh(disturbed.recording), disturbed.origin
+    recording, origin = calibrated(_fresh(disturbed.recording)), disturbed.origin
     result: dict[str, Any] = {"scans": len(recording), "measure": "ATE" if whole.relations is None else "relations"}
     _warm_up(engine)
     give_back_memory()

@@ -8,7 +8,6 @@ from typing import Any
 
 from ...slam.drives.log import read_log
 from ...slam.drives.made_odometry import with_made_odometry
-from ...slam.drives.odometry_check import odometry_factors
 from ...slam.errors import InputError, unknown_name
 from ...slam.logs.drive import RecordedDrive
 from ...slam.scan_to_scan import MATCHERS
@@ -60,7 +59,7 @@ def add_odometry(parser: argparse.ArgumentParser) -> None:
 def read_with_odometry(options: argparse.Namespace) -> ReadDrive:
     """Return the drive in `options.log`, with odometry from where `options` say.
 
-    What was assumed is said on stderr, and once in a line if the odometry is grossly wrong by what the scans show.
+    What was assumed, and what was found wrong with its odometry and put right, is said on stderr.
 
     Raises:
         InputError: If the log cannot be read, an option is wrong, or the log has no odometry that could be refined.
@@ -85,14 +84,11 @@ def read_with_odometry(options: argparse.Namespace) -> ReadDrive:
 
 
 def _read_and_tell(options: argparse.Namespace) -> RecordedDrive:
-    """Return the drive in `options.log`; say what was assumed, and what is wrong with an odometry that will be used."""
+    """Return the drive in `options.log`; say what was assumed."""
     drive = read_log(options.log, options.scan_topic, options.odometry_topic)
     _tell(options, drive.notes)
     if options.odometry == "refined" and not drive.has_odometry:
         raise InputError(f"{options.log}: has no odometry to refine; `--odometry laser` makes it from the scans")
-    complaint = odometry_factors(drive).complaint if drive.has_odometry and options.odometry != "laser" else ""
-    if complaint:
-        print(f"tagalong: {options.log}: {complaint}; poses may be wrong", file=sys.stderr)
     return drive
 
 

@@ -13,7 +13,7 @@ from ...slam.geometry import compose
 from ...slam.logs.bag_messages import Message, as_defined
 from ...slam.logs.ros_frames import FrameTree, frame_name, planar, rotation_matrix, stamp_s
 from ...slam.logs.rosbag import laser_mount
-from ...slam.logs.scan_stream import BagBeginning, ScanStream
+from ...slam.logs.scan_stream import BagBeginning, ReadAlready, ScanStream
 from ...slam.scan import LaserScan
 from .outputs import FRAMES, ODOMETRY, SCAN
 
@@ -134,7 +134,7 @@ class LiveScans:
                 flipped=self._flipped,
                 by_header=self._config.by_header,
                 notes=(),
-                types=_AsTheyCome(),  # pyright: ignore[reportArgumentType]
+                types=ReadAlready(),  # pyright: ignore[reportArgumentType]
             )
         )
         for heard, time_ns in self._heard:  # the stream counts from the newest odometry before it
@@ -149,11 +149,3 @@ class LiveScans:
         assert self._first is not None
         whole = compose(self._first, one.odometry)
         return LiveScan(one.message, one.scan, one.order, one.odometry, whole, self._flipped, self._odometry_s)
-
-
-class _AsTheyCome:
-    """Reads messages that are messages already."""
-
-    def read(self, raw: Any, kind: str) -> Any:
-        """Return the message."""
-        return raw

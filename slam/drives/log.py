@@ -14,6 +14,7 @@ from ..logs.dpslam import is_dpslam_log, read_dpslam_log
 from ..logs.drive import RecordedDrive
 from ..logs.rosbag import read_rosbag
 from ..logs.urg import is_urg_log, read_urg_log
+from .calibration import calibrated
 from .sweep_time import deskewed
 
 
@@ -22,8 +23,9 @@ def read_log(
 ) -> RecordedDrive:
     """Return the drive in a CARMEN, BeeSoft, DP-SLAM or tinySLAM log (plain or gzipped), a ROS 1 bag or a ROS 2 folder.
 
-    Where its scans say that the laser measured one beam after the other, the robot's motion meanwhile is taken out of
-    them (`deskewed`).
+    Where its scans say that odometry is grossly wrong, or that the laser stands elsewhere on the robot than the log
+    says, that is put right (`calibrated`); where they say that the laser measured one beam after the other, the robot's
+    motion meanwhile is taken out of them (`deskewed`). What was done is told in its `notes`.
 
     Args:
         path: The log.
@@ -49,7 +51,7 @@ def read_log(
 
 
 def _measured(path: Path, drive: RecordedDrive) -> RecordedDrive:
-    """Return the drive, its scans as if measured at once, if any beam of it met anything."""
+    """Return the drive, calibrated, its scans as if measured at once, if any beam of it met anything."""
     if not any(np.isfinite(scan.ranges).any() for scan in drive.scans):
         raise InputError(f"{path}: none of the {len(drive)} scans holds a measured distance; nothing can be mapped")
-    return deskewed(drive)
+    return deskewed(calibrated(drive))

@@ -21,7 +21,7 @@ from ..logs.drive import RecordedDrive
 from ..scan import LaserScan
 from ..scan_to_scan.match import Matcher
 from ..scan_to_scan.matchers import make_matcher
-from .odometry_check import thinned
+from .calibration import thinned
 
 Array = NDArray[np.float64]
 

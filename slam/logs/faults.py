@@ -12,7 +12,7 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from ..geometry import between, compose, wrap_angle
+from ..geometry import between, compose, inverse, wrap_angle
 from ..scan import LaserScan
 from .drive import RecordedDrive
 
@@ -97,6 +97,29 @@ def turn_bias(drive: RecordedDrive, rng: Generator, turn: float) -> DisturbedDri
     steps = _steps(drive)
     steps[:, 2] += turn * np.hypot(steps[:, 0], steps[:, 1])
     return _with_steps(drive, steps)
+
+
+def wrong_wheels(drive: RecordedDrive, rng: Generator) -> DisturbedDrive:
+    """Let the odometry say half to twice the way and the turns, as by a driver with mixed-up units."""
+    way, turn = np.exp2(rng.uniform(-1.0, 1.0, 2))
+    return _with_steps(drive, _steps(drive) * (way, way, turn))
+
+
+def elsewhere(drive: RecordedDrive, rng: Generator) -> DisturbedDrive:
+    """Put the laser anywhere on the robot, half a metre ahead or to a side at most, and turned any way; nobody says so.
+
+    The poses of the drive stay those of the robot as it would be if the laser stood where the log says: only the
+    odometry becomes that of another one.
+    """
+    laser = rng.uniform((-0.5, -0.5, -np.pi), (0.5, 0.5, np.pi))
+    return _with_steps(drive, compose(compose(laser, _steps(drive)), inverse(laser)))
+
+
+def upside_down(drive: RecordedDrive, rng: Generator) -> DisturbedDrive:
+    """Hang the laser upside down, and let nobody say so."""
+    del rng
+    scans = [replace(scan, ranges=scan.ranges[::-1], bearings=-scan.bearings[::-1]) for scan in drive.scans]
+    return DisturbedDrive(replace(drive, scans=scans), np.arange(len(drive)))
 
 
 def slipping(drive: RecordedDrive, rng: Generator) -> DisturbedDrive:
@@ -220,6 +243,9 @@ FAULTS: dict[str, Fault] = {
     "scale-1.1": Fault("odometry says 1.1 of the way", partial(scaled, factor=1.1)),
     "scale-1.2": Fault("odometry says 1.2 of the way", partial(scaled, factor=1.2)),
     "turn-bias": Fault("odometry turns by 0.05 rad more for each metre", partial(turn_bias, turn=0.05)),
+    "wheels": Fault("odometry says half to twice the way and the turns", wrong_wheels),
+    "elsewhere": Fault("the laser stands elsewhere on the robot than is said, turned any way", elsewhere),
+    "upside-down": Fault("the laser hangs upside down, and nobody says so", upside_down),
     "slip": Fault("odometry jumps by 0.3 m and 10 deg every 10 m", slipping),
     "noise-x10": Fault("ten times the noise of a usual odometry", partial(noisy, times=10.0)),
     "jitter": Fault("stamps jitter by 0.3 of a step, odometry by the wrong stamps", jittered),

@@ -141,3 +141,23 @@ def test_two_people_stand_within_a_metre_on_both_sides():
         assert near[:25].any()
         assert near[36:].any()
         assert not near[26:35].any()
+
+
+def test_wheels_err_by_two_factors():
+    before, after = (between(d.odometry[:-1], d.odometry[1:]) for d in (DRIVE, put("wheels").recording))
+    ratios = after / np.where(before == 0.0, np.nan, before)
+    assert ratios[:, 0] == pytest.approx(ratios[0, 0])
+    assert ratios[:, 2] == pytest.approx(ratios[0, 2])
+    assert 0.5 < ratios[0, 0] < 2.0
+    assert 0.5 < ratios[0, 2] < 2.0
+
+
+def test_a_laser_elsewhere_moves_as_the_robot_that_carries_it_does():
+    before, after = (between(d.odometry[:-1], d.odometry[1:]) for d in (DRIVE, put("elsewhere").recording))
+    assert after[:, 2] == pytest.approx(before[:, 2])
+    assert np.ptp(np.arctan2(after[:, 1], after[:, 0])) < 0.02
+    assert np.abs(after[:, :2] - before[:, :2]).max() > 0.01
+
+
+def test_a_laser_upside_down_sees_what_is_on_its_left_on_its_right():
+    assert np.array_equal(ranges_of(put("upside-down").recording), ranges_of(DRIVE)[:, ::-1])

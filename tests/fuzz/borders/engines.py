@@ -12,7 +12,7 @@ from fuzzer.scans import drive, hostile_drive, scan_of, with_extreme_numbers
 from fuzzer.values import hostile_value
 from numpy.random import Generator
 from tagalong.slam import Localizer, OccupancyMap, RecordedDrive, make_matcher, make_slam
-from tagalong.slam.drives.odometry_check import odometry_factors
+from tagalong.slam.drives.calibration import calibrated
 from tagalong.slam.scan_to_scan.laser_odometry import laser_odometry
 
 FEW = {"gmapping": {"particles": 3, "threads": 1}, "cartographer": {}, "ekf": {}}
@@ -136,11 +136,10 @@ def _matched(value: Input, folder: Path) -> Any:
 
 
 def _checked(value: Input, folder: Path) -> Any:
-    """Do as a command does with a drive: check its odometry, and make one from the scans alone."""
+    """Do as a command does with a drive: calibrate it, and make odometry from the scans alone."""
     poses = np.array([[*frame["odometry"], 0.0, 0.0, 0.0][:3] for frame in value])
     recording = RecordedDrive(poses, [scan_of(frame) for frame in value], None, "drive")
-    odometry_factors(recording)
-    return laser_odometry(recording.scans).poses
+    return laser_odometry(calibrated(recording).scans).poses
 
 
 def _warm() -> None:
@@ -178,7 +177,7 @@ def _borders() -> tuple[Border, ...]:
             sane=lambda match: sane_poses(match.pose, "a match"),
         ),
         Border(
-            name="engines.odometry_check", make=hostile_drive, call=_checked, ms=1.8,
+            name="engines.calibration", make=hostile_drive, call=_checked, ms=1.8,
             sane=lambda path: finite(path, "laser odometry"),
         ),
     )  # fmt: skip
