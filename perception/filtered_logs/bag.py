@@ -5,16 +5,19 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...slam.drives.calibration import CalibratedOdometry, Calibration
 from ...slam.errors import InputError
 from ...slam.files.input import named, naming
 from ...slam.logs.bag_copy.copied import FileCopy, copied_bag
-from ...slam.logs.rosbag import SCAN
+from ...slam.logs.rosbag import SCAN, first_echoes
 from ...slam.logs.scan_stream import BagBeginning, ScanStream, StreamedScan
 from ..people_filter import PeopleFilterConfig
 from .people_messages import CLOUD, POSES, PeopleMessages
 from .scan_filter import FilterCounts, ScanFilter, removed_readings
+
+_GEOMETRY = ("angle_min", "angle_max", "angle_increment", "time_increment", "scan_time", "range_min", "range_max")
 
 
 def filter_bag(
@@ -65,8 +68,13 @@ class _BagFilter:
         self, bag: BagBeginning, topic: str, scans: ScanFilter, counts: FilterCounts, right: CalibratedOdometry
     ) -> None:
         self.stream, self._filter, self._right = ScanStream(bag), scans, right
-        self._messages = PeopleMessages(bag.types, flipped=bag.flipped)
+        self._types, self._messages = bag.types, PeopleMessages(bag.types, flipped=bag.flipped)
         self._where, self._topic, self._counts = f"{named(bag.path)}: {bag.scans}", topic, counts
+
+    def _single(self, message: Any, ranges: NDArray[np.float32]) -> Any:
+        """Return a `LaserScan` for a message with several echoes a beam."""
+        fields = {name: getattr(message, name) for name in ("header", *_GEOMETRY)}
+        return self._types.make(SCAN, **fields, ranges=ranges, intensities=np.zeros(0, dtype=np.float32))
 
     def write(self, file: FileCopy, streamed: StreamedScan) -> None:
         """Filter a scan; write what comes of it."""
@@ -76,9 +84,10 @@ class _BagFilter:
             filtered = self._filter.update(streamed.scan, odometry)
         self._counts.add(filtered)
         removed = removed_readings(filtered, streamed.order, len(message.ranges), float(message.angle_increment))
-        ranges = np.where(removed, np.float32(np.nan), message.ranges).astype(np.float32, copy=False)
+        seen = first_echoes(message.ranges)
+        ranges = np.where(removed, np.float32(np.nan), seen).astype(np.float32, copy=False)
         out = {
-            self._topic: replace(message, ranges=ranges),
+            self._topic: replace(message, ranges=ranges) if seen is message.ranges else self._single(message, ranges),
             f"{self._topic}/people": self._messages.people(message.header, filtered),
             f"{self._topic}/tracks": self._messages.tracks(message.header, filtered),
             f"{self._topic}/legs": self._messages.legs(message.header, filtered),

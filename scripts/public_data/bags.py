@@ -28,7 +28,7 @@ def npz_of_bag(source: Path) -> dict[str, Any]:
         path = Path(folder) / "scans.bag"
         path.write_bytes(_unpacked(source))
         with open_bag(path) as bag:
-            topic = bag.choose(None, "sensor_msgs/msg/LaserScan", "no option")
+            topic = bag.choose(None, ("sensor_msgs/msg/LaserScan",), "no option")
             if topic is None:
                 raise InputError(f"{named(source)}: has no scans")
             rows = list(bag.messages(topic))

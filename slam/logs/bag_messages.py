@@ -67,22 +67,23 @@ class Bag:
         """Return the topics of one of `types`, in order of name."""
         return sorted(topic for topic, kind in self.topics.items() if kind in types)
 
-    def choose(self, wanted: str | None, kind: str, option: str) -> str | None:
-        """Return the one topic of type `kind`, or the `wanted` one; None: there is none.
+    def choose(self, wanted: str | None, kinds: Sequence[str], option: str) -> str | None:
+        """Return the one topic whose type is of `kinds`, or the `wanted` one; None: there is none.
 
         Args:
             wanted: Name that the user gave, or None.
-            kind: Type of its messages.
+            kinds: Types that its messages may have.
             option: Option of the command line that gives the name, for errors.
 
         Raises:
             InputError: If the wanted topic is not there, or there are several and none is wanted.
         """
-        topics = self.of_type(kind)
+        topics, kind = self.of_type(*kinds), " or ".join(kinds)
         if wanted is None:
             if len(topics) > 1:
+                found = " or ".join(sorted({self.topics[topic] for topic in topics}))
                 raise InputError(
-                    f"{self._path}: several topics of type {kind}: {', '.join(topics)}; choose by {option}"
+                    f"{self._path}: several topics of type {found}: {', '.join(topics)}; choose by {option}"
                 )
             return topics[0] if topics else None
         for topic in topics:

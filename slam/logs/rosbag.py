@@ -23,6 +23,9 @@ Array = NDArray[np.float64]
 Pose = tuple[float, float, float]
 
 SCAN, ODOMETRY = "sensor_msgs/msg/LaserScan", "nav_msgs/msg/Odometry"
+ECHOES = "sensor_msgs/msg/MultiEchoLaserScan"
+SCANS = (SCAN, ECHOES)
+"""Types of messages that hold a scan."""
 TRANSFORMS = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
 
 _BASES = ("base_link", "base_footprint", "base")  # REP 105, where the odometry does not name the robot's frame
@@ -64,9 +67,9 @@ class SaidScan(NamedTuple):
 
     @classmethod
     def said_by(cls, content: Any, recorded_s: float) -> "SaidScan":
-        """Return what a `sensor_msgs/LaserScan` says that was recorded at `recorded_s` [s]."""
+        """Return what a scan of `SCANS` says that was recorded at `recorded_s` [s]; of several echoes the first."""
         limits = (content.angle_min, content.angle_increment, content.range_min, content.range_max)
-        ranges = np.asarray(content.ranges, dtype=np.float64).reshape(-1)
+        ranges = np.asarray(first_echoes(content.ranges), dtype=np.float64).reshape(-1)
         frame, stamp = frame_name(content.header.frame_id), stamp_s(content.header)
         return cls(frame, stamp, recorded_s, ranges, *map(float, limits))
 
@@ -77,12 +80,13 @@ def read_rosbag(
 ) -> RecordedDrive:
     """Return the drive in a bag: a ROS 1 file, or the folder (or mcap file) of a ROS 2 bag.
 
-    Topics are found by type: scans are `sensor_msgs/LaserScan`; odometry is `nav_msgs/Odometry`, or else what tf tells
-    of the laser's ancestor in a frame that is called odom; where there is neither, `has_odometry` is false. The pose of
-    the laser on the robot is that of tf; a laser that hangs upside down has its beams turned over, a sweep of the full
-    circle is cut behind the robot, and a range of 0 is no measurement. Odometry is interpolated at the times of the
-    scans; those in a gap of it of more than 1 s are left out. Times are those of the message headers, or of the
-    recorder where the headers of scans and odometry disagree or stand still. What was assumed is told in `notes`.
+    Topics are found by type: scans are `sensor_msgs/LaserScan`, or `MultiEchoLaserScan`, of each beam the first echo,
+    as Cartographer takes it; odometry is `nav_msgs/Odometry`, or else what tf tells of the laser's ancestor in a
+    frame that is called odom; where there is neither, `has_odometry` is false. The pose of the laser on the robot is
+    that of tf; a laser that hangs upside down has its beams turned over, a sweep of the full circle is cut behind the
+    robot, and a range of 0 is no measurement. Odometry is interpolated at the times of the scans; those in a gap of
+    it of more than 1 s are left out. Times are those of the message headers, or of the recorder where the headers of
+    scans and odometry disagree or stand still. What was assumed is told in `notes`.
 
     Args:
         path: The bag.
@@ -124,12 +128,19 @@ def read_rosbag(
     return RecordedDrive(poses[inside], kept, None, path.stem, notes=tuple(notes))
 
 
+def first_echoes(ranges: Any) -> Any:
+    """Return the ranges of a message, where each beam has several echoes the first one of each; NaN: it has none."""
+    if len(ranges) and hasattr(ranges[0], "echoes"):
+        return np.array([beam.echoes[0] if len(beam.echoes) else np.nan for beam in ranges], dtype=np.float32)
+    return ranges
+
+
 def choose_scans(bag: Bag, wanted: str | None, path: Path) -> str:
     """Return the topic of the scans: the only one, or the `wanted` one."""
-    topic = bag.choose(wanted, SCAN, "--scan-topic")
+    topic = bag.choose(wanted, SCANS, "--scan-topic")
     if topic is None:
         known = ", ".join(f"{name} ({kind})" for name, kind in sorted(bag.topics.items()))
-        raise InputError(f"{path}: no topic of type {SCAN}; it has: {known or 'no messages'}")
+        raise InputError(f"{path}: no topic of type {' or '.join(SCANS)}; it has: {known or 'no messages'}")
     return topic
 
 
@@ -145,7 +156,7 @@ def _sweeps(bag: Bag, topic: str, path: Path) -> list[SaidScan]:
 
 def _odometry(bag: Bag, tree: FrameTree, laser: str, wanted: str | None, path: Path) -> Poses | None:
     """Return the odometry of the robot that carries the frame `laser`; None: the bag says nothing of it."""
-    topic = bag.choose(wanted, ODOMETRY, "--odometry-topic")
+    topic = bag.choose(wanted, (ODOMETRY,), "--odometry-topic")
     if topic is not None:
         result = Poses(source=topic)
         for recorded_s, content in bag.messages(topic):

@@ -89,7 +89,7 @@ def read_beginning(
     notes: list[str] = []
     with open_bag(path) as bag:
         scans = choose_scans(bag, wanted_scans, path)
-        odometry = bag.choose(wanted_odometry, ODOMETRY, "--odometry-topic") or ""
+        odometry = bag.choose(wanted_odometry, (ODOMETRY,), "--odometry-topic") or ""
         sweeps, poses, tree = _seen_first(bag, scans, odometry, path)
         topics, types = dict(bag.topics), bag.types
     frame = sweeps[0].frame

@@ -70,6 +70,13 @@ class BagWriter:
                           ranges=np.array(ranges, np.float32), intensities=np.zeros(0, np.float32))  # fmt: skip
         self.write(topic, "sensor_msgs/msg/LaserScan", time + late, message)
 
+    def echoes(self, time, echoes, topic="/horizontal_laser_2d"):
+        beams = [self.of("sensor_msgs/msg/LaserEcho", echoes=np.array(beam, np.float32)) for beam in echoes]
+        fields = {"angle_min": -0.2, "angle_max": 0.2, "angle_increment": 0.1, "time_increment": 0.0, "scan_time": 0.1,
+                  "range_min": 0.05, "range_max": 8.0, "ranges": beams, "intensities": []}  # fmt: skip
+        message = self.of("sensor_msgs/msg/MultiEchoLaserScan", header=self.header("/laser", time), **fields)
+        self.write(topic, "sensor_msgs/msg/MultiEchoLaserScan", time, message)
+
     def pose(self, x, y, theta):
         return self.of(
             "geometry_msgs/msg/Pose",
@@ -156,6 +163,24 @@ def test_a_scan_topic_is_chosen_by_name_and_needed_where_there_are_two(tmp_path,
     assert read_rosbag(tmp_path / "two.bag", "back").scans[0].ranges[0] == 2.0
     with pytest.raises(InputError, match="no topic 'left'"):
         read_rosbag(tmp_path / "two.bag", "left")
+
+
+@pytest.mark.parametrize("ros2", [False, True])
+def test_of_several_echoes_of_a_beam_the_first_counts(tmp_path, ros2):
+    path = tmp_path / ("folder" if ros2 else "drive.bag")
+    with BagWriter(path, ros2) as bag:
+        for time in TIMES:
+            bag.echoes(time, [[1.0, 3.0], [2.0], [], [np.inf], [9.0, 9.5]])
+    scan = read_log(path).scans[3]
+    np.testing.assert_array_equal(scan.ranges, [1.0, 2.0, np.nan, np.inf, 9.0])
+    assert scan.is_no_return.tolist() == [False, False, False, True, True]
+    filtered = tmp_path / ("out" if ros2 else "out.bag")
+    assert main(["filter", str(path), str(filtered), "--quiet"]) == 0
+    with open_bag(filtered) as bag:
+        assert bag.topics["/horizontal_laser_2d_filtered"] == "sensor_msgs/msg/LaserScan"
+        out = [message.content for message in bag.messages("/horizontal_laser_2d_filtered")]
+    np.testing.assert_array_equal(out[3].ranges, np.float32([1.0, 2.0, np.nan, np.inf, 9.0]))
+    assert (out[3].angle_min, out[3].range_max) == pytest.approx((-0.2, 8.0))
 
 
 def test_scans_before_all_odometry_are_left_out_and_told(tmp_path):
@@ -320,7 +345,7 @@ def test_a_folder_that_is_no_bag_and_a_bag_without_scans_are_named(tmp_path):
         read_log(tmp_path)
     with BagWriter(tmp_path / "odd.bag") as bag:
         bag.odometry(1.0, (0.0, 0.0, 0.0))
-    with pytest.raises(InputError, match=r"no topic of type sensor_msgs/msg/LaserScan; it has: /odom"):
+    with pytest.raises(InputError, match=r"no topic of type sensor_msgs/msg/LaserScan or \S+; it has: /odom"):
         read_rosbag(tmp_path / "odd.bag")
 
 
