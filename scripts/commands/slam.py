@@ -41,12 +41,13 @@ writes into DIR:
   people.json            with --filter-people: who was tracked and where, in the odometry frame;
                          metrics.json says how many returns were removed
 
-Odometry that says less than 0.8 or more than 1.25 metres or radians for each one that the scans show is complained of,
-in one line on stderr.
+Odometry that says less than 0.8 or more than 1.25 metres or radians for each one that the scans show, and a laser that
+stands elsewhere on the robot than the log says, are put right, and said in a line on stderr.
 
 example:
-  tagalong slam aces.log.gz --out out/aces --seed 1 --set particles=50
-  tagalong slam drive.bag --out out/drive --method cartographer --scan-topic /front/scan
+  tagalong slam aces.log.gz --out out/aces
+  tagalong slam aces.log.gz --out out/gmapping --method gmapping --seed 1 --set particles=50
+  tagalong slam drive.bag --out out/drive --scan-topic /front/scan
   tagalong slam drive.log --out out/drive --odometry refined --matcher icp
   tagalong slam drive.bag --out out/drive --filter-people
   tagalong slam drive.bag --out out/drive --record out/drive.mcap
@@ -67,7 +68,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_odometry(parser)
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="where the results go")
     parser.add_argument(
-        "--method", default="gmapping", help=f"SLAM engine: {', '.join(ENGINES)}, immobile (default: %(default)s)"
+        "--method", default="cartographer", help=f"SLAM engine: {', '.join(ENGINES)}, immobile (default: %(default)s)"
     )
     parser.add_argument("--seed", type=random_seed, default=0, help="seed of all random draws (default: %(default)s)")
     parser.add_argument(

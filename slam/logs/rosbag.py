@@ -81,12 +81,12 @@ def read_rosbag(
     """Return the drive in a bag: a ROS 1 file, or the folder (or mcap file) of a ROS 2 bag.
 
     Topics are found by type: scans are `sensor_msgs/LaserScan`, or `MultiEchoLaserScan`, of each beam the first echo,
-    as Cartographer takes it; odometry is `nav_msgs/Odometry`, or else what tf tells of the laser's ancestor in a
-    frame that is called odom; where there is neither, `has_odometry` is false. The pose of the laser on the robot is
-    that of tf; a laser that hangs upside down has its beams turned over, a sweep of the full circle is cut behind the
-    robot, and a range of 0 is no measurement. Odometry is interpolated at the times of the scans; those in a gap of
-    it of more than 1 s are left out. Times are those of the message headers, or of the recorder where the headers of
-    scans and odometry disagree or stand still. What was assumed is told in `notes`.
+    as Cartographer takes it; odometry is `nav_msgs/Odometry`, or else what tf tells of the laser's ancestor in a frame
+    that is called odom; where there is neither, `has_odometry` is false. The laser's place on the robot is that of tf;
+    one that hangs upside down has its beams turned over, a sweep of the full circle is cut behind the robot, and a
+    range of 0 is no measurement. Odometry is interpolated at the scans; those in a gap of it of more than 1 s are left
+    out. Times are those of the message headers, or of the recorder where the headers of scans and odometry disagree or
+    stand still. What was assumed is told in `notes`.
 
     Args:
         path: The bag.
@@ -111,8 +111,7 @@ def read_rosbag(
     headers, recorded = (np.array(times) for times in zip(*((s.stamp_s, s.recorded_s) for s in sweeps), strict=True))
     by_header = headers_are_good(headers, recorded, odometry)
     times = headers if by_header else recorded
-    where = f"{path}: {topic}"
-    reach = _farthest(sweeps)
+    where, reach = f"{path}: {topic}", _farthest(sweeps)
     placed = zip(sweeps, times.tolist(), strict=True)
     scans = [placed_scan(sweep, time_s, reach, mount, flipped, where)[0] for sweep, time_s in placed]
     if odometry is None:

@@ -46,7 +46,7 @@ _SPEEDS = frozenset({"reference_kernel_ms", "steps_per_s", "real_time_factor", "
 }
 """What `bench speed` measures: of it, the names of its parts, their counts and the machine are compared."""
 PLANS = {
-    "slam": _tagalong("slam IN/room.log.gz --out out --set particles=20 --set linear_update=0.05"),
+    "slam": _tagalong("slam IN/room.log.gz --out out --method gmapping --set particles=20 --set linear_update=0.05"),
     "slam ekf": _tagalong("slam IN/room.log.gz --method ekf --out out"),
     "slam graph": _tagalong("slam IN/room.log.gz --method cartographer --out out"),
     "localize": _tagalong("localize IN/room.log.gz --map IN/map/map.yaml --out out"),

@@ -97,7 +97,7 @@ sys.exit(told(run))
 @pytest.mark.parametrize("end", SIGNALS)
 def test_a_killed_command_leaves_no_process_and_no_half_file(tmp_path, end):
     write_carmen(tmp_path / "room.log.gz", room_drive(1000))
-    seen, words = Killed(), ["slam", "room.log.gz", "--out", "out", "--set", "particles=400"]
+    seen, words = Killed(), ["slam", "room.log.gz", "--out", "out", "--method", "gmapping", "--set", "particles=400"]
     kill_once([*TAGALONG, *words, "--set", "linear_update=0.01"], tmp_path, end, 1.0, seen)
     assert (seen.kills, seen.late, seen.faults) == (1, 0, [])
     assert [path.name for path in files(tmp_path)] == ["room.log.gz"]
@@ -229,7 +229,16 @@ sys.exit(status)
 
 def test_a_folder_has_one_writer_at_a_time(tmp_path):
     write_carmen(tmp_path / "room.log.gz", room_drive(1000))
-    words = ["slam", str(tmp_path / "room.log.gz"), "--out", str(tmp_path / "out"), "--set", "particles=400"]
+    words = [
+        "slam",
+        str(tmp_path / "room.log.gz"),
+        "--out",
+        str(tmp_path / "out"),
+        "--method",
+        "gmapping",
+        "--set",
+        "particles=400",
+    ]
     first = start([*TAGALONG, *words, "--set", "linear_update=0.01"], tmp_path)
     try:
         while not (tmp_path / "out").exists() and first.poll() is None:

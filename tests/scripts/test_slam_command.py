@@ -81,7 +81,23 @@ def fake(monkeypatch):
 
 
 def test_a_log_becomes_a_result_directory(log, tmp_path, fake, capsys):
-    assert cli.main(["slam", str(log), "--out", str(tmp_path / "out"), "--set", "particles=7", "--seed", "3"]) == 0
+    assert (
+        cli.main(
+            [
+                "slam",
+                str(log),
+                "--out",
+                str(tmp_path / "out"),
+                "--method",
+                "gmapping",
+                "--set",
+                "particles=7",
+                "--seed",
+                "3",
+            ]
+        )
+        == 0
+    )
     assert sorted(p.name for p in (tmp_path / "out").iterdir()) == RESULTS
     trajectory = read_tum(tmp_path / "out" / "trajectory.tum")
     np.testing.assert_allclose(trajectory.poses, square_room_drive().odometry, atol=1e-6)
@@ -144,7 +160,17 @@ def test_the_scans_can_make_or_refine_the_odometry(log, tmp_path, fake, capsys, 
 
 def test_gmapping_twice_with_one_seed_gives_the_same_bytes(log, tmp_path):
     for folder in ("one", "two"):
-        words = ["slam", str(log), "--out", str(tmp_path / folder), "--quiet", "--set", "particles=3"]
+        words = [
+            "slam",
+            str(log),
+            "--out",
+            str(tmp_path / folder),
+            "--quiet",
+            "--method",
+            "gmapping",
+            "--set",
+            "particles=3",
+        ]
         assert cli.main([*words, "--set", "linear_update=0.2"]) == 0
     for name in RESULTS:
         if name != "timing.json":
@@ -157,15 +183,24 @@ def test_gmapping_twice_with_one_seed_gives_the_same_bytes(log, tmp_path):
     [
         (["slam", "none.log", "--out", "out"], "none.log: cannot be read"),
         (["slam", "LOG", "--out", "out", "--method", "slom"], "unknown SLAM engine 'slom'; SLAM engines:"),
-        (["slam", "LOG", "--out", "out", "--set", "partikel=3"], "unknown GMappingConfig field 'partikel'"),
-        (["slam", "LOG", "--out", "out", "--set", "particles=many"], "`particles` must be a whole number, got 'many'"),
+        (
+            ["slam", "LOG", "--out", "out", "--method", "gmapping", "--set", "partikel=3"],
+            "unknown GMappingConfig field 'partikel'",
+        ),
+        (
+            ["slam", "LOG", "--out", "out", "--method", "gmapping", "--set", "particles=many"],
+            "`particles` must be a whole number, got 'many'",
+        ),
         (["slam", "LOG", "--out", "out", "--set", "seed=3"], "--seed"),
         (["slam", "LOG", "--out", "out", "--seed", "-1"], "--seed: must be a whole number of at least 0, got '-1'"),
         (["slam", "LOG", "--out", "out", "--method", "ekf", "--set", "gate=no"], "`gate` must be a number"),
         (["slam", "LOG", "--out", "out", "--method", "cartographer", "--set", "local=3"], "local.matcher"),
         (["slam", "BLIND", "--out", "out"], "none of the 2 scans holds a measured distance"),
         (["slam", "LOG", "--out", "out", "--set", "particles"], "--set needs NAME=VALUE"),
-        (["slam", "LOG", "--out", "out", "--set", "particles=-3"], "`particles` must be within 1 .. 1000, got -3"),
+        (
+            ["slam", "LOG", "--out", "out", "--method", "gmapping", "--set", "particles=-3"],
+            "`particles` must be within 1 .. 1000, got -3",
+        ),
         (["slam", "LOG", "--out", "out", "--resolution", "0"], "--resolution: must be a number within 0.001 .. 10"),
         (["slam", "LOG", "--out", "LOG"], "is a file, where a folder has to be written"),
         (["slam", "CUT", "--out", "out"], "cut"),
@@ -212,6 +247,8 @@ def test_ctrl_c_leaves_no_half_files(tmp_path):
         str(tmp_path / "long.log.gz"),
         "--out",
         str(tmp_path / "out"),
+        "--method",
+        "gmapping",
         "--set",
         "linear_update=0.01",
         "--set",

@@ -206,7 +206,7 @@ def _mapped(value: Input, folder: Path) -> Any:
 
 
 def _call(value: Input, folder: Path) -> Any:
-    if value[0] == "slam" and not any(word == "--method" or word.startswith("particles=") for word in value):
+    if value[0] == "slam" and "gmapping" in value and not any(word.startswith("particles=") for word in value):
         value = [*value, "--set", f"particles={FEW['gmapping']['particles']}"]
     return run_words(value, folder)
 
