@@ -78,6 +78,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--min-confidence", type=within(0.0, 1.0), default=0.1, help="of rows in legs.csv (default: 0.1)"
     )
+    parser.add_argument("--quiet", action="store_true", help="no progress bar")
 
 
 def run(options: argparse.Namespace) -> int:
@@ -90,7 +91,8 @@ def run(options: argparse.Namespace) -> int:
     scans, odometry = _read(options)
     scans = _timed(scans, options.rate, options.scans)
     legs, people, ids = [LEGS_HEADER], [PEOPLE_HEADER], set[int]()
-    progress = tqdm(zip(scans, odometry, strict=True), total=len(scans), unit="scan", disable=not sys.stderr.isatty())
+    hidden = options.quiet or not sys.stderr.isatty()
+    progress = tqdm(zip(scans, odometry, strict=True), total=len(scans), unit="scan", disable=hidden)
     with recorded_people(options.record, scans[0].time_s if scans else 0.0) as record:
         for number, (scan, said) in enumerate(progress):
             update = people_filter.update(scan, said)
@@ -120,6 +122,8 @@ def _read(options: argparse.Namespace) -> tuple[list[LaserScan], Sequence[NDArra
         scans = read_scans_npz(path)
     else:
         drive = read_log(path, options.scan_topic, options.odometry_topic)
+        for note in drive.notes:
+            print(f"tagalong: {path}: {note}", file=sys.stderr)
         scans, odometry = drive.scans, drive.odometry if drive.has_odometry else None
     if options.odometry == "none":
         return scans, list(np.zeros((len(scans), 3)))

@@ -23,7 +23,7 @@ class CommandParser(argparse.ArgumentParser):
 
 
 class _LateSubcommands(argparse._SubParsersAction):
-    """Lets the sub-command that was chosen declare its options just before they are read."""
+    """Lets the sub-command that was chosen declare its options just before they are read, and refuse what is none."""
 
     declare: Callable[[str, argparse.ArgumentParser], None]
 
@@ -31,6 +31,9 @@ class _LateSubcommands(argparse._SubParsersAction):
         if values[0] in self.choices:
             self.declare(values[0], self.choices[values[0]])
         super().__call__(parser, namespace, values, option_string)
+        unknown = getattr(namespace, argparse._UNRECOGNIZED_ARGS_ATTR, None)
+        if unknown:  # else the parser at the top would say so, and point to its own help
+            self.choices[values[0]].error(f"unrecognized arguments: {' '.join(unknown)}")
 
 
 def add_subcommands(
