@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...slam.drives.calibration import CalibratedOdometry, Calibration
+from ...slam.drives.scan_correction import ScanCorrection
 from ...slam.errors import InputError
 from ...slam.files.input import named, naming
 from ...slam.logs.bag_copy.copied import FileCopy, copied_bag
@@ -26,7 +26,7 @@ def filter_bag(
     config: PeopleFilterConfig,
     counts: FilterCounts,
     topic: str | None = None,
-    right: CalibratedOdometry | None = None,
+    correction: ScanCorrection | None = None,
 ) -> str:
     """Copy a bag to `target`, and its scans without people: their returns become NaN (REP 117: no measurement).
 
@@ -39,7 +39,7 @@ def filter_bag(
         config: Of the people filter.
         counts: Where is counted what was filtered.
         topic: Of the filtered scans; None: that of the scans, and "_filtered".
-        right: Puts the odometry right; None: it is.
+        correction: Puts its scans right; None: they are.
 
     Returns:
         That topic.
@@ -52,24 +52,27 @@ def filter_bag(
     for name in added:
         if name in bag.topics:
             raise InputError(f"{named(bag.path)}: has a topic {name} already; give another name by --topic")
-    job = _BagFilter(bag, topic, ScanFilter(config), counts, right or CalibratedOdometry(Calibration()))
+    job = _BagFilter(bag, topic, ScanFilter(config), counts)
+    stream, right = ScanStream(bag), correction or ScanCorrection()
     with copied_bag(bag.path, target, bag.types, added) as files:
         for file in files:
             for message in file.messages():
-                for streamed in job.stream.take(*message):
-                    job.write(file, streamed)
-            for streamed in job.stream.rest():
-                job.write(file, streamed)
+                for streamed in stream.take(*message):
+                    for scan in right.take(streamed):
+                        job.write(file, scan)
+            for streamed in stream.rest():
+                for scan in right.take(streamed):
+                    job.write(file, scan)
+            for scan in right.rest():
+                job.write(file, scan)
     return topic
 
 
 class _BagFilter:
-    def __init__(
-        self, bag: BagBeginning, topic: str, scans: ScanFilter, counts: FilterCounts, right: CalibratedOdometry
-    ) -> None:
-        self.stream, self._filter, self._right = ScanStream(bag), scans, right
+    def __init__(self, bag: BagBeginning, topic: str, scans: ScanFilter, counts: FilterCounts) -> None:
+        self._filter, self._counts = scans, counts
         self._types, self._messages = bag.types, PeopleMessages(bag.types, flipped=bag.flipped)
-        self._where, self._topic, self._counts = f"{named(bag.path)}: {bag.scans}", topic, counts
+        self._where, self._topic = f"{named(bag.path)}: {bag.scans}", topic
 
     def _single(self, message: Any, ranges: NDArray[np.float32]) -> Any:
         """Return a `LaserScan` for a message with several echoes a beam."""
@@ -80,8 +83,7 @@ class _BagFilter:
         """Filter a scan; write what comes of it."""
         message: Any = streamed.message
         with naming(self._where):
-            odometry = None if streamed.odometry is None else self._right.update(streamed.odometry)
-            filtered = self._filter.update(streamed.scan, odometry)
+            filtered = self._filter.update(streamed.scan, streamed.odometry)
         self._counts.add(filtered)
         removed = removed_readings(filtered, streamed.order, len(message.ranges), float(message.angle_increment))
         seen = first_echoes(message.ranges)

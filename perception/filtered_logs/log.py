@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...slam.drives.bag_calibration import calibrated_bag
+from ...slam.drives.scan_correction import surveyed_bag
 from ...slam.errors import InputError
 from ...slam.files.input import checked_name, named
 from ...slam.logs.bag_messages import is_bag
@@ -77,8 +77,8 @@ def filter_log(
         raise InputError(f"{named(target)}: is the log itself; give another name")
     topics, counts = topics or Topics(), FilterCounts(progress=progress)
     if is_bag(source):
-        bag, right = calibrated_bag(read_beginning(source, topics.scans, topics.odometry))
-        return FilteredLog(counts, filter_bag(bag, target, config, counts, topics.filtered, right), bag.notes)
+        bag, correction = surveyed_bag(read_beginning(source, topics.scans, topics.odometry))
+        return FilteredLog(counts, filter_bag(bag, target, config, counts, topics.filtered, correction), bag.notes)
     if topics != Topics():
         raise InputError(f"{named(source)}: only a ROS bag has topics to choose")
     filters: dict[str, ScanFilter] = {}

@@ -20,7 +20,8 @@ scans:
   SCAN_filtered/tracks   sensor_msgs/PointCloud2: the same people: x y z id vx vy confidence
   SCAN_filtered/legs     geometry_msgs/PoseArray: the legs of people seen in this scan
 Nothing else changes, byte for byte. OUT appears when it is complete. Memory does not grow with the length of the drive
-(but for the index of a ROS 1 bag). A bag without odometry gets it from its scans, by scan matching.
+(but for the index of a ROS 1 bag). A bag without odometry gets it from its scans, by scan matching; one that is grossly
+wrong about its odometry or its laser, or whose laser spins slowly, is found out by its first scans.
 
 example:
   tagalong filter lobby.bag lobby_filtered.bag

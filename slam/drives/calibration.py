@@ -14,7 +14,6 @@ put right, and said.
 """
 
 import math
-from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -27,10 +26,8 @@ from ..scan import LaserScan
 from ..scan_to_scan import make_matcher
 
 Array = NDArray[np.float64]
-Pair = tuple[Array, LaserScan, LaserScan]
 
-MOST_PAIRS = 200
-"""Of scans that are looked at."""
+_PAIRS = 200  # pairs of scans that are looked at, evenly over the drive
 _FAR = (0.3, 0.35)  # [m, rad] of odometry between the two scans of a pair ...
 _MOST_SCANS = 16  # ... or so many scans, where the odometry hardly moves
 _LEAST = (0.15, 0.05)  # [m, rad] a pair with a smaller motion by its scans says nothing of a factor
@@ -91,18 +88,8 @@ def calibration(drive: RecordedDrive) -> Calibration:
     Args:
         drive: With odometry.
     """
-    mount = drive.scans[0].T_robot_lidar if len(drive) else (0.0, 0.0, 0.0)
-    return calibration_of(_pairs(drive), np.asarray(mount, dtype=np.float64))
-
-
-def calibration_of(pairs: Iterable[Pair], mount: Array) -> Calibration:
-    """Return what pairs of scans tell, as `calibration` does.
-
-    Args:
-        pairs: Each the motion (3,) of the robot between two scans by the odometry, and the two.
-        mount: (3,) T_robot_lidar, as the log says.
-    """
-    told, seen = _matched(pairs)
+    mount = np.asarray(drive.scans[0].T_robot_lidar if len(drive) else (0.0, 0.0, 0.0), dtype=np.float64)
+    told, seen = _matched(drive)
     turns = np.abs(seen[:, 2]) > _LEAST[1]
     turn = _slope(told[turns, 2], seen[turns, 2])
     mirrored = turn < 0.0
@@ -177,7 +164,7 @@ class CalibratedOdometry:
 
 
 def said_of(found: Calibration, mount: Array) -> list[str]:
-    """Return what is grossly wrong, a sentence each; `mount` as of `calibration_of`."""
+    """Return what is grossly wrong, a sentence each; `mount` is T_robot_lidar (3,) as the log says."""
     pairs, said = f"({max(found.pairs)} pairs of scans)", []
     wrong = [f"{value:.2f} {unit}s for each {unit}" for unit, value in found.wrong_factors.items()]
     if wrong:
@@ -196,28 +183,17 @@ def _within(value: float, limits: tuple[float, float]) -> bool:
     return limits[0] <= value <= limits[1]
 
 
-def _pairs(drive: RecordedDrive) -> Iterator[Pair]:
-    """Yield pairs of scans, evenly over the drive."""
-    last = len(drive) - 1
-    for first in np.unique(np.linspace(0, max(last - 1, 0), MOST_PAIRS).astype(np.int64)).tolist():
-        second = _partner(drive.odometry, first, last)
-        if second is not None:
-            motion = between(drive.odometry[first], drive.odometry[second])
-            yield motion, drive.scans[first], drive.scans[second]
-
-
-def is_far(motion: Array) -> bool:
-    """Return whether `motion` (3,) by the odometry is one between the scans of a pair."""
-    return bool(np.hypot(motion[0], motion[1]) >= _FAR[0] or abs(motion[2]) >= _FAR[1])
-
-
-def _matched(pairs: Iterable[Pair]) -> tuple[Array, Array]:
+def _matched(drive: RecordedDrive) -> tuple[Array, Array]:
     """Return (n, 3) motions of the robot by its odometry, and (n, 3) those of the laser by its scans."""
     tool, told, seen = make_matcher("global", second_maxima=0), list[Array](), list[Array]()
-    for motion, first, second in pairs:
-        found = tool.match(thinned(first), thinned(second), (0.0, 0.0, 0.0))
+    last = len(drive) - 1
+    for first in np.unique(np.linspace(0, max(last - 1, 0), _PAIRS).astype(np.int64)).tolist():
+        second = _partner(drive.odometry, first, last)
+        if second is None:
+            continue
+        found = tool.match(thinned(drive.scans[first]), thinned(drive.scans[second]), (0.0, 0.0, 0.0))
         if found.converged and np.linalg.eigvalsh(found.covariance[:2, :2])[-1] <= _KNOWN**2:
-            told.append(motion)
+            told.append(between(drive.odometry[first], drive.odometry[second]))
             seen.append(np.asarray(found.pose))
     return np.array(told).reshape(-1, 3), np.array(seen).reshape(-1, 3)
 
@@ -225,7 +201,8 @@ def _matched(pairs: Iterable[Pair]) -> tuple[Array, Array]:
 def _partner(odometry: Array, first: int, last: int) -> int | None:
     """Return the scan that makes a pair with `first`: where the odometry has gone far enough, or some scans later."""
     for second in range(first + 1, min(first + _MOST_SCANS, last) + 1):
-        if is_far(between(odometry[first], odometry[second])):
+        motion = between(odometry[first], odometry[second])
+        if np.hypot(motion[0], motion[1]) >= _FAR[0] or abs(motion[2]) >= _FAR[1]:
             return second
     return min(first + _MOST_SCANS, last) if first < last else None
 

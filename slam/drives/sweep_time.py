@@ -51,6 +51,14 @@ class SweepTime:
     ahead: bool = False
     ended: bool = False
 
+    @property
+    def note(self) -> str:
+        """What is done about it, in a sentence."""
+        order = "clockwise" if self.clockwise else "counter-clockwise"
+        return (
+            f"a turn of the laser, {order}, takes {self.share:.0%} of the time between scans: its motion is taken out"
+        )
+
     def of(self, scan: LaserScan) -> Array:
         """Return (N,) how long from the scan's time each beam is measured, as a share of the time between scans."""
         turned = scan.bearings % (2.0 * np.pi) if self.ahead else scan.bearings - scan.bearings[0]
@@ -70,9 +78,7 @@ def deskewed(drive: RecordedDrive) -> RecordedDrive:
         return drive
     ways = _ways(drive, ended=found.ended)
     scans = [at_once(scan, way, found) for scan, way in zip(drive.scans, ways, strict=True)]
-    order = "clockwise" if found.clockwise else "counter-clockwise"
-    note = f"a turn of the laser, {order}, takes {found.share:.0%} of the time between scans: its motion is taken out"
-    return replace(drive, scans=scans, notes=(*drive.notes, note))
+    return replace(drive, scans=scans, notes=(*drive.notes, found.note))
 
 
 def sweep_time(drive: RecordedDrive) -> SweepTime | None:
@@ -108,8 +114,13 @@ def at_once(scan: LaserScan, way: Array, time: SweepTime) -> LaserScan:
             [m, m, rad].
         time: When the beams were measured.
     """
+    return straightened(scan, way, time)[0]
+
+
+def straightened(scan: LaserScan, way: Array, time: SweepTime) -> tuple[LaserScan, NDArray[np.intp]]:
+    """Return `at_once`, and (N,) which beam of `scan` each of its beams is."""
     if not way.any():
-        return scan
+        return scan, np.arange(len(scan))
     mount = np.asarray(scan.T_robot_lidar)
     moved = time.of(scan)[:, None] * compose(inverse(mount), compose(way, mount))
     met = scan.is_return
@@ -120,7 +131,7 @@ def at_once(scan: LaserScan, way: Array, time: SweepTime) -> LaserScan:
     order = np.argsort(bearings, kind="stable")
     apart = 2.0 * LEAST_SPACING * np.arange(len(order))
     ascending = np.maximum.accumulate(bearings[order] - apart) + apart
-    return replace(scan, ranges=np.where(met, away, scan.ranges)[order], bearings=ascending)
+    return replace(scan, ranges=np.where(met, away, scan.ranges)[order], bearings=ascending), order
 
 
 def _directions(bearings: Array) -> Array:
@@ -133,15 +144,30 @@ def _ways(drive: RecordedDrive, *, ended: bool) -> Array:
     Zero where that is not known.
     """
     ways = np.zeros((len(drive), 3))
-    ways[:-1] = between(drive.odometry[:-1], drive.odometry[1:])
-    steps = np.diff(drive.times_s)
-    usual = float(np.median(steps)) if len(steps) else 0.0
-    if usual > 0.0:
-        ways[:-1] *= np.where(steps > _LONGER * usual, usual / np.maximum(steps, usual), 1.0)[:, None]
-    ways[(np.hypot(ways[:, 0], ways[:, 1]) > _NEAR[0]) | (np.abs(ways[:, 2]) > _NEAR[1])] = 0.0
+    motions, steps_s = between(drive.odometry[:-1], drive.odometry[1:]), np.diff(drive.times_s)
+    ways[:-1] = usual_ways(motions, steps_s, usual_step_s(drive.times_s))
     if ended:
         ways[1:] = inverse(ways[:-1])
         ways[0] = 0.0
+    return ways
+
+
+def usual_step_s(times_s: Array) -> float:
+    """Return the usual time between scans taken at `times_s` (n,) [s]; 0: it is not known."""
+    return max(0.0, float(np.median(np.diff(times_s)))) if len(times_s) > 1 else 0.0
+
+
+def usual_ways(motions: Array, steps_s: Array, usual_s: float) -> Array:
+    """Return (n, 3) how the robot moved in the usual time between scans.
+
+    Args:
+        motions: (n, 3) from scan to scan, in the robot's frame at the first of both.
+        steps_s: (n,) how long those took [s].
+        usual_s: The usual time [s]; 0: each is.
+    """
+    share = np.where(steps_s > _LONGER * usual_s, usual_s / np.maximum(steps_s, usual_s), 1.0) if usual_s else 1.0
+    ways = motions * np.reshape(share, (-1, 1))
+    ways[(np.hypot(ways[:, 0], ways[:, 1]) > _NEAR[0]) | (np.abs(ways[:, 2]) > _NEAR[1])] = 0.0
     return ways
 
 

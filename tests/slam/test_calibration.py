@@ -4,34 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tagalong.scripts.cli import main
-from tagalong.slam.drives.bag_calibration import calibrated_bag
 from tagalong.slam.drives.calibration import calibrated, calibration
 from tagalong.slam.drives.log import read_log
 from tagalong.slam.geometry import between, compose, inverse, wrap_angle
-from tagalong.slam.logs.bag_writer import write_rosbag
 from tagalong.slam.logs.carmen_writer import write_carmen
 from tagalong.slam.logs.drive import RecordedDrive
-from tagalong.slam.logs.scan_stream import read_beginning
-from walls import cast
-
-WALLS = np.array(
-    [
-        (-5.0, -3.0, 6.0, -3.0), (6.0, -3.0, 6.0, 1.0), (6.0, 1.0, 3.0, 1.0), (3.0, 1.0, 3.0, 4.0),
-        (3.0, 4.0, -1.0, 4.0), (-1.0, 4.0, -1.0, 2.0), (-1.0, 2.0, -5.0, 2.0), (-5.0, 2.0, -5.0, -3.0),
-        (-3.0, -0.5, -2.0, -0.3), (1.0, 0.5, 1.6, 0.7),
-    ]
-)  # fmt: skip
-CORRIDOR = np.array([(-60.0, -1.0, 60.0, -1.0), (-60.0, 1.0, 60.0, 1.0)])
-MOUNT = (0.25, 0.0, 0.1)
-
-
-def drive_through(lines, steps, start=(-2.0, -1.8, 0.0), mount=MOUNT):
-    rng, poses = np.random.default_rng(0), [np.array(start)]
-    for step in steps:
-        poses.append(compose(poses[-1], np.array(step)))
-    scans = [replace(cast(lines, compose(pose, mount), rng), T_robot_lidar=mount) for pose in poses]
-    return RecordedDrive(between(poses[0], np.array(poses)), scans, None, "drive")
+from walled_drives import CORRIDOR, MOUNT, WALLS, carried, drive_through, upside_down
 
 
 def told(drive, forward=1.0, aside=1.0, turn=1.0):
@@ -46,19 +24,6 @@ def told(drive, forward=1.0, aside=1.0, turn=1.0):
 @pytest.fixture(scope="module")
 def tour():
     return drive_through(WALLS, ([(0.1, 0.0, 0.0)] * 15 + [(0.02, 0.0, 0.1)] * 10) * 4)
-
-
-def carried(drive, moved):
-    """Return the drive of a robot that is `moved` (3,) from where the log says, by where the laser is."""
-    odometry = compose(drive.odometry, inverse(np.array(moved)))
-    return replace(drive, odometry=between(odometry[0], odometry))
-
-
-def upside_down(drive):
-    """Return the drive with a laser that hangs upside down."""
-    return replace(
-        drive, scans=[replace(s, ranges=s.ranges[::-1], bearings=-s.bearings[::-1]) for s in drive.scans]
-    )  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -176,35 +141,3 @@ def test_a_log_is_read_calibrated(tour, tmp_path):
     read = read_log(tmp_path / "wrong.log")
     assert any("the laser does not stand" in note for note in read.notes)
     assert np.abs(read.odometry[:, :2] - tour.odometry[:, :2]).max() < 0.25
-
-
-def timed(drive):
-    return replace(drive, scans=[replace(scan, time_s=1.0 + 0.1 * k) for k, scan in enumerate(drive.scans)])
-
-
-def test_a_bag_is_calibrated_by_its_first_scans(tour, tmp_path):
-    path = tmp_path / "wrong.bag"
-    write_rosbag(path, timed(upside_down(carried(tour, (0.0, 0.0, np.pi)))))
-    bag, right = calibrated_bag(read_beginning(path))
-    assert bag.flipped
-    assert len(bag.notes) == 2
-    odometry = np.array([right.update(pose) for pose in carried(tour, (0.0, 0.0, np.pi)).odometry])
-    assert np.abs(odometry[:, :2] - tour.odometry[:, :2]).max() < 0.2
-
-
-def test_a_bag_that_is_right_and_one_without_odometry_stay_as_they_are(tour, tmp_path):
-    write_rosbag(tmp_path / "right.bag", timed(tour))
-    bag, right = calibrated_bag(read_beginning(tmp_path / "right.bag"))
-    assert not bag.notes
-    assert np.array([right.update(pose) for pose in tour.odometry]) == pytest.approx(tour.odometry, abs=1e-9)
-    without = calibrated_bag(replace(bag, odometry="", moving=None))[0]
-    assert (without.notes, without.flipped) == ((), False)
-
-
-def test_the_people_filter_takes_no_wall_for_people_where_a_bag_is_wrong_about_its_laser(tour, tmp_path, capsys):
-    """By that odometry the walls walk."""
-    write_rosbag(tmp_path / "wrong.bag", timed(carried(tour, (0.0, 0.0, np.pi))))
-    assert main(["filter", str(tmp_path / "wrong.bag"), str(tmp_path / "out.bag"), "--quiet"]) == 0
-    said = capsys.readouterr()
-    assert "the laser does not stand" in said.err
-    assert "101 scans, 0 people, 0.00 % of returns removed" in said.out
