@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..files.input import named, naming
 from ..geometry import between, inverse
 from ..logs.bag_messages import open_bag
 from ..logs.drive import RecordedDrive
@@ -109,7 +110,8 @@ def _first_moves(bag: BagBeginning) -> RecordedDrive:
         before = streamed
         if len(scans) >= _MOST_SCANS or ranges >= _MOST_RANGES:
             break
-    return RecordedDrive(np.array(poses).reshape(-1, 3), [one.scan for one in scans], None, bag.path.stem)
+    with naming(f"{named(bag.path)}: {bag.scans}"):
+        return RecordedDrive(np.array(poses).reshape(-1, 3), [one.scan for one in scans], None, bag.path.stem)
 
 
 def _stands(motion: Array) -> bool:
