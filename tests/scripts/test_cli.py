@@ -150,3 +150,11 @@ def test_a_log_that_is_a_link_to_itself_is_told_by_its_name(tmp_path, capsys):
     words = ["--log", str(tmp_path / "loop.log"), "--steps", "0", "--laps", "2", "--out", str(tmp_path / "out")]
     assert main(["bench", "soak", *words]) == 2
     assert "loop.log" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "command"), [("perceive a.log --quite", "perceive"), ("bench people b", "bench people")]
+)
+def test_words_that_a_command_does_not_know_point_to_its_own_help(words, command, tmp_path):
+    with pytest.raises(InputError, match=rf"unrecognized arguments: \S+ \(see tagalong {command} --help\)"):
+        make_parser().parse_args([*words.split(), "--out", str(tmp_path)])

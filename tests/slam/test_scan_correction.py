@@ -62,6 +62,13 @@ def test_the_people_filter_takes_no_wall_for_people_where_a_bag_is_wrong_about_i
     assert "101 scans, 0 people, 0.00 % of returns removed" in said.out
 
 
+@pytest.mark.parametrize("command", ["slam", "perceive"])
+def test_commands_say_what_they_put_right(tour, tmp_path, command, capsys):
+    write_rosbag(tmp_path / "wrong.bag", timed(carried(tour, (0.0, 0.0, np.pi))))
+    assert main([command, str(tmp_path / "wrong.bag"), "--out", str(tmp_path / "out"), "--quiet"]) == 0
+    assert capsys.readouterr().err.count("wrong.bag: the laser does not stand") == 1
+
+
 @pytest.mark.parametrize("time", [SweepTime(1.0), SweepTime(1.0, clockwise=True, ended=True)])
 def test_the_scans_of_a_bag_lose_their_bend_as_they_come_as_they_do_when_it_is_read(tmp_path, time):
     path, bent = tmp_path / "room.bag", drive_with(time)
