@@ -93,6 +93,27 @@ def test_without_turns_nothing_is_said_of_where_the_laser_stands_but_how_it_is_t
     assert found.moved == pytest.approx((0.0, 0.0, 1.0), abs=0.05)
 
 
+def test_wheels_that_slip_now_and_then_change_nothing(tour):
+    """Every third pair or so spans a slip of half a metre and a radian, all to one side."""
+    steps = between(tour.odometry[:-1], tour.odometry[1:])
+    steps[::10] = compose(steps[::10], (0.5, 0.3, 1.0))
+    poses = [np.zeros(3)]
+    for step in steps:
+        poses.append(compose(poses[-1], step))
+    found = calibration(carried(replace(tour, odometry=np.array(poses)), (0.0, 0.0, np.pi)))
+    assert (found.way, found.turn) == pytest.approx((1.0, 1.0), abs=0.1)
+    assert abs(wrap_angle(found.moved[2] - np.pi)) < 0.1
+    assert np.hypot(*found.moved[:2]) < 0.1
+
+
+def test_a_few_turns_do_not_say_where_the_laser_stands():
+    """Nor whether it hangs upside down; a mirrored one seems to stand elsewhere then."""
+    few = drive_through(WALLS, [(0.1, 0.0, 0.0)] * 15 + [(0.05, 0.0, 0.15)] * 4 + [(0.1, 0.0, 0.0)] * 15)
+    found = calibration(upside_down(carried(few, (0.6, 0.0, 0.0))))
+    assert np.isnan(found.turn)
+    assert found.moved[:2] == (0.0, 0.0)
+
+
 def test_a_robot_that_stands_still_or_is_seen_a_few_times_proves_nothing(tour):
     for still in (
         replace(tour, scans=[tour.scans[0]] * len(tour)),

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from spinning_room import drive_with
 from tagalong.scripts.cli import main
-from tagalong.slam import read_log
-from tagalong.slam.drives.scan_correction import surveyed_bag
-from tagalong.slam.drives.sweep_time import SweepTime
+from tagalong.slam import LaserScan, RecordedDrive, read_log
+from tagalong.slam.drives import scan_correction
+from tagalong.slam.drives.scan_correction import ScanCorrection, surveyed_bag
+from tagalong.slam.drives.sweep_time import SweepTime, straightened
 from tagalong.slam.logs.bag_messages import open_bag
 from tagalong.slam.logs.bag_writer import write_rosbag
-from tagalong.slam.logs.scan_stream import ReadAlready, ScanStream, read_beginning
+from tagalong.slam.logs.scan_stream import ReadAlready, ScanStream, StreamedScan, read_beginning
 from walled_drives import WALLS, carried, drive_through, timed, upside_down
 
 
@@ -60,6 +61,40 @@ def test_the_people_filter_takes_no_wall_for_people_where_a_bag_is_wrong_about_i
     said = capsys.readouterr()
     assert "the laser does not stand" in said.err
     assert "101 scans, 0 people, 0.00 % of returns removed" in said.out
+
+
+def test_a_laser_that_is_said_to_hang_upside_down_and_does_not_is_turned_back(tour, tmp_path):
+    write_rosbag(tmp_path / "right.bag", timed(tour))
+    bag, _ = surveyed_bag(replace(read_beginning(tmp_path / "right.bag"), flipped=True))
+    assert not bag.flipped
+    assert len(bag.notes) == 1
+
+
+def test_a_robot_that_stands_first_is_looked_at_when_it_moves(tour, tmp_path, monkeypatch):
+    monkeypatch.setattr(scan_correction, "_MOST_SCANS", 80)
+    wrong = carried(tour, (0.0, 0.0, np.pi))
+    standing = RecordedDrive(
+        np.concatenate((np.repeat(wrong.odometry[:1], 90, axis=0), wrong.odometry)),
+        [replace(wrong.scans[0]) for _ in range(90)] + wrong.scans, None, "standing",
+    )  # fmt: skip
+    write_rosbag(tmp_path / "wrong.bag", timed(standing))
+    assert "the laser does not stand" in surveyed_bag(read_beginning(tmp_path / "wrong.bag"))[0].notes[0]
+
+
+def test_beams_that_cross_are_still_those_of_their_readings():
+    bearings = np.linspace(-0.1, 0.1, 41)
+    ranges = np.where(np.arange(41) % 2, 0.2, 9.999)
+    correction, way = ScanCorrection(sweep=SweepTime(1.0), usual_s=0.1), np.array([0.3, 0.3, 0.0])
+    scans = [
+        StreamedScan(None, 0, LaserScan(ranges, bearings, 0.1, 10.0, 0.1 * k), np.arange(41)[::-1], k * way)
+        for k in range(2)
+    ]
+    assert not list(correction.take(scans[0]))
+    (straight,) = correction.take(scans[1])
+    scan, order = straightened(scans[0].scan, way, SweepTime(1.0))
+    assert (np.diff(order) < 0).any()
+    assert np.array_equal(straight.order, 40 - order)
+    assert np.array_equal(straight.scan.ranges, scan.ranges)
 
 
 @pytest.mark.parametrize("command", ["slam", "perceive"])
