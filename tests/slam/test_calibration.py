@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tagalong.slam.drives.calibration import calibrated, calibration
+from tagalong.slam.drives.calibration import _slope, calibrated, calibration
 from tagalong.slam.drives.log import read_log
 from tagalong.slam.geometry import between, compose, inverse, wrap_angle
 from tagalong.slam.logs.carmen_writer import write_carmen
@@ -104,6 +104,12 @@ def test_wheels_that_slip_now_and_then_change_nothing(tour):
     assert (found.way, found.turn) == pytest.approx((1.0, 1.0), abs=0.1)
     assert abs(wrap_angle(found.moved[2] - np.pi)) < 0.1
     assert np.hypot(*found.moved[:2]) < 0.1
+
+
+def test_the_usual_ratio_of_turns_counts_in_whatever_order_they_come():
+    seen, told = np.full(21, 0.3), np.full(21, 0.3)
+    told[8:13] = 1.2  # in the middle of the drive
+    assert _slope(told, seen) == pytest.approx(1.0)
 
 
 def test_a_few_turns_do_not_say_where_the_laser_stands():
