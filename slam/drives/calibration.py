@@ -35,7 +35,7 @@ _BEAMS = 180  # of a scan are enough
 _KNOWN = 0.05  # [m] a match is known worse than this along a corridor
 _ENOUGH = 10  # pairs that a verdict needs
 _NOISE = 0.03  # [m, rad] of a pair; a way that is off farther counts less (Cauchy)
-_ASIDE = 1.0  # [m] a laser stands about so far from the robot's middle, at most
+_ASIDE = 1.0  # [m] standard deviation of how far a laser stands from where the log says
 _AGREES = 0.2  # of its motion a pair that agrees is off at most, besides the noise; most pairs must
 _RIGHT = (0.8, 1.25)  # factors that are no gross error: floors, payload and tyres make a few percent
 _NEAR = (0.25, 0.2)  # [m, rad] nor is a laser that stands no farther from where it is said to: SLAM hardly suffers
@@ -145,10 +145,9 @@ class CalibratedOdometry:
     """
 
     def __init__(self, found: Calibration) -> None:
-        factors = (
-            {"metre": 1.0, "radian": 1.0, **found.wrong_factors} if found.usable else {"metre": 1.0, "radian": 1.0}
-        )
-        self._factors = np.array([factors["metre"], factors["metre"], factors["radian"]])
+        wrong = found.wrong_factors if found.usable else {}
+        way, turn = wrong.get("metre", 1.0), wrong.get("radian", 1.0)
+        self._factors = np.array([way, way, turn])
         self._moved = np.array(found.moved) if found.usable and found.misplaced else np.zeros(3)
         self._told: Array | None = None
         self._pose = np.zeros(3)
