@@ -72,11 +72,11 @@ def normal(state: Words) -> float:
             return x
         if layer == 0:
             while True:
-                beyond = -np.log(uniform(state)) / _TAIL
-                if -2.0 * np.log(uniform(state)) > beyond * beyond:
+                beyond = -math.log(uniform(state)) / _TAIL
+                if -2.0 * math.log(uniform(state)) > beyond * beyond:
                     return _TAIL + beyond if share > 0.0 else -_TAIL - beyond
         low, high = _HEIGHT[layer], _HEIGHT[layer + 1]
-        if low + uniform(state) * (high - low) < np.exp(-0.5 * x * x):
+        if low + uniform(state) * (high - low) < math.exp(-0.5 * x * x):
             return x
 
 
@@ -85,4 +85,4 @@ def until_failure(state: Words, share: float) -> int:
     """Return how many trials go well until one fails, of which a `share` does; a large number if none does."""
     if share <= 0.0:
         return 1 << 40
-    return int(min(np.log(uniform(state)) / np.log(1.0 - share), 1e12))
+    return int(min(math.log(uniform(state)) / math.log(1.0 - share), 1e12))

@@ -6,6 +6,8 @@ that no beam is lost or won between two faces that share an edge. `sensors.ray_k
 to the bit; here a beam costs a tenth, and is equal within rounding.
 """
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -36,7 +38,7 @@ def _rough_angle(x: float, y: float) -> float:
 @inner_view_kernel
 def point_beams(heading: float, cos_bearing: Array, sin_bearing: Array, ux: Array, uy: Array) -> None:
     """Write the unit vectors `ux`, `uy` (n,) of beams with the bearings (n,) for a laser that looks to `heading`."""
-    cos, sin = np.cos(heading), np.sin(heading)
+    cos, sin = math.cos(heading), math.sin(heading)
     for j in range(len(ux)):
         ux[j] = cos * cos_bearing[j] - sin * sin_bearing[j]
         uy[j] = sin * cos_bearing[j] + cos * sin_bearing[j]
@@ -68,7 +70,10 @@ def cast_faces(ax: float, ay: float, bx: float, by: float, first: float, spacing
     ex, ey = bx - ax, by - ay
     for turn in range(2):
         begin = start - turn * _TAU
-        low, high = max(int(np.ceil(begin / spacing)), 0), min(int(np.floor((begin + width) / spacing)), count - 1)
+        low, high = (
+            max(np.int64(math.ceil(begin / spacing)), 0),
+            min(np.int64(math.floor((begin + width) / spacing)), count - 1),
+        )
         while low <= high and ax * uy[low] - ay * ux[low] < 0.0:
             low += 1
         while low <= high and ux[high] * by - uy[high] * bx < 0.0:
@@ -120,20 +125,20 @@ def cast_ellipse(
     """
     ux, uy, exact = beams[0], beams[1], beams[2]
     apart = dx * dx + dy * dy - radius * radius
-    half = _rough_angle(np.sqrt(apart), radius) + 2.0 * _ROUGH if apart > 0.0 else np.pi
+    half = _rough_angle(math.sqrt(apart), radius) + 2.0 * _ROUGH if apart > 0.0 else np.pi
     start = (_rough_angle(dx, dy) - half - first) % _TAU if apart > 0.0 else 0.0
     gx, gy = xx * dx + xy * dy, xy * dx + yy * dy
     outside = gx * dx + gy * dy - 1.0
     for turn in range(2):
         begin = start - turn * _TAU
-        low = max(int(np.ceil(begin / spacing)), 0)
-        high = min(int(np.floor((begin + 2.0 * half) / spacing)), len(exact) - 1)
+        low = max(np.int64(math.ceil(begin / spacing)), 0)
+        high = min(np.int64(math.floor((begin + 2.0 * half) / spacing)), len(exact) - 1)
         for j in range(low, high + 1):
             u, v = ux[j], uy[j]
             a, b = xx * u * u + 2.0 * xy * u * v + yy * v * v, gx * u + gy * v
             within = b * b - a * outside
             if within > 0.0:
-                root = np.sqrt(within)
+                root = math.sqrt(within)
                 at = (b - root) / a if b >= root else (b + root) / a
                 if 0.0 <= at < exact[j]:
                     exact[j] = at

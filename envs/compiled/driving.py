@@ -5,6 +5,7 @@ constraints at its default `solref` and `solimp`, solved point by point; upright
 third dimension. Held to MuJoCo by tests.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -54,7 +55,7 @@ class Base(NamedTuple):
 @inner_view_kernel
 def cut_command(wanted: Array, base: Base) -> None:
     """Cut a wanted body velocity (3,) to the limits, in place."""
-    speed = np.hypot(wanted[0], wanted[1])
+    speed = math.hypot(wanted[0], wanted[1])
     scale = min(1.0, base.max_speed / speed) if speed > 0.0 else 1.0
     wanted[0] *= scale
     wanted[1] *= scale
@@ -84,7 +85,7 @@ def drive(
         touched: How many there are.
         work: (MOST_CONTACTS, 2) scratch.
     """
-    cos, sin = np.cos(pose[2]), np.sin(pose[2])
+    cos, sin = math.cos(pose[2]), math.sin(pose[2])
     ahead, aside = cos * velocity[0] + sin * velocity[1], cos * velocity[1] - sin * velocity[0]
     force_u, soft_u = _servo(0, setpoint[0] - ahead, base)
     force_v, soft_v = _servo(1, setpoint[1] - aside, base)
@@ -156,7 +157,7 @@ def _contact_forces(
 @inner_view_kernel
 def touch_things(pose: Array, base: Base, things: Things, contacts: Array, touched: int) -> int:
     """Add where the chassis touches walls and furniture to `contacts`; return how many there are then."""
-    cos, sin = np.cos(pose[2]), np.sin(pose[2])
+    cos, sin = math.cos(pose[2]), math.sin(pose[2])
     cell = cell_of(pose[0], pose[1], things.frame)
     for k in range(things.first[cell], things.first[cell + 1]):
         item = things.items[k]
@@ -177,15 +178,15 @@ def touch_circle(
     u, v = cos * dx + sin * dy, cos * dy - sin * dx
     near_u = min(max(u, -base.half_length), base.half_length)
     near_v = min(max(v, -base.half_width), base.half_width)
-    away = np.hypot(u - near_u, v - near_v)
+    away = math.hypot(u - near_u, v - near_v)
     if away > radius:
         return touched
     if away > 1e-9:
         nu, nv, depth = (near_u - u) / away, (near_v - v) / away, radius - away
     elif base.half_length - abs(u) < base.half_width - abs(v):
-        nu, nv, depth = -np.sign(u), 0.0, radius + base.half_length - abs(u)
+        nu, nv, depth = -math.copysign(1.0, u), 0.0, radius + base.half_length - abs(u)
     else:
-        nu, nv, depth = 0.0, -np.sign(v), radius + base.half_width - abs(v)
+        nu, nv, depth = 0.0, -math.copysign(1.0, v), radius + base.half_width - abs(v)
     return _note(pose, cos, sin, (near_u, near_v), (nu, nv), depth, contacts, touched)
 
 
@@ -269,9 +270,9 @@ def _way_out(
     by_p, by_q = half_x + long * along + wide * aside - abs(p), half_y + long * aside + wide * along - abs(q)
     least = min(by_u, by_v, by_p, by_q)
     if least == by_u:
-        return least, -np.copysign(1.0, u), 0.0
+        return least, -math.copysign(1.0, u), 0.0
     if least == by_v:
-        return least, 0.0, -np.copysign(1.0, v)
+        return least, 0.0, -math.copysign(1.0, v)
     if least == by_p:
-        return least, np.copysign(1.0, p) * c, np.copysign(1.0, p) * s
-    return least, -np.copysign(1.0, q) * s, np.copysign(1.0, q) * c
+        return least, math.copysign(1.0, p) * c, math.copysign(1.0, p) * s
+    return least, -math.copysign(1.0, q) * s, math.copysign(1.0, q) * c

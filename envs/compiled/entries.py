@@ -1,6 +1,6 @@
 """Entries of the observation that tell of people, as the robot of one world knows them."""
 
-import numpy as np
+import math
 
 from ...slam.view_kernel import inner_view_kernel
 from ..task.observation import FARTHEST_M, FASTEST_MPS
@@ -20,7 +20,7 @@ def leader_entry(chosen: bool, place: Array, trust: float, visible: float, odome
 @inner_view_kernel
 def _in_robot_frame(odometry: Array, x: float, y: float, vx: float, vy: float, row: Floats) -> None:
     """Write place and motion, given in the odometry frame, into the first four of an observation's row."""
-    cos, sin = np.cos(odometry[2]), np.sin(odometry[2])
+    cos, sin = math.cos(odometry[2]), math.sin(odometry[2])
     dx, dy = x - odometry[0], y - odometry[1]
     row[0] = min(max(cos * dx + sin * dy, -FARTHEST_M), FARTHEST_M)
     row[1] = min(max(cos * dy - sin * dx, -FARTHEST_M), FARTHEST_M)

@@ -1,5 +1,7 @@
 """Episodes of many worlds: begun, stepped, judged and ended inside compiled calls."""
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -48,9 +50,17 @@ def step_worlds(
     """
     for w in range(worlds[0], worlds[1]):
         if what[w] != REST:
-            _go_on(w, what[w], actions[w], rules, plans, state, told, room)
-            believe(w, rules, plans, state, told, room)
-            _judge(w, rules, plans, state, told, room)
+            step_world(w, what[w], actions[w], rules, plans, state, told, room)
+
+
+@spliced_kernel
+def step_world(
+    w: int, what: int, action: Array, rules: Rules, plans: Plans, state: WorldsState, told: Told, room: Scratch
+) -> None:
+    """Do in world w what is asked for, as `step_worlds`."""
+    _go_on(w, what, action, rules, plans, state, told, room)
+    believe(w, rules, plans, state, told, room)
+    _judge(w, rules, plans, state, told, room)
 
 
 @view_kernel
@@ -114,7 +124,7 @@ def _cut(action: Array, last: Array) -> float:
         cut = min(max(action[k], -1.0), 1.0)
         change += (cut - last[k]) ** 2
         last[k] = cut
-    return np.sqrt(change)
+    return math.sqrt(change)
 
 
 @inner_view_kernel
@@ -175,9 +185,9 @@ def _facts(position: Array, radius: Array, pose: Array, robot_radius: float, cha
     space = np.inf
     for i in range(1, len(position)):
         dx, dy = position[i, 0] - pose[0], position[i, 1] - pose[1]
-        space = min(space, np.sqrt(dx * dx + dy * dy) - radius[i] - robot_radius)
+        space = min(space, math.sqrt(dx * dx + dy * dy) - radius[i] - robot_radius)
     dx, dy = position[0, 0] - pose[0], position[0, 1] - pose[1]
-    truth[0], truth[1] = np.hypot(dx, dy), (np.arctan2(dy, dx) - pose[2] + np.pi) % (2.0 * np.pi) - np.pi
+    truth[0], truth[1] = math.hypot(dx, dy), (math.atan2(dy, dx) - pose[2] + np.pi) % (2.0 * np.pi) - np.pi
     truth[2], truth[3] = space, change
 
 
@@ -186,10 +196,10 @@ def _follows(position: Array, pose: Array, leader: Floats) -> bool:
     """Return whether the robot sees a leader, and it is truly the one: the first of the people."""
     if leader[5] == 0.0:
         return False
-    cos, sin = np.cos(pose[2]), np.sin(pose[2])
+    cos, sin = math.cos(pose[2]), math.sin(pose[2])
     x, y = pose[0] + cos * leader[0] - sin * leader[1], pose[1] + sin * leader[0] + cos * leader[1]
-    own = np.hypot(position[0, 0] - x, position[0, 1] - y)
+    own = math.hypot(position[0, 0] - x, position[0, 1] - y)
     for i in range(1, len(position)):
-        if np.hypot(position[i, 0] - x, position[i, 1] - y) < own:
+        if math.hypot(position[i, 0] - x, position[i, 1] - y) < own:
             return False
     return own <= SAME_PERSON_M

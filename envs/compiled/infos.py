@@ -10,7 +10,8 @@ from ..task.rewards import FOLLOWING_TERMS
 from .state import Flags, Told
 
 _REASONS = np.array(REASONS, dtype=object)
-_GOOD = np.array([reason in ("tour_done", "covered") for reason in REASONS])
+SUCCESSES = np.array([reason in ("tour_done", "covered") for reason in REASONS])
+"""Which of `REASONS` are successes."""
 
 
 def observations(told: Told) -> dict[str, NDArray[Any]]:
@@ -21,10 +22,17 @@ def observations(told: Told) -> dict[str, NDArray[Any]]:
 def infos(told: Told, mask: Flags) -> dict[str, Any]:
     """Return the infos of the worlds of `mask` (w,); new arrays, 0 for the others."""
     kept = bool(mask.all())
-    table: dict[str, Any] = {
+    table = {**table_of(told), "ending": _REASONS[told.ending], "is_success": SUCCESSES[told.ending]}
+    told_of: dict[str, Any] = {name: _only(values, mask, kept) for name, values in table.items()}
+    terms = {name: _only(values, mask, kept) for name, values in terms_of(told.terms).items()}
+    return masked({**told_of, "reward_terms": masked(terms, mask)}, mask)
+
+
+def table_of(told: Told) -> dict[str, Any]:
+    """Return what infos tell of all worlds; the arrays are those that are written to, `ending` a number."""
+    return {
         "time_s": told.time_s,
-        "ending": _REASONS[told.ending],
-        "is_success": _GOOD[told.ending],
+        "ending": told.ending,
         "tracked_people": told.tracked,
         "odometry": told.odometry,
         "robot_pose": told.robot_pose,
@@ -33,10 +41,11 @@ def infos(told: Told, mask: Flags) -> dict[str, Any]:
         "lost_s": told.lost_s,
         "leader_id": told.track,
     }
-    terms = {name: told.terms[:, k] for k, name in enumerate(FOLLOWING_TERMS)}
-    told_of: dict[str, Any] = {name: _only(values, mask, kept) for name, values in table.items()}
-    told_of["reward_terms"] = masked({name: _only(values, mask, kept) for name, values in terms.items()}, mask)
-    return masked(told_of, mask)
+
+
+def terms_of(terms: Any) -> dict[str, Any]:
+    """Return the terms of the reward (w, 7) by name."""
+    return {name: terms[:, k] for k, name in enumerate(FOLLOWING_TERMS)}
 
 
 def masked(table: dict[str, Any], mask: Flags) -> dict[str, Any]:

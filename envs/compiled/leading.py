@@ -4,6 +4,7 @@ Chosen is who is nearest as the drive begins; the one who is chosen is kept whil
 Equal to the selector of the onboard stack (tested).
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -141,7 +142,7 @@ def _kept(track: int, known: Known, rules: Selecting, duplicate: Flags) -> int:
     patient = known.unseen_s[track] <= rules.duplicate_patience_s
     for i in range(len(places)):
         if known.who[i] and i != track:
-            away = np.hypot(places[i, 0] - places[track, 0], places[i, 1] - places[track, 1])
+            away = math.hypot(places[i, 0] - places[track, 0], places[i, 1] - places[track, 1])
             duplicate[i] = duplicate[i] or away < rules.duplicate_distance
             if duplicate[i] and not patient and known.unseen_s[i] == 0.0 and away < least:
                 own, least = i, away
@@ -160,7 +161,7 @@ def _looked_for(
     duplicate: Flags,
 ) -> int:
     """Predict the leader; return who appears where it must be, -1 for nobody."""
-    fade = np.exp(-dt / rules.coast_s)
+    fade = math.exp(-dt / rules.coast_s)
     estimate[2] *= fade
     estimate[3] *= fade
     estimate[0] += dt * estimate[2]
@@ -168,13 +169,13 @@ def _looked_for(
     a, b, c = covariance[0], covariance[1], covariance[2]
     covariance[0] = a + 2.0 * dt * b + dt * dt * c + rules.noise
     covariance[1], covariance[2] = b + dt * c, c + rules.noise
-    gate = min(rules.search_distance, rules.search_sigmas * np.sqrt(covariance[0]))
+    gate = min(rules.search_distance, rules.search_sigmas * math.sqrt(covariance[0]))
     late = time_s > memory[UNSEEN_S] + dt + rules.search_overlap_s
     nearest, least = -1, gate
     places = known.places
     for i in range(len(places)):
         if known.who[i] and (duplicate[i] or not late):
-            away = np.hypot(places[i, 0] - estimate[0], places[i, 1] - estimate[1])
+            away = math.hypot(places[i, 0] - estimate[0], places[i, 1] - estimate[1])
             if away < least:
                 nearest, least = i, away
     return nearest

@@ -1,6 +1,6 @@
 """One control period of one world: people decide and walk, doors open, the robot drives and touches things."""
 
-import numpy as np
+import math
 
 from ...slam.draws import Words, normal
 from ...slam.view_kernel import inner_view_kernel
@@ -83,7 +83,7 @@ def _command(action: Array, top: Array, base: Base, wanted: Array) -> None:
 @inner_view_kernel
 def _robot_row(pose: Array, speed: Array, base: Base, row: Array) -> None:
     """Write the robot (8,) as `advance_bodies` takes it."""
-    row[0], row[1], row[2], row[3] = pose[0], pose[1], np.cos(pose[2]), np.sin(pose[2])
+    row[0], row[1], row[2], row[3] = pose[0], pose[1], math.cos(pose[2]), math.sin(pose[2])
     row[4], row[5], row[6], row[7] = speed[0], speed[1], base.half_length, base.half_width
 
 
@@ -104,9 +104,9 @@ def _turn_doors(leaves: Array, position: Array, opened: Array) -> None:
     """Open the doors near which somebody is, and go on with those that have begun."""
     for d in range(len(leaves)):
         leaf, near = leaves[d], opened[d] > 0.0
-        x, y = leaf[0] + 0.5 * leaf[6] * np.cos(leaf[2]), leaf[1] + 0.5 * leaf[6] * np.sin(leaf[2])
+        x, y = leaf[0] + 0.5 * leaf[6] * math.cos(leaf[2]), leaf[1] + 0.5 * leaf[6] * math.sin(leaf[2])
         for person in range(len(position)):
-            near = near or np.hypot(position[person, 0] - x, position[person, 1] - y) < leaf[5]
+            near = near or math.hypot(position[person, 0] - x, position[person, 1] - y) < leaf[5]
         if near:
             opened[d] = min(1.0, opened[d] + SPEED * TICK / abs(leaf[3]))
 
@@ -115,7 +115,7 @@ def _turn_doors(leaves: Array, position: Array, opened: Array) -> None:
 def door_box(leaf: Array, opened: float, box: Array) -> None:
     """Write the box (6,) of a door's leaf that is open so far."""
     yaw = leaf[2] + opened * leaf[3]
-    cos, sin = np.cos(yaw), np.sin(yaw)
+    cos, sin = math.cos(yaw), math.sin(yaw)
     half = 0.5 * leaf[6]
     box[0], box[1], box[2], box[3] = leaf[0] + half * cos, leaf[1] + half * sin, cos, sin
     box[4], box[5] = leaf[4], HALF_LEAF
@@ -128,18 +128,18 @@ def _touch_doors(
     """Add the contacts with doors; return how many there are then. `box` is scratch."""
     for d in range(len(leaves)):
         door_box(leaves[d], opened[d], box)
-        touched = touch_box(pose, np.cos(pose[2]), np.sin(pose[2]), base, box, contacts, touched)
+        touched = touch_box(pose, math.cos(pose[2]), math.sin(pose[2]), base, box, contacts, touched)
     return touched
 
 
 @inner_view_kernel
 def _touch_people(pose: Array, base: Base, position: Array, radius: Array, contacts: Array, touched: int) -> int:
     """Add the contacts with people; return how many there are then."""
-    reach = np.sqrt(base.half_length**2 + base.half_width**2)
+    reach = math.sqrt(base.half_length**2 + base.half_width**2)
     for i in range(len(position)):
         x, y = position[i, 0], position[i, 1]
         if (x - pose[0]) ** 2 + (y - pose[1]) ** 2 < (reach + radius[i]) ** 2:
-            cos, sin = np.cos(pose[2]), np.sin(pose[2])
+            cos, sin = math.cos(pose[2]), math.sin(pose[2])
             touched = touch_circle(pose, cos, sin, base, x, y, radius[i], contacts, touched)
     return touched
 

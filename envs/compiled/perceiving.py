@@ -1,5 +1,7 @@
 """What the robot of one world measures and believes after a control period."""
 
+import math
+
 import numpy as np
 
 from ...slam.draws import Words, normal, until_failure
@@ -32,7 +34,8 @@ def perceive(w: int, rules: Rules, plans: Plans, state: WorldsState, told: Told,
     )  # fmt: skip
     for d in range(plans.doors[s]):
         door_box(plans.leaves[s, d], state.open[w, d], room.robot[:6])
-        _meet_walls(pose, rules.laser, room.robot[:6].reshape((1, 6)), plans.seen_circles[s, :0], room.beams)
+        x, y = _origin(pose, rules.laser)
+        cast_rectangle(x, y, room.robot, pose[2] + rules.laser.first, rules.laser.spacing, room.beams)
     boxes, circles = plans.seen_boxes[s, : plans.rectangles[s]], plans.seen_circles[s, : plans.rounds[s]]
     _meet_walls(pose, rules.laser, boxes, circles, room.beams)
     _measure(rules.laser, state.random[w], room.beams[2], told.scan[w], told.ranges[w])
@@ -81,7 +84,7 @@ def _start_sweep(pose: Array, laser: Laser, beams: Array) -> None:
 
 @inner_view_kernel
 def _origin(pose: Array, laser: Laser) -> tuple[float, float]:
-    cos, sin = np.cos(pose[2]), np.sin(pose[2])
+    cos, sin = math.cos(pose[2]), math.sin(pose[2])
     x, y = laser.mount[0], laser.mount[1]
     return pose[0] + cos * x - sin * y, pose[1] + sin * x + cos * y
 
@@ -179,9 +182,9 @@ def _know_tracks(pose: Array, odometry: Array, tracks: Array, known: Known) -> i
 def _place(i: int, pose: Array, odometry: Array, x: float, y: float, vx: float, vy: float, known: Known) -> None:
     """Write where in the odometry frame somebody is who is at (x, y) in the world, and how they move."""
     turn = odometry[2] - pose[2]
-    cos, sin = np.cos(turn), np.sin(turn)
+    cos, sin = math.cos(turn), math.sin(turn)
     dx, dy = x - pose[0], y - pose[1]
-    known.apart[i] = np.sqrt(dx * dx + dy * dy)
+    known.apart[i] = math.sqrt(dx * dx + dy * dy)
     known.places[i, 0], known.places[i, 1] = odometry[0] + cos * dx - sin * dy, odometry[1] + sin * dx + cos * dy
     known.motions[i, 0], known.motions[i, 1] = cos * vx - sin * vy, sin * vx + cos * vy
 
@@ -203,7 +206,7 @@ def _velocity(before: Array, now: Array, dt: float, sweeps: int, entry: Floats) 
 @inner_view_kernel
 def _between(x0: float, y0: float, theta0: float, x1: float, y1: float, theta1: float) -> tuple[float, float, float]:
     """Return the second pose seen from the first."""
-    cos, sin = np.cos(theta0), np.sin(theta0)
+    cos, sin = math.cos(theta0), math.sin(theta0)
     dx, dy = x1 - x0, y1 - y0
     turn = (theta1 - theta0 + np.pi) % (2.0 * np.pi) - np.pi
     return cos * dx + sin * dy, cos * dy - sin * dx, turn

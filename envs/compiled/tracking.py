@@ -1,5 +1,6 @@
 """Leg detector, tracker and choice of the leader for many worlds: the very kernels of the onboard stack, in a loop."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -156,7 +157,7 @@ def _tell(w, memory, company, odometry, read):
     leads = one.track_id if one.known else -1
     apart, row = np.empty(count), -1
     for i in range(count):
-        apart[i] = np.hypot(company.x[i, 0] - odometry[0], company.x[i, 1] - odometry[1])
+        apart[i] = math.hypot(company.x[i, 0] - odometry[0], company.x[i, 1] - odometry[1])
         row = i if company.ids[i] == leads else row
     places, motions = company.x[:, :2].copy(), company.x[:, 2:].copy()
     known = Known(np.ones(count, np.bool_), apart, places, motions, company.unseen_s, company.confidence)

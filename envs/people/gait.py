@@ -5,6 +5,8 @@ cadence is a person's own constant (the walk ratio w), so T = sqrt(w / speed) an
 The landing place is as far ahead of the body as the stance foot will be behind it when it lifts off.
 """
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -51,8 +53,8 @@ def advance_gait(
         things: Furniture and walls, where no foot is set.
     """
     for i in range(len(position)):
-        speed = np.sqrt(velocity[i, 0] * velocity[i, 0] + velocity[i, 1] * velocity[i, 1])
-        step_time = min(_SLOWEST, max(_FASTEST, np.sqrt(size[i, 4] / max(speed, 0.05))))
+        speed = math.sqrt(velocity[i, 0] * velocity[i, 0] + velocity[i, 1] * velocity[i, 1])
+        step_time = min(_SLOWEST, max(_FASTEST, math.sqrt(size[i, 4] / max(speed, 0.05))))
         if swing[i] < 0:
             foot = _restless_foot(position[i], velocity[i], heading[i], size[i, 3], feet[i], speed)
             if foot < 0:
@@ -90,14 +92,14 @@ def _swing(
     """Put the swing foot on its way between where it lifted off and where it will land."""
     share = min(phase[i] / SWING, 1.0)
     ahead = step_time * (max(SWING - phase[i], 0.0) + 1.0 - SWING / 2.0)
-    side, cos, sin = size[i, 3] if foot == 0 else -size[i, 3], np.cos(heading[i]), np.sin(heading[i])
+    side, cos, sin = size[i, 3] if foot == 0 else -size[i, 3], math.cos(heading[i]), math.sin(heading[i])
     target_x = position[i, 0] + ahead * velocity[i, 0] - side * sin
     target_y = position[i, 1] + ahead * velocity[i, 1] + side * cos
     blend = share * share * share * (10.0 - 15.0 * share + 6.0 * share * share)
     feet[i, foot, 0] = origin[i, 0] + blend * (target_x - origin[i, 0])
     feet[i, foot, 1] = origin[i, 1] + blend * (target_y - origin[i, 1])
     _keep_apart(feet[i], foot, 2.0 * size[i, 2] + _BETWEEN_LEGS, cos, sin)
-    lift[i, foot] = (0.03 + 0.05 * min(speed, 1.3)) * np.sin(np.pi * share) if share < 1.0 else 0.0
+    lift[i, foot] = (0.03 + 0.05 * min(speed, 1.3)) * math.sin(np.pi * share) if share < 1.0 else 0.0
 
 
 @inner_view_kernel
@@ -124,12 +126,12 @@ def _restless_foot(
     position: Array, velocity: Array, heading: float, half_width: float, feet: Array, speed: float
 ) -> int:
     """Return the foot that has to step next, -1 where both stand well."""
-    worst, found, cos, sin = _RESTLESS, -1, np.cos(heading), np.sin(heading)
+    worst, found, cos, sin = _RESTLESS, -1, math.cos(heading), math.sin(heading)
     for foot in range(2):
         side = half_width if foot == 0 else -half_width
         x = feet[foot, 0] - position[0] + side * sin
         y = feet[foot, 1] - position[1] - side * cos
-        away = -(x * velocity[0] + y * velocity[1]) / speed + 1.0 if speed > 0.1 else np.sqrt(x * x + y * y)
+        away = -(x * velocity[0] + y * velocity[1]) / speed + 1.0 if speed > 0.1 else math.sqrt(x * x + y * y)
         if away > worst:
             worst, found = away, foot
     return found

@@ -1,5 +1,7 @@
 """Where the parts of a body are, by inverse kinematics of its legs; and where a shin cuts the laser's plane."""
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -36,17 +38,17 @@ def pose_bodies(
         legs: (n, 2, 2) written: where the axis of each shin meets the laser's plane [m].
     """
     for i in range(len(position)):
-        cos, sin = np.cos(heading[i]), np.sin(heading[i])
+        cos, sin = math.cos(heading[i]), math.sin(heading[i])
         hips = hip_height(position[i], cos, sin, size[i, 0] + size[i, 1], feet[i], lift[i])
         base = 6 * i
         for part, height in ((0, hips), (1, hips + 0.75)):
             mocap_position[base + part, 0] = position[i, 0]
             mocap_position[base + part, 1] = position[i, 1]
             mocap_position[base + part, 2] = height
-            mocap_quaternion[base + part, 0] = np.cos(heading[i] / 2.0)
+            mocap_quaternion[base + part, 0] = math.cos(heading[i] / 2.0)
             mocap_quaternion[base + part, 1] = 0.0
             mocap_quaternion[base + part, 2] = 0.0
-            mocap_quaternion[base + part, 3] = np.sin(heading[i] / 2.0)
+            mocap_quaternion[base + part, 3] = math.sin(heading[i] / 2.0)
         for foot in range(2):
             hip, knee, ankle = joints(foot, position[i], cos, sin, hips, size[i], feet[i], lift[i])
             _place(base + 2 + 2 * foot, hip, knee, cos, sin, mocap_position, mocap_quaternion)
@@ -63,8 +65,8 @@ def hip_height(position: Array, cos: float, sin: float, leg: float, feet: Array,
     height = ANKLE + 0.985 * leg
     for foot in range(2):
         side = HIP_HALF_WIDTH if foot == 0 else -HIP_HALF_WIDTH
-        flat = np.hypot(feet[foot, 0] - position[0] + side * sin, feet[foot, 1] - position[1] - side * cos)
-        height = min(height, ANKLE + lift[foot] + np.sqrt(max(0.04, reach * reach - flat * flat)))
+        flat = math.hypot(feet[foot, 0] - position[0] + side * sin, feet[foot, 1] - position[1] - side * cos)
+        height = min(height, ANKLE + lift[foot] + math.sqrt(max(0.04, reach * reach - flat * flat)))
     return height
 
 
@@ -78,14 +80,14 @@ def joints(
     ankle = (feet[foot, 0], feet[foot, 1], ANKLE + lift[foot])
     thigh, shin = size[0], size[1]
     x, y, z = hip[0] - ankle[0], hip[1] - ankle[1], hip[2] - ankle[2]
-    length = np.sqrt(x**2 + y**2 + z**2)
+    length = math.sqrt(x**2 + y**2 + z**2)
     x, y, z = x / length, y / length, z / length
     length = min(length, 0.9999 * (thigh + shin))
     along = (shin * shin - thigh * thigh + length * length) / (2.0 * length)
-    out = np.sqrt(max(0.0, shin * shin - along * along))
+    out = math.sqrt(max(0.0, shin * shin - along * along))
     ahead = cos * x + sin * y
     fx, fy, fz = cos - x * ahead, sin - y * ahead, -z * ahead
-    norm = np.sqrt(fx**2 + fy**2 + fz**2)
+    norm = math.sqrt(fx**2 + fy**2 + fz**2)
     knee = (
         ankle[0] + along * x + out * (fx / norm),
         ankle[1] + along * y + out * (fy / norm),
@@ -100,10 +102,10 @@ def _axes(upper: Point, lower: Point, cos: float, sin: float) -> tuple[Point, Po
     as possible.
     """
     dx, dy, dz = upper[0] - lower[0], upper[1] - lower[1], upper[2] - lower[2]
-    length = np.sqrt(dx * dx + dy * dy + dz * dz)
+    length = math.sqrt(dx * dx + dy * dy + dz * dz)
     z0, z1, z2 = (cos * dx + sin * dy) / length, (cos * dy - sin * dx) / length, dz / length
     x0, x1, x2 = 1.0 - z0 * z0, -z0 * z1, -z0 * z2
-    norm = np.sqrt(x0 * x0 + x1 * x1 + x2 * x2)
+    norm = math.sqrt(x0 * x0 + x1 * x1 + x2 * x2)
     x0, x1, x2 = x0 / norm, x1 / norm, x2 / norm
     y0, y1, y2 = z1 * x2 - z2 * x1, z2 * x0 - z0 * x2, z0 * x1 - z1 * x0
     return (x0, x1, x2), (y0, y1, y2), (z0, z1, z2)
@@ -116,10 +118,10 @@ def _place(part: int, upper: Point, lower: Point, cos: float, sin: float, positi
     The rotation is taken in the frame of the heading, where it is a small tilt, and turned by the heading then.
     """
     x, y, z = _axes(upper, lower, cos, sin)
-    w = np.sqrt(max(1e-9, 1.0 + x[0] + y[1] + z[2])) / 2.0
+    w = math.sqrt(max(1e-9, 1.0 + x[0] + y[1] + z[2])) / 2.0
     qx, qy, qz = (y[2] - z[1]) / (4.0 * w), (z[0] - x[2]) / (4.0 * w), (x[1] - y[0]) / (4.0 * w)
-    half = np.arctan2(sin, cos) / 2.0
-    c, s = np.cos(half), np.sin(half)
+    half = math.atan2(sin, cos) / 2.0
+    c, s = math.cos(half), math.sin(half)
     positions[part, 0] = (upper[0] + lower[0]) / 2.0
     positions[part, 1] = (upper[1] + lower[1]) / 2.0
     positions[part, 2] = (upper[2] + lower[2]) / 2.0
@@ -138,7 +140,7 @@ def cut_shins(
     An ellipse is a row of its centre x and y [m], and xx, xy, yy of the form that is 1 on its rim [1/m^2], and the
     radius of a circle around it [m]. The other arguments as in `pose_bodies`, of one person.
     """
-    cos, sin = np.cos(heading), np.sin(heading)
+    cos, sin = math.cos(heading), math.sin(heading)
     hips = hip_height(position, cos, sin, size[0] + size[1], feet, lift)
     sx, sy, sz = SHIN_SHAPE[0] * size[2], SHIN_SHAPE[1] * size[2], SHIN_LENGTH * size[1]
     count = 0
@@ -166,6 +168,6 @@ def cut_shins(
         row[3] = (cos * sin * (xx - yy) + (cos * cos - sin * sin) * xy) / level
         row[4] = (sin * sin * xx + 2.0 * cos * sin * xy + cos * cos * yy) / level
         half = (row[2] + row[4]) / 2.0
-        row[5] = 1.0 / np.sqrt(half - np.sqrt(max(half * half - row[2] * row[4] + row[3] * row[3], 0.0)))
+        row[5] = 1.0 / math.sqrt(half - math.sqrt(max(half * half - row[2] * row[4] + row[3] * row[3], 0.0)))
         count += 1
     return count

@@ -4,6 +4,7 @@ Random errors are scaled with the square root of the way and of the turn, so tha
 updates; their four numbers play the part of alpha1-4 of Thrun, Burgard, Fox 2005, section 5.4.
 """
 
+import math
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -142,17 +143,17 @@ def believed_motion(
     bx, by, b_theta = believed
     x0, y0, theta0 = last
     for k in range(len(poses)):
-        cos, sin = np.cos(theta0), np.sin(theta0)
+        cos, sin = math.cos(theta0), math.sin(theta0)
         x = cos * (poses[k, 0] - x0) + sin * (poses[k, 1] - y0)
         y = cos * (poses[k, 1] - y0) - sin * (poses[k, 0] - x0)
         turn = (poses[k, 2] - theta0 + np.pi) % (2.0 * np.pi) - np.pi
-        way, spin = np.sqrt(x * x + y * y), abs(turn)
-        sigma_way = np.sqrt(errors[5] ** 2 * way + errors[6] ** 2 * spin)
-        sigma_turn = np.sqrt(errors[3] ** 2 * spin + errors[4] ** 2 * way)
+        way, spin = math.sqrt(x * x + y * y), abs(turn)
+        sigma_way = math.sqrt(errors[5] ** 2 * way + errors[6] ** 2 * spin)
+        sigma_turn = math.sqrt(errors[3] ** 2 * spin + errors[4] ** 2 * way)
         stretch = 1.0 + errors[0] + (sigma_way * noise[k, 0] / way if way > 1e-9 else 0.0)
         ahead, aside = stretch * x, stretch * y + 0.25 * sigma_way * noise[k, 1]
-        turned = (1.0 + errors[1]) * turn + errors[2] * np.copysign(way, x) + sigma_turn * noise[k, 2]
-        cos, sin = np.cos(b_theta), np.sin(b_theta)
+        turned = (1.0 + errors[1]) * turn + errors[2] * math.copysign(way, x) + sigma_turn * noise[k, 2]
+        cos, sin = math.cos(b_theta), math.sin(b_theta)
         bx, by = bx + cos * ahead - sin * aside, by + sin * ahead + cos * aside
         b_theta = (b_theta + turned + np.pi) % (2.0 * np.pi) - np.pi
         x0, y0, theta0 = poses[k, 0], poses[k, 1], poses[k, 2]

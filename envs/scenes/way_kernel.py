@@ -4,6 +4,8 @@ The queue is one of buckets (Dial 1969): a step costs at least 1, so that cells 
 cannot improve each other, and may be settled in any order.
 """
 
+import math
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -140,7 +142,7 @@ def nearest(points: NDArray[np.float64], x: float, y: float) -> int:
     """Return the row of `points` (n, 2) nearest to (x, y), the first of several; -1 of none."""
     best, least = -1, np.inf
     for i in range(len(points)):
-        away = np.hypot(points[i, 0] - x, points[i, 1] - y)
+        away = math.hypot(points[i, 0] - x, points[i, 1] - y)
         if away < least:
             best, least = i, away
     return best
@@ -155,7 +157,7 @@ def apart(spots: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np
         for k in range(len(points)):
             dx, dy = spots[i, 0] - points[k, 0], spots[i, 1] - points[k, 1]
             nearest_squared = min(nearest_squared, dx * dx + dy * dy)
-        least[i] = np.sqrt(nearest_squared)
+        least[i] = math.sqrt(nearest_squared)
     return least
 
 

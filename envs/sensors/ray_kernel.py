@@ -7,6 +7,8 @@ not by those that have met something nearer than any point of it. People and fur
 stand before its walls, so that the geoms are gone through backwards.
 """
 
+import math
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -61,8 +63,8 @@ def cast_beams(
         if width < 0.0:
             continue
         for behind in (0.0, 2.0 * np.pi):
-            low = max(int(np.floor((start - behind) / spacing)), 0)
-            high = min(int(np.ceil((start - behind + width) / spacing)) + 1, count)
+            low = max(math.floor((start - behind) / spacing), 0)
+            high = min(math.ceil((start - behind + width) / spacing) + 1, count)
             if low < high:
                 _cast_some(low, high, near, origin, directions, geom, shape, size, position, rotation, distance, met)
 
@@ -141,8 +143,8 @@ def _sector_of_box(x: float, y: float, above: float, size: Array, rotation: Arra
     if max(along, aside) < _MARGIN:
         return 0.0, 2.0 * np.pi, 0.0
     # the two corners at the rim of what is seen: of the face towards the laser, or, seen over an edge, those beside
-    ax, ay = cx - np.copysign(size[0], cx), cy + np.copysign(size[1], cy)
-    bx, by = cx + np.copysign(size[0], cx), cy - np.copysign(size[1], cy)
+    ax, ay = cx - math.copysign(size[0], cx), cy + math.copysign(size[1], cy)
+    bx, by = cx + math.copysign(size[0], cx), cy - math.copysign(size[1], cy)
     if aside <= 0.0:
         bx = ax
     elif along <= 0.0:
@@ -152,7 +154,7 @@ def _sector_of_box(x: float, y: float, above: float, size: Array, rotation: Arra
     low = one if ax * by - ay * bx > 0.0 else other
     width = abs(other - one)
     width = min(width, 2.0 * np.pi - width)
-    near = np.sqrt(max(along, 0.0) ** 2 + max(aside, 0.0) ** 2)
+    near = math.sqrt(max(along, 0.0) ** 2 + max(aside, 0.0) ** 2)
     return low, width, near
 
 
@@ -163,15 +165,15 @@ def _sector_of_round(
     """Return the same of a geom at (x, y) that is seen as a circle around it, be it a box that is tilted."""
     upright = shape == CYLINDER and rotation[8] > _UPRIGHT
     if shape == CYLINDER:
-        bound = np.sqrt(size[0] ** 2 + size[1] ** 2)
+        bound = math.sqrt(size[0] ** 2 + size[1] ** 2)
     elif shape == ELLIPSOID:
         bound = max(size[0], size[1], size[2])
     else:
-        bound = np.sqrt(size[0] ** 2 + size[1] ** 2 + size[2] ** 2)
+        bound = math.sqrt(size[0] ** 2 + size[1] ** 2 + size[2] ** 2)
     if above > (size[1] if upright else bound) + _MARGIN:
         return 0.0, -1.0, 0.0
     bound = size[0] if upright else bound
-    away = np.sqrt(x * x + y * y)
+    away = math.sqrt(x * x + y * y)
     if away < bound + _MARGIN:
         return 0.0, 2.0 * np.pi, 0.0
     half = np.arcsin(bound / away)
@@ -257,7 +259,7 @@ def _root(a: float, b: float, c: float) -> float:
     within = b * b - a * c
     if within < _TINY:
         return -1.0
-    within = np.sqrt(within)
+    within = math.sqrt(within)
     low, high = (-b - within) / a, (-b + within) / a
     if low >= 0.0:
         return low
@@ -297,4 +299,4 @@ def add_noise(
 @njit(cache=True, nogil=True)
 def measured(exact: float, error: float, farthest: float) -> float:
     """Return what is measured of a range, `inf` where nothing is met; at most `farthest` [m]."""
-    return min(max(exact + error, 0.0), farthest) if np.isfinite(exact) else np.inf
+    return min(max(exact + error, 0.0), farthest) if math.isfinite(exact) else np.inf

@@ -7,15 +7,16 @@ from gymnasium.vector import VectorEnv
 from ...slam.errors import unknown_name
 from ..vector.arguments import checked_arguments
 
-SIMULATORS = "mujoco", "compiled"
+SIMULATORS = "mujoco", "compiled", "cuda"
 
 
 def make_vector_env(num_envs: int = 1, *, simulator: str = "mujoco", **arguments: Any) -> VectorEnv[Any, Any, Any]:
-    """Return `num_envs` environments: "mujoco" has everything, "compiled" is a hundred times as fast.
+    """Return `num_envs` environments: "mujoco" has everything, the others are far faster.
 
     Args:
         num_envs: How many.
-        simulator: "mujoco" for `FollowVectorEnv`, "compiled" for `CompiledVectorEnv`, which say what else they take.
+        simulator: "mujoco" for `FollowVectorEnv`, "compiled" for `CompiledVectorEnv`, "cuda" for `CudaVectorEnv` (with
+            `output="torch"` for `TensorVectorEnv`), which say what else they take.
         arguments: Of that class.
 
     Raises:
@@ -28,6 +29,10 @@ def make_vector_env(num_envs: int = 1, *, simulator: str = "mujoco", **arguments
         from ..compiled.vector_env import CompiledVectorEnv  # here, for it imports numba
 
         return CompiledVectorEnv(num_envs, **arguments)
+    if simulator == "cuda":
+        from ..cuda_worlds.making import make_cuda_env  # here, for it imports numba's CUDA
+
+        return make_cuda_env(num_envs, **arguments)
     from ..vector.vector_env import FollowVectorEnv
 
     return FollowVectorEnv(num_envs, **arguments)

@@ -1,5 +1,7 @@
 """Tracks as a tracker that errs would have them: made of the truth and of what the laser can see, scan by scan."""
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -71,8 +73,8 @@ def hidden_share(distance: float, bearing: float, ranges: Array, first: float, s
     """
     half = BODY_HALF_M / max(distance, 0.3)
     begin = ((bearing - half - first) % _TAU) / spacing
-    low, high = int(np.ceil(begin)), int(np.floor(begin + 2.0 * half / spacing))
-    round_ = int(np.round(_TAU / spacing))
+    low, high = np.int64(math.ceil(begin)), np.int64(math.floor(begin + 2.0 * half / spacing))
+    round_ = np.int64(math.floor(_TAU / spacing + 0.5))
     free = 0
     for j in range(low, high + 1):
         k = j if j < len(ranges) else j - round_
@@ -98,10 +100,10 @@ def seen(
         ranges: (n,) of the sweep [m].
         laser: Its place in the robot's axes [m], bearing of its first beam there, and spacing [rad].
     """
-    cos, sin = np.cos(pose[2]), np.sin(pose[2])
+    cos, sin = math.cos(pose[2]), math.sin(pose[2])
     x, y = place[0] - pose[0], place[1] - pose[1]
     ahead, aside = cos * x + sin * y - laser[0], cos * y - sin * x - laser[1]
-    distance, bearing = np.sqrt(ahead * ahead + aside * aside), np.arctan2(aside, ahead)
+    distance, bearing = math.sqrt(ahead * ahead + aside * aside), math.atan2(aside, ahead)
     hidden = hidden_share(distance, bearing, ranges, laser[2], laser[3])
     beams = min(np.log2(LEG_M / (max(distance, 0.3) * laser[3])), ENOUGH_LOG2)
     out_of_sight = 1.0 if hidden > OUT_OF_SIGHT else 0.0
@@ -125,11 +127,11 @@ def come_on(
         forget_s: Time constant with which the way is forgotten out of sight [s].
     """
     if sight[3] > 0.0:
-        keep, gain = np.exp(-dt / forget_s), 0.0
+        keep, gain = math.exp(-dt / forget_s), 0.0
     else:
         keep, gain = 1.0, dt * (1.0 - sight[2])
     x, y = keep * way[0] + gain * motion[0], keep * way[1] + gain * motion[1]
-    longer = max(np.sqrt(x * x + y * y) / WAY_M, 1.0)
+    longer = max(math.sqrt(x * x + y * y) / WAY_M, 1.0)
     way[0], way[1] = x / longer, y / longer
 
 
@@ -143,7 +145,7 @@ def quantity(
 ) -> float:
     """Return the quantity `row` for somebody who is seen so; the last two columns of `SIGHT` stand by themselves."""
     w = errors.weights[row]
-    return np.exp(
+    return math.exp(
         w[0] + w[1] * sight[0] + w[2] * sight[1] + w[3] * sight[2] + w[4] * sight[3] + w[5] * sight[4]
         + w[6] * sight[5] + w[7] * off + w[8] * seen_log2
     )  # fmt: skip
@@ -174,7 +176,7 @@ def _happens(rate: float, dt: float, random: Words) -> bool:
     if expected <= 0.0:
         return False
     lot = uniform(random)
-    return lot < expected and lot < 1.0 - np.exp(-expected)  # the first is quick, and mostly enough
+    return lot < expected and lot < 1.0 - math.exp(-expected)  # the first is quick, and mostly enough
 
 
 @view_kernel
@@ -203,7 +205,7 @@ def track_people(
         tracks: (2 n + 1, COLUMNS) of the people, of their second tracks, and of a thing; updated.
     """
     n = len(position)
-    keeps = np.exp(-dt / errors.place_s), np.exp(-dt / errors.motion_s), np.exp(-dt / errors.motion_lag_s)
+    keeps = math.exp(-dt / errors.place_s), math.exp(-dt / errors.motion_s), math.exp(-dt / errors.motion_lag_s)
     _swap(dt, position, errors, random, tracks[:n])
     for i in range(n):
         track, body = tracks[i], int(tracks[i, BODY])
@@ -212,7 +214,7 @@ def track_people(
         if track[PHASE] == UNKNOWN and x * x + y * y > FARTHEST_M * FARTHEST_M:
             track[WAY_X], track[WAY_Y] = 0.0, 0.0
             continue
-        speed = np.sqrt(motion[0] * motion[0] + motion[1] * motion[1])
+        speed = math.sqrt(motion[0] * motion[0] + motion[1] * motion[1])
         sight = seen(place, speed, pose, ranges, laser)
         come_on(track[WAY_X : WAY_Y + 1], motion, sight, dt, errors.way_s)
         _track_person(dt, place, motion, sight, errors, keeps, random, track)
@@ -236,7 +238,7 @@ def _track_person(
 ) -> None:
     """Bring a person's track to the present scan; of errors of place and motion, and of the lag, `keeps` is kept."""
     before = track[PHASE]
-    off = np.sqrt((track[X] - place[0] + dt * motion[0]) ** 2 + (track[Y] - place[1] + dt * motion[1]) ** 2)
+    off = math.sqrt((track[X] - place[0] + dt * motion[0]) ** 2 + (track[Y] - place[1] + dt * motion[1]) ** 2)
     track[PHASE] = _next_phase(track, dt, errors, sight, off, random)
     if track[PHASE] == UNKNOWN:
         return
@@ -269,7 +271,7 @@ def _next_phase(
 ) -> float:
     """Return the phase of a track after `dt` [s] in which its person is seen so and was so far `off` it [m]."""
     if track[PHASE] == UNKNOWN:
-        way = np.sqrt(track[WAY_X] * track[WAY_X] + track[WAY_Y] * track[WAY_Y])
+        way = math.sqrt(track[WAY_X] * track[WAY_X] + track[WAY_Y] * track[WAY_Y])
         share = enough_way(way, errors.way_m, errors.way_power)
         return SEEN if _happens(share * quantity(BORN, errors, sight, 0.0, 0.0), dt, random) else UNKNOWN
     if track[PHASE] == SEEN:
@@ -293,7 +295,7 @@ def _drift(track: Array, keep_place: float, keep_motion: float, random: Words) -
     """Let the errors go on; they keep so much of what they were."""
     for k in range(ERROR_X, ERROR_VY + 1):
         keep = keep_place if k < ERROR_VX else keep_motion
-        track[k] = keep * track[k] + np.sqrt(1.0 - keep * keep) * normal(random)
+        track[k] = keep * track[k] + math.sqrt(1.0 - keep * keep) * normal(random)
 
 
 @inner_view_kernel
@@ -323,7 +325,7 @@ def _swap(dt: float, position: Array, errors: TrackerErrors, random: Words, trac
             if a != i and b == i:
                 rate = 1.0 / errors.swapped_s
             elif tracks[i, PHASE] == SEEN and tracks[j, PHASE] == SEEN:
-                near = np.hypot(position[a, 0] - position[b, 0], position[a, 1] - position[b, 1]) < SWAP_M
+                near = math.hypot(position[a, 0] - position[b, 0], position[a, 1] - position[b, 1]) < SWAP_M
                 rate = errors.swap_per_s if near else 0.0
             else:
                 rate = 0.0
@@ -374,8 +376,8 @@ def _thing(
         j = int((1.0 - uniform(random)) * len(ranges))
         if ranges[j] < THING_M:
             turn = pose[2] + laser[2] + j * laser[3]
-            cos, sin = np.cos(pose[2]), np.sin(pose[2])
+            cos, sin = math.cos(pose[2]), math.sin(pose[2])
             track[PHASE], track[TRUST] = SEEN, errors.false_confidence
-            track[X] = pose[0] + cos * laser[0] - sin * laser[1] + ranges[j] * np.cos(turn)
-            track[Y] = pose[1] + sin * laser[0] + cos * laser[1] + ranges[j] * np.sin(turn)
+            track[X] = pose[0] + cos * laser[0] - sin * laser[1] + ranges[j] * math.cos(turn)
+            track[Y] = pose[1] + sin * laser[0] + cos * laser[1] + ranges[j] * math.sin(turn)
             track[VX] = track[VY] = 0.0

@@ -1,5 +1,7 @@
 """Everybody decides, one after the other, and begins to do it: one compiled call for all worlds' people."""
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -55,7 +57,7 @@ def begin(person: int, wish: CompiledWish, around: Around, dt: float) -> None:
 def go_straight(goal: NDArray[np.float64], position: NDArray[np.float64], direction: NDArray[np.float64]) -> None:
     """Point those who have a goal to it; all (n, 2)."""
     for person in range(len(goal)):
-        if not np.isnan(goal[person, 0]):
+        if not math.isnan(goal[person, 0]):
             dx, dy = goal[person, 0] - position[person, 0], goal[person, 1] - position[person, 1]
-            away = max(np.sqrt(dx * dx + dy * dy), 1e-6)
+            away = max(math.sqrt(dx * dx + dy * dy), 1e-6)
             direction[person, 0], direction[person, 1] = dx / away, dy / away

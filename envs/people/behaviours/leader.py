@@ -6,6 +6,8 @@ turn to the robot in it, whether they wait for it, whether the tour's end was re
 duration [s], and whether they turn to the robot, of each pause.
 """
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -53,9 +55,9 @@ def leader_wish(person: int, mind: Array, script: Array, around: Around, dt: flo
     """Return the pace, or 0 in a pause, while waiting for the robot, and at the end of the tour."""
     robot, position = around.robot, around.position
     dx, dy = robot[0] - position[person, 0], robot[1] - position[person, 1]
-    speed = _speed(mind, script, around.arc[person], np.hypot(dx, dy), dt)
+    speed = _speed(mind, script, around.arc[person], math.hypot(dx, dy), dt)
     if mind[_LOOKS] > 0.0:
-        face = np.arctan2(dy, dx)
+        face = math.atan2(dy, dx)
     else:
         face = heading_at(around.ways, around.way[person], around.arc[person])
     return speed, group_offset(person, mind[_SIDE], around), 1.0, face, np.nan, np.nan

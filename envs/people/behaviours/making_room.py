@@ -1,5 +1,7 @@
 """How the leader and those who keep the leader company make room for whom they meet."""
 
+import math
+
 import numpy as np
 
 from ....slam.view_kernel import inner_view_kernel, view_kernel
@@ -28,7 +30,7 @@ def group_offset(person: int, side: float, around: Around) -> float:
     if ways.bends[row_at(ways, 0, arc)]:
         return 0.0
     met = first_met(person, around)
-    wanted = side if np.isnan(met) else np.copysign(turn_out(ways), -met)
+    wanted = side if math.isnan(met) else math.copysign(turn_out(ways), -met)
     return within_free(ways, around.way[person], arc, wanted)
 
 

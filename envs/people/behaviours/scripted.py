@@ -4,6 +4,8 @@ The numbers of the mind: walking speed [m/s], direction to look to while standin
 go to or wait at, for how long they have waited there [s]. The script: x, y [m] and time to wait [s] of each place.
 """
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -26,7 +28,7 @@ def scripted_wish(person: int, mind: Array, script: Array, around: Around, dt: f
     """Return the pace towards the place, 0 while they wait, and at the last one."""
     place = script[int(mind[2])]
     speed = _speed(
-        mind, script, np.hypot(place[0] - around.position[person, 0], place[1] - around.position[person, 1]), dt
+        mind, script, math.hypot(place[0] - around.position[person, 0], place[1] - around.position[person, 1]), dt
     )
     goal = script[int(mind[2])]
     return speed, 0.0, 1.0, mind[1], goal[0], goal[1]
@@ -36,7 +38,7 @@ def scripted_wish(person: int, mind: Array, script: Array, around: Around, dt: f
 def _speed(mind: Array, script: Array, away: float, dt: float) -> float:
     """Return the speed `away` from the present place [m]."""
     place = int(mind[2])
-    last = not np.isfinite(script[place + 1, 0])
+    last = not math.isfinite(script[place + 1, 0])
     if away > (_ARRIVED if last else _PASSED) and mind[3] == 0.0:
         return min(mind[0], 0.25 + 0.8 * away)
     if mind[3] < script[place, 2]:

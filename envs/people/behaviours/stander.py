@@ -5,6 +5,8 @@ of the mind: speed [m/s], offset from the route [m], arc lengths between which t
 was near since they last stood [s], for how long they will still stand [s].
 """
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -28,7 +30,7 @@ def stander_wish(person: int, mind: NDArray[np.float64], around: Around, dt: flo
         mind[5] = max(0.0, mind[5] - dt)
         return 0.0, mind[1], sense, np.nan, np.nan, np.nan
     x, y = around.position[person, 0] - around.robot[0], around.position[person, 1] - around.robot[1]
-    mind[4] += dt if np.hypot(x, y) < _SEES_ROBOT_M else 0.0
+    mind[4] += dt if math.hypot(x, y) < _SEES_ROBOT_M else 0.0
     if mind[4] > _WALKS_ON_S:
         mind[4], mind[5] = 0.0, _STANDS_S
     return mind[0], mind[1], sense, np.nan, np.nan, np.nan

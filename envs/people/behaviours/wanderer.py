@@ -6,6 +6,8 @@ stay at the ends of their way [s], whether they stop for the leader and the robo
 [s], for how long they have been held up [s].
 """
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -36,14 +38,14 @@ def wanderer_wish(person: int, mind: Array, around: Around, dt: float) -> Compil
     rests = mind[_RESTS] > 0.0
     if rests:
         mind[_RESTS] = max(0.0, mind[_RESTS] - dt)
-    elif _loses_patience(mind, a.wish[person], np.hypot(a.velocity[person, 0], a.velocity[person, 1]), dt):
+    elif _loses_patience(mind, a.wish[person], math.hypot(a.velocity[person, 0], a.velocity[person, 1]), dt):
         sense = -sense
     offset = within_free(ways, way, arc, -sense * mind[_SIDE])
     stops = mind[_GIVES_WAY] > 0.0 and group_comes(person, a.group, a.robot, a.position, a.velocity, a.direction)
     if rests or stops:
         return 0.0, offset, sense, np.nan, np.nan, np.nan
     recorded = float(ways.speed[row_at(ways, way, arc)])
-    return mind[_PACE] if np.isnan(recorded) else recorded, offset, sense, np.nan, np.nan, np.nan
+    return mind[_PACE] if math.isnan(recorded) else recorded, offset, sense, np.nan, np.nan, np.nan
 
 
 @inner_view_kernel

@@ -1,5 +1,6 @@
 """The ways on which people walk, as compiled behaviours see them."""
 
+import math
 from enum import IntEnum
 from typing import NamedTuple
 
@@ -68,7 +69,7 @@ def within_free(ways: Ways, way: int, arc: float, lateral: float) -> float:
 def heading_at(ways: Ways, way: int, arc: float) -> float:
     """Return the direction of a way at `arc` [m], in radians."""
     row = row_at(ways, way, arc)
-    return np.arctan2(ways.tangents[row, 1], ways.tangents[row, 0])
+    return math.atan2(ways.tangents[row, 1], ways.tangents[row, 0])
 
 
 @view_kernel

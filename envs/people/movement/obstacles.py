@@ -3,6 +3,8 @@
 A box is a row of centre x and y, cos and sin of its yaw, half length, half width; a circle of x, y, radius [m].
 """
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -37,8 +39,8 @@ def nearest_of_rectangle(
         v = (1.0 if across >= 0.0 else -1.0) if out_along <= out_across else 0.0
     else:
         u, v = max(out_along, 0.0), max(out_across, 0.0)
-        distance = np.sqrt(u * u + v * v)
-        u, v = u / distance * np.sign(along), v / distance * np.sign(across)
+        distance = math.sqrt(u * u + v * v)
+        u, v = math.copysign(u, along) / distance, math.copysign(v, across) / distance
     return distance, cos * u - sin * v, sin * u + cos * v
 
 
@@ -52,5 +54,5 @@ def is_clear(x: float, y: float, boxes: Array, circles: Array, clearance: float)
                 return False
     clear = True
     for k in range(len(circles)):
-        clear = clear and np.hypot(x - circles[k, 0], y - circles[k, 1]) >= circles[k, 2] + clearance
+        clear = clear and math.hypot(x - circles[k, 0], y - circles[k, 1]) >= circles[k, 2] + clearance
     return clear

@@ -5,6 +5,7 @@ underlying self-organization in human crowds"), which the package PySocialForce 
 the tests; the drive to the wanted velocity and the walls follow Helbing and Molnar 1995.
 """
 
+import math
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -67,16 +68,17 @@ def pair_force(dx: float, dy: float, vx: float, vy: float, gap: float, config: A
         gap: Subtracted from the distance, for others that are larger than a person [m].
         config: `SocialForceConfig.as_array()`.
     """
-    distance = max(np.sqrt(dx * dx + dy * dy), 1e-6)
+    distance = max(math.sqrt(dx * dx + dy * dy), 1e-6)
     ex, ey = dx / distance, dy / distance
     ix, iy = config[2] * vx + ex, config[2] * vy + ey
-    strength = np.sqrt(ix * ix + iy * iy)
+    strength = math.sqrt(ix * ix + iy * iy)
     away, reach = max(distance - gap, 0.0), config[3] * strength
     if strength < 1e-9 or away > NOTICED * reach:
         return 0.0, 0.0
     ix, iy = ix / strength, iy / strength
-    angle = np.arctan2(ex * iy - ey * ix, ex * ix + ey * iy)
+    angle = math.atan2(ex * iy - ey * ix, ex * ix + ey * iy)
     decay = -away / reach
-    brake = np.exp(decay - (config[5] * reach * angle) ** 2)
-    turn = -np.sign(angle) * np.exp(decay - (config[4] * reach * angle) ** 2)
+    brake = math.exp(decay - (config[5] * reach * angle) ** 2)
+    aside = math.exp(decay - (config[4] * reach * angle) ** 2)
+    turn = -math.copysign(aside, angle) if angle != 0.0 else 0.0
     return -config[1] * (brake * ix - turn * iy), -config[1] * (brake * iy + turn * ix)

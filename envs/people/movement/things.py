@@ -1,5 +1,6 @@
 """Walls and furniture on a grid: who stands somewhere needs to look at what is near only."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -76,7 +77,7 @@ def _sorted_in(frame: Array, boxes: Array, circles: Array, reach: float) -> tupl
             if round_:
                 x, y, extent = circles[k - len(boxes), 0], circles[k - len(boxes), 1], circles[k - len(boxes), 2]
             else:
-                x, y, extent = boxes[k, 0], boxes[k, 1], np.hypot(boxes[k, 4], boxes[k, 5])
+                x, y, extent = boxes[k, 0], boxes[k, 1], math.hypot(boxes[k, 4], boxes[k, 5])
             extent += reach
             col0, col1 = int((x - extent - frame[0]) / frame[2]), int((x + extent - frame[0]) / frame[2])
             row0, row1 = int((y - extent - frame[1]) / frame[2]), int((y + extent - frame[1]) / frame[2])
@@ -84,7 +85,7 @@ def _sorted_in(frame: Array, boxes: Array, circles: Array, reach: float) -> tupl
                 for col in range(max(col0, 0), min(col1, cols - 1) + 1):
                     px, py = frame[0] + (col + 0.5) * frame[2], frame[1] + (row + 0.5) * frame[2]
                     if round_:
-                        away = np.hypot(px - x, py - y) - (extent - reach)
+                        away = math.hypot(px - x, py - y) - (extent - reach)
                     else:
                         away = nearest_of_box(px, py, boxes[k])[0]
                     if away < reach:
@@ -115,6 +116,6 @@ def keep_clear(x: float, y: float, room: float, things: Things) -> tuple[float, 
             circle = things.circles[-1 - item]
             dx, dy, apart = x - circle[0], y - circle[1], circle[2] + room
             if dx * dx + dy * dy < apart * apart:
-                away = max(np.sqrt(dx * dx + dy * dy), 1e-6)
+                away = max(math.sqrt(dx * dx + dy * dy), 1e-6)
                 x, y = x + (apart - away) * dx / away, y + (apart - away) * dy / away
     return x, y

@@ -1,5 +1,7 @@
 """How people move: along a route, round each other, the robot and the furniture, without overlaps."""
 
+import math
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -117,7 +119,7 @@ def wanted_directions(
         tx, ty = tangent[k, 0], tangent[k, 1]
         x = path[k, 0] + part * (path[k + 1, 0] - path[k, 0]) + beyond * SPACING * tx - lateral[i] * ty - position[i, 0]
         y = path[k, 1] + part * (path[k + 1, 1] - path[k, 1]) + beyond * SPACING * ty + lateral[i] * tx - position[i, 1]
-        length = max(np.sqrt(x * x + y * y), 1e-6)
+        length = max(math.sqrt(x * x + y * y), 1e-6)
         direction[i, 0], direction[i, 1] = x / length, y / length
 
 
@@ -180,7 +182,7 @@ def advance_bodies(
         fx, fy = _forces(i, position, velocity, radius, heedless[i], robot, things, force)
         if wish[i] == 0.0 and fx * fx + fy * fy < _UNMOVED * _UNMOVED:
             fx, fy = 0.0, 0.0
-        facing = np.cos(heading[i]) * direction[i, 0] + np.sin(heading[i]) * direction[i, 1]
+        facing = math.cos(heading[i]) * direction[i, 0] + math.sin(heading[i]) * direction[i, 1]
         speed = wish[i] * min(max(1.5 * facing, 0.0), 1.0)
         if speed > 0.0:
             speed *= _patience(i, before, direction, speed, radius, heedless[i], robot)
@@ -198,11 +200,11 @@ def advance_bodies(
 @inner_view_kernel
 def _move(dt: float, i: int, fx: float, fy: float, fastest: float, position: Array, velocity: Array) -> None:
     """Accelerate person i by a force [m/s^2], at most 3 m/s^2 and up to the speed `fastest`, and move them."""
-    strength = np.sqrt(fx * fx + fy * fy)
+    strength = math.sqrt(fx * fx + fy * fy)
     scale = 3.0 / strength if strength > 3.0 else 1.0
     velocity[i, 0] += dt * fx * scale
     velocity[i, 1] += dt * fy * scale
-    now = np.sqrt(velocity[i, 0] * velocity[i, 0] + velocity[i, 1] * velocity[i, 1])
+    now = math.sqrt(velocity[i, 0] * velocity[i, 0] + velocity[i, 1] * velocity[i, 1])
     slower = fastest / now if now > fastest else 1.0
     velocity[i, 0] *= slower
     velocity[i, 1] *= slower
@@ -250,11 +252,11 @@ def _force_of_things(x: float, y: float, radius: float, things: Things, force: A
         else:
             circle = things.circles[-1 - item]
             ux, uy = x - circle[0], y - circle[1]
-            away = max(np.sqrt(ux * ux + uy * uy), 1e-6)
+            away = max(math.sqrt(ux * ux + uy * uy), 1e-6)
             ux, uy = ux / away, uy / away
             distance = away - circle[2] - radius
         if distance < threshold:
-            push = force[6] * np.exp(-max(distance, 0.0) / reach)
+            push = force[6] * math.exp(-max(distance, 0.0) / reach)
             fx, fy = fx + push * ux, fy + push * uy
     return fx, fy
 
@@ -271,7 +273,7 @@ def _part(dt: float, position: Array, radius: Array, robot: Array, things: Thing
             dx, dy = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
             room = radius[i] + radius[j] + _BESIDE
             if dx * dx + dy * dy < room * room:
-                away = max(np.sqrt(dx * dx + dy * dy), 1e-6)
+                away = max(math.sqrt(dx * dx + dy * dy), 1e-6)
                 push = (room - away) / 2.0
                 position[i, 0] -= push * dx / away
                 position[i, 1] -= push * dy / away
@@ -312,11 +314,11 @@ def turn_bodies(dt: float, velocity: Array, direction: Array, wish: Array, face:
     for i in range(len(heading)):
         wanted = face[i]
         if wish[i] > 0.0:
-            wanted = np.arctan2(direction[i, 1], direction[i, 0])
+            wanted = math.atan2(direction[i, 1], direction[i, 0])
             along = velocity[i, 0] * direction[i, 0] + velocity[i, 1] * direction[i, 1]
             if along > 0.15:
-                wanted = np.arctan2(velocity[i, 1], velocity[i, 0])
-        if np.isfinite(wanted):
+                wanted = math.atan2(velocity[i, 1], velocity[i, 0])
+        if math.isfinite(wanted):
             error = (wanted - heading[i] + np.pi) % (2.0 * np.pi) - np.pi
             step = min(max(error, -2.6 * dt), 2.6 * dt)
             heading[i] = (heading[i] + step + np.pi) % (2.0 * np.pi) - np.pi
