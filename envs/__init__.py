@@ -3,7 +3,8 @@
     gymnasium.make("tagalong/Corridor-v0", **settings)      one environment; `FollowEnv` is the manual of observations,
                                                             actions, rewards, endings and info
     gymnasium.make_vec(..., vectorization_mode="vector_entry_point")   many on all cores: `FollowVectorEnv`; with
-                                                            simulator="compiled" thousands: `CompiledVectorEnv`
+                                                            simulator="compiled" thousands: `CompiledVectorEnv`;
+                                                            "cuda" as many more on a GPU: `CudaVectorEnv`
     rollout(env, follower, seed=0) -> Episode               one episode: history, metrics, total reward
 
     >>> import gymnasium
@@ -36,6 +37,8 @@ from ..slam.door import lends
 
 if TYPE_CHECKING:
     from .compiled.vector_env import CompiledVectorEnv
+    from .cuda_worlds.tensors import TensorVectorEnv
+    from .cuda_worlds.vector_env import CudaVectorEnv
     from .follow_config import FollowConfig
     from .follow_env import FollowEnv
     from .onboard.stack import Belief
@@ -55,6 +58,7 @@ __all__ = [
     "Behaviour",
     "Belief",
     "CompiledVectorEnv",
+    "CudaVectorEnv",
     "Episode",
     "FollowConfig",
     "FollowEnv",
@@ -66,6 +70,7 @@ __all__ = [
     "Scene",
     "SceneRequest",
     "StepFacts",
+    "TensorVectorEnv",
     "Wish",
     "World",
     "WorldConfig",
@@ -76,6 +81,7 @@ _HOME = {
     "Behaviour": "people.behaviours",
     "Belief": "onboard.stack",
     "CompiledVectorEnv": "compiled.vector_env",
+    "CudaVectorEnv": "cuda_worlds.vector_env",
     "Episode": "recording.rollout",
     "FollowConfig": "follow_config",
     "FollowEnv": "follow_env",
@@ -87,6 +93,7 @@ _HOME = {
     "Scene": "scenes.scene",
     "SceneRequest": "scenes.request",
     "StepFacts": "task.rewards",
+    "TensorVectorEnv": "cuda_worlds.tensors",
     "Wish": "people.behaviours",
     "World": "world.world",
     "WorldConfig": "world.config",

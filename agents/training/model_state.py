@@ -112,4 +112,4 @@ def _parameters(optimizer: torch.optim.Optimizer) -> list[torch.Tensor]:
 
 
 def _copy(tensor: torch.Tensor) -> NDArray[np.float32]:
-    return np.array(tensor.detach().numpy(), dtype=np.float32, order="C")
+    return np.array(tensor.detach().cpu().numpy(), dtype=np.float32, order="C")

@@ -1,6 +1,6 @@
 """Episodes as they are drawn: ahead for all worlds, and for one world where it was asked for."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -32,10 +32,14 @@ class EpisodePool:
         worlds: How many worlds.
         ahead: How many episodes are drawn ahead.
         seed: Of their draws.
+        kinds: Options of `reset` for those ahead: building k takes the k-th, and round again.
     """
 
-    def __init__(self, config: FollowConfig, worlds: int, ahead: int, seed: int) -> None:
+    def __init__(
+        self, config: FollowConfig, worlds: int, ahead: int, seed: int, kinds: Sequence[Mapping[str, Any]] = ({},)
+    ) -> None:
         self._config, self._ahead, self._seed = config, ahead, seed
+        self._kinds = [world_config(config, kind) for kind in kinds]
         self._records = Records(ahead + worlds)
         self._drawn_ahead = False
 
@@ -51,9 +55,9 @@ class EpisodePool:
         """Draw the episodes ahead, once."""
         if self._drawn_ahead:
             return
-        config = world_config(self._config, {})
-        for building in range(0, self._ahead, SHARING):
-            for row, drawing in enumerate(self._sharing(config, building), building):
+        for building, first in enumerate(range(0, self._ahead, SHARING)):
+            config = self._kinds[building % len(self._kinds)]
+            for row, drawing in enumerate(self._sharing(config, first), first):
                 self._records.put(row, plan_row(drawing))
         self._drawn_ahead = True
 

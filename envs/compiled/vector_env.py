@@ -3,7 +3,7 @@
 import logging
 import os
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
 from typing import Any
@@ -21,7 +21,7 @@ from ..task.observation import observation_space
 from ..vector.arguments import chosen_by, each_seed
 from .episodes import BEGIN, BEGIN_AGAIN, REST, STEP, judge_worlds, step_worlds, sweep_worlds
 from .infos import infos, masked, observations
-from .pool import EpisodePool
+from .pool import SHARING, EpisodePool
 from .rules import compiled_config, make_rules
 from .state import Flags, arrays_of, nothing_told, scratch, state_with_room
 from .trackers import Trackers
@@ -56,6 +56,8 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
         episodes_ahead: How many episodes (building, people, start) are drawn at the first reset; four each share a
             building. An office takes about 0.1 s, and an episode 0.3 MB.
         episodes_seed: Of their draws.
+        kinds: Options of `reset` for the episodes drawn ahead, a building each in turn: `[{"scene": "office"},
+            {"scene": "corridor", "people": 5, "heedless": 1.0}]` makes half of them corridors.
         own_start: Whether `reset(seed=...)` draws the buildings, people and starts of these seeds.
         fields: Keyword arguments of `FollowEnv`.
 
@@ -72,6 +74,7 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
         autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
         episodes_ahead: int = 128,
         episodes_seed: int = 0,
+        kinds: Sequence[Mapping[str, Any]] = ({},),
         own_start: bool = False,
         **fields: Any,
     ) -> None:
@@ -94,7 +97,9 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
         self.single_action_space = spaces.Box(-1.0, 1.0, (3 if self.interface.holonomic else 2,), np.float32)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
-        self._pool = EpisodePool(self.config, num_envs, episodes_ahead, episodes_seed)
+        self._pool = EpisodePool(
+            self.config, num_envs, episodes_ahead, episodes_seed, _checked_kinds(kinds, episodes_ahead)
+        )
         self._rules = make_rules(self.config, max_episode_steps or 0, episodes_ahead)
         self._state = state_with_room(num_envs, 1, 0)
         beams, slots = self.config.sensors.lidar.beams, self.config.observation.people_slots
@@ -256,6 +261,22 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
 
     def _observations(self) -> dict[str, NDArray[Any]]:
         return {name: values.copy() for name, values in observations(self._told).items()}
+
+
+def _checked_kinds(kinds: Any, ahead: int) -> list[Mapping[str, Any]]:
+    """Return the kinds of episodes.
+
+    Raises:
+        InputError: If they are no list of options of `reset`, or more than there are buildings.
+    """
+    if isinstance(kinds, str | Mapping) or not isinstance(kinds, Sequence) or not kinds:
+        raise InputError(f"`kinds` must be a list of reset options, got {shown(kinds)}")
+    for kind in kinds:
+        check_options(kind or {})
+    if len(kinds) > -(-ahead // SHARING):
+        need = f"{SHARING * len(kinds)} `episodes_ahead`, for {SHARING} share a building"
+        raise InputError(f"{len(kinds)} `kinds` need at least {need}, got {ahead}")
+    return [kind or {} for kind in kinds]
 
 
 def _last(batch: dict[str, NDArray[Any]], ended: Flags) -> NDArray[Any]:

@@ -13,6 +13,8 @@ from ..compiled.episodes import BEGIN_AGAIN, REST, STEP
 from ..compiled.infos import SUCCESSES, observations, table_of, terms_of
 from .vector_env import CudaVectorEnv
 
+DEVICE = "cuda"
+
 
 class TensorVectorEnv(CudaVectorEnv):
     """`CudaVectorEnv` that tells all in tensors of torch on the GPU: `simulator="cuda", output="torch"`.
@@ -35,7 +37,7 @@ class TensorVectorEnv(CudaVectorEnv):
             raise MissingExtraError("tensors", "learn") from None
         super().__init__(num_envs, **arguments)
         self._torch = torch
-        self._good = torch.as_tensor(SUCCESSES, device="cuda")
+        self._good = torch.as_tensor(SUCCESSES, device=DEVICE)
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
@@ -68,14 +70,14 @@ class TensorVectorEnv(CudaVectorEnv):
         self._move(what, cuda.to_device(actions))
 
     def _on_gpu(self, actions: Any) -> Any:
-        wanted = self._torch.as_tensor(actions, dtype=self._torch.float64, device="cuda").contiguous()
+        wanted = self._torch.as_tensor(actions, dtype=self._torch.float64, device=DEVICE).contiguous()
         if tuple(wanted.shape) != self.action_space.shape:
             raise InputError(f"actions have shape {self.action_space.shape}, got {tuple(wanted.shape)}")
         return cuda.as_cuda_array(wanted.detach())
 
     def _tensor(self, values: Any) -> Any:
         """Return a copy of an array on the GPU as a tensor."""
-        return self._torch.as_tensor(values, device="cuda").clone()
+        return self._torch.as_tensor(values, device=DEVICE).clone()
 
     def _seen(self) -> dict[str, Any]:
         return {name: self._tensor(values) for name, values in observations(self._told_there).items()}

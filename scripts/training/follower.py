@@ -46,7 +46,10 @@ def add_follower_arguments(models: "argparse._SubParsersAction[argparse.Argument
     parser.add_argument("--preset", choices=PRESETS, default=WORLDS, help="default: %(default)s")
     parser.add_argument("--seed", type=random_seed, default=0, help="of all random draws (default: %(default)s)")
     parser.add_argument(
-        "--steps", type=at_least(1, MOST_STEPS), metavar="N", help="steps of reinforcement (worlds: 4000000)"
+        "--steps",
+        type=at_least(1, MOST_STEPS),
+        metavar="N",
+        help="steps of reinforcement (worlds: 4000000)",
     )
     parser.add_argument("--max-minutes", type=within(0.001, 1e6), metavar="M", help="stop then, evaluations included")
     parser.add_argument(
@@ -56,6 +59,10 @@ def add_follower_arguments(models: "argparse._SubParsersAction[argparse.Argument
         metavar="N",
         help="processes that drive (worlds: threads; %(default)s)",
     )
+    parser.add_argument(
+        "--device", choices=("cpu", "cuda"), default="cpu",
+        help="worlds: cuda steps them on a GPU, 800000000 steps, for a larger network (default: %(default)s)",
+    )  # fmt: skip
     add_settings(parser, "an argument of the environments that it is trained in, e.g. robot=pioneer")
     parser.add_argument("--out", type=Path, default=Path("out/follower"), metavar="DIR", help="default: %(default)s")
 
@@ -65,6 +72,8 @@ def train_follower(options: argparse.Namespace) -> int:
     require_workers(options.workers, "--workers")
     if options.preset == WORLDS:
         return _train_on_worlds(options)
+    if options.device != "cpu":
+        raise InputError(f"--device {options.device} is for the preset {WORLDS}; the others are MuJoCo's worlds")
     if options.steps is not None:
         raise InputError(f"--steps is for the preset {WORLDS}; the others have steps of their own")
     try:
@@ -99,15 +108,16 @@ def _train_on_worlds(options: argparse.Namespace) -> int:
     if options.algo != "ppo":
         raise InputError(f"the preset {WORLDS} is trained by ppo, got {options.algo}")
     try:
-        from ...agents.training.worlds.preset import WorldsPreset
+        from ...agents.training.worlds.preset import WorldsPreset, gpu_preset
         from ...agents.training.worlds.run import WorldsRun, WorldsRunConfig
     except ImportError as error:
         raise MissingExtraError(f"learned followers ({error.name})", "learn") from None
-    preset = WorldsPreset()
+    preset = gpu_preset() if options.device == "cuda" else WorldsPreset()
     preset = replace(preset, env={**preset.env, **read_settings(options.settings)})
     if options.steps is not None:
         preset = replace(preset, steps=options.steps)
-    config = WorldsRunConfig(preset=preset, seed=options.seed, workers=options.workers, max_minutes=options.max_minutes)
+    limits = {"seed": options.seed, "workers": options.workers, "max_minutes": options.max_minutes}
+    config = WorldsRunConfig(preset=preset, device=options.device, **limits)
     lines = ProgressLines()
     run = WorldsRun(config, options.out, lines)
     if run.progress.minutes:

@@ -10,18 +10,23 @@ torch = pytest.importorskip("torch", reason='training needs the extra "learn"')
 pytest.importorskip("stable_baselines3", reason='training needs the extra "learn"')
 
 from tagalong.agents import make_follower  # noqa: E402
+from tagalong.agents.learned.steering import SteeringConfig, steer_many  # noqa: E402
 from tagalong.agents.reinforced.policy import load_reinforced  # noqa: E402
-from tagalong.agents.training.worlds.preset import WorldKind, WorldsPreset  # noqa: E402
+from tagalong.agents.training.worlds.pooled_tensors import PooledTensors, as_tensors  # noqa: E402
+from tagalong.agents.training.worlds.ppo import Learner, Rollout  # noqa: E402
+from tagalong.agents.training.worlds.preset import WorldsPreset  # noqa: E402
 from tagalong.agents.training.worlds.run import WorldsRun, WorldsRunConfig  # noqa: E402
-from tagalong.agents.training.worlds.vec_env import WorldsVecEnv  # noqa: E402
+from tagalong.agents.training.worlds.tensor_worlds import TRUTH, Outcome, TensorWorlds, steered  # noqa: E402
+from tagalong.envs import CompiledVectorEnv  # noqa: E402
 from tagalong.envs.task import FollowInterface  # noqa: E402
+from tagalong.envs.wrappers import PooledConfig  # noqa: E402
+from tagalong.envs.wrappers.pooled_features import PooledFeatures  # noqa: E402
 from tagalong.slam import InputError  # noqa: E402
 
-KINDS = (
-    WorldKind(name="corridor", count=3, people=2, episodes=4),
-    WorldKind(name="meeting_room", count=2, people=2, episodes=4),
-)
-TINY = WorldsPreset(kinds=KINDS, env={"beams": 90}, steps=80, rollout=4, batch=10, epochs=1, width=8, most_steps=6)
+KINDS = ({"scene": "corridor", "people": 2}, {"scene": "meeting_room", "people": 2})
+TINY = WorldsPreset(
+    kinds=KINDS, worlds=5, episodes=8, env={"beams": 90}, steps=80, rollout=4, batch=10, epochs=1, width=8, most_steps=6
+)  # fmt: skip
 
 
 def trained(folder, preset=TINY, **settings):
@@ -88,32 +93,125 @@ def test_training_begins_with_quick_steering_and_ends_with_that_of_the_card():
 
 
 def test_who_is_nearer_to_a_thing_is_charged_more_and_who_is_far_from_all_nothing():
-    env = WorldsVecEnv(TINY, 0, 1)
-    told = env.reset()
+    worlds = TensorWorlds(TINY, 0, 1, "cpu")
+    told, _ = worlds.reset(0)
     costs = []
     for gap in (0.0, 0.1, 0.3):
         told[:, : TINY.pooled.sectors] = np.exp(-gap / TINY.pooled.gap_scale)
-        costs.append(env._clearance_cost(told)[0])
+        costs.append(float(worlds._clearance_cost(told)[0]))
     assert costs == pytest.approx([TINY.clearance, TINY.clearance / 4.0, 0.0], abs=1e-5)
+    worlds.close()
+
+
+def test_a_done_or_cut_tour_is_over_but_not_failed_and_a_contact_is_both(monkeypatch):
+    worlds = TensorWorlds(TINY, 0, 1, "cpu")
+    worlds.reset(0)
+    step = worlds._env.step
+    endings = np.array(["tour_done", "collision_static", "leader_lost", "", ""], dtype=object)
+
+    def ended(actions):
+        told, reward, _, _, info = step(actions)
+        terminated, truncated = endings != "", np.array([False, False, False, True, False])
+        return told, reward, terminated.astype(bool), truncated, {**info, "ending": endings}
+
+    monkeypatch.setattr(worlds._env, "step", ended)
+    outcome = worlds.step(torch.zeros(5, 2))
+    assert outcome.over.tolist() == [True, True, True, True, False]
+    assert outcome.failed.tolist() == [False, True, True, False, False]
+    assert outcome.begun.tolist() == [False] * 5
+    monkeypatch.setattr(worlds._env, "step", step)
+    after = worlds.step(torch.ones(5, 2))
+    assert after.begun.tolist() == outcome.over.tolist()
+    assert after.reward[:4].tolist() == [0.0] * 4
+    assert worlds._commanded[:4].abs().max() == 0.0
+    worlds.close()
+
+
+CONFIGS = [PooledConfig(gap_scale=0.5), PooledConfig(stack=3, people=8, actions=0, sectors=50), PooledConfig(people=2)]
+
+
+@pytest.mark.parametrize("config", CONFIGS, ids=["as trained", "stacked", "few"])
+def test_tensors_tell_what_the_wrapper_tells(config):
+    count = 6
+    env = CompiledVectorEnv(
+        count, workers=1, episodes_ahead=8, people_count=4, beams=121, people="modelled", scene="corridor",
+        max_episode_steps=25,
+    )  # fmt: skip
+    arrays = PooledFeatures(config, env.interface, count)
+    tensors = PooledTensors(config, env.interface, count, "cpu")
+    batch, _ = env.reset(seed=3)
+    over, rng, wanted = np.zeros(count, bool), np.random.default_rng(0), arrays.begin(batch)
+    told = tensors.update(as_tensors(batch, "cpu"), torch.zeros(count, 2), torch.ones(count, dtype=torch.bool))
+    for _ in range(60):
+        assert np.abs(told.numpy() - wanted).max() < 1e-6
+        actions = rng.uniform(0.0, 1.0, (count, 2)).astype(np.float32)
+        batch, _, terminated, truncated, _ = env.step(actions)
+        begun, over = over, terminated | truncated
+        told = tensors.update(as_tensors(batch, "cpu"), torch.as_tensor(actions), torch.as_tensor(begun))
+        wanted = np.zeros(told.shape, np.float32)
+        for rows, of in ((np.flatnonzero(begun), arrays.begin), (np.flatnonzero(~begun), None)):
+            part = {name: values[rows] for name, values in batch.items()}
+            wanted[rows] = arrays.update(part, actions[rows], rows) if of is None else of(part, rows)
     env.close()
 
 
-def test_a_done_tour_is_cut_short_and_a_contact_is_an_end(monkeypatch):
-    env = WorldsVecEnv(TINY, 0, 1)
-    env.reset()
-    for part, (ending, success) in zip(env._parts, (("tour_done", True), ("collision_static", False)), strict=True):
-        step = part.step
+def test_tensors_are_steered_as_arrays_are():
+    states, wishes = np.random.default_rng(1).normal(size=(50, 4)), np.random.default_rng(2).normal(size=(50, 2))
+    ours = steered(torch.as_tensor(states), torch.as_tensor(wishes), 0.1, SteeringConfig())
+    assert ours.numpy() == pytest.approx(steer_many(states, wishes, 0.1, SteeringConfig()), abs=1e-6)
 
-        def ended(actions, step=step, ending=ending, success=success):
-            told, rewards, over, cut, info = step(actions)
-            over, n = np.ones_like(over), len(over)
-            info["final_info"] = {"ending": np.array([ending] * n), "is_success": np.array([success] * n)}
-            return told, rewards, over, cut, {**info, "final_obs": told}
 
-        monkeypatch.setattr(part, "step", ended)
-    *_, infos = env.step(np.zeros((5, 2)))
-    assert [info["TimeLimit.truncated"] for info in infos] == [True] * 3 + [False] * 2
-    env.close()
+def rollout_of(learner, rewards, over, failed, begun):
+    """A rollout of one world in which nothing is told."""
+    told, truth = torch.zeros(1, TINY.pooled.size()), torch.zeros(1, TRUTH)
+    rollout = Rollout.of(len(rewards), told, truth)
+    for t, (reward, *flags) in enumerate(zip(rewards, over, failed, begun, strict=True)):
+        learner.explore(rollout, t)
+        marks = [torch.tensor([bool(flag)]) for flag in flags]
+        rollout.put(t, Outcome(told, truth, torch.tensor([reward]), *marks, torch.zeros(1, dtype=torch.long)))
+    return rollout
+
+
+def test_advantages_end_with_an_episode_and_keep_the_value_behind_a_cut():
+    learner, gamma, lam = Learner(TINY, TINY.pooled.size(), 0, "cpu"), TINY.gamma, TINY.gae_lambda
+    value = 0.7
+    with torch.no_grad():
+        learner.model.critic[-1].weight.zero_()
+        learner.model.critic[-1].bias.fill_(value)
+    rewards = [1.0, 2.0, 0.0, 4.0]
+    for failed in (False, True):
+        rollout = rollout_of(learner, rewards, [0, 1, 0, 0], [0, failed, 0, 0], [0, 0, 1, 0])
+        advantages = learner._advantages(rollout)[0][:, 0].tolist()
+        end = 2.0 + (0.0 if failed else gamma * value) - value
+        last = 4.0 + gamma * value - value
+        assert advantages[1] == pytest.approx(end, rel=1e-5)
+        assert advantages[0] == pytest.approx(1.0 + gamma * value - value + gamma * lam * end, rel=1e-5)
+        assert advantages[3] == pytest.approx(last, rel=1e-5)
+
+
+def test_what_is_rewarded_is_done_more_and_steps_without_a_choice_teach_nothing():
+    preset = replace(TINY, worlds=1, rollout=64, batch=64, epochs=8)
+    learner = Learner(preset, preset.pooled.size(), 0, "cpu")
+    told = torch.zeros(1, preset.pooled.size())
+    before = learner.model.actor(told).detach().clone()
+    for _ in range(12):
+        rollout = rollout_of(learner, [0.0] * 64, [1] * 64, [1] * 64, [0, 1] * 32)
+        rollout.reward[:] = rollout.outputs[..., 0]
+        rollout.reward[1::2] = -10.0 * rollout.outputs[1::2, :, 0]
+        figures = learner.learn(rollout, 0.0)
+    assert figures["rate"] > 0.0
+    assert float((learner.model.actor(told) - before).detach()[0, 0]) > 0.1
+
+
+def test_who_moves_too_far_in_a_step_learns_slower_and_who_hardly_moves_faster():
+    learner = Learner(TINY, TINY.pooled.size(), 0, "cpu")
+    rate = learner.optimizer.param_groups[0]["lr"]
+    learner._adapt_rate(3.0 * TINY.divergence, 1.0)
+    assert learner.optimizer.param_groups[0]["lr"] == pytest.approx(rate / 1.5)
+    learner._adapt_rate(0.1 * TINY.divergence, 1.0)
+    assert learner.optimizer.param_groups[0]["lr"] == pytest.approx(rate)
+    learner._adapt_rate(0.1 * TINY.divergence, 0.5 * rate)
+    assert learner.optimizer.param_groups[0]["lr"] == pytest.approx(0.5 * rate)
 
 
 def test_a_card_or_arrays_that_do_not_fit_are_told_in_one_line(whole, tmp_path):

@@ -274,7 +274,7 @@ def test_a_wrong_action_moves_nobody():
 
 
 def test_an_unknown_simulator_is_refused():
-    with pytest.raises(InputError, match="unknown simulator 'gazebo'; simulators: compiled, mujoco"):
+    with pytest.raises(InputError, match="unknown simulator 'gazebo'; simulators: compiled, cuda, mujoco"):
         gym.make_vec("tagalong/Corridor-v0", 2, "vector_entry_point", simulator="gazebo")
 
 
@@ -301,3 +301,28 @@ def test_whole_numbers_where_fractions_may_stand_do_not_compile_the_kernels_anew
     }
     whole |= {"robot.max_acceleration": 1, "robot.max_turn_acceleration": 2, "lost_limit_s": 5}
     assert numba.typeof(make_rules(compiled_config(whole), 0, 2)) == numba.typeof(usual)
+
+
+def test_the_kinds_of_episodes_take_turns_building_by_building():
+    kinds = [{"people": 1}, {"scene": "doorway", "people": 4, "odometry": "perfect"}]
+    env = compiled(worlds=40, episodes_ahead=16, kinds=kinds)
+    env.reset(seed=0)
+    plans = env._pool.plans
+    assert plans.people[:16].tolist() == [1] * 4 + [4] * 4 + [1] * 4 + [4] * 4
+    assert np.abs(plans.errors[4:8]).max() == 0.0
+    assert set(plans.people[env._state.slot].tolist()) == {1, 4}
+
+
+@pytest.mark.parametrize(
+    ("kinds", "told"),
+    [
+        ([], "must be a list of reset options"),
+        ({"people": 2}, "must be a list of reset options"),
+        ([{"peple": 2}], "unknown reset option"),
+        ([{"people": 0}], "must be at least 1"),
+        ([{}, {}, {}], "3 `kinds` need at least 12 `episodes_ahead`"),
+    ],
+)
+def test_kinds_that_are_none_are_refused_in_one_line(kinds, told):
+    with pytest.raises(InputError, match=told):
+        compiled(kinds=kinds)

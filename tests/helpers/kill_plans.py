@@ -133,12 +133,12 @@ from tagalong.scripts.console.last_words import told
 
 
 def train():
-    from tagalong.agents.training.worlds.preset import WorldKind, WorldsPreset
+    from tagalong.agents.training.worlds.preset import WorldsPreset
     from tagalong.agents.training.worlds.run import WorldsRun, WorldsRunConfig
 
-    kinds = WorldKind(name="office", count=3, episodes=6), WorldKind(name="corridor", count=2, people=3, episodes=4)
     preset = WorldsPreset(
-        kinds=kinds, env={"beams": 90}, steps=3000, rollout=80, batch=100, epochs=1, width=8, most_steps=60
+        kinds=({"scene": "office"}, {"scene": "corridor", "people": 3}), worlds=5, episodes=8, env={"beams": 90},
+        steps=3000, rollout=80, batch=100, epochs=1, width=8, most_steps=60,
     )
     WorldsRun(WorldsRunConfig(preset=preset, workers=2), Path(sys.argv[1]), print).train()
     return 0

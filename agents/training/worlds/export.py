@@ -15,13 +15,12 @@ from ...reinforced.policy import ReinforcedConfig
 from ..model_state import Arrays
 
 
-def policy_arrays(policy: Any) -> Arrays:
-    """Return the actor of a policy of stable-baselines3 as `agents.reinforced.policy` names its arrays."""
-    layers = [part for part in policy.mlp_extractor.policy_net if isinstance(part, nn.Linear)]
+def policy_arrays(actor: nn.Sequential) -> Arrays:
+    """Return the layers of an actor as `agents.reinforced.policy` names its arrays."""
     arrays: Arrays = {}
-    for i, layer in enumerate((*layers, policy.action_net)):
-        for name in ("weight", "bias"):
-            arrays[f"layer.{i}.{name}"] = np.array(getattr(layer, name).detach().numpy(), dtype=np.float32, order="C")
+    for i, layer in enumerate(part for part in actor if isinstance(part, nn.Linear)):
+        for name, tensor in (("weight", layer.weight), ("bias", layer.bias)):
+            arrays[f"layer.{i}.{name}"] = np.array(tensor.detach().cpu().numpy(), dtype=np.float32, order="C")
     return arrays
 
 

@@ -14,35 +14,35 @@ MOST_QUICK = 10.0
 """Times: a robot that settles within a step of the control is no quicker for more."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class WorldKind:
-    """Worlds of one kind.
-
-    Attributes:
-        name: Of the scene.
-        count: How many of them are stepped side by side.
-        people: Walking people, the leader included; None draws them as the scene does.
-        episodes: How many episodes are drawn; four share a building.
-    """
-
-    name: str
-    count: int
-    people: int | None = None
-    episodes: int = 128
-
-
-KINDS = (
-    WorldKind(name="office", count=72, episodes=320),
-    WorldKind(name="office", count=24, people=8, episodes=96),
-    WorldKind(name="office", count=24, people=13, episodes=96),
-    WorldKind(name="tight_office", count=40, episodes=160),
-    WorldKind(name="floor_plan", count=24, episodes=64),
-    WorldKind(name="corridor", count=24, people=3, episodes=64),
-    WorldKind(name="meeting_room", count=16, people=3, episodes=64),
-    WorldKind(name="narrow_corridor", count=16, people=8, episodes=64),
-    WorldKind(name="clutter", count=16, people=10, episodes=64),
+_HURRIED = {"leader_style": "hurried"}
+_BLIND = {"heedless": 1.0}
+KINDS: tuple[dict[str, Any], ...] = (
+    {"scene": "office"},
+    {"scene": "office", "people": None, **_BLIND},
+    {"scene": "office", "people": None, **_HURRIED},
+    {"scene": "office", "people": 8, "heedless": 0.5},
+    {"scene": "office", "people": 13},
+    {"scene": "office", "people": 13, **_BLIND, **_HURRIED},
+    {"scene": "office", "people": 6, "odometry": "slipping"},
+    {"scene": "tight_office", "people": None},
+    {"scene": "tight_office", "people": 7, **_BLIND},
+    {"scene": "tight_office", "people": 11, **_BLIND, **_HURRIED},
+    {"scene": "tight_office", "people": 9, "odometry": "slipping", **_HURRIED},
+    {"scene": "floor_plan", "people": None},
+    {"scene": "floor_plan", "people": 6, **_BLIND},
+    {"scene": "corridor", "people": 3},
+    {"scene": "corridor", "people": 6, "odometry": "slipping", **_BLIND},
+    {"scene": "meeting_room", "people": 3},
+    {"scene": "meeting_room", "people": 6, **_BLIND},
+    {"scene": "narrow_corridor", "people": 8},
+    {"scene": "narrow_corridor", "people": 12, **_BLIND},
+    {"scene": "clutter", "people": 10},
+    {"scene": "clutter", "people": 14, **_BLIND},
+    {"scene": "doorway", "people": 8, "heedless": 0.5},
+    {"scene": "intersection", "people": 10, **_BLIND},
 )
-"""Offices of the training half alone; the other kinds of buildings in the hard suite are kept for tests."""
+"""Kinds of episodes, as options of `reset`. Offices are of the training half alone; `narrow_doors`, `tight_doorway`,
+`wide_corridor`, `busy_crossing` and `packed_clutter` of the hard suites are kept for tests."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,7 +50,9 @@ class WorldsPreset:
     """Everything that the training depends on, but for the seed.
 
     Attributes:
-        kinds: The worlds.
+        kinds: Of the episodes; building k is of the k-th, and round again.
+        worlds: How many are stepped side by side.
+        episodes: How many are drawn; four share a building.
         env: Further keyword arguments of the environments.
         pooled: What the network is told.
         steering: How its wishes are driven.
@@ -58,7 +60,8 @@ class WorldsPreset:
         rollout: Steps of each world between two updates.
         batch: Steps in a batch.
         epochs: Passes over a rollout.
-        learning_rate: Of Adam at first; it falls in a line to a tenth of it.
+        learning_rate: Of Adam at first; later it follows the divergence, below a bound that falls to a tenth of it.
+        divergence: Of the policy from the one that drove, in a step of the descent, that is aimed at [nat].
         gamma: Discount.
         gae_lambda: Of generalised advantages.
         log_deviation: Logarithm of the deviation of the exploration at first.
@@ -74,7 +77,9 @@ class WorldsPreset:
         most_steps: Steps after which an episode is cut.
     """
 
-    kinds: tuple[WorldKind, ...] = KINDS
+    kinds: tuple[dict[str, Any], ...] = KINDS
+    worlds: int = 256
+    episodes: int = 1012
     env: dict[str, Any] = field(default_factory=lambda: {"beams": BEAMS, "lost_limit_s": 5.0, "people": "modelled"})
     pooled: PooledConfig = field(default_factory=lambda: PooledConfig(gap_scale=0.5))
     steering: SteeringConfig = field(
@@ -87,6 +92,7 @@ class WorldsPreset:
     batch: int = 2048
     epochs: int = 4
     learning_rate: float = 5e-4
+    divergence: float = 0.01
     gamma: float = 0.985
     gae_lambda: float = 0.95
     log_deviation: float = -0.7
@@ -100,10 +106,10 @@ class WorldsPreset:
     most_steps: int = 1500
 
     def __post_init__(self) -> None:
-        if not self.kinds or min(kind.count for kind in self.kinds) < 1:
-            raise InputError("reinforcement needs at least one kind of worlds, and one world of each")
-        if min(self.steps, self.rollout, self.batch, self.epochs, self.width, self.most_steps) < 1:
-            raise InputError("reinforcement needs at least one step, epoch, step in a batch and unit of a layer")
+        if not self.kinds:
+            raise InputError("reinforcement needs at least one kind of episodes")
+        if min(self.worlds, self.steps, self.rollout, self.batch, self.epochs, self.width, self.most_steps) < 1:
+            raise InputError("reinforcement needs at least one world, step, epoch, step in a batch and unit of a layer")
         if not (1.0 <= self.quick <= MOST_QUICK and self.clearance >= 0.0 and self.clearance_m > 0.0):
             raise InputError(
                 f"reinforcement needs `quick` from 1 to {MOST_QUICK:g}, `clearance` >= 0 and `clearance_m` > 0, got "
@@ -127,7 +133,7 @@ class WorldsPreset:
             brake_jerk=c.brake_jerk * times**2, turn_jerk=c.turn_jerk * times**2,
         )  # fmt: skip
 
-    @property
-    def worlds(self) -> int:
-        """How many worlds are stepped side by side."""
-        return sum(kind.count for kind in self.kinds)
+
+def gpu_preset() -> WorldsPreset:
+    """Return the preset for a GPU: two hundred times the steps, in a hundred times the worlds, for a wider network."""
+    return WorldsPreset(worlds=32_768, rollout=32, batch=131_072, steps=800_000_000, width=256)

@@ -1,6 +1,6 @@
 """One run of reinforcement on compiled worlds, from nothing to an exported policy; killed, it goes on."""
 
-from collections import Counter, deque
+from collections import deque
 from collections.abc import Callable
 from contextlib import closing
 from dataclasses import asdict, dataclass
@@ -8,28 +8,28 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import torch
-from stable_baselines3 import PPO
-from stable_baselines3.common.callbacks import BaseCallback
-from stable_baselines3.common.logger import Logger
-from torch import nn
+from torch import Tensor
 
+from ....envs.task.endings import REASONS
 from ....envs.task.interface import FollowInterface
 from ....slam.errors import InputError
 from ....slam.files.output import made_folder, write_json
 from ...reinforced.policy import ReinforcedConfig
 from ..checkpoint import INDEX, Progress, load_arrays, load_progress, save_checkpoint
-from ..model_state import arrays_of_model, restore_model, shapes_of_model
+from ..model_state import Arrays, Shapes, arrays_of_adam, restore_adam, shapes_of_adam
 from ..running import RunClock, RunLimits, TimeUp, settle
 from .export import policy_arrays, write_policy
+from .ppo import Learner, Rollout
 from .preset import WorldsPreset
-from .vec_env import WorldsVecEnv
+from .tensor_worlds import Outcome, TensorWorlds
 
 CHECKPOINT_EVERY = 10
 """Rollouts; half a minute of work."""
 _RECENT = 400
-"""Episodes of which the share of done tours is told."""
-_LEAST_RATE = 0.1
+"""At least so many episodes, where there were so many, are those of which the share of done tours is told."""
+DEVICES = "cpu", "cuda"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,9 +38,11 @@ class WorldsRunConfig(RunLimits):
 
     Attributes:
         preset: What is trained.
+        device: "cpu", or "cuda" for worlds and networks on a GPU.
     """
 
     preset: WorldsPreset
+    device: str = "cpu"
 
 
 class WorldsRun:
@@ -60,51 +62,58 @@ class WorldsRun:
         self._preset = config.preset
         settle(self.folder, asdict(self._preset), "worlds", config.seed)
         torch.set_num_threads(1)  # sums of several threads are not the same bytes
-        self._env = WorldsVecEnv(self._preset, config.seed, config.workers)
-        self._model = _model(self._preset, self._env, config.seed)
-        self._model.set_logger(Logger(None, []))  # its own would leave an empty folder in /tmp
-        self.progress = Progress()
+        self._worlds = TensorWorlds(self._preset, config.seed, config.workers, config.device)
+        self._learner = Learner(self._preset, self._preset.pooled.size(), config.seed, config.device)
+        self.progress, self._figures_of_rollout = Progress(), {}
         self._resume()
-        self._recent: deque[tuple[str, float, int]] = deque(maxlen=_RECENT)
+        self._recent: deque[Tally] = deque()
         self._clock = RunClock(self.progress.minutes, config.max_minutes)
 
     def train(self) -> Progress:
         """Train to the end or until the time is up; return how far it came. The policy is in the folder."""
-        left = self._preset.steps - self.progress.steps
-        with closing(self._env):
-            if left > 0:
+        with closing(self._worlds):
+            if self.progress.steps < self._preset.steps:
                 self._tick("drawing buildings")
                 try:
-                    self._model.learn(left, callback=_Monitor(self), reset_num_timesteps=False)
-                    self.count()
+                    self._learn()
                 except TimeUp:
                     self._save()
         return self.progress
 
-    def count(self) -> None:
-        """Take note of a rollout that was learned from."""
-        self.progress.rollouts += 1
-        self.progress.steps = self._model.num_timesteps
-        if self.progress.rollouts % CHECKPOINT_EVERY == 0 or self.progress.steps >= self._preset.steps:
-            self._save()
-        self._clock.check()
+    def _learn(self) -> None:
+        """Drive and learn by turns."""
+        told, truth = self._worlds.reset(self.config.seed + 7919 * self.progress.rollouts)
+        returns = torch.zeros(len(told), device=told.device)
+        while self.progress.steps < self._preset.steps:
+            share = self.progress.steps / self._preset.steps
+            self._worlds.begin_share(share)
+            rollout, tally = Rollout.of(self._preset.rollout, told, truth), Tally.of(told.device)
+            for t in range(self._preset.rollout):
+                outcome = self._worlds.step(self._learner.explore(rollout, t))
+                rollout.put(t, outcome)
+                returns = tally.count(outcome, returns)
+            told, truth = rollout.told[-1], rollout.truth[-1]
+            self._figures_of_rollout = self._learner.learn(rollout, share)
+            self._note(tally)
+            self.progress.rollouts += 1
+            self.progress.steps += self._preset.rollout * self._preset.worlds
+            if self.progress.rollouts % CHECKPOINT_EVERY == 0 or self.progress.steps >= self._preset.steps:
+                self._save()
+            self._clock.check()
 
-    def begin_rollout(self) -> None:
-        """Drive the next rollout as the preset wants it now."""
-        self._env.begin_share(self._model.num_timesteps / self._preset.steps)
-
-    def note(self, infos: list[dict[str, Any]]) -> None:
-        """Take note of the episodes that have ended."""
-        ended = (info for info in infos if "ending" in info)
-        self._recent.extend((info["ending"], info["episode"]["r"], info["episode"]["l"]) for info in ended)
+    def _note(self, tally: "Tally") -> None:
+        """Take note of the episodes of a rollout, and forget those that are long past."""
+        self._recent.append(tally)
+        while sum(one.episodes for one in self._recent) - self._recent[0].episodes >= _RECENT:
+            self._recent.popleft()
 
     def _save(self) -> None:
         """Write checkpoint, curve and policy."""
         progress = self.progress
         progress.minutes = self._clock.minutes
-        if self._recent:
+        if sum(one.episodes for one in self._recent):
             progress.evaluations.append(self._figures())
-        save_checkpoint(self.folder, arrays_of_model(self._model), progress)
+        save_checkpoint(self.folder, self._arrays(), progress)
         write_json(self.folder / "curve.json", {"training": progress.evaluations})
         interface = FollowInterface()
         config = ReinforcedConfig(
@@ -113,22 +122,23 @@ class WorldsRun:
             max_speed=interface.max_speed,
             max_turn_rate=interface.max_turn_rate,
         )
-        write_policy(self.folder / "policy", policy_arrays(self._model.policy), config, self._card())
+        write_policy(self.folder / "policy", policy_arrays(self._learner.model.actor), config, self._card())
 
     def _figures(self) -> dict[str, Any]:
         """Return how the last episodes went, as explored; tell it."""
-        endings = Counter(ending for ending, _, _ in self._recent)
-        n = len(self._recent)
-        done = endings["tour_done"] / n
-        contacts = (endings["collision_person"] + endings["collision_static"]) / n
+        endings = [sum(int(one.endings[code]) for one in self._recent) for code in range(len(REASONS))]
+        n = sum(endings)
+        share = {reason: endings[code] / n for code, reason in enumerate(REASONS)}
+        done, contacts = share["tour_done"], share["collision_person"] + share["collision_static"]
         row = {
             "after": f"steps {self.progress.steps}",
-            "mean_return": round(sum(r for _, r, _ in self._recent) / n, 4),
+            "mean_return": round(sum(float(one.returns) for one in self._recent) / n / self._preset.reward_scale, 4),
             "success": round(done, 4),
             "returns": [],
             "contacts": round(contacts, 4),
-            "lost": round(endings["leader_lost"] / n, 4),
+            "lost": round(share["leader_lost"], 4),
             "steps": self.progress.steps,
+            **{name: round(value, 6) for name, value in self._figures_of_rollout.items()},
         }
         line = f"tours done {done:.2f}, contacts {contacts:.2f} of the last {n} episodes, explorations included"
         self._tick(f"{self.progress.steps}/{self._preset.steps} steps: {line}")
@@ -140,9 +150,10 @@ class WorldsRun:
         return {
             "algorithm": "ppo",
             "preset": "worlds",
-            "command": f"tagalong train follower --seed {self.config.seed} --steps {self._preset.steps}",
+            "command": f"tagalong train follower --device {self.config.device} --seed {self.config.seed} "
+            f"--steps {self._preset.steps}",
             **told,
-            "made_with": {name: version(name) for name in ("numpy", "stable_baselines3", "torch")},
+            "made_with": {name: version(name) for name in ("numpy", "numba", "torch")},
             "settings": asdict(self._preset),
         }
 
@@ -152,44 +163,53 @@ class WorldsRun:
         if saved is None:
             return
         self.progress, file = saved
-        arrays = load_arrays(file, shapes_of_model(self._model))
+        arrays = load_arrays(file, self._shapes())
         try:
-            restore_model(self._model, arrays)
+            for name, tensor in self._learner.model.state_dict().items():
+                if f"model/{name}" not in arrays:
+                    raise ValueError(f"array model/{name} is missing")
+                tensor.copy_(torch.from_numpy(arrays[f"model/{name}"]))
+            restore_adam("adam", self._learner.optimizer, arrays)
         except ValueError as error:
             raise InputError(f"{self.folder / INDEX} and {file.name} are no checkpoint of this run: {error}") from error
-        self._model.num_timesteps = self.progress.steps
-        self._model.set_random_seed((self.config.seed + 7919 * self.progress.rollouts) % (1 << 32))
-        self._env.begin_with(self.config.seed + self.progress.rollouts)
+        self._learner.begin_draws((self.config.seed + 7919 * self.progress.rollouts) % (1 << 32))
+
+    def _arrays(self) -> Arrays:
+        model = self._learner.model.state_dict()
+        arrays = {f"model/{name}": np.array(tensor.cpu().numpy(), order="C") for name, tensor in model.items()}
+        return arrays | arrays_of_adam("adam", self._learner.optimizer)
+
+    def _shapes(self) -> Shapes:
+        model = self._learner.model.state_dict()
+        shapes = {f"model/{name}": tuple(tensor.shape) for name, tensor in model.items()}
+        return shapes | shapes_of_adam("adam", self._learner.optimizer)
 
 
-class _Monitor(BaseCallback):
-    """Hands the run each end of an episode, and each rollout that was learned from."""
+@dataclass
+class Tally:
+    """Episodes that ended in a rollout.
 
-    def __init__(self, run: WorldsRun) -> None:
-        super().__init__()
-        self._run, self._learned = run, False
+    Attributes:
+        endings: (REASONS,) how many by each reason, the first for those that were cut.
+        returns: Sum of their returns.
+    """
 
-    def _on_rollout_start(self) -> None:
-        if self._learned:
-            self._run.count()
-        self._learned = True
-        self._run.begin_rollout()
+    endings: Tensor
+    returns: Tensor
 
-    def _on_step(self) -> bool:
-        self._run.note(self.locals["infos"])
-        return True
+    @staticmethod
+    def of(device: torch.device) -> "Tally":
+        """Return one of nothing."""
+        return Tally(torch.zeros(len(REASONS), dtype=torch.long, device=device), torch.zeros((), device=device))
 
+    @property
+    def episodes(self) -> int:
+        """How many."""
+        return int(self.endings.sum())
 
-def _model(preset: WorldsPreset, env: WorldsVecEnv, seed: int) -> PPO:
-    """Return a new model: actor and critic of their own, the learning rate in a line to a tenth."""
-    width = [preset.width] * 2
-    policy = {
-        "net_arch": {"pi": width, "vf": width},
-        "activation_fn": nn.Tanh,
-        "log_std_init": preset.log_deviation,
-    }
-    return PPO(
-        "MlpPolicy", env, n_steps=preset.rollout, batch_size=preset.batch, n_epochs=preset.epochs, gamma=preset.gamma,
-        gae_lambda=preset.gae_lambda, learning_rate=lambda left: preset.learning_rate * max(left, _LEAST_RATE),
-        policy_kwargs=policy, device="cpu", seed=seed,
-    )  # fmt: skip
+    def count(self, outcome: Outcome, returns: Tensor) -> Tensor:
+        """Count the episodes that ended in a step; return (n,) the returns so far of those that go on."""
+        returns = returns + outcome.reward
+        self.endings += torch.bincount(outcome.ending[outcome.over], minlength=len(REASONS))
+        self.returns += returns[outcome.over].sum()
+        return torch.where(outcome.over, 0.0, returns)

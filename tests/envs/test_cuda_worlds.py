@@ -1,0 +1,152 @@
+"""Compiled worlds on a GPU: what they do is tested on a pretended one, and on a real one where there is one."""
+
+from types import SimpleNamespace
+
+import gymnasium as gym
+import numpy as np
+import pytest
+from gymnasium.vector import AutoresetMode
+from numba import cuda
+from tagalong.envs.compiled.episodes import step_worlds
+from tagalong.slam import InputError
+
+GIVEN = {"episodes_ahead": 8, "beams": 90, "people_count": 3}
+REAL = pytest.mark.skipif(not cuda.is_available(), reason="needs an NVIDIA GPU and numba-cuda")
+
+
+def made(simulator, worlds=5, **arguments):
+    given = {**GIVEN, **arguments}
+    return gym.make_vec("tagalong/Corridor-v0", worlds, "vector_entry_point", simulator=simulator, **given).unwrapped
+
+
+class Memory(np.ndarray):
+    """An array of a pretended GPU."""
+
+    def copy_to_host(self, here):
+        here[...] = self
+
+    def copy_to_device(self, there):
+        self[...] = there
+
+
+def plain(values):
+    """The same arrays as the processor's kernels know them."""
+    if isinstance(values, np.ndarray):
+        return values.view(np.ndarray)
+    return type(values)(*map(plain, values)) if hasattr(values, "_fields") else values
+
+
+class Kernel:
+    """`step_on_gpu`, done by the processor with the scratch of the first thread."""
+
+    def __getitem__(self, grid):
+        return self
+
+    def __call__(self, what, actions, rules, plans, state, told, room):
+        given = [plain(values) for values in (rules, plans, state, told)]
+        one = type(room)(*(array.view(np.ndarray)[0] for array in room))
+        step_worlds((0, len(what)), plain(what), plain(actions), *given, one)
+
+
+@pytest.fixture
+def pretended(monkeypatch):
+    """A GPU whose memory is the processor's."""
+    from tagalong.envs.cuda_worlds import memory, tensors, vector_env
+
+    card = SimpleNamespace(
+        is_available=lambda: True,
+        to_device=lambda array: array.copy().view(Memory),
+        device_array=lambda shape, kind: np.zeros(shape, kind).view(Memory),
+        as_cuda_array=lambda tensor: tensor.numpy().view(Memory),
+    )
+    for module in (memory, tensors, vector_env):
+        monkeypatch.setattr(module, "cuda", card)
+    monkeypatch.setattr(memory, "step_on_gpu", Kernel())
+    monkeypatch.setattr(tensors, "DEVICE", "cpu")
+
+
+def drive(env, steps=40, seed=7):
+    """All that an environment tells in some steps, among them a reset of a part of the worlds, as bytes."""
+    rng, told = np.random.default_rng(0), []
+    observation, info = env.reset(seed=seed)
+    for k in range(steps):
+        told += [np.asarray(observation[key]).tobytes() for key in sorted(observation)]
+        if k != 13:  # after a reset of a part, tensors tell of all worlds, arrays of that part
+            told.append(np.asarray(info["robot_pose"]).tobytes())
+        if k == 12:
+            mask = np.array([True, False, True, False, False])
+            observation, info = env.reset(options={"reset_mask": mask, "people": 2})
+            continue
+        if env.metadata["autoreset_mode"] == AutoresetMode.DISABLED and env._state.ended.any():
+            observation, info = env.reset(options={"reset_mask": env._state.ended.copy()})
+        observation, reward, _, _, info = env.step(rng.uniform(-1.0, 1.0, (5, 2)))
+        told.append(np.asarray(reward).tobytes())
+    env.close()
+    return told
+
+
+@pytest.mark.parametrize("mode", list(AutoresetMode))
+@pytest.mark.parametrize("people", ["truth", "modelled"])
+def test_worlds_come_to_the_gpu_and_back_as_they_were(pretended, mode, people):
+    given = {"autoreset_mode": mode, "max_episode_steps": 9, "people": people}
+    assert drive(made("cuda", **given)) == drive(made("compiled", workers=1, **given))
+
+
+@pytest.mark.parametrize("mode", list(AutoresetMode))
+def test_tensors_tell_what_arrays_tell(pretended, mode):
+    torch = pytest.importorskip("torch", reason='tensors need the extra "learn"')
+    given = {"autoreset_mode": mode, "max_episode_steps": 9}
+    assert drive(made("cuda", output="torch", **given)) == drive(made("compiled", workers=1, **given))
+    env = made("cuda", output="torch", **given)
+    observation, info = env.reset(seed=1)
+    assert all(isinstance(values, torch.Tensor) for values in observation.values())
+    before = {name: values.clone() for name, values in observation.items()}
+    for _ in range(9):
+        last, reward, terminated, truncated, info = env.step(torch.full((5, 2), 0.1))
+    assert {(values.shape[0], values.device.type) for values in (reward, terminated, truncated)} == {(5, "cpu")}
+    assert all(torch.equal(before[name], observation[name]) for name in before)
+    assert info["reward_terms"].keys() == {"distance", "facing", "lost", "collision", "personal_space", "tour",
+                                           "smoothness"}  # fmt: skip
+    if mode == AutoresetMode.SAME_STEP:
+        assert info["_final_obs"].all()
+        assert info["final_info"]["time_s"].tolist() == pytest.approx([0.9] * 5)
+        assert not torch.equal(info["final_obs"]["scan"], last["scan"])
+    elif mode == AutoresetMode.DISABLED:
+        with pytest.raises(InputError, match="has ended: reset it first"):
+            env.step(torch.zeros(5, 2))
+    with pytest.raises(InputError, match=r"actions have shape \(5, 2\), got \(5, 3\)"):
+        env.step(torch.zeros(5, 3))
+
+
+def test_what_a_gpu_cannot_do_is_refused_in_one_line(pretended):
+    with pytest.raises(InputError, match='does not support people="tracker"'):
+        made("cuda", people="tracker")
+    with pytest.raises(InputError, match="`workers` are threads of a processor"):
+        made("cuda", workers=2)
+    with pytest.raises(InputError, match="unknown output 'jax'"):
+        made("cuda", output="jax")
+
+
+@pytest.mark.skipif(cuda.is_available(), reason="there is a GPU")
+def test_without_a_gpu_it_is_said_what_is_needed():
+    with pytest.raises(InputError, match=r'needs an NVIDIA GPU, its driver and numba-cuda .*"compiled" does the same'):
+        made("cuda")
+
+
+@REAL
+@pytest.mark.parametrize("people", ["truth", "modelled"])
+def test_a_real_gpu_drives_as_the_processor_does(people):
+    both = [made(simulator, 64, people=people, beams=360) for simulator in ("cuda", "compiled")]
+    told = [env.reset(seed=3) for env in both]
+    actions = np.random.default_rng(0).uniform(0.0, 1.0, (60, 64, 2))
+    for k, action in enumerate(actions):
+        (ours, our_info), (theirs, their_info) = told
+        assert our_info["robot_pose"] == pytest.approx(their_info["robot_pose"], abs=1e-6)
+        for name in ours if k < 3 else ():  # then noise has been drawn for other beams here and there
+            assert ours[name] == pytest.approx(theirs[name], abs=1e-3)
+        told = [(out[0], out[4]) for out in (env.step(action) for env in both)]
+
+
+@REAL
+def test_a_real_gpu_makes_the_same_bytes_for_the_same_seed():
+    assert drive(made("cuda", max_episode_steps=9)) == drive(made("cuda", max_episode_steps=9))
