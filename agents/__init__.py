@@ -10,6 +10,7 @@
     RandomWalk, RandomWalkConfig, FrontierExplorer    explore without a leader; the last where a map is built
     SB3VecEnv              many environments of `gymnasium.make_vec` for stable-baselines3 (extra `learn`)
     PufferWorlds, RslRlVecEnv   the same for PufferLib and rsl_rl
+    TensorVectorEnv             worlds on a GPU, in tensors that stay there
     following_tour, TourConfig   one recorded drive behind a leader, with the scans filtered
 
 Example:
@@ -45,6 +46,7 @@ if TYPE_CHECKING:
     from .tour import TourConfig, following_tour
     from .training.flat_worlds import PufferWorlds, RslRlVecEnv
     from .training.sb3 import SB3VecEnv
+    from .training.tensor_env import TensorVectorEnv
 
 _MODULES = {
     "EXPLORERS": "roster",
@@ -65,6 +67,7 @@ _MODULES = {
     "RandomWalkConfig": "scripted.random_walk",
     "RslRlVecEnv": "training.flat_worlds",
     "SB3VecEnv": "training.sb3",
+    "TensorVectorEnv": "training.tensor_env",
     "TourConfig": "tour",
     "following_tour": "tour",
     "make_follower": "roster",
@@ -89,6 +92,7 @@ __all__ = [
     "RandomWalkConfig",
     "RslRlVecEnv",
     "SB3VecEnv",
+    "TensorVectorEnv",
     "TourConfig",
     "following_tour",
     "make_follower",

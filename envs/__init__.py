@@ -37,7 +37,6 @@ from ..slam.door import lends
 
 if TYPE_CHECKING:
     from .compiled.vector_env import CompiledVectorEnv
-    from .cuda_worlds.tensors import TensorVectorEnv
     from .cuda_worlds.vector_env import CudaVectorEnv
     from .follow_config import FollowConfig
     from .follow_env import FollowEnv
@@ -70,7 +69,6 @@ __all__ = [
     "Scene",
     "SceneRequest",
     "StepFacts",
-    "TensorVectorEnv",
     "Wish",
     "World",
     "WorldConfig",
@@ -93,7 +91,6 @@ _HOME = {
     "Scene": "scenes.scene",
     "SceneRequest": "scenes.request",
     "StepFacts": "task.rewards",
-    "TensorVectorEnv": "cuda_worlds.tensors",
     "Wish": "people.behaviours",
     "World": "world.world",
     "WorldConfig": "world.config",

@@ -15,8 +15,8 @@ def make_vector_env(num_envs: int = 1, *, simulator: str = "mujoco", **arguments
 
     Args:
         num_envs: How many.
-        simulator: "mujoco" for `FollowVectorEnv`, "compiled" for `CompiledVectorEnv`, "cuda" for `CudaVectorEnv` (with
-            `output="torch"` for `TensorVectorEnv`), which say what else they take.
+        simulator: "mujoco" for `FollowVectorEnv`, "compiled" for `CompiledVectorEnv`, "cuda" for `CudaVectorEnv`,
+            which say what else they take.
         arguments: Of that class.
 
     Raises:
@@ -30,9 +30,9 @@ def make_vector_env(num_envs: int = 1, *, simulator: str = "mujoco", **arguments
 
         return CompiledVectorEnv(num_envs, **arguments)
     if simulator == "cuda":
-        from ..cuda_worlds.making import make_cuda_env  # here, for it imports numba's CUDA
+        from ..cuda_worlds.vector_env import CudaVectorEnv  # here, for it imports numba's CUDA
 
-        return make_cuda_env(num_envs, **arguments)
+        return CudaVectorEnv(num_envs, **arguments)
     from ..vector.vector_env import FollowVectorEnv
 
     return FollowVectorEnv(num_envs, **arguments)

@@ -5,8 +5,12 @@ threads, and the clock's beside them: on a machine that does other things the fi
 and two take turns; what the second brings is in the clock's column, and only where nothing else wants its core.
 Everything is compiled and drawn before it is timed.
 
-example:
+With --simulator cuda the worlds are a GPU's, and all that is told is fetched to the processor; the clock's time alone
+tells there. Take tens of thousands of them.
+
+examples:
   tagalong bench worlds --seconds 5
+  tagalong bench worlds --simulator cuda --worlds 65536
 """
 
 import argparse
@@ -40,18 +44,16 @@ ROUNDS = 5
 _LEAST = 20  # steps before and in a measurement
 
 
-def made_worlds(worlds: int, workers: int, **fields: Any) -> CompiledVectorEnv:
+def made_worlds(worlds: int, **fields: Any) -> CompiledVectorEnv:
     """Return compiled worlds that have begun and are warm.
 
     Args:
         worlds: How many.
-        workers: Threads.
         fields: The environment's id and arguments.
     """
-    name, given = fields["id"], {key: value for key, value in fields.items() if key != "id"}
-    env = gym.make_vec(
-        f"tagalong/{name}-v0", worlds, "vector_entry_point", simulator="compiled", workers=workers, **given
-    )
+    name, given = fields["id"], {"simulator": "compiled", **fields}
+    given.pop("id")
+    env = gym.make_vec(f"tagalong/{name}-v0", worlds, "vector_entry_point", **given)
     assert isinstance(env, CompiledVectorEnv)
     env.reset(seed=0)
     _step(env, _actions(worlds), 0.0)
@@ -79,7 +81,8 @@ def world_speeds(worlds: int, seconds: float, **fields: Any) -> list[dict[str, f
         seconds: For how long to measure each [s].
         fields: The environment's id and arguments.
     """
-    envs, actions = [made_worlds(worlds, threads, **fields) for threads in THREADS], _actions(worlds)
+    envs = [made_worlds(worlds, workers=threads, **fields) for threads in THREADS]
+    actions = _actions(worlds)
     rounds = [[_step(env, actions, seconds / ROUNDS) for env in envs] for _ in range(ROUNDS)]
     rows = []
     for k, env in enumerate(envs):
@@ -87,6 +90,20 @@ def world_speeds(worlds: int, seconds: float, **fields: Any) -> list[dict[str, f
         rows.append({"per_core": steps / used, "per_clock": steps / clock, "memory_mb": env.memory / 1e6})
         env.close()
     return rows
+
+
+def gpu_speed(worlds: int, seconds: float, **fields: Any) -> dict[str, float]:
+    """Return steps a second by the clock's time, and memory, of worlds on a GPU.
+
+    Args:
+        worlds: How many.
+        seconds: For how long to measure [s].
+        fields: The environment's id and arguments.
+    """
+    env = made_worlds(worlds, simulator="cuda", **fields)
+    steps, _, clock = _step(env, _actions(worlds), seconds)
+    env.close()
+    return {"per_clock": steps / clock, "memory_mb": env.memory / 1e6}
 
 
 def single_speed(seconds: float, **fields: Any) -> float:
@@ -112,12 +129,34 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--seconds", type=at_least(1, 86_400), default=10, help="duration of each measurement (default: %(default)s)"
     )
     parser.add_argument("--worlds", type=at_least(1, 65_536), default=256, help="worlds of each (default: %(default)s)")
+    parser.add_argument("--simulator", choices=("compiled", "cuda"), default="compiled", help="default: %(default)s")
 
 
 def run(options: argparse.Namespace) -> int:
     """Measure, print tables, write results.json."""
     machine, kernel_ms = describe_machine(), 1e3 * reference_kernel_s()
     print(f"{machine['processor']}, {machine['cores']} cores; reference numpy kernel: {kernel_ms:.1f} ms\n")
+    rows = gpu_rows(options) if options.simulator == "cuda" else processor_rows(options)
+    table = [
+        (name, *(_shown(row, key) for key in ("per_core", "per_clock", "memory_mb"))) for name, row in rows.items()
+    ]
+    title = f"{options.worlds} compiled worlds"
+    print(format_table((title, "steps a second of processor", "of the clock", "MB"), table))
+    write_results(options, {"reference_kernel_ms": kernel_ms, "worlds": rows})
+    return 0
+
+
+def gpu_rows(options: argparse.Namespace) -> dict[str, dict[str, float]]:
+    """Return the figures of a GPU."""
+    rows: dict[str, dict[str, float]] = {}
+    for name, fields in CASES.items():
+        for people in PEOPLE[:2]:
+            rows[f"{name}, {people}"] = gpu_speed(options.worlds, options.seconds, people=people, **fields)
+    return rows
+
+
+def processor_rows(options: argparse.Namespace) -> dict[str, dict[str, float]]:
+    """Return the figures of the processor."""
     rows: dict[str, dict[str, float]] = {}
     for name, fields in CASES.items():
         for people in PEOPLE:
@@ -130,13 +169,7 @@ def run(options: argparse.Namespace) -> int:
         rows[f"office, 5 bystanders, 360 beams, truth, {worlds} worlds"] = world_speeds(
             worlds, options.seconds, **CASES["office, 5 bystanders, 360 beams"]
         )[0]
-    table = [
-        (name, *(_shown(row, key) for key in ("per_core", "per_clock", "memory_mb"))) for name, row in rows.items()
-    ]
-    title = f"{options.worlds} compiled worlds"
-    print(format_table((title, "steps a second of processor", "of the clock", "MB"), table))
-    write_results(options, {"reference_kernel_ms": kernel_ms, "worlds": rows})
-    return 0
+    return rows
 
 
 def _shown(row: dict[str, float], key: str) -> str:

@@ -19,8 +19,7 @@ from tagalong.agents.training.worlds.run import WorldsRun, WorldsRunConfig  # no
 from tagalong.agents.training.worlds.tensor_worlds import TRUTH, Outcome, TensorWorlds, steered  # noqa: E402
 from tagalong.envs import CompiledVectorEnv  # noqa: E402
 from tagalong.envs.task import FollowInterface  # noqa: E402
-from tagalong.envs.wrappers import PooledConfig  # noqa: E402
-from tagalong.envs.wrappers.pooled_features import PooledFeatures  # noqa: E402
+from tagalong.envs.wrappers import PooledConfig, PooledVectorObservation  # noqa: E402
 from tagalong.slam import InputError  # noqa: E402
 
 KINDS = ({"scene": "corridor", "people": 2}, {"scene": "meeting_room", "people": 2})
@@ -133,26 +132,20 @@ CONFIGS = [PooledConfig(gap_scale=0.5), PooledConfig(stack=3, people=8, actions=
 @pytest.mark.parametrize("config", CONFIGS, ids=["as trained", "stacked", "few"])
 def test_tensors_tell_what_the_wrapper_tells(config):
     count = 6
-    env = CompiledVectorEnv(
-        count, workers=1, episodes_ahead=8, people_count=4, beams=121, people="modelled", scene="corridor",
-        max_episode_steps=25,
-    )  # fmt: skip
-    arrays = PooledFeatures(config, env.interface, count)
-    tensors = PooledTensors(config, env.interface, count, "cpu")
-    batch, _ = env.reset(seed=3)
-    over, rng, wanted = np.zeros(count, bool), np.random.default_rng(0), arrays.begin(batch)
+    given = {"episodes_ahead": 8, "people_count": 4, "beams": 121, "people": "modelled", "scene": "corridor"}
+    raw, other = (CompiledVectorEnv(count, workers=1, max_episode_steps=25, **given) for _ in range(2))
+    wrapped, tensors = PooledVectorObservation(other, config), PooledTensors(config, raw.interface, count, "cpu")
+    (batch, _), (wanted, _) = raw.reset(seed=3), wrapped.reset(seed=3)
     told = tensors.update(as_tensors(batch, "cpu"), torch.zeros(count, 2), torch.ones(count, dtype=torch.bool))
+    begun, rng = np.zeros(count, bool), np.random.default_rng(0)
     for _ in range(60):
         assert np.abs(told.numpy() - wanted).max() < 1e-6
         actions = rng.uniform(0.0, 1.0, (count, 2)).astype(np.float32)
-        batch, _, terminated, truncated, _ = env.step(actions)
-        begun, over = over, terminated | truncated
+        batch, _, terminated, truncated, _ = raw.step(actions)
+        wanted = wrapped.step(actions)[0]
         told = tensors.update(as_tensors(batch, "cpu"), torch.as_tensor(actions), torch.as_tensor(begun))
-        wanted = np.zeros(told.shape, np.float32)
-        for rows, of in ((np.flatnonzero(begun), arrays.begin), (np.flatnonzero(~begun), None)):
-            part = {name: values[rows] for name, values in batch.items()}
-            wanted[rows] = arrays.update(part, actions[rows], rows) if of is None else of(part, rows)
-    env.close()
+        begun = terminated | truncated
+    wrapped.close()
 
 
 def test_tensors_are_steered_as_arrays_are():

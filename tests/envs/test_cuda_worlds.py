@@ -51,7 +51,7 @@ class Kernel:
 @pytest.fixture
 def pretended(monkeypatch):
     """A GPU whose memory is the processor's."""
-    from tagalong.envs.cuda_worlds import memory, tensors, vector_env
+    from tagalong.envs.cuda_worlds import memory, vector_env
 
     card = SimpleNamespace(
         is_available=lambda: True,
@@ -59,10 +59,9 @@ def pretended(monkeypatch):
         device_array=lambda shape, kind: np.zeros(shape, kind).view(Memory),
         as_cuda_array=lambda tensor: tensor.numpy().view(Memory),
     )
-    for module in (memory, tensors, vector_env):
+    for module in (memory, vector_env):
         monkeypatch.setattr(module, "cuda", card)
     monkeypatch.setattr(memory, "step_on_gpu", Kernel())
-    monkeypatch.setattr(tensors, "DEVICE", "cpu")
 
 
 def drive(env, steps=40, seed=7):
@@ -92,39 +91,13 @@ def test_worlds_come_to_the_gpu_and_back_as_they_were(pretended, mode, people):
     assert drive(made("cuda", **given)) == drive(made("compiled", workers=1, **given))
 
 
-@pytest.mark.parametrize("mode", list(AutoresetMode))
-def test_tensors_tell_what_arrays_tell(pretended, mode):
-    torch = pytest.importorskip("torch", reason='tensors need the extra "learn"')
-    given = {"autoreset_mode": mode, "max_episode_steps": 9}
-    assert drive(made("cuda", output="torch", **given)) == drive(made("compiled", workers=1, **given))
-    env = made("cuda", output="torch", **given)
-    observation, info = env.reset(seed=1)
-    assert all(isinstance(values, torch.Tensor) for values in observation.values())
-    before = {name: values.clone() for name, values in observation.items()}
-    for _ in range(9):
-        last, reward, terminated, truncated, info = env.step(torch.full((5, 2), 0.1))
-    assert {(values.shape[0], values.device.type) for values in (reward, terminated, truncated)} == {(5, "cpu")}
-    assert all(torch.equal(before[name], observation[name]) for name in before)
-    assert info["reward_terms"].keys() == {"distance", "facing", "lost", "collision", "personal_space", "tour",
-                                           "smoothness"}  # fmt: skip
-    if mode == AutoresetMode.SAME_STEP:
-        assert info["_final_obs"].all()
-        assert info["final_info"]["time_s"].tolist() == pytest.approx([0.9] * 5)
-        assert not torch.equal(info["final_obs"]["scan"], last["scan"])
-    elif mode == AutoresetMode.DISABLED:
-        with pytest.raises(InputError, match="has ended: reset it first"):
-            env.step(torch.zeros(5, 2))
-    with pytest.raises(InputError, match=r"actions have shape \(5, 2\), got \(5, 3\)"):
-        env.step(torch.zeros(5, 3))
-
-
 def test_what_a_gpu_cannot_do_is_refused_in_one_line(pretended):
     with pytest.raises(InputError, match='does not support people="tracker"'):
         made("cuda", people="tracker")
     with pytest.raises(InputError, match="`workers` are threads of a processor"):
         made("cuda", workers=2)
-    with pytest.raises(InputError, match="unknown output 'jax'"):
-        made("cuda", output="jax")
+    with pytest.raises(InputError, match="nothing is told before the first reset"):
+        made("cuda").told  # noqa: B018
 
 
 @pytest.mark.skipif(cuda.is_available(), reason="there is a GPU")

@@ -66,7 +66,7 @@ class WorldsRun:
         self._learner = Learner(self._preset, self._preset.pooled.size(), config.seed, config.device)
         self.progress, self._figures_of_rollout = Progress(), {}
         self._resume()
-        self._recent: deque[Tally] = deque()
+        self._recent: deque[EndedEpisodes] = deque()
         self._clock = RunClock(self.progress.minutes, config.max_minutes)
 
     def train(self) -> Progress:
@@ -87,7 +87,7 @@ class WorldsRun:
         while self.progress.steps < self._preset.steps:
             share = self.progress.steps / self._preset.steps
             self._worlds.begin_share(share)
-            rollout, tally = Rollout.of(self._preset.rollout, told, truth), Tally.of(told.device)
+            rollout, tally = Rollout.of(self._preset.rollout, told, truth), EndedEpisodes.of(told.device)
             for t in range(self._preset.rollout):
                 outcome = self._worlds.step(self._learner.explore(rollout, t))
                 rollout.put(t, outcome)
@@ -101,7 +101,7 @@ class WorldsRun:
                 self._save()
             self._clock.check()
 
-    def _note(self, tally: "Tally") -> None:
+    def _note(self, tally: "EndedEpisodes") -> None:
         """Take note of the episodes of a rollout, and forget those that are long past."""
         self._recent.append(tally)
         while sum(one.episodes for one in self._recent) - self._recent[0].episodes >= _RECENT:
@@ -186,7 +186,7 @@ class WorldsRun:
 
 
 @dataclass
-class Tally:
+class EndedEpisodes:
     """Episodes that ended in a rollout.
 
     Attributes:
@@ -198,9 +198,9 @@ class Tally:
     returns: Tensor
 
     @staticmethod
-    def of(device: torch.device) -> "Tally":
+    def of(device: torch.device) -> "EndedEpisodes":
         """Return one of nothing."""
-        return Tally(torch.zeros(len(REASONS), dtype=torch.long, device=device), torch.zeros((), device=device))
+        return EndedEpisodes(torch.zeros(len(REASONS), dtype=torch.long, device=device), torch.zeros((), device=device))
 
     @property
     def episodes(self) -> int:

@@ -6,9 +6,10 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from ....envs.compiled.vector_env import CompiledVectorEnv
+from ....envs import CompiledVectorEnv, CudaVectorEnv
 from ....envs.task.endings import REASONS
 from ...learned.steering import SteeringConfig
+from ..tensor_env import TensorVectorEnv
 from .pooled_tensors import PooledTensors, as_tensors
 from .preset import WorldsPreset
 
@@ -83,9 +84,8 @@ class TensorWorlds:
         after = steered(before, wishes, self._step_s, self._steering)
         self._commanded = torch.where(begun[:, None], 0.0, after)
         actions = self._commanded[:, (0, 2)] / self._scales
-        batch, reward, terminated, truncated, info = self._env.step(
-            actions.numpy() if self.device == "cpu" else actions
-        )
+        step: Any = self._env.step
+        batch, reward, terminated, truncated, info = step(actions.numpy() if self.device == "cpu" else actions)
         told = self._features.update(as_tensors(batch, self.device), actions, begun).clone()
         reward, terminated, truncated = (
             torch.as_tensor(values, device=self.device) for values in (reward, terminated, truncated)
@@ -124,16 +124,14 @@ class TensorWorlds:
         self._env.close()
 
 
-def _made(preset: WorldsPreset, seed: int, workers: int, device: str) -> CompiledVectorEnv:
+def _made(preset: WorldsPreset, seed: int, workers: int, device: str) -> CompiledVectorEnv | TensorVectorEnv:
     made: dict[str, Any] = {
         "max_episode_steps": preset.most_steps, "autoreset_mode": "NextStep", "episodes_ahead": preset.episodes,
         "episodes_seed": seed, "kinds": preset.kinds, **preset.env,
     }  # fmt: skip
     if device == "cpu":
         return CompiledVectorEnv(preset.worlds, workers=min(workers, preset.worlds), **made)
-    from ....envs.cuda_worlds.tensors import TensorVectorEnv  # here, for it imports numba's CUDA
-
-    return TensorVectorEnv(preset.worlds, **made)
+    return TensorVectorEnv(CudaVectorEnv(preset.worlds, **made))
 
 
 def steered(states: Tensor, wishes: Tensor, step_s: float, c: SteeringConfig) -> Tensor:
