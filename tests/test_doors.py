@@ -19,11 +19,11 @@ SURFACE = {
     "perception": """BodyLeaderSelector Detections FilteredScan ImmobileMapper LeaderSelector LegDetector
         LegDetectorConfig LegForest People PeopleFilter PeopleFilterConfig PeopleFinder PeopleTracker PerceptionConfig
         Pinhole PlaneFinder RgbdFrame TrackerConfig filtered_scans perception_preset table_ii""",
-    "envs": """Behaviour Belief CompiledVectorEnv Episode FollowConfig FollowEnv FollowVectorEnv Operator PersonView
-        RgbdConfig RobotConfig Scene SceneRequest StepFacts Wish World WorldConfig rollout""",
+    "envs": """Behaviour Belief CompiledVectorEnv CudaVectorEnv Episode FollowConfig FollowEnv FollowVectorEnv Operator
+        PersonView RgbdConfig RobotConfig Scene SceneRequest StepFacts Wish World WorldConfig rollout""",
     "agents": """DWAConfig DWAFollower EXPLORERS FOLLOWERS Follower FrontierExplorer LearnedFollower MPPIConfig
         MPPIFollower PIDConfig PIDFollower PufferWorlds PurePursuitConfig PurePursuitFollower RandomWalk
-        RandomWalkConfig RslRlVecEnv SB3VecEnv TourConfig following_tour make_follower""",
+        RandomWalkConfig RslRlVecEnv SB3VecEnv TensorVectorEnv TourConfig following_tour make_follower""",
 }
 """What users may rely on. A name that goes, or comes, is a decision: it is made here, and told in the changelog."""
 
@@ -46,7 +46,7 @@ FOLDERS = {
 PUBLIC = {**SURFACE, **FOLDERS}
 LENT = [folder for folder in PUBLIC if folder != "envs.scenes"]
 """Those whose names load when they are asked for."""
-NEEDS = {"agents.training": "stable_baselines3", "SB3VecEnv": "stable_baselines3"}
+NEEDS = {"agents.training": "stable_baselines3", "SB3VecEnv": "stable_baselines3", "TensorVectorEnv": "torch"}
 
 
 @pytest.mark.parametrize("floor", PUBLIC)

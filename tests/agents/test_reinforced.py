@@ -13,7 +13,7 @@ from tagalong.agents import make_follower  # noqa: E402
 from tagalong.agents.learned.steering import SteeringConfig, steer_many  # noqa: E402
 from tagalong.agents.reinforced.policy import load_reinforced  # noqa: E402
 from tagalong.agents.training.worlds.pooled_tensors import PooledTensors, as_tensors  # noqa: E402
-from tagalong.agents.training.worlds.ppo import Learner, Rollout  # noqa: E402
+from tagalong.agents.training.worlds.ppo import Learner, Rollout, log_probability  # noqa: E402
 from tagalong.agents.training.worlds.preset import WorldsPreset  # noqa: E402
 from tagalong.agents.training.worlds.run import WorldsRun, WorldsRunConfig  # noqa: E402
 from tagalong.agents.training.worlds.tensor_worlds import TRUTH, Outcome, TensorWorlds, steered  # noqa: E402
@@ -157,7 +157,7 @@ def test_tensors_are_steered_as_arrays_are():
 def rollout_of(learner, rewards, over, failed, begun):
     """A rollout of one world in which nothing is told."""
     told, truth = torch.zeros(1, TINY.pooled.size()), torch.zeros(1, TRUTH)
-    rollout = Rollout.of(len(rewards), told, truth)
+    rollout = Rollout.of(len(rewards), told, truth, 0.5)
     for t, (reward, *flags) in enumerate(zip(rewards, over, failed, begun, strict=True)):
         learner.explore(rollout, t)
         marks = [torch.tensor([bool(flag)]) for flag in flags]
@@ -194,6 +194,27 @@ def test_what_is_rewarded_is_done_more_and_steps_without_a_choice_teach_nothing(
         figures = learner.learn(rollout, 0.0)
     assert figures["rate"] > 0.0
     assert float((learner.model.actor(told) - before).detach()[0, 0]) > 0.1
+
+
+def test_outputs_that_change_from_a_step_to_the_next_are_smoothed_but_not_across_episodes():
+    learner = Learner(TINY, TINY.pooled.size(), 0, "cpu")
+    now, later = torch.randn(2, 6, TINY.pooled.size(), generator=torch.Generator().manual_seed(1))
+    nothing, mean = torch.zeros(6), learner.model.actor(now).detach()
+
+    def change():
+        return float((learner.model.actor(now) - learner.model.actor(later)).square().sum().detach())
+
+    def descend(goes_on):
+        likely = log_probability(mean, mean, 0.5)
+        rest = now, torch.zeros(6, TRUTH), mean, likely, mean, nothing, nothing, later
+        for _ in range(30):
+            learner._descend([*rest, torch.full((6,), goes_on)], 0.5)
+
+    before = change()
+    descend(0.0)
+    assert change() == pytest.approx(before, rel=1e-6)
+    descend(1.0)
+    assert change() < 0.5 * before
 
 
 def test_who_moves_too_far_in_a_step_learns_slower_and_who_hardly_moves_faster():

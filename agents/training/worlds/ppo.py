@@ -3,6 +3,10 @@
 The critic is told the truth beside what the actor sees (Pinto et al. 2018): it is not needed to drive. The learning
 rate follows the divergence of the policy from the one that drove (Schulman et al. 2017, section 4; so do Rudin et al.
 2022 with thousands of worlds), below a bound that falls with the training.
+
+That outputs change little from a step to the next is asked of the network itself (Mysore et al. 2021). A reward that
+charges jerk charges the exploration's noise, too: the policy then learned to wish beyond the limits, where noise makes
+no difference, and drove into things at full speed.
 """
 
 import math
@@ -22,30 +26,29 @@ _RATE_STEP = 1.5
 
 
 class ActorCritic(nn.Module):
-    """Two networks of two hidden layers each, and the deviation of the exploration.
+    """Two networks of two hidden layers each.
 
     Args:
         told: How many numbers the actor is told.
         width: Of the hidden layers.
-        log_deviation: At first.
         seed: Of the first weights.
     """
 
-    def __init__(self, told: int, width: int, log_deviation: float, seed: int) -> None:
+    def __init__(self, told: int, width: int, seed: int) -> None:
         super().__init__()
         draws = Generator().manual_seed(seed)
         self.actor = _dense(told, width, 2, 0.01, draws)
         self.critic = _dense(told + TRUTH, width, 1, 1.0, draws)
-        self.log_deviation = nn.Parameter(torch.full((2,), log_deviation))
 
     def value(self, told: Tensor, truth: Tensor) -> Tensor:
         """Return (n,) the critic's guess of the return."""
         return self.critic(torch.cat((told, truth), dim=1))[:, 0]
 
-    def log_probability(self, mean: Tensor, outputs: Tensor) -> Tensor:
-        """Return (n,) the logarithm of the density of `outputs` (n, 2) around `mean` (n, 2)."""
-        apart = (outputs - mean) / self.log_deviation.exp()
-        return (-0.5 * apart**2 - self.log_deviation - 0.5 * math.log(2.0 * math.pi)).sum(dim=1)
+
+def log_probability(outputs: Tensor, mean: Tensor, deviation: float) -> Tensor:
+    """Return (n,) the logarithm of the density of `outputs` (n, 2) around `mean` (n, 2)."""
+    apart = (outputs - mean) / deviation
+    return (-0.5 * apart**2).sum(dim=1) - 2.0 * math.log(deviation * math.sqrt(2.0 * math.pi))
 
 
 def _dense(inputs: int, width: int, outputs: int, gain: float, draws: Generator) -> nn.Sequential:
@@ -58,7 +61,7 @@ def _dense(inputs: int, width: int, outputs: int, gain: float, draws: Generator)
 
 @dataclass
 class Rollout:
-    """What t steps of n worlds have shown; (t, n, ...) each, `told` and `truth` (t + 1, n, ...)."""
+    """What t steps of n worlds have shown, explored with `deviation`; (t, n, ...), of `told` and `truth` one more."""
 
     told: Tensor
     truth: Tensor
@@ -69,18 +72,20 @@ class Rollout:
     over: Tensor
     failed: Tensor
     begun: Tensor
+    deviation: float
 
     @staticmethod
-    def of(steps: int, told: Tensor, truth: Tensor) -> "Rollout":
-        """Return an empty rollout that begins with what is told now."""
+    def of(steps: int, told: Tensor, truth: Tensor, deviation: float) -> "Rollout":
+        """Return an empty rollout that begins with what is told now, and explores with this deviation."""
         n = len(told)
 
         def room(count: int, *shape: int, kind: torch.dtype = torch.float32) -> Tensor:
             return torch.zeros((count, n, *shape), dtype=kind, device=told.device)
 
+        over, failed, begun = (room(steps, kind=torch.bool) for _ in range(3))
         whole = Rollout(
             room(steps + 1, told.shape[1]), room(steps + 1, truth.shape[1]), room(steps, 2), room(steps),
-            room(steps, 2), room(steps), *(room(steps, kind=torch.bool) for _ in range(3)),
+            room(steps, 2), room(steps), over, failed, begun, deviation,
         )  # fmt: skip
         whole.told[0], whole.truth[0] = told, truth
         return whole
@@ -103,7 +108,7 @@ class Learner:
 
     def __init__(self, preset: WorldsPreset, told: int, seed: int, device: str) -> None:
         self._preset, self.device = preset, device
-        self.model = ActorCritic(told, preset.width, preset.log_deviation, seed).to(device)
+        self.model = ActorCritic(told, preset.width, seed).to(device)
         self.optimizer = torch.optim.Adam(self.model.parameters(), lr=preset.learning_rate, eps=1e-5)
         self.begin_draws(seed)
 
@@ -116,27 +121,26 @@ class Learner:
         """Return (n, 2) outputs for what step t is told, with noise; the rollout takes note."""
         mean = self.model.actor(rollout.told[t])
         noise = torch.randn(mean.shape, generator=self._draws, device=self.device)
-        outputs = mean + self.model.log_deviation.exp() * noise
-        rollout.outputs[t], rollout.mean[t] = outputs, mean
-        rollout.log_probability[t] = self.model.log_probability(mean, outputs)
-        return outputs
+        rollout.mean[t], rollout.outputs[t] = mean, mean + rollout.deviation * noise
+        rollout.log_probability[t] = log_probability(rollout.outputs[t], mean, rollout.deviation)
+        return rollout.outputs[t]
 
     def learn(self, rollout: Rollout, share: float) -> dict[str, float]:
         """Learn from a rollout, after a share of the training; return figures of it."""
         advantages, returns = self._advantages(rollout)
         chosen = (~rollout.begun).flatten().nonzero()[:, 0]
+        goes_on = (~(rollout.over | rollout.begun)).float()
         flat = (
             rollout.told[:-1], rollout.truth[:-1], rollout.outputs, rollout.log_probability, rollout.mean, advantages,
-            returns,
+            returns, rollout.told[1:], goes_on,
         )  # fmt: skip
         columns = [part.flatten(0, 1) for part in flat]
-        deviation = self.model.log_deviation.detach().clone()
         most = _MOST_RATE + (self._preset.learning_rate * 0.1 - _MOST_RATE) * share
         divergence, loss = 0.0, 0.0
         for _ in range(self._preset.epochs):
             order = chosen[torch.randperm(len(chosen), generator=self._draws, device=self.device)]
             for rows in order.split(self._preset.batch):
-                divergence, loss = self._descend([part[rows] for part in columns], deviation)
+                divergence, loss = self._descend([part[rows] for part in columns], rollout.deviation)
                 self._adapt_rate(divergence, most)
         return {"divergence": divergence, "value_loss": loss, "rate": self.optimizer.param_groups[0]["lr"]}
 
@@ -153,23 +157,21 @@ class Learner:
             advantages[t] = later
         return advantages, advantages + values[:-1]
 
-    def _descend(self, batch: list[Tensor], deviation: Tensor) -> tuple[float, float]:
+    def _descend(self, batch: list[Tensor], deviation: float) -> tuple[float, float]:
         """Take one step down; return the divergence from the policy that drove, and the critic's loss."""
-        told, truth, outputs, before, mean_before, advantages, returns = batch
+        told, truth, outputs, before, mean_before, advantages, returns, told_next, goes_on = batch
         model = self.model
         mean = model.actor(told)
-        ratio = (model.log_probability(mean, outputs) - before).exp()
+        ratio = (log_probability(outputs, mean, deviation) - before).exp()
         advantages = (advantages - advantages.mean()) / (advantages.std() + 1e-8) if len(advantages) > 1 else advantages
         gain = torch.minimum(ratio * advantages, ratio.clamp(1.0 - _CLIP, 1.0 + _CLIP) * advantages).mean()
         value_loss = (model.value(told, truth) - returns).square().mean()
+        change = ((model.actor(told_next) - mean).square().sum(dim=1) * goes_on).mean()
         self.optimizer.zero_grad()
-        (_VALUE * value_loss - gain).backward()
+        (_VALUE * value_loss + self._preset.smoothness * change - gain).backward()
         nn.utils.clip_grad_norm_(model.parameters(), _MOST_NORM)
         self.optimizer.step()
-        with torch.no_grad():
-            log_now = model.log_deviation
-            apart = (mean - mean_before).square() + (2.0 * deviation).exp()
-            divergence = (log_now - deviation + 0.5 * apart / (2.0 * log_now).exp() - 0.5).sum(dim=1).mean()
+        divergence = 0.5 * ((mean.detach() - mean_before) / deviation).square().sum(dim=1).mean()
         return float(divergence), float(value_loss.detach())
 
     def _adapt_rate(self, divergence: float, most: float) -> None:

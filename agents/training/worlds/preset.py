@@ -28,6 +28,9 @@ KINDS: tuple[dict[str, Any], ...] = (
     {"scene": "tight_office", "people": 7, **_BLIND},
     {"scene": "tight_office", "people": 11, **_BLIND, **_HURRIED},
     {"scene": "tight_office", "people": 9, "odometry": "slipping", **_HURRIED},
+    {"scene": "tight_office", "people": 2, **_HURRIED},
+    {"scene": "tight_office", "people": 13, **_BLIND},
+    {"scene": "tight_office", "people": 5},
     {"scene": "floor_plan", "people": None},
     {"scene": "floor_plan", "people": 6, **_BLIND},
     {"scene": "corridor", "people": 3},
@@ -64,14 +67,15 @@ class WorldsPreset:
         divergence: Of the policy from the one that drove, in a step of the descent, that is aimed at [nat].
         gamma: Discount.
         gae_lambda: Of generalised advantages.
-        log_deviation: Logarithm of the deviation of the exploration at first.
+        deviation: Of the exploration at first, of outputs in [-1, 1].
+        last_deviation: At the end; between them it falls by the same share a step.
         quick: How many times as quick the steering is at first: its time constants divided, its jerks multiplied by the
             square of this.
-        jerk: What the square of the commanded jerk costs, beside the environments' own terms [1/(m/s^3)^2].
-        turn_jerk: The same of the turn [1/(rad/s^3)^2].
+        smoothness: Weight, in the loss, of the square of the change of the outputs from a step to the next.
         clearance: What it costs in a step to stand `clearance_m` nearer than that to a return of the laser; less, by
             the square, for less.
         clearance_m: Gap below which it costs [m].
+        clearance_speed: So much more it costs, times, for each 1 m/s: who is near to something is to be slow.
         reward_scale: Rewards are multiplied by this, so that values are of order one.
         width: Of the two hidden layers of actor and critic each.
         most_steps: Steps after which an episode is cut.
@@ -79,7 +83,7 @@ class WorldsPreset:
 
     kinds: tuple[dict[str, Any], ...] = KINDS
     worlds: int = 256
-    episodes: int = 1012
+    episodes: int = 1040
     env: dict[str, Any] = field(default_factory=lambda: {"beams": BEAMS, "lost_limit_s": 5.0, "people": "modelled"})
     pooled: PooledConfig = field(default_factory=lambda: PooledConfig(gap_scale=0.5))
     steering: SteeringConfig = field(
@@ -95,12 +99,13 @@ class WorldsPreset:
     divergence: float = 0.01
     gamma: float = 0.985
     gae_lambda: float = 0.95
-    log_deviation: float = -0.7
+    deviation: float = 0.5
+    last_deviation: float = 0.12
     quick: float = 2.0
-    jerk: float = 0.025
-    turn_jerk: float = 0.0012
+    smoothness: float = 1.0
     clearance: float = 1.0
     clearance_m: float = 0.2
+    clearance_speed: float = 0.0
     reward_scale: float = 0.05
     width: int = 128
     most_steps: int = 1500
@@ -110,6 +115,11 @@ class WorldsPreset:
             raise InputError("reinforcement needs at least one kind of episodes")
         if min(self.worlds, self.steps, self.rollout, self.batch, self.epochs, self.width, self.most_steps) < 1:
             raise InputError("reinforcement needs at least one world, step, epoch, step in a batch and unit of a layer")
+        if not 0.0 < self.last_deviation <= self.deviation:
+            raise InputError(
+                f"reinforcement needs `deviation` >= `last_deviation` > 0, got {self.deviation:g} and "
+                f"{self.last_deviation:g}"
+            )
         if not (1.0 <= self.quick <= MOST_QUICK and self.clearance >= 0.0 and self.clearance_m > 0.0):
             raise InputError(
                 f"reinforcement needs `quick` from 1 to {MOST_QUICK:g}, `clearance` >= 0 and `clearance_m` > 0, got "
@@ -123,6 +133,14 @@ class WorldsPreset:
         wish brings is learned soon; a habit once learned bears being slowed down, but is not found by who is slow.
         """
         return min(max(3.0 * share - 1.0, 0.0), 1.0)
+
+    def deviation_at(self, share: float) -> float:
+        """Return the deviation of the exploration after a share of the steps.
+
+        Where it was learned it fell to 0.04 within the first half, for noise costs: then nothing new was tried, and
+        what a step may change, which is counted in deviations, was next to nothing.
+        """
+        return self.deviation * (self.last_deviation / self.deviation) ** share
 
     def steering_at(self, share: float) -> SteeringConfig:
         """Return how the wishes are driven after a share of the steps, see `smooth_at`."""

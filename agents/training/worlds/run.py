@@ -87,7 +87,7 @@ class WorldsRun:
         while self.progress.steps < self._preset.steps:
             share = self.progress.steps / self._preset.steps
             self._worlds.begin_share(share)
-            rollout, tally = Rollout.of(self._preset.rollout, told, truth), EndedEpisodes.of(told.device)
+            rollout, tally = self._rollout(told, truth, share), EndedEpisodes.of(told.device)
             for t in range(self._preset.rollout):
                 outcome = self._worlds.step(self._learner.explore(rollout, t))
                 rollout.put(t, outcome)
@@ -100,6 +100,9 @@ class WorldsRun:
             if self.progress.rollouts % CHECKPOINT_EVERY == 0 or self.progress.steps >= self._preset.steps:
                 self._save()
             self._clock.check()
+
+    def _rollout(self, told: Tensor, truth: Tensor, share: float) -> Rollout:
+        return Rollout.of(self._preset.rollout, told, truth, self._preset.deviation_at(share))
 
     def _note(self, tally: "EndedEpisodes") -> None:
         """Take note of the episodes of a rollout, and forget those that are long past."""

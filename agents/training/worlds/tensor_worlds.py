@@ -64,7 +64,7 @@ class TensorWorlds:
 
     def begin_share(self, share: float) -> None:
         """Drive as the preset wants it after this share of the training's steps."""
-        self._steering, self._smooth = self._preset.steering_at(share), self._preset.smooth_at(share)
+        self._steering = self._preset.steering_at(share)
 
     def reset(self, seed: int) -> tuple[Tensor, Tensor]:
         """Start an episode in every world; return what the network and the critic are told."""
@@ -77,11 +77,11 @@ class TensorWorlds:
 
     def step(self, outputs: Tensor) -> Outcome:
         """Drive for one step by the network's outputs (n, 2)."""
-        begun, before, c = self._over, self._commanded, self._preset.steering
+        begun, c = self._over, self._preset.steering
         half, middle = 0.5 * (c.max_speed + c.reverse_speed), 0.5 * (c.max_speed - c.reverse_speed)
         cut = outputs.clamp(-1.0, 1.0)
         wishes = torch.stack((middle + half * cut[:, 0], c.max_turn_rate * cut[:, 1]), dim=1)
-        after = steered(before, wishes, self._step_s, self._steering)
+        after = steered(self._commanded, wishes, self._step_s, self._steering)
         self._commanded = torch.where(begun[:, None], 0.0, after)
         actions = self._commanded[:, (0, 2)] / self._scales
         step: Any = self._env.step
@@ -92,22 +92,17 @@ class TensorWorlds:
         )
         ending = self._endings(info["ending"])
         self._over = terminated | truncated
-        costs = self._jerk_cost(before, after) + torch.where(self._over, 0.0, self._clearance_cost(told))
-        reward = torch.where(begun, 0.0, (reward.float() - costs) * self._preset.reward_scale)
+        cost = torch.where(self._over, 0.0, self._clearance_cost(told))
+        reward = torch.where(begun, 0.0, (reward.float() - cost) * self._preset.reward_scale)
         failed = terminated & (ending != _DONE)
         return Outcome(told, self._truth(info), reward, self._over, failed, begun, ending)
-
-    def _jerk_cost(self, before: Tensor, after: Tensor) -> Tensor:
-        """Return (n,) what the jerk of the last step costs."""
-        jerk = (after - before)[:, (1, 3)] / self._step_s
-        cost = self._preset.jerk * jerk[:, 0] ** 2 + self._preset.turn_jerk * jerk[:, 1] ** 2
-        return self._smooth * cost
 
     def _clearance_cost(self, told: Tensor) -> Tensor:
         """Return (n,) what the nearest return of the laser costs."""
         pooled = self._preset.pooled
         gap = -pooled.gap_scale * torch.log(told[:, : pooled.sectors].amax(dim=1).clamp(min=1e-30))
-        return self._preset.clearance * (1.0 - gap / self._preset.clearance_m).clamp(min=0.0) ** 2
+        times = 1.0 + self._preset.clearance_speed * self._commanded[:, 0].abs()
+        return self._preset.clearance * times * (1.0 - gap / self._preset.clearance_m).clamp(min=0.0) ** 2
 
     def _truth(self, info: dict[str, Any]) -> Tensor:
         names = ("leader_distance", "following_leader", "lost_s")
