@@ -34,6 +34,7 @@ FOLLOWERS: dict[str, Callable[[FollowInterface], Follower]] = {
     "dwa": DWAFollower,
     "mppi": _mppi,
     "learned": LearnedFollower,
+    "reinforced": partial(ReinforcedFollower, policy="reinforced"),
 }
 """Who needs a leader."""
 
@@ -56,9 +57,9 @@ def make_follower(name: str, interface: FollowInterface | None = None) -> Follow
     """Return a new follower or explorer.
 
     Args:
-        name: "pid", "plain_pid", "pure_pursuit", "dwa", "mppi", "learned" (behind a leader); "random", "frontier"
-            (without); your own class, as "module:name"; or a folder that `tagalong train follower` wrote. With "+guard"
-            behind it, its actions pass the safety filter, which stops before a certain contact.
+        name: "pid", "plain_pid", "pure_pursuit", "dwa", "mppi", "learned", "reinforced" (behind a leader); "random",
+            "frontier" (without); your own class, as "module:name"; or a folder that `tagalong train follower` wrote.
+            With "+guard" behind it, its actions pass the safety filter, which stops before a certain contact.
         interface: Scales of the environment it will act in, `env.unwrapped.interface`; None: it learns them
             there (but a class of your own is told the defaults).
 

@@ -18,8 +18,8 @@ WORLDS = "worlds"
 PRESETS = (WORLDS, "office", "office-map", "corridor")
 EPILOG = """\
 With the preset worlds, the default, the policy is rewarded from the start, by PPO on compiled worlds: offices of the
-training half, a floor plan, corridors and halls, people known by the truth. It drives alone; "DIR+guard" is the same
-with the safety filter. The same command makes the same weights, to the byte, if it is not interrupted.
+training half, a floor plan, corridors and halls, people known with a tracker's errors. It drives alone; "DIR+guard" is
+the same with the safety filter. The same command makes the same weights, to the byte, if it is not interrupted.
 
 With the other presets it is trained in MuJoCo's worlds with the tracker: with ppo, it first imitates a teacher that
 drives by the truth (which the robot never sees), on the ways that the policy itself comes to; then it is rewarded.
@@ -49,7 +49,7 @@ def add_follower_arguments(models: "argparse._SubParsersAction[argparse.Argument
         "--steps",
         type=at_least(1, MOST_STEPS),
         metavar="N",
-        help="steps of reinforcement (worlds: 4000000)",
+        help="steps of reinforcement (worlds: 9000000)",
     )
     parser.add_argument("--max-minutes", type=within(0.001, 1e6), metavar="M", help="stop then, evaluations included")
     parser.add_argument(
@@ -61,7 +61,7 @@ def add_follower_arguments(models: "argparse._SubParsersAction[argparse.Argument
     )
     parser.add_argument(
         "--device", choices=("cpu", "cuda"), default="cpu",
-        help="worlds: cuda steps them on a GPU, 800000000 steps, for a larger network (default: %(default)s)",
+        help="worlds: cuda steps them on a GPU, 400000000 steps, for a larger network (default: %(default)s)",
     )  # fmt: skip
     add_settings(parser, "an argument of the environments that it is trained in, e.g. robot=pioneer")
     parser.add_argument("--out", type=Path, default=Path("out/follower"), metavar="DIR", help="default: %(default)s")

@@ -256,7 +256,7 @@ def test_the_random_walk_goes_straight_turns_away_from_a_wall_and_repeats_itself
 
 
 def test_there_are_followers_and_explorers():
-    assert sorted(FOLLOWERS) == ["dwa", "learned", "mppi", "pid", "plain_pid", "pure_pursuit"]
+    assert sorted(FOLLOWERS) == ["dwa", "learned", "mppi", "pid", "plain_pid", "pure_pursuit", "reinforced"]
     assert sorted(EXPLORERS) == ["frontier", "random"]
     with pytest.raises(InputError, match="pure_pursuit"):
         make_follower("nobody")

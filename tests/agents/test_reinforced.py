@@ -87,18 +87,29 @@ def test_training_begins_with_quick_steering_and_ends_with_that_of_the_card():
     assert (first.settle_s, first.jerk) == (preset.steering.settle_s / 2.0, preset.steering.jerk * 4.0)
     assert first == preset.steering_at(1.0 / 3.0)
     assert last.settle_s > preset.steering_at(0.5).settle_s > first.settle_s
-    with pytest.raises(InputError, match="`quick` from 1 to 10"):
-        WorldsPreset(quick=0.5)
+    assert (preset.deviation_at(0.0), preset.deviation_at(1.0)) == (preset.deviation, preset.last_deviation)
+    assert preset.deviation_at(0.5) ** 2 == pytest.approx(preset.deviation * preset.last_deviation)
+    for wrong, told in (
+        ({"quick": 0.5}, "`quick` from 1 to 10"),
+        ({"kinds": ()}, "at least one kind of episodes"),
+        ({"worlds": 0}, "at least one world"),
+        ({"last_deviation": 0.0}, "`deviation` >= `last_deviation` > 0"),
+        ({"smoothness": -1.0}, "`clearance_speed` and `smoothness` >= 0"),
+    ):
+        with pytest.raises(InputError, match=told):
+            WorldsPreset(**wrong)
 
 
-def test_who_is_nearer_to_a_thing_is_charged_more_and_who_is_far_from_all_nothing():
+def test_who_is_nearer_to_a_thing_or_quicker_there_is_charged_more_and_who_is_far_from_all_nothing():
     worlds = TensorWorlds(TINY, 0, 1, "cpu")
     told, _ = worlds.reset(0)
     costs = []
-    for gap in (0.0, 0.1, 0.3):
+    for gap, speed in ((0.0, 0.0), (0.15, 0.0), (0.15, 0.5), (0.4, 1.0)):
         told[:, : TINY.pooled.sectors] = np.exp(-gap / TINY.pooled.gap_scale)
+        worlds._commanded[:, 0] = -speed
         costs.append(float(worlds._clearance_cost(told)[0]))
-    assert costs == pytest.approx([TINY.clearance, TINY.clearance / 4.0, 0.0], abs=1e-5)
+    quarter = TINY.clearance / 4.0
+    assert costs == pytest.approx([4.0 * quarter, quarter, quarter * (1.0 + 0.5 * TINY.clearance_speed), 0.0], abs=1e-5)
     worlds.close()
 
 

@@ -10,6 +10,9 @@ from ...learned.steering import SteeringConfig
 BEAMS = 360
 """Of the laser in training; the policy is told sectors, of which a finer laser makes the same."""
 
+CONTACT = 100.0
+"""What a contact costs: at the 20 of the environment's own reward the policy took as many as paid."""
+
 MOST_QUICK = 10.0
 """Times: a robot that settles within a step of the control is no quicker for more."""
 
@@ -84,14 +87,18 @@ class WorldsPreset:
     kinds: tuple[dict[str, Any], ...] = KINDS
     worlds: int = 256
     episodes: int = 1040
-    env: dict[str, Any] = field(default_factory=lambda: {"beams": BEAMS, "lost_limit_s": 5.0, "people": "modelled"})
+    env: dict[str, Any] = field(
+        default_factory=lambda: {
+            "beams": BEAMS, "lost_limit_s": 5.0, "people": "modelled", "reward.collision": CONTACT
+        }
+    )  # fmt: skip
     pooled: PooledConfig = field(default_factory=lambda: PooledConfig(gap_scale=0.5))
     steering: SteeringConfig = field(
         default_factory=lambda: SteeringConfig(
             settle_s=0.35, turn_settle_s=0.25, jerk=4.0, brake_jerk=8.0, turn_jerk=16.0, wish_s=0.0
         )
     )
-    steps: int = 4_000_000
+    steps: int = 9_000_000
     rollout: int = 64
     batch: int = 2048
     epochs: int = 4
@@ -104,8 +111,8 @@ class WorldsPreset:
     quick: float = 2.0
     smoothness: float = 1.0
     clearance: float = 1.0
-    clearance_m: float = 0.2
-    clearance_speed: float = 0.0
+    clearance_m: float = 0.3
+    clearance_speed: float = 2.0
     reward_scale: float = 0.05
     width: int = 128
     most_steps: int = 1500
@@ -124,6 +131,11 @@ class WorldsPreset:
             raise InputError(
                 f"reinforcement needs `quick` from 1 to {MOST_QUICK:g}, `clearance` >= 0 and `clearance_m` > 0, got "
                 f"{self.quick:g}, {self.clearance:g} and {self.clearance_m:g}"
+            )
+        if min(self.clearance_speed, self.smoothness) < 0.0:
+            raise InputError(
+                f"reinforcement needs `clearance_speed` and `smoothness` >= 0, got {self.clearance_speed:g} and "
+                f"{self.smoothness:g}"
             )
 
     def smooth_at(self, share: float) -> float:
@@ -153,5 +165,5 @@ class WorldsPreset:
 
 
 def gpu_preset() -> WorldsPreset:
-    """Return the preset for a GPU: two hundred times the steps, in a hundred times the worlds, for a wider network."""
-    return WorldsPreset(worlds=32_768, rollout=32, batch=131_072, steps=800_000_000, width=256)
+    """Return the preset for a GPU: forty times the steps, in a hundred times the worlds, for a wider network."""
+    return WorldsPreset(worlds=32_768, rollout=32, batch=131_072, steps=400_000_000, width=256)
