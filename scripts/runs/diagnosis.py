@@ -21,6 +21,7 @@ CORE = ("gymnasium", "mujoco", "numpy", "scipy", "scikit-learn", "filterpy", "th
 
 EXTRAS: Mapping[str, tuple[str, ...]] = {
     "learn": ("torch", "stable-baselines3", "sb3-contrib", "tensorboard", "safetensors", "onnx", "onnxruntime"),
+    "cuda": ("numba-cuda", "numpy"),
     "viz": ("matplotlib", "moviepy"),
     "ros": ("rosbags", "mcap"),
     "rerun": ("rerun-sdk",),
