@@ -70,10 +70,8 @@ def cast_faces(ax: float, ay: float, bx: float, by: float, first: float, spacing
     ex, ey = bx - ax, by - ay
     for turn in range(2):
         begin = start - turn * _TAU
-        low, high = (
-            max(np.int64(math.ceil(begin / spacing)), 0),
-            min(np.int64(math.floor((begin + width) / spacing)), count - 1),
-        )
+        low = max(np.int64(math.ceil(begin / spacing)), 0)  # a GPU's ceil and floor are no whole numbers yet
+        high = min(np.int64(math.floor((begin + width) / spacing)), count - 1)
         while low <= high and ax * uy[low] - ay * ux[low] < 0.0:
             low += 1
         while low <= high and ux[high] * by - uy[high] * bx < 0.0:

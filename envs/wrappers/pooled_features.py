@@ -18,7 +18,7 @@ Floats = NDArray[np.float32]
 Rows = NDArray[np.intp]
 Batch = Mapping[str, NDArray[np.float32]]
 
-_NEVER_S = 1e3
+NEVER_S = 1e3
 """For how long a leader was not seen whom nobody has seen yet [s]; told as `LIMIT`."""
 
 
@@ -43,7 +43,7 @@ class PooledFeatures:
         self._body = body_ranges(interface).astype(np.float32)
         self._starts = np.floor(np.arange(config.sectors) * beams / config.sectors).astype(np.intp)
         self._axes = 3 if interface.holonomic else 2
-        self._unseen_s = np.full(count, _NEVER_S)
+        self._unseen_s = np.full(count, NEVER_S)
         self._trail = np.zeros((count, config.trail, 2))
         self._actions = np.zeros((count, config.actions, self._axes))
         self._stack = np.zeros((count, config.stack, config.size(interface.holonomic) // config.stack), np.float32)
@@ -64,7 +64,7 @@ class PooledFeatures:
         rows = self._all if rows is None else rows
         if not len(rows):
             return np.zeros((0, self.size), dtype=np.float32)
-        self._unseen_s[rows] = _NEVER_S
+        self._unseen_s[rows] = NEVER_S
         self._trail[rows], self._actions[rows] = 0.0, 0.0
         now = self._now(batch, rows)
         self._stack[rows] = now[:, None]
@@ -111,7 +111,7 @@ class PooledFeatures:
         """Return (r, 11) the leader, names `LEADER_NAMES`."""
         told = np.zeros((len(rows), len(LEADER_NAMES)))
         away = np.hypot(leader[:, 0], leader[:, 1])
-        scale, known = self.config.length_scale, self._unseen_s[rows] < _NEVER_S
+        scale, known = self.config.length_scale, self._unseen_s[rows] < NEVER_S
         told[:, 0:2], told[:, 2:4] = leader[:, 0:2] / scale, leader[:, 2:4]
         told[:, 4], told[:, 5:7] = away / scale, leader[:, 0:2] / np.maximum(away, 1e-3)[:, None]
         told[:, 7], told[:, 8], told[:, 9] = leader[:, 4], leader[:, 5], known
@@ -135,7 +135,7 @@ class PooledFeatures:
         turned = velocity[:, -1:] * self._step_s
         cos, sin, x, y = np.cos(turned), np.sin(turned), moved[..., 0], moved[..., 1]
         trail = np.stack((cos * x + sin * y, cos * y - sin * x), axis=2)
-        seen, fresh = leader[:, 5] > 0.5, self._unseen_s[rows] >= _NEVER_S
+        seen, fresh = leader[:, 5] > 0.5, self._unseen_s[rows] >= NEVER_S
         place = leader[:, None, 0:2]
         apart = np.hypot(*(trail[:, 0] - leader[:, 0:2]).T)
         new = seen & (fresh | (apart > self.config.trail_jump))
@@ -143,7 +143,7 @@ class PooledFeatures:
         trail = np.where(new[:, None, None], place, trail)
         trail = np.where(on[:, None, None], np.concatenate((place, trail[:, :-1]), axis=1), trail)
         self._trail[rows] = np.where((fresh & ~seen)[:, None, None], 0.0, trail)
-        waited = np.where(fresh, _NEVER_S, np.minimum(self._unseen_s[rows] + self._step_s, 0.5 * _NEVER_S))
+        waited = np.where(fresh, NEVER_S, np.minimum(self._unseen_s[rows] + self._step_s, 0.5 * NEVER_S))
         self._unseen_s[rows] = np.where(seen, 0.0, waited)
 
 

@@ -9,10 +9,7 @@ from torch import Tensor
 
 from ....envs.task.interface import FollowInterface
 from ....envs.wrappers.pooled_config import LIMIT, PooledConfig
-from ....envs.wrappers.pooled_features import body_ranges
-
-_NEVER_S = 1e3
-"""For how long a leader was not seen whom nobody has seen yet [s]."""
+from ....envs.wrappers.pooled_features import NEVER_S, body_ranges
 
 
 class PooledTensors:
@@ -35,7 +32,7 @@ class PooledTensors:
         widest = int(np.diff(starts).max())
         beams_of = np.minimum(starts[:-1, None] + np.arange(widest), starts[1:, None] - 1)
         self._beams = torch.as_tensor(beams_of, device=device)
-        self._unseen_s = torch.full((count,), _NEVER_S, device=device)
+        self._unseen_s = torch.full((count,), NEVER_S, device=device)
         self._trail = torch.zeros((count, config.trail, 2), device=device)
         self._actions = torch.zeros((count, config.actions, 2), device=device)
         self._stack = torch.zeros((count, config.stack, config.size() // config.stack), device=device)
@@ -49,7 +46,7 @@ class PooledTensors:
             fresh: (n,) whose episode has just begun.
         """
         begun = fresh[:, None, None]
-        self._unseen_s = torch.where(fresh, _NEVER_S, self._unseen_s)
+        self._unseen_s = torch.where(fresh, NEVER_S, self._unseen_s)
         self._trail = torch.where(begun, 0.0, self._trail)
         if self._config.actions:
             done = torch.cat((actions.float().clamp(-1.0, 1.0)[:, None], self._actions[:, :-1]), dim=1)
@@ -81,7 +78,7 @@ class PooledTensors:
         place, scale, unseen = leader[:, 0:2], self._config.length_scale, self._unseen_s[:, None]
         return torch.cat(
             (place / scale, leader[:, 2:4], away / scale, place / away.clamp(min=1e-3), leader[:, 4:6],
-             (unseen < _NEVER_S).float(), unseen / self._config.unseen_scale),
+             (unseen < NEVER_S).float(), unseen / self._config.unseen_scale),
             dim=1,
         )  # fmt: skip
 
@@ -100,14 +97,14 @@ class PooledTensors:
         y, turned = self._trail[..., 1], velocity[:, 1:2] * self._step_s
         cos, sin = torch.cos(turned), torch.sin(turned)
         trail = torch.stack((cos * x + sin * y, cos * y - sin * x), dim=2)
-        seen, fresh, place = leader[:, 5] > 0.5, self._unseen_s >= _NEVER_S, leader[:, None, 0:2]
+        seen, fresh, place = leader[:, 5] > 0.5, self._unseen_s >= NEVER_S, leader[:, None, 0:2]
         apart = torch.hypot(*(trail[:, 0] - leader[:, 0:2]).unbind(1))
         new = seen & (fresh | (apart > c.trail_jump))
         on = seen & ~new & (apart > c.trail_spacing)
         trail = torch.where(new[:, None, None], place, trail)
         trail = torch.where(on[:, None, None], torch.cat((place, trail[:, :-1]), dim=1), trail)
         self._trail = torch.where((fresh & ~seen)[:, None, None], 0.0, trail)
-        waited = torch.where(fresh, _NEVER_S, (self._unseen_s + self._step_s).clamp(max=0.5 * _NEVER_S))
+        waited = torch.where(fresh, NEVER_S, (self._unseen_s + self._step_s).clamp(max=0.5 * NEVER_S))
         self._unseen_s = torch.where(seen, 0.0, waited)
 
 
