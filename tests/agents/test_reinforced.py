@@ -15,7 +15,7 @@ from tagalong.agents.reinforced.policy import load_reinforced  # noqa: E402
 from tagalong.agents.training.worlds.pooled_tensors import PooledTensors, as_tensors  # noqa: E402
 from tagalong.agents.training.worlds.ppo import Learner, Rollout, log_probability  # noqa: E402
 from tagalong.agents.training.worlds.preset import WorldsPreset  # noqa: E402
-from tagalong.agents.training.worlds.run import WorldsRun, WorldsRunConfig  # noqa: E402
+from tagalong.agents.training.worlds.run import EndedEpisodes, WorldsRun, WorldsRunConfig  # noqa: E402
 from tagalong.agents.training.worlds.tensor_worlds import TRUTH, Outcome, TensorWorlds, steered  # noqa: E402
 from tagalong.envs import CompiledVectorEnv  # noqa: E402
 from tagalong.envs.task import FollowInterface  # noqa: E402
@@ -226,6 +226,59 @@ def test_outputs_that_change_from_a_step_to_the_next_are_smoothed_but_not_across
     assert change() == pytest.approx(before, rel=1e-6)
     descend(1.0)
     assert change() < 0.5 * before
+
+
+def test_a_policy_that_has_moved_far_already_is_not_moved_further_by_the_same_rollout():
+    learner = Learner(TINY, TINY.pooled.size(), 0, "cpu")
+    told = torch.zeros(2, TINY.pooled.size())
+    mean = learner.model.actor(told).detach()
+    likely, certain = log_probability(mean, mean, 0.5), torch.tensor([1.0, -1.0])
+    for ratio, moves in ((torch.tensor([2.0, 0.5]), False), (torch.tensor([0.5, 2.0]), True)):
+        learner.optimizer.zero_grad()
+        learner._descend(
+            [told, torch.zeros(2, TRUTH), mean + 0.1, likely - ratio.log(), mean, certain, torch.zeros(2), told,
+             torch.zeros(2)], 0.5,
+        )  # fmt: skip
+        moved = max(float(p.grad.abs().max()) for p in learner.model.actor.parameters() if p.grad is not None)
+        assert (moved > 1e-6) == moves
+
+
+def test_the_divergence_is_counted_in_deviations():
+    learner, told, nothing = (
+        Learner(TINY, TINY.pooled.size(), 0, "cpu"),
+        torch.zeros(4, TINY.pooled.size()),
+        torch.zeros(4),
+    )
+    before = learner.model.actor(told).detach() - 0.5
+    rest = torch.zeros(4, TRUTH), before, nothing, before, nothing, nothing, told, nothing
+    assert learner._descend([told, *rest], 0.25)[0] == pytest.approx(0.5 * 2 * (0.5 / 0.25) ** 2, rel=1e-4)
+
+
+def test_the_outputs_are_forward_and_turn():
+    for output, sign in ((torch.tensor([1.0, 0.0]), (1, 0)), (torch.tensor([-1.0, -1.0]), (-1, -1))):
+        worlds = TensorWorlds(TINY, 0, 1, "cpu")
+        worlds.reset(0)
+        worlds.step(output.repeat(5, 1))
+        assert torch.sign(worlds._commanded[0, [0, 2]]).tolist() == list(sign)
+        worlds.close()
+
+
+def test_ended_episodes_are_counted_with_their_own_returns():
+    tally, returns = EndedEpisodes.of(torch.device("cpu")), torch.tensor([1.0, 10.0, 100.0])
+    over = torch.tensor([True, False, True])
+    nothing = torch.zeros(3, dtype=torch.bool)
+    told = torch.zeros(3, 1)
+    outcome = Outcome(told, told, torch.ones(3), over, nothing, nothing, torch.tensor([3, 0, 0]))
+    assert tally.count(outcome, returns).tolist() == [0.0, 11.0, 0.0]
+    assert (float(tally.returns), tally.episodes) == (103.0, 2)
+    assert tally.endings.tolist()[:4] == [1, 0, 0, 1]
+
+
+def test_a_run_explores_less_and_less(tmp_path, monkeypatch):
+    seen, of = [], Rollout.of
+    monkeypatch.setattr(Rollout, "of", staticmethod(lambda *given: seen.append(given[3]) or of(*given)))
+    trained(tmp_path)
+    assert seen == [TINY.deviation_at(share) for share in (0.0, 0.25, 0.5, 0.75)]
 
 
 def test_who_moves_too_far_in_a_step_learns_slower_and_who_hardly_moves_faster():

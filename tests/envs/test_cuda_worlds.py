@@ -8,6 +8,7 @@ import pytest
 from gymnasium.vector import AutoresetMode
 from numba import cuda
 from tagalong.envs.compiled.episodes import step_worlds
+from tagalong.envs.compiled.state import scratch
 from tagalong.envs.cuda_worlds.kernel import scratch_of
 from tagalong.slam import InputError
 
@@ -99,6 +100,14 @@ def test_what_a_gpu_cannot_do_is_refused_in_one_line(pretended):
         made("cuda", workers=2)
     with pytest.raises(InputError, match="nothing is told before the first reset"):
         made("cuda").told  # noqa: B018
+
+
+def test_each_thread_has_its_own_row_of_each_scratch():
+    one = scratch(ticks=4, beams=3, people=2)
+    of_all = type(one)(*(np.stack([np.full_like(array, t) for t in range(2)]) for array in one))
+    for t in range(2):
+        for name, array in scratch_of.py_func(of_all, t)._asdict().items():
+            assert np.shares_memory(array, getattr(of_all, name)[t]), name
 
 
 @pytest.mark.skipif(cuda.is_available(), reason="there is a GPU")
