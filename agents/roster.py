@@ -3,11 +3,11 @@
 import os
 from collections.abc import Callable
 from functools import partial
+from typing import TypeGuard
 
 from ..envs.task.interface import FollowInterface
 from ..slam.errors import InputError, unknown_name
 from .learned.follower import LearnedFollower
-from .learned.guard import GuardConfig
 from .learned.guarded import Guarded
 from .protocol.follower import Follower
 from .protocol.newcomer import Newcomer
@@ -49,8 +49,8 @@ EXPLORERS: dict[str, Callable[[FollowInterface], Follower]] = {"random": RandomW
 """Who needs none: for environments with `leader=False`; "frontier" for those that build a map."""
 
 
-GUARD = "+guard"
-"""Behind a name: the same follower with the safety filter."""
+GUARD, ALONE = "+guard", "-guard"
+"""Behind a name: the same follower with the safety filter; without the one that it was trained with."""
 
 
 def make_follower(name: str, interface: FollowInterface | None = None) -> Follower:
@@ -59,13 +59,18 @@ def make_follower(name: str, interface: FollowInterface | None = None) -> Follow
     Args:
         name: "pid", "plain_pid", "pure_pursuit", "dwa", "mppi", "learned", "reinforced" (behind a leader); "random",
             "frontier" (without); your own class, as "module:name"; or a folder that `tagalong train follower` wrote.
-            With "+guard" behind it, its actions pass the safety filter, which stops before a certain contact.
+            With "+guard" behind it, its actions pass the safety filter, which stops before a certain contact; with
+            "-guard", a reinforced policy that was trained with the filter drives without.
         interface: Scales of the environment it will act in, `env.unwrapped.interface`; None: it learns them
             there (but a class of your own is told the defaults).
 
     Raises:
-        InputError: If the name is unknown, an explorer is to wear the filter, or "frontier" finds no map.
+        InputError: If the name is unknown, an explorer is to wear the filter, somebody is to drive without who never
+            wore it, or "frontier" finds no map.
     """
+    if name.endswith(ALONE) and not os.path.isdir(name):
+        make = _alone(name.removesuffix(ALONE))
+        return Newcomer(make) if interface is None else make(interface)
     plain, guarded = name.removesuffix(GUARD), name.endswith(GUARD)
     if ":" in plain:
         scales = interface or FollowInterface()
@@ -86,7 +91,18 @@ def _maker(name: str, guarded: bool) -> Callable[[FollowInterface], Follower]:
         return make
     if name in EXPLORERS:
         raise InputError(f"the safety filter is for followers; {name} explores without a leader")
-    if isinstance(make, partial) and make.func is ReinforcedFollower:
-        return partial(make, guard=GuardConfig())
+    if _is_reinforced(make):
+        return partial(make, guarded=True)
     inner = make
     return lambda interface: Guarded(inner(interface), interface)
+
+
+def _alone(name: str) -> Callable[[FollowInterface], Follower]:
+    make = None if ":" in name else _maker(name, guarded=False)
+    if not _is_reinforced(make):
+        raise InputError(f'"{ALONE}" takes the safety filter from a policy that was trained with it; {name} is none')
+    return partial(make, guarded=False)
+
+
+def _is_reinforced(make: object) -> TypeGuard[partial[ReinforcedFollower]]:
+    return isinstance(make, partial) and make.func is ReinforcedFollower

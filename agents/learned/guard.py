@@ -15,9 +15,10 @@ from ...envs.task.interface import FollowInterface
 from ...slam.errors import InputError
 from ..protocol.follower import Observation
 from ..scripted.scan_points import ScanPoints, own_velocity, without
+from .braking import MOST_WISHES, GuardNumbers, bound_of, brakes_in_time, goes_wide, put_alternatives
 from .hindsight import Hindsight
 from .situation import Wish
-from .steering import State, SteeringConfig, steer_many
+from .steering import State, SteeringConfig
 
 Array = NDArray[np.float64]
 
@@ -55,14 +56,18 @@ class GuardConfig:
         if not (0.0 <= self.kept_s <= _MOST_S and 0.0 <= self.remembered_s <= _MOST_S):
             raise InputError(f"a guard remembers for 0 to {_MOST_S:g} s, got {self.kept_s} and {self.remembered_s}")
 
+    def of(self, robot: FollowInterface) -> GuardNumbers:
+        """Return its numbers and those of a robot, as kernels take them."""
+        x, y, _ = robot.T_robot_lidar
+        return GuardNumbers(
+            float(robot.half_length), float(robot.half_width), float(x), float(y), float(robot.range_max),
+            1.0 / robot.control_hz, float(self.margin), float(self.reach), float(self.leader_near),
+            float(self.leader_body), int(self.brake_steps),
+        )  # fmt: skip
 
-_SPEEDS = (1.0, 0.7, 0.45, 0.2, 0.0)
-"""Shares of the wished speed that are tried instead."""
-_TURNS = (1.0, 0.5, 0.0)
-"""Shares of the wished turn rate."""
-_BACK_MPS, _ASIDE_RPS = -0.15, 0.6
-_NEARER_M = 1e-4
-"""Who may not come nearer to something may come so much nearer [m]: rounding."""
+
+_NOTHING = np.zeros((0, 3))
+_ROUNDING_M = 1e-4
 
 
 class Guard:
@@ -75,7 +80,8 @@ class Guard:
     """
 
     def __init__(self, config: GuardConfig, steering: SteeringConfig, interface: FollowInterface) -> None:
-        self.config, self._steering, self._robot = config, steering, interface
+        self.config, self._robot = config, interface
+        self._steering, self._numbers = np.array(steering.as_tuple()), config.of(interface)
         self._step_s = 1.0 / interface.control_hz
         self._scan = ScanPoints(interface)
         x, y, turn = interface.T_robot_lidar
@@ -130,43 +136,33 @@ class Guard:
         """
         things = self.things
         gaps = signed_gaps(np.zeros((1, 3)), things, self._robot)[0]
-        now, speed = float(gaps.min(initial=np.inf)), abs(state[0])
-        if now > 0.2 + 0.45 * speed + speed**2 / 3.0 and min(wish[0], state[0]) >= 0.0:
+        least = float(gaps.min(initial=np.inf))
+        if goes_wide(least, state[0]) and min(wish[0], state[0]) >= 0.0:
             return wish
-        # to what is touched, the robot may come no nearer than it is; to other things, not so near that it touches them
-        bounds = np.minimum(self.config.margin, np.maximum(now, np.minimum(gaps, 0.0)) - _NEARER_M)
-        if self._passes(state, np.array([wish]), things, bounds)[0]:
+        bounds = [bound_of(gap, least, self.config.margin) for gap in gaps.tolist()]
+        near, now = np.column_stack((things, bounds)), np.array(state)
+        if self._passes(now, wish, near):
             return wish
-        speeds = np.append(np.array(_SPEEDS) * wish[0], _BACK_MPS)
-        turns = np.append(np.array(_TURNS) * wish[1], (-_ASIDE_RPS, _ASIDE_RPS))
-        tried = np.stack(np.meshgrid(speeds, turns, indexing="ij"), axis=-1).reshape(-1, 2)
-        safe = self._passes(state, tried, things, bounds)
-        if not safe.any():
-            return 0.0, 0.0
-        change = np.abs(tried[:, 0] - wish[0]) + 0.4 * np.abs(tried[:, 1] - wish[1])
-        best = tried[int(np.argmin(np.where(safe, change, np.inf)))]
-        return float(best[0]), float(best[1])
+        tried = np.empty((MOST_WISHES, 3))
+        put_alternatives(*wish, tried)
+        for speed, turn, _ in tried.tolist():
+            if self._passes(now, (speed, turn), near):
+                return speed, turn
+        return 0.0, 0.0
 
-    def _passes(self, state: State, wishes: Array, things: Array, bounds: Array) -> NDArray[np.bool_]:
-        """Return (n,) whether one step of each of `wishes` (n, 2), and braking then, keeps gaps and the room behind.
+    def _passes(self, state: Array, wish: Wish, near: Array) -> bool:
+        """Return whether one step of a wish, and braking then, keeps gaps and the room behind.
 
         Args:
-            state: What is commanded now.
-            wishes: Speed [m/s] and turn rate [rad/s].
-            things: (m, 2) what must not be touched [m].
-            bounds: (m,) how near it may come [m].
+            state: (4,) what is commanded now.
+            wish: Speed [m/s] and turn rate [rad/s].
+            near: (m, 3) things that must not be touched, and how near it may come to each [m].
         """
-        wishes = np.vstack((wishes, np.zeros(2)))  # the last: how far back it comes whatever is wished
-        states, poses = np.repeat(np.array([state]), len(wishes), axis=0), np.zeros((len(wishes), 3))
-        spare, back = np.full(len(wishes), np.inf), np.zeros(len(wishes))
-        for k in range(self.config.brake_steps + 1):
-            states = steer_many(states, wishes if k == 0 else np.zeros_like(wishes), self._step_s, self._steering)
-            poses = driven(poses, states, self._step_s)
-            gaps = signed_gaps(poses, things, self._robot)
-            spare, back = np.minimum(spare, (gaps - bounds).min(axis=1, initial=np.inf)), np.maximum(back, -poses[:, 0])
-        least = float(back[-1]) + _NEARER_M
-        room = least if back.max() <= least else max(self.room_behind(), least)
-        return ((spare >= 0.0) & (back <= room))[:-1]
+        keeps, back = brakes_in_time(state, *wish, near, self._steering, self._numbers)
+        if not keeps or back <= _ROUNDING_M:
+            return keeps
+        anyhow = brakes_in_time(state, 0.0, 0.0, _NOTHING, self._steering, self._numbers)[1]
+        return back <= anyhow + _ROUNDING_M or back <= self.room_behind()
 
 
 def driven(poses: Array, states: Array, step_s: float) -> Array:

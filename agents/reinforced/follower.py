@@ -1,4 +1,4 @@
-"""A follower whose network drives alone: pooled observation in, wish out, driven with limited acceleration and jerk."""
+"""A network that drives: pooled observation in, wish out, past the safety filter, with limited jerk."""
 
 import os
 from dataclasses import replace
@@ -22,7 +22,7 @@ class ReinforcedFollower:
     Args:
         interface: Scales of the environment.
         policy: Name of a shipped policy, or a folder that `tagalong train follower` wrote.
-        guard: The safety filter that its wishes pass, which stops before a certain contact; None for none.
+        guarded: Whether its wishes pass the safety filter, which stops before a certain contact; None: as in training.
 
     Raises:
         InputError: If there is no such policy, or it does not fit this program.
@@ -32,7 +32,7 @@ class ReinforcedFollower:
         self,
         interface: FollowInterface | None = None,
         policy: str | os.PathLike[str] = "reinforced",
-        guard: GuardConfig | None = None,
+        guarded: bool | None = None,
     ) -> None:
         arrays, config = load_reinforced(policy)
         self._interface = interface or FollowInterface()
@@ -40,7 +40,9 @@ class ReinforcedFollower:
         self._steering, self._network = config.steering, DenseNetwork(arrays)
         self._features = PooledFeatures(config.pooled, replace(self._interface, holonomic=False))
         self._scales = np.array((config.max_speed, config.max_turn_rate))
-        self._guard = NoGuard() if guard is None else Guard(guard, config.steering, self._interface)
+        wears = config.guard is not None if guarded is None else guarded
+        guard = config.guard or GuardConfig()
+        self._guard = Guard(guard, config.steering, self._interface) if wears else NoGuard()
         self.reset()
 
     def reset(self) -> None:

@@ -17,6 +17,7 @@ from ...envs.wrappers.pooled_config import PooledConfig
 from ...slam.errors import InputError, shown
 from ...slam.files.input import named
 from ...slam.files.output import read_arrays, read_json
+from ..learned.guard import GuardConfig
 from ..learned.steering import SteeringConfig
 
 Floats = NDArray[np.float32]
@@ -36,6 +37,7 @@ class ReinforcedConfig:
     Attributes:
         pooled: What it is told.
         steering: How its wishes are driven.
+        guard: The safety filter that it was trained with; None: it was trained without.
         max_speed: Speed that it was told as action 1 [m/s].
         max_turn_rate: Turn rate that it was told so [rad/s].
         field_of_view: Of the laser, half of it to either side of straight ahead [rad]; another laser is refused.
@@ -43,6 +45,7 @@ class ReinforcedConfig:
 
     pooled: PooledConfig = field(default_factory=PooledConfig)
     steering: SteeringConfig = field(default_factory=SteeringConfig)
+    guard: GuardConfig | None = None
     max_speed: float = 1.3
     max_turn_rate: float = 2.0
     field_of_view: float = float(np.radians(270.0))
@@ -113,6 +116,7 @@ def reinforced_config(card: Any) -> ReinforcedConfig:
     return ReinforcedConfig(
         pooled=_made(PooledConfig, "pooled", card["pooled"]),
         steering=_made(SteeringConfig, "steering", card["steering"]),
+        guard=None if card.get("guard") is None else _made(GuardConfig, "guard", card["guard"]),
         **speeds,
     )
 

@@ -4,24 +4,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ..learned.braking import next_commands
+
 Array = NDArray[np.float64]
-
-
-@njit(cache=True, nogil=True)
-def steer_kernel(
-    v: float, a: float, w: float, b: float, speed: float, turn: float, dt: float, c: Array
-) -> tuple[float, float, float, float]:
-    """Do as `learned.steering.steer` does; `c` (12,) is `SteeringConfig.as_tuple()`."""
-    brakes = (speed - v) * v < 0.0
-    most = c[6] if brakes else c[5]
-    change = (c[9] if brakes else c[8]) * dt
-    wanted = min(max((speed - v) / c[3], -most), most)
-    a = min(max(wanted, a - change), a + change)
-    turning = min(max((turn - w) / c[4], -c[7]), c[7])
-    b = min(max(turning, b - c[10] * dt), b + c[10] * dt)
-    v = min(max(v + a * dt, -c[1]), c[0])
-    w = min(max(w + b * dt, -c[2]), c[2])
-    return v, a, w, b
 
 
 @njit(cache=True, nogil=True)
@@ -83,7 +68,7 @@ def drive_ahead(
     x = y = theta = track = tight = crowd = touch = 0.0
     for step in range(2 * len(reference)):
         turn = wish[1] if step < switch else wish[2]
-        v, a, w, b = steer_kernel(v, a, w, b, wish[0], turn, dt, steering)
+        v, a, w, b = next_commands(v, a, w, b, wish[0], turn, dt, steering)
         middle = theta + 0.5 * w * dt
         x += v * dt * np.cos(middle)
         y += v * dt * np.sin(middle)
@@ -123,7 +108,7 @@ def look_ahead(
         reference: (t, 2) where to be after 2, 4, ... steps, robot frame [m].
         points: (m, 2) things that must not be touched, robot frame [m].
         people: (k, 6) x, y, vx, vy, radius, wanted space; robot frame [m, m/s].
-        steering: (12,) as `steer_kernel` takes it.
+        steering: (12,) as `braking.next_commands` takes it.
         box: (3,) half length, half width, radius of the robot's circle [m].
         look_at: (2,) place to face in the end, robot frame [m].
         weights: (8,) of: tracking, end, facing, clearance, its reach [m], people, change, touching.

@@ -1,6 +1,7 @@
 """What the pooled observation tells, and how far it looks."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from ...slam.bounds import check_positive
 from ...slam.errors import InputError
@@ -9,8 +10,17 @@ LIMIT = 4.0
 """No number that is told lies beyond this, to either side."""
 LEADER_NAMES = ("x", "y", "vx", "vy", "distance", "cos", "sin", "confidence", "seen", "known", "unseen")
 PERSON_NAMES = ("x", "y", "vx", "vy", "near", "there")
+_ACROSS = "y", "vy", "sin", "left", "turn"
+"""Last words of the names of numbers that change their sign in a mirror."""
 MOST = 4096
 """Of each count: a network of more inputs is no quick one."""
+
+
+class Mirror(NamedTuple):
+    """What numbers are in a mirror, left for right: the i-th is `signs[i]` times what the `order[i]`-th was."""
+
+    order: tuple[int, ...]
+    signs: tuple[float, ...]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,6 +73,14 @@ class PooledConfig:
     def size(self, holonomic: bool = False) -> int:
         """Return how many numbers are told."""
         return self.stack * len(self.step_names(holonomic))
+
+    def mirror(self, holonomic: bool = False) -> Mirror:
+        """Return what is told of the same world in a mirror; its laser looks as far to the left as to the right."""
+        now = self.step_names(holonomic)
+        order = (*reversed(range(self.sectors)), *range(self.sectors, len(now)))
+        signs = tuple(-1.0 if name.split()[-1] in _ACROSS else 1.0 for name in now)
+        whole = tuple(k * len(now) + i for k in range(self.stack) for i in order)
+        return Mirror(whole, signs * self.stack)
 
     @property
     def names(self) -> tuple[str, ...]:

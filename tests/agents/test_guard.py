@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tagalong.agents.learned.guard import Guard, GuardConfig, box_gaps, signed_gaps
+from tagalong.agents.learned.braking import MOST_WISHES, brakes_in_time, guard_worlds, put_alternatives
+from tagalong.agents.learned.guard import Guard, GuardConfig, box_gaps, driven, signed_gaps
 from tagalong.agents.learned.hindsight import Hindsight
-from tagalong.agents.learned.steering import REST, SteeringConfig, steer
+from tagalong.agents.learned.steering import REST, SteeringConfig, steer, steer_many
 from tagalong.envs.task import FollowInterface
 
 STEERING, CONFIG = SteeringConfig(), GuardConfig()
@@ -132,3 +133,68 @@ def test_the_newest_view_of_a_place_counts():
     assert 0.3 < hindsight.room() < 0.7 - 0.275
     hindsight.reset()
     assert hindsight.room() == 0.0
+
+
+states = st.tuples(st.floats(-0.4, 1.3), st.floats(-1.8, 1.2), st.floats(-1.6, 1.6), st.floats(-3.0, 3.0))
+wished = st.tuples(st.floats(-0.4, 1.3), st.floats(-1.6, 1.6))
+
+
+@given(states, wished, places, st.floats(-0.05, 0.04))
+def test_braking_in_thought_is_driving_in_thought(state, wish, things, bound):
+    near = np.column_stack((np.array(things), np.full(len(things), bound)))
+    robot = CONFIG.of(SCALES)
+    keeps, back = brakes_in_time(np.array(state), *wish, near, np.array(STEERING.as_tuple()), robot)
+    then, pose, spare, farthest = np.array([state]), HERE, np.inf, 0.0
+    for k in range(CONFIG.brake_steps + 1):
+        then = steer_many(then, np.array([wish if k == 0 else (0.0, 0.0)]), 0.1, STEERING)
+        pose = driven(pose, then, 0.1)
+        spare = min(spare, float(signed_gaps(pose, near[:, :2], SCALES).min()) - bound)
+        farthest = max(farthest, -float(pose[0, 0]))
+    if abs(spare) > 1e-9:
+        assert keeps == (spare > 0.0)
+    if keeps:
+        assert back == pytest.approx(farthest, abs=1e-9)
+
+
+@given(wished)
+def test_what_is_tried_instead_is_the_least_change_first(wish):
+    tried = np.full((MOST_WISHES, 3), np.nan)
+    put_alternatives(*wish, tried)
+    changes = np.abs(tried[:, 0] - wish[0]) + 0.4 * np.abs(tried[:, 1] - wish[1])
+    assert tried[:, 2] == pytest.approx(changes)
+    assert (np.diff(tried[:, 2]) >= 0.0).all()
+    expected = {(v, w) for v in [*(wish[0] * k for k in (1.0, 0.7, 0.45, 0.2, 0.0)), -0.15] for w in (
+        wish[1], 0.5 * wish[1], 0.0, -0.6, 0.6)}  # fmt: skip
+    assert {(v, w) for v, w, _ in tried.tolist()} == expected
+
+
+def test_many_worlds_are_guarded_as_one_robot_is_that_remembers_nothing_yet():
+    rng, changed = np.random.default_rng(0), 0
+    turned = SCALES.bearings + SCALES.T_robot_lidar[2]
+    directions = np.column_stack((np.cos(turned), np.sin(turned)))
+    scratch = np.empty((len(turned), 3)), np.empty((MOST_WISHES, 3))
+    for _ in range(60):
+        walls = [
+            (1.0, 0.0, rng.uniform(0.3, 1.2)),
+            (0.0, 1.0, rng.uniform(0.3, 0.8)),
+            (0.0, 1.0, rng.uniform(-0.8, -0.3)),
+        ]
+        observation = seen(np.zeros(3), walls)
+        observation["leader"][:] = (rng.uniform(0.5, 1.5), rng.uniform(-0.5, 0.5), 0.0, 0.0, 1.0, rng.integers(2))
+        state, wish = (
+            (rng.uniform(0.0, 1.3), 0.0, rng.uniform(-1.0, 1.0), 0.0),
+            (rng.uniform(0.0, 1.3), rng.uniform(-1.6, 1.6)),
+        )
+        guard = Guard(CONFIG, STEERING, SCALES)
+        guard.room_behind = lambda: np.inf
+        guard.observe(observation)
+        wanted = np.array([wish, wish])
+        guard_worlds(
+            np.array([state, state]), wanted, np.stack([observation["scan"]] * 2),
+            np.stack([observation["leader"]] * 2), directions, np.array(STEERING.as_tuple()), CONFIG.of(SCALES),
+            *scratch,
+        )  # fmt: skip
+        expected = guard.limit(state, wish)
+        assert wanted == pytest.approx(np.array([expected, expected]))
+        changed += expected != wish
+    assert 10 < changed < 60

@@ -65,7 +65,7 @@ def test_a_kept_wish_is_reached():
 @settings(max_examples=20, deadline=None)
 @given(wishes)
 def test_the_teacher_thinks_ahead_with_the_very_steering_that_drives(outputs):
-    from tagalong.agents.training.teacher_kernel import steer_kernel
+    from tagalong.agents.learned.braking import next_commands
 
     state, table = REST, np.array(CONFIG.as_tuple())
     for speed, turn in outputs:
@@ -73,7 +73,7 @@ def test_the_teacher_thinks_ahead_with_the_very_steering_that_drives(outputs):
         # the kernel from the same state before gives the same state after
     again = REST
     for speed, turn in outputs:
-        again = steer_kernel(*again, speed, turn, 0.1, table)
+        again = next_commands(*again, speed, turn, 0.1, table)
     assert again == pytest.approx(state, abs=1e-9)
 
 

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,8 +11,12 @@ torch = pytest.importorskip("torch", reason='training needs the extra "learn"')
 pytest.importorskip("stable_baselines3", reason='training needs the extra "learn"')
 
 from tagalong.agents import make_follower  # noqa: E402
+from tagalong.agents.learned.guard import GuardConfig  # noqa: E402
 from tagalong.agents.learned.steering import SteeringConfig, steer_many  # noqa: E402
-from tagalong.agents.reinforced.policy import load_reinforced  # noqa: E402
+from tagalong.agents.reinforced.policy import DenseNetwork, load_reinforced  # noqa: E402
+from tagalong.agents.training.worlds import guarding  # noqa: E402
+from tagalong.agents.training.worlds.export import policy_arrays  # noqa: E402
+from tagalong.agents.training.worlds.guarding import WorldsGuard  # noqa: E402
 from tagalong.agents.training.worlds.pooled_tensors import PooledTensors, as_tensors  # noqa: E402
 from tagalong.agents.training.worlds.ppo import Learner, Rollout, log_probability  # noqa: E402
 from tagalong.agents.training.worlds.preset import WorldsPreset  # noqa: E402
@@ -63,7 +68,7 @@ def test_a_run_that_was_stopped_goes_on_with_what_it_had_learned(tmp_path):
         trained(tmp_path, replace(TINY, width=16))
 
 
-@pytest.mark.parametrize("name", ["", "+guard"])
+@pytest.mark.parametrize("name", ["", "+guard", "-guard"])
 def test_what_was_trained_drives_with_and_without_the_safety_filter(whole, name):
     interface = FollowInterface(bearings=np.deg2rad(np.linspace(-135.0, 135.0, 181)))
     follower = make_follower(f"{whole[0]}{name}", interface)
@@ -177,11 +182,11 @@ def rollout_of(learner, rewards, over, failed, begun):
 
 
 def test_advantages_end_with_an_episode_and_keep_the_value_behind_a_cut():
-    learner, gamma, lam = Learner(TINY, TINY.pooled.size(), 0, "cpu"), TINY.gamma, TINY.gae_lambda
+    learner, gamma, lam = Learner(TINY, 0, "cpu"), TINY.gamma, TINY.gae_lambda
     value = 0.7
     with torch.no_grad():
-        learner.model.critic[-1].weight.zero_()
-        learner.model.critic[-1].bias.fill_(value)
+        learner.model.critic.last.zero_()
+        learner.model.critic.last_bias.fill_(value)
     rewards = [1.0, 2.0, 0.0, 4.0]
     for failed in (False, True):
         rollout = rollout_of(learner, rewards, [0, 1, 0, 0], [0, failed, 0, 0], [0, 0, 1, 0])
@@ -195,7 +200,7 @@ def test_advantages_end_with_an_episode_and_keep_the_value_behind_a_cut():
 
 def test_what_is_rewarded_is_done_more_and_steps_without_a_choice_teach_nothing():
     preset = replace(TINY, worlds=1, rollout=64, batch=64, epochs=8)
-    learner = Learner(preset, preset.pooled.size(), 0, "cpu")
+    learner = Learner(preset, 0, "cpu")
     told = torch.zeros(1, preset.pooled.size())
     before = learner.model.actor(told).detach().clone()
     for _ in range(12):
@@ -208,7 +213,7 @@ def test_what_is_rewarded_is_done_more_and_steps_without_a_choice_teach_nothing(
 
 
 def test_outputs_that_change_from_a_step_to_the_next_are_smoothed_but_not_across_episodes():
-    learner = Learner(TINY, TINY.pooled.size(), 0, "cpu")
+    learner = Learner(TINY, 0, "cpu")
     now, later = torch.randn(2, 6, TINY.pooled.size(), generator=torch.Generator().manual_seed(1))
     nothing, mean = torch.zeros(6), learner.model.actor(now).detach()
 
@@ -228,8 +233,24 @@ def test_outputs_that_change_from_a_step_to_the_next_are_smoothed_but_not_across
     assert change() < 0.5 * before
 
 
+def test_a_policy_drives_in_a_mirror_as_it_drives_whatever_its_weights():
+    learner = Learner(TINY, 3, "cpu")
+    told = torch.randn(4, TINY.pooled.size(), generator=torch.Generator().manual_seed(1))
+    with torch.no_grad():
+        for weights in learner.model.parameters():
+            weights.add_(torch.randn(weights.shape, generator=torch.Generator().manual_seed(2)))
+        mirror, truth = TINY.pooled.mirror(), torch.rand(4, TRUTH)
+        seen = told[:, list(mirror.order)] * torch.tensor(mirror.signs)
+        torch.testing.assert_close(learner.model.actor(seen), learner.model.actor(told) * torch.tensor([1.0, -1.0]))
+        torch.testing.assert_close(learner.model.value(seen, truth), learner.model.value(told, truth))
+        assert float(learner.model.actor(told).std(dim=0).min()) > 0.1
+        exported = DenseNetwork(policy_arrays(learner.model.actor))
+        expected = learner.model.actor(told[0]).clamp(-1.0, 1.0).numpy()
+        np.testing.assert_allclose(exported(told[0].numpy()), expected, atol=1e-5)
+
+
 def test_a_policy_that_has_moved_far_already_is_not_moved_further_by_the_same_rollout():
-    learner = Learner(TINY, TINY.pooled.size(), 0, "cpu")
+    learner = Learner(TINY, 0, "cpu")
     told = torch.zeros(2, TINY.pooled.size())
     mean = learner.model.actor(told).detach()
     likely, certain = log_probability(mean, mean, 0.5), torch.tensor([1.0, -1.0])
@@ -245,7 +266,7 @@ def test_a_policy_that_has_moved_far_already_is_not_moved_further_by_the_same_ro
 
 def test_the_divergence_is_counted_in_deviations():
     learner, told, nothing = (
-        Learner(TINY, TINY.pooled.size(), 0, "cpu"),
+        Learner(TINY, 0, "cpu"),
         torch.zeros(4, TINY.pooled.size()),
         torch.zeros(4),
     )
@@ -282,7 +303,7 @@ def test_a_run_explores_less_and_less(tmp_path, monkeypatch):
 
 
 def test_who_moves_too_far_in_a_step_learns_slower_and_who_hardly_moves_faster():
-    learner = Learner(TINY, TINY.pooled.size(), 0, "cpu")
+    learner = Learner(TINY, 0, "cpu")
     rate = learner.optimizer.param_groups[0]["lr"]
     learner._adapt_rate(3.0 * TINY.divergence, 1.0)
     assert learner.optimizer.param_groups[0]["lr"] == pytest.approx(rate / 1.5)
@@ -290,6 +311,47 @@ def test_who_moves_too_far_in_a_step_learns_slower_and_who_hardly_moves_faster()
     assert learner.optimizer.param_groups[0]["lr"] == pytest.approx(rate)
     learner._adapt_rate(0.1 * TINY.divergence, 0.5 * rate)
     assert learner.optimizer.param_groups[0]["lr"] == pytest.approx(0.5 * rate)
+
+
+@pytest.mark.parametrize("trained_so", [True, False])
+def test_a_policy_wears_the_filter_that_it_was_trained_with_and_others_only_when_told(tmp_path, trained_so):
+    trained(tmp_path, TINY if trained_so else replace(TINY, guard=None))
+    interface = FollowInterface(bearings=np.deg2rad(np.linspace(-135.0, 135.0, 181)))
+    card = json.loads((tmp_path / "policy.json").read_text())
+    assert (card["guard"] is not None) == trained_so
+    observation = {
+        "scan": np.full(181, 0.21 / 30.0, np.float32),  # a wall all around: 4 cm before the front
+        "leader": np.array([2.0, 0.0, 0.0, 0.0, 1.0, 1.0], np.float32),
+        "people": np.zeros((6, 6), np.float32),
+        "velocity": np.zeros(2, np.float32),
+    }
+
+    def drives(name):
+        follower = make_follower(f"{tmp_path}{name}", interface)
+        follower._network = lambda told: np.ones(2, np.float32)
+        follower.reset()
+        return bool(np.abs(follower.act(observation)).max() > 1e-3)
+
+    assert [drives(name) for name in ("", "+guard", "-guard")] == [not trained_so, False, True]
+
+
+def test_only_who_was_trained_with_the_filter_can_be_asked_to_drive_without():
+    for name in ("pid-guard", "learned-guard", "my_module:Bold-guard"):
+        with pytest.raises(InputError, match="takes the safety filter from a policy that was trained with it"):
+            make_follower(name)
+
+
+def test_training_passes_the_wishes_through_the_filter():
+    speeds = {}
+    for guard in (TINY.guard, None):
+        worlds = TensorWorlds(replace(TINY, guard=guard), 0, 1, "cpu")
+        worlds.reset(0)
+        worlds._seen["scan"][:] = 0.21 / 30.0
+        worlds._seen["leader"][:] = 0.0
+        worlds.step(torch.ones(5, 2))
+        speeds[guard is None] = float(worlds._commanded.abs().max())
+        worlds.close()
+    assert speeds[False] < 1e-6 < 0.01 < speeds[True]
 
 
 def test_a_card_or_arrays_that_do_not_fit_are_told_in_one_line(whole, tmp_path):
@@ -304,3 +366,35 @@ def test_a_card_or_arrays_that_do_not_fit_are_told_in_one_line(whole, tmp_path):
         (tmp_path / "policy.json").write_text(json.dumps({**card, **change}))
         with pytest.raises(InputError, match=told):
             make_follower(str(tmp_path), FollowInterface())
+
+
+def test_a_gpu_guards_each_world_by_a_thread_of_its_own(monkeypatch):
+    interface, rng = FollowInterface(bearings=np.deg2rad(np.linspace(-135.0, 135.0, 90))), np.random.default_rng(0)
+    card = SimpleNamespace(
+        as_cuda_array=lambda tensor: tensor.numpy(), to_device=lambda array: array, grid=lambda _: thread[0]
+    )
+    thread, asked = [0], []
+
+    class Kernel:
+        def __getitem__(self, grid):
+            asked.append(grid)
+            return self
+
+        def __call__(self, *given):
+            for thread[0] in range(asked[-1][0] * asked[-1][1]):
+                guarding._guard(*given)
+
+    on_processor = WorldsGuard(GuardConfig(), interface, 70, "cpu")
+    monkeypatch.setattr(guarding, "guard_world", lambda *given: guarding.guard_worlds(*(
+        value[None] if k < 4 else value for k, value in enumerate(given))))  # fmt: skip
+    monkeypatch.setattr(guarding, "_array", lambda tensor: tensor.numpy())
+    monkeypatch.setattr(guarding, "cuda", card)
+    monkeypatch.setattr(guarding, "guard_on_gpu", Kernel())
+    scans = torch.as_tensor(rng.uniform(0.005, 0.04, (70, 90)).astype(np.float32))
+    commanded, leader = torch.zeros(70, 4), torch.zeros(70, 6)
+    commanded[:, 0], wishes = 0.4, torch.as_tensor(rng.uniform(-1.0, 1.0, (70, 2)).astype(np.float32))
+    given = commanded, wishes, scans, leader, SteeringConfig()
+    limited = WorldsGuard(GuardConfig(), interface, 70, "cuda").limit(*given)
+    assert torch.equal(limited, on_processor.limit(*given))
+    assert asked == [(2, 64)]
+    assert 10 < int((limited != wishes).any(dim=1).sum()) <= 70

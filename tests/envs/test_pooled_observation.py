@@ -150,3 +150,30 @@ def test_what_makes_no_sense_is_refused_in_one_line():
         PooledFeatures(PooledConfig(sectors=120), FollowInterface(bearings=BEARINGS))
     with pytest.raises(InputError, match="the environment has none"):
         PooledObservation(gym.make("tagalong/Corridor-v0", leader=False, **PLAIN))
+
+
+@pytest.mark.parametrize("holonomic", [False, True])
+def test_what_is_told_of_a_world_in_a_mirror_is_what_the_mirror_says(holonomic):
+    config, rng = PooledConfig(sectors=9, stack=2, people=3, trail=2), np.random.default_rng(4)
+    interface = FollowInterface(bearings=np.deg2rad(np.linspace(-135.0, 135.0, 90)), holonomic=holonomic)
+    as_is, mirrored = PooledFeatures(config, interface), PooledFeatures(config, interface)
+    order, signs = config.mirror(holonomic)
+    axes = np.array([1, -1, -1] if holonomic else [1, -1])
+    for k in range(6):
+        batch = {
+            "scan": rng.uniform(0.0, 1.0, (1, 90)).astype(np.float32),
+            "leader": np.append(rng.normal(0.0, 2.0, 4), (0.8, k % 3 > 0)).astype(np.float32)[None],
+            "people": rng.normal(0.0, 2.0, (1, 6, 6)).astype(np.float32),
+            "velocity": rng.normal(0.0, 1.0, (1, len(axes))).astype(np.float32),
+        }
+        across = np.array([1, -1, 1, -1, 1, 1], dtype=np.float32)
+        seen = {
+            "scan": batch["scan"][:, ::-1],
+            "leader": batch["leader"] * across,
+            "people": batch["people"] * across,
+            "velocity": batch["velocity"] * axes,
+        }
+        actions = rng.uniform(-1.0, 1.0, (1, len(axes)))
+        told = as_is.update(batch, actions) if k else as_is.begin(batch)
+        other = mirrored.update(seen, actions * axes) if k else mirrored.begin(seen)
+        np.testing.assert_allclose(other[0], told[0, list(order)] * signs, atol=1e-6)

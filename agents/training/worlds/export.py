@@ -8,18 +8,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from safetensors.numpy import save
-from torch import nn
 
 from ....slam.files.output import replacing, write_json
 from ...reinforced.policy import ReinforcedConfig
 from ..model_state import Arrays
+from .mirrored import MirroredNetwork
 
 
-def policy_arrays(actor: nn.Sequential) -> Arrays:
+def policy_arrays(actor: MirroredNetwork) -> Arrays:
     """Return the layers of an actor as `agents.reinforced.policy` names its arrays."""
     arrays: Arrays = {}
-    for i, layer in enumerate(part for part in actor if isinstance(part, nn.Linear)):
-        for name, tensor in (("weight", layer.weight), ("bias", layer.bias)):
+    for i, layer in enumerate(actor.layers()):
+        for name, tensor in layer._asdict().items():
             arrays[f"layer.{i}.{name}"] = np.array(tensor.detach().cpu().numpy(), dtype=np.float32, order="C")
     return arrays
 

@@ -15,6 +15,8 @@ from dataclasses import dataclass
 import torch
 from torch import Generator, Tensor, nn
 
+from ....envs.wrappers.pooled_config import Mirror
+from .mirrored import MirroredNetwork
 from .preset import WorldsPreset
 from .tensor_worlds import TRUTH, Outcome
 
@@ -26,19 +28,20 @@ _RATE_STEP = 1.5
 
 
 class ActorCritic(nn.Module):
-    """Two networks of two hidden layers each.
+    """Two networks.
 
     Args:
-        told: How many numbers the actor is told.
+        mirror: What the actor is told in a mirror.
         width: Of the hidden layers.
         seed: Of the first weights.
     """
 
-    def __init__(self, told: int, width: int, seed: int) -> None:
+    def __init__(self, mirror: Mirror, width: int, seed: int) -> None:
         super().__init__()
-        draws = Generator().manual_seed(seed)
-        self.actor = _dense(told, width, 2, 0.01, draws)
-        self.critic = _dense(told + TRUTH, width, 1, 1.0, draws)
+        draws, told = Generator().manual_seed(seed), len(mirror.order)
+        with_truth = Mirror((*mirror.order, *range(told, told + TRUTH)), (*mirror.signs, *[1.0] * TRUTH))
+        self.actor = MirroredNetwork(mirror, width, 2, 0.01, draws)
+        self.critic = MirroredNetwork(with_truth, width, 1, 1.0, draws)
 
     def value(self, told: Tensor, truth: Tensor) -> Tensor:
         """Return (n,) the critic's guess of the return."""
@@ -49,14 +52,6 @@ def log_probability(outputs: Tensor, mean: Tensor, deviation: float) -> Tensor:
     """Return (n,) the logarithm of the density of `outputs` (n, 2) around `mean` (n, 2)."""
     apart = (outputs - mean) / deviation
     return (-0.5 * apart**2).sum(dim=1) - 2.0 * math.log(deviation * math.sqrt(2.0 * math.pi))
-
-
-def _dense(inputs: int, width: int, outputs: int, gain: float, draws: Generator) -> nn.Sequential:
-    layers = (nn.Linear(inputs, width), nn.Linear(width, width), nn.Linear(width, outputs))
-    for layer, scale in zip(layers, (math.sqrt(2.0), math.sqrt(2.0), gain), strict=True):
-        nn.init.orthogonal_(layer.weight, scale, generator=draws)
-        nn.init.zeros_(layer.bias)
-    return nn.Sequential(layers[0], nn.Tanh(), layers[1], nn.Tanh(), layers[2])
 
 
 @dataclass
@@ -101,14 +96,13 @@ class Learner:
 
     Args:
         preset: How.
-        told: How many numbers the actor is told.
         seed: Of weights, explorations and batches.
         device: Of all tensors.
     """
 
-    def __init__(self, preset: WorldsPreset, told: int, seed: int, device: str) -> None:
+    def __init__(self, preset: WorldsPreset, seed: int, device: str) -> None:
         self._preset, self.device = preset, device
-        self.model = ActorCritic(told, preset.width, seed).to(device)
+        self.model = ActorCritic(preset.pooled.mirror(), preset.width, seed).to(device)
         self.optimizer = torch.optim.Adam(self.model.parameters(), lr=preset.learning_rate, eps=1e-5)
         self.begin_draws(seed)
 

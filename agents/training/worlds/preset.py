@@ -5,6 +5,7 @@ from typing import Any
 
 from ....envs.wrappers.pooled_config import PooledConfig
 from ....slam.errors import InputError
+from ...learned.guard import GuardConfig
 from ...learned.steering import SteeringConfig
 
 BEAMS = 360
@@ -62,6 +63,7 @@ class WorldsPreset:
         env: Further keyword arguments of the environments.
         pooled: What the network is told.
         steering: How its wishes are driven.
+        guard: The safety filter that they pass, in training as later; None for none.
         steps: Of all worlds together.
         rollout: Steps of each world between two updates.
         batch: Steps in a batch.
@@ -80,7 +82,7 @@ class WorldsPreset:
         clearance_m: Gap below which it costs [m].
         clearance_speed: So much more it costs, times, for each 1 m/s: who is near to something is to be slow.
         reward_scale: Rewards are multiplied by this, so that values are of order one.
-        width: Of the two hidden layers of actor and critic each.
+        width: Of the two hidden layers of actor and critic each, an even number.
         most_steps: Steps after which an episode is cut.
     """
 
@@ -98,6 +100,7 @@ class WorldsPreset:
             settle_s=0.35, turn_settle_s=0.25, jerk=4.0, brake_jerk=8.0, turn_jerk=16.0, wish_s=0.0
         )
     )
+    guard: GuardConfig | None = field(default_factory=GuardConfig)
     steps: int = 9_000_000
     rollout: int = 64
     batch: int = 2048
@@ -122,6 +125,8 @@ class WorldsPreset:
             raise InputError("reinforcement needs at least one kind of episodes")
         if min(self.worlds, self.steps, self.rollout, self.batch, self.epochs, self.width, self.most_steps) < 1:
             raise InputError("reinforcement needs at least one world, step, epoch, step in a batch and unit of a layer")
+        if self.width % 2:
+            raise InputError(f"units of a layer come in pairs: `width` must be even, got {self.width}")
         if not 0.0 < self.last_deviation <= self.deviation:
             raise InputError(
                 f"reinforcement needs `deviation` >= `last_deviation` > 0, got {self.deviation:g} and "

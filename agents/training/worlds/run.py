@@ -63,7 +63,7 @@ class WorldsRun:
         settle(self.folder, asdict(self._preset), "worlds", config.seed)
         torch.set_num_threads(1)  # sums of several threads are not the same bytes
         self._worlds = TensorWorlds(self._preset, config.seed, config.workers, config.device)
-        self._learner = Learner(self._preset, self._preset.pooled.size(), config.seed, config.device)
+        self._learner = Learner(self._preset, config.seed, config.device)
         self.progress, self._figures_of_rollout = Progress(), {}
         self._resume()
         self._recent: deque[EndedEpisodes] = deque()
@@ -122,6 +122,7 @@ class WorldsRun:
         config = ReinforcedConfig(
             pooled=self._preset.pooled,
             steering=self._preset.steering,
+            guard=self._preset.guard,
             max_speed=interface.max_speed,
             max_turn_rate=interface.max_turn_rate,
         )

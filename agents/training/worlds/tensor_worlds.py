@@ -10,6 +10,7 @@ from ....envs import CompiledVectorEnv, CudaVectorEnv
 from ....envs.task.endings import REASONS
 from ...learned.steering import SteeringConfig
 from ..tensor_env import TensorVectorEnv
+from .guarding import WorldsGuard
 from .pooled_tensors import PooledTensors, as_tensors
 from .preset import WorldsPreset
 
@@ -60,6 +61,8 @@ class TensorWorlds:
         self._scales = torch.tensor((interface.max_speed, interface.max_turn_rate), device=device)
         self._step_s = 1.0 / interface.control_hz
         self._commanded = torch.zeros((self.count, 4), device=device)
+        guard = preset.guard
+        self._guard = None if guard is None else WorldsGuard(guard, interface, self.count, device)
         self.begin_share(0.0)
 
     def begin_share(self, share: float) -> None:
@@ -72,7 +75,8 @@ class TensorWorlds:
         self._commanded.zero_()
         self._over = torch.zeros(self.count, dtype=torch.bool, device=self.device)
         nothing = torch.zeros((self.count, 2), device=self.device)
-        told = self._features.update(as_tensors(batch, self.device), nothing, ~self._over)
+        self._seen = as_tensors(batch, self.device)
+        told = self._features.update(self._seen, nothing, ~self._over)
         return told.clone(), self._truth(info)
 
     def step(self, outputs: Tensor) -> Outcome:
@@ -81,12 +85,16 @@ class TensorWorlds:
         half, middle = 0.5 * (c.max_speed + c.reverse_speed), 0.5 * (c.max_speed - c.reverse_speed)
         cut = outputs.clamp(-1.0, 1.0)
         wishes = torch.stack((middle + half * cut[:, 0], c.max_turn_rate * cut[:, 1]), dim=1)
+        if self._guard is not None:
+            scan, leader = self._seen["scan"], self._seen["leader"]
+            wishes = self._guard.limit(self._commanded, wishes, scan, leader, self._steering)
         after = steered(self._commanded, wishes, self._step_s, self._steering)
         self._commanded = torch.where(begun[:, None], 0.0, after)
         actions = self._commanded[:, (0, 2)] / self._scales
         step: Any = self._env.step
         batch, reward, terminated, truncated, info = step(actions.numpy() if self.device == "cpu" else actions)
-        told = self._features.update(as_tensors(batch, self.device), actions, begun).clone()
+        self._seen = as_tensors(batch, self.device)
+        told = self._features.update(self._seen, actions, begun).clone()
         reward, terminated, truncated = (
             torch.as_tensor(values, device=self.device) for values in (reward, terminated, truncated)
         )

@@ -1,0 +1,217 @@
+"""Whether a wish can be braked before anything is touched, compiled: what the guard asks, of one robot or of many.
+
+The kernels make no arrays, so that a GPU's threads can run them, too.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...slam.view_kernel import inner_view_kernel, view_kernel
+
+Array = NDArray[np.float64]
+
+MOST_WISHES = 30
+"""Wishes that are tried instead of one that cannot be braked."""
+_BACK_MPS, _ASIDE_RPS = -0.15, 0.6
+_NEARER_M = 1e-4
+"""Who may not come nearer to something may come so much nearer [m]: rounding."""
+
+
+class GuardNumbers(NamedTuple):
+    """Numbers of the guard, the robot and its steering; kernels take it as it is.
+
+    Attributes:
+        half_length: Of the robot's box [m].
+        half_width: Of it [m].
+        laser_x: Place of the laser in the robot frame [m].
+        laser_y: The same [m].
+        range_max: What a beam reads where the observation says 1 [m].
+        step_s: Length of a step [s].
+        margin: See `GuardConfig`, as the next ones.
+        reach: See there.
+        leader_near: See there.
+        leader_body: See there.
+        brake_steps: See there.
+    """
+
+    half_length: float
+    half_width: float
+    laser_x: float
+    laser_y: float
+    range_max: float
+    step_s: float
+    margin: float
+    reach: float
+    leader_near: float
+    leader_body: float
+    brake_steps: int
+
+
+@view_kernel
+def next_commands(
+    v: float, a: float, w: float, b: float, speed: float, turn: float, dt: float, c: Array
+) -> tuple[float, float, float, float]:
+    """Do as `steering.steer` does; `c` (12,) is `SteeringConfig.as_tuple()`."""
+    brakes = (speed - v) * v < 0.0
+    most = c[6] if brakes else c[5]
+    change = (c[9] if brakes else c[8]) * dt
+    wanted = min(max((speed - v) / c[3], -most), most)
+    a = min(max(wanted, a - change), a + change)
+    turning = min(max((turn - w) / c[4], -c[7]), c[7])
+    b = min(max(turning, b - c[10] * dt), b + c[10] * dt)
+    v = min(max(v + a * dt, -c[1]), c[0])
+    w = min(max(w + b * dt, -c[2]), c[2])
+    return v, a, w, b
+
+
+@view_kernel
+def gap_to(ahead: float, aside: float, half_length: float, half_width: float) -> float:
+    """Return the distance from the robot's box to a place in its frame [m]; within: minus the depth of it."""
+    x, y = abs(ahead) - half_length, abs(aside) - half_width
+    if x <= 0.0 and y <= 0.0:
+        return max(x, y)
+    return math.hypot(max(x, 0.0), max(y, 0.0))
+
+
+@view_kernel
+def goes_wide(gap: float, speed: float) -> bool:
+    """Return whether nothing is so near, `gap` [m], that who drives at `speed` [m/s] could not brake before it."""
+    return gap > 0.2 + 0.45 * abs(speed) + speed * speed / 3.0
+
+
+@view_kernel
+def bound_of(gap: float, least: float, margin: float) -> float:
+    """Return how near the robot may come to what is `gap` away now, and the nearest thing `least` [m].
+
+    To what is touched, no nearer than it is; to other things, not so near that it touches them.
+    """
+    return min(margin, max(least, min(gap, 0.0)) - _NEARER_M)
+
+
+@view_kernel
+def brakes_in_time(
+    state: Array, speed: float, turn: float, things: Array, steering: Array, robot: GuardNumbers
+) -> tuple[bool, float]:
+    """Return whether one step of a wish, and braking then, keeps all bounds; and how far back that comes [m].
+
+    Args:
+        state: (4,) what is commanded now.
+        speed: Wished [m/s].
+        turn: Wished [rad/s].
+        things: (m, 3) place of each in the robot frame, and how near the robot may come to it [m].
+        steering: (12,) `SteeringConfig.as_tuple()`.
+        robot: Its numbers.
+    """
+    v, a, w, b = float(state[0]), float(state[1]), float(state[2]), float(state[3])
+    x = y = heading = back = 0.0
+    for k in range(robot.brake_steps + 1):
+        if k == 0:
+            v, a, w, b = next_commands(v, a, w, b, speed, turn, robot.step_s, steering)
+        else:
+            v, a, w, b = next_commands(v, a, w, b, 0.0, 0.0, robot.step_s, steering)
+        middle, way = heading + 0.5 * w * robot.step_s, v * robot.step_s
+        x, y, heading = x + way * math.cos(middle), y + way * math.sin(middle), heading + w * robot.step_s
+        back = max(back, -x)
+        cos, sin = math.cos(heading), math.sin(heading)
+        for i in range(len(things)):
+            dx, dy = things[i, 0] - x, things[i, 1] - y
+            gap = gap_to(cos * dx + sin * dy, cos * dy - sin * dx, robot.half_length, robot.half_width)
+            if gap < things[i, 2]:
+                return False, back
+    return True, back
+
+
+@view_kernel
+def put_alternatives(speed: float, turn: float, wishes: Array) -> None:
+    """Write what is tried instead of a wish into `wishes` (MOST_WISHES, 3): speed, turn rate, and how far off it is.
+
+    Less of the speed or the turn, turning on the spot to either side, and backing; the least change first.
+    """
+    count = 0
+    for i in range(6):
+        forward = speed * (1.0 if i == 0 else 0.7 if i == 1 else 0.45 if i == 2 else 0.2 if i == 3 else 0.0)
+        if i == 5:
+            forward = _BACK_MPS
+        for j in range(5):
+            about = turn if j == 0 else 0.5 * turn if j == 1 else 0.0
+            if j >= 3:
+                about = -_ASIDE_RPS if j == 3 else _ASIDE_RPS
+            change, row = abs(forward - speed) + 0.4 * abs(about - turn), count
+            while row > 0 and wishes[row - 1, 2] > change:
+                for k in range(3):
+                    wishes[row, k] = wishes[row - 1, k]
+                row -= 1
+            wishes[row, 0], wishes[row, 1], wishes[row, 2] = forward, about, change
+            count += 1
+
+
+@inner_view_kernel
+def guard_world(
+    state: Array,
+    wish: Array,
+    scan: Array,
+    leader: Array,
+    directions: Array,
+    steering: Array,
+    robot: GuardNumbers,
+    things: Array,
+    wishes: Array,
+) -> None:
+    """Write over `wish` (2,) the nearest that can be braked, by the returns of this step's scan alone.
+
+    Args:
+        state: (4,) what is commanded.
+        wish: Speed [m/s] and turn rate [rad/s].
+        scan: (beams,) of the observation.
+        leader: (6,) of it.
+        directions: (beams, 2) of the beams in the robot frame.
+        steering: (12,) `SteeringConfig.as_tuple()`.
+        robot: Its numbers.
+        things: (beams, 3) scratch.
+        wishes: (MOST_WISHES, 3) scratch.
+    """
+    walks_on = leader[5] >= 0.5 and math.hypot(leader[0], leader[1]) >= robot.leader_near
+    count, least = 0, np.inf
+    for j in range(len(scan)):
+        away = float(scan[j]) * robot.range_max
+        if scan[j] >= 1.0 or away >= robot.reach:
+            continue
+        x, y = robot.laser_x + away * directions[j, 0], robot.laser_y + away * directions[j, 1]
+        if walks_on and math.hypot(x - leader[0], y - leader[1]) <= robot.leader_body:
+            continue
+        gap = gap_to(x, y, robot.half_length, robot.half_width)
+        things[count, 0], things[count, 1], things[count, 2] = x, y, gap
+        count, least = count + 1, min(least, gap)
+    if goes_wide(least, float(state[0])):
+        return
+    for i in range(count):
+        things[i, 2] = bound_of(things[i, 2], least, robot.margin)
+    near, speed, turn = things[:count], float(wish[0]), float(wish[1])
+    if brakes_in_time(state, speed, turn, near, steering, robot)[0]:
+        return
+    put_alternatives(speed, turn, wishes)
+    for i in range(MOST_WISHES):
+        if brakes_in_time(state, wishes[i, 0], wishes[i, 1], near, steering, robot)[0]:
+            wish[0], wish[1] = wishes[i, 0], wishes[i, 1]
+            return
+    wish[0], wish[1] = 0.0, 0.0
+
+
+@view_kernel
+def guard_worlds(
+    states: Array,
+    wanted: Array,
+    scans: Array,
+    leaders: Array,
+    directions: Array,
+    steering: Array,
+    robot: GuardNumbers,
+    things: Array,
+    wishes: Array,
+) -> None:
+    """Do as `guard_world` for each of n worlds; scratch as there."""
+    for w in range(len(wanted)):
+        guard_world(states[w], wanted[w], scans[w], leaders[w], directions, steering, robot, things, wishes)
