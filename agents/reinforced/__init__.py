@@ -1,5 +1,5 @@
-"""Followers that were reinforced from nothing: a small network that drives alone, and one safety filter on the way.
+"""Followers that were reinforced from nothing: a small network, and the safety filter that it was trained with.
 
-All names are private; `make_follower("reinforced")` or the name of a folder makes one, with "+guard" behind it the same
-with the safety filter.
+All names are private; `make_follower("reinforced")` or the name of a folder makes one, with "-guard" behind it the
+network alone.
 """

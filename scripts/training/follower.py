@@ -18,8 +18,9 @@ WORLDS = "worlds"
 PRESETS = (WORLDS, "office", "office-map", "corridor")
 EPILOG = """\
 With the preset worlds, the default, the policy is rewarded from the start, by PPO on compiled worlds: offices of the
-training half, a floor plan, corridors and halls, people known with a tracker's errors. It drives alone; "DIR+guard" is
-the same with the safety filter. The same command makes the same weights, to the byte, if it is not interrupted.
+training half, a floor plan, corridors and halls, people known with a tracker's errors. Its wishes pass a safety filter
+that stops before a certain contact, in training as later; "DIR-guard" is the network alone. The same command makes the
+same weights, to the byte, if it is not interrupted.
 
 With the other presets it is trained in MuJoCo's worlds with the tracker: with ppo, it first imitates a teacher that
 drives by the truth (which the robot never sees), on the ways that the policy itself comes to; then it is rewarded.
@@ -32,7 +33,7 @@ policy.onnx, evaluations.json, tensorboard/; checkpoint.json with model_*.safete
 
 examples:
   tagalong train follower --out out/follower
-  tagalong evaluate out/follower+guard --suite office --episodes 100
+  tagalong evaluate out/follower --suite office --episodes 100
   tagalong train follower --algo ppo --preset office --max-minutes 90 --out out/imitated
   tagalong train follower --algo recurrent-ppo --preset corridor --out out/recurrent
 """

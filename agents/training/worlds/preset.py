@@ -90,10 +90,8 @@ class WorldsPreset:
     worlds: int = 256
     episodes: int = 1040
     env: dict[str, Any] = field(
-        default_factory=lambda: {
-            "beams": BEAMS, "lost_limit_s": 5.0, "people": "modelled", "reward.collision": CONTACT
-        }
-    )  # fmt: skip
+        default_factory=lambda: {"beams": BEAMS, "people": "modelled", "reward.collision": CONTACT}
+    )
     pooled: PooledConfig = field(default_factory=lambda: PooledConfig(gap_scale=0.5))
     steering: SteeringConfig = field(
         default_factory=lambda: SteeringConfig(
@@ -101,7 +99,7 @@ class WorldsPreset:
         )
     )
     guard: GuardConfig | None = field(default_factory=GuardConfig)
-    steps: int = 9_000_000
+    steps: int = 7_000_000
     rollout: int = 64
     batch: int = 2048
     epochs: int = 4
