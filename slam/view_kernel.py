@@ -19,15 +19,13 @@ def view_kernel(function: Function) -> Function:
     them) that takes longer than its work, at every call. Such a kernel counts nothing; so it can neither make arrays,
     copies of arrays among them, nor return any to a caller that counts, and the caller keeps alive what it hands over.
     """
-    compiled: Any = njit(cache=True, nogil=True, _nrt=False, no_cfunc_wrapper=True)(function)  # pyright: ignore[reportCallIssue]
-    return cast(Function, compiled)
+    return _cached(function, _nrt=False, no_cfunc_wrapper=True)
 
 
 def inner_view_kernel(function: Function) -> Function:
     """Return a `view_kernel` that only kernels call: what reads Python's objects for it would be half of its code."""
     bare: dict[str, Any] = {"_nrt": False, "no_cfunc_wrapper": True, "no_cpython_wrapper": True}
-    compiled: Any = njit(cache=True, nogil=True, **bare)(function)
-    return cast(Function, compiled)
+    return _cached(function, **bare)
 
 
 def spliced_kernel(function: Function) -> Function:
@@ -43,12 +41,30 @@ def as_record(numbers: Any) -> Any:
 
 def kernel(function: Function) -> Function:
     """Return a function compiled as by `numba.njit`, for kernels that other code than C calls."""
-    compiled: Any = njit(cache=True, nogil=True, no_cfunc_wrapper=True)(function)  # pyright: ignore[reportCallIssue]
-    return cast(Function, compiled)
+    return _cached(function, no_cfunc_wrapper=True)
 
 
 def inner_kernel(function: Function) -> Function:
     """Return a function compiled as by `numba.njit`, for kernels that only kernels call."""
     bare: dict[str, Any] = {"no_cfunc_wrapper": True, "no_cpython_wrapper": True}
-    compiled: Any = njit(cache=True, nogil=True, **bare)(function)
+    return _cached(function, **bare)
+
+
+def _cached(function: Function, **options: Any) -> Function:
+    """Return a function compiled without the interpreter's lock, kept on the disk for the next time.
+
+    What an older version of this package has left there may name types that are gone, at which numba stops; here it is
+    compiled anew.
+    """
+    compiled: Any = njit(cache=True, nogil=True, **options)(function)
+    index: Any = compiled._cache._cache_file
+    load = index._load_index
+
+    def load_what_is_known() -> dict[Any, Any]:
+        try:
+            return load()
+        except (AttributeError, ImportError):
+            return {}
+
+    index._load_index = load_what_is_known
     return cast(Function, compiled)
