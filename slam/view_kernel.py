@@ -57,6 +57,8 @@ def _cached(function: Function, **options: Any) -> Function:
     compiled anew.
     """
     compiled: Any = njit(cache=True, nogil=True, **options)(function)
+    if not hasattr(compiled, "_cache"):  # numba was told not to compile
+        return cast(Function, compiled)
     index: Any = compiled._cache._cache_file
     load = index._load_index
 
