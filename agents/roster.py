@@ -49,7 +49,7 @@ EXPLORERS: dict[str, Callable[[FollowInterface], Follower]] = {"random": RandomW
 """Who needs none: for environments with `leader=False`; "frontier" for those that build a map."""
 
 
-GUARD, ALONE = "+guard", "-guard"
+GUARD, ALONE = "+guard", "-alone"
 """Behind a name: the same follower with the safety filter; without the one that it was trained with."""
 
 
@@ -60,7 +60,7 @@ def make_follower(name: str, interface: FollowInterface | None = None) -> Follow
         name: "pid", "plain_pid", "pure_pursuit", "dwa", "mppi", "learned", "reinforced" (behind a leader); "random",
             "frontier" (without); your own class, as "module:name"; or a folder that `tagalong train follower` wrote.
             With "+guard" behind it, its actions pass the safety filter, which stops before a certain contact; with
-            "-guard", a reinforced policy that was trained with the filter drives without.
+            "-alone", a reinforced policy that was trained with the filter drives without.
         interface: Scales of the environment it will act in, `env.unwrapped.interface`; None: it learns them
             there (but a class of your own is told the defaults).
 

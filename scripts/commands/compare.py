@@ -32,7 +32,7 @@ writes into DIR: episodes.jsonl, results.json, report.md; and the leaderboard wh
 your own is one more name: what the others drove into DIR is not driven again.
 
 examples:
-  tagalong compare --suites hard-v2 --followers pid learned reinforced reinforced-guard --episodes 100
+  tagalong compare --suites hard-v2 --followers pid learned reinforced reinforced-alone --episodes 100
   tagalong compare --followers pid mppi my_module:Bold --leaderboard docs/leaderboard.md
   tagalong compare --quick
 """

@@ -31,7 +31,7 @@ A tour counts as done when its leader was followed to the end without touching a
 Besides the shipped followers ({followers}), give your own: module:class, e.g. my_module:Bold for class Bold
 with reset() and act(observation) in my_module.py of the current folder or anywhere that Python finds it.
 A folder that `tagalong train follower` wrote is one, too. Behind a name, "+guard" puts the safety filter, which stops
-before a certain contact: pid+guard; "-guard" takes it from a policy that was trained with it: reinforced-guard.
+before a certain contact: pid+guard; "-alone" takes it from a policy that was trained with it: reinforced-alone.
 Explorers ({explorers}) drive without a leader, among the same bystanders, until 99 % of the floor was seen.
 
 A suite is a fixed set of unseen episodes (offices of the test half; seeds from 1000000 on, its scenarios in turn):

@@ -19,7 +19,7 @@ PRESETS = (WORLDS, "office", "office-map", "corridor")
 EPILOG = """\
 With the preset worlds, the default, the policy is rewarded from the start, by PPO on compiled worlds: offices of the
 training half, a floor plan, corridors and halls, people known with a tracker's errors. Its wishes pass a safety filter
-that stops before a certain contact, in training as later; "DIR-guard" is the network alone. The same command makes the
+that stops before a certain contact, in training as later; "DIR-alone" is the network alone. The same command makes the
 same weights, to the byte, if it is not interrupted.
 
 With the other presets it is trained in MuJoCo's worlds with the tracker: with ppo, it first imitates a teacher that

@@ -68,7 +68,7 @@ def test_a_run_that_was_stopped_goes_on_with_what_it_had_learned(tmp_path):
         trained(tmp_path, replace(TINY, width=16))
 
 
-@pytest.mark.parametrize("name", ["", "+guard", "-guard"])
+@pytest.mark.parametrize("name", ["", "+guard", "-alone"])
 def test_what_was_trained_drives_with_and_without_the_safety_filter(whole, name):
     interface = FollowInterface(bearings=np.deg2rad(np.linspace(-135.0, 135.0, 181)))
     follower = make_follower(f"{whole[0]}{name}", interface)
@@ -332,11 +332,11 @@ def test_a_policy_wears_the_filter_that_it_was_trained_with_and_others_only_when
         follower.reset()
         return bool(np.abs(follower.act(observation)).max() > 1e-3)
 
-    assert [drives(name) for name in ("", "+guard", "-guard")] == [not trained_so, False, True]
+    assert [drives(name) for name in ("", "+guard", "-alone")] == [not trained_so, False, True]
 
 
 def test_only_who_was_trained_with_the_filter_can_be_asked_to_drive_without():
-    for name in ("pid-guard", "learned-guard", "my_module:Bold-guard"):
+    for name in ("pid-alone", "learned-alone", "my_module:Bold-alone"):
         with pytest.raises(InputError, match="takes the safety filter from a policy that was trained with it"):
             make_follower(name)
 
