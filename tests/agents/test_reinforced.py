@@ -2,7 +2,6 @@
 
 import json
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,12 +10,9 @@ torch = pytest.importorskip("torch", reason='training needs the extra "learn"')
 pytest.importorskip("stable_baselines3", reason='training needs the extra "learn"')
 
 from tagalong.agents import make_follower  # noqa: E402
-from tagalong.agents.learned.guard import GuardConfig  # noqa: E402
 from tagalong.agents.learned.steering import SteeringConfig, steer_many  # noqa: E402
 from tagalong.agents.reinforced.policy import DenseNetwork, load_reinforced  # noqa: E402
-from tagalong.agents.training.worlds import guarding  # noqa: E402
 from tagalong.agents.training.worlds.export import policy_arrays  # noqa: E402
-from tagalong.agents.training.worlds.guarding import WorldsGuard  # noqa: E402
 from tagalong.agents.training.worlds.pooled_tensors import PooledTensors, as_tensors  # noqa: E402
 from tagalong.agents.training.worlds.ppo import Learner, Rollout, log_probability  # noqa: E402
 from tagalong.agents.training.worlds.preset import WorldsPreset  # noqa: E402
@@ -313,47 +309,6 @@ def test_who_moves_too_far_in_a_step_learns_slower_and_who_hardly_moves_faster()
     assert learner.optimizer.param_groups[0]["lr"] == pytest.approx(0.5 * rate)
 
 
-@pytest.mark.parametrize("trained_so", [True, False])
-def test_a_policy_wears_the_filter_that_it_was_trained_with_and_others_only_when_told(tmp_path, trained_so):
-    trained(tmp_path, TINY if trained_so else replace(TINY, guard=None))
-    interface = FollowInterface(bearings=np.deg2rad(np.linspace(-135.0, 135.0, 181)))
-    card = json.loads((tmp_path / "policy.json").read_text())
-    assert (card["guard"] is not None) == trained_so
-    observation = {
-        "scan": np.full(181, 0.21 / 30.0, np.float32),  # a wall all around: 4 cm before the front
-        "leader": np.array([2.0, 0.0, 0.0, 0.0, 1.0, 1.0], np.float32),
-        "people": np.zeros((6, 6), np.float32),
-        "velocity": np.zeros(2, np.float32),
-    }
-
-    def drives(name):
-        follower = make_follower(f"{tmp_path}{name}", interface)
-        follower._network = lambda told: np.ones(2, np.float32)
-        follower.reset()
-        return bool(np.abs(follower.act(observation)).max() > 1e-3)
-
-    assert [drives(name) for name in ("", "+guard", "-alone")] == [not trained_so, False, True]
-
-
-def test_only_who_was_trained_with_the_filter_can_be_asked_to_drive_without():
-    for name in ("pid-alone", "learned-alone", "my_module:Bold-alone"):
-        with pytest.raises(InputError, match="takes the safety filter from a policy that was trained with it"):
-            make_follower(name)
-
-
-def test_training_passes_the_wishes_through_the_filter():
-    speeds = {}
-    for guard in (TINY.guard, None):
-        worlds = TensorWorlds(replace(TINY, guard=guard), 0, 1, "cpu")
-        worlds.reset(0)
-        worlds._seen["scan"][:] = 0.21 / 30.0
-        worlds._seen["leader"][:] = 0.0
-        worlds.step(torch.ones(5, 2))
-        speeds[guard is None] = float(worlds._commanded.abs().max())
-        worlds.close()
-    assert speeds[False] < 1e-6 < 0.01 < speeds[True]
-
-
 def test_a_card_or_arrays_that_do_not_fit_are_told_in_one_line(whole, tmp_path):
     card = json.loads((whole[0] / "policy.json").read_text())
     (tmp_path / "policy.npz").write_bytes((whole[0] / "policy.npz").read_bytes())
@@ -366,35 +321,3 @@ def test_a_card_or_arrays_that_do_not_fit_are_told_in_one_line(whole, tmp_path):
         (tmp_path / "policy.json").write_text(json.dumps({**card, **change}))
         with pytest.raises(InputError, match=told):
             make_follower(str(tmp_path), FollowInterface())
-
-
-def test_a_gpu_guards_each_world_by_a_thread_of_its_own(monkeypatch):
-    interface, rng = FollowInterface(bearings=np.deg2rad(np.linspace(-135.0, 135.0, 90))), np.random.default_rng(0)
-    card = SimpleNamespace(
-        as_cuda_array=lambda tensor: tensor.numpy(), to_device=lambda array: array, grid=lambda _: thread[0]
-    )
-    thread, asked = [0], []
-
-    class Kernel:
-        def __getitem__(self, grid):
-            asked.append(grid)
-            return self
-
-        def __call__(self, *given):
-            for thread[0] in range(asked[-1][0] * asked[-1][1]):
-                guarding._guard(*given)
-
-    on_processor = WorldsGuard(GuardConfig(), interface, 70, "cpu")
-    monkeypatch.setattr(guarding, "guard_world", lambda *given: guarding.guard_worlds(*(
-        value[None] if k < 4 else value for k, value in enumerate(given))))  # fmt: skip
-    monkeypatch.setattr(guarding, "_array", lambda tensor: tensor.numpy())
-    monkeypatch.setattr(guarding, "cuda", card)
-    monkeypatch.setattr(guarding, "guard_on_gpu", Kernel())
-    scans = torch.as_tensor(rng.uniform(0.005, 0.04, (70, 90)).astype(np.float32))
-    commanded, leader = torch.zeros(70, 4), torch.zeros(70, 6)
-    commanded[:, 0], wishes = 0.4, torch.as_tensor(rng.uniform(-1.0, 1.0, (70, 2)).astype(np.float32))
-    given = commanded, wishes, scans, leader, SteeringConfig()
-    limited = WorldsGuard(GuardConfig(), interface, 70, "cuda").limit(*given)
-    assert torch.equal(limited, on_processor.limit(*given))
-    assert asked == [(2, 64)]
-    assert 10 < int((limited != wishes).any(dim=1).sum()) <= 70
