@@ -15,8 +15,12 @@ Array = NDArray[np.float64]
 
 MOST_WISHES = 30
 """Wishes that are tried instead of one that cannot be braked."""
+_SPEEDS = (1.0, 0.7, 0.45, 0.2, 0.0)
+"""Shares of the wished speed that are tried; beside them, backing at `_BACK_MPS`."""
+_TURNS = (1.0, 0.5, 0.0)
+"""Shares of the wished turn rate that are tried; beside them, turning at `_ASIDE_RPS` to either side."""
 _BACK_MPS, _ASIDE_RPS = -0.15, 0.6
-_NEARER_M = 1e-4
+NEARER_M = 1e-4
 """Who may not come nearer to something may come so much nearer [m]: rounding."""
 
 
@@ -83,12 +87,13 @@ def goes_wide(gap: float, speed: float) -> bool:
 
 
 @view_kernel
-def bound_of(gap: float, least: float, margin: float) -> float:
-    """Return how near the robot may come to what is `gap` away now, and the nearest thing `least` [m].
+def put_bounds(things: Array, least: float, margin: float) -> None:
+    """Write over how far each of `things` (m, 3) is now, the nearest `least` [m], how near the robot may come to it.
 
     To what is touched, no nearer than it is; to other things, not so near that it touches them.
     """
-    return min(margin, max(least, min(gap, 0.0)) - _NEARER_M)
+    for i in range(len(things)):
+        things[i, 2] = min(margin, max(least, min(things[i, 2], 0.0)) - NEARER_M)
 
 
 @view_kernel
@@ -131,14 +136,10 @@ def put_alternatives(speed: float, turn: float, wishes: Array) -> None:
     Less of the speed or the turn, turning on the spot to either side, and backing; the least change first.
     """
     count = 0
-    for i in range(6):
-        forward = speed * (1.0 if i == 0 else 0.7 if i == 1 else 0.45 if i == 2 else 0.2 if i == 3 else 0.0)
-        if i == 5:
-            forward = _BACK_MPS
-        for j in range(5):
-            about = turn if j == 0 else 0.5 * turn if j == 1 else 0.0
-            if j >= 3:
-                about = -_ASIDE_RPS if j == 3 else _ASIDE_RPS
+    for i in range(len(_SPEEDS) + 1):
+        forward = speed * _SPEEDS[i] if i < len(_SPEEDS) else _BACK_MPS
+        for j in range(len(_TURNS) + 2):
+            about = turn * _TURNS[j] if j < len(_TURNS) else _ASIDE_RPS if j > len(_TURNS) else -_ASIDE_RPS
             change, row = abs(forward - speed) + 0.4 * abs(about - turn), count
             while row > 0 and wishes[row - 1, 2] > change:
                 for k in range(3):
@@ -187,9 +188,8 @@ def guard_world(
         count, least = count + 1, min(least, gap)
     if goes_wide(least, float(state[0])):
         return
-    for i in range(count):
-        things[i, 2] = bound_of(things[i, 2], least, robot.margin)
     near, speed, turn = things[:count], float(wish[0]), float(wish[1])
+    put_bounds(near, least, robot.margin)
     if brakes_in_time(state, speed, turn, near, steering, robot)[0]:
         return
     put_alternatives(speed, turn, wishes)

@@ -15,7 +15,7 @@ from ...envs.task.interface import FollowInterface
 from ...slam.errors import InputError
 from ..protocol.follower import Observation
 from ..scripted.scan_points import ScanPoints, own_velocity, without
-from .braking import MOST_WISHES, GuardNumbers, bound_of, brakes_in_time, goes_wide, put_alternatives
+from .braking import MOST_WISHES, NEARER_M, GuardNumbers, brakes_in_time, goes_wide, put_alternatives, put_bounds
 from .hindsight import Hindsight
 from .situation import Wish
 from .steering import State, SteeringConfig
@@ -67,7 +67,6 @@ class GuardConfig:
 
 
 _NOTHING = np.zeros((0, 3))
-_ROUNDING_M = 1e-4
 
 
 class Guard:
@@ -139,8 +138,8 @@ class Guard:
         least = float(gaps.min(initial=np.inf))
         if goes_wide(least, state[0]) and min(wish[0], state[0]) >= 0.0:
             return wish
-        bounds = [bound_of(gap, least, self.config.margin) for gap in gaps.tolist()]
-        near, now = np.column_stack((things, bounds)), np.array(state)
+        near, now = np.column_stack((things, gaps)), np.array(state)
+        put_bounds(near, least, self.config.margin)
         if self._passes(now, wish, near):
             return wish
         tried = np.empty((MOST_WISHES, 3))
@@ -159,10 +158,10 @@ class Guard:
             near: (m, 3) things that must not be touched, and how near it may come to each [m].
         """
         keeps, back = brakes_in_time(state, *wish, near, self._steering, self._numbers)
-        if not keeps or back <= _ROUNDING_M:
+        if not keeps or back <= NEARER_M:
             return keeps
         anyhow = brakes_in_time(state, 0.0, 0.0, _NOTHING, self._steering, self._numbers)[1]
-        return back <= anyhow + _ROUNDING_M or back <= self.room_behind()
+        return back <= anyhow + NEARER_M or back <= self.room_behind()
 
 
 def driven(poses: Array, states: Array, step_s: float) -> Array:
