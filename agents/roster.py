@@ -27,16 +27,24 @@ def _mppi(interface: FollowInterface) -> Follower:
     return MPPIFollower(interface)
 
 
+def _mapper(interface: FollowInterface) -> Follower:
+    from .planned.config import MAPPING
+    from .planned.mppi import MPPIFollower
+
+    return MPPIFollower(interface, MAPPING)
+
+
 FOLLOWERS: dict[str, Callable[[FollowInterface], Follower]] = {
     "pid": PIDFollower,
     "plain_pid": PlainPIDFollower,
     "pure_pursuit": PurePursuitFollower,
     "dwa": DWAFollower,
     "mppi": _mppi,
+    "mapper": _mapper,
     "learned": LearnedFollower,
     "reinforced": partial(ReinforcedFollower, policy="reinforced"),
 }
-"""Who needs a leader."""
+"""Who needs a leader; "mapper" needs a map, too."""
 
 
 def _frontier(interface: FollowInterface) -> Follower:
@@ -57,8 +65,9 @@ def make_follower(name: str, interface: FollowInterface | None = None) -> Follow
     """Return a new follower or explorer.
 
     Args:
-        name: "pid", "plain_pid", "pure_pursuit", "dwa", "mppi", "learned", "reinforced" (behind a leader); "random",
-            "frontier" (without); your own class, as "module:name"; or a folder that `tagalong train follower` wrote.
+        name: "pid", "plain_pid", "pure_pursuit", "dwa", "mppi", "mapper", "learned", "reinforced" (behind a leader);
+            "random", "frontier" (without); your own class, as "module:name"; or a folder that `tagalong train follower`
+            wrote.
             With "+guard" behind it, its actions pass the safety filter, which stops before a certain contact; with
             "-alone", a reinforced policy that was trained with the filter drives without.
         interface: Scales of the environment it will act in, `env.unwrapped.interface`; None: it learns them
@@ -66,7 +75,7 @@ def make_follower(name: str, interface: FollowInterface | None = None) -> Follow
 
     Raises:
         InputError: If the name is unknown, an explorer is to wear the filter, somebody is to drive without who never
-            wore it, or "frontier" finds no map.
+            wore it, or "mapper" or "frontier" finds no map.
     """
     if name.endswith(ALONE) and not os.path.isdir(name):
         make = _alone(name.removesuffix(ALONE))

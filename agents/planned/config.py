@@ -36,6 +36,7 @@ class PriceConfig:
         effort: Of jerk, mean square [s^6/m^2]; 2.5 m/s^3 RMS, PID's, costs 0.25.
         turning: Of the jerk of turning against that [m^2]; 0.5 m, about the robot's size, to the square.
         back: Of backing over what was never seen [1/m].
+        unseen: What it is worth to bring much new ground into sight of the laser; 0 for a follower who knows no map.
     """
 
     keep: float = 1.2
@@ -55,6 +56,7 @@ class PriceConfig:
     effort: float = 0.04
     turning: float = 0.3
     back: float = 10.0
+    unseen: float = 0.0
 
     def __post_init__(self) -> None:
         check_positive(self, "keep", "comfort", "person_radius", "spread")
@@ -107,3 +109,7 @@ class MPPIConfig:
         if not (self.knots >= 2 and 5 <= self.evaluations <= 100 and self.samples <= 10_000):
             got = f"{self.knots}, {self.evaluations}, {self.samples}"
             raise InputError(f"a plan needs 2 `knots`, 5 to 100 `evaluations` and at most 10000 `samples`, got {got}")
+
+
+MAPPING = MPPIConfig(prices=PriceConfig(unseen=2.0))
+"""Of the follower "mapper", which brings home more of the building."""

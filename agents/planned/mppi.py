@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...envs.task.interface import FollowInterface
+from ...slam.errors import InputError
 from ..learned.hindsight import Hindsight
 from ..protocol.follower import Observation
 from ..scripted.leader_memory import Goal, LeaderMemory, Mode
@@ -19,6 +20,7 @@ from .plan_kernel import PlanningScene, Prices, axis_step, plan_costs
 from .prediction import walked_on
 from .robot_body import body_of
 from .standing_things import StandingThings
+from .unseen import unseen_field
 
 Array = NDArray[np.float64]
 
@@ -32,11 +34,18 @@ class MPPIFollower:
     Args:
         interface: Scales of the environment.
         config: How it plans, and what it minds.
+
+    Raises:
+        InputError: If it minds what its map does not show yet, and nothing builds a map in the environment.
     """
 
     def __init__(self, interface: FollowInterface | None = None, config: MPPIConfig | None = None) -> None:
         self.interface = robot = interface or FollowInterface()
         self.config = c = config or MPPIConfig()
+        if c.prices.unseen > 0.0 and robot.own_map is None:
+            raise InputError(
+                "who looks for what is new needs the robot's own map: an environment with `slam`, got none"
+            )
         self._step_s = 1.0 / robot.control_hz
         self._memory = LeaderMemory(c.memory, self._step_s)
         self._things, self._behind = StandingThings(robot, c.reach, c.remembered_s), Hindsight(robot)
@@ -97,7 +106,15 @@ class MPPIFollower:
         own = without(self._things.met, everybody[-1:, :2], c.body)
         returns = np.minimum(distance_field(own, HALF_M, CELL_M, FAR_M), distances)
         cells = np.array((HALF_M, CELL_M, WAY_CELL_M))
-        return PlanningScene(distances, returns, now, then, cells, walked, self._motion, self._behind.room())
+        room, unseen = self._behind.room(), self._unseen(everybody[-1, :2], walked[-1])
+        return PlanningScene(distances, returns, now, then, cells, walked, self._motion, room, unseen)
+
+    def _unseen(self, leader: Array, walked: Array) -> Array:
+        """Return where ground comes into sight that the leader's way (t, 2) will not show; (0, 0) for who minds not."""
+        ask = self.interface.own_map
+        if self._prices.unseen <= 0.0 or ask is None:
+            return np.zeros((0, 0))
+        return unseen_field(ask(), np.vstack((0.5 * leader, leader, walked[4::5])))
 
     def _improve(self, scene: PlanningScene) -> None:
         """Move the plan to the weighted mean; to the best, where that is better: between two ways round is no way."""

@@ -7,6 +7,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from .fields import value_at
+from .unseen import HALF_M as UNSEEN_HALF_M
+from .unseen import PLACES_M
 
 Array = NDArray[np.float64]
 
@@ -20,6 +22,10 @@ HIDES_M = 0.4
 """Who is farther than this from a line of sight does not hide what is behind [m]: a body, and its stride."""
 BLOCKS_M = 0.15
 """What stands nearer than this to a line of sight begins to hide what is behind [m]."""
+MUCH_M2 = 1.0
+"""New ground of this area is worth 0.63 of what any is."""
+HELD_M = 2.0
+"""From where the leader is hidden or not ahead, or the way to it so much too long, new ground is worth nothing."""
 
 
 class PlanningScene(NamedTuple):
@@ -34,6 +40,7 @@ class PlanningScene(NamedTuple):
         people: (k, t, 2) where people will be, the leader last [m].
         motion: (3, 2) commanded velocity forward, left, turn, and their rates.
         room_behind: How far back the ground is known to be free [m].
+        unseen: (u, u) `unseen.unseen_field`; (0, 0) where it is worth nothing.
     """
 
     distances: Array
@@ -44,6 +51,7 @@ class PlanningScene(NamedTuple):
     people: Array
     motion: Array
     room_behind: float
+    unseen: Array
 
 
 class Body(NamedTuple):
@@ -87,6 +95,7 @@ class Prices(NamedTuple):
     effort: float
     turning: float
     back: float
+    unseen: float
 
 
 @njit(cache=True, nogil=True)
@@ -203,8 +212,8 @@ def judge(
 ) -> tuple[float, float]:
     """Judge a place at evaluation `k`, time `t` [s]: return how much too long the way is [m], and what else it costs.
 
-    Updates `worst` (4,): tightness, touching of things, chance of a contact with a person, lack of space, each less
-    where it comes later, as there is time to plan anew.
+    Updates `worst` (5,): tightness, touching of things, chance of a contact with a person, lack of space, and what new
+    ground comes into sight, each less where it comes later, as there is time to plan anew.
     """
     count = scene.people.shape[1]
     share, half, cell = (k + 1.0) / count, scene.cells[0], scene.cells[2]
@@ -222,7 +231,12 @@ def judge(
     bearing = np.arctan2(scene.people[-1, k, 1] - pose[1], scene.people[-1, k, 0] - pose[0]) - pose[2]
     cost = p.facing * (0.5 - 0.5 * np.cos(bearing)) / count
     if (k + 1) % 5 == 0:
-        cost += p.sight * later * hidden(pose, k, scene, body)
+        lost = hidden(pose, k, scene, body)
+        cost += p.sight * later * lost
+        if len(scene.unseen):
+            area = value_at(scene.unseen, pose[0], pose[1], UNSEEN_HALF_M, PLACES_M)
+            held = (1.0 - lost) * max(1.0 - max(lag, 0.0) / HELD_M, 0.0) * max(np.cos(bearing), 0.0)
+            worst[4] = max(worst[4], later * held * (1.0 - np.exp(-area / MUCH_M2)))
     return lag, cost
 
 
@@ -230,7 +244,7 @@ def judge(
 def plan_cost(plan: Array, knot_s: float, dt: float, every: int, scene: PlanningScene, body: Body, p: Prices) -> float:
     """Return what one plan (m, 3) of wishes, `knot_s` [s] apart, would cost."""
     count = scene.people.shape[1]
-    motion, pose, worst, wish = scene.motion.copy(), np.zeros(3), np.zeros(4), np.zeros(3)
+    motion, pose, worst, wish = scene.motion.copy(), np.zeros(3), np.zeros(5), np.zeros(3)
     cost = jerk = back = lag = 0.0
     for step in range(count * every):
         at = step * dt / knot_s
@@ -244,7 +258,7 @@ def plan_cost(plan: Array, knot_s: float, dt: float, every: int, scene: Planning
             lag, more = judge(pose, motion, (step + 1) // every - 1, (step + 1) * dt, scene, body, p, worst)
             cost += more + p.way / count * (lag if lag > 0.0 else -1.5 * lag)
     cost += p.end * abs(lag) + p.tight * worst[0] + p.touch * worst[1] + p.people * worst[2]
-    cost += p.space * worst[3] * worst[3] + p.effort * jerk / (count * every)
+    cost += p.space * worst[3] * worst[3] + p.effort * jerk / (count * every) - p.unseen * worst[4]
     return cost + p.back * max(back - scene.room_behind, 0.0)
 
 

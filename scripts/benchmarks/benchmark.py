@@ -23,7 +23,6 @@ BENCHMARKS: dict[str, str] = {
     "rgbd-people": "how well people are found in RGB-D frames",
     "rgbd-recorded": "floor, table tops and people in recorded, labelled RGB-D frames",
     "rgbd-planes": "how well planes and the camera's tilt are found in RGB-D frames",
-    "follower-comparison": "followers on the same episodes of the suites, with paired tests",
     "simulators": "followers on the same episodes in compiled worlds and in MuJoCo's, with intervals of the difference",
     "soak": "hours of episodes and laps: whether memory and time stay flat",
 }

@@ -8,36 +8,39 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import gymnasium as gym
 from tqdm import tqdm
 
 from ...agents import make_follower
 from ...envs.suites import FIRST_SEED, SUITES, suite
 from ...slam.errors import InputError, shown
 from ...slam.files.output import made_folder, write_json, write_text
-from ..benchmarks.follower_comparison import episode_row, finished_rows
 from ..console.arguments import MOST_EPISODES, at_least
 from ..console.tables import format_table
+from ..figures.plots import require_matplotlib
 from ..lab.cell_comparison import ComparedCell, compare_cells, report
+from ..lab.driven_episodes import episode_row, finished_rows, scenario_environment
 from ..lab.hardware import describe_machine
 from ..lab.leaderboard import leaderboard
 
 EPILOG = """\
 The first of --followers is what the others are compared with: the share of tours done, paired episode by episode
-(McNemar's exact test, corrected for the number of cells after Holm). Nothing maps: episodes are driven with the
-tracker, without SLAM. Every finished episode is a line of episodes.jsonl; the same command goes on where it was
-stopped.
+(McNemar's exact test, corrected for the number of cells after Holm), and all other figures (Wilcoxon's signed ranks).
+Episodes are driven with the tracker. Without --slam nothing maps; with it the robot maps as it follows, and its map is
+compared with the true building (ADNN both ways), its poses with the true ones, and the floor counted that its laser saw
+from 4.6 m or nearer. Every finished episode is a line of episodes.jsonl; the same command goes on where it was stopped.
 
-writes into DIR: episodes.jsonl, results.json, report.md; and the leaderboard where --leaderboard says. A follower of
-your own is one more name: what the others drove into DIR is not driven again.
+writes into DIR: episodes.jsonl, results.json, report.md, with --plot trade_off.png; and the leaderboard where
+--leaderboard says. A follower of your own is one more name: what the others drove into DIR is not driven again.
 
 examples:
+  tagalong compare --suites office floor_plan --followers pid mppi mapper --slam cartographer --out out/maps
   tagalong compare --suites hard-v2 --followers pid learned reinforced reinforced-alone --episodes 100
   tagalong compare --followers pid mppi my_module:Bold --leaderboard docs/leaderboard.md
   tagalong compare --quick
 """
 QUICK = 2
 """Episodes of each cell with --quick."""
+MAPPERS = ("cartographer", "gmapping")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -49,6 +52,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--episodes", type=at_least(1, MOST_EPISODES), default=20, metavar="N", help="of each cell (%(default)s)"
     )
+    parser.add_argument("--slam", choices=MAPPERS, metavar="ENGINE", help=f"map meanwhile: {' or '.join(MAPPERS)}")
+    parser.add_argument("--plot", action="store_true", help="draw what costs what (extra viz)")
     parser.add_argument("--quick", action="store_true", help=f"{QUICK} episodes of each cell")
     parser.add_argument(
         "--leaderboard", type=Path, metavar="FILE", help="write all followers in one table, as Markdown"
@@ -61,48 +66,66 @@ def run(options: argparse.Namespace) -> int:
     followers = list(dict.fromkeys(options.followers))
     if len(followers) < 2:
         raise InputError(f"--followers must name two or more, got {shown(followers)}")
-    for who in followers:
-        make_follower(who)  # who is unknown is told before any drive
+    _check_followers(followers, options.suites[0], options.slam)
+    if options.plot:
+        require_matplotlib()
     episodes = QUICK if options.quick else options.episodes
-    rows = _driven(made_folder(options.out) / "episodes.jsonl", followers, options.suites, episodes)
+    file = made_folder(options.out) / "episodes.jsonl"
+    rows = _driven(file, followers, options.suites, episodes, options.slam)
     cells = compare_cells(rows, followers)
     write_json(
         options.out / "results.json",
-        {"followers": followers, "cells": [cell.to_dict() for cell in cells], "machine": describe_machine()},
+        {
+            "followers": followers,
+            "slam": options.slam,
+            "cells": [cell.to_dict() for cell in cells],
+            "machine": describe_machine(),
+        },
     )
     write_text(options.out / "report.md", report(cells, followers))
     if options.leaderboard is not None:
         tours = {name: episodes * len(suite(name)) for name in dict.fromkeys(options.suites)}
         today = datetime.datetime.now(tz=datetime.UTC).date().isoformat()
-        page = leaderboard(cells[-1], followers, tours, describe_machine(), first_seed=FIRST_SEED, date=today)
+        page = leaderboard(
+            cells[-1], followers, tours, describe_machine(), first_seed=FIRST_SEED, date=today, slam=options.slam
+        )
         write_text(options.leaderboard, page)
+    if options.plot:
+        from ..figures.trade_off import draw_trade_off
+
+        print(f"wrote {draw_trade_off(cells, options.out / 'trade_off.png')}")
     print(format_table(("cell", "n", *followers), [_line(cell, followers) for cell in cells]))
     print(f"wrote {options.out / 'report.md'}")
     return 0
 
 
-def _driven(file: Path, followers: Sequence[str], suites: Sequence[str], episodes: int) -> list[dict[str, Any]]:
+def _check_followers(followers: Sequence[str], name: str, slam: str | None) -> None:
+    """Refuse, before any drive, who is unknown or cannot drive in such an environment."""
+    env = scenario_environment(name, 0, slam)
+    for who in followers:
+        make_follower(who, env.get_wrapper_attr("interface"))
+    env.close()
+
+
+def _driven(
+    file: Path, followers: Sequence[str], suites: Sequence[str], episodes: int, slam: str | None
+) -> list[dict[str, Any]]:
     """Return the rows of all episodes, driven now or before, episode by episode."""
-    rows = {(row["follower"], row["suite"], row["episode"]): row for row in finished_rows(file, 0)}
+    rows = {(row["follower"], row["suite"], row["episode"]): row for row in finished_rows(file, slam)}
     asked = [
         (who, name, k)
         for name in dict.fromkeys(suites)
         for k in range(episodes * len(suite(name)))
         for who in followers
     ]
-    environment = cache(_environment)
+    environment = cache(scenario_environment)
     for who, name, k in tqdm(asked, unit="episode", leave=False):
         if (who, name, k) not in rows:
-            row = episode_row(who, name, k, environment(name, k % len(suite(name))))
+            row = {**episode_row(who, name, k, environment(name, k % len(suite(name)), slam)), "slam": slam}
             rows[who, name, k] = row
             with file.open("a", encoding="utf-8") as lines:
                 lines.write(json.dumps(row) + "\n")
     return [{**rows[key], "cell": suite(key[1])[key[2] % len(suite(key[1]))].name} for key in asked]
-
-
-def _environment(name: str, number: int) -> gym.Env[Any, Any]:
-    one = suite(name)[number]
-    return gym.make(one.env, **{**one.arguments, "slam": None})
 
 
 def _line(cell: ComparedCell, followers: Sequence[str]) -> tuple[str, ...]:

@@ -3,12 +3,14 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from .cell_comparison import MEANS, ComparedCell
+from .cell_comparison import TITLES, ComparedCell
 
+COLUMNS = ("jerk_rms_mps3", "distance_error_rms_m", "personal_space_compliance")
+MAP_COLUMNS = ("adnn_truth_to_map_m", "adnn_map_to_truth_m", "coverage")
 PAGE = """# Leaderboard
 
 Written by `tagalong compare` on {date}, with tagalong {tagalong} on {cores} cores of
-{processor} ({system}, Python {python}). Full world, the robot's own tracker, no SLAM.
+{processor} ({system}, Python {python}). Full world, the robot's own tracker, {slam}.
 Driven: {drives}. The same episodes for everybody.
 
 {table}
@@ -19,7 +21,7 @@ Your own follower enters with one module and one command ([how it is written](ho
 
 <!-- only parsed: hours -->
 ```console
-$ tagalong compare --suites {words} --followers {followers} my_module:Bold --leaderboard docs/leaderboard.md
+$ tagalong compare --suites {words}{option} --followers {followers} my_module:Bold --leaderboard docs/leaderboard.md
 ```
 """
 
@@ -32,6 +34,7 @@ def leaderboard(
     *,
     first_seed: int,
     date: str,
+    slam: str | None = None,
 ) -> str:
     """Return the page.
 
@@ -42,23 +45,29 @@ def leaderboard(
         machine: As of `describe_machine`.
         first_seed: Of each suite's episodes; the others follow it one by one.
         date: Of the comparison, year-month-day.
+        slam: Engine that mapped meanwhile.
     """
     ranked = sorted(followers, key=lambda who: -cell.done[who].mean)
     drives = "; ".join(f"`{name}`, {n} tours, seeds {first_seed} to {first_seed + n - 1}" for name, n in suites.items())
-    head = ("follower", "tours done", "ended in a contact", *MEANS.values(), f"tours more than {followers[0]}")
+    columns = COLUMNS if slam is None else (*MAP_COLUMNS, *COLUMNS)
+    titles = [TITLES[key] for key in columns]
+    head = ("follower", "tours done", "ended in a contact", *titles, f"tours more than {followers[0]}")
     rows = [
         (
             f"`{who}`",
             cell.done[who].text(),
-            f"{cell.contacts[who]} of {cell.episodes}",
-            *(cell.means[who][key].text() for key in MEANS),
+            f"{cell.contacts(who)} of {cell.episodes}",
+            *(cell.means[who][key].text(digits=3 if key in MAP_COLUMNS else 2) for key in columns),
             _lead(cell, who),
         )
         for who in ranked
     ]
     table = "\n".join(f"| {' | '.join(line)} |" for line in (head, ["---"] * len(head), *rows))
     words = " ".join(suites)
-    return PAGE.format(date=date, **machine, drives=drives, table=table, words=words, followers=" ".join(followers))
+    mapped = {"slam": "no SLAM", "option": ""} if slam is None else {"slam": f"`{slam}`", "option": f" --slam {slam}"}
+    return PAGE.format(
+        date=date, **machine, **mapped, drives=drives, table=table, words=words, followers=" ".join(followers)
+    )
 
 
 def _lead(cell: ComparedCell, who: str) -> str:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.stats import beta, binom, binomtest, t
+from scipy.stats import beta, binom, binomtest, t, wilcoxon
 
 from ...slam.errors import InputError
 
@@ -173,3 +173,27 @@ def paired_shares(first: Sequence[bool], second: Sequence[bool]) -> Paired:
     half = 1.96 * np.sqrt(max((won + lost) / n - difference**2, 0.0) / n)
     p = float(binomtest(won, won + lost).pvalue) if won + lost else 1.0
     return Paired(lost, won, difference, difference - half, difference + half, p, n)
+
+
+@dataclass(frozen=True)
+class PairedValues:
+    """A figure of the same episodes of two, compared.
+
+    Attributes:
+        median_difference: Median of the second's less the first's; NaN without any pair.
+        p: Of Wilcoxon's signed ranks: how likely such differences are if both are equally good.
+        n: How many pairs.
+    """
+
+    median_difference: float
+    p: float
+    n: int
+
+
+def paired_values(first: ArrayLike, second: ArrayLike) -> PairedValues:
+    """Return how two figures (n,) of the same things compare; pairs with NaN are left out."""
+    apart = np.asarray(second, dtype=np.float64) - np.asarray(first, dtype=np.float64)
+    apart = apart[np.isfinite(apart)]
+    moved = apart[apart != 0.0]
+    p = float(tuple(wilcoxon(moved))[1]) if len(moved) else 1.0
+    return PairedValues(float(np.median(apart)) if len(apart) else np.nan, p, len(apart))

@@ -69,7 +69,8 @@ def _scene(things: Array, body: Body, c: MPPIConfig) -> PlanningScene:
     now, then = (ways_to(place, distances, body.half_width, narrow, c.prices.keep) for place in places)
     motion = np.zeros((3, 2))
     motion[0, 0] = _SPEED_MPS
-    return PlanningScene(distances, distances, now, then, np.array((HALF_M, CELL_M, WAY_CELL_M)), walked, motion, 1.0)
+    cells, unseen = np.array((HALF_M, CELL_M, WAY_CELL_M)), np.zeros((0, 0))
+    return PlanningScene(distances, distances, now, then, cells, walked, motion, 1.0, unseen)
 
 
 def _path(plan: Array, knot_s: float, c: MPPIConfig, body: Body) -> Array:

@@ -5,7 +5,6 @@ import json
 
 import pytest
 from tagalong.scripts import cli
-from tagalong.scripts.benchmarks import follower_comparison
 from tagalong.scripts.benchmarks.benchmark import BENCHMARKS, load_benchmark
 from tagalong.scripts.benchmarks.results import write_results
 from tagalong.scripts.console.last_words import told
@@ -15,8 +14,6 @@ from tagalong.slam import InputError
 @pytest.mark.parametrize(
     "words",
     [
-        "follower-comparison --episodes 0",
-        "follower-comparison --maps -1",
         "recall-by-distance --seeds 0",
         "recall-by-distance --seconds nan",
         "people --seeds 0",
@@ -83,18 +80,3 @@ def test_results_hold_what_was_asked_for_and_the_machine(tmp_path):
     assert written["options"] == {"seeds": 3}
     assert written["figures"] == {"mota": 0.5}
     assert written["machine"]["cores"] >= 1
-
-
-def test_a_follower_that_is_named_twice_drives_once(tmp_path, capsys, monkeypatch):
-    rows = []
-
-    def driven(who, name, k, env):
-        row = {"follower": who, "suite": name, "episode": k, "slam": False, "ending": "tour_done"}
-        rows.append(row | dict.fromkeys(follower_comparison.FIGURES, 1.0))
-        return rows[-1]
-
-    monkeypatch.setattr(follower_comparison, "episode_row", driven)
-    words = "--followers pid pid --suites corridor --episodes 2 --maps 0 --out"
-    assert cli.main(["bench", "follower-comparison", *words.split(), str(tmp_path)]) == 0
-    assert len(rows) == 2
-    assert "tours done" in capsys.readouterr().out

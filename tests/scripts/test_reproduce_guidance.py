@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from tagalong.scripts.reproduce.experiment import load_experiment
-from tagalong.scripts.reproduce.guidance.drives import GUIDES, guide_drive
+from tagalong.scripts.reproduce.guidance.drives import GUIDES, UNLED, guide_drive
 from tagalong.scripts.reproduce.guidance.measured import Measured, cell_name
 from tagalong.scripts.reproduce.guidance.pictures import draw_coverage, draw_criteria
 from tagalong.scripts.reproduce.guidance.rule import METHODS, PAPER, compare, pluses, verdict
@@ -72,7 +72,7 @@ def test_drives_without_a_value_are_left_out_of_their_pair():
 
 def made_up(guide, seed):
     quick, busy = {"pid": 1.0, "joystick": 1.3}.get(guide, 2.0), guide == "joystick"
-    leads = guide in ("pid", "pure_pursuit", "dwa")
+    leads = guide not in UNLED
     keys = ("duration_s", "coverage", "time_to_90_s", "time_to_95_s", "time_to_99_s", "jerk_rms_mps3", "sparc", "ldlj")
     keys += ("contacts_people", "contacts_static", "near_misses", "min_distance_bystander_m", "min_ttc_s")
     keys += ("personal_space_compliance", "path_length_m", "band_1_2_m_share", "losses", "reacquired")

@@ -20,7 +20,7 @@ from ....slam.quality.trajectory import absolute_error
 from ...figures.video import save_gif
 from ...lab.cells import TIMING
 
-GUIDES = ("pid", "pure_pursuit", "dwa", "joystick", "random", "frontier")
+GUIDES = ("pid", "pure_pursuit", "dwa", "reinforced", "mapper", "joystick", "random", "frontier")
 """Those of the report; more followers may be added by name (`--also`)."""
 UNLED = ("joystick", "random", "frontier")
 """Those who follow nobody."""

@@ -17,8 +17,9 @@ from .pictures import draw_coverage, draw_criteria, videos
 from .tables import figures_table, lead, numbers, scenes_table, signs_table
 
 EPILOG = """\
-Every guide maps the same buildings among the same bystanders: people following (pid, pure_pursuit, dwa), joystick (an
-operator model, not a human), random and frontier exploration. At most eight simulated minutes each.
+Every guide maps the same buildings among the same bystanders: people following (pid, pure_pursuit, dwa, the
+reinforced network, a planner that looks for what its map lacks), joystick (an operator model, not a human), random and
+frontier exploration. At most eight simulated minutes each.
 
 example:
   tagalong reproduce guidance --jobs 2 --out out/guidance
