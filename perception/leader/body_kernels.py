@@ -51,6 +51,10 @@ class BodyNumbers(NamedTuple):
     patience_s: float
     gathered: float
     loose_confidence: float
+    beside: float
+    exchange_s: float
+    exchange_wait_s: float
+    walks: float
     onset_s: float
     onset_near: float
     onset_far: float
@@ -248,10 +252,31 @@ def _decide(memory, company, c):
         _carry(one, company, own)
     elif best >= 0 and most > c.take:
         _carry(one, company, best)
+    elif one.unseen_s > c.exchange_wait_s and _exchanged(memory, company, c) >= 0:
+        _carry(one, company, _exchanged(memory, company, c))
+        one.cloud = False
     else:
         if own >= 0 and company.unseen_s[own] == 0.0 and share[own] < c.drop:
             one.own = -1
         _lose(memory, company, c)
+
+
+@inner_kernel
+def _exchanged(memory, company, c):
+    """Return who is in view and was the last to be beside the leader, shortly before it was lost; -1 for nobody.
+
+    Tracks are exchanged where two people are beside each other. Of two that were so, one is the leader: where its own
+    track is lost, the other's, if that one walks the leader's way.
+    """
+    one, found, latest = memory.leader[0], -1, memory.leader[0].time_s - memory.leader[0].unseen_s - c.exchange_s
+    for i in range(len(company.ids)):
+        way = company.x[i, 2] * one.x[2] + company.x[i, 3] * one.x[3]
+        if company.unseen_s[i] > 0.0 or company.ids[i] == one.own or way <= c.walks**2:
+            continue
+        for row in range(one.met - 1, -1, -1):
+            if memory.met[row].number == company.ids[i] and memory.met[row].beside_s > latest:
+                found, latest = i, memory.met[row].beside_s
+    return found
 
 
 @inner_kernel
@@ -302,7 +327,7 @@ def _collect(memory, places, count):
 
 @inner_kernel
 def _note_people(memory, company, c):
-    """Note when each was first seen, and for how long at the leader's own place.
+    """Note when each was first seen, for how long at the leader's own place, and when beside it.
 
     Who is there while the leader is in view is somebody else for good.
     """
@@ -315,3 +340,6 @@ def _note_people(memory, company, c):
         if in_view and one.track_id >= 0 and company.ids[i] != one.track_id and company.unseen_s[i] == 0.0:
             away = np.hypot(company.x[i, 0] - one.x[0], company.x[i, 1] - one.x[1])
             note_nearness(memory.met, one.met, away, c.duplicate_distance, 2.0 * c.duplicate_distance, one.dt)
+        other = one.known and one.unseen_s < c.exchange_wait_s and company.ids[i] != one.track_id
+        if other and _within(company.x[i, 0], company.x[i, 1], one.x[0], one.x[1], c.beside):
+            memory.met[one.met - 1].beside_s = one.time_s

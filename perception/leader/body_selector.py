@@ -54,6 +54,10 @@ class BodyConfig:
         patience_s: A track unseen for longer than this is not followed [s].
         gathered: A cloud that is spread no farther than this, around legs that are nobody's, is the leader seen [m].
         loose_confidence: Confidence of a leader seen so.
+        beside: Two people this near to each other may exchange their tracks [m].
+        exchange_s: Who was beside the leader so shortly before it was lost may have its track, or carry its own [s].
+        exchange_wait_s: So long after it was lost that one is taken for it, if in view and on the leader's way [s].
+        walks: On the same way are two whose velocities have an inner product above the square of this [m/s].
     """
 
     cloud: CloudConfig = field(default_factory=CloudConfig)
@@ -78,6 +82,10 @@ class BodyConfig:
     patience_s: float = 0.35
     gathered: float = 0.35
     loose_confidence: float = 0.3
+    beside: float = 1.0
+    exchange_s: float = 0.5
+    exchange_wait_s: float = 1.5
+    walks: float = 0.2
 
     def __post_init__(self) -> None:
         check_numbers(self)

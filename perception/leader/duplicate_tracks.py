@@ -11,6 +11,7 @@ ACQUAINTANCE = np.dtype(
         ("number", np.int64),  # of a track
         ("met_s", np.float64),  # when it was first seen; -inf: somebody else for good
         ("near_s", np.float64),  # for how long it was at the leader's own place
+        ("beside_s", np.float64),  # when it was last so near to the leader that their tracks may have been exchanged
     ]
 )
 
@@ -59,11 +60,12 @@ def met_by(met, count, number):
     for row in range(count - 1, -1, -1):
         if met[row].number == number:
             last = count - 1
-            met_s, near_s = met[row].met_s, met[row].near_s
+            met_s, near_s, beside_s = met[row].met_s, met[row].near_s, met[row].beside_s
             met[row].number, met[row].met_s, met[row].near_s = met[last].number, met[last].met_s, met[last].near_s
-            met[last].number, met[last].met_s, met[last].near_s = number, met_s, near_s
+            met[row].beside_s = met[last].beside_s
+            met[last].number, met[last].met_s, met[last].near_s, met[last].beside_s = number, met_s, near_s, beside_s
             return count
-    met[count].number, met[count].met_s, met[count].near_s = number, np.inf, 0.0
+    met[count].number, met[count].met_s, met[count].near_s, met[count].beside_s = number, np.inf, 0.0, -np.inf
     return count + 1
 
 

@@ -3,7 +3,10 @@
 import numpy as np
 import pytest
 from body_selector_reference import PlainSelector
-from tagalong.perception.leader.body_selector import BodyConfig, BodyLeaderSelector
+from tagalong.perception.leader import body_kernels
+from tagalong.perception.leader.body_memory import CLOUD, Company, memory_of, nothing_remembered
+from tagalong.perception.leader.body_selector import BodyConfig, BodyLeaderSelector, body_numbers
+from tagalong.perception.leader.onset import LeaderConfig
 from tagalong.perception.leader.selector import LeaderSelector
 from tagalong.perception.tracking.people import People, SeenLegs
 from tagalong.slam import InputError, LaserScan
@@ -173,7 +176,10 @@ def doubled(seed, **body):
 
 
 def test_a_second_track_of_the_leader_carries_it_on():
-    carried = [[doubled(seed, **fields).track_id == 1 for seed in range(6)] for fields in ({}, {"duplicate_s": np.inf})]
+    carried = [
+        [doubled(seed, **fields).track_id == 1 for seed in range(6)]
+        for fields in ({}, {"duplicate_s": np.inf, "beside": 0.0})
+    ]
     assert sum(carried[0]) == 6
     assert sum(carried[1]) <= 2  # somebody else's legs
 
@@ -253,3 +259,31 @@ def test_the_leader_is_that_of_plain_numpy_in_any_crowd(seed):
             lost, changed = lost + (ours.track_id < 0), changed + (ours.track_id != ours.id)
     assert lost > 5
     assert changed > lost
+
+
+@pytest.mark.parametrize(
+    ("beside_s", "velocity", "unseen_s", "taken"),
+    [
+        (8.2, (0.4, 0.3), 0.0, 1),  # beside it 0.2 s before it was lost, and on its way
+        (7.8, (0.4, 0.3), 0.0, -1),  # longer ago
+        (8.2, (0.0, 0.0), 0.0, -1),  # stands, where the leader walked
+        (8.2, (-0.4, -0.3), 0.0, -1),  # comes back
+        (8.2, (0.4, 0.3), 0.2, -1),  # hidden itself
+    ],
+)
+def test_of_two_who_were_beside_each_other_the_one_that_is_left_and_walks_on_may_be_the_leader(
+    beside_s, velocity, unseen_s, taken
+):
+    memory = memory_of(nothing_remembered(1, 10), 0)
+    one, met = memory.leader[0], memory.met
+    one["time_s"], one["unseen_s"], one["own"], one["row"], one["met"] = 10.0, 1.6, 0, -1, 2
+    one["x"][:] = 2.0, 1.0, 0.5, 0.5
+    one["known"], one["doubt"], one["cloud"] = True, CLOUD, True
+    memory.bodies[:], memory.weights[:] = (9.0, 9.0, 0.0, 0.0), 0.1  # it has wandered off
+    met["number"][:2], met["beside_s"][:2] = (0, 1), (8.3, beside_s)
+    x, none = np.array([[1.0, 2.0, *velocity]]), np.zeros((0, 2))
+    company = Company(
+        np.array([1]), x, np.ones(1), np.array([unseen_s]), none, np.zeros(0), np.zeros(0, dtype=np.int64)
+    )
+    body_kernels.decide(memory, company, -1.0, body_numbers(BodyConfig(), LeaderConfig()))
+    assert one["track_id"] == taken

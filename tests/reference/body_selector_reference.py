@@ -191,6 +191,7 @@ class PlainSelector:
         self._own = -1
         self._others = np.zeros((0, 2))
         self._met_s: dict[int, float] = {}
+        self._beside_s: dict[int, float] = {}
         self._others_legs = PlainLegsOfOthers()
         apart = self._config.duplicate_distance
         self._duplicates = PlainDuplicates(apart, self._body.duplicate_s, separation=2.0 * apart)
@@ -282,6 +283,10 @@ class PlainSelector:
         if best >= 0 and able[best] > c.take:
             self._own = int(people.ids[best])
             return as_leader(people, best, before.id)
+        exchanged = self._exchanged(people, before)
+        if before.unseen_s > c.exchange_wait_s and exchanged >= 0:
+            self._own, self._cloud = int(people.ids[exchanged]), None
+            return as_leader(people, exchanged, before.id)
         if len(own) and people.unseen_s[own[0]] == 0.0 and share[own[0]] < c.drop:
             self._own = -1
         mean = cloud.mean
@@ -290,8 +295,26 @@ class PlainSelector:
         confidence, unseen_s = (c.loose_confidence, 0.0) if gathered else (0.0, before.unseen_s + dt)
         return LeaderEstimate(before.id, -1, mean[:2], mean[2:], gathered, confidence, unseen_s)
 
+    def _exchanged(self, people: People, before: LeaderEstimate) -> int:
+        """Return who is in view and was the last to be beside the leader, shortly before it was lost; -1 for nobody."""
+        found, latest = -1, self._time_s - before.unseen_s - self._body.exchange_s
+        way = people.velocities @ before.velocity > self._body.walks**2
+        for i, number in enumerate(people.ids.tolist()):
+            beside_s = self._beside_s.get(number, -np.inf)
+            if people.unseen_s[i] == 0.0 and number != self._own and way[i] and beside_s > latest:
+                found, latest = i, beside_s
+        return found
+
     def _note_people(self, people: People) -> None:
-        """Note when each person was first seen; who is there while the leader is in view is somebody else for good."""
+        """Note when each person was first seen, and when beside the leader.
+
+        Who is there while the leader is in view is somebody else for good.
+        """
+        leader, c = self._leader, self._body
+        if leader is not None and leader.unseen_s < c.exchange_wait_s:
+            near = ((people.positions - leader.position) ** 2).sum(axis=1) <= c.beside**2
+            for number in people.ids[near & (people.ids != leader.track_id)].tolist():
+                self._beside_s[number] = self._time_s
         in_view = self._leader is not None and self._leader.visible
         for number in people.ids.tolist():
             if in_view or number not in self._met_s:
