@@ -1,6 +1,6 @@
 """Who drives: followers of a leader, and explorers without one.
 
-    make_follower          a follower ("pid", "mppi", "learned", "reinforced" ...) or explorer ("random",
+    make_follower          a follower ("pid", "mppi", "mapper", "reinforced" ...) or explorer ("random",
                            "frontier") by name; your own class as "module:name"; a folder of `tagalong train follower`
     FOLLOWERS, EXPLORERS   the names, and what makes each
     Follower               what each of them is: `reset()`, and `act(observation)` -> action in [-1, 1]

@@ -1,11 +1,12 @@
 """Which points are near to any of some others."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ..slam.view_kernel import kernel
 
-@njit(cache=True, nogil=True)
+
+@kernel
 def near_any(points: NDArray[np.float64], others: NDArray[np.float64], distance: float) -> NDArray[np.bool_]:
     """Return (n,) whether `points` (n, 2) are within `distance` of any of `others` (k, 2); NaN is near to nothing."""
     near = np.zeros(len(points), dtype=np.bool_)

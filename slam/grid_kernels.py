@@ -1,13 +1,13 @@
 """Kernel of the grids of log-odds. Lengths are in cells."""
 
 import numpy as np
-from numba import njit
 
 from .rays import ray_start, ray_step
 from .rigid_kernel import move_points
+from .view_kernel import kernel
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def write_observation(x0, y0, ends, log_beta, miss, limit, stamp, log_odds, stamps):
     """Update each cell that the rays met once: by the first hit in it, else by `miss` where a ray passed.
 
@@ -37,7 +37,7 @@ def write_observation(x0, y0, ends, log_beta, miss, limit, stamp, log_odds, stam
             row, col, next_y, next_x = ray_step(row, col, row_step, col_step, next_y, next_x, y_stride, x_stride)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def place_rays(places, points, firsts, resolution, starts, ends, spans):
     """Place the rays of n scans and say which cells each of them needs.
 
@@ -61,7 +61,7 @@ def place_rays(places, points, firsts, resolution, starts, ends, spans):
             spans[k, 0, axis], spans[k, 1, axis] = low, high
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def write_observations(starts, ends, firsts, corners, log_beta, miss, limit, stamp, log_odds, stamps):
     """Do what `write_observation` does for n scans, one after the other.
 

@@ -1,11 +1,12 @@
 """The cells that a ray crosses (Amanatides and Woo 1987), for the kernels of every grid. Lengths are in cells."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from .view_kernel import kernel, spliced_kernel
 
-@njit(cache=True, nogil=True)
+
+@kernel
 def ray_start(x0, y0, x1, y1):
     """Return what a walk from cell to cell needs.
 
@@ -23,7 +24,7 @@ def ray_start(x0, y0, x1, y1):
     return row, col, row_step, col_step, next_y, next_x, y_stride, x_stride, steps
 
 
-@njit(cache=True, nogil=True, inline="always")
+@spliced_kernel
 def ray_step(row, col, row_step, col_step, next_y, next_x, y_stride, x_stride):
     """Return (row, col, next y, next x) one step on."""
     if next_x < next_y:

@@ -4,11 +4,12 @@ It is called some fifteen times a scan on a few points each, where the calls of 
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from .view_kernel import kernel
 
-@njit(cache=True, nogil=True)
+
+@kernel
 def move_points(
     tx: float, ty: float, cos: float, sin: float, points: NDArray[np.float64], moved: NDArray[np.float64]
 ) -> None:
@@ -19,7 +20,7 @@ def move_points(
         moved[i, 1] = ty + sin * x + cos * y
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def moved_points(pose: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return `points` (n, 2), given in the frame at `pose` (3,), in the frame of that pose."""
     moved = np.empty(points.shape)

@@ -1,10 +1,11 @@
 """Numba kernels of `LaserScan`: where its beams end."""
 
 import numpy as np
-from numba import njit
+
+from .view_kernel import kernel
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def fill_beam_points(ranges, directions, range_min, range_max, points):
     """Write into `points` (N, 2) where the beams `ranges` (N,) along `directions` (N, 2) end; NaN without a return."""
     for i in range(len(ranges)):
@@ -15,7 +16,7 @@ def fill_beam_points(ranges, directions, range_min, range_max, points):
         points[i, 1] = away * directions[i, 1]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def returns(ranges, directions, range_min, range_max):
     """Return the ends (M, 2) of the beams that met something, in their order, and the number (M,) of each beam."""
     points = np.empty((len(ranges), 2))

@@ -1,9 +1,9 @@
 """Two fields around the robot: how far the next thing is, and how far it is to walk from everywhere to a place."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ...slam.view_kernel import kernel
 from ..scripted.grid_field import way_field
 
 Array = NDArray[np.float64]
@@ -18,7 +18,7 @@ NO_WAY_M = 30.0
 """Length of the way from where none is known [m]."""
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def distance_field(points: Array, half: float, cell: float, far: float) -> Array:
     """Return (n, n) the distance from the middle of each cell to the nearest of `points` (m, 2), at most `far` [m]."""
     n, reach = round(2.0 * half / cell), int(far / cell)
@@ -35,7 +35,7 @@ def distance_field(points: Array, half: float, cell: float, far: float) -> Array
     return np.sqrt(square)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def value_at(field: Array, x: float, y: float, half: float, cell: float) -> float:
     """Return the value of a field at a place [m], between the middles of its cells; beyond its edge, that there."""
     n = len(field)

@@ -3,9 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ...slam.view_kernel import kernel
 from .fields import value_at
 from .unseen import HALF_M as UNSEEN_HALF_M
 from .unseen import PLACES_M
@@ -98,7 +98,7 @@ class Prices(NamedTuple):
     unseen: float
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def axis_step(v: float, a: float, wish: float, dt: float, c: Array) -> tuple[float, float]:
     """Return velocity and acceleration of one axis after `dt`, on the way to `wish`; as `learned.steering.steer`."""
     brakes = (wish - v) * v < 0.0
@@ -109,13 +109,13 @@ def axis_step(v: float, a: float, wish: float, dt: float, c: Array) -> tuple[flo
     return min(max(v + a * dt, c[0]), c[1]), a
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def harm(speed: float) -> float:
     """Return what share of a contact counts at which the robot comes at `speed` [m/s]."""
     return min(max(speed / HARM_MPS, LEAST_HARM), 1.0)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def drive(motion: Array, pose: Array, wish: Array, dt: float, body: Body, turning: float) -> float:
     """Drive `motion` (3, 2) and `pose` (3,) on by `dt`, in place; return the square of the jerk, turning among it."""
     jerk = 0.0
@@ -132,7 +132,7 @@ def drive(motion: Array, pose: Array, wish: Array, dt: float, body: Body, turnin
     return jerk
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def gap_to_things(pose: Array, far: float, field: Array, scene: PlanningScene, body: Body) -> float:
     """Return the gap between the robot's outline and the nearest thing of a field of distances, at most `far` [m]."""
     half, cell = scene.cells[0], scene.cells[1]
@@ -148,7 +148,7 @@ def gap_to_things(pose: Array, far: float, field: Array, scene: PlanningScene, b
     return least
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def person_costs(
     pose: Array, motion: Array, k: int, t: float, scene: PlanningScene, body: Body, p: Prices
 ) -> tuple[float, float]:
@@ -180,7 +180,7 @@ def person_costs(
     return chance, lack
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def hidden(pose: Array, k: int, scene: PlanningScene, body: Body) -> float:
     """Return how hidden the leader is from the laser at evaluation `k`: 0 seen, 1 behind a thing, a person or it."""
     cos, sin = np.cos(pose[2]), np.sin(pose[2])
@@ -206,7 +206,7 @@ def hidden(pose: Array, k: int, scene: PlanningScene, body: Body) -> float:
     return most
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def judge(
     pose: Array, motion: Array, k: int, t: float, scene: PlanningScene, body: Body, p: Prices, worst: Array
 ) -> tuple[float, float]:
@@ -240,7 +240,7 @@ def judge(
     return lag, cost
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def plan_cost(plan: Array, knot_s: float, dt: float, every: int, scene: PlanningScene, body: Body, p: Prices) -> float:
     """Return what one plan (m, 3) of wishes, `knot_s` [s] apart, would cost."""
     count = scene.people.shape[1]
@@ -262,7 +262,7 @@ def plan_cost(plan: Array, knot_s: float, dt: float, every: int, scene: Planning
     return cost + p.back * max(back - scene.room_behind, 0.0)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def plan_costs(
     plans: Array, knot_s: float, dt: float, every: int, scene: PlanningScene, body: Body, p: Prices
 ) -> Array:

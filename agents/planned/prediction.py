@@ -1,15 +1,15 @@
 """Where people will be: each walks on as it does, along walls and not through them."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ...slam.view_kernel import kernel
 from .fields import value_at
 
 Array = NDArray[np.float64]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def walked_on(people: Array, distances: Array, half: float, cell: float, steps: int, dt: float, room: float) -> Array:
     """Return (k, steps, 2) where people are after `dt`, 2 `dt`, ... [m].
 

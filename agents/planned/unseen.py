@@ -6,10 +6,10 @@ not be known from elsewhere either: so nothing draws the robot that it has looke
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ...envs.task.interface import OwnMap
+from ...slam.view_kernel import kernel
 
 Array = NDArray[np.float64]
 States = NDArray[np.int8]
@@ -55,7 +55,7 @@ def unseen_field(own: OwnMap, way: Array) -> Array:
     return newly_in_sight(states, placed(ahead, left), anyway)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def coarse_states(
     probability: NDArray[np.float32],
     free: float,
@@ -93,7 +93,7 @@ def coarse_states(
     return states
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def newly_in_sight(states: States, places: Array, anyway: Array) -> Array:
     """Return (n, n) unknown areas [m2] in sight from `places` (n, n, 2) and not from any of `anyway` (m, 2) [cells]."""
     n = len(places)
@@ -110,7 +110,7 @@ def newly_in_sight(states: States, places: Array, anyway: Array) -> Array:
     return gains
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def look(states: States, x: float, y: float, looked: NDArray[np.bool_], rays: int, marks: bool) -> float:
     """Look around from x, y [cells] along `rays`; return the unknown area [m2] that is not `looked` at, or mark it."""
     count = len(states)

@@ -1,13 +1,14 @@
 """Kernel of the way to everywhere on a grid."""
 
 import numpy as np
-from numba import njit
+
+from ...slam.view_kernel import kernel
 
 _ROWS = np.array([-1, 1, 0, 0, -1, -1, 1, 1])
 _COLS = np.array([0, 0, -1, 1, -1, 1, -1, 1])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def way_field(cost, row, col, field, parent):
     """Write the cheapest way from one cell to each, by relaxing cells in turn until nothing gets cheaper.
 

@@ -1,22 +1,22 @@
 """What a wish would lead to: the teacher's look ahead, compiled."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ...slam.view_kernel import kernel
 from ..learned.braking import next_commands
 
 Array = NDArray[np.float64]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def box_gap(x: float, y: float, half_length: float, half_width: float) -> float:
     """Return how far (x, y) in the robot frame is from the robot's box [m]; 0 inside."""
     dx, dy = max(abs(x) - half_length, 0.0), max(abs(y) - half_width, 0.0)
     return np.sqrt(dx * dx + dy * dy)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def nearest_thing(points: Array, x: float, y: float, theta: float, box: Array, reach: float) -> float:
     """Return the distance from the robot's box at a pose to the nearest of `points` (m, 2), at most `reach` [m]."""
     cos, sin = np.cos(theta), np.sin(theta)
@@ -30,7 +30,7 @@ def nearest_thing(points: Array, x: float, y: float, theta: float, box: Array, r
     return least
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def lack_of_space(people: Array, x: float, y: float, theta: float, t: float, box: Array) -> tuple[float, bool]:
     """Return the greatest lack of space to `people` (k, 6) after `t` [s], 0 .. 1 and beyond; and whether it touches."""
     cos, sin = np.cos(theta), np.sin(theta)
@@ -45,7 +45,7 @@ def lack_of_space(people: Array, x: float, y: float, theta: float, t: float, box
     return most, touches
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def drive_ahead(
     state: Array,
     wish: Array,
@@ -86,7 +86,7 @@ def drive_ahead(
     return track, tight, crowd, touch, x, y, theta
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def look_ahead(
     state: Array,
     wishes: Array,

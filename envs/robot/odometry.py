@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from ...slam.bounds import Within, check_numbers
 from ...slam.errors import unknown_name
+from ...slam.view_kernel import kernel
 
 Array = NDArray[np.float64]
 _Error = Annotated[float, Within(0.0, 10.0)]  # ten times what was driven
@@ -126,7 +126,7 @@ class WheelOdometry:
         return self.pose
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def believed_motion(
     believed: Array, last: Array, poses: Array, errors: Array, noise: Array
 ) -> tuple[float, float, float]:

@@ -7,10 +7,9 @@ cannot improve each other, and may be settled in any order.
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from ...slam.view_kernel import inner_view_kernel, view_kernel
+from ...slam.view_kernel import inner_view_kernel, kernel, view_kernel
 
 Prices, Cells, Flags = NDArray[np.float64], NDArray[np.int64], NDArray[np.bool_]
 Links = NDArray[np.int32]
@@ -115,7 +114,7 @@ def _take_out(cell: int, bucket: int, links: Links, heads: Links) -> None:
         links[1, after] = behind
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def traced(before: Cells, goal: int, x0: float, y0: float, side: float) -> Prices:
     """Return (n, 2) the middles of the cells on the way to the cell `goal` [m].
 
@@ -137,7 +136,7 @@ def traced(before: Cells, goal: int, x0: float, y0: float, side: float) -> Price
     return way
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def nearest(points: NDArray[np.float64], x: float, y: float) -> int:
     """Return the row of `points` (n, 2) nearest to (x, y), the first of several; -1 of none."""
     best, least = -1, np.inf
@@ -148,7 +147,7 @@ def nearest(points: NDArray[np.float64], x: float, y: float) -> int:
     return best
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def apart(spots: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return (n,) the distance of each of `spots` (n, 2) from the nearest of `points` (m, 2)."""
     least = np.empty(len(spots))
@@ -161,7 +160,7 @@ def apart(spots: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np
     return least
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def smooth(
     points: NDArray[np.float64],
     clearance: NDArray[np.float64],

@@ -10,8 +10,9 @@ stand before its walls, so that the geoms are gone through backwards.
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from ...slam.view_kernel import kernel
 
 Array = NDArray[np.float64]
 
@@ -22,7 +23,7 @@ _MARGIN = 1e-6
 _UPRIGHT = 1.0 - 1e-12  # cosine of a tilt that is none
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def cast_beams(
     origin: Array,
     heading: float,
@@ -69,7 +70,7 @@ def cast_beams(
                 _cast_some(low, high, near, origin, directions, geom, shape, size, position, rotation, distance, met)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _cast_some(
     low: int,
     high: int,
@@ -102,13 +103,13 @@ def _cast_some(
             met[beam] = geom
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _is_level(rotation: Array) -> bool:
     """Return whether a geom is turned about the vertical only."""
     return rotation[2] == 0.0 and rotation[5] == 0.0 and rotation[6] == 0.0 and rotation[7] == 0.0
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _sector(
     origin: Array, first: float, shape: int, size: Array, position: Array, rotation: Array
 ) -> tuple[float, float, float]:
@@ -129,7 +130,7 @@ def _sector(
     return start, width + 2.0 * _MARGIN, near - _MARGIN
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _sector_of_box(x: float, y: float, above: float, size: Array, rotation: Array) -> tuple[float, float, float]:
     """Return the direction of the first edge, the width between the edges and the distance of an upright box at (x, y).
 
@@ -158,7 +159,7 @@ def _sector_of_box(x: float, y: float, above: float, size: Array, rotation: Arra
     return low, width, near
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _sector_of_round(
     x: float, y: float, above: float, shape: int, size: Array, rotation: Array
 ) -> tuple[float, float, float]:
@@ -180,7 +181,7 @@ def _sector_of_round(
     return np.arctan2(y, x) - half, 2.0 * half, away - bound
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _meet(shape: int, size: Array, position: Array, rotation: Array, origin: Array, beam: Array) -> float:
     """Return the distance along a beam to a geom [m], -1 where it is not met."""
     x, y, z = origin[0] - position[0], origin[1] - position[1], origin[2] - position[2]
@@ -213,7 +214,7 @@ def _meet(shape: int, size: Array, position: Array, rotation: Array, origin: Arr
     return best
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _meet_rectangle(half_x: float, half_y: float, px: float, py: float, vx: float, vy: float) -> float:
     """Return what `_meet` does for a box turned about the vertical only: its top and bottom are met by no beam."""
     best = -1.0
@@ -230,7 +231,7 @@ def _meet_rectangle(half_x: float, half_y: float, px: float, py: float, vx: floa
     return best
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _face(
     half: float,
     half_1: float,
@@ -253,7 +254,7 @@ def _face(
     return best
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _root(a: float, b: float, c: float) -> float:
     """Return the least root of a x^2 + 2 b x + c that is not negative, -1 for none."""
     within = b * b - a * c
@@ -266,7 +267,7 @@ def _root(a: float, b: float, c: float) -> float:
     return high if high >= 0.0 else -1.0
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def add_noise(
     exact: Array,
     noise: Array,
@@ -296,7 +297,7 @@ def add_noise(
         ranges[i] = np.nan if chance[i] < dropout else measured(exact[i], sigma * noise[i], farthest)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def measured(exact: float, error: float, farthest: float) -> float:
     """Return what is measured of a range, `inf` where nothing is met; at most `farthest` [m]."""
     return min(max(exact + error, 0.0), farthest) if math.isfinite(exact) else np.inf

@@ -3,8 +3,9 @@
 from dataclasses import dataclass, field
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from ...slam.view_kernel import ieee_kernel
 
 STATIC, LEG = 0, 1
 
@@ -62,7 +63,7 @@ def turned(points: NDArray[np.float64], heading: float) -> NDArray[np.float64]:
     return points @ np.array([[c, s], [-s, c]])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ieee_kernel
 def cast(origins, angles, limit, ellipses, segments):
     """Cast rays from `origins` (n, 2) along `angles` (n,): the ranges (inf beyond `limit`) and what they meet first.
 
@@ -88,7 +89,7 @@ def cast(origins, angles, limit, ellipses, segments):
     return ranges, met
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ieee_kernel
 def meet_segment(x, y, dx, dy, segment):
     """Return how far from (x, y) a ray along the unit vector (dx, dy) meets a row of segments, inf if nowhere."""
     ex, ey = segment[2] - segment[0], segment[3] - segment[1]
@@ -101,7 +102,7 @@ def meet_segment(x, y, dx, dy, segment):
     return t if t > 0.0 and 0.0 <= along <= 1.0 else np.inf
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ieee_kernel
 def meet_ellipse(x, y, dx, dy, ellipse):
     """Return how far from (x, y) a ray along the unit vector (dx, dy) meets a row of ellipses, inf if nowhere."""
     px, py = x - ellipse[0], y - ellipse[1]

@@ -4,14 +4,14 @@ The reference is `outlines.cast`, which asks each beam about each thing; the ran
 """
 
 import numpy as np
-from numba import njit
 
+from ...slam.view_kernel import ieee_kernel
 from .outlines import meet_ellipse, meet_segment
 
 _MARGIN = 1e-9
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ieee_kernel
 def sweep(x, y, angles, limit, ellipses, segments):
     """Return (n,) ranges from (x, y) along evenly spaced `angles` (n,), inf beyond `limit`.
 
@@ -46,7 +46,7 @@ def sweep(x, y, angles, limit, ellipses, segments):
     return np.where(best < limit, best, np.inf)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ieee_kernel
 def _segment_sector(x, y, segment):
     """Return where the sector begins in which a segment is seen, and how wide it is [rad]."""
     ax, ay, bx, by = segment[0] - x, segment[1] - y, segment[2] - x, segment[3] - y
@@ -55,7 +55,7 @@ def _segment_sector(x, y, segment):
     return start, np.arctan2(abs(cross), ax * bx + ay * by)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ieee_kernel
 def _ellipse_sector(x, y, ellipse):
     ex, ey, reach = ellipse[0] - x, ellipse[1] - y, max(ellipse[2], ellipse[3])
     away = np.sqrt(ex * ex + ey * ey)

@@ -1,13 +1,13 @@
 """Kernel that marks what a sweep of rays saw, and its plain reference. Lengths are in cells."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ...slam.rays import ray_cells, ray_start, ray_step
+from ...slam.view_kernel import kernel
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def sweep(x0, y0, ends, blocked, seen):
     """Mark in `seen` each cell that a ray passed, up to the first blocked one; a ray's last cell is not passed.
 

@@ -2,8 +2,7 @@
 
 from dataclasses import dataclass
 
-from numba import njit
-
+from ...slam.view_kernel import kernel
 from ..world.truth import TrueState
 from .config import TaskConfig
 from .rewards import StepFacts
@@ -58,7 +57,7 @@ class EndingRule:
         return Ending(REASONS[code], self._lost_s)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def ending_code(person: bool, static: bool, tour: bool, covered: bool, lost: bool) -> int:
     """Return the number in `REASONS` of the first reason that holds, 0 for none."""
     return 1 if person else 2 if static else 3 if tour else 4 if covered else 5 if lost else 0

@@ -9,11 +9,11 @@ from dataclasses import dataclass, field
 from typing import Annotated, Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ...slam.bounds import Within, check_numbers
 from ...slam.errors import InputError, shown
+from ...slam.view_kernel import kernel
 
 Array = NDArray[np.float64]
 _Weight = Annotated[float, Within(0.0, 1e6)]
@@ -131,7 +131,7 @@ def reward_terms(facts: StepFacts, config: RewardConfig) -> dict[str, float]:
     return {**dict(zip(FOLLOWING_TERMS, terms.tolist(), strict=True)), **_further_terms(facts, config)}
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def following_terms(
     truth: Array,
     following: bool,
@@ -191,14 +191,14 @@ def _finite(name: str, value: Any) -> float:
     return number
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def tolerance(value: float, bound: float, margin: float) -> float:
     """Return 1 where |value| <= bound, falling as a Gaussian to 0.1 at bound + margin (dm_control's `tolerance`)."""
     beyond = abs(value) - bound
     return 1.0 if beyond <= 0.0 else math.exp(math.log(0.1) * (beyond / margin) ** 2)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def intrusion(space: float, wanted: float = PERSONAL_SPACE_M) -> float:
     """Return how deep the robot is in a bystander's personal space: 0 at `wanted` [m] or more, 1 in contact."""
     return min(max(1.0 - space / wanted, 0.0), 1.0)

@@ -1,13 +1,14 @@
 """Numba kernel of `detector.leg_centres`."""
 
 import numpy as np
-from numba import njit
+
+from ...slam.view_kernel import kernel
 
 WIDEST_SINGLE_LEG = 0.16
 MEAN_DEPTH_PER_WIDTH = np.pi / 8  # the seen half of a circle: its mean point lies pi/4 radii before its centre
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def move_to_centres(points, start, end, widest, depth_per_width, centres):
     """Write into `centres` (m, 2) the mean point of each cluster, moved on along the line of sight by the depth of a
     leg as wide as it is seen, at most `widest`."""
@@ -28,7 +29,7 @@ def move_to_centres(points, start, end, widest, depth_per_width, centres):
         centres[c, 1] = y + deeper * sight_y
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def leg_centres_of(points, start, end):
     """Return (m, 2) as `detector.leg_centres` does."""
     centres = np.empty((len(start), 2))

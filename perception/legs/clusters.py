@@ -4,11 +4,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ...slam.errors import InputError
 from ...slam.scan import LaserScan
+from ...slam.view_kernel import kernel
 
 DEFAULT_ALPHA = 0.13
 DEFAULT_BETA = 3
@@ -80,7 +80,7 @@ def cluster_scan(
     return Clusters(points, scan.beams, start, end)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def split_by_distance(points, alpha, beta, beams_at_1m=0.0):
     """Return `start` and `end` (m,) of the runs of `points` (k, 2) with steps <= `alpha` and >= `beta` points.
 

@@ -3,8 +3,9 @@
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from ...slam.view_kernel import kernel
 
 NODE = np.dtype([("threshold", np.float32), ("child", np.uint32)])
 """A node in eight bytes, so that a step down a tree waits for memory once.
@@ -64,7 +65,7 @@ def packed(
     return PackedForest(nodes, share, depth, len(roots), float(odds))
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def vote(forest, rows, out):
     """Write the mean leaf value over all trees for each of `rows` (m, F) float32 into `out` (m,) float64.
 
@@ -89,7 +90,7 @@ def vote(forest, rows, out):
         out[m] = total / trees
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _fits(feature, roots, columns):
     """Whether there are nodes and trees, no more of either than are allowed, and all trees begin and end inside."""
     count = len(feature)
@@ -98,7 +99,7 @@ def _fits(feature, roots, columns):
     return roots.min() >= 0 and roots.max() < count and feature[count - 1] < 0
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def is_sound(feature, right, roots, columns):
     """Whether these are trees: each node inside the arrays and reached once; and `packed` and `vote` do them soon."""
     if not _fits(feature, roots, columns):

@@ -8,12 +8,12 @@ drawn for that: a few recent scans are kept whole, each with its pose, and asked
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ...slam.bounds import check_numbers
 from ...slam.errors import InputError
 from ...slam.scan import LaserScan
+from ...slam.view_kernel import kernel
 
 Array = NDArray[np.float64]
 
@@ -85,7 +85,7 @@ class RecentViews:
         self._lidars = np.concatenate((self._lidars[first:], lidar[None]))
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def look_back(ranges, lidars, first, step, points, radius, margin, shares):
     """Write into `shares` (n, 2) in which share of the scans `points` (n, 2) were empty, and in which occupied.
 
@@ -123,7 +123,7 @@ def look_back(ranges, lidars, first, step, points, radius, margin, shares):
                 shares[i, 0] += 1.0 / views
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def is_met(ranges, first, step, bearing, away, margin):
     """Return whether a return of `ranges` (N,) is within `margin` of the place at `bearing`, so far `away`."""
     middle, half = (bearing - first) / step, margin / away / step

@@ -1,7 +1,8 @@
 """Numba kernels of the features of a cluster's own shape; `reference.py` says the same in numpy."""
 
 import numpy as np
-from numba import njit
+
+from ...slam.view_kernel import ieee_kernel
 
 SHAPE_COUNT = 25
 STEP = 0.03  # the outline is walked in steps of about this length [m]
@@ -9,7 +10,7 @@ LEG_WIDTH = 0.12
 RADIUS_LIMIT = 0.5
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ieee_kernel
 def describe_shapes(points, ranges, bearings, start, end, spacing, widest, out):
     """Fill the first `SHAPE_COUNT` columns of `out` (m, F); clusters wider than `widest` [m] are left alone."""
     for c in range(len(start)):
@@ -23,7 +24,7 @@ def describe_shapes(points, ranges, bearings, start, end, spacing, widest, out):
         out[c, 24] = _valley(ranges, a, b)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ieee_kernel
 def _mean(points, a, b):
     x = 0.0
     y = 0.0
@@ -33,7 +34,7 @@ def _mean(points, a, b):
     return x / (b - a), y / (b - a)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ieee_kernel
 def _extent(points, bearings, a, b, spacing, row):
     """Columns 0 to 6: points, range, expected points, span, width, depth, fill."""
     cx, cy = _mean(points, a, b)
@@ -54,7 +55,7 @@ def _extent(points, bearings, a, b, spacing, row):
     row[6] = (b - a) / (np.floor(angle / spacing + 0.5) + 1.0)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ieee_kernel
 def _moments(points, a, b, row):
     """Columns 7 to 12 and 21: deviations, principal axes, best circle, tilt."""
     cx, cy = _mean(points, a, b)
@@ -89,7 +90,7 @@ def _moments(points, a, b, row):
     row[21] = abs(np.cos(axis) * cx + np.sin(axis) * cy) / np.hypot(cx, cy)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ieee_kernel
 def _circle(points, a, b, cx, cy, xx, xy, yy, xz, yz):
     """Kasa's circle through the points: radius (clipped) and root mean square residual, of the line if it is one."""
     n = b - a
@@ -106,7 +107,7 @@ def _circle(points, a, b, cx, cy, xx, xy, yy, xz, yz):
     return min(radius, RADIUS_LIMIT), np.sqrt(total / n)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ieee_kernel
 def _outline(points, a, b, spacing, row):
     """Columns 15 to 18: the outline walked in steps of about `STEP`, so that fine beams do not measure noise."""
     distance = row[1]
@@ -138,7 +139,7 @@ def _outline(points, a, b, spacing, row):
     row[18] = signed / max(steps - 1, 1) / max(mean, 1e-3)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ieee_kernel
 def _texture(points, ranges, a, b, row):
     """Columns 13, 14, 19, 20, 22, 23: bulge against the chord, inscribed angles, steps and roughness of the ranges."""
     fx, fy = points[a]
@@ -171,7 +172,7 @@ def _texture(points, ranges, a, b, row):
     row[23] = np.sqrt(rough / inner)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ieee_kernel
 def _valley(ranges, a, b):
     """How much farther some point is than the nearest one before it and the nearest one after it [m]; at least 0."""
     after = np.empty(b - a)

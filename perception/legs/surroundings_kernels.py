@@ -1,8 +1,8 @@
 """Numba kernels of the features of what stands around a cluster; `reference.py` says the same in numpy."""
 
 import numpy as np
-from numba import njit
 
+from ...slam.view_kernel import ieee_kernel
 from .shape_kernels import SHAPE_COUNT
 
 SURROUNDINGS_COUNT = 28
@@ -20,7 +20,7 @@ MISSING_BEAMS = 3.5  # the next return must be within this many beams to count a
 AT_MOST = 48  # returns looked at on each side of a cluster; more are thinned out
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ieee_kernel
 def describe_surroundings(points, ranges, bearings, start, end, spacing, widest, out):
     """Fill the columns after `SHAPE_COUNT` of `out` (m, F), whose first ones must be there already."""
     described = np.zeros(len(start), np.bool_)
@@ -41,7 +41,7 @@ def describe_surroundings(points, ranges, bearings, start, end, spacing, widest,
             _mate(points, start, end, described, centres, c, out)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ieee_kernel
 def _ends(points, ranges, bearings, a, b, spacing, row):
     """Columns 0 to 4: range jumps and gaps just beyond the two ends."""
     jump_low, jump_high, gap_low, gap_high = np.inf, -np.inf, np.inf, -np.inf
@@ -64,7 +64,7 @@ def _ends(points, ranges, bearings, a, b, spacing, row):
     row[SHAPE_COUNT + 4] = occluded
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ieee_kernel
 def _beside(ranges, bearings, a, b, spacing, row):
     """Columns 5 to 10: range differences in two windows beside each end; beams without a return count as open."""
     for side in range(2):
@@ -91,7 +91,7 @@ def _beside(ranges, bearings, a, b, spacing, row):
             row[SHAPE_COUNT + k + 1] = value if side == 0 else max(row[SHAPE_COUNT + k + 1], np.float32(value))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ieee_kernel
 def _rings(points, ranges, bearings, a, b, spacing, centre, row):
     """Columns 11 to 15: surface around the cluster, on the cluster's line, and the line between both sides."""
     distance = np.hypot(centre[0], centre[1])
@@ -126,7 +126,7 @@ def _rings(points, ranges, bearings, a, b, spacing, centre, row):
     row[SHAPE_COUNT + 15] = _before_line(sides, centre)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ieee_kernel
 def _before_line(sides, centre):
     """How far the origin of `sides` (sums x, y, count relative to `centre`) lies before the line through both means."""
     if sides[0, 2] == 0.0 or sides[1, 2] == 0.0:
@@ -139,7 +139,7 @@ def _before_line(sides, centre):
     return min(max(offset if towards >= 0.0 else -offset, -0.6), 0.6)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@ieee_kernel
 def _mate(points, start, end, described, centres, c, out):
     """Columns 16 to 27: the cluster that fits best as the other leg, and how many clusters stand near."""
     best, best_cost = -1, np.inf

@@ -8,9 +8,9 @@ and yet its inverse goes on evenly.
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ...slam.view_kernel import kernel
 from .frame import RgbdFrame
 
 Array = NDArray[np.float64]
@@ -26,7 +26,7 @@ def cloud(frame: RgbdFrame) -> Array:
     return frame.camera.rays * frame.depth[..., None].astype(np.float64)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _slope(points, row, col, down, right):
     """Return by how much z / depth changes from one pixel to the next: the gentler of both sides, 0 if neither is."""
     z, slope = points[row, col, 0], np.inf
@@ -39,7 +39,7 @@ def _slope(points, row, col, down, right):
     return slope if abs(slope) < _STEEPEST else 0.0
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def surface_normals(points, fovs, normals, flatness):
     """Write the normal at each point, towards the camera, and how flat its neighbourhood is.
 

@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ...slam.bounds import check_numbers
 from ...slam.errors import InputError
+from ...slam.view_kernel import kernel
 from .planes import Planes, Surface
 
 Array = NDArray[np.float64]
@@ -89,7 +89,7 @@ def _measured(points: Array, label: NDArray[np.int32], grown: int, least: int) -
     return ObjectClusters(label, count[order], total / np.maximum(count[order], 1)[:, None], low, high)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def connect(points, chosen, gap, gap_per_m, reach, label):
     """Number the connected pieces of the `chosen` pixels in the order of their first pixels; return how many.
 

@@ -1,16 +1,17 @@
 """Region growing: planes in an organized point cloud. Kernels; lengths in m."""
 
 import numpy as np
-from numba import njit
+
+from ...slam.view_kernel import kernel
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def tolerance(depth):
     """Return how far from its plane a point at `depth` may lie: the camera's noise grows with the square of depth."""
     return 0.015 + 0.0012 * depth * depth
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _fit(moments, count):
     """Return the plane (4,), n p = d, through points with sums `moments` (9,): x y z xx xy xz yy yz zz."""
     mean = moments[:3] / count
@@ -30,7 +31,7 @@ def _fit(moments, count):
     return plane
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _add(moments, p):
     k = 3
     for i in range(3):
@@ -40,14 +41,14 @@ def _add(moments, p):
             k += 1
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _joins(plane, p, n, cos_turn):
     """Return whether a point `p` with normal `n` belongs to a plane; not where either is NaN."""
     away = abs(plane[0] * p[0] + plane[1] * p[1] + plane[2] * p[2] - plane[3])
     return away < tolerance(p[0]) and n[0] * plane[0] + n[1] * plane[1] + n[2] * plane[2] >= cos_turn
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _grow(points, normals, seed, number, cos_turn, region, queue):
     """Grow one region from a seed into `region` and `queue`; return how many pixels it has, and its plane."""
     height, width = region.shape
@@ -74,7 +75,7 @@ def _grow(points, normals, seed, number, cos_turn, region, queue):
     return tail, _fit(moments, tail)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def grow_regions(points, normals, seeds, least, cos_turn, region, planes):
     """Collect pixels into planar regions, from the flattest on; return the number of regions.
 
@@ -108,7 +109,7 @@ def grow_regions(points, normals, seeds, least, cos_turn, region, planes):
     return found
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def settle(points, planes, region, radius, settled):
     """Give each measured pixel to the plane among those of its neighbours to which it is nearest, if near enough.
 

@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ...slam.bounds import check_numbers
 from ...slam.errors import InputError
+from ...slam.view_kernel import kernel
 from .clusters import connect
 from .margins import margins
 from .planes import Planes, Surface
@@ -133,7 +133,7 @@ def _without_small(candidates: Candidates, kept: NDArray[np.bool_]) -> Candidate
     return Candidates(label, heads, pixels, axes, candidates.cut[kept])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def with_neighbours(points, least, supported):
     """Write which points have at least `least` of their eight neighbours at about their own distance.
 
@@ -152,7 +152,7 @@ def with_neighbours(points, least, supported):
             supported[row, col] = beside > least  # the point itself is one of those counted
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _by_cluster(label, clusters):
     """Return (start (clusters + 1,), order): the pixels of cluster c, in order, are `order[start[c]:start[c + 1]]`."""
     width = label.shape[1]
@@ -171,7 +171,7 @@ def _by_cluster(label, clusters):
     return start, order
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def join_cut(points, label, clusters, edge, apart):
     """Make one cluster of those in `label` (h, w) that the first `edge` rows cut within `apart` of each other [m].
 
@@ -192,7 +192,7 @@ def join_cut(points, label, clusters, edge, apart):
                 label[row, col] = of[label[row, col]]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _highest(points, members, free, edge, lowest, lowest_cut):
     """Return the index of the highest of the `free` members that may be a head; -1: none may."""
     width, top, best = points.shape[1], min(lowest, lowest_cut), -1
@@ -204,7 +204,7 @@ def _highest(points, members, free, edge, lowest, lowest_cut):
     return best
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def find_heads(points, label, clusters, edge, lowest, lowest_cut, apart, pixels):
     """Write the heads' pixels (row, column) cluster by cluster; return how many there are.
 
@@ -244,7 +244,7 @@ def find_heads(points, label, clusters, edge, lowest, lowest_cut, apart, pixels)
     return found
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def head_axes(points, label, pixels, near, axes):
     """Write the axis (x, y) of each head: the mean of its cluster's points within `near` of it, down to 0.8 m below."""
     height, width = label.shape
@@ -267,7 +267,7 @@ def head_axes(points, label, pixels, near, axes):
         axes[k] = total[k, :2] / total[k, 2]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def assign_points(points, label, pixels, axes, radius, near, owner, counts):
     """Write the candidate whose axis is nearest to each point, and how many points each has.
 

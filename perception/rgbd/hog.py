@@ -7,7 +7,8 @@ for one function.
 """
 
 import numpy as np
-from numba import njit
+
+from ...slam.view_kernel import kernel
 
 CELL = 8
 BINS = 9
@@ -19,7 +20,7 @@ def hog_length(height: int, width: int, channels: int) -> int:
     return channels * (height // CELL - 1) * (width // CELL - 1) * 4 * BINS
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def hog(patches, softness, features):
     """Write the descriptors of n pictures.
 
@@ -47,7 +48,7 @@ def hog(patches, softness, features):
                     at += 4 * BINS
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _histograms(picture, cells):
     height, width = picture.shape
     for row in range(height):
@@ -62,7 +63,7 @@ def _histograms(picture, cells):
             cells[row // CELL, col // CELL, b] += size / (CELL * CELL)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _normalise(block, softness):
     total = softness * softness
     for value in block:

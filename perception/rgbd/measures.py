@@ -8,9 +8,9 @@ like the middle of its range best.
 from enum import IntEnum
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ...slam.view_kernel import kernel
 from .frame import RgbdFrame
 from .heads import Candidates
 from .margins import margins
@@ -98,7 +98,7 @@ def soft_bins(measures: Array) -> NDArray[np.float32]:
     return bins.reshape(len(measures), MEASURES_LENGTH)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def count_borders(depth, label, step, counts, top, left, right):
     """Count what lies beyond the edges of each candidate: the first thing measured within a few pixels.
 
@@ -122,7 +122,7 @@ def count_borders(depth, label, step, counts, top, left, right):
                         counts[label[row, col], up, border] += 1.0
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _border(depth, label, row, col, down, across, step, top, left, right):
     """Return the number of the `Border` at one side of a pixel, -1 if its own candidate goes on there."""
     for away in range(1, _REACH + 1):

@@ -3,12 +3,12 @@
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ...slam.bounds import check_numbers
 from ...slam.errors import InputError
 from ...slam.geometry import transform_points
+from ...slam.view_kernel import kernel
 from .frame import RgbdFrame
 from .heads import Candidates, HeadConfig, find_candidates
 from .people import RgbdPeople, nobody
@@ -112,7 +112,7 @@ def body_centres(candidates: Candidates, behind: float) -> Array:
     return candidates.axes * (1.0 + behind / distance)[:, None]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def spread(points, label, open_to, ragged):
     """Return `label` (h, w) grown by a pixel into those of `open_to` (h, w) that are within `ragged` in space.
 

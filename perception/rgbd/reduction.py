@@ -8,9 +8,9 @@ which halves the noise of depth and puts no depth between two surfaces.
 from typing import TypeVar
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ...slam.view_kernel import kernel
 from .frame import RgbdFrame
 
 Number = TypeVar("Number", bound=np.generic)
@@ -44,7 +44,7 @@ def middle_pixels(values: NDArray[Number], step: int, size: tuple[int, int]) -> 
     return values[step // 2 :: step, step // 2 :: step][: size[0], : size[1]]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def median_depth(depth, step, reduced):
     """Write the median of the measured depths of each block of `step` x `step` pixels.
 

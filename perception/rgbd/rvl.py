@@ -1,10 +1,10 @@
 """RVL: lossless compression of depth pictures (Wilson 2017, "Fast Lossless Depth Image Compression")."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ...slam.errors import InputError
+from ...slam.view_kernel import kernel
 
 
 def decode_rvl(data: bytes, pixels: int) -> NDArray[np.uint16]:
@@ -28,7 +28,7 @@ def decode_rvl(data: bytes, pixels: int) -> NDArray[np.uint16]:
     return depth
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _number(words, at):
     """Return the number whose first nibble is number `at`, and where the next one begins; -1 at the data's end."""
     value, bits = 0, 0
@@ -42,7 +42,7 @@ def _number(words, at):
     return -1, at
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _decode(words, depth):
     """Write the depths; return how many there were, -1 if the data are not those of as many pixels."""
     done, at, previous = 0, 0, 0

@@ -5,9 +5,9 @@ people stand upright in it and have their size. One of legs alone shows the lowe
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ...slam.view_kernel import kernel
 from .heads import HIPS, Candidates
 from .planes import Planes
 
@@ -60,7 +60,7 @@ def _middle(across: Array) -> float:
     return float(cells.mean())
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _sample(luma, ahead, mine, R_level_camera, projection, corner, scale, window):
     """Write the channels of a window, its upper left `corner` (3,) in the level frame, less the camera's height [m].
 

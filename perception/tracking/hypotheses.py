@@ -3,7 +3,8 @@
 from typing import Any
 
 import numpy as np
-from numba import njit
+
+from ...slam.view_kernel import kernel
 
 PATH = 8
 """So many former places of a hypothesis are kept."""
@@ -36,7 +37,7 @@ HYPOTHESIS = np.dtype(
 )
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def predict(rows: Any, dt: float, q: float) -> None:
     """Move hypotheses `rows` (n,) `dt` [s] ahead (eq. 4a, 4b) with process noise `q`."""
     x, p = rows["x"], rows["p"]
@@ -49,7 +50,7 @@ def predict(rows: Any, dt: float, q: float) -> None:
         p[i, 0], p[i, 1], p[i, 2] = a + 2.0 * dt * b + dt * dt * c + q, b + dt * c, c + q
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def leg_costs(
     rows: Any, z: Any, e: Any, thing: Any, r: float, pace: float, reach: float, clutter: float, cost: Any
 ) -> None:
@@ -86,13 +87,13 @@ def leg_costs(
                 cost[2 * i + s, j] = 0.5 * off / variance + base - e[j] + (thing[j] if come else 0.0)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def square_distance(x: float, y: float, other_x: float, other_y: float) -> float:
     """Return the squared distance of two places [m^2]."""
     return (x - other_x) ** 2 + (y - other_y) ** 2
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def correct(rows: Any, z: Any, r: float, r_one: float, dt: float, fade: float) -> None:
     """Correct hypotheses by the clusters `z` (m, 2) that are their legs (eq. 4c to 4e), and age all of them.
 
@@ -120,7 +121,7 @@ def correct(rows: Any, z: Any, r: float, r_one: float, dt: float, fade: float) -
         place_legs(rows, i, z, fade)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def place_legs(rows: Any, i: int, z: Any, fade: float) -> None:
     """Write where the legs of hypothesis i are; an unseen one is near the centre after a while, see `correct`."""
     x, legs = rows["x"][i], rows["legs"][i]
@@ -133,7 +134,7 @@ def place_legs(rows: Any, i: int, z: Any, fade: float) -> None:
             legs[s, 0], legs[s, 1] = fade * legs[s, 0], fade * legs[s, 1]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def note_path(
     rows: Any,
     seen: Any,
@@ -182,7 +183,7 @@ def note_path(
             note_place(rows, i, x, seen[c])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def note_place(rows: Any, i: int, place: Any, seen: Any) -> None:
     """Note that hypothesis i is at `place` [m], `seen` in the laser's frame."""
     slot = rows["places"][i] % PATH
@@ -192,7 +193,7 @@ def note_place(rows: Any, i: int, place: Any, seen: Any) -> None:
     rows["marked_s"][i] = rows["age_s"][i]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def weigh(
     rows: Any,
     first: Any,
@@ -244,7 +245,7 @@ def weigh(
         rows["stood"][i, 0], rows["stood"][i, 1] = rows["x"][i, 0], rows["x"][i, 1]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def log_odds(rows: Any, prior: float, alike: float, moved: float, stride: float) -> Any:
     """Return (n,) the log odds that each is a person.
 
@@ -259,7 +260,7 @@ def log_odds(rows: Any, prior: float, alike: float, moved: float, stride: float)
     return out
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def fresh_clusters(rows: Any, z: Any, order: Any, able: Any, merge: float, own: float) -> Any:
     """Return (k, 2) clusters that begin new hypotheses, and the nearest that may be the other leg of each or -1.
 
@@ -295,7 +296,7 @@ def fresh_clusters(rows: Any, z: Any, order: Any, able: Any, merge: float, own: 
     return found[:count]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def without_duplicates(rows: Any, odds: Any, merge: float, own: float) -> Any:
     """Return (n,) which hypotheses stay where two are nearer than `merge` [m], or one than `own` to a person.
 

@@ -5,12 +5,11 @@ each track in this scan, or -1.
 """
 
 import numpy as np
-from numba import njit
 
-from ...slam.view_kernel import kernel
+from ...slam.view_kernel import kernel, spliced_kernel
 
 
-@njit(inline="always")
+@spliced_kernel
 def _length(x, y):
     return np.sqrt(x**2 + y**2)
 

@@ -8,10 +8,10 @@ tells nothing where the odometry is wrong or missing, or where there is nothing 
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ...slam.bounds import check_numbers, check_positive
+from ...slam.view_kernel import kernel
 from ..legs.clusters import Clusters
 from ..legs.features import is_wide
 
@@ -80,7 +80,7 @@ class StillFrame:
         return points[:: max(1, len(points) // self.config.points)]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def middle_miss(shares):
     """Return how many of the places with `shares` (n, 2) tell, and the median of how often these were empty."""
     missed = np.empty(len(shares))
@@ -93,7 +93,7 @@ def middle_miss(shares):
     return count, (np.median(missed[:count]) if count else 0.0)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def points_of(points, start, end, chosen):
     """Return (j, 2) those of `points` (k, 2) in the `chosen` (m,) of the clusters from `start` (m,) to `end` (m,)."""
     kept = np.empty_like(points)

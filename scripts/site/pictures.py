@@ -62,6 +62,7 @@ def draw_all(folder: Path) -> None:
         _save(folder / "methods" / f"{name}.png", engine_picture(tour, name))
     _save(folder / "methods" / "followers.png", followers_picture())
     _save(folder / "methods" / "mppi.png", planner_picture(SEED))
+    _save(folder / "methods" / "mapper.png", mapper_picture())
     _save(folder / "methods" / "localization.png", localization_picture(tour))
     _save(folder / "methods" / "explorers.png", explorer_picture())
     save_detections(folder / "methods" / "camera.png", camera_frames())
@@ -141,6 +142,19 @@ def followers_picture() -> Image.Image:
         canvas.line(way, colours[name], 2.0)
     canvas.legend([("leader", INK), *colours.items()])
     return canvas.finished()
+
+
+def mapper_picture() -> Image.Image:
+    """Return the maps that PID and the mapper come home with from the same tour."""
+    env = gym.make("tagalong/Office-v0", slam="cartographer", people_count=3, split="test", coverage=True)
+    inner = env.unwrapped
+    assert isinstance(inner, FollowEnv)
+    sheets = []
+    for name in ("pid", "mapper"):
+        history = rollout(env, make_follower(name, inner.interface), seed=SEED).history
+        title = f"{name}: {100 * history.coverage[-1]:.0f} % of the floor seen"
+        sheets.append(trajectory_picture(inner.own_map().map, {name: history.estimated_pose}, title))
+    return side_by_side(sheets)
 
 
 def localization_picture(tour: FollowingTour) -> Image.Image:

@@ -8,14 +8,15 @@ so that each hypothesis of the search costs two rows, not a whole factorization.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from ..view_kernel import kernel
 
 Array = NDArray[np.float64]
 Partners = NDArray[np.int64]
 
 
-@njit(cache=True)
+@kernel
 def joint_distance(rows: Partners, columns: Partners, y: Array, HPH: Array, R: Array) -> float:
     """Return the squared Mahalanobis distance of the pairs (`rows[i]`, `columns[i]`) together.
 
@@ -36,7 +37,7 @@ def joint_distance(rows: Partners, columns: Partners, y: Array, HPH: Array, R: A
     return total
 
 
-@njit(cache=True)
+@kernel
 def largest_compatible(
     y: Array, HPH: Array, R: Array, distance: Array, gate: float, bounds: Array, most_nodes: int
 ) -> Partners:
@@ -102,7 +103,7 @@ class _Search(NamedTuple):
     score: Array
 
 
-@njit(cache=True)
+@kernel
 def _explore(search: _Search, y: Array, HPH: Array, R: Array, bounds: Array, most: int) -> None:
     """Go through the hypotheses depth first: at each depth a sighting gets each landmark in turn, then none."""
     n, k = search.order.shape
@@ -131,7 +132,7 @@ def _explore(search: _Search, y: Array, HPH: Array, R: Array, bounds: Array, mos
         cursor[depth] = 0 if _go_on(search, depth, count, totals[count], most) else k + 1
 
 
-@njit(cache=True)
+@kernel
 def _next_landmark(search: _Search, depth: int, cursor: Partners) -> int:
     """Return the next landmark to try at a depth, -1 for the last way, none; move the depth's cursor past it."""
     row, k = search.rows[depth], search.order.shape[1]
@@ -146,7 +147,7 @@ def _next_landmark(search: _Search, depth: int, cursor: Partners) -> int:
     return -1
 
 
-@njit(cache=True)
+@kernel
 def _go_on(search: _Search, depth: int, count: int, total: float, most: int) -> bool:
     """Keep a hypothesis if it is the best so far; return whether a longer one could be better."""
     score, n = search.score, len(search.rows)
@@ -159,7 +160,7 @@ def _go_on(search: _Search, depth: int, count: int, total: float, most: int) -> 
     return depth < n and score[2] <= most and count + n - depth >= score[0]
 
 
-@njit(cache=True)
+@kernel
 def _append(i: int, rows: Partners, columns: Partners, y: Array, HPH: Array, R: Array, L: Array, w: Array) -> float:
     """Add pair `i` to the factor `L` and to `w` of the pairs before it; return by how much |w|^2 grows."""
     added = 0.0

@@ -5,14 +5,14 @@ contradicts the map; where no ray has been yet the map says nothing about it.
 """
 
 import numpy as np
-from numba import njit
 
+from ..view_kernel import kernel
 from .tile_kernels import MASK, SHIFT
 
 _SHIFT, _ONE, _HALF = np.uintp(SHIFT), np.uint64(1), np.uint64(32)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def compare(x, y, theta, points, unseen, most, directory, counts, near):
     """Return (contradicted, unknown) of `points` (n, 2) seen from a pose: what speaks against them, and how many lie
     where nothing is known.
@@ -49,7 +49,7 @@ def compare(x, y, theta, points, unseen, most, directory, counts, near):
     return against, unknown
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def draw_scores(row0, col0, side, unknown, near, directory, counts, bits, values):
     """Fill `values` (rows, cols) uint8 with what a point is worth in each square of `side` cells from (row0, col0) on.
 
@@ -73,7 +73,7 @@ def draw_scores(row0, col0, side, unknown, near, directory, counts, bits, values
     _widen(values, near)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _widen(values, near):
     """Let all beside a square of 255 be worth `near` at least; the outermost squares have no say."""
     for i in range(1, values.shape[0] - 1):
@@ -84,7 +84,7 @@ def _widen(values, near):
                         values[r, c] = max(values[r, c], near)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def search_samples(prior, root, samples, points, weight, unseen, directory, counts, near, pose):
     """Write into `pose` (3,) the best of the poses `prior + root @ sample`.
 

@@ -7,8 +7,8 @@ with the odometry as a prior, minimise it (Censi 2008 for the metric).
 """
 
 import numpy as np
-from numba import njit
 
+from ..view_kernel import kernel
 from .tile_kernels import MASK, SHIFT, SIDE
 
 _ONE = np.uint64(1)
@@ -16,7 +16,7 @@ _ROUNDING = 1e-3  # far more than what means (float32) are off by
 _SHIFT, _MASK, _SIDE = np.uintp(SHIFT), np.uintp(MASK), np.uintp(SIDE)  # unsigned: numba asks of no index if it is < 0
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _row_bits(row, first, width, directory, bits):
     """Return the bits of `width` cells of a row from column `first` on; they lie in two tiles at most.
 
@@ -28,7 +28,7 @@ def _row_bits(row, first, width, directory, bits):
     return ((left | (right << _SIDE)) >> (first & _MASK)) & ((_ONE << width) - _ONE)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _gather(pose, points, stride, directory, means, bits, seen, near, names):
     """Keep `seen`, `near` and `names` of `find_cells` up to date for each `stride`-th of `points`."""
     cos, sin = np.cos(pose[2]), np.sin(pose[2])
@@ -57,7 +57,7 @@ def _gather(pose, points, stride, directory, means, bits, seen, near, names):
         seen[k, 0], seen[k, 1] = here, n
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def find_cells(pose, points, stride, half, directory, means, bits, seen, near, names, squares, cells):
     """Find the occupied cell whose mean hit point is nearest to each `stride`-th of `points`, seen from `pose`.
 
@@ -86,7 +86,7 @@ def find_cells(pose, points, stride, half, directory, means, bits, seen, near, n
     _look_wide(pose, points, stride, half, directory, means, bits, seen, squares, cells)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _look_wide(pose, points, stride, half, directory, means, bits, seen, squares, cells):
     """Look at the whole window for each `stride`-th of `points` with nothing within 1 cell; see `find_cells`."""
     cos, sin = np.cos(pose[2]), np.sin(pose[2])
@@ -123,7 +123,7 @@ def _look_wide(pose, points, stride, half, directory, means, bits, seen, squares
         squares[k], cells[k] = best, found
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def draw_lines(cells, stride, half, straightness, directory, counts, means, bits, known, lines):
     """Draw the lines of all hits in the occupied cells around those of `cells` (n,) that are not `known` (n,) yet.
 
@@ -168,7 +168,7 @@ def draw_lines(cells, stride, half, straightness, directory, counts, means, bits
         lines[k, 3], lines[k, 4] = -np.sin(angle), np.cos(angle)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def new_memory(n):
     """Return what `accumulate` remembers of n points from step to step: see `find_cells` and `draw_lines`."""
     seen, near, names = np.full((n, 3), -1), np.empty((n, 9, 2)), np.empty((n, 9), dtype=np.int64)
@@ -176,7 +176,7 @@ def new_memory(n):
     return seen, near, names, np.empty(n), np.empty(n, dtype=np.int64), known, lines
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def accumulate(pose, points, stride, half, scale, straightness, directory, counts, means, bits, remembered, system):
     """Fill `system` (3, 4), the weighted normal equations [H | g] at `pose`; return (points met, mean loss).
 
@@ -188,7 +188,7 @@ def accumulate(pose, points, stride, half, scale, straightness, directory, count
     return add_up(pose, points, stride, scale, directory, means, squares, cells, lines, system)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def add_up(pose, points, stride, scale, directory, means, squares, cells, lines, system):
     """Fill `system` with what each point adds; see `accumulate`."""
     cos, sin = np.cos(pose[2]), np.sin(pose[2])
@@ -233,7 +233,7 @@ def add_up(pose, points, stride, scale, directory, means, squares, cells, lines,
     return met, total / max(used, 1)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def solve(system, step):
     """Write the solution of H step = -g into `step` (3,) by Cholesky; return False where H is not positive."""
     l00 = system[0, 0]
@@ -259,7 +259,7 @@ def solve(system, step):
     return True
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def match(
     pose, prior, prior_information, points, stages, beams, sigma, straightness, directory, counts, means, bits, system
 ):
@@ -289,13 +289,13 @@ def match(
     return met, loss
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _weigh(system, met, beams, sigma):
     """Scale to a standard deviation of `sigma`, of `beams` independent points at most."""
     system *= min(1.0, beams / max(met, 1)) / (sigma * sigma)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _add_prior(system, pose, prior, information):
     for a in range(3):
         for b in range(3):
@@ -303,7 +303,7 @@ def _add_prior(system, pose, prior, information):
             system[a, 3] += information[a, b] * (pose[b] - prior[b])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def match_particles(
     start,
     stop,

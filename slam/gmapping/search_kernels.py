@@ -5,15 +5,15 @@ the tiles' words of what is near, one a point; samples that can no longer win ar
 """
 
 import numpy as np
-from numba import njit
 
+from ..view_kernel import kernel
 from .tile_kernels import MASK, SHIFT
 
 NEAR = 2  # cells; a point counts fully within one cell (either axis), half within NEAR; tiles end the sight
 _ONE, _HALF = np.uint64(1), np.uint64(32)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def count_missed(x, y, theta, points, chance, directory, near):
     """Return what `points` (n, 2) miss, seen from a pose: 0 each where an occupied cell is within one cell, 1 within
     NEAR, else 2; the count may stop where it reaches `chance`."""
@@ -36,7 +36,7 @@ def count_missed(x, y, theta, points, chance, directory, near):
     return missed
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def search(prior, root, samples, points, weight, directory, near, pose):
     """Write into `pose` (3,) the best of the poses `prior + root @ sample`.
 
@@ -64,7 +64,7 @@ def search(prior, root, samples, points, weight, directory, near, pose):
             pose[0], pose[1], pose[2] = x, y, theta
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def search_particles(start, stop, priors, roots, samples, points, weight, directory, near, poses):
     """`search` for particles start..stop."""
     for p in range(start, stop):

@@ -1,13 +1,14 @@
 """Kernel that thins the points of a scan."""
 
 import numpy as np
-from numba import njit
+
+from ..view_kernel import kernel
 
 _SPREAD = np.uint64(0x9E3779B97F4A7C15)  # odd, 2**64 over the golden ratio: neighbours fall far apart (Knuth)
 _ONE = np.uint64(1)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def first_of_squares(points, side):
     """Return the first of `points` (n, 2) in each square of `side`, in their order.
 

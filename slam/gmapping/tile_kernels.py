@@ -10,9 +10,9 @@ A directory (rows, cols) int32 names the tile of each place.
 """
 
 import numpy as np
-from numba import njit
 
 from ..rays import ray_start, ray_step
+from ..view_kernel import kernel
 
 SIDE = 32
 SHIFT = 5
@@ -22,14 +22,14 @@ _ONE, _TWO = np.uint32(1), np.uint32(2)
 _SHIFT, _MASK = np.uintp(SHIFT), np.uintp(MASK)  # unsigned: numba asks of no index whether it is below zero
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def mark_tiles(x0, y0, ends, needed):
     """Set `needed` (rows, cols) where a ray from (x0, y0) to one of `ends` (n, 2) crosses a tile."""
     for k in range(len(ends)):
         _mark_ray(x0 / SIDE, y0 / SIDE, ends[k, 0] / SIDE, ends[k, 1] / SIDE, needed)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _mark_ray(x0, y0, x1, y1, needed):
     row, col, row_step, col_step, next_y, next_x, y_stride, x_stride, steps = ray_start(x0, y0, x1, y1)
     for _ in range(steps):
@@ -38,7 +38,7 @@ def _mark_ray(x0, y0, x1, y1, needed):
     needed[row, col] = True
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def draw_near(needed, directory, bits, near):
     """Write the words of `near` of the `needed` (rows, cols) tiles anew."""
     for i in range(needed.shape[0]):
@@ -57,7 +57,7 @@ def draw_near(needed, directory, bits, near):
                 near[tile, r] = one | (np.uint64(two) << np.uint64(SIDE))
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def write_rays(x0, y0, ends, is_hit, margin, fullness, directory, counts, means, bits):
     """Count a visit of every cell between (x0, y0) and each end; where `is_hit`, a hit in the cell of the end.
 
@@ -67,7 +67,7 @@ def write_rays(x0, y0, ends, is_hit, margin, fullness, directory, counts, means,
     count_hits(ends, is_hit, fullness, directory, counts, means, bits)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def visit_cells(x0, y0, ends, is_hit, margin, fullness, directory, counts, bits):
     """Visit the cells of each ray, its last one excluded (Amanatides and Woo 1987)."""
     for k in range(len(ends)):
@@ -87,7 +87,7 @@ def visit_cells(x0, y0, ends, is_hit, margin, fullness, directory, counts, bits)
             row, col, next_y, next_x = ray_step(row, col, row_step, col_step, next_y, next_x, y_stride, x_stride)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def count_hits(ends, is_hit, fullness, directory, counts, means, bits):
     """Count a hit, and a visit, in the cell of each end that `is_hit`."""
     for k in range(len(ends)):
@@ -109,14 +109,14 @@ def count_hits(ends, is_hit, fullness, directory, counts, means, bits):
             bits[tile, r & _MASK] |= _ONE << np.uint32(c & _MASK)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def mark_particles(start, stop, origins, ends, needed):
     """`mark_tiles` for particles start..stop."""
     for p in range(start, stop):
         mark_tiles(origins[p, 0], origins[p, 1], ends[p], needed[p])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def write_particles(start, stop, origins, ends, is_hit, margin, fullness, needed, directory, counts, means, bits, near):
     """`write_rays` for particles start..stop, whose `needed` tiles are theirs alone."""
     for p in range(start, stop):
@@ -124,7 +124,7 @@ def write_particles(start, stop, origins, ends, is_hit, margin, fullness, needed
         draw_near(needed[p], directory[p], bits, near)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def own_tiles(needed, directory, references, free, free_count, used, counts, means, bits, near):
     """Give each particle a tile of its own at every needed place; return how many of `free` are left.
 

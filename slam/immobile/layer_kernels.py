@@ -3,8 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from ..view_kernel import kernel
 
 _SLACK = 0.01  # so much beyond where it was seen a thing may reach [m]
 
@@ -45,7 +46,7 @@ class Layers(NamedTuple):
     tops: NDArray[np.bool_]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def write_view(rays: Rays, layers: Layers, near: int, miss: float, limit: float, stamp: int) -> None:
     """Update each cell of each layer that the rays met once: by the first hit in it, else by `miss`.
 
@@ -68,7 +69,7 @@ def write_view(rays: Rays, layers: Layers, near: int, miss: float, limit: float,
         _free(rays.origin, rays.ends[k], hits, rays.above[k], layers, near, miss, limit, stamp)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _hit(end, log_beta, known, layers, limit, stamp):
     """Write the hit of one ray."""
     edges, log_odds, stamps, spans, tops = layers
@@ -86,7 +87,7 @@ def _hit(end, log_beta, known, layers, limit, stamp):
         log_odds[layer, row, col] = max(min(log_odds[layer, row, col] + log_beta, limit), -limit)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _free(origin, end, hits, above, layers, near, miss, limit, stamp):
     """Free what one ray passes; a ray that hits something stops one cell before it."""
     edges, log_odds, stamps, spans, _ = layers

@@ -3,10 +3,11 @@
 import math
 
 import numpy as np
-from numba import njit
+
+from ..view_kernel import kernel
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _fit(ranges, bearings, label, m, beta, distance, radius):
     """Return the mean distance of object `m` at bearing `beta` that its returns imply, and their squared misfit."""
     number, total, squares = 0, 0.0, 0.0
@@ -23,7 +24,7 @@ def _fit(ranges, bearings, label, m, beta, distance, radius):
     return total, squares
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def posterior_of_centres(ranges, bearings, label, count, spacing, radius, sigma, least, nodes, weights, polar, P):
     """Write distance and bearing (count, 2) into `polar` and their covariances (count, 2, 2) into `P`.
 

@@ -1,11 +1,12 @@
 """DBSCAN for the few points of one scan, compiled."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ..view_kernel import kernel
 
-@njit(cache=True, nogil=True)
+
+@kernel
 def dbscan_labels(points: NDArray[np.float64], epsilon: float, min_points: int) -> NDArray[np.int64]:
     """Return (n,) the cluster of each of `points` (n, 2), -1 for noise; all pairs are compared.
 

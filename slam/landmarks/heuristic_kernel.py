@@ -1,11 +1,12 @@
 """The cut of a sweep where consecutive points are far apart, compiled."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ..view_kernel import kernel
 
-@njit(cache=True, nogil=True)
+
+@kernel
 def heuristic_labels(points: NDArray[np.float64], distance: float, min_points: int) -> NDArray[np.int64]:
     """Return (n,) the run that each of `points` (n, 2) belongs to, -1 in runs of fewer than `min_points`."""
     n = len(points)

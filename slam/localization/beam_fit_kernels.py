@@ -3,10 +3,10 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ..scan_to_grid.refine_kernels import refine_pose
+from ..view_kernel import kernel, spliced_kernel
 
 Array = NDArray[np.float64]
 
@@ -31,7 +31,7 @@ class BeamModel(NamedTuple):
     unseen: float
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _stopped(  # type: ignore[no-untyped-def]
     states, distances, resolution: float, x: float, y: float, dx: float, dy: float, length: float
 ) -> bool:
@@ -51,7 +51,7 @@ def _stopped(  # type: ignore[no-untyped-def]
     return False
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _comes_through(  # type: ignore[no-untyped-def]
     states, distances, resolution: float, x: float, y: float, dx: float, dy: float, length: float, aside: float
 ) -> bool:
@@ -67,7 +67,7 @@ def _comes_through(  # type: ignore[no-untyped-def]
     )
 
 
-@njit(cache=True, nogil=True, inline="always")
+@spliced_kernel
 def _beam_likelihood(model: BeamModel, worth: float, known: bool) -> tuple[float, float]:
     """Return the likelihood of a beam that ends so near a wall, and how much of it the map explains."""
     value = model.stray + (1.0 - model.stray) * worth
@@ -76,7 +76,7 @@ def _beam_likelihood(model: BeamModel, worth: float, known: bool) -> tuple[float
     return value, 1.0 if worth > 0.5 else 0.0
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def beam_misfits(
     states: NDArray[np.uint8],
     distances: NDArray[np.float32],
@@ -129,7 +129,7 @@ def beam_misfits(
         explained[k] = share / max(len(points), 1)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def refine_poses(
     field: NDArray[np.float32],
     corner: Array,

@@ -3,10 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
+
+from ..view_kernel import kernel, spliced_kernel
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -72,7 +73,7 @@ def block_pattern(n: int, edges: Indices) -> SparsityPattern:
     return SparsityPattern(place, indptr, indices, base, stride, edge_blocks, diagonal)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def fill(
     poses: Array,
     edges: Indices,
@@ -125,7 +126,7 @@ def fill(
     return total
 
 
-@njit(cache=True, nogil=True, inline="always")
+@spliced_kernel
 def _edge(a: Array, b: Array, z: Array, e: Array, A: Array, B: Array) -> None:
     """Write the error z^-1 a^-1 b of an edge and its derivatives by steps in the frames of the poses a and b."""
     c, s = np.cos(a[2] + z[2]), np.sin(a[2] + z[2])
@@ -145,7 +146,7 @@ def _edge(a: Array, b: Array, z: Array, e: Array, A: Array, B: Array) -> None:
     B[2, 0], B[2, 1], B[2, 2] = 0.0, 0.0, 1.0
 
 
-@njit(cache=True, nogil=True, inline="always")
+@spliced_kernel
 def _times(left: Array, right: Array, weight: float, product: Array) -> None:
     """Write weight * left right into `product` (3, 3)."""
     for p in range(3):
@@ -153,7 +154,7 @@ def _times(left: Array, right: Array, weight: float, product: Array) -> None:
             product[p, q] = weight * (left[p, 0] * right[0, q] + left[p, 1] * right[1, q] + left[p, 2] * right[2, q])
 
 
-@njit(cache=True, nogil=True, inline="always")
+@spliced_kernel
 def _add(data: Array, base: Indices, stride: Indices, block: int, left: Array, right: Array) -> None:
     """Add left^T right to a block."""
     for q in range(3):

@@ -1,10 +1,11 @@
 """Kernels that compare maps cell by cell and describe the pieces of their walls."""
 
 import numpy as np
-from numba import njit
+
+from ..view_kernel import kernel
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def look_up(points, x0, y0, resolution, mask, found):
     """Write into `found` (n,) whether `mask` (rows, cols) is true where `points` (n, 2) lie [m]; outside it is not.
 
@@ -17,7 +18,7 @@ def look_up(points, x0, y0, resolution, mask, found):
         found[k] = 0 <= row < mask.shape[0] and 0 <= col < mask.shape[1] and mask[row, col]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def mark_near(points, radius, x0, y0, resolution, mask):
     """Set `mask` (rows, cols), of cells as in `look_up`, where the centre is nearer than `radius` [m] to one of
     `points` (n, 2)."""
@@ -33,7 +34,7 @@ def mark_near(points, radius, x0, y0, resolution, mask):
                     mask[r, c] = True
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def describe_pieces(points, neighbours, middles, spreads):
     """Write the mean (n, 2) and the covariance (n, 2, 2) of the piece of wall around each point.
 

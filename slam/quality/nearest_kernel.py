@@ -1,7 +1,8 @@
 """Kernel that finds the nearest of points that lie in a tree of boxes (see `nearest`)."""
 
 import numpy as np
-from numba import njit
+
+from ..view_kernel import kernel
 
 LEAF = 8
 """Points in a box of the finest level."""
@@ -10,7 +11,7 @@ _TIE = 1e-10
 larger ones this share."""
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def find_nearest(queries, points, boxes, squares, nearest):
     """Write the squared distance to the nearest of `points` and its index, -1 where another is as near.
 
@@ -59,7 +60,7 @@ def find_nearest(queries, points, boxes, squares, nearest):
         nearest[q] = found if second > limit else -1
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _to_box(x, y, boxes, box):
     """Return the squared distance from (x, y) to a box, 0 inside; never above that to a point in it, as rounded."""
     dx = max(boxes[box, 0] - x, x - boxes[box, 2], 0.0)

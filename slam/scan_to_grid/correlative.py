@@ -1,16 +1,16 @@
 """Real-time correlative search: every pose of a small window is scored (Olson 2009)."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ..search.lanes import LANES
+from ..view_kernel import kernel
 from .sharp_sums import ROWS, set_sharp_sums
 
 Array = NDArray[np.float64]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def correlate(
     field: NDArray[np.float32],
     corner: Array,
@@ -58,7 +58,7 @@ def correlate(
     return best_pose, best_rest
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _windows(shape, corner, resolution, points, pose, reach, height, width, starts, corners):  # type: ignore[no-untyped-def]
     """Return how many points have a window that meets the field, and how many of these reach beyond it.
 
@@ -82,7 +82,7 @@ def _windows(shape, corner, resolution, points, pose, reach, height, width, star
     return count, beyond
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _copy_windows(field, corners, row, col, edge):  # type: ignore[no-untyped-def]
     """Copy a part of each window, from its (row, col) on, to `edge`; outside of the field are zeros."""
     rows, cols = field.shape

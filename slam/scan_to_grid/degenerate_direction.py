@@ -8,10 +8,10 @@ little, and the corridor come out too short. Where the end of the corridor is se
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ..scan import LaserScan
+from ..view_kernel import kernel
 
 Array = NDArray[np.float64]
 
@@ -46,7 +46,7 @@ def degenerate_direction(scan: LaserScan, points: Array) -> Array:
     return direction * math.sqrt(1.0 - max(share, 0.0) / _DEGENERATE)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _twice_directions(points: Array) -> tuple[int, float, float]:
     """Return how many runs of neighbouring `points` (N, 2) there are, and the sums of cos 2a and sin 2a over them.
 

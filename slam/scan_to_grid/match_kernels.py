@@ -1,9 +1,9 @@
 """Numba kernels of many scans on one submap: where a pose graph's nodes match, and what each match is worth."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ..view_kernel import kernel
 from .refine_kernels import refine_many
 
 Array = NDArray[np.float64]
@@ -13,7 +13,7 @@ _INDEPENDENT = 0.02  # share of a scan's points that count as independent of eac
 _TRACK_ANGLES = 4  # steps of heading to each side
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def match_nodes(
     field: NDArray[np.float32],
     corner: Array,
@@ -66,7 +66,7 @@ def match_nodes(
     return good, relative, information, scores
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _starts(T_local_submap, T_global_submap, T_global_node):  # type: ignore[no-untyped-def]
     """Return (n, 3) where the graph has the nodes, in the local frame."""
     starts, c, s = np.empty_like(T_global_node), np.cos(T_local_submap[2]), np.sin(T_local_submap[2])
@@ -78,7 +78,7 @@ def _starts(T_local_submap, T_global_submap, T_global_node):  # type: ignore[no-
     return starts
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def information_in_node(curvature: Array, heading: float, sigma: tuple[float, float]) -> Array:
     """Return (3, 3) information in the node's frame, from a curvature along the submap's axes and a least `sigma`.
 
@@ -105,7 +105,7 @@ def information_in_node(curvature: Array, heading: float, sigma: tuple[float, fl
     return _inverse(covariance)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _inverse(A):  # type: ignore[no-untyped-def]
     """Return the inverse of a symmetric, positive definite matrix (3, 3)."""
     B = np.empty((3, 3))
@@ -116,13 +116,13 @@ def _inverse(A):  # type: ignore[no-untyped-def]
     return B / (A[0, 0] * B[0, 0] + A[0, 1] * B[0, 1] + A[0, 2] * B[0, 2])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _between(a, b):  # type: ignore[no-untyped-def]
     """Return the pose `b` (3,) seen from `a` (3,)."""
     c, s, dx, dy = np.cos(a[2]), np.sin(a[2]), b[0] - a[0], b[1] - a[1]
     return c * dx + s * dy, c * dy - s * dx, _wrapped(b[2] - a[2])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _wrapped(angle):  # type: ignore[no-untyped-def]
     return angle - 2.0 * np.pi * np.floor((angle + np.pi) / (2.0 * np.pi))

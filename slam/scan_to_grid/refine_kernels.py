@@ -1,9 +1,9 @@
 """Numba kernels of the non-linear least squares of a scan on the smooth interpolation of a submap."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ..view_kernel import kernel
 from .correlative import correlate
 from .spline_kernels import expand, linearize, misfit
 
@@ -14,7 +14,7 @@ FINE = 5e-5  # [m] last step of a match that carries the trajectory on
 COARSE = 1e-3  # [m] of one among thousands of constraints, whose standard deviations are ten times as much
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _add_prior(H, g, weight, pose, prior, prior_information):  # type: ignore[no-untyped-def]
     """Scale the scan's part by `weight` and add the prior's to `H` and `g`."""
     dx, dy, dt = pose[0] - prior[0], pose[1] - prior[1], pose[2] - prior[2]
@@ -25,7 +25,7 @@ def _add_prior(H, g, weight, pose, prior, prior_information):  # type: ignore[no
             H[a, b] = weight * H[a, b] + prior_information[a, b]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _total(cost, weight, pose, prior, prior_information):  # type: ignore[no-untyped-def]
     """Return the whole cost: that of the scan, scaled by `weight`, and that of the prior."""
     dx, dy, dt = pose[0] - prior[0], pose[1] - prior[1], pose[2] - prior[2]
@@ -36,7 +36,7 @@ def _total(cost, weight, pose, prior, prior_information):  # type: ignore[no-unt
     return total
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _solve3(H: Array, g: Array, damping: float, step: Array) -> None:
     """Write into `step` the solution of (H + damping diag H) step = -g, by Cholesky."""
     d = 1.0 + damping
@@ -53,7 +53,7 @@ def _solve3(H: Array, g: Array, damping: float, step: Array) -> None:
     step[0] = (y0 - l10 * step[1] - l20 * step[2]) / l00
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def refine_pose(
     field: Grid,
     corner: Array,
@@ -78,7 +78,7 @@ def refine_pose(
     )
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _descend(  # type: ignore[no-untyped-def]
     field, corner, resolution, points, start, cost, H, g, prior, prior_information, weight, iterations, tolerance
 ):
@@ -121,7 +121,7 @@ def _descend(  # type: ignore[no-untyped-def]
     return pose, H, cost, done
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def refine_many(
     field: Grid,
     corner: Array,
@@ -165,7 +165,7 @@ def refine_many(
     return poses, curvatures, scores
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _far(points: Array) -> float:
     """Return the root mean square distance of points (N, 2) from the origin."""
     total = 0.0

@@ -5,12 +5,12 @@ from dataclasses import dataclass, replace
 from typing import Annotated, Protocol
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ..bounds import Angle, Rounds, Within, check_numbers
 from ..errors import InputError
 from ..geometry import transform_points, wrap_one
+from ..view_kernel import kernel
 from .correlative import correlate
 from .extrapolator import Prediction
 from .refine_kernels import refine_pose
@@ -263,7 +263,7 @@ class GridScanMatcher:
         return reach, angles, step
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def far_radius(points: Array) -> float:
     """Return the distance from the origin [m] that 80 % of `points` (N, 2) keep: how far out a turn moves them."""
     squares = points[:, 0] * points[:, 0] + points[:, 1] * points[:, 1]

@@ -1,8 +1,9 @@
 """Numba kernels of a scan's cost on the smooth interpolation of a submap, and of its derivatives."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from ..view_kernel import kernel, spliced_kernel
 
 Grid = NDArray[np.float32]
 Array = NDArray[np.float64]
@@ -11,7 +12,7 @@ _SATURATION = 3.0
 _1, _2, _3 = np.uintp(1), np.uintp(2), np.uintp(3)  # with unsigned indices numba need not look for those from the end
 
 
-@njit(cache=True, nogil=True, inline="always")
+@spliced_kernel
 def _spline(t: float) -> tuple[float, float, float, float]:
     """Return the four weights of the uniform cubic B-spline at `t` in [0, 1)."""
     s = 1.0 - t
@@ -23,32 +24,32 @@ def _spline(t: float) -> tuple[float, float, float, float]:
     )
 
 
-@njit(cache=True, nogil=True, inline="always")
+@spliced_kernel
 def _slope(t: float) -> tuple[float, float, float, float]:
     """Return the derivatives of the weights of `_spline`."""
     s = 1.0 - t
     return -0.5 * s * s, t * (1.5 * t - 2.0), -s * (1.5 * s - 2.0), 0.5 * t * t
 
 
-@njit(cache=True, nogil=True, inline="always")
+@spliced_kernel
 def _bend(t: float) -> tuple[float, float, float, float]:
     """Return the second derivatives of the weights of `_spline`."""
     return 1.0 - t, 3.0 * t - 2.0, 1.0 - 3.0 * t, t
 
 
-@njit(cache=True, nogil=True, inline="always")
+@spliced_kernel
 def _dot(weights, values):  # type: ignore[no-untyped-def]
     """Return the sum of four products; a loop over a tuple would go through memory and take half as long again."""
     return weights[0] * values[0] + weights[1] * values[1] + weights[2] * values[2] + weights[3] * values[3]
 
 
-@njit(cache=True, nogil=True, inline="always")
+@spliced_kernel
 def _taps(field, row, col):  # type: ignore[no-untyped-def]
     """Return the four cells of `field` from (row, col) on, along the row."""
     return field[row, col], field[row, col + _1], field[row, col + _2], field[row, col + _3]
 
 
-@njit(cache=True, nogil=True, inline="always")
+@spliced_kernel
 def interpolate(field: Grid, u: float, v: float) -> tuple[float, float, float]:
     """Return the bicubic B-spline over `field` (rows, cols) at column `u`, row `v`, and its slopes along u and v.
 
@@ -67,7 +68,7 @@ def interpolate(field: Grid, u: float, v: float) -> tuple[float, float, float]:
     return _dot(wy, along), du, _dot(_slope(v - j), along)
 
 
-@njit(cache=True, nogil=True, inline="always")
+@spliced_kernel
 def interpolate_twice(field: Grid, u: float, v: float) -> tuple[float, float, float, float, float, float]:
     """Return what `interpolate` returns, then the second derivatives along uu, uv and vv."""
     i, j = int(np.floor(u)), int(np.floor(v))
@@ -86,7 +87,7 @@ def interpolate_twice(field: Grid, u: float, v: float) -> tuple[float, float, fl
     return _dot(wy, along), _dot(wy, rise), _dot(slope_y, along), duu, _dot(slope_y, rise), dvv
 
 
-@njit(cache=True, nogil=True, inline="always")
+@spliced_kernel
 def _nearest_convex(xx: float, xy: float, yy: float) -> tuple[float, float, float]:
     """Return the symmetric 2 x 2 matrix (xx, xy, yy) with its negative eigenvalues set to 0."""
     mean, radius = 0.5 * (xx + yy), np.sqrt(0.25 * (xx - yy) * (xx - yy) + xy * xy)
@@ -98,7 +99,7 @@ def _nearest_convex(xx: float, xy: float, yy: float) -> tuple[float, float, floa
     return share * (xx - mean + radius), share * xy, share * (yy - mean + radius)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def linearize(field: Grid, corner: Array, resolution: float, points: Array, pose: Array, H: Array, g: Array) -> float:
     """Write into `H` (3, 3) and `g` (3,) the normal equations of sum (1 - M); return that sum.
 
@@ -134,7 +135,7 @@ def linearize(field: Grid, corner: Array, resolution: float, points: Array, pose
     return cost
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def misfit(field: Grid, corner: Array, resolution: float, points: Array, pose: Array) -> float:
     """Return sum (1 - M), as `linearize` and `expand` do, without derivatives."""
     c, s = np.cos(pose[2]), np.sin(pose[2])
@@ -147,7 +148,7 @@ def misfit(field: Grid, corner: Array, resolution: float, points: Array, pose: A
     return cost
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def expand(field: Grid, corner: Array, resolution: float, points: Array, pose: Array, H: Array, g: Array) -> float:
     """Write into `H` (3, 3) and `g` (3,) the second-order expansion of sum (1 - M) by the pose; return that sum.
 

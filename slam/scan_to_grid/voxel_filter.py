@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ..bounds import Cell, Reach, check_numbers
 from ..errors import InputError
+from ..view_kernel import kernel
 
 Points = NDArray[np.float64]
 
@@ -62,7 +62,7 @@ class AdaptiveVoxelFilter:
         return near[_thin(near, self._edges, config.min_points)]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _nearer(points: Points, limit: float) -> Points:
     """Return those points (N, 2) that lie at most `limit` [m] from the origin."""
     kept = np.empty_like(points)
@@ -74,12 +74,12 @@ def _nearer(points: Points, limit: float) -> Points:
     return kept[:count]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _hash(i: int, j: int, mask: int) -> int:
     return ((i * 73856093) ^ (j * 19349663)) & mask
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def voxel_first(points: Points, edge: float) -> NDArray[np.int64]:
     """Return the indices of the points (N, 2) that are the first in their voxel of side `edge` [m], ascending."""
     size = 16
@@ -103,7 +103,7 @@ def voxel_first(points: Points, edge: float) -> NDArray[np.int64]:
     return kept[:count]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def voxel_mean(points: Points, edge: float) -> Points:
     """Return (M, 2) the mean of the points (N, 2) in each voxel of side `edge` [m], by first appearance."""
     size = 16
@@ -134,7 +134,7 @@ def voxel_mean(points: Points, edge: float) -> Points:
     return means
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _thin(points: Points, edges: Points, min_points: int) -> NDArray[np.int64]:
     """Return what `voxel_first` keeps with the longest of `edges` (descending) that leaves `min_points`."""
     best = np.arange(len(points))

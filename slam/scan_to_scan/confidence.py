@@ -2,12 +2,12 @@
 
 from dataclasses import dataclass
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from ..bounds import check_numbers
 from ..errors import InputError
+from ..view_kernel import kernel
 from .nearest import nearest_point
 from .surfaces import SurfaceConfig, Surfaces
 
@@ -90,7 +90,7 @@ def assess(
     return Confidence(score, agreeing, 0.5 * (covariance + covariance.T), believed)
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def meet(points, pose, reference, rays, feet, normals, first, near):  # pragma: no cover
     """Return for each of `points` (N, 2) the reference point whose line it lies on (-1: none) and its distance [m]."""
     index, errors = np.full(len(points), -1, dtype=np.int32), np.zeros(len(points))
@@ -112,7 +112,7 @@ def meet(points, pose, reference, rays, feet, normals, first, near):  # pragma: 
     return index, errors
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def line_information(points, pose, index, normals, feigned):  # pragma: no cover
     """Return (3, 3) information of points on lines for a noise of 1 m, less `feigned` (M,) [rad^2] along each line."""
     information = np.zeros((3, 3))

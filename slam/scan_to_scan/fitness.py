@@ -1,10 +1,11 @@
 """What the genetic matchers score a pose by, for a whole population in one call."""
 
-import numba
 import numpy as np
 
+from ..view_kernel import kernel
 
-@numba.njit(cache=True, nogil=True)
+
+@kernel
 def lookup_fitness(poses, points, values, x0, y0, cell, fitness):  # pragma: no cover
     """Write the mean worth of `points` (N, 2) at each of `poses` (P, 3) into `fitness` (P,), in [0, 1].
 
@@ -25,7 +26,7 @@ def lookup_fitness(poses, points, values, x0, y0, cell, fitness):  # pragma: no 
         fitness[p] = total / (255.0 * len(points))
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def polar_fitness(poses, points, ranges, start, step, threshold, fitness):  # pragma: no cover
     """Write the polar fitness of `points` (N, 2) at each of `poses` (P, 3) into `fitness` (P,), in [0, 1].
 

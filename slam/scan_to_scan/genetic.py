@@ -3,12 +3,12 @@
 from dataclasses import dataclass
 from typing import Annotated
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from ..bounds import Seed, Share, Within, check_numbers
 from ..errors import InputError
+from ..view_kernel import kernel
 from .fitness import lookup_fitness, polar_fitness
 
 LOOKUP, POLAR = 0, 1
@@ -74,7 +74,7 @@ def draw(config: GeneticConfig) -> NDArray[np.float32]:
     return numbers
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def score_population(kind, poses, points, table, fitness):  # pragma: no cover
     """Score `poses` (P, 3); `table` = (values, x0, y0, cell, ranges, start, step, threshold)."""
     if kind == LOOKUP:
@@ -83,7 +83,7 @@ def score_population(kind, poses, points, table, fitness):  # pragma: no cover
         polar_fitness(poses, points, table[4], table[5], table[6], table[7], fitness)
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def pick(fitness, draws, first, tournament):  # pragma: no cover
     """Return the winner of a tournament among the individuals that `draws[first:]` name."""
     best = int(draws[first] * len(fitness))
@@ -94,7 +94,7 @@ def pick(fitness, draws, first, tournament):  # pragma: no cover
     return best
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def bear(child, mother, father, half, blend, spread, draws):  # pragma: no cover
     """Write the `child` (3,) of two poses, relative to the centre of the box of half widths `half` (3,)."""
     along = draws[8] * (1.0 + 2.0 * blend) - blend
@@ -109,7 +109,7 @@ def bear(child, mother, father, half, blend, spread, draws):  # pragma: no cover
         child[gene] = min(max(value, -half[gene]), half[gene])
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def evolve(kind, points, table, centre, half, numbers, tournament, blend, mutation, narrowing):  # pragma: no cover
     """Return (populations (runs, generations, P, 3), fitness (runs, generations, P)), the whole history of the search.
 

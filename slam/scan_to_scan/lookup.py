@@ -3,13 +3,13 @@
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from ..bounds import Within, check_numbers, check_size
 from ..errors import InputError
 from ..search.score_pyramid import ScoreGrid
+from ..view_kernel import kernel
 
 _MOST_CELLS = 20_000_000  # of a table: one that reaches 200 m at 10 cm, five pyramids of it are 100 MB
 
@@ -63,7 +63,7 @@ def build_lookup(points: NDArray[np.float64], config: LookupConfig) -> ScoreGrid
     return ScoreGrid(values, origin, config.cell)
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def stamp_squares(points, x0, y0, cell, reach, values):  # pragma: no cover
     """Set to 255 the cells whose centre is within `reach` of a point in x and in y."""
     for n in range(len(points)):
@@ -73,7 +73,7 @@ def stamp_squares(points, x0, y0, cell, reach, values):  # pragma: no cover
                 values[row, col] = 255
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def stamp_gaussians(points, x0, y0, cell, sigma, reach, values):  # pragma: no cover
     """Raise the cells around each point to 255 exp(-d^2 / 2 sigma^2), rounded; d from its centre, to `reach`."""
     # The Gaussian is the product of its rows and columns: two short lists of exponentials a point.

@@ -6,13 +6,14 @@ metric of MbICP (Minguez, Montesano, Lamiraux 2006), which discounts motion acro
 r^2 k sin^2(a) / (cos^2(a) + k sin^2(a)) with k = L^2 / (r^2 + L^2); k = 1 is the Euclidean one.
 """
 
-import numba
 import numpy as np
+
+from ..view_kernel import kernel
 
 _BINS_PER_RADIAN = 1024 / (2.0 * np.pi)
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def bin_near(x, y):  # pragma: no cover
     """Return the bin, of 1024 from -pi, of the bearing of (x, y), or one beside it: four times as fast as arctan2."""
     across, along = abs(x), abs(y)
@@ -29,7 +30,7 @@ def bin_near(x, y):  # pragma: no cover
     return min(int((angle + np.pi) * _BINS_PER_RADIAN), 1023) if angle == angle else 0
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def metric_square(dx, dy, x, y, k):  # pragma: no cover
     """Return the square of the distance of (x, y) and (x + dx, y + dy): radial^2 + k across^2."""
     if k >= 1.0:
@@ -41,7 +42,7 @@ def metric_square(dx, dy, x, y, k):  # pragma: no cover
     return dx * dx + dy * dy - (1.0 - k) * cross * cross / square
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _beam_too_far(dot, cross, range_square, k, square):  # pragma: no cover
     """Whether no point of a beam is nearer than `square`.
 
@@ -60,7 +61,7 @@ def _beam_too_far(dot, cross, range_square, k, square):  # pragma: no cover
     return range_square > square
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def nearest_point(x, y, k, points, rays, first, limit, hint=-1):  # pragma: no cover
     """Return (index, squared distance) of the nearest of `points` to (x, y); (-1, limit) if none is below `limit`.
 

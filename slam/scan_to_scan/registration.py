@@ -1,15 +1,15 @@
 """The loop of the iterative matchers (ICP, PL-ICP, MbICP), in numba: correspond, weigh, solve, until at rest."""
 
-import numba
 import numpy as np
 
+from ..view_kernel import kernel
 from .nearest import metric_square, nearest_point
 
 POINT, LINE, METRIC = 0, 1, 2  # what a correspondence measures
 _FAR = 1e7  # [m, rad] no step leads farther than any two places are apart
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def correspond(points, pose, lever, reference, limit, index, square, moved):  # pragma: no cover
     """Move `points` (N, 2) by `pose` and find each one's nearest reference point; returns how many have one.
 
@@ -29,7 +29,7 @@ def correspond(points, pose, lever, reference, limit, index, square, moved):  # 
     return count
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def trim(index, square, share):  # pragma: no cover
     """Drop (index -1) the farthest of the correspondences so that `share` of them stay."""
     if share >= 1.0:
@@ -44,7 +44,7 @@ def trim(index, square, share):  # pragma: no cover
             index[n] = -1
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def segment_target(x, y, k, j, points, linked):  # pragma: no cover
     """Return the point nearest to (x, y), in MbICP's metric, on the segments from point j to its neighbours."""
     count = len(points)
@@ -69,7 +69,7 @@ def segment_target(x, y, k, j, points, linked):  # pragma: no cover
     return tx, ty
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def normal_equations(kind, pose, lever, reference, scale, index, moved, system):  # pragma: no cover
     """Fill `system` (3, 4) = [H | g] of the step (dx, dy, dtheta) and return (sum of weights, weighted squares).
 
@@ -118,7 +118,7 @@ def normal_equations(kind, pose, lever, reference, scale, index, moved, system):
     return weights, squares
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def solve_step(system, ridge, step):  # pragma: no cover
     """Solve (H + ridge) step = g by Cholesky; what H leaves open stays put. Returns False if it leads nowhere."""
     a, b, c = system[0, 0] + ridge, system[0, 1], system[0, 2]
@@ -139,7 +139,7 @@ def solve_step(system, ridge, step):  # pragma: no cover
     return abs(step[0]) + abs(step[1]) + abs(step[2]) < _FAR
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def register(kind, points, guess, reference, lever, reach, scales, kept, ridge, most, rest):  # pragma: no cover
     """Return (pose, iterations, at rest) of `points` (N, 2) on the reference, from `guess` (3,).
 

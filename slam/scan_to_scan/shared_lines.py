@@ -9,12 +9,12 @@ the direction that the pieces say least about; point-to-line matching has settle
 from dataclasses import dataclass, replace
 from typing import Annotated
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from ..bounds import Endless, Within, check_numbers
 from ..errors import InputError
+from ..view_kernel import kernel
 
 _FAR = 1e9  # nats that no cut costs
 _NEGLIGIBLE = 12.0  # nats by which what costs more is left out
@@ -98,7 +98,7 @@ def least_sure(
     return covariance[:, :2] @ vectors[:, 1] / values[1], float(np.sqrt(values[1]))
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def merge(reference, new, pose, gap, obliquity):  # pragma: no cover
     """Return the chain of both scans' points in order of bearing.
 
@@ -132,7 +132,7 @@ def merge(reference, new, pose, gap, obliquity):  # pragma: no cover
     return points, moves, apart
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def log_evidence(points, apart, noise, costs, longest):  # pragma: no cover
     """Return the log of the sum over all cuts of the chain of exp(-cost), and the best cut.
 
@@ -180,7 +180,7 @@ def log_evidence(points, apart, noise, costs, longest):  # pragma: no cover
     return highest[count] + np.log(above[count]), before
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def evidences(points, velocities, steps, apart, noise, costs, longest):  # pragma: no cover
     """Return (S,) the log evidence of the chain with each point moved by each of `steps` (S,) times its velocity."""
     logs, moved = np.empty(len(steps)), np.empty_like(points)
@@ -192,7 +192,7 @@ def evidences(points, velocities, steps, apart, noise, costs, longest):  # pragm
     return logs
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def information(points, moves, before):  # pragma: no cover
     """Return (3, 3) what the pieces of a cut say about the pose, for a noise of 1 m, their lines being unknown.
 

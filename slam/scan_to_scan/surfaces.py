@@ -3,13 +3,13 @@
 from dataclasses import dataclass, replace
 from typing import Annotated
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from ..bounds import Reach, Within, check_numbers
 from ..errors import InputError
 from ..scan import LaserScan
+from ..view_kernel import kernel
 
 BINS = 1024  # of the table that finds the first beam to look at
 
@@ -113,7 +113,7 @@ def relined(surfaces: Surfaces, config: SurfaceConfig) -> Surfaces:
     return replace(surfaces, feet=lines[0], normals=lines[1], tilt_variance=lines[2])
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def first_points(bearings):  # pragma: no cover
     """Return (BINS,) int32: how many of the ascending `bearings` lie below the lower edge of each bin from -pi."""
     first = np.empty(BINS, dtype=np.int32)
@@ -140,7 +140,7 @@ def noise_of(surfaces: Surfaces, links: SurfaceConfig = LOOSE) -> float:
     return lower_quartile(errors) / (0.3186 * np.sqrt(1.5))
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def bend(points, rays, gap, obliquity):  # pragma: no cover
     """Return the distance [m] of each point from the line of its two neighbours, where all are of one surface."""
     count = len(points)
@@ -158,7 +158,7 @@ def bend(points, rays, gap, obliquity):  # pragma: no cover
     return errors[:found]
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def lower_quartile(values):  # pragma: no cover
     """Return the linearly interpolated 25 % point of `values`, of which there is one at least."""
     place = 0.25 * (len(values) - 1)
@@ -167,7 +167,7 @@ def lower_quartile(values):  # pragma: no cover
     return ordered[below] + (place - below) * (ordered[min(below + 1, len(values) - 1)] - ordered[below])
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def link_points(points, ranges, bearings, gap, obliquity):  # pragma: no cover
     """Return (M,) whether each point and the next lie on one surface."""
     count = len(points)
@@ -186,7 +186,7 @@ def link_points(points, ranges, bearings, gap, obliquity):  # pragma: no cover
     return linked
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def fit_lines(points, linked, neighbours, tolerance, even):  # pragma: no cover
     """Return feet (M, 2), normals (M, 2) and tilt variances (M,) of the lines through each point's neighbourhood."""
     count = len(points)
@@ -214,7 +214,7 @@ def fit_lines(points, linked, neighbours, tolerance, even):  # pragma: no cover
     return feet, normals, tilt
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def reach_along(linked, m, direction, most):  # pragma: no cover
     """Return over how many links, at most `most`, the surface goes on from point m."""
     count = len(linked)
@@ -225,7 +225,7 @@ def reach_along(linked, m, direction, most):  # pragma: no cover
     return most
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def running_sums(points):  # pragma: no cover
     """Return (2 M + 1, 5): the sums of x, y, xx, xy, yy over all points before each, the scan taken twice in a row."""
     count = len(points)
@@ -240,7 +240,7 @@ def running_sums(points):  # pragma: no cover
     return sums
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def moments(sums, start, size):  # pragma: no cover
     """Return mean x, y and the sums of squares about it (xx, xy, yy) of `size` points from `start`, cyclic."""
     end = start + size

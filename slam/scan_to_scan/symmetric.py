@@ -1,12 +1,12 @@
 """Point-to-line registration from both sides: each scan's points against the other's lines, in numba."""
 
-import numba
 import numpy as np
 
+from ..view_kernel import kernel
 from .registration import LINE, correspond, normal_equations, solve_step
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def inverse_pose(pose, inverted, jacobian):  # pragma: no cover
     """Write the inverse of a pose (3,) and the derivative (3, 3) of the one by the other."""
     cos, sin = np.cos(pose[2]), np.sin(pose[2])
@@ -19,7 +19,7 @@ def inverse_pose(pose, inverted, jacobian):  # pragma: no cover
     jacobian[2, 2] = -1.0
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def add_transformed(system, other, jacobian):  # pragma: no cover
     """Add J^T H J and J^T g of `other` (3, 4; upper triangle) to `system`."""
     for a in range(3):
@@ -32,7 +32,7 @@ def add_transformed(system, other, jacobian):  # pragma: no cover
             system[a, 3] += jacobian[b, a] * other[b, 3]
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def line_equations(
     pose, points, lines, more_lines, limit, scale, index, square, moved, system, other
 ):  # pragma: no cover
@@ -46,7 +46,7 @@ def line_equations(
     return found, weights
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def register_both(
     guess, reference, new, more_reference, more_new, reach, scales, ridge, most, rest
 ):  # pragma: no cover

@@ -1,12 +1,12 @@
 """Which of two poses explains two scans better: surfaces that meet, less surfaces that stand in seen free space."""
 
-import numba
 import numpy as np
 
+from ..view_kernel import kernel
 from .nearest import nearest_point
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def range_ahead(x, y, points, rays, first):  # pragma: no cover
     """Return the least range [m] of the two returns around the bearing of (x, y); -1 where there is none close by."""
     count = len(points)
@@ -18,7 +18,7 @@ def range_ahead(x, y, points, rays, first):  # pragma: no cover
     return range_between(x, y, after, points, rays)
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def range_between(x, y, after, points, rays):  # pragma: no cover
     """Return the same, given the index of the first return counter-clockwise of (x, y)."""
     distance = np.sqrt(x * x + y * y)
@@ -32,7 +32,7 @@ def range_between(x, y, after, points, rays):  # pragma: no cover
     return least
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def turn_of(x, y):  # pragma: no cover
     """Return a number from -2 to 2 that grows with the bearing of (x, y) from -pi to pi."""
     share = y / (abs(x) + abs(y) + 1e-300)
@@ -41,7 +41,7 @@ def turn_of(x, y):  # pragma: no cover
     return 2.0 - share if y >= 0.0 else -2.0 - share
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def agreement(points, pose, reference, rays, feet, normals, first, sigma, margin):  # pragma: no cover
     """Return (hits, contradictions, most) of `points` (N, 2), at `pose`, with a reference scan's surfaces.
 
@@ -72,7 +72,7 @@ def agreement(points, pose, reference, rays, feet, normals, first, sigma, margin
     return hits, contradictions, most
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def mark_unseen(points, rays, x0, y0, cell, margin, worth, values):  # pragma: no cover
     """Raise the cells of `values` (rows, cols) uint8 that the reference did not see to be free to `worth`.
 

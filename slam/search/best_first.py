@@ -1,15 +1,15 @@
 """Best-first search of the highest leaves of a pyramid, in numba: a block is opened once at most for all of them."""
 
-import numba
 import numpy as np
 
+from ..view_kernel import kernel
 from .kernels import child_sums, excluded, nearest
 
 _RANKS = 1 << 30  # of a candidate: its squared distance from the window's centre in steps is below
 _FIRST_ROWS = 64  # of top blocks that come to the heap at once, the highest; then four times as many, and so on
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def sink(keys, items, size):  # pragma: no cover
     """Move the heap's first entry down to its place: high keys come first, of equal ones the low item."""
     key, item, place = keys[0], items[0], 0
@@ -27,7 +27,7 @@ def sink(keys, items, size):  # pragma: no cover
     keys[place], items[place] = key, item
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def rise(keys, items, place):  # pragma: no cover
     """Move the heap's entry at `place` up to its place."""
     key, item = keys[place], items[place]
@@ -40,7 +40,7 @@ def rise(keys, items, place):  # pragma: no cover
     keys[place], items[place] = key, item
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def row_peaks(bounds):  # pragma: no cover
     """Return (n_theta, blocks) int32, the highest of each row of `bounds` (n_theta, blocks, blocks')."""
     n_theta, blocks, width = bounds.shape
@@ -54,7 +54,7 @@ def row_peaks(bounds):  # pragma: no cover
     return peaks
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def dive(levels, cells, bounds, peaks, side, sums):  # pragma: no cover
     """Return (highest bound, sum of the leaf found below it by taking the best child, blocks looked at)."""
     stride, blocks = 1 << (len(levels) - 1), bounds.shape[1]
@@ -80,14 +80,14 @@ def dive(levels, cells, bounds, peaks, side, sums):  # pragma: no cover
     return highest, total, looked
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def key_of(total, k, i, j, size, n_theta, side):  # pragma: no cover
     """Return the order of a block: by its sum, then nearness to the window's centre, then blocks before leaves."""
     rank = nearest(k, 1, n_theta // 2) + nearest(i, size, side // 2) + nearest(j, size, side // 2)
     return (np.int64(total) * _RANKS + (_RANKS - 1 - rank)) * 2 + (size > 1)
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def add_top_blocks(keys, items, size, bounds, peaks, low, high, stride, top_level, side):  # pragma: no cover
     """Return (keys, items, size): the heap with the top blocks of a bound in low .. high - 1, and room for more."""
     n_theta, blocks, _ = bounds.shape
@@ -107,7 +107,7 @@ def add_top_blocks(keys, items, size, bounds, peaks, low, high, stride, top_leve
     return keys, items, size
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def add_children(keys, items, size, sums, floor, block, n_theta, width, side):  # pragma: no cover
     """Return (keys, items, size, children of a block inside the window): the heap with those of at least `floor`.
 
@@ -130,13 +130,13 @@ def add_children(keys, items, size, sums, floor, block, n_theta, width, side):  
     return keys, items, size, inside
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def grown(values, least):  # pragma: no cover
     """Return `values` with room for as many again, `least` at least."""
     return np.concatenate((values, np.empty(max(len(values), least), dtype=values.dtype)))
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def best_leaves(levels, cells, bounds, side, maxima, reach, period, least, share):  # pragma: no cover
     """Return ((m, 4) int64 of (sum, k, i, j), blocks looked at): the best candidates, best first, each apart from those
     before it by more than `reach` = (headings, cells).

@@ -1,12 +1,12 @@
 """The loops of the branch and bound, in numba; `exhaustive.py` is what they are compared with."""
 
-import numba
 import numpy as np
 
+from ..view_kernel import kernel
 from .lanes import LANES, add_lanes
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def rotated_cells(points, headings, x, y, resolution, shift, cells):  # pragma: no cover
     """Write into `cells` (n_theta, N, 2) int32 the (row, column) of every point at every heading.
 
@@ -20,7 +20,7 @@ def rotated_cells(points, headings, x, y, resolution, shift, cells):  # pragma: 
             cells[k, n, 1] = np.int32(np.floor((cos * px - sin * py + x) / resolution)) + shift
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def _add_clipped(plane, flat, start, row0, col0, blocks, width, rows, cols):  # pragma: no cover
     """Add to `plane` what lies inside of a level (rows, cols) of a window that reaches beyond its border."""
     for a in range(max(0, -row0), min(blocks, rows - row0)):
@@ -28,7 +28,7 @@ def _add_clipped(plane, flat, start, row0, col0, blocks, width, rows, cols):  # 
             plane[a * width + b] += flat[start + a * cols + b]
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def top_bounds(phases, skirt, border, cells, blocks):  # pragma: no cover
     """Return (n_theta, blocks, blocks') int32, the sum over all points of level L at every block of the window.
 
@@ -73,7 +73,7 @@ def top_bounds(phases, skirt, border, cells, blocks):  # pragma: no cover
     return bounds
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def child_sums(level, cells, i, j, half, sums):  # pragma: no cover
     """Write the sums over the points at `cells` (N, 2) of `level` (rows', cols') into `sums` (4,).
 
@@ -99,14 +99,14 @@ def child_sums(level, cells, i, j, half, sums):  # pragma: no cover
     sums[0], sums[1], sums[2], sums[3] = a, b, c, d
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def nearest(low, size, centre):  # pragma: no cover
     """Return the square of the distance of `centre` to the nearest of low .. low + size - 1."""
     gap = max(0, low - centre, centre - (low + size - 1))
     return gap * gap
 
 
-@numba.njit(cache=True, nogil=True)
+@kernel
 def excluded(k, i, j, size, taken, reach, period):  # pragma: no cover
     """Return whether all of a block lies around a maximum in `taken` (m, 3), within `reach` = (headings, cells)."""
     for m in range(len(taken)):

@@ -4,10 +4,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from ....slam.view_kernel import view_kernel
+from ....slam.view_kernel import kernel, view_kernel
 from .obstacles import nearest_of_box
 
 Array = NDArray[np.float64]
@@ -59,7 +58,7 @@ def cell_of(x: float, y: float, frame: Array) -> int:
     return int(row) * int(frame[3]) + int(col)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _sorted_in(frame: Array, boxes: Array, circles: Array, reach: float) -> tuple[Ints, Ints]:
     """Return `Things.first` and `Things.items`: what is nearer than `reach` to the middle of a cell belongs to it."""
     cols, rows = int(frame[3]), int(frame[4])

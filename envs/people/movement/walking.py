@@ -3,10 +3,9 @@
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from ....slam.view_kernel import inner_view_kernel, view_kernel
+from ....slam.view_kernel import inner_view_kernel, kernel, view_kernel
 from .obstacles import is_clear, nearest_of_box, nearest_of_rectangle
 from .social_force import pair_force
 from .things import Things, cell_of, keep_clear
@@ -48,7 +47,7 @@ def locate(position: Array, arc: Array, path: Array, tangent: Array, first: Ints
         arc[i] = min(max(found * SPACING + min(max(along, -SPACING), SPACING), 0.0), last * SPACING)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def free_sides(path: Array, tangent: Array, boxes: Array, circles: Array, clearance: float, furthest: float) -> Array:
     """Return (m, 2) how far one can walk to the left and to the right of each point of `path` (m, 2) [m].
 

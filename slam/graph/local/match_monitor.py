@@ -7,11 +7,11 @@ through a wall, or ends where others saw free space, says that the pose is wrong
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ...bounds import check_numbers
 from ...errors import InputError
+from ...view_kernel import kernel
 from .submap import Submap
 from .submap_kernels import beams, passes_wall
 
@@ -115,7 +115,7 @@ class MatchMonitor:
         return False
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def contradictions(
     field: NDArray[np.float32],
     visits: NDArray[np.float32],

@@ -6,10 +6,10 @@ nothing is seen through a wall: where a beam would have to, its end speaks again
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ...scan_to_grid.extrapolator import Prediction
+from ...view_kernel import kernel
 from .submap import Submap
 from .submap_kernels import beams, passes_wall
 
@@ -28,7 +28,7 @@ def seen_points(submap: Submap, points: Array, prediction: Prediction) -> Array:
     return points[near_visits(*place, points, prediction.pose, *prediction.sigma.tolist())]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def near_visits(
     visits: NDArray[np.float32],
     corner: Array,
@@ -77,7 +77,7 @@ def telling_share(submap: Submap, points: Array, sensor: Array, pose: Array) -> 
     return telling(*place, sensor, points, pose) / max(1, len(points))
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def telling(
     field: NDArray[np.float32],
     visits: NDArray[np.float32],

@@ -1,8 +1,9 @@
 """Numba kernels that write a scan into the cells of a submap."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from ...view_kernel import kernel, spliced_kernel
 
 Grid = NDArray[np.float32]
 Points = NDArray[np.float64]
@@ -10,7 +11,7 @@ Points = NDArray[np.float64]
 _WALL = 0.5  # occupancy from which a cell stops a beam
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def insert_scans(
     hits: Grid,
     visits: Grid,
@@ -55,7 +56,7 @@ def insert_scans(
         first = stop
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _share_returns(hits, visits, field, stamps, stamp, cells, count, prior_visits):  # type: ignore[no-untyped-def]
     """Share the first `count` of `cells` among the four cells around each."""
     for k in range(count):
@@ -74,7 +75,7 @@ def _share_returns(hits, visits, field, stamps, stamp, cells, count, prior_visit
                 field[row, col] = min(1.0, hits[row, col] / (visits[row, col] + prior_visits))
 
 
-@njit(cache=True, nogil=True, inline="always")
+@spliced_kernel
 def _pass_ray(hits, visits, field, stamps, stamp, x0, y0, x1, y1, prior_visits):  # type: ignore[no-untyped-def]
     """Count a visit in every cell that the segment crosses and this scan has not counted yet (Amanatides, Woo 1987)."""
     col, row = int(np.floor(x0 + 0.5)), int(np.floor(y0 + 0.5))
@@ -100,7 +101,7 @@ def _pass_ray(hits, visits, field, stamps, stamp, x0, y0, x1, y1, prior_visits):
             row += step_y
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def bounds(points: Points) -> tuple[float, float, float, float]:
     """Return the lowest x and y, then the highest, of `points` (N, 2)."""
     low_x, low_y, high_x, high_y = points[0, 0], points[0, 1], points[0, 0], points[0, 1]
@@ -110,7 +111,7 @@ def bounds(points: Points) -> tuple[float, float, float, float]:
     return low_x, low_y, high_x, high_y
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def passes_wall(field: NDArray[np.float32], x0: float, y0: float, x1: float, y1: float, slack: float) -> bool:
     """Return whether a beam between two places, in cells, goes through a wall more than `slack` cells before its end.
 
@@ -132,7 +133,7 @@ def passes_wall(field: NDArray[np.float32], x0: float, y0: float, x1: float, y1:
     return False
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def beams(
     points: Points, sensor: Points, pose: Points, corner: Points, resolution: float
 ) -> tuple[float, float, Points, Points]:

@@ -5,8 +5,9 @@ last scan a scan sticks to them, and the robot seems to stand. So gaps along a s
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from ...view_kernel import kernel
 
 Points = NDArray[np.float64]
 
@@ -15,7 +16,7 @@ _GAP_RATIO = 4.0  # a gap is filled if it is not longer than so many times the l
 _COS_BEND = np.cos(np.deg2rad(25.0))  # a surface does not bend more than this from one gap to the next
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def surface_points(beam_points: Points, spacing: float) -> tuple[Points, int]:
     """Return (points (M, 2), n): first n means of runs of returns, then points that fill the gaps on surfaces.
 
@@ -42,7 +43,7 @@ def surface_points(beam_points: Points, spacing: float) -> tuple[Points, int]:
     return filled[:total].copy(), count
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _runs(beam_points: Points, spacing: float) -> tuple[Points, NDArray[np.bool_]]:
     """Return (M, 2) means of runs of neighbouring returns, and whether a beam without return follows each."""
     means = np.empty_like(beam_points)
@@ -71,7 +72,7 @@ def _runs(beam_points: Points, spacing: float) -> tuple[Points, NDArray[np.bool_
     return means[:count], ends[:count]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _straight(means: Points, ends: NDArray[np.bool_], k: int) -> bool:
     """Return whether the gap after point k continues the surface on both sides."""
     if k == 0 or k + 2 >= len(means) or ends[k - 1] or ends[k + 1]:

@@ -1,9 +1,10 @@
 """The blurred submap that is searched: only what lies near walls is computed, a few thousandths of a long view."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
+
+from ...view_kernel import kernel
 
 _RADIUS = 4  # cells, where the Gaussian of one cell's width is cut off
 _GAIN = 2.5  # a wall one cell wide stays about as high as it was
@@ -28,7 +29,7 @@ def blurred_scores_reference(field: NDArray[np.float32]) -> NDArray[np.uint8]:
     return np.rint(blurred * np.float32(255.0)).astype(np.uint8)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _blur(field, weights, values):  # type: ignore[no-untyped-def]
     """Write the scores of all blocks that have something in them or within four cells of them."""
     rows, cols = field.shape
@@ -42,7 +43,7 @@ def _blur(field, weights, values):  # type: ignore[no-untyped-def]
                 _blur_block(field, weights, values, room, first, left, end, right)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _blocks_with_walls(field):  # type: ignore[no-untyped-def]
     """Return for each block whether any of its cells is not 0."""
     rows, cols = field.shape
@@ -57,7 +58,7 @@ def _blocks_with_walls(field):  # type: ignore[no-untyped-def]
     return walls
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _blur_block(field, weights, values, room, first, left, end, right):  # type: ignore[no-untyped-def]
     """Blur each row of a block, across rows into `room` and then along it into `values`; beyond the field all is 0."""
     rows, cols = field.shape

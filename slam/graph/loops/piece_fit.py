@@ -5,10 +5,10 @@ through walls.
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ...geometry import between, compose, inverse
+from ...view_kernel import kernel
 from ..local.submap_kernels import beams, passes_wall
 from .submap_graph import SubmapGraph
 
@@ -50,7 +50,7 @@ def agrees(graph: SubmapGraph, submaps: list[int], node: int, pose: Array, max_d
     return ends >= _LEAST_SUPPORT * passes
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def ends_and_passes(
     field: NDArray[np.float32], corner: Array, resolution: float, sensor: Array, points: Array, pose: Array
 ) -> tuple[int, int]:
