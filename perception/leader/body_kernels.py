@@ -10,8 +10,7 @@ import numpy as np
 from ...slam.view_kernel import inner_kernel, kernel
 from ..tracking.track_kernels import distance
 from . import cloud, cloud_kernels
-from .body_memory import CHOSEN, CLOUD, FRESH, NOBODY, SETTLED
-from .duplicate_tracks import met_by, nearness, note_nearness
+from .body_memory import CHOSEN, CLOUD, FRESH, NOBODY, SETTLED, met_by
 from .legs_of_others import SCANS, follow_legs, observe_apart, others_among
 from .onset import choice
 
@@ -42,7 +41,6 @@ class BodyNumbers(NamedTuple):
     known_again: float
     known_apart: float
     followed_apart: float
-    duplicate_s: float
     radius: float
     take: float
     keep: float
@@ -59,7 +57,6 @@ class BodyNumbers(NamedTuple):
     onset_near: float
     onset_far: float
     onset_patience_s: float
-    duplicate_distance: float
 
 
 @kernel
@@ -177,7 +174,7 @@ def _claim(memory, company, claim, c):
     places, seen, count = np.empty((one.people, 2)), np.empty(one.people), 0
     for i in range(one.people):
         person = memory.before[i]
-        if person.id == one.own or nearness(memory.met, one.met, person.id) > c.duplicate_s:
+        if person.id == one.own:
             continue
         for k in range(2):
             places[count, k] = person.x[k] + one.dt * person.x[k + 2]
@@ -327,7 +324,7 @@ def _collect(memory, places, count):
 
 @inner_kernel
 def _note_people(memory, company, c):
-    """Note when each was first seen, for how long at the leader's own place, and when beside it.
+    """Note when each was first seen, and when beside the leader.
 
     Who is there while the leader is in view is somebody else for good.
     """
@@ -337,9 +334,6 @@ def _note_people(memory, company, c):
         one.met = met_by(memory.met, one.met, company.ids[i])
         if in_view or memory.met[one.met - 1].met_s == np.inf:
             memory.met[one.met - 1].met_s = -np.inf if in_view else one.time_s
-        if in_view and one.track_id >= 0 and company.ids[i] != one.track_id and company.unseen_s[i] == 0.0:
-            away = np.hypot(company.x[i, 0] - one.x[0], company.x[i, 1] - one.x[1])
-            note_nearness(memory.met, one.met, away, c.duplicate_distance, 2.0 * c.duplicate_distance, one.dt)
         other = one.known and one.unseen_s < c.exchange_wait_s and company.ids[i] != one.track_id
         if other and _within(company.x[i, 0], company.x[i, 1], one.x[0], one.x[1], c.beside):
             memory.met[one.met - 1].beside_s = one.time_s

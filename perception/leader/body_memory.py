@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...slam.view_kernel import kernel
-from .duplicate_tracks import ACQUAINTANCE
 from .legs_of_others import FOLLOWED
 
 Array = NDArray[np.float64]
@@ -41,6 +40,13 @@ SETTLED, CHOSEN, CLOUD, FRESH = range(4)
 """Who leads is beyond doubt; was chosen in this scan; is for the cloud to say; is for a new cloud to say."""
 NOBODY = -2
 """No row of people, nor the -1 of legs that are nobody's."""
+ACQUAINTANCE = np.dtype(
+    [
+        ("number", np.int64),  # of a track
+        ("met_s", np.float64),  # when it was first seen; -inf: somebody else for good
+        ("beside_s", np.float64),  # when it was last so near to the leader that their tracks may have been exchanged
+    ]
+)
 PERSON_BEFORE = np.dtype([("id", np.int64), ("x", np.float64, 4), ("unseen_s", np.float64)])
 
 
@@ -130,3 +136,19 @@ def can_hold(memory, people, legs):
     """Return whether there is room for so many `people` and `legs` of one more scan."""
     one, room = memory.leader[0], len(memory.free)
     return max(one.followed, one.others) + legs <= room and people <= room and one.met + people <= len(memory.met)
+
+
+@kernel
+def met_by(met, count, number):
+    """Make the one of that `number` the last of the first `count` of `met`, as somebody new if need be; how many now.
+
+    So those who are about are found soon, however many came and went.
+    """
+    for row in range(count - 1, -1, -1):
+        if met[row].number == number:
+            last, met_s, beside_s = count - 1, met[row].met_s, met[row].beside_s
+            met[row] = met[last]
+            met[last].number, met[last].met_s, met[last].beside_s = number, met_s, beside_s
+            return count
+    met[count].number, met[count].met_s, met[count].beside_s = number, np.inf, -np.inf
+    return count + 1

@@ -44,8 +44,6 @@ class BodyConfig:
         known_apart: A leg that is nobody's, this far from the leader in view, is not the leader's [m].
         followed_apart: The same while that leg is followed from scan to scan, though the leader's track may take it
             [m].
-        duplicate_s: Somebody tracked at the leader's own place for longer than this is a second track of the leader,
-            and has no right to legs of its own [s].
         radius: A track this near to bodies is theirs [m].
         take: A track takes over as the leader when more than this share of the cloud is at it.
         keep: The leader's own track stays the leader with this share, unless one has `lead` more.
@@ -73,7 +71,6 @@ class BodyConfig:
     known_again: float = 0.3
     known_apart: float = 1.0
     followed_apart: Endless = 0.7
-    duplicate_s: Endless = 0.8
     radius: float = 0.5
     take: float = 0.5
     keep: float = 0.25

@@ -11,7 +11,6 @@ from ...slam.scan import LaserScan
 from ..tracking.config import MotionConfig
 from ..tracking.kalman import predict_single, single_target
 from ..tracking.people import People
-from .duplicate_tracks import DuplicateTracks
 from .estimate import LeaderEstimate, as_leader
 from .onset import LeaderConfig, LeaderOnset
 
@@ -38,7 +37,7 @@ class LeaderSelector:
         self._time_s = 0.0
         self._onset = LeaderOnset(self._config)
         self._search: KalmanFilter | None = None
-        self._duplicates = DuplicateTracks(self._config.duplicate_distance)
+        self._duplicates: set[int] = set()  # whoever was ever at the leader's own place
 
     def update(self, people: People, robot_pose: ArrayLike, scan: LaserScan | None = None) -> LeaderEstimate | None:
         """Return the leader among `people` with the robot at `robot_pose` (3,), both in the odometry frame.
@@ -51,20 +50,24 @@ class LeaderSelector:
         if chosen is not None:
             self._leader, self._search = chosen, None
         elif before is not None and before.track_id in people.ids:
-            self._leader, self._search = self._keep(people, before, dt), None
+            self._leader, self._search = self._keep(people, before), None
         elif before is not None:
             self._look_for(people, before, dt)
         return self._leader
 
-    def _keep(self, people: People, before: LeaderEstimate, dt: float) -> LeaderEstimate:
+    def _keep(self, people: People, before: LeaderEstimate) -> LeaderEstimate:
         """Return the leader by its track, or by a duplicate of it once it is unseen."""
         own = int(np.flatnonzero(people.ids == before.track_id)[0])
-        self._duplicates.update(people, people.positions[own], np.arange(len(people)) != own, dt)
         apart = np.hypot(*(people.positions - people.positions[own]).T)
-        able = self._duplicates.among(people) & (people.unseen_s == 0.0) & (people.ids != before.track_id)
+        others = people.ids != before.track_id
+        self._duplicates.update(people.ids[others & (apart < self._config.duplicate_distance)].tolist())
+        able = self._are_duplicates(people) & (people.unseen_s == 0.0) & others
         if people.unseen_s[own] > self._config.duplicate_patience_s and able.any():
             own = int(np.argmin(np.where(able, apart, np.inf)))
         return as_leader(people, own, before.id)
+
+    def _are_duplicates(self, people: People) -> NDArray[np.bool_]:
+        return np.array([number in self._duplicates for number in people.ids.tolist()], dtype=bool)
 
     def _look_for(self, people: People, before: LeaderEstimate, dt: float) -> None:
         search, config = self._search, self._config
@@ -77,7 +80,7 @@ class LeaderSelector:
         unseen_s = before.unseen_s + dt
         gate = min(config.search_distance, config.search_sigmas * float(np.sqrt(search.P[0, 0])))
         apart = np.hypot(*(people.positions - search.x[:2]).T)
-        apart[(people.age_s > unseen_s + config.search_overlap_s) & ~self._duplicates.among(people)] = np.inf
+        apart[(people.age_s > unseen_s + config.search_overlap_s) & ~self._are_duplicates(people)] = np.inf
         if len(people) and apart.min() < gate:
             self._search = None
             self._leader = as_leader(people, int(apart.argmin()), before.id)

@@ -1,13 +1,9 @@
-"""Legs seen apart from the leader stay somebody else's; duplicate tracks of the leader are no other people."""
-
-from dataclasses import replace
+"""Legs seen apart from the leader stay somebody else's; everybody who was tracked is remembered."""
 
 import numpy as np
 import pytest
-from tagalong.perception.leader.body_memory import memory_of, nothing_remembered
-from tagalong.perception.leader.duplicate_tracks import DuplicateTracks
+from tagalong.perception.leader.body_memory import ACQUAINTANCE, memory_of, met_by, nothing_remembered
 from tagalong.perception.leader.legs_of_others import SCANS, follow_legs, observe_apart, others_among
-from tagalong.perception.tracking.people import People, SeenLegs
 
 DT = 0.1
 
@@ -65,57 +61,12 @@ def test_legs_of_the_leaders_own_track_are_its_own_after_all_when_there_are_no_o
     assert not answers[-1]
 
 
-def people_at(places, unseen_s=0.0):
-    count, none = len(places), np.zeros((0, 2))
-    return People(
-        time_s=0.0,
-        ids=np.arange(count),
-        positions=np.asarray(places, dtype=np.float64).reshape(-1, 2),
-        velocities=np.zeros((count, 2)),
-        confidence=np.full(count, 0.8),
-        legs=np.zeros((count, 2, 2)),
-        variance=np.full(count, 0.05),
-        unseen_s=np.array([0.0, unseen_s, 0.0][:count]),
-        age_s=np.ones(count),
-        seen_legs=SeenLegs(none, np.zeros(0), np.zeros(0, dtype=np.intp)),
-    )
-
-
-def watched(place, steps, **fields):
-    duplicates = DuplicateTracks(0.4, 0.8, separation=0.8)
-    for _ in range(steps):
-        update(duplicates, people_at([(0.0, 0.0), place], **fields))
-    return duplicates
-
-
-def update(duplicates, people):
-    """Compare those who are seen with the leader, who is the first."""
-    duplicates.update(people, np.zeros(2), (people.ids != 0) & (people.unseen_s == 0.0), DT)
-
-
-def test_who_is_tracked_at_the_leaders_place_for_long_is_a_duplicate():
-    pair = people_at([(0.0, 0.0), (0.3, 0.0)])
-    assert watched((0.3, 0.0), 10).among(pair).tolist() == [False, True]
-    duplicates = watched((0.3, 0.0), 0)
-    for _ in range(10):
-        update(duplicates, people_at([(0.0, 0.0), (0.3, 0.0), (3.0, 0.0)]))
-    assert duplicates.among(people_at([(0.0, 0.0), (0.3, 0.0), (3.0, 0.0)])).tolist() == [False, True, False]
-    assert watched((0.3, 0.0), 7).among(pair).tolist() == [False, False]
-    assert watched((0.5, 0.0), 10).among(pair).tolist() == [False, False]
-    assert watched((0.3, 0.0), 10, unseen_s=0.2).among(pair).tolist() == [False, False]
-
-
-def test_however_many_came_and_went_a_duplicate_is_known():
-    duplicates, pair = watched((0.3, 0.0), 10), people_at([(0.0, 0.0), (0.3, 0.0)])
-    for k in range(100):
-        update(duplicates, replace(pair, ids=np.array([0, 10 + k])))
-    assert duplicates.among(pair).tolist() == [False, True]
-    assert duplicates.among(people_at([])).tolist() == []
-
-
-def test_a_duplicate_seen_somewhere_else_is_somebody_else():
-    duplicates = watched((0.3, 0.0), 10)
-    update(duplicates, people_at([(0.0, 0.0), (0.6, 0.0)]))
-    assert duplicates.among(people_at([(0.0, 0.0), (0.6, 0.0)])).tolist() == [False, True]
-    update(duplicates, people_at([(0.0, 0.0), (0.9, 0.0)]))
-    assert duplicates.among(people_at([(0.0, 0.0), (0.9, 0.0)])).tolist() == [False, False]
+def test_however_many_came_and_went_everybody_is_known_and_who_was_here_last_is_found_first():
+    met, count = np.zeros(64, ACQUAINTANCE), 0
+    for k in (*range(50), 7):
+        count = met_by(met, count, k)
+        met[count - 1]["met_s"] = min(met[count - 1]["met_s"], 0.1 * k)
+    assert count == 50
+    assert met["number"][:50].tolist() == [*range(7), 49, *range(8, 49), 7]
+    np.testing.assert_allclose(met["met_s"][:50], 0.1 * met["number"][:50])
+    assert (met["beside_s"][:50] == -np.inf).all()

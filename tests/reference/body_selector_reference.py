@@ -17,40 +17,6 @@ Mask = NDArray[np.bool_]
 _NOBODY = -2
 
 
-class PlainDuplicates:
-    """Tells who is tracked at the leader's own place for too long to be somebody else.
-
-    Args:
-        distance: No two bodies are nearer to each other than this for long [m].
-        time_s: A duplicate is nearer for longer than this [s].
-        separation: Who is farther away than this is no duplicate any more [m].
-    """
-
-    def __init__(self, distance: float, time_s: float = 0.0, separation: float = np.inf) -> None:
-        self._distance, self._time_s, self._separation = distance, time_s, separation
-        self._near_s: dict[int, float] = {}
-
-    def update(self, people: People, place: NDArray[np.float64], others: NDArray[np.bool_], dt: float) -> None:
-        """Take the people of a scan, `dt` [s] after the last one.
-
-        Args:
-            people: In the odometry frame.
-            place: (2,) of the leader in it [m].
-            others: (n,) which of the people to compare: not the leader's own track.
-            dt: Since the last scan [s].
-        """
-        apart = np.hypot(*(people.positions - place).T)
-        for number, away in zip(people.ids[others].tolist(), apart[others].tolist(), strict=True):
-            if away < self._distance:
-                self._near_s[number] = self._near_s.get(number, 0.0) + dt
-            elif away > self._separation:
-                self._near_s.pop(number, None)
-
-    def among(self, people: People) -> NDArray[np.bool_]:
-        """Return (n,) which of `people` are duplicates."""
-        return np.array([self._near_s.get(number, 0.0) > self._time_s for number in people.ids.tolist()], dtype=bool)
-
-
 class PlainLegsOfOthers:
     """Follows, from scan to scan, the legs that were seen apart from the leader: they are somebody else's."""
 
@@ -193,8 +159,6 @@ class PlainSelector:
         self._met_s: dict[int, float] = {}
         self._beside_s: dict[int, float] = {}
         self._others_legs = PlainLegsOfOthers()
-        apart = self._config.duplicate_distance
-        self._duplicates = PlainDuplicates(apart, self._body.duplicate_s, separation=2.0 * apart)
 
     def update(self, people: People, robot_pose: ArrayLike, scan: LaserScan) -> LeaderEstimate | None:
         """Return the leader among `people` with the robot at `robot_pose` (3,), both in the odometry frame.
@@ -220,10 +184,6 @@ class PlainSelector:
                 self._leader = self._find(people, own, before, dt, seen_in(scan, robot_pose))
             self._keep_others(people.seen_legs, self._leader)
         self._note_people(people)
-        leader = self._leader
-        if leader is not None and leader.track_id >= 0 and leader.visible:
-            others = (people.ids != leader.track_id) & (people.unseen_s == 0.0)
-            self._duplicates.update(people, leader.position, others, dt)
         self._before = people
         return self._leader
 
@@ -257,7 +217,7 @@ class PlainSelector:
         c, before = self._body, self._before
         claim = np.zeros(len(legs))
         if before is not None and len(legs):
-            others = (before.ids != self._own) & ~self._duplicates.among(before)
+            others = before.ids != self._own
             places = before.positions[others] + dt * before.velocities[others]
             known = np.array([self._time_s - self._met_s[int(number)] > c.newborn_s for number in before.ids[others]])
             seen = np.exp(-before.unseen_s[others] / c.forget_s) * known

@@ -2,7 +2,10 @@
 
 import pytest
 from tagalong.scripts.cli import main
+from tagalong.scripts.site.learning_curves import draw_curves
 from tagalong.scripts.training.follower import ProgressLines
+from tagalong.slam import InputError
+from tagalong.slam.files.output import write_json
 
 
 def test_a_resumed_run_counts_the_minutes_before_it(capsys):
@@ -20,3 +23,15 @@ def test_a_training_by_the_command_line_begins_ends_in_time_and_goes_on(tmp_path
     for drive in ("drive 1/12", "drive 2/12"):  # what was driven is kept
         assert main([*words, "--out", str(tmp_path / "run")]) == 1  # no policy was judged in so short a time
         assert drive in capsys.readouterr().out
+
+
+def test_curves_of_runs_are_drawn_and_a_folder_without_one_is_named(tmp_path):
+    pytest.importorskip("matplotlib")
+    rows = [{"steps": 1e6 * k, "success": 0.2 * k, "contacts": 0.1, "lost": 0.9 - 0.2 * k} for k in range(4)]
+    for name in ("one", "two"):
+        write_json(tmp_path / name / "curve.json", {"training": rows})
+    assert draw_curves([tmp_path / "one", tmp_path / "two"], tmp_path / "curves.png").stat().st_size > 5000
+    write_json(tmp_path / "two" / "curve.json", {"training": []})
+    with pytest.raises(InputError, match=r"two/curve\.json: holds no curve"):
+        draw_curves([tmp_path / "one", tmp_path / "two"], tmp_path / "other.png")
+    assert not (tmp_path / "other.png").exists()
