@@ -263,12 +263,12 @@ def _exchanged(memory, company, c):
     """Return who is in view and was the last to be beside the leader, shortly before it was lost; -1 for nobody.
 
     Tracks are exchanged where two people are beside each other. Of two that were so, one is the leader: where its own
-    track is lost, the other's, if that one walks the leader's way.
+    track is lost, the other's, if that one walks.
     """
     one, found, latest = memory.leader[0], -1, memory.leader[0].time_s - memory.leader[0].unseen_s - c.exchange_s
     for i in range(len(company.ids)):
-        way = company.x[i, 2] * one.x[2] + company.x[i, 3] * one.x[3]
-        if company.unseen_s[i] > 0.0 or company.ids[i] == one.own or way <= c.walks**2:
+        speed = np.hypot(company.x[i, 2], company.x[i, 3])
+        if company.unseen_s[i] > 0.0 or company.ids[i] == one.own or speed < c.walks:
             continue
         for row in range(one.met - 1, -1, -1):
             if memory.met[row].number == company.ids[i] and memory.met[row].beside_s > latest:

@@ -54,8 +54,8 @@ class BodyConfig:
         loose_confidence: Confidence of a leader seen so.
         beside: Two people this near to each other may exchange their tracks [m].
         exchange_s: Who was beside the leader so shortly before it was lost may have its track, or carry its own [s].
-        exchange_wait_s: So long after it was lost that one is taken for it, if in view and on the leader's way [s].
-        walks: On the same way are two whose velocities have an inner product above the square of this [m/s].
+        exchange_wait_s: So long after it was lost that one is taken for it, if in view and walking [s].
+        walks: Who is slower than this stands [m/s].
     """
 
     cloud: CloudConfig = field(default_factory=CloudConfig)
@@ -81,8 +81,8 @@ class BodyConfig:
     loose_confidence: float = 0.3
     beside: float = 1.0
     exchange_s: float = 0.5
-    exchange_wait_s: float = 1.5
-    walks: float = 0.2
+    exchange_wait_s: float = 2.5
+    walks: float = 0.3
 
     def __post_init__(self) -> None:
         check_numbers(self)

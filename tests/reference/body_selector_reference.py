@@ -258,10 +258,10 @@ class PlainSelector:
     def _exchanged(self, people: People, before: LeaderEstimate) -> int:
         """Return who is in view and was the last to be beside the leader, shortly before it was lost; -1 for nobody."""
         found, latest = -1, self._time_s - before.unseen_s - self._body.exchange_s
-        way = people.velocities @ before.velocity > self._body.walks**2
+        walks = np.hypot(*people.velocities.T) >= self._body.walks
         for i, number in enumerate(people.ids.tolist()):
             beside_s = self._beside_s.get(number, -np.inf)
-            if people.unseen_s[i] == 0.0 and number != self._own and way[i] and beside_s > latest:
+            if people.unseen_s[i] == 0.0 and number != self._own and walks[i] and beside_s > latest:
                 found, latest = i, beside_s
         return found
 
