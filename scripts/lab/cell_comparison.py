@@ -117,9 +117,7 @@ def report(cells: Sequence[ComparedCell], followers: Sequence[str]) -> str:
     rows = [(TITLES[key], *(_mean(last, who, key) for who in followers)) for key in last.means[first]]
     parts += [_table(("figure", *followers), rows)]
     for key in last.means[first] if len(cells) > 1 else ():
-        told = [
-            (c.name, *(c.means[who][key].text() if key in c.means[who] else "-" for who in followers)) for c in cells
-        ]
+        told = [(c.name, *(_text(c, who, key) for who in followers)) for c in cells]
         parts += [f"{TITLES[key]}:", _table(("cell", *followers), told)]
     return "\n\n".join(parts) + "\n"
 
