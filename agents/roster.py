@@ -40,11 +40,12 @@ FOLLOWERS: dict[str, Callable[[FollowInterface], Follower]] = {
     "pure_pursuit": PurePursuitFollower,
     "dwa": DWAFollower,
     "mppi": _mppi,
-    "mapper": _mapper,
     "learned": LearnedFollower,
     "reinforced": partial(ReinforcedFollower, policy="reinforced"),
 }
-"""Who needs a leader; "mapper" needs a map, too."""
+"""Who needs a leader."""
+MAPPERS: dict[str, Callable[[FollowInterface], Follower]] = {"mapper": _mapper}
+"""Who needs a leader, and an environment that builds a map."""
 
 
 def _frontier(interface: FollowInterface) -> Follower:
@@ -90,7 +91,7 @@ def make_follower(name: str, interface: FollowInterface | None = None) -> Follow
 
 
 def _maker(name: str, guarded: bool) -> Callable[[FollowInterface], Follower]:
-    everybody = {**FOLLOWERS, **EXPLORERS}
+    everybody = {**FOLLOWERS, **MAPPERS, **EXPLORERS}
     make = everybody.get(name)
     if make is None and os.path.isdir(name):
         make = partial(ReinforcedFollower if is_reinforced(name) else LearnedFollower, policy=name)

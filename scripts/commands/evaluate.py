@@ -32,6 +32,7 @@ Besides the shipped followers ({followers}), give your own: module:class, e.g. m
 with reset() and act(observation) in my_module.py of the current folder or anywhere that Python finds it.
 A folder that `tagalong train follower` wrote is one, too. Behind a name, "+guard" puts the safety filter, which stops
 before a certain contact: pid+guard; "-alone" takes it from a policy that was trained with it: reinforced-alone.
+"mapper" looks for what its map lacks, and needs one: --set slam=cartographer.
 Explorers ({explorers}) drive without a leader, among the same bystanders, until 99 % of the floor was seen.
 
 A suite is a fixed set of unseen episodes (offices of the test half; seeds from 1000000 on, its scenarios in turn):
@@ -78,7 +79,7 @@ _ASKED = ("follower", "env", "suite", "episodes", "people", "seed", "perception"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.epilog = EPILOG
-    names = ", ".join((*FOLLOWERS, *EXPLORERS))
+    names = ", ".join((*FOLLOWERS, "mapper", *EXPLORERS))
     parser.add_argument(
         "follower", metavar="WHO", help=f"who drives: {names}, module:class, or a trained policy's folder"
     )

@@ -156,5 +156,5 @@ def test_a_lost_leader_is_where_the_tracker_predicts_it_only_if_that_is_wanted_a
 
 
 def test_an_unknown_follower_is_refused_with_the_list():
-    with pytest.raises(InputError, match="followers: dwa, frontier, learned, mppi, pid"):
+    with pytest.raises(InputError, match="followers: dwa, frontier, learned, mapper, mppi, pid"):
         make_follower("pdi")

@@ -1,11 +1,12 @@
 """What `tagalong train follower` prints."""
 
+import json
+
 import pytest
 from tagalong.scripts.cli import main
 from tagalong.scripts.site.learning_curves import draw_curves
 from tagalong.scripts.training.follower import ProgressLines
 from tagalong.slam import InputError
-from tagalong.slam.files.output import write_json
 
 
 def test_a_resumed_run_counts_the_minutes_before_it(capsys):
@@ -29,9 +30,10 @@ def test_curves_of_runs_are_drawn_and_a_folder_without_one_is_named(tmp_path):
     pytest.importorskip("matplotlib")
     rows = [{"steps": 1e6 * k, "success": 0.2 * k, "contacts": 0.1, "lost": 0.9 - 0.2 * k} for k in range(4)]
     for name in ("one", "two"):
-        write_json(tmp_path / name / "curve.json", {"training": rows})
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "curve.json").write_text(json.dumps({"training": rows}))
     assert draw_curves([tmp_path / "one", tmp_path / "two"], tmp_path / "curves.png").stat().st_size > 5000
-    write_json(tmp_path / "two" / "curve.json", {"training": []})
+    (tmp_path / "two" / "curve.json").write_text('{"training": []}')
     with pytest.raises(InputError, match=r"two/curve\.json: holds no curve"):
         draw_curves([tmp_path / "one", tmp_path / "two"], tmp_path / "other.png")
     assert not (tmp_path / "other.png").exists()
