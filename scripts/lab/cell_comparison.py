@@ -68,20 +68,29 @@ def compare_cells(rows: Sequence[Mapping[str, Any]], followers: Sequence[str]) -
 def _cell(name: str, rows: Sequence[Mapping[str, Any]], followers: Sequence[str]) -> ComparedCell:
     by = {who: [row for row in rows if row["follower"] == who] for who in followers}
     done = {who: [row["ending"] == "tour_done" for row in part] for who, part in by.items()}
-    endings = {who: [row["ending"] or "out of time" for row in part] for who, part in by.items()}
     values = {who: {key: _values(part, key) for key in TITLES} for who, part in by.items()}
-    known = [key for key in TITLES if any(np.isfinite(figures[key]).any() for figures in values.values())]
+    known = _known(values)
     paired = {who: paired_shares(done[followers[0]], done[who]) for who in followers[1:]}
     return ComparedCell(
         name=name,
         episodes=len(done[followers[0]]),
         done={who: share(flags) for who, flags in done.items()},
-        endings={who: {one: words.count(one) for one in sorted(set(words))} for who, words in endings.items()},
+        endings={who: _endings(part) for who, part in by.items()},
         means={who: {key: metric_mean(key, figures[key]) for key in known} for who, figures in values.items()},
         paired=paired,
         corrected={who: test.p for who, test in paired.items()},
         paired_figures=_paired_figures(values, known, followers),
     )
+
+
+def _endings(rows: Sequence[Mapping[str, Any]]) -> dict[str, int]:
+    words = [row["ending"] or "out of time" for row in rows]
+    return {one: words.count(one) for one in sorted(set(words))}
+
+
+def _known(values: Mapping[str, Mapping[str, np.ndarray]]) -> list[str]:
+    """Return the figures that there are of anybody."""
+    return [key for key in TITLES if any(np.isfinite(figures[key]).any() for figures in values.values())]
 
 
 def _paired_figures(
