@@ -54,8 +54,6 @@ def test_a_type_that_is_gone_is_no_reason_to_stop(tmp_path, monkeypatch, decorat
 CALLED = """
 from tagalong.slam.view_kernel import inner_kernel
 
-STEP = {step}
-
 
 @inner_kernel
 def called(x: float) -> float:
@@ -64,7 +62,7 @@ def called(x: float) -> float:
 CALLS = """
 import {called} as one
 from tagalong.slam.view_kernel import kernel
-from {called} import STEP
+from that_counts import STEP
 
 
 @kernel
@@ -83,14 +81,16 @@ def test_a_kernel_is_compiled_anew_where_what_it_calls_or_a_number_of_another_fi
     (tmp_path / "that_calls.py").write_text(CALLS.format(called="that_is_called"))
     for k, (factor, step) in enumerate(((2.0, 1.0), (5.0, 1.0), (5.0, 4.0))):
         file = tmp_path / "that_is_called.py"
-        file.write_text(CALLED.format(factor=factor, step=step))
-        os.utime(file, (1e9 + k, 1e9 + k))
-        for name in ("that_calls", "that_is_called"):
+        file.write_text(CALLED.format(factor=factor))
+        (tmp_path / "that_counts.py").write_text(f"STEP = {step}\n")
+        for one in (file, tmp_path / "that_counts.py"):
+            os.utime(one, (1e9 + k, 1e9 + k))
+        for name in ("that_calls", "that_is_called", "that_counts"):
             sys.modules.pop(name, None)
         importlib.invalidate_caches()
         view_kernel._content.cache_clear()  # as a new process reads it
         assert importlib.import_module("that_calls").outer(3.0) == 3.0 * factor + step
-    for name in ("that_calls", "that_is_called"):
+    for name in ("that_calls", "that_is_called", "that_counts"):
         sys.modules.pop(name)
 
 
