@@ -44,7 +44,7 @@ class MPPIFollower:
         self.config = c = config or MPPIConfig()
         if c.prices.unseen > 0.0 and robot.own_map is None:
             raise InputError(
-                "who looks for what is new needs the robot's own map: an environment with `slam`, got none"
+                "a follower that looks for unseen floor needs the robot's own map: an environment with `slam`, got none"
             )
         self._step_s = 1.0 / robot.control_hz
         self._memory = LeaderMemory(c.memory, self._step_s)

@@ -1,8 +1,8 @@
 """What the robot's own map does not show yet, and how much of it would come into sight from where.
 
 A next-best-view gain (Gonzalez-Banos and Latombe 2002), as a field around the robot: of each place, the area of unknown
-floor that a laser there would look at and the laser here does not. What it looks at already and is still unknown will
-not be known from elsewhere either: so nothing draws the robot that it has looked at in vain.
+floor that a laser there would look at, and that is in sight neither from the robot nor from where it will be anyway.
+What it looks at already and is still unknown will not be known from elsewhere either.
 """
 
 import numpy as np
@@ -35,16 +35,18 @@ def unseen_field(own: OwnMap, way: Array) -> Array:
         way: (m, 2) places where it will be anyway, robot frame [m].
 
     Places lie `PLACES_M` apart, the first `HALF_M` behind and to the right, turned with the robot, as cells of
-    `fields.value_at`; 0 where nothing is known or something stands.
+    `fields.value_at`; 0 where nothing is known or something stands, and everywhere for a robot that is nowhere yet.
     """
-    known = own.map
+    known, count = own.map, round(2.0 * HALF_M / PLACES_M)
+    if not np.isfinite(own.pose).all():
+        return np.zeros((count, count))
     half = np.ceil((HALF_M * np.sqrt(2.0) + SIGHT_M) / CELL_M) * CELL_M
     corner = own.pose[:2] - half
     states = coarse_states(
         known.probability, known.free_threshold, known.occupied_threshold, known.resolution,
         np.asarray(known.origin), corner, round(2.0 * half / CELL_M),
     )  # fmt: skip
-    middles = PLACES_M * (np.arange(round(2.0 * HALF_M / PLACES_M)) + 0.5) - HALF_M
+    middles = PLACES_M * (np.arange(count) + 0.5) - HALF_M
     ahead, left = np.meshgrid(middles, middles, indexing="ij")
     cos, sin = np.cos(own.pose[2]), np.sin(own.pose[2])
 

@@ -245,12 +245,13 @@ def _decide(memory, company, c):
             best, most = i, able
         if i == own:
             kept = able
+    exchanged = _exchanged(memory, company, c) if one.unseen_s > c.exchange_wait_s else NOBODY
     if own >= 0 and kept > c.keep and kept >= most - c.lead:
         _carry(one, company, own)
     elif best >= 0 and most > c.take:
         _carry(one, company, best)
-    elif one.unseen_s > c.exchange_wait_s and _exchanged(memory, company, c) >= 0:
-        _carry(one, company, _exchanged(memory, company, c))
+    elif exchanged >= 0:
+        _carry(one, company, exchanged)
         one.cloud = False
     else:
         if own >= 0 and company.unseen_s[own] == 0.0 and share[own] < c.drop:

@@ -53,8 +53,8 @@ class BodyConfig:
         gathered: A cloud that is spread no farther than this, around legs that are nobody's, is the leader seen [m].
         loose_confidence: Confidence of a leader seen so.
         beside: Two people this near to each other may exchange their tracks [m].
-        exchange_s: Who was beside the leader so shortly before it was lost may have its track, or carry its own [s].
-        exchange_wait_s: So long after it was lost that one is taken for it, if in view and walking [s].
+        exchange_s: Tracks may be exchanged up to so long before the leader is lost [s].
+        exchange_wait_s: After so long, whoever was beside the leader then, walks and is in view is taken for it [s].
         walks: Who is slower than this stands [m/s].
     """
 

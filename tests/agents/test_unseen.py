@@ -110,6 +110,11 @@ def test_a_map_smaller_than_the_view_or_none_at_all_is_no_trouble():
     assert field_of(OwnMap(hall, np.array((300.0, 0.0, 0.0)))).max() == 0.0
 
 
+def test_a_robot_that_is_nowhere_yet_looks_for_nothing():
+    hall = drawn((12.0, 12.0), free=[(1.0, 4.0, 7.0, 6.0)])
+    assert field_of(OwnMap(hall, np.full(3, np.nan))).max() == 0.0
+
+
 def test_who_maps_on_needs_a_map_and_is_told_so():
     with pytest.raises(InputError, match="needs the robot's own map: an environment with `slam`"):
         make_follower("mapper", FollowInterface())
