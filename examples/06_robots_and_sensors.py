@@ -10,7 +10,7 @@ SETTINGS = {
     "one of your own": {"robot": RobotConfig(chassis=(0.9, 0.6, 0.15), max_speed=1.0)},
     "a cheap laser": {"beams": 240, "lidar.range_max": 8.0, "lidar.sigma_near": 0.03},
     "a laser at 0.3 m, 20 Hz": {"lidar.height": 0.3, "lidar.rate_hz": 20.0},
-    "numbers of Table II": {"perception.removal.zeta": 0.5, "perception.tracker.confirmation.delta": 0.3},
+    "numbers of Table II": {"perception.removal.zeta": 0.5, "perception.tracker.evidence.least_way": 0.3},
 }
 for name, settings in SETTINGS.items():
     env = gym.make("tagalong/Corridor-v0", slam=None, **settings)

@@ -28,16 +28,16 @@ TABLE_II: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
         "alpha": ("detector.alpha",),
         "beta": ("detector.beta",),
-        "gamma": ("detector.gamma", "tracker.confirmation.gamma"),
-        "delta": ("tracker.confirmation.delta",),
-        "epsilon": ("tracker.termination.epsilon",),
-        "zeta": ("removal.zeta", "tracker.grid.clearance"),
-        "c_min": ("tracker.termination.c_min",),
-        "q": ("tracker.motion.q",),
-        "r": ("tracker.motion.r",),
+        "gamma": ("detector.gamma", "tracker.existence.gamma"),
+        "delta": ("paper.delta", "tracker.evidence.least_way"),
+        "epsilon": ("paper.epsilon",),
+        "zeta": ("removal.zeta", "paper.clearance", "tracker.things.clearance"),
+        "c_min": ("paper.c_min",),
+        "q": ("paper.motion.q", "tracker.motion.q"),
+        "r": ("paper.motion.r", "tracker.motion.r"),
     }
 )
-"""Where the numbers of the paper's Table II stand in a `PeopleFilterConfig`; two of them are used in two places."""
+"""Where the numbers of the paper's Table II stand in a `PeopleFilterConfig`: in the paper's tracker and in ours."""
 
 
 def table_ii(config: PeopleFilterConfig) -> dict[str, float]:
@@ -47,14 +47,12 @@ def table_ii(config: PeopleFilterConfig) -> dict[str, float]:
 
 PRESETS: dict[str, PerceptionConfig] = {
     "recorded": PerceptionConfig(),
-    "table2": PerceptionConfig(method="leg pairs"),
     "ye2021": PerceptionConfig(method="ye2021", removal=RemovalConfig(unconfirmed_radius=0.0)),
 }
 """Named configurations.
 
 `recorded`: the default: hypotheses of whole people, for recorded scans of any kind: moving robots, people seen as one
-    cluster.
-`table2`: the paper's numbers, by pairs of legs: what the environment's robot has, with the forest `simulation`.
+    cluster. The environment's robot has it with the forest `simulation`.
 `ye2021`: the paper's numbers in the paper's own tracker, and its filter.
 """
 

@@ -7,7 +7,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..slam.errors import unknown_name
+from ..slam.bounds import check_numbers, check_positive
+from ..slam.errors import InputError, unknown_name
 from ..slam.geometry import inverse, transform_points
 from ..slam.logs.drive import RecordedDrive
 from ..slam.scan import LaserScan
@@ -16,11 +17,10 @@ from .legs.detector import Detections, Detector, LegDetector, LegDetectorConfig
 from .legs.forest import LegForest
 from .nearness_kernel import near_any
 from .tracking.camera import SeenPeople
-from .tracking.config import TrackerConfig, check_positive
-from .tracking.hypothesis_config import HypothesisConfig
-from .tracking.hypothesis_tracker import HypothesisTracker
+from .tracking.config import TrackerConfig
 from .tracking.people import People
 from .tracking.tracker import PeopleTracker
+from .tracking.ye2021_config import Ye2021Config
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,11 +39,14 @@ class RemovalConfig:
     unconfirmed_confidence: float = 0.5
 
     def __post_init__(self) -> None:
-        check_positive(self, "unconfirmed_radius")
+        check_numbers(self)
+        check_positive(self, "zeta", "unconfirmed_confidence")
+        if self.unconfirmed_radius < 0.0:
+            raise InputError(f"`unconfirmed_radius` must be positive or 0, got {self.unconfirmed_radius}")
 
 
-METHODS = ("hypotheses", "leg pairs", "ye2021")
-"""How people are tracked: as hypotheses of whole people, as pairs of leg tracks, or as Ye 2021 tells it."""
+METHODS = ("hypotheses", "ye2021")
+"""How people are tracked: as hypotheses of whole people, or as Ye 2021 tells it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,11 +58,10 @@ class PeopleFilterConfig:
             `tagalong train legs` wrote.
         detector: Of legs in single scans.
         method: How people are tracked, one of `METHODS`: "hypotheses" asks for what is more likely a person than a
-            thing, be it one cluster, from moving robots, too; "leg pairs" for two legs that move, each seen apart, as
-            the environment's robot does, and takes what a camera saw; "ye2021" is the paper's own tracker and nothing
-            more, for comparison.
-        tracker: Of people.
-        hypotheses: What the method "hypotheses" has of its own.
+            thing, be it one cluster, from moving robots, too, and takes what a camera saw; "ye2021" is the paper's own
+            tracker and nothing more, for comparison.
+        tracker: Of people, by hypotheses.
+        paper: Of the tracker of Ye 2021.
         removal: Which returns are dropped.
     """
 
@@ -67,7 +69,7 @@ class PeopleFilterConfig:
     detector: LegDetectorConfig = field(default_factory=LegDetectorConfig)
     method: str = "hypotheses"
     tracker: TrackerConfig = field(default_factory=TrackerConfig)
-    hypotheses: HypothesisConfig = field(default_factory=HypothesisConfig)
+    paper: Ye2021Config = field(default_factory=Ye2021Config)
     removal: RemovalConfig = field(default_factory=RemovalConfig)
 
     def __post_init__(self) -> None:
@@ -131,14 +133,12 @@ class PeopleFilter:
     def __init__(self, config: PeopleFilterConfig | None = None, detector: Detector | None = None) -> None:
         self.config = config or PeopleFilterConfig()
         detector = detector or LegDetector(LegForest.load(self.config.forest), self.config.detector)
-        if self.config.method == "hypotheses":
-            self._tracker = HypothesisTracker(self.config.hypotheses, self.config.tracker, detector)
-        elif self.config.method == "ye2021":
+        if self.config.method == "ye2021":
             from .tracking.ye2021 import (
                 Ye2021Tracker,
             )  # and filterpy and scipy's assignment, only where it is asked for
 
-            self._tracker = Ye2021Tracker(self.config.tracker, detector)
+            self._tracker = Ye2021Tracker(self.config.paper, detector)
         else:
             self._tracker = PeopleTracker(self.config.tracker, detector)
         self._odometry = ScanToScanOdometry()

@@ -132,8 +132,8 @@ def compiled_config(fields: Mapping[str, Any]) -> FollowConfig:
     sweeps = round(config.sensors.lidar.rate_hz / config.task.control_hz)
     if config.people.source == "tracker" and sweeps != 1:
         raise _unsupported("`people`", "tracker", f"with {sweeps} sweeps a step, for it takes one")
-    if config.people.source == "tracker" and config.perception.method != "leg pairs":
-        raise _unsupported("`perception.method`", config.perception.method, 'it must be "leg pairs"')
+    if config.people.source == "tracker" and config.perception.method != "hypotheses":
+        raise _unsupported("`perception.method`", config.perception.method, 'it must be "hypotheses"')
     world_config(config, None)
     return config
 

@@ -8,7 +8,7 @@ from ...perception.leader.body_selector import body_numbers, cloud_draws
 from ...perception.legs.detection_kernel import Beams
 from ...perception.legs.detector import splitting
 from ...perception.legs.forest import LegForest
-from ...perception.tracking.local_grid import PAGES, no_cells, with_more_pages
+from ...perception.tracking.local_grid import PAGES, with_more_pages
 from ...perception.tracking.numbers import numbers_of
 from ...perception.tracking.tracks import no_tracks, with_room
 from ..episode_setup import leader_draws
@@ -26,24 +26,25 @@ class Trackers:
     Args:
         config: Of the environment; people are known by "tracker", nothing maps, there is no camera.
         worlds: How many.
-        room: Tracks, legs and people that each has room for at first; a crowded office has thirty.
+        room: Hypotheses of people that each has room for at first; a crowded office has fifty.
         pages: Of the grid of things that each has room for at first.
     """
 
-    def __init__(self, config: FollowConfig, worlds: int, room: int = 48, pages: int = PAGES) -> None:
+    def __init__(self, config: FollowConfig, worlds: int, room: int = 64, pages: int = PAGES) -> None:
         self._rules, self._count = _rules(config), config.perception.body.cloud.count
         self._rng = [np.random.default_rng(0)] * worlds
         clouds = np.zeros((worlds, self._count, 4)), np.zeros((worlds, self._count, 2))
-        memory = nothing_remembered(worlds, self._count, room, room)
-        row = np.zeros(worlds)
-        tracks = no_tracks(worlds, room, no_cells(worlds, pages))
+        memory = nothing_remembered(worlds, self._count, 2 * room, room)
+        row, beams = np.zeros(worlds), len(self._rules.beams.bearings)
+        tracks = no_tracks(worlds, beams, config.perception.tracker.views, room, pages)
         self._minds = Knowledge(tracks, memory, row, np.zeros(worlds, np.int8), *clouds, row.copy())
 
     @property
     def memory(self) -> int:
         """Memory of what is known [bytes]."""
         minds = self._minds
-        return sum(array.nbytes for array in (*minds.tracks[:-1], *minds.tracks.cells, *minds.memory, *minds[2:]))
+        tracks = *minds.tracks[:4], *minds.tracks.views, *minds.tracks.cells
+        return sum(array.nbytes for array in (*tracks, *minds.memory, *minds[2:]))
 
     def read(self, part: tuple[int, int], what: NDArray[np.int8], state: WorldsState, told: Told) -> None:
         """Let the robots of the worlds `part` (first, end) that did `what` (w,) read their sweeps, and tell it.
@@ -70,7 +71,7 @@ class Trackers:
         """Make room where it was lacking; return (w,) `what` is left to do, with sweeps unread."""
         lacking, left = self._minds.lacking, np.where(self._minds.lacking, what, REST).astype(np.int8)
         if (lacking == TRACKS).any():
-            tracks = with_room(self._minds.tracks, 2 * self._minds.tracks.legs.shape[1])
+            tracks = with_room(self._minds.tracks)
             self._minds = self._minds._replace(tracks=tracks, memory=with_more_room(self._minds.memory))
         if (lacking == CELLS).any():
             tracks = self._minds.tracks._replace(cells=with_more_pages(self._minds.tracks.cells))

@@ -9,13 +9,14 @@ from numpy.typing import NDArray
 from ...perception.leader import body_kernels
 from ...perception.leader.body_kernels import BodyNumbers
 from ...perception.leader.body_memory import CLOUD, BodyMemory, Company, can_hold, forget_leader, memory_of
-from ...perception.leader.cloud import view_of
 from ...perception.legs.detection_kernel import Beams, Splitting, find_legs
 from ...perception.legs.forest_kernel import PackedForest
-from ...perception.tracking import following, leg_kernels
+from ...perception.legs.range_view import view_of
+from ...perception.tracking import following
+from ...perception.tracking.evidence import probability
 from ...perception.tracking.local_grid import make_pages
 from ...perception.tracking.numbers import Numbers
-from ...perception.tracking.tracks import LEGS, PEOPLE, Tracks, forget, has_room, tracks_of
+from ...perception.tracking.tracks import HYPOTHESES, Tracks, forget, has_room, tracks_of
 from ...slam.geometry import composed
 from ...slam.rigid_kernel import moved_points
 from ...slam.view_kernel import inner_kernel, kernel
@@ -90,21 +91,22 @@ def track_worlds(worlds, what, rules, minds, swept):
             forget(tracks)
             forget_leader(memory)
         found = find_legs(swept.ranges[w], rules.beams, rules.splitting, rules.forest)
-        fresh = np.count_nonzero(found.human)
-        legs = tracks.counts[LEGS] + fresh + 1
+        fresh = np.count_nonzero(found.confidence > 0.0)
+        most = tracks.counts[HYPOTHESES] + fresh
         pose, time_s, c = swept.odometry[w], swept.time_s[w], rules.tracker
-        points = moved_points(lidar_at(pose, rules.beams.mount), found.points)
-        if not (has_room(tracks, fresh) and can_hold(memory, legs, legs)):
+        view = view_of(swept.ranges[w], rules.beams, lidar_at(pose, rules.beams.mount))
+        points = moved_points(view.laser, found.points)
+        if not (has_room(tracks, fresh) and can_hold(memory, most, 2 * most)):
             minds.lacking[w] = TRACKS
-        elif not make_pages(tracks.cells, points, pose, c.grid_resolution):
+        elif not make_pages(tracks.cells, points, pose, c.things_resolution):
             minds.lacking[w] = CELLS
         if minds.lacking[w]:
             continue
         dt = time_s - minds.time_s[w] if what[w] == STEP else 1.0 / c.motion_reference_rate_hz
         minds.time_s[w] = time_s
-        things = following.follow(tracks, found, points, pose, time_s, dt, c)
-        following.mark_things(tracks, found, points, things, pose, time_s, dt, c)
-        body_kernels.meet(memory, company_of(tracks), pose, time_s, rules.selector)
+        sight = following.follow(tracks, found, view, pose, time_s, dt, c)
+        following.maintain(tracks, sight, view, pose, points, time_s, dt, c)
+        body_kernels.meet(memory, company_of(tracks, c), pose, time_s, rules.selector)
 
 
 @kernel
@@ -116,7 +118,7 @@ def look_worlds(worlds, what, rules, minds, swept):
         if what[w] == REST or minds.lacking[w] or memory.leader[0].doubt < CLOUD:
             continue
         view = view_of(swept.ranges[w], rules.beams, lidar_at(swept.odometry[w], rules.beams.mount))
-        company, draws = company_of(tracks_of(minds.tracks, w)), minds.pushes[w]
+        company, draws = company_of(tracks_of(minds.tracks, w), rules.tracker), minds.pushes[w]
         if body_kernels.look(memory, company, view, minds.first[w], draws, rules.selector):
             minds.draw[w] = 0.0
 
@@ -127,7 +129,7 @@ def decide_worlds(worlds, what, rules, minds, swept, read):
     for w in range(worlds[0], worlds[1]):
         if what[w] == REST or minds.lacking[w]:
             continue
-        memory, company = memory_of(minds.memory, w), company_of(tracks_of(minds.tracks, w))
+        memory, company = memory_of(minds.memory, w), company_of(tracks_of(minds.tracks, w), rules.tracker)
         body_kernels.decide(memory, company, minds.draw[w], rules.selector)
         _tell(w, memory, company, swept.odometry[w], read)
 
@@ -140,14 +142,18 @@ def lidar_at(pose, mount):
 
 
 @inner_kernel
-def company_of(tracks):
+def company_of(tracks, c):
     """Return who is tracked now."""
-    people, legs = tracks.people[: tracks.counts[PEOPLE]], tracks.legs[: tracks.counts[LEGS]]
-    rows, owner = leg_kernels.seen_now(legs, len(people))
-    return Company(
-        people["id"].copy(), people["x"].copy(), people["confidence"].copy(), people["unseen_s"].copy(),
-        legs["seen"][rows], legs["confidence"][rows], owner.copy(),
-    )  # fmt: skip
+    told = following.told_people(tracks, c)
+    count = len(told)
+    ids, x, confidence, unseen_s = np.empty(count, np.int64), np.empty((count, 4)), np.empty(count), np.empty(count)
+    for i in range(count):
+        one = tracks.hypotheses[told[i]]
+        ids[i], confidence[i], unseen_s[i] = one.id, probability(one.odds), one.unseen_s
+        for k in range(4):
+            x[i, k] = one.x[k]
+    places, sure, owner = following.seen_legs(tracks, told, c)
+    return Company(ids, x, confidence, unseen_s, places, sure, owner)
 
 
 @inner_kernel

@@ -11,9 +11,7 @@ FAR_WIDTH_M = 0.12
 """A cluster needs as many points as a leg of this width gets beams, 2 or 3, by distance and spacing of the beams: 2
 from 3.1 m on with 360 beams, from 9.2 m on with 1081. What that gains: `tagalong bench recall-by-distance`."""
 
-PERCEPTION = PerceptionConfig(
-    forest="simulation", method="leg pairs", detector=LegDetectorConfig(far_width=FAR_WIDTH_M)
-)
+PERCEPTION = PerceptionConfig(forest="simulation", detector=LegDetectorConfig(far_width=FAR_WIDTH_M))
 """How the robot of the environments perceives people."""
 
 MAPS = ("occupancy", "immobile")

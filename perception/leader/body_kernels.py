@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...slam.view_kernel import inner_kernel, kernel
-from ..tracking.track_kernels import distance
+from ..tracking.geometry_kernels import distance
 from . import cloud, cloud_kernels
 from .body_memory import CHOSEN, CLOUD, FRESH, NOBODY, SETTLED, met_by
 from .legs_of_others import SCANS, follow_legs, observe_apart, others_among

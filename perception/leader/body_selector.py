@@ -15,10 +15,11 @@ from ...slam.bounds import Endless, check_numbers, check_positive
 from ...slam.errors import InputError
 from ...slam.scan import LaserScan
 from ...slam.view_kernel import as_record
+from ..legs.range_view import seen_in
 from ..tracking.people import People
 from . import body_kernels as kernels
 from .body_memory import CLOUD, FRESH, Company, can_hold, memory_of, nothing_remembered, with_more_room
-from .cloud import CloudConfig, seen_in
+from .cloud import CloudConfig
 from .estimate import LeaderEstimate
 from .onset import LeaderConfig
 

@@ -8,7 +8,7 @@ where it is.
 import numpy as np
 
 from ...slam.view_kernel import inner_kernel, kernel
-from ..tracking.track_kernels import distance
+from ..tracking.geometry_kernels import distance
 
 STEP_M = 0.25
 """No leg moves farther than this from one scan to the next [m]."""

@@ -6,14 +6,14 @@ drawn for that: a few recent scans are kept whole, each with its pose, and asked
 """
 
 from dataclasses import dataclass
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...slam.bounds import check_numbers
+from ...slam.bounds import Within, check_numbers
 from ...slam.errors import InputError
-from ...slam.scan import LaserScan
-from ...slam.view_kernel import kernel
+from ...slam.view_kernel import kernel, spliced_kernel
 
 Array = NDArray[np.float64]
 
@@ -31,7 +31,7 @@ class RecentViewsConfig:
     """
 
     spacing_s: float = 0.2
-    count: int = 8
+    count: Annotated[int, Within(1, 1000)] = 8
     radius: float = 0.04
     margin: float = 0.2
 
@@ -41,48 +41,79 @@ class RecentViewsConfig:
             raise InputError(f"need positive `spacing_s`, `count`, `radius` and `margin`, got {self}")
 
 
-class RecentViews:
-    """Keeps recent scans of one laser.
+KEPT = np.dtype([("count", np.int64), ("time_s", np.float64)])
+"""How many scans were kept, also those that are gone, and when the last one was taken [s]."""
 
-    Args:
-        config: How many.
+
+class RecentViews(NamedTuple):
+    """The recent scans of w lasers; `views_of` has those of one, without the first axis, as kernels take them.
+
+    Attributes:
+        ranges: (w, k, N) of the last k scans, in no order, as in `RangeView` [m].
+        lasers: (w, k, 3) T_odom_lidar of each.
+        kept: (w, 1) of `KEPT`.
     """
 
-    def __init__(self, config: RecentViewsConfig | None = None) -> None:
-        self.config = config or RecentViewsConfig()
-        self.reset()
+    ranges: Array
+    lasers: Array
+    kept: NDArray[Any]
 
-    def reset(self) -> None:
-        """Forget all scans."""
-        self._ranges = np.zeros((0, 0))
-        self._lidars = np.zeros((0, 3))  # T_odom_lidar of each
-        self._beams = 0.0, 1.0
-        self._time_s = -np.inf
 
-    def look(self, points: Array, radius: float | None = None) -> Array:
-        """Return (n, 2) the shares of the kept scans in which `points` (n, 2), odometry frame, were empty and not.
+def no_views(lasers: int, beams: int, config: RecentViewsConfig) -> RecentViews:
+    """Return that no scan of any of the `lasers`, of so many `beams`, was kept yet."""
+    kept = np.zeros((lasers, 1), KEPT)
+    kept["time_s"] = -np.inf
+    return RecentViews(np.zeros((lasers, config.count, beams)), np.zeros((lasers, config.count, 3)), kept)
 
-        What is missing to 1 is the share in which nothing is known of the place. No scan is kept: zeros. `radius` [m]
-        is that of the places, if it is not the configured one.
-        """
-        shares = np.zeros((len(points), 2))
-        if len(self._ranges) and len(points):
-            near = radius or self.config.radius, self.config.margin
-            look_back(self._ranges, self._lidars, *self._beams, points, *near, shares)
-        return shares
 
-    def keep(self, scan: LaserScan, lidar: Array) -> None:
-        """Keep `scan`, taken from `lidar` (3,), T_odom_lidar, if the one before is old enough."""
-        if scan.time_s - self._time_s < self.config.spacing_s - 1e-9 or len(scan) < 2:
-            return
-        ranges = np.where(scan.is_return, scan.ranges, np.where(scan.ranges > scan.range_max, scan.range_max, 0.0))
-        beams = float(scan.bearings[0]), float(scan.bearings[-1] - scan.bearings[0]) / (len(scan) - 1)
-        if self._ranges.shape[1] != len(scan) or beams != self._beams:
-            self._ranges, self._lidars = np.zeros((0, len(scan))), np.zeros((0, 3))
-        self._beams, self._time_s = beams, scan.time_s
-        first = max(0, len(self._ranges) + 1 - self.config.count)
-        self._ranges = np.concatenate((self._ranges[first:], ranges[None]))
-        self._lidars = np.concatenate((self._lidars[first:], lidar[None]))
+@kernel
+def views_of(views, w):
+    """Return the views of laser w."""
+    return RecentViews(views.ranges[w], views.lasers[w], views.kept[w])
+
+
+@kernel
+def forget_views(views):
+    """Let no scan of one laser be kept."""
+    views.kept[0].count, views.kept[0].time_s = 0, -np.inf
+
+
+@kernel
+def keep_view(views, view, time_s, spacing_s):
+    """Keep `view`, taken at `time_s`, if the one before is old enough, in place of the oldest."""
+    kept, slots = views.kept[0], len(views.ranges)
+    if time_s - kept.time_s < spacing_s - 1e-9 or len(view.ranges) < 2:
+        return
+    slot = kept.count % slots
+    for i in range(len(view.ranges)):
+        views.ranges[slot, i] = view.ranges[i]
+    for k in range(3):
+        views.lasers[slot, k] = view.laser[k]
+    kept.count += 1
+    kept.time_s = time_s
+
+
+@kernel
+def shares_empty(views, view, points, radius, margin):
+    """Return (n, 2) the shares of the kept scans in which `points` (n, 2), odometry frame, were empty and not.
+
+    What is missing to 1 is the share in which nothing is known of the place. No scan is kept: zeros. The scans were
+    taken along the beams of `view`.
+    """
+    shares, count = np.zeros((len(points), 2)), min(views.kept[0].count, len(views.ranges))
+    if count and len(points):
+        look_back(views.ranges[:count], views.lasers[:count], view.first, view.step, points, radius, margin, shares)
+    return shares
+
+
+@kernel
+def shares_empty_now(view, points, radius, margin):
+    """Return (n, 2) the same of one scan: zeros and ones."""
+    shares, beams = np.zeros((len(points), 2)), len(view.ranges)
+    if beams >= 2 and len(points):
+        ranges, laser = view.ranges.reshape((1, beams)), view.laser.reshape((1, 3))
+        look_back(ranges, laser, view.first, view.step, points, radius, margin, shares)
+    return shares
 
 
 @kernel
@@ -114,23 +145,33 @@ def look_back(ranges, lidars, first, step, points, radius, margin, shares):
                 low = high = int(np.round(middle))
             if low < 0 or high >= beams:
                 continue
+            if is_met(ranges[v], first, step, bearing, away, margin):
+                shares[i, 1] += 1.0 / views
+                continue
             nearest = np.inf
             for b in range(low, high + 1):
                 nearest = min(nearest, ranges[v, b])
-            if is_met(ranges[v], first, step, bearing, away, margin):
-                shares[i, 1] += 1.0 / views
-            elif nearest > away + margin:
+            if nearest > away + margin:
                 shares[i, 0] += 1.0 / views
 
 
 @kernel
 def is_met(ranges, first, step, bearing, away, margin):
-    """Return whether a return of `ranges` (N,) is within `margin` of the place at `bearing`, so far `away`."""
+    """Return whether a return of `ranges` (N,) is within `margin` of the place at `bearing`, so far `away`.
+
+    It most often is in the middle, where a wall is met again.
+    """
     middle, half = (bearing - first) / step, margin / away / step
-    for b in range(max(0, int(np.ceil(middle - half))), min(len(ranges) - 1, int(np.floor(middle + half))) + 1):
-        r = ranges[b]
-        if abs(r - away) <= margin:
-            off = first + b * step - bearing
-            if r * r + away * away - 2.0 * r * away * np.cos(off) <= margin * margin:
-                return True
+    nearest, last = int(np.round(middle)), len(ranges) - 1
+    if 0 <= nearest <= last and _is_near(ranges[nearest], first + nearest * step - bearing, away, margin):
+        return True
+    for b in range(max(0, int(np.ceil(middle - half))), min(last, int(np.floor(middle + half))) + 1):
+        if _is_near(ranges[b], first + b * step - bearing, away, margin):
+            return True
     return False
+
+
+@spliced_kernel
+def _is_near(r, off, away, margin):
+    """Return whether a return at `r`, `off` [rad] beside a place so far `away`, is within `margin` of it."""
+    return abs(r - away) <= margin and r * r + away * away - 2.0 * r * away * np.cos(off) <= margin * margin

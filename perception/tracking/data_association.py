@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .assignment import assigned
-from .track_kernels import distances
+from .geometry_kernels import distances
 
 Array = NDArray[np.float64]
 

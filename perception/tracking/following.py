@@ -1,99 +1,114 @@
-"""A scan's way through the stages of multi-target tracking, as one kernel.
+"""A scan's way through the stages of multi-target tracking, as two kernels.
 
-Prediction, data association, correction, track termination, track confirmation with re-identification; and what is not
-human marks a local grid. What a camera adds comes between `follow` and `mark_things`.
+Prediction, data association, correction and evidence in `follow`; beginning, ending, re-identification and the grid of
+what stands still in `maintain`. What a camera adds comes between the two.
 """
 
 import numpy as np
 
-from ...slam.rigid_kernel import moved_points
 from ...slam.view_kernel import inner_kernel, kernel
-from . import leg_kernels, person_tracks, track_kernels
-from .confirmation import confirm_people
-from .leg_association import associate
-from .leg_exchange import exchange
-from .local_grid import mark
-from .merged_legs import see_merged_legs
-from .numbers import confidence_weight, process_variance
-from .reidentification import lose, predict_lost
-from .tracks import LEGS, LOST, PEOPLE, begin, count_owned, take
+from ..legs.recent_views import keep_view
+from . import motion
+from .association import associate
+from .evidence import look, probability, seen_from, weigh_looks
+from .existence import begin, believe, end
+from .geometry_kernels import points_of_things
+from .local_grid import OCCUPIED, are_free, mark
+from .numbers import process_variance
+from .tracks import hypotheses_of
 
 
 @kernel
-def follow(tracks, found, points, pose, time_s, dt, c):
-    """Take the clusters `found` in one scan, taken `dt` seconds after the last from `pose` (3,), T_odom_robot.
+def follow(tracks, found, view, pose, time_s, dt, c):
+    """Take the clusters `found` in a scan with this `view`, `dt` seconds after the last; return what they show.
 
-    `points` (k, 2) are the scan's in the odometry frame. Returns (m,) which of the clusters are not human: no leg-like
-    ones, and old tentative tracks that never moved.
+    `pose` (3,) is T_odom_robot.
     """
-    places, human = moved_points(pose, found.positions), np.flatnonzero(found.human)
-    z, d = places[human], found.confidence[human]
-    _predict(tracks, dt, c)
-    match = associate(tracks, z, c)
-    _correct(tracks, match, z, d, found, places, time_s, dt, c)
-    match = exchange(tracks, match, c)
-    things = _things(tracks, found.human, human, match, c)
-    _terminate(tracks, c)
-    fresh = leg_kernels.unmatched(match, len(z))
-    begin(tracks, z[fresh], d[fresh], c.motion_initial_variance)
-    confirm_people(tracks, points, time_s, c)
-    return things
+    rows, sight = hypotheses_of(tracks), look(tracks, found, view, pose, time_s, dt, c)
+    motion.predict(rows, dt, process_variance(c, dt))
+    associate(rows, sight, c)
+    one_leg = c.motion_r + c.motion_one_leg_variance
+    motion.correct(rows, sight.z, c.motion_r, one_leg, dt, np.exp(-dt / c.association_offset_s))
+    for i in range(len(rows)):
+        rows[i].placed_s = rows[i].placed_s + dt if rows[i].p[0] <= c.existence_told else 0.0
+    _note_paths(tracks, rows, sight, view, time_s, dt, c)
+    weigh_looks(rows, sight, view, dt, c)
+    return sight
+
+
+@inner_kernel
+def _note_paths(tracks, rows, sight, view, time_s, dt, c):
+    """Note where hypotheses have been; one that has stood for long is as if it had never moved."""
+    free = are_free(tracks.cells, rows["x"][:, :2].copy(), c.things_resolution, time_s, c.things_fade_s)
+    motion.note_path(
+        rows, seen_from(view.laser, sight.z), free, sight.still, dt, c.views_spacing_s, c.evidence_least_way,
+        c.evidence_least_pace, c.evidence_jitter,
+    )  # fmt: skip
+    for i in range(len(rows)):
+        if rows[i].stands_s >= c.existence_stand_s:
+            rows[i].moved, rows[i].born[0], rows[i].born[1] = 0.0, rows[i].x[0], rows[i].x[1]
 
 
 @kernel
-def mark_things(tracks, found, points, things, pose, time_s, dt, c):
-    """Mark the grid where the clusters `things` (m,) are, but never where a person, or what may become one, stands."""
-    people, legs = tracks.people[: tracks.counts[PEOPLE]], tracks.legs[: tracks.counts[LEGS]]
-    lost = tracks.lost["x"][: tracks.counts[LOST]]
-    human = leg_kernels.human_places(people, legs, c.confirmation_delta / 2.0, lost)
-    kept = track_kernels.points_of_things(points, found.start, found.end, things, human, c.grid_clearance)
-    mark(tracks.cells, kept, pose, c.grid_resolution, time_s, dt / c.grid_rise_s, c.grid_fade_s)
+def maintain(tracks, sight, view, pose, points, time_s, dt, c):
+    """Begin and end hypotheses by what was seen, and mark where things stand.
 
-
-@inner_kernel
-def _predict(tracks, dt, c):
-    """Move all tracks `dt` seconds ahead (eq. 4a, 4b)."""
-    legs = tracks.legs[: tracks.counts[LEGS]]
-    track_kernels.predict(legs["x"], legs["p"], legs["age_s"], legs["unseen_s"], dt, process_variance(c, dt))
-    person_tracks.predict_people(tracks.people[: tracks.counts[PEOPLE]], dt, c)
-    predict_lost(tracks, dt, c)
-
-
-@inner_kernel
-def _correct(tracks, match, z, d, found, places, time_s, dt, c):
-    """Correct legs and people (eq. 4c to 4e, 6) with detections `z` (m, 2), `d` (m,) that `match` (n,) tracks."""
-    legs, people = tracks.legs[: tracks.counts[LEGS]], tracks.people[: tracks.counts[PEOPLE]]
-    track_kernels.correct_legs(legs, match, z, d, c.motion_r, confidence_weight(c, dt))
-    seen = person_tracks.measure(people, match[: 2 * len(people)], z, d)
-    see_merged_legs(tracks, seen.seen, seen.centre, seen.confidence, found, places, time_s, c)
-    person_tracks.correct_people(people, seen, dt, c)
-    leg_kernels.carry_hidden(legs, people, match)
-    track_kernels.average_apart(legs["x"], legs["age_s"], tracks.apart, dt, c.pairing_stride_s)
-    count_owned(tracks, dt)
-
-
-@inner_kernel
-def _things(tracks, is_human, human, match, c):
-    """Return (m,) which clusters are not human; `human` (k,) are those of which `is_human` (m,) says they are."""
-    legs, owned = tracks.legs[: tracks.counts[LEGS]], 2 * tracks.counts[PEOPLE]
-    things = ~is_human
-    still = leg_kernels.still(legs, owned, match, c.grid_still_s, c.confirmation_delta, len(human))
-    track_kernels.put(still, is_human, things)
-    return things
-
-
-@inner_kernel
-def _terminate(tracks, c):
-    """End tracks whose place is too uncertain, or that nobody believes in; a person's legs live as long as the person.
-
-    Ye 2021, section II.A.
+    `points` (k, 2) are the scan's, odometry frame [m].
     """
-    people, legs = tracks.people[: tracks.counts[PEOPLE]], tracks.legs[: tracks.counts[LEGS]]
-    alive = track_kernels.surviving(people, c.termination_epsilon, c.termination_c_min)
-    keep = track_kernels.surviving(legs, c.termination_epsilon, c.termination_c_min)
-    for i in range(len(alive)):
-        keep[2 * i] = keep[2 * i + 1] = alive[i]
-    if not alive.all():
-        lose(tracks, alive, c)
-    if not keep.all():
-        take(tracks, np.flatnonzero(keep))
+    begin(tracks, sight, view.laser, c)
+    keep_view(tracks.views, view, time_s, c.views_spacing_s)
+    end(tracks, sight, time_s, c)
+    believe(tracks, time_s, c)
+    _mark_things(tracks, points, pose, time_s, dt, c)
+
+
+@inner_kernel
+def _mark_things(tracks, points, pose, time_s, dt, c):
+    """Mark where something stands by `points` (k, 2), but not where somebody who came is."""
+    rows, count = hypotheses_of(tracks), 0
+    people = np.empty((3 * len(rows), 2))
+    for i in range(len(rows)):
+        if rows[i].id >= 0 and rows[i].moved >= c.evidence_least_way:
+            for k in range(2):
+                people[count, k] = rows[i].x[k]
+                people[count + 1, k] = rows[i].x[k] + rows[i].legs[0, k]
+                people[count + 2, k] = rows[i].x[k] + rows[i].legs[1, k]
+            count += 3
+    whole = np.zeros(1, np.int64), np.full(1, len(points)), np.ones(1, np.bool_)
+    things = points_of_things(points, whole[0], whole[1], whole[2], people[:count], c.things_clearance)
+    rise = dt * OCCUPIED / c.things_still_s
+    mark(tracks.cells, things, pose, c.things_resolution, time_s, rise, c.things_fade_s)
+
+
+@kernel
+def told_people(tracks, c):
+    """Return (k,) the rows of those who are believed in, and of whom is known where they are."""
+    rows = hypotheses_of(tracks)
+    told, count = np.empty(len(rows), np.int64), 0
+    for i in range(len(rows)):
+        if rows[i].id >= 0 and rows[i].p[0] <= c.existence_told:
+            told[count] = i
+            count += 1
+    return told[:count]
+
+
+@kernel
+def seen_legs(tracks, told, c):
+    """Return places (k, 2), confidence (k,) and owner (k,) of the legs seen that likelier are somebody's than not.
+
+    The owner is a row of `told` (n,), or -1 for nobody.
+    """
+    rows = hypotheses_of(tracks)
+    owner_of = np.full(len(rows), -1)
+    for k in range(len(told)):
+        owner_of[told[k]] = k
+    places, sure, owner = np.empty((2 * len(rows), 2)), np.empty(2 * len(rows)), np.empty(2 * len(rows), np.int64)
+    count = 0
+    for i in range(len(rows)):
+        for s in range(2):
+            if rows[i].clusters[s] >= 0 and rows[i].odds >= c.existence_stop:
+                for k in range(2):
+                    places[count, k] = rows[i].x[k] + rows[i].legs[s, k]
+                sure[count], owner[count] = probability(rows[i].odds), owner_of[i]
+                count += 1
+    return places[:count], sure[:count], owner[:count]

@@ -12,34 +12,34 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...slam.view_kernel import kernel
+
 if TYPE_CHECKING:
     from filterpy.kalman import KalmanFilter
 
 Array = NDArray[np.float64]
 
 
-def predict(x: Array, p: Array, dt: float, q: float) -> tuple[Array, Array]:
-    """Return states and covariances `dt` seconds later (eq. 4a, 4b).
-
-    Args:
-        x: (n, 4) states.
-        p: (n, 3) covariances (a, b, c).
-        dt: Time step [s].
-        q: Diagonal of Q for this step.
-    """
-    a, b, c = p[:, 0], p[:, 1], p[:, 2]
-    later = x.copy()
-    later[:, :2] += dt * x[:, 2:]
-    return later, np.stack((a + 2.0 * dt * b + dt * dt * c + q, b + dt * c, c + q), axis=1)
+@kernel
+def predict_state(x, p, dt, q):
+    """Move one state `x` (4,) and covariance `p` (3,) `dt` [s] ahead (eq. 4a, 4b) with process noise `q`."""
+    x[0] += dt * x[2]
+    x[1] += dt * x[3]
+    a, b, c = p[0], p[1], p[2]
+    p[0], p[1], p[2] = a + 2.0 * dt * b + dt * dt * c + q, b + dt * c, c + q
 
 
-def update(x: Array, p: Array, z: Array, r: float | Array) -> tuple[Array, Array]:
-    """Return states and covariances after the measured positions `z` (n, 2) (eq. 4c to 4e); `r` is a number or (n,)."""
-    a, b, c = p[:, 0], p[:, 1], p[:, 2]
-    k_position, k_velocity = a / (a + r), b / (a + r)
-    y = z - x[:, :2]
-    after = np.concatenate((x[:, :2] + k_position[:, None] * y, x[:, 2:] + k_velocity[:, None] * y), axis=1)
-    return after, np.stack(((1.0 - k_position) * a, (1.0 - k_position) * b, c - k_velocity * b), axis=1)
+@kernel
+def correct_state(x, p, u, v, r):
+    """Correct one state `x` (4,) and covariance `p` (3,) by the measured position (u, v) (eq. 4c to 4e)."""
+    k, gain = p[0] / (p[0] + r), p[1] / (p[0] + r)
+    dx, dy = u - x[0], v - x[1]
+    x[0] += k * dx
+    x[1] += k * dy
+    x[2] += gain * dx
+    x[3] += gain * dy
+    p[2] -= gain * p[1]
+    p[0], p[1] = (1.0 - k) * p[0], (1.0 - k) * p[1]
 
 
 def full_covariance(p: Array) -> Array:

@@ -159,6 +159,8 @@ def are_free(cells: Any, points: Any, resolution: float, now: float, fade_s: flo
         for x in range(i - 1, i + 2):
             for y in range(j - 1, j + 2):
                 cell = cells.cells[_place_of(cells, x, y)]
+                if cell.evidence < OCCUPIED:
+                    continue
                 here = cell.x == (x >> _BITS) & _BLOCKS and cell.y == (y >> _BITS) & _BLOCKS
                 if here and cell.evidence * np.exp((cell.time_s - now) / fade_s) >= OCCUPIED:
                     free[k] = False

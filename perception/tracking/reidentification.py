@@ -1,115 +1,52 @@
-"""Re-identification: people whose track has ended get their number back when they are seen again.
-
-Their places are predicted, their velocity fading. Whoever starts within two standard deviations of such a prediction,
-but no farther than the configured distance, and was not yet there when the old track was last seen, is that person.
-"""
+"""Re-identification: people whose hypothesis has ended get their number back when they are seen again."""
 
 import numpy as np
 
-from ...slam.view_kernel import inner_kernel, kernel
-from .assignment import assigned
-from .leg_kernels import since_leg
-from .numbers import process_variance
-from .track_kernels import distance
-from .tracks import LEGS, LOST, NEXT_ID, PEOPLE, keep_lost
+from ...slam.view_kernel import inner_kernel
+from .tracks import LOST
 
 
-@kernel
-def predict_lost(tracks, dt, c):
-    """Move the lost `dt` seconds ahead; drop those unseen for too long."""
-    count = tracks.counts[LOST]
-    if count == 0:
-        return
-    lost = tracks.lost[:count]
-    x, p, unseen_s = lost["x"], lost["p"], lost["unseen_s"]
-    fade, q = np.exp(-dt / c.motion_coast_s), process_variance(c, dt)
+@inner_kernel
+def lose(tracks, rows, kept, time_s, c):
+    """Remember the people among the hypotheses `rows` (n,) that are not `kept` (n,); forget those lost for too long."""
+    lost, count = tracks.lost, tracks.counts[LOST]
+    for i in range(len(rows)):
+        if not kept[i] and rows[i].id >= 0 and rows[i].age_s >= c.reidentification_known_s:
+            lost[count].id, lost[count].seen_s = rows[i].id, time_s - rows[i].unseen_s
+            for k in range(4):
+                lost[count].x[k] = rows[i].x[k]
+            count += 1
+    tracks.counts[LOST] = 0
     for i in range(count):
-        unseen_s[i] += dt
-        a, b, v = p[i, 0], p[i, 1], p[i, 2]
-        p[i, 0], p[i, 1], p[i, 2] = a + 2.0 * dt * b + dt * dt * v + q, b + dt * v, v + q
-        for k in range(2):
-            x[i, k + 2] *= fade
-            x[i, k] += dt * x[i, k + 2]
-    keep_lost(tracks, unseen_s <= c.reidentification_max_age_s)
+        if time_s - lost[i].seen_s <= c.reidentification_max_age_s:
+            lost[tracks.counts[LOST]] = lost[i]
+            tracks.counts[LOST] += 1
 
 
 @inner_kernel
-def lose(tracks, alive, c):
-    """Let the people who are not `alive` (n,) end, and be lost, but for those who were hardly known."""
-    kept, lost = 0, tracks.counts[LOST]
-    for i in range(len(alive)):
-        if alive[i]:
-            tracks.people[kept] = tracks.people[i]
-            kept += 1
-        elif tracks.people["age_s"][i] >= c.reidentification_known_s:
-            tracks.lost[lost] = tracks.people[i]
-            lost += 1
-    tracks.counts[PEOPLE], tracks.counts[LOST] = kept, lost
+def nearest_lost(tracks, somebody, time_s, c):
+    """Return the row of the lost person who may be `somebody` and is nearest; -1: there is none.
 
-
-@inner_kernel
-def _farness(person, x, y, age_s, c):
-    """Return how far (x, y) is from the `person` [m]; inf where who has been there for `age_s` cannot be that one."""
-    away = distance(x, y, person.x[0], person.x[1])
-    gate = min(2.0 * np.sqrt(person.p[0]), c.reidentification_distance)
-    if away > gate or age_s > person.unseen_s + c.reidentification_overlap_s:
-        return np.inf
-    return away
-
-
-@inner_kernel
-def may_be_legs(tracks, rows, c):
-    """Return (k,) whether the leg tracks `rows` (k,) stand where somebody who is lost must be by now."""
-    x, age_s = tracks.legs["x"], tracks.legs["age_s"]
-    may = np.zeros(len(rows), np.bool_)
-    for k in range(len(rows)):
-        i = rows[k]
-        if age_s[i] >= c.reidentification_near_age_s:
-            for j in range(tracks.counts[LOST]):
-                if _farness(tracks.lost[j], x[i, 0], x[i, 1], age_s[i], c) <= c.reidentification_near:
-                    may[k] = True
-    return may
-
-
-@kernel
-def number(tracks, fresh, c):
-    """Number the `fresh` people (k,): their old number where they are re-identified, else a new one.
-
-    People of whom no leg was seen for some time still have a track, but it may have slid off to something else; they
-    can be re-identified too. Then that track ends with the next scan, and is nobody's to be re-identified.
+    It is within a step and what somebody walks in the time since, and was not there long before the other was lost.
     """
-    people, lost = tracks.people[: tracks.counts[PEOPLE]], tracks.lost[: tracks.counts[LOST]]
-    since_s = since_leg(tracks.legs[: tracks.counts[LEGS]], len(people))
-    unsure = np.flatnonzero(np.minimum(since_s, people["camera_s"]) > c.reidentification_unseen_s)
-    x, age_s, numbers = fresh["x"], fresh["age_s"], fresh["id"]
-    cost = np.empty((len(fresh), len(lost) + len(unsure)))
-    for i in range(len(fresh)):
-        for j in range(len(lost)):
-            cost[i, j] = _farness(lost[j], x[i, 0], x[i, 1], age_s[i], c)
-        for j in range(len(unsure)):
-            cost[i, len(lost) + j] = _farness(people[unsure[j]], x[i, 0], x[i, 1], age_s[i], c)
-    rows, columns = assigned(cost, np.full(len(fresh), c.reidentification_distance))
-    numbers[:] = -1
-    left = np.ones(len(lost), np.bool_)
-    for k in range(len(rows)):
-        j = columns[k]
-        if j < len(lost):
-            numbers[rows[k]], left[j] = lost[j].id, False
-        else:
-            numbers[rows[k]] = people[unsure[j - len(lost)]].id
-    keep_lost(tracks, left)
-    _number_anew(tracks, people, numbers)
+    row, least = -1, np.inf
+    for i in range(tracks.counts[LOST]):
+        one = tracks.lost[i]
+        gone_s = time_s - one.seen_s
+        drift = c.motion_coast_s * (1.0 - np.exp(-gone_s / c.motion_coast_s))
+        dx, dy = one.x[0] + drift * one.x[2] - somebody.x[0], one.x[1] + drift * one.x[3] - somebody.x[1]
+        apart = np.hypot(dx, dy)
+        gate = min(c.reidentification_distance, c.reidentification_step + gone_s)
+        if apart <= gate and apart < least and somebody.age_s <= gone_s + c.reidentification_overlap_s:
+            row, least = i, apart
+    return row
 
 
 @inner_kernel
-def _number_anew(tracks, people, numbers):
-    """Give new numbers to those of `people` whose number is now among `numbers` (k,), and where there is none (-1)."""
-    for i in range(len(people)):
-        if (numbers == people[i].id).any():
-            people[i].confidence = people[i].age_s = 0.0
-            people[i].id = tracks.counts[NEXT_ID]
-            tracks.counts[NEXT_ID] += 1
-    for k in range(len(numbers)):
-        if numbers[k] < 0:
-            numbers[k] = tracks.counts[NEXT_ID]
-            tracks.counts[NEXT_ID] += 1
+def taken(tracks, row):
+    """Return the number of the lost person in this `row`, who is found again."""
+    number = tracks.lost[row].id
+    for i in range(row, tracks.counts[LOST] - 1):
+        tracks.lost[i] = tracks.lost[i + 1]
+    tracks.counts[LOST] -= 1
+    return number

@@ -6,16 +6,13 @@ tells nothing where the odometry is wrong or missing, or where there is nothing 
 """
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...slam.bounds import check_numbers, check_positive
+from ...slam.bounds import Within, check_numbers, check_positive
 from ...slam.view_kernel import kernel
-from ..legs.clusters import Clusters
-from ..legs.features import is_wide
-
-Array = NDArray[np.float64]
+from ..legs.detection_kernel import are_wide
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,13 +20,13 @@ class StillFrameConfig:
     """How the frame is judged.
 
     Attributes:
-        points: So many returns of a scan are asked for, evenly.
+        points: At most so many returns of a scan are asked for, evenly.
         memory_s: Time constant over which scans are judged together: a turn in which the odometry slips lasts about as
             long [s].
         doubt: Returns that must be asked before they count as much as not knowing does.
     """
 
-    points: int = 50
+    points: Annotated[int, Within(1, 100_000)] = 50
     memory_s: float = 1.0
     doubt: float = 10.0
 
@@ -38,46 +35,31 @@ class StillFrameConfig:
         check_positive(self, "points", "memory_s", "doubt")
 
 
-class StillFrame:
-    """Judges one frame, scan by scan, by what is too wide to be anybody.
+FRAME = np.dtype([("asked", np.float64), ("missed", np.float64)])
+"""Returns that were asked, lately, and of how many the place was empty."""
 
-    Args:
-        config: How.
+
+@kernel
+def judge_frame(frame, shares, dt, memory_s):
+    """Take the `shares` (n, 2) of recent scans in which the places of walls were empty, and occupied, into a `FRAME`.
+
+    The frame is common to all of them, so the middle one tells of it; glass, doors and who stands before a wall are
+    outliers.
     """
+    kept = np.exp(-dt / memory_s)
+    count, middle = middle_miss(shares)
+    frame.asked, frame.missed = kept * frame.asked + count, kept * frame.missed + count * middle
 
-    def __init__(self, config: StillFrameConfig) -> None:
-        self.config = config
-        self.reset()
 
-    def reset(self) -> None:
-        """Forget everything: nothing is known of the frame."""
-        self._asked, self._missed = 0.0, 0.0
+@kernel
+def stillness(frame, doubt):
+    """Return how far the frame stands still, in [0, 1].
 
-    def update(self, shares: Array, dt: float) -> None:
-        """Take the `shares` (n, 2) of recent scans in which the places of walls were empty, and occupied.
-
-        The frame is common to all of them, so the middle one tells of it; glass, doors and who stands before a wall are
-        outliers.
-        """
-        kept = float(np.exp(-dt / self.config.memory_s))
-        count, middle = middle_miss(shares)
-        self._asked, self._missed = kept * self._asked + count, kept * self._missed + count * middle
-
-    @property
-    def known(self) -> float:
-        """How far the frame stands still, in [0, 1].
-
-        1 where a wall is met again three times in four: people and glass hide the rest. 0 where as often as not, or
-        where no wall has been seen yet.
-        """
-        doubt = self.config.doubt
-        missed = (self._missed + 0.5 * doubt) / (self._asked + doubt)
-        return float(np.clip(2.0 - 4.0 * missed, 0.0, 1.0))
-
-    def walls(self, clusters: Clusters) -> Array:
-        """Return (n, 2) some of the returns on clusters too wide to be anybody, in the laser frame [m]."""
-        points = points_of(clusters.points, clusters.start, clusters.end, is_wide(clusters))
-        return points[:: max(1, len(points) // self.config.points)]
+    1 where a wall is met again three times in four: people and glass hide the rest. 0 where as often as not, or where
+    no wall has been seen yet.
+    """
+    missed = (frame.missed + 0.5 * doubt) / (frame.asked + doubt)
+    return min(max(2.0 - 4.0 * missed, 0.0), 1.0)
 
 
 @kernel
@@ -94,13 +76,20 @@ def middle_miss(shares):
 
 
 @kernel
-def points_of(points, start, end, chosen):
-    """Return (j, 2) those of `points` (k, 2) in the `chosen` (m,) of the clusters from `start` (m,) to `end` (m,)."""
-    kept = np.empty_like(points)
-    count = 0
+def points_of_walls(points, start, end, most):
+    """Return (j, 2) some of `points` (k, 2) in clusters, from `start` (m,) to `end` (m,), too wide to be anybody.
+
+    They are every so-manieth of them, so that they are at most `most`.
+    """
+    wide, count = are_wide(points, start, end), 0
     for c in range(len(start)):
-        if chosen[c]:
+        count += end[c] - start[c] if wide[c] else 0
+    step = max(1, int(np.ceil(count / most)))
+    kept, met = np.empty(((count + step - 1) // step, 2)), 0
+    for c in range(len(start)):
+        if wide[c]:
             for i in range(start[c], end[c]):
-                kept[count] = points[i]
-                count += 1
-    return kept[:count]
+                if met % step == 0:
+                    kept[met // step, 0], kept[met // step, 1] = points[i, 0], points[i, 1]
+                met += 1
+    return kept

@@ -1,24 +1,26 @@
 """People from leg detections, scan by scan (Ye 2021, section II.A)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...slam.bounds import checked_pose
 from ...slam.errors import InputError
-from ...slam.geometry import compose
 from ...slam.rigid_kernel import moved_points
 from ...slam.scan import LaserScan
 from ..legs.detection_kernel import Found
 from ..legs.detector import Detections, Detector
-from . import following, leg_kernels
-from .camera import CameraTracking, SeenPeople
+from ..legs.range_view import RangeView, seen_in
+from ..legs.recent_views import no_views
+from . import following
+from .camera import SeenPeople, take_in
 from .config import TrackerConfig
+from .evidence import remembered
 from .local_grid import make_pages, with_more_pages
-from .numbers import numbers_of
+from .numbers import Numbers, numbers_of
 from .people import People, SeenLegs
-from .tracks import LEGS, PEOPLE, Tracks, has_room, no_tracks, tracks_of, with_room
+from .tracks import Tracks, has_room, no_tracks, tracks_of, with_room
 
 Array = NDArray[np.float64]
 
@@ -44,9 +46,11 @@ class TrackerUpdate:
 
 
 class PeopleTracker:
-    """Tracks legs and people in the odometry frame.
+    """Tracks people in the odometry frame, with moving or standing robots, by hypotheses of whole people.
 
-    A scan goes through the stages of multi-target tracking, see `following`; a camera may add what it saw.
+    Each hypothesis explains one cluster, two legs, or nothing that is seen, by likelihood: a track-oriented
+    multi-target filter with existence probabilities (Musicki, Evans, Stanicic, "Integrated probabilistic data
+    association", IEEE TAC 39(6), 1994). A scan goes through its stages, see `following`; a camera may add what it saw.
 
     Args:
         config: Its numbers, a node for each stage.
@@ -59,8 +63,7 @@ class PeopleTracker:
 
     def reset(self) -> None:
         """Forget everything."""
-        self._all = no_tracks(1)
-        self._camera = CameraTracking(self._config, self._numbers)
+        self._all, self._beams = no_tracks(1, 0, self._config.views), (0, 0.0, 0.0)
         self._time_s: float | None = None
 
     def update(self, scan: LaserScan, odometry: ArrayLike, seen: SeenPeople | None = None) -> TrackerUpdate:
@@ -69,16 +72,21 @@ class PeopleTracker:
         Raises:
             InputError: If the scan is not later than the one before.
         """
-        pose, dt = checked_pose(odometry), self._step(scan.time_s)
-        detections = self._detector.detect(scan)
-        found, lidar = found_in(detections), compose(pose, scan.T_robot_lidar)
-        points = moved_points(np.asarray(lidar), found.points)
-        tracks = self._with_room(len(detections) + (0 if seen is None else 2 * len(seen.positions)), points, pose)
-        things = following.follow(tracks, found, points, pose, scan.time_s, dt, self._numbers)
+        pose, dt, time_s = checked_pose(odometry), self._step(scan.time_s), float(scan.time_s)
+        detections, view = self._detector.detect(scan), seen_in(scan, pose)
+        found, c = found_in(detections), self._numbers
+        points = moved_points(view.laser, scan.points)
+        fresh = len(detections) + (0 if seen is None else len(seen.positions))
+        tracks = self._with_room(fresh, points, pose, view)
+        sight = following.follow(tracks, found, view, pose, time_s, dt, c)
         if seen is not None:
-            self._camera.update(tracks, seen, scan.time_s, dt)
-        following.mark_things(tracks, found, points, things, pose, scan.time_s, dt, self._numbers)
-        return TrackerUpdate(_as_people(tracks, scan.time_s), detections, pose)
+            places, delay = np.ascontiguousarray(seen.positions, dtype=np.float64), max(0.0, time_s - seen.time_s)
+            take_in(tracks, places, np.asarray(seen.likelihood, dtype=np.float64), delay, view.laser, c)
+        following.maintain(tracks, sight, view, pose, points, time_s, dt, c)
+        confidence = remembered(found.confidence, sight, float(self._config.existence.memory))
+        human = confidence >= self._config.existence.gamma
+        told = replace(detections, confidence=confidence, human=human)
+        return TrackerUpdate(_as_people(tracks, time_s, c), told, pose)
 
     def _step(self, time_s: float) -> float:
         """Return the time since the last scan [s]; before the first, that between two scans at the reference rate."""
@@ -88,12 +96,18 @@ class PeopleTracker:
         self._time_s = time_s
         return 1.0 / self._config.motion.reference_rate_hz if before is None else time_s - before
 
-    def _with_room(self, fresh: int, points: Array, pose: Array) -> Tracks:
-        """Return the tracks, with room for `fresh` more and for things at `points` (k, 2) around `pose` (3,)."""
-        while not make_pages(tracks_of(self._all, 0).cells, points, pose, self._config.grid.resolution):
+    def _with_room(self, fresh: int, points: Array, pose: Array, view: RangeView) -> Tracks:
+        """Return the tracks, with room for `fresh` more and for things at `points` (k, 2) around `pose` (3,).
+
+        What was seen along other beams than those of `view` is forgotten.
+        """
+        beams = len(view.ranges), float(view.first), float(view.step)
+        if beams != self._beams:
+            self._all, self._beams = self._all._replace(views=no_views(1, beams[0], self._config.views)), beams
+        while not make_pages(tracks_of(self._all, 0).cells, points, pose, self._config.things.resolution):
             self._all = self._all._replace(cells=with_more_pages(self._all.cells))
         while not has_room(tracks_of(self._all, 0), fresh):
-            self._all = with_room(self._all, 2 * self._all.legs.shape[1])
+            self._all = with_room(self._all)
         return tracks_of(self._all, 0)
 
 
@@ -111,19 +125,19 @@ def found_in(detections: Detections) -> Found:
     )
 
 
-def _as_people(tracks: Tracks, time_s: float) -> People:
+def _as_people(tracks: Tracks, time_s: float, c: Numbers) -> People:
     """Return copies of what is known of the people at `time_s`."""
-    people, legs = tracks.people[: tracks.counts[PEOPLE]], tracks.legs[: tracks.counts[LEGS]]
-    rows, owner = leg_kernels.seen_now(legs, len(people))
+    told = following.told_people(tracks, c)
+    rows = tracks.hypotheses[told]
     return People(
         time_s=time_s,
-        ids=people["id"].copy(),
-        positions=people["x"][:, :2].copy(),
-        velocities=people["x"][:, 2:].copy(),
-        confidence=people["confidence"].copy(),
-        legs=legs["x"][: 2 * len(people), :2].reshape(-1, 2, 2).copy(),
-        variance=people["p"][:, 0].copy(),
-        unseen_s=people["unseen_s"].copy(),
-        age_s=people["age_s"].copy(),
-        seen_legs=SeenLegs(legs["seen"][rows], legs["confidence"][rows], owner),
+        ids=rows["id"],
+        positions=rows["x"][:, :2].copy(),
+        velocities=rows["x"][:, 2:].copy(),
+        confidence=1.0 / (1.0 + np.exp(-rows["odds"])),
+        legs=rows["x"][:, None, :2] + rows["legs"],
+        variance=rows["p"][:, 0].copy(),
+        unseen_s=rows["unseen_s"],
+        age_s=rows["placed_s"],
+        seen_legs=SeenLegs(*following.seen_legs(tracks, told, c)),
     )

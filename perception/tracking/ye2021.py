@@ -18,20 +18,17 @@ from ...slam.geometry import compose, transform_points
 from ...slam.scan import LaserScan
 from ..legs.detector import Detections, Detector
 from .camera import SeenPeople
-from .config import TrackerConfig
+from .geometry_kernels import points_of_things
 from .kalman import predict_single, single_target
 from .local_grid import LocalGrid
 from .people import People, SeenLegs
-from .track_kernels import points_of_things
 from .tracker import TrackerUpdate
+from .ye2021_config import Ye2021Config
 
 if TYPE_CHECKING:
     from filterpy.kalman import KalmanFilter
 
 Array = NDArray[np.float64]
-
-GATE = 0.5
-"""A detection farther than this from a track is none of it [m]; the paper prints no gate: as far as delta."""
 
 
 @dataclass(eq=False)
@@ -66,20 +63,19 @@ class Ye2021Tracker:
     """Tracks people in the odometry frame.
 
     Args:
-        config: Numbers of Table II; of `TrackerConfig` it uses motion, termination, `confirmation.delta`,
-            `pairing.distance` and grid.
+        config: Its numbers.
         detector: Finds legs in single scans (clusters by alpha and beta, the forest's confidence above gamma).
     """
 
-    def __init__(self, config: TrackerConfig, detector: Detector) -> None:
+    def __init__(self, config: Ye2021Config, detector: Detector) -> None:
         self._config, self._detector = config, detector
         self.reset()
 
     def reset(self) -> None:
         """Forget everything."""
-        grid = self._config.grid
+        config = self._config
         self._tracks: list[PaperTrack] = []
-        self._grid = LocalGrid(grid.resolution, grid.rise_s, grid.fade_s)
+        self._grid = LocalGrid(config.resolution, config.rise_s, config.fade_s)
         self._time_s: float | None = None
         self._people = 0
 
@@ -90,7 +86,7 @@ class Ye2021Tracker:
             InputError: If the scan is not later than the one before, or a camera has seen people.
         """
         if seen is not None:
-            raise InputError('the method "ye2021" takes no camera; give "leg pairs"')
+            raise InputError('the method "ye2021" takes no camera; give "hypotheses"')
         pose, dt = checked_pose(odometry), self._step(scan.time_s)
         detections = self._detector.detect(scan)
         y = transform_points(pose, detections.positions[detections.human])  # eq. 1
@@ -125,16 +121,17 @@ class Ye2021Tracker:
         """
         rows = [n for n, track in enumerate(self._tracks) for _ in range(2 if track.number >= 0 else 1)]
         cost = cdist(np.array([self._tracks[n].position for n in rows]).reshape(-1, 2), y)
-        cost = np.where(cost < GATE, cost, 1e3 * GATE)  # beyond the gate: only if nothing else is left
+        gate = self._config.gate
+        cost = np.where(cost < gate, cost, 1e3 * gate)  # beyond the gate: only if nothing else is left
         matched: list[list[int]] = [[] for _ in self._tracks]
         for row, column in zip(*linear_sum_assignment(cost), strict=True):
-            if cost[row, column] < GATE:
+            if cost[row, column] < gate:
                 matched[rows[row]].append(int(column))
         return matched
 
     def _correct(self, matched: list[list[int]], y: Array, d: Array, dt: float) -> None:
         """Correct the matched tracks by their detections (eq. 4c to 4e) and their confidence (eq. 6)."""
-        weight = self._config.motion.confidence_weight(dt)
+        weight = self._config.confidence_weight(dt)
         for track, detections in zip(self._tracks, matched, strict=True):
             track.legs = y[detections]
             if detections:
@@ -154,7 +151,7 @@ class Ye2021Tracker:
         clusters, people = detections.clusters, [track.position for track in self._tracks if track.number >= 0]
         points = transform_points(compose(pose, scan.T_robot_lidar), clusters.points)
         places = np.array(people).reshape(-1, 2)
-        clearance = self._config.grid.clearance
+        clearance = self._config.clearance
         things = points_of_things(points, clusters.start, clusters.end, ~detections.human, places, clearance)
         self._grid.mark(things, pose[:2], scan.time_s, dt)
 
@@ -164,7 +161,7 @@ class Ye2021Tracker:
         legs = [track for track in self._tracks if track.number < 0 and self._may_be_a_leg(track, time_s)]
         places = np.array([track.position for track in legs]).reshape(-1, 2)
         apart = cdist(places, places) + np.where(np.eye(len(legs)), np.inf, 0.0)
-        while apart.size and apart.min() <= config.pairing.distance:
+        while apart.size and apart.min() <= config.distance:
             i, j = np.unravel_index(apart.argmin(), apart.shape)
             first, second = legs[i], legs[j]
             first.number, self._people = self._people, self._people + 1
@@ -175,13 +172,13 @@ class Ye2021Tracker:
             apart[[i, j]] = apart[:, [i, j]] = np.inf
 
     def _may_be_a_leg(self, track: PaperTrack, time_s: float) -> bool:
-        moved = float(np.hypot(*(track.position - track.start))) >= self._config.confirmation.delta
-        sure = track.confidence > self._config.termination.c_min
+        moved = float(np.hypot(*(track.position - track.start))) >= self._config.delta
+        sure = track.confidence > self._config.c_min
         return moved and sure and bool(self._grid.is_free(track.position[None], time_s)[0])
 
     def _delete(self) -> None:
         """Delete tracks whose place is too uncertain (epsilon) or whose confidence is too small (c_min)."""
-        limits = self._config.termination
+        limits = self._config
         self._tracks = [
             track
             for track in self._tracks

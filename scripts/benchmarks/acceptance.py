@@ -102,7 +102,7 @@ def map_once(scene: str, people: int, standing: int, seed: int, method: str = "g
 def track_once(scene: str, people: int, seed: int) -> dict[str, Any]:
     """Track everybody in one drive; return counts and shares."""
     options = argparse.Namespace(
-        scene=scene, people=people, first_seed=seed, seeds=1, preset="table2", forest="simulation", seconds=120.0
+        scene=scene, people=people, first_seed=seed, seeds=1, preset="recorded", forest="simulation", seconds=120.0
     )
     return next(drives(options))
 

@@ -108,7 +108,7 @@ def simulated(folder: str, name: str) -> dict[str, Any]:
     drive = read_carmen(Path(folder) / f"{case.log}.log.gz")
     truth = read_tum(Path(folder) / f"{case.truth}.gt.tum").poses
     if case.tracked:
-        filtered = filtered_scans(drive, PeopleFilterConfig(forest="simulation", method="leg pairs"))
+        filtered = filtered_scans(drive, PeopleFilterConfig(forest="simulation"))
         drive = replace(drive, scans=[scan.without_people for scan in filtered])
     engine, timing = _driven(drive)
     result = {**_counts(engine), "closures": closures(engine, truth), TIMING: timing}

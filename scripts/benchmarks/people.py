@@ -198,7 +198,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seeds", type=at_least(1), default=10)
     parser.add_argument("--first-seed", type=random_seed, default=0)
     parser.add_argument("--people", type=at_least(1), default=4)
-    parser.add_argument("--preset", default="table2")
+    parser.add_argument("--preset", default="recorded")
     parser.add_argument("--forest", default="simulation")
     parser.add_argument("--seconds", type=positive, default=120.0, help="longest drive [s]")
 

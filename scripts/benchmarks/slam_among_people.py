@@ -54,7 +54,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--others", type=Path, metavar="DIR", help="trajectories of other engines, NAME/ENGINE.tum")
     parser.add_argument("--engines", nargs="*", default=["gmapping", "cartographer"], help="ours (default: both)")
     parser.add_argument("--filters", nargs="+", choices=FILTERS, default=list(FILTERS), help="(default: all)")
-    parser.add_argument("--preset", default="table2", choices=list(PRESETS), help="of our filter (default: table2)")
+    parser.add_argument("--preset", default="recorded", choices=list(PRESETS), help="of our filter (default: recorded)")
     parser.add_argument("--forest", default="simulation", help="of our filter (default: simulation)")
 
 

@@ -130,7 +130,7 @@ def stage_latencies(steps: int, beams: int, people: int) -> dict[str, Latency]:
     """
     config = WorldConfig(people=people, lidar=LidarConfig(beams=beams, rate_hz=10.0))
     world = World(config, np.random.default_rng(0))
-    people_filter = PeopleFilter(PeopleFilterConfig(forest="simulation", method="leg pairs"))
+    people_filter = PeopleFilter(PeopleFilterConfig(forest="simulation"))
     detector = LegDetector(LegForest.load("simulation"))
     times: dict[str, list[float]] = {name: [] for name in ("world", "legs", "legs + tracker", "filter")}
     for _ in range(steps + WARM_UP):

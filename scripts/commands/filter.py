@@ -26,7 +26,7 @@ wrong about its odometry or its laser, or whose laser spins slowly, is found out
 example:
   tagalong filter lobby.bag lobby_filtered.bag
   tagalong filter drive.mcap drive_filtered.mcap --scan-topic /front/scan
-  tagalong filter drive.log.gz drive_filtered.log.gz --preset table2 --forest simulation
+  tagalong filter drive.log.gz drive_filtered.log.gz --forest simulation
 """
 
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
+from halls import Hall
 from tagalong.perception.legs.clusters import Clusters
 from tagalong.perception.legs.detector import Detections
 from tagalong.perception.tracking.config import TrackerConfig
@@ -52,7 +53,7 @@ class Stage:
     scans: int = 0
 
     def __post_init__(self):
-        self.detector = ScriptedDetector(gamma=self.config.confirmation.gamma)
+        self.detector = ScriptedDetector(gamma=self.config.existence.gamma)
         self.tracker = PeopleTracker(self.config, self.detector)
         self.rng = np.random.default_rng(0)
 
@@ -107,3 +108,13 @@ def scripted_detector():
 @pytest.fixture
 def step():
     return feet_of_walker
+
+
+@pytest.fixture
+def make_hall(scripted_detector):
+    return lambda rate_hz=7.5: Hall(scripted_detector(), rate_hz)
+
+
+@pytest.fixture
+def hall(make_hall):
+    return make_hall()

@@ -1,9 +1,14 @@
+"""Which detection belongs to which track."""
+
 from itertools import permutations
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tagalong.perception.tracking.assignment import assigned, near_pairs
 from tagalong.perception.tracking.data_association import assign, distances
+from tracking_reference import assign_reference
 
 
 def least_total(cost, gate):
@@ -35,3 +40,27 @@ def test_a_near_pair_is_not_broken_to_match_one_more_track():
 def test_forbidden_pairs_are_never_taken():
     rows, _ = assign(np.full((2, 2), np.inf), 0.5)
     assert len(rows) == 0
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_pairs_nearer_than_their_limit(seed):
+    rng = np.random.default_rng(seed)
+    cost, limit = rng.uniform(0, 1, (5, 4)), rng.uniform(0, 0.5, 5)
+    near = cost < limit[:, None]
+    rows, columns, alone = near_pairs(cost, limit)
+    assert alone == (near.sum(axis=0).max() <= 1 and near.sum(axis=1).max() <= 1)
+    np.testing.assert_array_equal(rows, np.flatnonzero(near.any(axis=1)))
+    np.testing.assert_array_equal(np.sort(columns), np.flatnonzero(near.any(axis=0)))
+    assert not alone or near[rows, columns].all()
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_the_assignment_is_scipys_ties_and_all(seed):
+    rng = np.random.default_rng(seed)
+    for _ in range(25):
+        rows, columns = rng.integers(0, 9, 2)
+        cost = rng.integers(0, 6, (rows, columns)) / 5.0 if seed % 2 else rng.uniform(0.0, 1.0, (rows, columns))
+        cost[rng.random((rows, columns)) < 0.3] = np.inf
+        limit = rng.choice((0.5, 0.8, 1.1), rows)
+        for ours, theirs in zip(assigned(cost, limit), assign_reference(cost, limit), strict=True):
+            assert ours.tolist() == theirs.tolist()

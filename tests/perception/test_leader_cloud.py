@@ -6,8 +6,9 @@ import pytest
 from tagalong.perception.leader import cloud
 from tagalong.perception.leader import cloud_kernels as kernels
 from tagalong.perception.leader.body_selector import BodyConfig, body_numbers
-from tagalong.perception.leader.cloud import CloudConfig, LeaderView, seen_in
+from tagalong.perception.leader.cloud import CloudConfig
 from tagalong.perception.leader.onset import LeaderConfig
+from tagalong.perception.legs.range_view import RangeView, seen_in
 from tagalong.slam import InputError, LaserScan
 
 SEEDS = pytest.mark.parametrize("seed", range(4))
@@ -75,7 +76,7 @@ class Cloud:
 
 
 def open_view(ranges=9.0, count=361):
-    return LeaderView(np.full(count, float(ranges)), -np.pi / 2.0, np.pi / (count - 1), np.zeros(3))
+    return RangeView(np.full(count, float(ranges)), -np.pi / 2.0, np.pi / (count - 1), np.zeros(3))
 
 
 def test_a_scan_becomes_a_view_in_the_odometry_frame():
@@ -100,7 +101,7 @@ def test_bodies_die_in_free_view_and_live_on_out_of_sight():
     around.bodies[::2, :2] = 3.0, 3.0
     ranges = np.full(361, 9.0)
     ranges[225:] = 2.0  # a wall before the half of them at 45 degrees
-    view = LeaderView(ranges, -np.pi / 2.0, np.pi / 360.0, np.zeros(3))
+    view = RangeView(ranges, -np.pi / 2.0, np.pi / 360.0, np.zeros(3))
     for _ in range(3):
         around.weigh(np.zeros((0, 2)), np.zeros(0), view)
     assert around.near((3.0, 3.0), 0.5) > 0.98
@@ -111,7 +112,7 @@ def test_bodies_do_not_walk_through_walls():
     around = Cloud((1.5, 0.0), (1.5, 0.0), push=0.01)
     around.bodies[::2] = 1.5, 0.0, -1.0, 0.0
     ranges = 2.0 / np.cos(np.linspace(-np.pi / 2.0, np.pi / 2.0, 361)).clip(0.05)
-    view = LeaderView(ranges, -np.pi / 2.0, np.pi / 360.0, np.zeros(3))
+    view = RangeView(ranges, -np.pi / 2.0, np.pi / 360.0, np.zeros(3))
     for _ in range(8):
         around.advance(0.1, view)
     assert around.weights[around.bodies[:, 0] > 2.0].sum() < 0.06

@@ -1,5 +1,4 @@
 import numpy as np
-from people_tracker_reference import PlainGrid
 from tagalong.perception.tracking.local_grid import (
     OCCUPIED,
     LocalGrid,
@@ -11,6 +10,7 @@ from tagalong.perception.tracking.local_grid import (
     no_cells,
     with_more_pages,
 )
+from tracking_reference import PlainGrid
 
 
 def test_the_ring_buffer_says_what_a_dictionary_says():

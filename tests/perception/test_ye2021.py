@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from tagalong.perception import PeopleFilter, PeopleFilterConfig, perception_preset, table_ii
 from tagalong.perception.tracking.camera import SeenPeople
-from tagalong.perception.tracking.config import TrackerConfig
 from tagalong.perception.tracking.ye2021 import Ye2021Tracker
+from tagalong.perception.tracking.ye2021_config import Ye2021Config
 from tagalong.slam import InputError, LaserScan
 
 
@@ -13,7 +13,7 @@ from tagalong.slam import InputError, LaserScan
 def paper(make_stage):
     """A stage with the paper's tracker, at 10 Hz."""
     stage = make_stage()
-    stage.tracker = Ye2021Tracker(TrackerConfig(), stage.detector)
+    stage.tracker = Ye2021Tracker(Ye2021Config(), stage.detector)
     return stage
 
 

@@ -5,10 +5,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.distance import cdist
 from tagalong.perception.leader.body_selector import BodyConfig
-from tagalong.perception.leader.cloud import CloudConfig, LeaderView, seen_in
+from tagalong.perception.leader.cloud import CloudConfig
 from tagalong.perception.leader.estimate import LeaderEstimate, as_leader
 from tagalong.perception.leader.legs_of_others import EXPLAINED, SCANS, STEP_M, UNEXPLAINED_S, UNSEEN_S
 from tagalong.perception.leader.onset import LeaderConfig, LeaderOnset
+from tagalong.perception.legs.range_view import RangeView, seen_in
 from tagalong.perception.tracking.people import People, SeenLegs
 from tagalong.slam.scan import LaserScan
 
@@ -83,7 +84,7 @@ class PlainCloud:
         self.bodies = np.concatenate((position, velocity)) + deviation * rng.standard_normal((config.count, 4))
         self.weights = np.full(config.count, 1.0 / config.count)
 
-    def advance(self, dt: float, view: LeaderView) -> None:
+    def advance(self, dt: float, view: RangeView) -> None:
         """Let the bodies walk for `dt` [s], and not through what the laser sees."""
         c = self.config
         pushes = c.push * np.sqrt(dt) * self._rng.standard_normal((c.count, 2))
@@ -96,7 +97,7 @@ class PlainCloud:
         """Return (k,) how well the bodies explain each of `legs` (k, 2), in [0, 1]."""
         return kernels.explained(self.bodies, self.weights, legs, self.config.leg_deviation)
 
-    def weigh(self, legs: Array, count: Array, view: LeaderView) -> None:
+    def weigh(self, legs: Array, count: Array, view: RangeView) -> None:
         """Weigh the bodies by `legs` (k, 2), each counting `count` (k,), and by the view; draw them anew if needed."""
         c = self.config
         unseen = np.array((c.hidden, c.empty, c.instead))
@@ -197,7 +198,7 @@ class PlainSelector:
         apart = others - place
         return bool(((apart * apart).sum(axis=1) > self._body.alone**2).all())
 
-    def _find(self, people: People, own: int, before: LeaderEstimate, dt: float, view: LeaderView) -> LeaderEstimate:
+    def _find(self, people: People, own: int, before: LeaderEstimate, dt: float, view: RangeView) -> LeaderEstimate:
         """Return the leader by its body."""
         legs, c = people.seen_legs, self._body
         if self._cloud is None:

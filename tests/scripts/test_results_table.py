@@ -33,7 +33,7 @@ def test_without_recorded_logs_there_is_no_table_of_them():
 
 def test_a_drive_of_people_is_the_same_each_time_but_for_what_stands_under_timing():
     options = argparse.Namespace(
-        scene="corridor", people=2, first_seed=0, seeds=1, preset="table2", forest="simulation", seconds=2.0
+        scene="corridor", people=2, first_seed=0, seeds=1, preset="recorded", forest="simulation", seconds=2.0
     )
     first, second = (next(drives(options)) for _ in range(2))
     assert first[TIMING]["ms"] > 0.0

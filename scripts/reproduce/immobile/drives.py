@@ -112,7 +112,7 @@ class _Drive:
         self._engine = make_slam(poses, seed=seed) if poses in ENGINES else None
         self._by_map = ImmobileLocalization() if poses == "immobile" else None
         self._delay_s, self._wrong, self._rng = delay_s, wrong, np.random.default_rng([seed, 7])
-        self._people_filter = PeopleFilter(PeopleFilterConfig(forest="simulation", method="leg pairs"))
+        self._people_filter = PeopleFilter(PeopleFilterConfig(forest="simulation"))
         self._planes = PlaneFinder()
         finders: dict[str, RgbdPeopleFinder] = {METHOD: PeopleFinder.load(), "true people": TrueRgbdPeopleFinder(world)}
         self._finders = {name: finder for name, finder in finders.items() if name in ways}

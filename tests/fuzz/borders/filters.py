@@ -25,7 +25,7 @@ from tagalong.slam import InputError, read_log
 _CONFIG = perception_preset("recorded")
 _OPTIONS = {
     "--scan-topic": ["/scan"], "--odometry-topic": ["/odom"], "--topic": ["/scan", "/other", ""],
-    "--preset": ["table2", "recorded"], "--forest": ["real", "simulation"],
+    "--preset": ["ye2021", "recorded"], "--forest": ["real", "simulation"],
 }  # fmt: skip
 _TARGETS = ("OUT/a.log", "OUT/a.log.gz", "LOG", "IN/fifo", "IN/loop", "IN", "OUT", "OUT/" + "n" * 300, "IN/nowhere/x")
 

@@ -19,7 +19,7 @@ from tagalong.scripts.ros.outputs import FRAMES, ODOMETRY, SCAN
 from tagalong.slam import InputError
 
 _BEAMS = 90
-_LIKELY: dict[str, Any] = {"laser_pose": (0.1, 0.0, 0.0), "forest": "simulation", "preset": "table2"}
+_LIKELY: dict[str, Any] = {"laser_pose": (0.1, 0.0, 0.0), "forest": "simulation", "preset": "recorded"}
 _EXTREME = ("time", "ranges", "pose", "angle_min", "angle_increment", "range_min", "range_max", "now")
 
 

@@ -37,7 +37,7 @@ _OPTIONS = {
 _USUAL = {
     "--method": [*ENGINES], "--seed": ["3"], "--resolution": ["0.1"], "--start": ["1"], "--map": ["MAP"],
     "--rate": ["10"],
-    "--preset": ["table2", "recorded"],
+    "--preset": ["ye2021", "recorded"],
     "--forest": ["real", "simulation"], "--odometry": ["none"], "--frame": ["robot"],
     "--min-confidence": ["0.3"], "--max-gap": ["1"],
 }  # fmt: skip

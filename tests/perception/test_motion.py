@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from tagalong.perception.tracking.config import TrackerConfig
-from tagalong.perception.tracking.hypotheses import HYPOTHESIS, correct, leg_costs, log_odds, note_path, predict
-from tagalong.perception.tracking.lost_people import LostPeople
+from tagalong.perception.tracking.association import leg_costs
+from tagalong.perception.tracking.evidence import log_odds
+from tagalong.perception.tracking.motion import correct, note_path, predict
+from tagalong.perception.tracking.tracks import HYPOTHESIS
 
 
 def noted(way, speed=1.0, free=True, known=1.0):
@@ -82,12 +83,3 @@ def test_one_leg_tells_less_of_the_centre_than_two():
     rows["p"], rows["clusters"] = (0.1, 0.0, 0.2), [[0, -1], [0, 1]]
     correct(rows, np.array([[0.1, 0.0], [0.1, 0.0]]), 0.1, 0.2, 0.1, 0.5)
     assert rows["x"][:, 0] == pytest.approx([0.1 / 3, 0.05])
-
-
-def test_somebody_lost_is_found_once():
-    lost, somebody = LostPeople(TrackerConfig()), np.zeros(1, HYPOTHESIS)
-    somebody["id"], somebody["age_s"] = 7, 5.0
-    lost.add(somebody, 10.0)
-    found = np.zeros(1, HYPOTHESIS)[0]
-    assert lost.take(lost.nearest(found, 11.0)) == 7
-    assert lost.nearest(found, 11.0) == -1
