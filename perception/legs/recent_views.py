@@ -49,12 +49,12 @@ class RecentViews(NamedTuple):
     """The recent scans of w lasers; `views_of` has those of one, without the first axis, as kernels take them.
 
     Attributes:
-        ranges: (w, k, N) of the last k scans, in no order, as in `RangeView` [m].
+        ranges: (w, N, k) of the last k scans, in no order, as in `RangeView` [m]; those of one beam lie side by side.
         lasers: (w, k, 3) T_odom_lidar of each.
         kept: (w, 1) of `KEPT`.
     """
 
-    ranges: Array
+    ranges: NDArray[np.float32]
     lasers: Array
     kept: NDArray[Any]
 
@@ -63,7 +63,7 @@ def no_views(lasers: int, beams: int, config: RecentViewsConfig) -> RecentViews:
     """Return that no scan of any of the `lasers`, of so many `beams`, was kept yet."""
     kept = np.zeros((lasers, 1), KEPT)
     kept["time_s"] = -np.inf
-    return RecentViews(np.zeros((lasers, config.count, beams)), np.zeros((lasers, config.count, 3)), kept)
+    return RecentViews(np.zeros((lasers, beams, config.count), np.float32), np.zeros((lasers, config.count, 3)), kept)
 
 
 @kernel
@@ -81,12 +81,12 @@ def forget_views(views):
 @kernel
 def keep_view(views, view, time_s, spacing_s):
     """Keep `view`, taken at `time_s`, if the one before is old enough, in place of the oldest."""
-    kept, slots = views.kept[0], len(views.ranges)
+    kept, slots = views.kept[0], len(views.lasers)
     if time_s - kept.time_s < spacing_s - 1e-9 or len(view.ranges) < 2:
         return
     slot = kept.count % slots
     for i in range(len(view.ranges)):
-        views.ranges[slot, i] = view.ranges[i]
+        views.ranges[i, slot] = view.ranges[i]
     for k in range(3):
         views.lasers[slot, k] = view.laser[k]
     kept.count += 1
@@ -100,9 +100,9 @@ def shares_empty(views, view, points, radius, margin):
     What is missing to 1 is the share in which nothing is known of the place. No scan is kept: zeros. The scans were
     taken along the beams of `view`.
     """
-    shares, count = np.zeros((len(points), 2)), min(views.kept[0].count, len(views.ranges))
+    shares, count = np.zeros((len(points), 2)), min(views.kept[0].count, len(views.lasers))
     if count and len(points):
-        look_back(views.ranges[:count], views.lasers[:count], view.first, view.step, points, radius, margin, shares)
+        look_back(views.ranges[:, :count], views.lasers[:count], view.first, view.step, points, radius, margin, shares)
     return shares
 
 
@@ -111,7 +111,7 @@ def shares_empty_now(view, points, radius, margin):
     """Return (n, 2) the same of one scan: zeros and ones."""
     shares, beams = np.zeros((len(points), 2)), len(view.ranges)
     if beams >= 2 and len(points):
-        ranges, laser = view.ranges.reshape((1, beams)), view.laser.reshape((1, 3))
+        ranges, laser = view.ranges.reshape((beams, 1)), view.laser.reshape((1, 3))
         look_back(ranges, laser, view.first, view.step, points, radius, margin, shares)
     return shares
 
@@ -121,7 +121,7 @@ def look_back(ranges, lidars, first, step, points, radius, margin, shares):
     """Write into `shares` (n, 2) in which share of the scans `points` (n, 2) were empty, and in which occupied.
 
     Args:
-        ranges: (k, N) of the scans, their largest range where nothing was hit, 0 where nothing is known [m].
+        ranges: (N, k) of the scans, their largest range where nothing was hit, 0 where nothing is known [m].
         lidars: (k, 3) T_odom_lidar of each.
         first: Bearing of the first beam [rad].
         step: Angle between two beams [rad].
@@ -130,7 +130,7 @@ def look_back(ranges, lidars, first, step, points, radius, margin, shares):
         margin: A return so near to a point is from there; a beam that goes so much farther passes it [m].
         shares: Where to write.
     """
-    views, beams = ranges.shape
+    beams, views = ranges.shape
     for v in range(views):
         cos, sin = np.cos(lidars[v, 2]), np.sin(lidars[v, 2])
         for i in range(len(points)):
@@ -145,12 +145,12 @@ def look_back(ranges, lidars, first, step, points, radius, margin, shares):
                 low = high = int(np.round(middle))
             if low < 0 or high >= beams:
                 continue
-            if is_met(ranges[v], first, step, bearing, away, margin):
+            if is_met(ranges[:, v], first, step, bearing, away, margin):
                 shares[i, 1] += 1.0 / views
                 continue
             nearest = np.inf
             for b in range(low, high + 1):
-                nearest = min(nearest, ranges[v, b])
+                nearest = min(nearest, ranges[b, v])
             if nearest > away + margin:
                 shares[i, 0] += 1.0 / views
 

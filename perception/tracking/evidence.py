@@ -15,7 +15,7 @@ SUREST = 0.99
 """A forest of some ten trees, or a camera, is no surer than this."""
 
 
-class Sight(NamedTuple):
+class ScanEvidence(NamedTuple):
     """What the clusters of one scan show.
 
     Attributes:
@@ -61,7 +61,8 @@ def look(tracks, found, view, pose, time_s, dt, c):
     for k in range(len(legs)):
         shares[legs[k], 0], shares[legs[k], 1] = seen[k, 0], seen[k, 1]
     still = stillness(tracks.frame[0], c.frame_doubt)
-    free = are_free(tracks.cells, z, c.things_resolution, time_s, c.things_fade_s)
+    free = np.ones(count, np.bool_)
+    free[legs] = are_free(tracks.cells, z[legs], c.things_resolution, time_s, c.things_fade_s)
     first, second, affinity = np.empty(count), np.empty(count), np.empty(count)
     came = np.empty(count, np.bool_)
     for j in range(count):
@@ -74,7 +75,7 @@ def look(tracks, found, view, pose, time_s, dt, c):
         if found.confidence[j] > 0.0 and apart >= c.association_near:
             affinity[j] = min(max(first[j] - c.association_indifferent, c.association_least), c.association_most)
         came[j] = empty >= c.evidence_came
-    return Sight(z, first, second, affinity, free, came, still)
+    return ScanEvidence(z, first, second, affinity, free, came, still)
 
 
 @inner_kernel

@@ -26,7 +26,7 @@ class StillFrameConfig:
         doubt: Returns that must be asked before they count as much as not knowing does.
     """
 
-    points: Annotated[int, Within(1, 100_000)] = 50
+    points: Annotated[int, Within(1, 100_000)] = 20
     memory_s: float = 1.0
     doubt: float = 10.0
 

@@ -242,7 +242,7 @@ def test_both_simulators_tell_in_the_same_form(mode):
     [
         ({"people": "camera", "camera": "kinect-v2"}, "`people` 'camera'"),
         ({"people": "tracker", "lidar.rate_hz": 40.0}, "`people` 'tracker': with 4 sweeps a step"),
-        ({"people": "tracker", "perception": perception_preset("recorded")}, "`perception.method` 'hypotheses'"),
+        ({"people": "tracker", "perception": perception_preset("ye2021")}, "`perception.method` 'ye2021'"),
         ({"slam": "gmapping"}, "`slam`"),
         ({"camera": "kinect-v2"}, "`camera`"),
         ({"leader": False}, "`task.leader` False"),
