@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from ..perception.immobile.view import CameraViewMaker
-from ..perception.leader.body_selector import BodyLeaderSelector
 from ..perception.leader.selector import LeaderSelector
 from ..perception.legs.detector import LegDetector
 from ..perception.legs.forest import LegForest
@@ -138,21 +137,17 @@ class OnboardStackFactory:
         return {id(self._forest): self._forest, id(self._finder): self._finder}
 
     def make(self, world: World, rng: np.random.Generator) -> OnboardStack:
-        """Return a stack that knows nothing yet; its leader's cloud and its SLAM draw from streams of their own."""
-        leading = _leading(rng)
-        mapping, erring = leading.spawn(2)
+        """Return a stack that knows nothing yet; its SLAM and its errors of people draw from streams of their own."""
+        mapping, erring = np.random.SeedSequence(int(rng.integers(2**31))).spawn(2)
         drawing, sight = self._drawing(world), self._sight(world)
         mapper = self._mapper(world, mapping, drawing)
-        people, selector = self._people(world, erring), self._selector(leading)
+        people, selector = self._people(world, erring), self._selector()
         return OnboardStack(people, selector, mapper, drawing, sight, self._config.mapping.filter_people)
 
-    def _selector(self, seed: np.random.SeedSequence) -> Selector:
+    def _selector(self) -> Selector:
         if not self._config.task.leader:
             return NobodyLeads()
-        p = self._perception
-        if self._forest is None:  # known by truth, by one number for ever, or without any legs
-            return LeaderSelector(p.leader, p.tracker.motion)
-        return BodyLeaderSelector(np.random.default_rng(seed), p.body, p.leader)
+        return LeaderSelector(self._perception.leader, self._perception.tracker.motion)
 
     def _drawing(self, world: World) -> Drawing:
         if self._config.mapping.map == "occupancy":
@@ -182,12 +177,3 @@ class OnboardStackFactory:
         if self._config.slam == BY_IMMOBILE_MAP and isinstance(drawing, ImmobileDrawing):
             return ImmobileMapLocalization(drawing.mapper)
         return SlamMapper(make_engine(self._config.slam, seed))
-
-
-def _leading(rng: np.random.Generator) -> np.random.SeedSequence:
-    return np.random.SeedSequence(int(rng.integers(2**31)))
-
-
-def leader_draws(rng: np.random.Generator) -> np.random.Generator:
-    """Return the generator of the leader's cloud in a stack that `OnboardStackFactory` makes with `rng`."""
-    return np.random.default_rng(_leading(rng))

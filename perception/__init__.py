@@ -21,7 +21,7 @@ Filtering    PeopleFilter (PeopleFilterConfig) returns a FilteredScan; `filtered
 Detection    LegDetector (LegDetectorConfig) finds legs in one scan, by a LegForest. Your own detector is a class with
              `detect(scan) -> Detections`: PeopleFilter(detector=...).
 Tracking     PeopleTracker (TrackerConfig, a node for each stage) turns legs into People, with identities.
-Leader       LeaderSelector keeps to the person chosen first; BodyLeaderSelector by its body, in a crowd.
+Leader       LeaderSelector keeps to the person chosen first.
 Camera       PlaneFinder and PeopleFinder read RGB-D frames, of any camera (see below); ImmobileMapper maps what stays.
 Numbers      PerceptionConfig is the tree of all of them; `perception_preset` has named ones; `table_ii` the paper's.
 
@@ -46,7 +46,6 @@ from ..slam.door import lends
 if TYPE_CHECKING:
     from .config import PerceptionConfig, perception_preset, table_ii
     from .immobile.mapper import ImmobileMapper
-    from .leader.body_selector import BodyLeaderSelector
     from .leader.selector import LeaderSelector
     from .legs.detector import Detections, LegDetector, LegDetectorConfig
     from .legs.forest import LegForest
@@ -59,7 +58,6 @@ if TYPE_CHECKING:
     from .tracking.tracker import PeopleTracker
 
 __all__ = [
-    "BodyLeaderSelector",
     "Detections",
     "FilteredScan",
     "ImmobileMapper",
@@ -85,7 +83,6 @@ __all__ = [
 _MODULES = {
     "config": ("PerceptionConfig", "perception_preset", "table_ii"),
     "immobile.mapper": ("ImmobileMapper",),
-    "leader.body_selector": ("BodyLeaderSelector",),
     "leader.selector": ("LeaderSelector",),
     "legs.detector": ("Detections", "LegDetector", "LegDetectorConfig"),
     "legs.forest": ("LegForest",),

@@ -6,8 +6,7 @@ from functools import reduce
 from types import MappingProxyType
 
 from ..slam.errors import unknown_name
-from .leader.body_selector import BodyConfig
-from .leader.onset import LeaderConfig
+from .leader.config import LeaderConfig
 from .people_filter import PeopleFilterConfig, RemovalConfig
 
 
@@ -17,11 +16,9 @@ class PerceptionConfig(PeopleFilterConfig):
 
     Attributes:
         leader: How the leader is chosen, and looked for when its track has ended.
-        body: How the leader is told by its body, where tracks change bodies.
     """
 
     leader: LeaderConfig = field(default_factory=LeaderConfig)
-    body: BodyConfig = field(default_factory=BodyConfig)
 
 
 TABLE_II: Mapping[str, tuple[str, ...]] = MappingProxyType(

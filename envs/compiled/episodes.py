@@ -149,7 +149,7 @@ def _begin(w: int, slot: int, plans: Plans, state: WorldsState) -> None:
     copy_row(plans.start[slot], state.rolled[w])
     state.speed[w], state.setpoint[w], state.action[w], state.odometry[w], state.memory[w] = 0.0, 0.0, 0.0, 0.0, 0.0
     state.odometry_before[w], state.progress[w, 0], state.open[w] = 0.0, plans.start_arc[slot], 0.0
-    state.touches[w], state.duplicate[w], state.track[w], state.lost_s[w] = False, False, -1, 0.0
+    state.touches[w], state.track[w], state.lost_s[w] = False, -1, 0.0
     state.memory[w, WAITING_S] = np.inf
     forget(state.tracks[w])
 

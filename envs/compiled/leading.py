@@ -16,10 +16,11 @@ from ...slam.view_kernel import inner_view_kernel, view_kernel
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-CHOSEN_S, WAITING_S, UNSEEN_S, VISIBLE, CHOSEN, TRUST = range(6)
+CHOSEN_S, WAITING_S, UNSEEN_S, VISIBLE, CHOSEN, TRUST, FIRST = range(7)
 """Columns of the selector's numbers: when the leader was chosen, since when somebody is known [s], for how long the
-leader was not seen [s], whether it is seen, whether anybody was chosen yet, confidence of its track."""
-MEMORY = 6
+leader was not seen [s], whether it is seen, whether anybody was chosen yet, confidence of its track, row of who was
+chosen."""
+MEMORY = 7
 
 
 class Known(NamedTuple):
@@ -52,8 +53,6 @@ class Selecting(NamedTuple):
     search_sigmas: float
     search_distance: float
     search_overlap_s: float
-    duplicate_distance: float
-    duplicate_patience_s: float
     variance: float
     noise: float
     coast_s: float
@@ -64,8 +63,8 @@ def selecting(perception: PerceptionConfig, dt: float) -> Selecting:
     leader, motion = perception.leader, perception.tracker.motion
     return Selecting(
         leader.onset_s, leader.onset_near, leader.onset_far, leader.patience_s, leader.search_sigmas,
-        leader.search_distance, leader.search_overlap_s, leader.duplicate_distance,
-        leader.duplicate_patience_s, motion.initial_variance, motion.process_variance(dt), motion.coast_s,
+        leader.search_distance, leader.search_overlap_s, motion.initial_variance, motion.process_variance(dt),
+        motion.coast_s,
     )  # fmt: skip
 
 
@@ -79,7 +78,6 @@ def select(
     memory: Array,
     estimate: Array,
     covariance: Array,
-    duplicate: Flags,
 ) -> int:
     """Return the row of the person who is the leader now, -1 for nobody; what the robot remembers is updated.
 
@@ -92,16 +90,18 @@ def select(
         memory: (MEMORY,).
         estimate: (4,) leader's place [m] and velocity [m/s] in the odometry frame.
         covariance: (3,) variance of the place, covariance, variance of the velocity while it is looked for.
-        duplicate: (n,) who was ever nearer to the leader than two bodies can be.
     """
     found = _chosen(time_s, known, rules, memory)
-    if found < 0:
-        if memory[CHOSEN] == 0.0:
-            return -1
-        if track >= 0 and known.who[track]:
-            found = _kept(track, known, rules, duplicate)
-        else:
-            found = _looked_for(time_s, dt, known, rules, memory, estimate, covariance, duplicate)
+    if found >= 0:
+        memory[FIRST] = found
+    elif memory[CHOSEN] == 0.0:
+        return -1
+    elif known.who[int(memory[FIRST])]:
+        found = int(memory[FIRST])
+    elif track >= 0 and known.who[track]:
+        found = track
+    else:
+        found = _looked_for(time_s, dt, known, rules, memory, estimate, covariance)
     if found < 0:
         memory[VISIBLE] = memory[TRUST] = 0.0
         memory[UNSEEN_S] += dt
@@ -136,20 +136,6 @@ def _chosen(time_s: float, known: Known, rules: Selecting, memory: Array) -> int
 
 
 @inner_view_kernel
-def _kept(track: int, known: Known, rules: Selecting, duplicate: Flags) -> int:
-    """Note duplicates of the leader's track; return it, or the nearest of them that is seen once it is not."""
-    places, own, least = known.places, track, np.inf
-    patient = known.unseen_s[track] <= rules.duplicate_patience_s
-    for i in range(len(places)):
-        if known.who[i] and i != track:
-            away = math.hypot(places[i, 0] - places[track, 0], places[i, 1] - places[track, 1])
-            duplicate[i] = duplicate[i] or away < rules.duplicate_distance
-            if duplicate[i] and not patient and known.unseen_s[i] == 0.0 and away < least:
-                own, least = i, away
-    return own
-
-
-@inner_view_kernel
 def _looked_for(
     time_s: float,
     dt: float,
@@ -158,7 +144,6 @@ def _looked_for(
     memory: Array,
     estimate: Array,
     covariance: Array,
-    duplicate: Flags,
 ) -> int:
     """Predict the leader; return who appears where it must be, -1 for nobody."""
     fade = math.exp(-dt / rules.coast_s)
@@ -174,7 +159,7 @@ def _looked_for(
     nearest, least = -1, gate
     places = known.places
     for i in range(len(places)):
-        if known.who[i] and (duplicate[i] or not late):
+        if known.who[i] and not late:
             away = math.hypot(places[i, 0] - estimate[0], places[i, 1] - estimate[1])
             if away < least:
                 nearest, least = i, away

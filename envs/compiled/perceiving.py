@@ -67,8 +67,7 @@ def believe(w: int, rules: Rules, plans: Plans, state: WorldsState, told: Told, 
     for sweep in range(sweeps):
         time_s = told.time_s[w] - (sweeps - 1 - sweep) * dt
         state.track[w] = select(
-            time_s, dt, known, rules.selecting, state.track[w], memory, estimate, state.covariance[w],
-            state.duplicate[w, :rows],
+            time_s, dt, known, rules.selecting, state.track[w], memory, estimate, state.covariance[w]
         )  # fmt: skip
     told.track[w] = state.track[w]
     leader_entry(memory[CHOSEN] > 0.0, estimate, memory[TRUST], memory[VISIBLE], odometry, told.leader[w])

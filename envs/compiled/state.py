@@ -44,10 +44,9 @@ class WorldsState(NamedTuple):
         rolled: (w, 3) the true pose at the last odometry.
         touches: (w, 2) whether the robot touched a person, and a thing, in the last period.
         track: (w,) row of the person taken for the leader, -1 for none.
-        memory: (w, MEMORY) of the choice of the leader, as the next three: see `leading.select`.
+        memory: (w, MEMORY) of the choice of the leader, as the next two: see `leading.select`.
         estimate: (w, 4).
         covariance: (w, 3).
-        duplicate: (w, 2 n + 1).
         tracks: (w, 2 n + 1, COLUMNS) what a tracker that errs knows, see `tracker_errors.kernel`.
         lost_s: (w,) for how long the leader has not been followed [s].
     """
@@ -75,7 +74,6 @@ class WorldsState(NamedTuple):
     memory: Array
     estimate: Array
     covariance: Array
-    duplicate: Flags
     tracks: Array
     lost_s: Array
 
@@ -104,7 +102,6 @@ def state_with_room(worlds: int, people: int, doors: int, old: WorldsState | Non
         bodies=Bodies(**bodies),
         numbers=np.zeros((worlds, people, NUMBERS)),
         open=np.zeros((worlds, doors)),
-        duplicate=np.zeros((worlds, rows_for(people)), np.bool_),
         tracks=np.zeros((worlds, rows_for(people), COLUMNS)),
     )
     if old is not None:

@@ -3,21 +3,17 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ...perception.leader.body_memory import CLOUD, nothing_remembered, with_more_room
-from ...perception.leader.body_selector import body_numbers, cloud_draws
+from ...perception.leader.selection import leader_numbers, no_leaders
 from ...perception.legs.detection_kernel import Beams
 from ...perception.legs.detector import splitting
 from ...perception.legs.forest import LegForest
 from ...perception.tracking.local_grid import PAGES, with_more_pages
 from ...perception.tracking.numbers import numbers_of
 from ...perception.tracking.tracks import no_tracks, with_room
-from ..episode_setup import leader_draws
 from ..follow_config import FollowConfig
-from .episodes import REST, STEP
+from .episodes import REST
 from .state import Told, WorldsState
-from .tracking import CELLS, TRACKS, Knowledge, Read, Swept, TrackingRules, decide_worlds, look_worlds, track_worlds
-
-_DRAWS = 0x7AC8  # sets the draws of the leaders' clouds apart from those of episodes
+from .tracking import CELLS, TRACKS, Knowledge, Read, Swept, TrackingRules, track_worlds
 
 
 class Trackers:
@@ -31,48 +27,31 @@ class Trackers:
     """
 
     def __init__(self, config: FollowConfig, worlds: int, room: int = 64, pages: int = PAGES) -> None:
-        self._rules, self._count = _rules(config), config.perception.body.cloud.count
-        self._rng = [np.random.default_rng(0)] * worlds
-        clouds = np.zeros((worlds, self._count, 4)), np.zeros((worlds, self._count, 2))
-        memory = nothing_remembered(worlds, self._count, 2 * room, room)
-        row, beams = np.zeros(worlds), len(self._rules.beams.bearings)
-        tracks = no_tracks(worlds, beams, config.perception.tracker.views, room, pages)
-        self._minds = Knowledge(tracks, memory, row, np.zeros(worlds, np.int8), *clouds, row.copy())
+        self._rules = _rules(config)
+        tracks = no_tracks(worlds, len(self._rules.beams.bearings), config.perception.tracker.views, room, pages)
+        self._minds = Knowledge(tracks, no_leaders(worlds), np.zeros(worlds), np.zeros(worlds, np.int8))
 
     @property
     def memory(self) -> int:
         """Memory of what is known [bytes]."""
         minds = self._minds
         tracks = *minds.tracks[:4], *minds.tracks.views, *minds.tracks.cells
-        return sum(array.nbytes for array in (*tracks, *minds.memory, *minds[2:]))
+        return sum(array.nbytes for array in (*tracks, *minds[1:]))
 
     def read(self, part: tuple[int, int], what: NDArray[np.int8], state: WorldsState, told: Told) -> None:
         """Let the robots of the worlds `part` (first, end) that did `what` (w,) read their sweeps, and tell it.
 
         Where there is no room for a sweep it is left unread, see `make_room`.
         """
-        minds, swept = self._minds, Swept(told.ranges, told.time_s, state.odometry)
-        for w in (part[0] + np.flatnonzero(((what != REST) & (what != STEP))[part[0] : part[1]])).tolist():
-            self._rng[w] = leader_draws(np.random.default_rng([_DRAWS, int(state.seed[w]), int(state.episode[w])]))
-        track_worlds(part, what, self._rules, minds, swept)
-        doubt = np.where((what == REST) | (minds.lacking > 0), 0, minds.memory.leader["doubt"][:, 0])[part[0] : part[1]]
-        for w in (part[0] + np.flatnonzero(doubt >= CLOUD)).tolist():
-            first, minds.pushes[w] = cloud_draws(self._rng[w], self._count, doubt[w - part[0]])
-            if len(first):
-                minds.first[w] = first
-        look_worlds(part, what, self._rules, minds, swept)
-        for w in (part[0] + np.flatnonzero(minds.draw[part[0] : part[1]] == 0.0)).tolist():
-            minds.draw[w] = self._rng[w].random()
-        decide_worlds(
-            part, what, self._rules, minds, swept, Read(told.leader, told.people, told.tracked, told.track)
-        )  # fmt: skip
+        swept = Swept(told.ranges, told.time_s, state.odometry)
+        read = Read(told.leader, told.people, told.tracked, told.track)
+        track_worlds(part, what, self._rules, self._minds, swept, read)
 
     def make_room(self, what: NDArray[np.int8]) -> NDArray[np.int8]:
         """Make room where it was lacking; return (w,) `what` is left to do, with sweeps unread."""
         lacking, left = self._minds.lacking, np.where(self._minds.lacking, what, REST).astype(np.int8)
         if (lacking == TRACKS).any():
-            tracks = with_room(self._minds.tracks)
-            self._minds = self._minds._replace(tracks=tracks, memory=with_more_room(self._minds.memory))
+            self._minds = self._minds._replace(tracks=with_room(self._minds.tracks))
         if (lacking == CELLS).any():
             tracks = self._minds.tracks._replace(cells=with_more_pages(self._minds.tracks.cells))
             self._minds = self._minds._replace(tracks=tracks)
@@ -97,5 +76,5 @@ def _rules(config: FollowConfig) -> TrackingRules:
         splitting=splitting(perception.detector, beams),
         forest=LegForest.load(perception.forest).packed,
         tracker=numbers_of(perception.tracker),
-        selector=body_numbers(perception.body, perception.leader),
+        selector=leader_numbers(perception.leader, perception.tracker.motion),
     )

@@ -1,14 +1,12 @@
 """Leg detector, tracker and choice of the leader for many worlds: the very kernels of the onboard stack, in a loop."""
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...perception.leader import body_kernels
-from ...perception.leader.body_kernels import BodyNumbers
-from ...perception.leader.body_memory import CLOUD, BodyMemory, Company, can_hold, forget_leader, memory_of
+from ...perception.leader.selection import Company, LeaderNumbers, forget_leader, select
 from ...perception.legs.detection_kernel import Beams, Splitting, find_legs
 from ...perception.legs.forest_kernel import PackedForest
 from ...perception.legs.range_view import view_of
@@ -16,7 +14,7 @@ from ...perception.tracking import following
 from ...perception.tracking.evidence import probability
 from ...perception.tracking.local_grid import make_pages
 from ...perception.tracking.numbers import Numbers
-from ...perception.tracking.tracks import HYPOTHESES, Tracks, forget, has_room, tracks_of
+from ...perception.tracking.tracks import Tracks, forget, has_room, tracks_of
 from ...slam.geometry import composed
 from ...slam.rigid_kernel import moved_points
 from ...slam.view_kernel import inner_kernel, kernel
@@ -37,30 +35,24 @@ class TrackingRules(NamedTuple):
     splitting: Splitting
     forest: PackedForest
     tracker: Numbers
-    selector: BodyNumbers
+    selector: LeaderNumbers
 
 
 class Knowledge(NamedTuple):
-    """What the trackers of w worlds know, and what is drawn for them.
+    """What the trackers of w worlds know.
 
     Attributes:
-        tracks: Of people and legs.
-        memory: Of the choice of the leader.
+        tracks: Of people.
+        leaders: (w,) of `LEADER`.
         time_s: (w,) of the last scan [s].
         lacking: (w,) what there was no room for in the last scan, `TRACKS` or `CELLS`, 0 for nothing; where anything
             was, that scan is as if it had not been.
-        first: (w, n, 4) for `body_kernels.look`, as the next one.
-        pushes: (w, n, 2).
-        draw: (w,) for `body_kernels.decide`; 0 where it is to be drawn.
     """
 
     tracks: Tracks
-    memory: BodyMemory
+    leaders: NDArray[Any]
     time_s: Array
     lacking: NDArray[np.int8]
-    first: Array
-    pushes: Array
-    draw: Array
 
 
 class Swept(NamedTuple):
@@ -81,22 +73,20 @@ class Read(NamedTuple):
 
 
 @kernel
-def track_worlds(worlds, what, rules, minds, swept):
-    """Track people in the sweeps of the `worlds` (first, end) that did `what` (w,), and ask who leads."""
+def track_worlds(worlds, what, rules, minds, swept, read):
+    """Track people in the sweeps of the `worlds` (first, end) that did `what` (w,), ask who leads, and tell of it."""
     for w in range(worlds[0], worlds[1]):
         if what[w] == REST:
             continue
-        tracks, memory = tracks_of(minds.tracks, w), memory_of(minds.memory, w)
+        tracks, leader = tracks_of(minds.tracks, w), minds.leaders[w]
         if what[w] != STEP:
             forget(tracks)
-            forget_leader(memory)
+            forget_leader(leader)
         found = find_legs(swept.ranges[w], rules.beams, rules.splitting, rules.forest)
-        fresh = np.count_nonzero(found.confidence > 0.0)
-        most = tracks.counts[HYPOTHESES] + fresh
         pose, time_s, c = swept.odometry[w], swept.time_s[w], rules.tracker
         view = view_of(swept.ranges[w], rules.beams, lidar_at(pose, rules.beams.mount))
         points = moved_points(view.laser, found.points)
-        if not (has_room(tracks, fresh) and can_hold(memory, most, 2 * most)):
+        if not has_room(tracks, np.count_nonzero(found.confidence > 0.0)):
             minds.lacking[w] = TRACKS
         elif not make_pages(tracks.cells, points, pose, c.things_resolution):
             minds.lacking[w] = CELLS
@@ -106,32 +96,9 @@ def track_worlds(worlds, what, rules, minds, swept):
         minds.time_s[w] = time_s
         sight = following.follow(tracks, found, view, pose, time_s, dt, c)
         following.maintain(tracks, sight, view, pose, points, time_s, dt, c)
-        body_kernels.meet(memory, company_of(tracks, c), pose, time_s, rules.selector)
-
-
-@kernel
-def look_worlds(worlds, what, rules, minds, swept):
-    """Let the clouds of the worlds in doubt see the scan."""
-    for w in range(worlds[0], worlds[1]):
-        memory = memory_of(minds.memory, w)
-        minds.draw[w] = -1.0
-        if what[w] == REST or minds.lacking[w] or memory.leader[0].doubt < CLOUD:
-            continue
-        view = view_of(swept.ranges[w], rules.beams, lidar_at(swept.odometry[w], rules.beams.mount))
-        company, draws = company_of(tracks_of(minds.tracks, w), rules.tracker), minds.pushes[w]
-        if body_kernels.look(memory, company, view, minds.first[w], draws, rules.selector):
-            minds.draw[w] = 0.0
-
-
-@kernel
-def decide_worlds(worlds, what, rules, minds, swept, read):
-    """Say who leads in the worlds, and tell of it."""
-    for w in range(worlds[0], worlds[1]):
-        if what[w] == REST or minds.lacking[w]:
-            continue
-        memory, company = memory_of(minds.memory, w), company_of(tracks_of(minds.tracks, w), rules.tracker)
-        body_kernels.decide(memory, company, minds.draw[w], rules.selector)
-        _tell(w, memory, company, swept.odometry[w], read)
+        company = company_of(tracks, c)
+        row = select(leader, company, pose, time_s, rules.selector)
+        _tell(w, leader, row, company, pose, read)
 
 
 @inner_kernel
@@ -146,27 +113,26 @@ def company_of(tracks, c):
     """Return who is tracked now."""
     told = following.told_people(tracks, c)
     count = len(told)
-    ids, x, confidence, unseen_s = np.empty(count, np.int64), np.empty((count, 4)), np.empty(count), np.empty(count)
+    ids, x, confidence = np.empty(count, np.int64), np.empty((count, 4)), np.empty(count)
+    unseen_s, age_s = np.empty(count), np.empty(count)
     for i in range(count):
         one = tracks.hypotheses[told[i]]
-        ids[i], confidence[i], unseen_s[i] = one.id, probability(one.odds), one.unseen_s
+        ids[i], confidence[i], unseen_s[i], age_s[i] = one.id, probability(one.odds), one.unseen_s, one.placed_s
         for k in range(4):
             x[i, k] = one.x[k]
-    places, sure, owner = following.seen_legs(tracks, told, c)
-    return Company(ids, x, confidence, unseen_s, places, sure, owner)
+    return Company(ids, x, confidence, unseen_s, age_s)
 
 
 @inner_kernel
-def _tell(w, memory, company, odometry, read):
-    """Write what is told of world w."""
-    one, count = memory.leader[0], len(company.ids)
-    leads = one.track_id if one.known else -1
-    apart, row = np.empty(count), -1
+def _tell(w, leader, row, company, odometry, read):
+    """Write what is told of world w, where `row` of the company leads, or nobody (-1)."""
+    count = len(company.ids)
+    apart = np.empty(count)
     for i in range(count):
         apart[i] = math.hypot(company.x[i, 0] - odometry[0], company.x[i, 1] - odometry[1])
-        row = i if company.ids[i] == leads else row
     places, motions = company.x[:, :2].copy(), company.x[:, 2:].copy()
     known = Known(np.ones(count, np.bool_), apart, places, motions, company.unseen_s, company.confidence)
-    leader_entry(one.known, one.x, one.confidence, 1.0 if one.visible else 0.0, odometry, read.leader[w])
+    visible = 1.0 if leader.visible else 0.0
+    leader_entry(leader.known, leader.x, leader.confidence, visible, odometry, read.leader[w])
     people_entry(row, odometry, known, read.people[w])
-    read.tracked[w], read.track[w] = count, leads
+    read.tracked[w], read.track[w] = count, leader.track

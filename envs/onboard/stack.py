@@ -38,15 +38,15 @@ class PeopleSource(Protocol):
 class Selector(Protocol):
     """Chooses and keeps the leader."""
 
-    def update(self, people: People, robot_pose: Array, scan: LaserScan) -> LeaderEstimate | None:
-        """Return the leader among `people` (odometry frame), in a scan from the robot's pose (3,); None for none."""
+    def update(self, people: People, robot_pose: Array) -> LeaderEstimate | None:
+        """Return the leader among `people` (odometry frame), seen from the robot's pose (3,); None for none."""
         ...
 
 
 class NobodyLeads:
     """There is no leader to choose."""
 
-    def update(self, people: People, robot_pose: Array, scan: LaserScan) -> None:
+    def update(self, people: People, robot_pose: Array) -> None:
         """Choose nobody."""
 
 
@@ -138,7 +138,7 @@ class OnboardStack:
         seen = sightings[-1].people if sightings else None
         filtered_scan = self._people.update(scan, odometry, seen)
         yield
-        leader = self._selector.update(filtered_scan.people, odometry, scan)
+        leader = self._selector.update(filtered_scan.people, odometry)
         yield
         mapped = filtered_scan if self._filters else unfiltered(filtered_scan)
         self._mapper.update(odometry, mapped)

@@ -5,8 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..tracking.people import People
-
 Array = NDArray[np.float64]
 
 
@@ -20,7 +18,7 @@ class LeaderEstimate:
         position: (2,) in the odometry frame, predicted while it is lost [m].
         velocity: (2,) [m/s].
         visible: Whether a leg of it was seen in this scan.
-        confidence: Of its track, by eq. 6; 0 while it is lost.
+        confidence: Of its track; 0 while it is lost.
         unseen_s: Time since a leg of it was last seen [s].
     """
 
@@ -31,16 +29,3 @@ class LeaderEstimate:
     visible: bool
     confidence: float
     unseen_s: float
-
-
-def as_leader(people: People, index: int, number: int) -> LeaderEstimate:
-    """Return person `index` of `people` as the leader, who has that `number`."""
-    return LeaderEstimate(
-        id=number,
-        track_id=int(people.ids[index]),
-        position=people.positions[index].copy(),
-        velocity=people.velocities[index].copy(),
-        visible=bool(people.unseen_s[index] == 0.0),
-        confidence=float(people.confidence[index]),
-        unseen_s=float(people.unseen_s[index]),
-    )

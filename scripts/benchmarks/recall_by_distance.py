@@ -53,9 +53,7 @@ Counts = NDArray[np.int64]
 def drive_counts(seed: int, beams: int, far_width: float, seconds: float) -> Counts:
     """Return (3, bins): moments of people who are there, those found, and false tracks, over `EDGES`."""
     world = World(WorldConfig(scene="office", people=6, lidar=LidarConfig(beams=beams)), np.random.default_rng(seed))
-    config = PeopleFilterConfig(
-        forest="simulation", detector=LegDetectorConfig(far_width=far_width)
-    )
+    config = PeopleFilterConfig(forest="simulation", detector=LegDetectorConfig(far_width=far_width))
     people_filter = PeopleFilter(config)
     counts = np.zeros((3, len(EDGES) - 1), dtype=np.int64)
     while world.time_s < seconds and not world.truth.tour_done:

@@ -16,9 +16,9 @@ from ...envs.onboard.stack import OnboardStack
 from ...envs.task.interface import FollowInterface
 from ...envs.task.observation import ObservationConfig, Observed, Observer
 from ...perception.config import perception_preset
-from ...perception.leader.body_selector import BodyLeaderSelector
+from ...perception.leader.selector import LeaderSelector
 from ...perception.people_filter import PeopleFilter
-from ...slam.bounds import Angle, Seed, check_numbers, check_positive
+from ...slam.bounds import Angle, check_numbers, check_positive
 from ...slam.errors import InputError
 from ...slam.geometry import wrap_angle
 from ...slam.scan import LaserScan
@@ -45,7 +45,6 @@ class FollowerNodeConfig(InputConfig):
         half_width: Half of its width [m].
         patience_s: Without a scan and odometry younger than this there is no command [s].
         stamped: Whether commands are TwistStamped, as Nav2 has them from Jazzy on; else Twist.
-        seed: Of what the choice of the leader draws.
     """
 
     follower: str = "pid+guard"
@@ -58,7 +57,6 @@ class FollowerNodeConfig(InputConfig):
     half_width: float = 0.18
     patience_s: float = 0.5
     stamped: bool = False
-    seed: Seed = 0
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -80,8 +78,7 @@ class FollowerLogic:
         self.outputs = {"cmd_vel": STAMPED_TWIST if config.stamped else TWIST, "people/markers": MARKERS}
         self._config, self._messages, self._scans = config, MadeMessages(maker), LiveScans(config)
         perception = replace(perception_preset(config.preset), forest=config.forest)
-        random = np.random.default_rng(config.seed)
-        selector = BodyLeaderSelector(random, perception.body, perception.leader)
+        selector = LeaderSelector(perception.leader, perception.tracker.motion)
         self._stack = OnboardStack(PeopleFilter(perception), selector, NoMapper(), OwnDrawing(), NoCamera())
         self._driver: Follower | None = None
         self._bearings = np.zeros(0)

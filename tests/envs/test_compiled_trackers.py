@@ -3,7 +3,7 @@
 import gymnasium as gym
 import numpy as np
 import pytest
-from tagalong.envs.compiled.trackers import _DRAWS, Trackers
+from tagalong.envs.compiled.trackers import Trackers
 from tagalong.envs.episode_setup import OnboardStackFactory
 from tagalong.envs.task.observation import leader_entry, people_entry
 from tagalong.slam import LaserScan
@@ -35,7 +35,7 @@ class Stacks:
         state, told, lidar = self.env._state, self.env._told, self.env.config.sensors.lidar
         episode = int(state.seed[w]), int(state.episode[w])
         if self.made.get(w, (None,))[0] != episode:
-            self.made[w] = episode, self.make(None, np.random.default_rng([_DRAWS, *episode]))
+            self.made[w] = episode, self.make(None, np.random.default_rng(0))
         limits = lidar.range_min, lidar.range_max, float(told.time_s[w])
         scan = LaserScan(told.ranges[w].copy(), lidar.bearings, *limits, lidar.mount)
         belief = self.made[w][1].update(scan, state.odometry[w].copy())
@@ -45,7 +45,7 @@ class Stacks:
 
 @pytest.mark.parametrize(("name", "beams"), [("Office", 360), ("MeetingRoom", 1081)])
 def test_each_world_knows_what_the_onboard_stack_knows_by_the_same_sweeps(name, beams):
-    env, known, clouds, lost = worlds(name, beams=beams), 0, 0, 0
+    env, known, lost = worlds(name, beams=beams), 0, 0
     observation, info = env.reset(seed=5)
     stacks = Stacks(env.unwrapped)
     for k in range(320):
@@ -56,12 +56,11 @@ def test_each_world_knows_what_the_onboard_stack_knows_by_the_same_sweeps(name, 
             assert (info["leader_id"][w], info["tracked_people"][w]) == (belief.leader_id, len(belief.people))
             known += len(belief.people)
             lost += belief.leader is not None and belief.leader_id < 0
-        clouds += int(env.unwrapped._trackers._minds.memory.leader["cloud"].sum())
         actions = towards(observation["leader"])
         actions[1::2] *= k % 150 < 60  # half of the robots lose their leaders
         observation, *_, info = env.step(actions)
     assert known > 500
-    assert clouds > lost > 10 or name != "Office"  # in a room everybody is in view
+    assert lost > 10 or name != "Office"  # in a room everybody is in view
     assert (env.unwrapped._state.episode > 0).all()
     env.close()
 
@@ -89,6 +88,6 @@ def test_where_there_is_no_room_for_a_sweep_it_is_made_and_nothing_else_changes(
             observation, *_ = env.step(towards(observation["leader"]))
         assert trackers._minds.tracks.hypotheses.shape[1] >= 16
         assert trackers._minds.tracks.cells.cells.shape[1] >= 64 * 100
-        assert env.unwrapped.memory > trackers.memory > WORLDS * 2e5
+        assert env.unwrapped.memory > trackers.memory > WORLDS * 1.5e5
         env.close()
     assert told[0] == told[1]

@@ -112,10 +112,10 @@ def test_a_thing_is_taken_for_a_person_where_a_beam_ends():
 
 def test_the_compiled_choice_of_the_leader_is_that_of_the_selector():
     rng, selector = np.random.default_rng(0), LeaderSelector()
-    rules = leading.Selecting(1.0, 2.2, 4.0, 1.0, 2.0, 8.0, -np.inf, 0.4, 0.3, 0.05, 0.025, 1.0)
+    rules = leading.Selecting(1.0, 2.2, 4.0, 1.0, 2.0, 8.0, -np.inf, 0.05, 0.025, 1.0)
     memory, estimate, covariance, track = np.zeros(leading.MEMORY), np.zeros(4), np.zeros(3), -1
     memory[leading.WAITING_S] = np.inf
-    duplicate, who, unseen = np.zeros(3, bool), np.ones(3, bool), np.zeros(3)
+    who, unseen = np.ones(3, bool), np.zeros(3)
     for k in range(300):
         who = np.where(rng.random(3) < 0.05, ~who, who)
         unseen = np.where(rng.random(3) < 0.8, 0.0, unseen + 0.1)
@@ -129,9 +129,7 @@ def test_the_compiled_choice_of_the_leader_is_that_of_the_selector():
         )  # fmt: skip
         leader = selector.update(people, np.zeros(3))
         known = leading.Known(who.copy(), apart, places, motions, unseen.copy(), trust)
-        track = leading.select(
-            0.1 * k, 0.1 * (k > 0), known, rules, track, memory, estimate, covariance, duplicate
-        )  # fmt: skip
+        track = leading.select(0.1 * k, 0.1 * (k > 0), known, rules, track, memory, estimate, covariance)
         assert track == (-1 if leader is None else leader.track_id)
         if leader is not None:
             assert memory[leading.VISIBLE] == leader.visible

@@ -105,7 +105,7 @@ def test_settings_of_the_environment_that_make_no_sense_are_told_before_any_driv
 
 
 def test_a_follower_is_evaluated_in_the_environment_that_settings_describe(tmp_path):
-    settings = ["--set", "robot=pioneer", "--set", "scene=plain_corridor", "--set", "lost_limit_s=0.3"]
+    settings = ["--set", "robot=pioneer", "--set", "lidar.range_max=1.0", "--set", "lost_limit_s=0.3"]
     assert main(["evaluate", "pid", "--episodes", "1", *settings, "--out", str(tmp_path)]) == 0
     told = json.loads((tmp_path / "evaluation.json").read_text())
     assert told["options"]["settings"] == settings[1::2]

@@ -4,11 +4,10 @@ import pytest
 from tagalong.scripts.benchmarks import people_by_sensor
 
 
-def test_the_camera_adds_those_who_never_move_to_what_the_laser_knows():
+def test_laser_and_camera_together_know_those_who_never_move():
     judges = people_by_sensor.drive(101, 3.0)
     rows = {name: people_by_sensor.figures([judge]) for name, judge in judges.items()}
-    assert rows["laser"]["mota_in_view"].mean == 0.0
-    assert rows["both"]["mota_in_view"].mean > 0.5
+    assert rows["both"]["mota_in_view"].mean >= max(rows["laser"]["mota_in_view"].mean, 0.5)
     assert rows["camera"]["mota_in_view"].mean > 0.5
     assert judges["both"].in_view.truths == judges["laser"].in_view.truths > 10
 

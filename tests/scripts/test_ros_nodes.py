@@ -303,7 +303,6 @@ def test_a_message_that_is_not_what_its_type_says_is_told_and_the_next_one_is_ta
         (filter_logic.FilterNodeConfig, {"laser_pose": (1e25, 0.0, 0.0)}, "laser_pose"),
         (filter_logic.FilterNodeConfig, {"forest": 7}, "`forest` must be a word, got 7"),
         (filter_logic.FilterNodeConfig, {"preset": [1]}, "`preset` must be a word"),
-        (follower_logic.FollowerNodeConfig, {"seed": -1}, "`seed` must be within 0"),
         (follower_logic.FollowerNodeConfig, {"stamped": 1.0}, "`stamped` must be true or false"),
         (follower_logic.FollowerNodeConfig, {"max_speed": 0.0}, "max_speed"),
         (follower_logic.FollowerNodeConfig, {"patience_s": float("nan")}, "patience_s"),
