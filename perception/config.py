@@ -34,7 +34,8 @@ TABLE_II: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "r": ("paper.motion.r", "tracker.motion.r"),
     }
 )
-"""Where the numbers of the paper's Table II stand in a `PeopleFilterConfig`: in the paper's tracker and in ours."""
+"""Where the numbers of the paper's Table II stand in a `PeopleFilterConfig`: in the paper's tracker, and in ours where
+it has them."""
 
 
 def table_ii(config: PeopleFilterConfig) -> dict[str, float]:
