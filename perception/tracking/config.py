@@ -16,9 +16,9 @@ class MotionConfig:
 
     Attributes:
         q: Process noise, Q = q I per reference period (Table II of Ye 2021) [m^2, (m/s)^2].
-        r: Measurement noise, R = r I (Table II). With 0.03 people who pass each other exchange their tracks more seldom in
-            simulation (of 1600 tours of PID in drawn buildings 91 lose their leader, 120 with 0.1), but of people around
-            a real robot that drives fewer are found (0.42, 0.53) [m^2].
+        r: Measurement noise, R = r I (Table II). With 0.03 people who pass each other exchange their tracks more
+            seldom in simulation (of 1600 tours of PID in drawn buildings 91 lose their leader, 120 with 0.1), but of
+            people around a real robot that drives fewer are found (0.42, 0.53) [m^2].
         one_leg_variance: Added to `r` where one leg alone measures the centre of a person [m^2].
         initial_variance: P0 = this times I (eq. 5b), four times as much of the velocity: nobody begins at rest
             [m^2, (m/s)^2].
