@@ -42,11 +42,6 @@ def correct_state(x, p, u, v, r):
     p[0], p[1] = (1.0 - k) * p[0], (1.0 - k) * p[1]
 
 
-def full_covariance(p: Array) -> Array:
-    """Return (n, 4, 4) covariances in the order (x, y, vx, vy) from the three numbers (n, 3)."""
-    return np.asarray(np.kron(np.stack((p[:, :2], p[:, 1:]), axis=1), np.eye(2)), dtype=np.float64)
-
-
 def single_target(position: ArrayLike, variance: float, r: float) -> "KalmanFilter":
     """Return filterpy's filter of a target at `position` (2,), at rest (eq. 5): P0 = `variance` I, R = r I."""
     from filterpy.kalman import KalmanFilter  # takes most of a second, which the filter of a short log has no use for

@@ -16,7 +16,7 @@ class SeenLegs:
 
     Attributes:
         positions: (k, 2) [m].
-        confidence: (k,) of their tracks, by eq. 6, in [0, 1].
+        confidence: (k,) how likely they are somebody's, in [0, 1].
         owner: (k,) row of the person whose leg it is; -1 for nobody's.
     """
 
@@ -42,13 +42,12 @@ class People:
         ids: (n,) numbers of the people; one who was lost and is met again soon keeps the number.
         positions: (n, 2) centres between the legs [m].
         velocities: (n, 2) of the centres [m/s].
-        confidence: (n,) by eq. 6, in [0, 1].
+        confidence: (n,) how likely each is a person, in [0, 1]; by the tracker of Ye 2021, that of eq. 6.
         legs: (n, 2, 2) positions of both legs, measured or believed [m].
         variance: (n,) first element of each covariance [m^2].
         unseen_s: (n,) time since a leg of the person was last seen; 0: in this scan [s].
-        age_s: (n,) time since both legs were first tracked, before they were known as a person, or since the place was
-            known again [s].
-        seen_legs: The legs that were seen in this scan.
+        age_s: (n,) for how long each place has been known without a break, also before it was known as a person's [s].
+        seen_legs: The legs that were seen in this scan, of those who likelier are people than not.
     """
 
     time_s: float

@@ -81,7 +81,8 @@ def test_who_was_chosen_leads_again_as_soon_as_the_number_is_back(stage):
     alone = people_at(template, 1.5, places, [0.0, 0.0])
     told = []
     for k in range(15, 25):  # of the two only somebody of a new number is left, where the leader was
-        new = replace(alone, time_s=0.1 * k, ids=np.array([1, 7]), age_s=np.array([0.1 * k, 0.1]))
+        age_s = 0.1 if k == 15 else 5.0  # once it is the leader it stays so, however old
+        new = replace(alone, time_s=0.1 * k, ids=np.array([1, 7]), age_s=np.array([0.1 * k, age_s]))
         new = replace(new, positions=np.array([[2.0, 0.5], [1.5, 0.1]]))
         leader = selector.update(new, ORIGIN)
         assert leader is not None

@@ -214,6 +214,42 @@ def test_somebody_lost_is_believed_in_again_sooner_than_somebody_new(make_hall, 
     assert scans_until_seen(known=True) < scans_until_seen(known=False)
 
 
+@pytest.mark.parametrize(("hidden", "number"), [(60, 0), (80, 1)])
+def test_who_comes_back_within_ten_seconds_has_the_old_number_and_later_a_new_one(hall, step, hidden, number):
+    for k in range(25):
+        hall.show(step(np.array([2.0, -2.0 + k / 7.5]), (0.0, 1.0), k / 7.5), confidence=0.6)
+    for _ in range(hidden):
+        hall.show((), hidden=True)
+    for k in range(15):
+        people = hall.show(step(np.array([2.0, 2.0 - k / 7.5]), (0.0, -1.0), k / 7.5), confidence=0.6)
+    assert list(people.ids) == [number]
+
+
+def test_who_was_there_before_somebody_was_lost_is_not_that_one(hall, step):
+    def legs(x, k):
+        return step(np.array([x, -2.0 + k / 7.5]), (0.0, 1.0), k / 7.5)
+
+    for k in range(25):
+        hall.show(np.concatenate((legs(2.0, k), legs(3.2, k))), confidence=0.6)
+    for k in range(25, 40):
+        people = hall.show(legs(3.2, k), confidence=0.6)
+    assert len(people) == 1
+    assert people.positions[0, 0] == pytest.approx(3.2, abs=0.3)
+    before = people.ids[0]
+    for k in range(40, 50):
+        people = hall.show(legs(3.2, k), confidence=0.6)
+        assert list(people.ids) == [before]
+
+
+def test_legs_of_what_is_likelier_a_thing_are_not_told_of(hall):
+    for k in range(10):
+        people = hall.show([[2.5, 1.0]], confidence=0.1, odometry=(0.05 * k, 0.0, 0.0))
+    assert len(people) == len(people.seen_legs) == 0
+    for k in range(12):
+        people = hall.show([[2.5, 1.0], [2.0, -2.0 + 0.15 * k]], confidence=0.5, odometry=(0.5, 0.0, 0.0))
+    assert list(people.seen_legs.owner) == [0]
+
+
 def test_whom_nobody_saw_come_is_not_believed_in_by_looks_before_it_is_known_whether_it_stands(hall):
     legs = [[3.0, 0.0], [3.0, 0.3]]
     counts = [len(hall.show(legs, confidence=0.4, odometry=(0.12 * k, 1.0, 0.0))) for k in range(4)]
