@@ -81,16 +81,6 @@ def test_episodes_of_one_generator_differ():
     assert not np.array_equal(first["scan"], second["scan"])
 
 
-def test_the_leaders_cloud_and_the_slam_draw_from_streams_of_their_own():
-    env = make(beams=30, slam="gmapping").unwrapped
-    env.reset(seed=3)
-    stack = env.save_state().episode.stack
-    cloud, slam = stack._selector._rng, stack._mapper.engine._rng
-    assert isinstance(cloud, np.random.Generator)
-    assert isinstance(slam, np.random.Generator)
-    assert abs(np.corrcoef(cloud.standard_normal(1000), slam.standard_normal(1000))[0, 1]) < 0.15
-
-
 def test_observations_never_share_memory(mapping_drive):
     seen, _ = mapping_drive
     for before, after in pairwise(seen):
