@@ -14,7 +14,7 @@ the drives' own figures.
 example:
   tagalong bench people-by-sensor --seeds 5 --first-seed 121
 
-It gave (five drives of about 280 s):
+It gave with pairs of legs, the tracker before the present one (five drives of about 280 s):
 
     people from  MOTA in view          MOTA all round        people's returns      of who never moves    others
                                                              removed                                     removed
@@ -22,11 +22,9 @@ It gave (five drives of about 280 s):
     camera       0.978 [0.973, 0.983]  0.479 [0.471, 0.488]  0.414 [0.391, 0.438]  0.364 [0.329, 0.398]  0.000
     both         0.988 [0.986, 0.990]  0.764 [0.758, 0.769]  0.989 [0.986, 0.991]  0.987 [0.983, 0.991]  0.003
 
-By the laser hardly anybody is known who has not moved; that most of their returns are removed all the same is the
-suspicion of the onboard stack: whatever looks like a leg is kept out of the map until it is known (without it 0.23
-were removed). The camera alone forgets who is out of its sight; both together start a person by the camera and keep it
-by its legs. What is missed are people beside and behind the robot whom the camera has not seen yet, or whose legs were
-hidden since.
+By the laser hardly anybody was known who had not moved. The present tracker knows standing legs by their looks, too (two
+drives of 15 s: all in view, by the laser alone). The camera alone forgets who is out of its sight; both together start a
+person by the camera and keep it by its legs.
 """
 
 import argparse
