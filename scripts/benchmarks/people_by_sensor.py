@@ -22,9 +22,9 @@ It gave with pairs of legs, the tracker before the present one (five drives of a
     camera       0.978 [0.973, 0.983]  0.479 [0.471, 0.488]  0.414 [0.391, 0.438]  0.364 [0.329, 0.398]  0.000
     both         0.988 [0.986, 0.990]  0.764 [0.758, 0.769]  0.989 [0.986, 0.991]  0.987 [0.983, 0.991]  0.003
 
-By the laser hardly anybody was known who had not moved. The present tracker knows standing legs by their looks, too (two
-drives of 15 s: all in view, by the laser alone). The camera alone forgets who is out of its sight; both together start a
-person by the camera and keep it by its legs.
+By the laser hardly anybody was known who had not moved. The present tracker knows standing legs by their looks, too
+(two drives of 15 s: all in view, by the laser alone). The camera alone forgets who is out of its sight; both together
+start a person by the camera and keep it by its legs.
 """
 
 import argparse
