@@ -19,7 +19,7 @@ def associate(rows, sight, c):
     legs, side, clusters = 2 * len(rows), 3.0 * c.things_resolution, rows["clusters"]
     thing, cost = np.zeros(len(sight.z)), np.empty((legs, len(sight.z)))
     for j in range(len(sight.z)):
-        if not sight.free[j]:
+        if sight.stood[j] >= c.things_still_s:
             thing[j] = -sight.still * np.log(side**2 * c.association_clutter)
     leg_costs(
         rows, sight.z, sight.affinity, thing, c.association_leg**2, c.association_pace, 0.5 * c.association_stride,

@@ -16,6 +16,7 @@ from .evidence import log_odds_of
 from .existence import begin_at
 from .geometry_kernels import distances
 from .kalman import correct_state
+from .local_grid import clear
 from .tracks import hypotheses_of
 
 Array = NDArray[np.float64]
@@ -57,7 +58,7 @@ class NoLegs:
 def take_in(tracks, places, likelihood, delay, laser, c):
     """Correct people by where a camera saw somebody, and begin hypotheses where it saw somebody new.
 
-    That is a look at them, whether they move or not.
+    That is a look at them, whether they move or not, and what stands there is no thing.
 
     Args:
         tracks: Of one tracker.
@@ -85,6 +86,7 @@ def take_in(tracks, places, likelihood, delay, laser, c):
         rows[i].evidence += (_evidence(likelihood[k], c) - rows[i].evidence) / looks
         rows[i].looks = min(looks, c.evidence_most_looks)
         rows[i].unseen_s, rows[i].missing, rows[i].stands_s = min(rows[i].unseen_s, delay), 0.0, 0.0
+        clear(tracks.cells, legs + x[:2], c.things_resolution)
     for k in range(len(places)):
         if not near[k]:
             one = begin_at(tracks, places[k, 0], places[k, 1], laser, c)

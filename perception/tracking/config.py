@@ -153,9 +153,10 @@ class ExistenceConfig:
             is somebody within a few metres of where they were lost (0.1 a square metre) than people in a building
             (0.01 a square metre). From 1 to 3 tried on simulated drives; from 3 on, furniture is taken for the lost.
         stop: Log odds below which a person is none any more (evens).
-        stand_s: Who is believed in but does not move loses one of the log odds in this time: things stand for ever. Of
-            5 and 10, tried on simulated drives, 5 ends more furniture and no more people. After so long it is as if
-            it had never moved, and the place is marked: of chair legs that were taken for one leg that steps, the
+        stand_s: Who is believed in but does not move, and whatever is where something has stood, loses one of the log
+            odds in this time: things stand for ever. With 5, 7 and 10 furniture is 0.014, 0.029 and 0.053 of what is
+            seen of walkers in thirty simulated offices; what is found of people is the same. After so long it is as
+            if it had never moved, and the place is marked: of chair legs that were taken for one leg that steps, the
             simulated meeting room had whole drives full [s].
         gamma: What is told of legs has at least this confidence (Table II), in [0, 1].
         memory: Log odds by which a leg where something has stood still is less sure in what is told of legs, and surer
@@ -199,13 +200,14 @@ class ThingsConfig:
     Attributes:
         resolution: Side of a cell [m].
         still_s: What was hit for so long is a thing, no person, until it moves [s].
-        fade_s: Time constant with which that is forgotten where nothing is hit any more [s].
+        forget_s: And it is forgotten where nothing was hit for so long: from 1 to 3.5 s thirty simulated offices are
+            the same, and with 1 s fewer labelled legs are found [s].
         clearance: Points this close to somebody who came do not mark the grid (zeta of Table II) [m].
     """
 
     resolution: Annotated[float, Within(0.01, 100.0)] = 0.05
     still_s: float = 0.5
-    fade_s: float = 5.0
+    forget_s: float = 3.0
     clearance: float = 0.35
 
     def __post_init__(self) -> None:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from ...slam.rigid_kernel import moved_points
 from ...slam.view_kernel import inner_kernel, kernel
 from ..legs.recent_views import shares_empty, shares_empty_now
-from .local_grid import are_free
+from .local_grid import stood_for
 from .still_frame import judge_frame, points_of_walls, stillness
 
 SUREST = 0.99
@@ -23,7 +23,7 @@ class ScanEvidence(NamedTuple):
         first: (m,) evidence of each as the better leg.
         second: (m,) as the other one.
         affinity: (m,) what each says to association.
-        free: (m,) whether nothing has stood still there.
+        stood: (m,) for how long something has stood there [s].
         came: (m,) whether nothing at all was there a moment ago.
         still: How far the frame stands still, in [0, 1].
     """
@@ -32,7 +32,7 @@ class ScanEvidence(NamedTuple):
     first: NDArray[np.float64]
     second: NDArray[np.float64]
     affinity: NDArray[np.float64]
-    free: NDArray[np.bool_]
+    stood: NDArray[np.float64]
     came: NDArray[np.bool_]
     still: float
 
@@ -61,8 +61,8 @@ def look(tracks, found, view, pose, time_s, dt, c):
     for k in range(len(legs)):
         shares[legs[k], 0], shares[legs[k], 1] = seen[k, 0], seen[k, 1]
     still = stillness(tracks.frame[0], c.frame_doubt)
-    free = np.ones(count, np.bool_)
-    free[legs] = are_free(tracks.cells, z[legs], c.things_resolution, time_s, c.things_fade_s)
+    stood = np.zeros(count)
+    stood[legs] = stood_for(tracks.cells, z[legs], c.things_resolution, time_s, c.things_forget_s)
     first, second, affinity = np.empty(count), np.empty(count), np.empty(count)
     came = np.empty(count, np.bool_)
     for j in range(count):
@@ -75,7 +75,7 @@ def look(tracks, found, view, pose, time_s, dt, c):
         if found.confidence[j] > 0.0 and apart >= c.association_near:
             affinity[j] = min(max(first[j] - c.association_indifferent, c.association_least), c.association_most)
         came[j] = empty >= c.evidence_came
-    return ScanEvidence(z, first, second, affinity, free, came, still)
+    return ScanEvidence(z, first, second, affinity, stood, came, still)
 
 
 @inner_kernel
@@ -167,12 +167,12 @@ def log_odds(rows: Any, prior: float, alike: float, moved: float, stride: float)
 
 
 @kernel
-def remembered(confidence, sight, memory):
-    """Return (m,) `confidence` of legs, less where something has stood still, and more where nothing has."""
+def remembered(confidence, sight, memory, still_s):
+    """Return (m,) `confidence` of legs, less where something has stood for `still_s`, and more where nothing has."""
     told = np.zeros(len(confidence))
     for j in range(len(confidence)):
         if confidence[j] > 0.0:
             sure = min(max(confidence[j], 1e-6), 1.0 - 1e-6)
-            odds = sure / (1.0 - sure) * np.exp((memory if sight.free[j] else -memory) * sight.still)
+            odds = sure / (1.0 - sure) * np.exp((memory if sight.stood[j] < still_s else -memory) * sight.still)
             told[j] = odds / (1.0 + odds)
     return told

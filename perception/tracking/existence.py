@@ -6,7 +6,7 @@ import numpy as np
 
 from ...slam.view_kernel import inner_kernel, kernel
 from .evidence import log_odds, seen_from
-from .local_grid import are_free
+from .local_grid import stood_for
 from .reidentification import lose, nearest_lost, taken
 from .tracks import HYPOTHESES, NEXT_ID, hypotheses_of, keep_hypotheses
 
@@ -60,9 +60,11 @@ def end(tracks, sight, time_s, c):
     """End duplicates, and hypotheses that nobody believes in."""
     rows = hypotheses_of(tracks)
     odds = log_odds(rows, c.evidence_prior, c.evidence_alike, c.evidence_moved, c.evidence_least_way)
-    stands = may_stand(tracks, rows, sight, time_s, c)
+    stood = stood_where(tracks, rows, sight, time_s, c)
     for i in range(len(rows)):
-        still = 2.0 * c.existence_memory * stands[i] + rows[i].stands_s / c.existence_stand_s
+        still = max(stood[i], rows[i].stands_s) / c.existence_stand_s
+        if stood[i] >= c.things_still_s or (rows[i].age_s < c.things_still_s and not _has_come(rows[i], sight)):
+            still += 2.0 * c.existence_memory
         odds[i] -= sight.still * still
         rows[i].odds = odds[i]
     keep = without_duplicates(rows, odds, c.existence_merge, c.existence_own)
@@ -75,16 +77,21 @@ def end(tracks, sight, time_s, c):
 
 
 @inner_kernel
-def may_stand(tracks, rows, sight, time_s, c):
-    """Return (n,) which of `rows` (n,) are where something stands still, or may do so for all that is known yet."""
-    stands = ~are_free(tracks.cells, rows["x"][:, :2].copy(), c.things_resolution, time_s, c.things_fade_s)
+def stood_where(tracks, rows, sight, time_s, c):
+    """Return (n,) for how long something has stood where `rows` (n,) are: at all of their legs that are seen [s]."""
+    stood = stood_for(tracks.cells, rows["x"][:, :2].copy(), c.things_resolution, time_s, c.things_forget_s)
     for i in range(len(rows)):
-        leg = max(rows[i].clusters[0], rows[i].clusters[1])
-        if leg >= 0 and not sight.free[leg]:
-            stands[i] = True
-        if rows[i].age_s < c.things_still_s and not (leg >= 0 and sight.came[leg]):
-            stands[i] = True
-    return stands
+        a, b = rows[i].clusters[0], rows[i].clusters[1]
+        if a >= 0 or b >= 0:
+            stood[i] = min(sight.stood[a] if a >= 0 else np.inf, sight.stood[b] if b >= 0 else np.inf)
+    return stood
+
+
+@inner_kernel
+def _has_come(one, sight):
+    """Return whether nothing at all was there a moment ago where a leg of hypothesis `one` is seen."""
+    a, b = one.clusters[0], one.clusters[1]
+    return (a >= 0 and sight.came[a]) or (b >= 0 and sight.came[b])
 
 
 @inner_kernel

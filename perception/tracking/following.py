@@ -11,9 +11,9 @@ from ..legs.recent_views import keep_view
 from . import motion
 from .association import associate
 from .evidence import look, probability, seen_from, weigh_looks
-from .existence import begin, believe, end
+from .existence import begin, believe, end, stood_where
 from .geometry_kernels import points_of_things
-from .local_grid import OCCUPIED, are_free, mark
+from .local_grid import mark
 from .numbers import process_variance
 from .tracks import hypotheses_of
 
@@ -39,7 +39,7 @@ def follow(tracks, found, view, pose, time_s, dt, c):
 @inner_kernel
 def _note_paths(tracks, rows, sight, view, time_s, dt, c):
     """Note where hypotheses have been; one that has stood for long is as if it had never moved."""
-    free = are_free(tracks.cells, rows["x"][:, :2].copy(), c.things_resolution, time_s, c.things_fade_s)
+    free = stood_where(tracks, rows, sight, time_s, c) < c.things_still_s
     motion.note_path(
         rows, seen_from(view.laser, sight.z), free, sight.still, dt, c.views_spacing_s, c.evidence_least_way,
         c.evidence_least_pace, c.evidence_jitter,
@@ -76,8 +76,7 @@ def _mark_things(tracks, points, pose, time_s, dt, c):
             count += 3
     whole = np.zeros(1, np.int64), np.full(1, len(points)), np.ones(1, np.bool_)
     things = points_of_things(points, whole[0], whole[1], whole[2], people[:count], c.things_clearance)
-    rise = dt * OCCUPIED / c.things_still_s
-    mark(tracks.cells, things, pose, c.things_resolution, time_s, rise, c.things_fade_s)
+    mark(tracks.cells, things, pose, c.things_resolution, time_s, dt, c.things_forget_s)
 
 
 @kernel

@@ -1,9 +1,9 @@
 """Where non-human things stand around the robot, in the odometry frame (Ye 2021, section II.A).
 
-A cell is *free* unless non-human points have stayed on it: evidence rises while they do and fades when they go. Only
-the cells hit are touched; they live in a ring buffer of `SIDE` x `SIDE` cells around the robot, each with the cell
-number it stands for, so the robot may drive on for ever. The ring is cut into pages, and only those that a scan has
-touched are there: walls are lines, so that an office fills a seventh of them.
+A cell remembers for how long it has been hit, and forgets it when nothing has hit it for a while. Only the cells hit
+are touched; they live in a ring buffer of `SIDE` x `SIDE` cells around the robot, each with the cell number it stands
+for, so the robot may drive on for ever. The ring is cut into pages, and only those that a scan has touched are there:
+walls are lines, so that an office fills a seventh of them.
 """
 
 from typing import Any, NamedTuple
@@ -17,10 +17,9 @@ Array = NDArray[np.float64]
 
 SIDE = 512
 """Cells along a side of the ring buffer, a power of two."""
-OCCUPIED = 0.5
-CELL = np.dtype([("x", np.uint16), ("y", np.uint16), ("evidence", np.float32), ("time_s", np.float64)])
+CELL = np.dtype([("x", np.uint16), ("y", np.uint16), ("stood_s", np.float32), ("time_s", np.float64)])
 """A cell in sixteen bytes, so that a visit waits for memory once: which of the blocks of `SIDE` cells it lies in (they
-come again after 65,536 blocks, when the evidence is long gone), its evidence, 0 for none, and when it was last hit."""
+come again after 65,536 blocks, when it is long forgotten), for how long it was hit, 0 if never, and when last [s]."""
 _BITS, _INSIDE, _BLOCKS = 9, SIDE - 1, 65535
 _PAGE_BITS, _IN_PAGE, _PAGE = 3, 7, 64
 _ACROSS = SIDE >> _PAGE_BITS
@@ -55,28 +54,27 @@ def with_more_pages(cells: Cells) -> Cells:
 
 
 class LocalGrid:
-    """Evidence of non-human things a cell.
+    """Where non-human things stand, cell by cell.
 
     Args:
         resolution: Side of a cell [m]; the grid covers `SIDE / 2` cells around the robot.
-        rise_s: Time under points until a cell's evidence is full [s].
-        fade_s: Time constant with which evidence fades [s].
+        still_s: What was hit for so long stands still [s].
+        forget_s: What was not hit for so long is forgotten [s].
     """
 
-    def __init__(self, resolution: float, rise_s: float, fade_s: float) -> None:
-        self._resolution, self._rise_s, self._fade_s = resolution, rise_s, fade_s
+    def __init__(self, resolution: float, still_s: float, forget_s: float) -> None:
+        self._resolution, self._still_s, self._forget_s = resolution, still_s, forget_s
         self._all = no_cells(1)
 
     def mark(self, points: Array, centre: Array, time_s: float, dt: float) -> None:
         """Add `dt` seconds of non-human `points` (k, 2) seen at `time_s` from `centre` (2,), in the odometry frame."""
         while not make_pages(cells_of(self._all, 0), points, centre, self._resolution):
             self._all = with_more_pages(self._all)
-        cells = cells_of(self._all, 0)
-        mark(cells, points, centre, self._resolution, time_s, dt / self._rise_s, self._fade_s)
+        mark(cells_of(self._all, 0), points, centre, self._resolution, time_s, dt, self._forget_s)
 
     def is_free(self, points: Array, time_s: float) -> NDArray[np.bool_]:
         """Return (n,) whether the cells of `points` (n, 2) and the eight around each are free at `time_s`."""
-        return are_free(cells_of(self._all, 0), points, self._resolution, time_s, self._fade_s)
+        return stood_for(cells_of(self._all, 0), points, self._resolution, time_s, self._forget_s) < self._still_s
 
 
 @kernel
@@ -89,7 +87,7 @@ def cells_of(cells: Any, w: int) -> Any:
 def free_all(cells: Any) -> None:
     """Let all cells be free."""
     for i in range(_PAGE * (cells.pages[-1] + 1)):
-        cells.cells[i].evidence = 0.0
+        cells.cells[i].stood_s = 0.0
     cells.pages[:] = 0
 
 
@@ -128,40 +126,46 @@ def make_pages(cells: Any, points: Any, centre: Any, resolution: float) -> bool:
 
 
 @kernel
-def mark(cells: Any, points: Any, centre: Any, resolution: float, now: float, rise: float, fade_s: float) -> None:
-    """Let the evidence of the `cells` under `points` (k, 2) `rise`, see `LocalGrid.mark`; they have their pages."""
-    last, fading = now, 1.0  # most cells were hit in the same scan before
+def mark(cells: Any, points: Any, centre: Any, resolution: float, now: float, dt: float, forget_s: float) -> None:
+    """Let the `cells` under `points` (k, 2) have been hit for `dt` [s] more, see `LocalGrid.mark`.
+
+    They have their pages.
+    """
     for k in range(len(points)):
         if not _within(points, k, centre, resolution):
             continue
         x, y = int(np.floor(points[k, 0] / resolution)), int(np.floor(points[k, 1] / resolution))
         cell = cells.cells[_place_of(cells, x, y)]
         block_x, block_y = np.uint16((x >> _BITS) & _BLOCKS), np.uint16((y >> _BITS) & _BLOCKS)
-        if cell.x != block_x or cell.y != block_y:
-            cell.x, cell.y = block_x, block_y
-            cell.evidence = 0.0
-        elif cell.evidence > 0.0:
-            if cell.time_s == now:
-                continue
-            if cell.time_s != last:
-                last = cell.time_s
-                fading = np.exp((last - now) / fade_s)
-        cell.evidence = min(1.0, cell.evidence * fading + rise) if cell.evidence > 0.0 else min(1.0, rise)
+        if cell.x != block_x or cell.y != block_y or now - cell.time_s > forget_s:
+            cell.x, cell.y, cell.stood_s = block_x, block_y, 0.0
+        elif cell.time_s == now and cell.stood_s > 0.0:
+            continue
+        cell.stood_s += dt
         cell.time_s = now
 
 
 @kernel
-def are_free(cells: Any, points: Any, resolution: float, now: float, fade_s: float) -> Any:
-    """Return (n,) whether the cells of `points` (n, 2) and the eight around each are free, see `LocalGrid.is_free`."""
-    free = np.ones(len(points), np.bool_)
+def clear(cells: Any, points: Any, resolution: float) -> None:
+    """Forget what stood in the nine cells at and around each of `points` (n, 2)."""
+    for k in range(len(points)):
+        i, j = int(np.floor(points[k, 0] / resolution)), int(np.floor(points[k, 1] / resolution))
+        for x in range(i - 1, i + 2):
+            for y in range(j - 1, j + 2):
+                cells.cells[_place_of(cells, x, y)].stood_s = 0.0
+
+
+@kernel
+def stood_for(cells: Any, points: Any, resolution: float, now: float, forget_s: float) -> Any:
+    """Return (n,) for how long one of the nine cells at and around each of `points` (n, 2) has been hit [s]."""
+    stood = np.zeros(len(points))
     for k in range(len(points)):
         i, j = int(np.floor(points[k, 0] / resolution)), int(np.floor(points[k, 1] / resolution))
         for x in range(i - 1, i + 2):
             for y in range(j - 1, j + 2):
                 cell = cells.cells[_place_of(cells, x, y)]
-                if cell.evidence < OCCUPIED:
+                if cell.stood_s <= stood[k] or now - cell.time_s > forget_s:
                     continue
-                here = cell.x == (x >> _BITS) & _BLOCKS and cell.y == (y >> _BITS) & _BLOCKS
-                if here and cell.evidence * np.exp((cell.time_s - now) / fade_s) >= OCCUPIED:
-                    free[k] = False
-    return free
+                if cell.x == (x >> _BITS) & _BLOCKS and cell.y == (y >> _BITS) & _BLOCKS:
+                    stood[k] = cell.stood_s
+    return stood

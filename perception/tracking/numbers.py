@@ -67,7 +67,7 @@ class Numbers(NamedTuple):
     reidentification_overlap_s: float
     things_resolution: float
     things_still_s: float
-    things_fade_s: float
+    things_forget_s: float
     things_clearance: float
     camera_gate: float
     camera_r: float

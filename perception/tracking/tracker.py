@@ -83,8 +83,9 @@ class PeopleTracker:
             places, delay = np.ascontiguousarray(seen.positions, dtype=np.float64), max(0.0, time_s - seen.time_s)
             take_in(tracks, places, np.asarray(seen.likelihood, dtype=np.float64), delay, view.laser, c)
         following.maintain(tracks, sight, view, pose, points, time_s, dt, c)
-        confidence = remembered(found.confidence, sight, float(self._config.existence.memory))
-        human = confidence >= self._config.existence.gamma
+        existence, still_s = self._config.existence, float(self._config.things.still_s)
+        confidence = remembered(found.confidence, sight, float(existence.memory), still_s)
+        human = confidence >= existence.gamma
         told = replace(detections, confidence=confidence, human=human)
         return TrackerUpdate(_as_people(tracks, time_s, c), told, pose)
 

@@ -75,7 +75,7 @@ class Ye2021Tracker:
         """Forget everything."""
         config = self._config
         self._tracks: list[PaperTrack] = []
-        self._grid = LocalGrid(config.resolution, config.rise_s, config.fade_s)
+        self._grid = LocalGrid(config.resolution, config.still_s, config.forget_s)
         self._time_s: float | None = None
         self._people = 0
 

@@ -22,8 +22,8 @@ class Ye2021Config:
         epsilon: A track ends when the first element of its covariance exceeds this [m^2].
         c_min: And when its confidence, by eq. 6, falls below this, in [0, 1].
         resolution: Side of a cell of the grid of what is not human [m].
-        rise_s: Time under points that are not human until a cell counts as occupied [s].
-        fade_s: How fast a cell that is no longer hit becomes free again [s].
+        still_s: Time under points that are not human until a cell counts as occupied [s].
+        forget_s: A cell that was not hit for so long is free again [s].
         clearance: Points this close to a person do not mark the grid (zeta) [m].
     """
 
@@ -35,8 +35,8 @@ class Ye2021Config:
     epsilon: float = 0.9
     c_min: Share = 0.1
     resolution: Annotated[float, Within(0.01, 100.0)] = 0.05
-    rise_s: float = 0.3
-    fade_s: float = 3.0
+    still_s: float = 0.15
+    forget_s: float = 2.0
     clearance: float = 0.35
 
     def __post_init__(self) -> None:

@@ -1,13 +1,13 @@
 import numpy as np
+import pytest
 from tagalong.perception.tracking.local_grid import (
-    OCCUPIED,
     LocalGrid,
-    are_free,
     cells_of,
     free_all,
     make_pages,
     mark,
     no_cells,
+    stood_for,
     with_more_pages,
 )
 from tracking_reference import PlainGrid
@@ -15,7 +15,7 @@ from tracking_reference import PlainGrid
 
 def test_the_ring_buffer_says_what_a_dictionary_says():
     rng = np.random.default_rng(0)
-    grid, plain, robot = LocalGrid(0.05, 0.3, 3.0), PlainGrid(0.05, 0.3, 3.0), np.zeros(2)
+    grid, plain, robot = LocalGrid(0.05, 0.25, 3.0), PlainGrid(0.05, 0.25, 3.0), np.zeros(2)
     for k in range(60):
         robot = robot + np.array([0.4, -0.2])
         points = robot + np.round(rng.uniform(-2, 2, (40, 2)), 1)
@@ -26,7 +26,7 @@ def test_the_ring_buffer_says_what_a_dictionary_says():
 
 
 def test_a_cell_is_occupied_while_something_stays_and_free_again_afterwards():
-    grid, post = LocalGrid(0.05, 0.3, 3.0), np.array([[1.01, 1.01]])
+    grid, post = LocalGrid(0.05, 0.25, 3.0), np.array([[1.01, 1.01]])
     assert grid.is_free(post, 0.0).all()
     for k in range(10):
         grid.mark(post, np.zeros(2), 0.1 * k, 0.1)
@@ -37,16 +37,28 @@ def test_a_cell_is_occupied_while_something_stays_and_free_again_afterwards():
 
 
 def test_however_long_something_stood_it_is_forgotten_in_the_same_time():
-    grid, place = LocalGrid(0.05, 0.3, 3.0), np.array([[1.0, 1.0]])
-    for k in range(200):
-        grid.mark(place, np.zeros(2), 0.1 * k, 0.1)
-    half = 19.9 + 3.0 * np.log(1.0 / OCCUPIED)
-    assert not grid.is_free(place, half - 0.05)[0]
-    assert grid.is_free(place, half + 0.05)[0]
+    for scans in (3, 200):
+        grid, place = LocalGrid(0.05, 0.25, 3.0), np.array([[1.0, 1.0]])
+        for k in range(scans):
+            grid.mark(place, np.zeros(2), 0.1 * k, 0.1)
+        gone = 0.1 * (scans - 1) + 3.0
+        assert not grid.is_free(place, gone - 0.05)[0]
+        assert grid.is_free(place, gone + 0.05)[0]
+
+
+def test_how_long_something_stood_is_counted_while_it_is_hit_and_anew_after_it_was_gone():
+    cells, post, robot = cells_of(no_cells(1), 0), np.array([[1.01, 1.01]]), np.zeros(2)
+    assert make_pages(cells, post, robot, 0.05)
+    for k in range(100):
+        mark(cells, post, robot, 0.05, 0.1 * k, 0.1, 3.0)
+    mark(cells, post, robot, 0.05, 12.0, 0.1, 3.0)  # hidden for two seconds
+    assert stood_for(cells, post, 0.05, 12.0, 3.0) == pytest.approx(10.1, abs=1e-3)
+    mark(cells, post, robot, 0.05, 16.0, 0.1, 3.0)
+    assert stood_for(cells, post, 0.05, 16.0, 3.0) == pytest.approx(0.1, abs=1e-6)
 
 
 def test_points_beyond_the_grid_leave_it_alone():
-    grid = LocalGrid(0.05, 0.3, 3.0)
+    grid = LocalGrid(0.05, 0.25, 3.0)
     near = np.array([[0.51, 0.51]])
     grid.mark(near + np.array([25.6, 0.0]), np.zeros(2), 0.0, 1.0)  # would fall on the same slot
     assert grid.is_free(near, 0.0).all()
@@ -61,11 +73,11 @@ def test_what_stood_there_before_there_was_more_room_still_stands_there():
             crowded = with_more_pages(crowded)
         assert make_pages(cells_of(roomy, 0), points[-1], robot, 0.05)
         for cells in (crowded, roomy):
-            mark(cells_of(cells, 0), points[-1], robot, 0.05, 0.1 * k, 0.6, 3.0)
+            mark(cells_of(cells, 0), points[-1], robot, 0.05, 0.1 * k, 0.1, 3.0)
     asked = np.concatenate((*points, rng.uniform(-9.0, 9.0, (500, 2))))
-    told = [are_free(cells_of(cells, 0), asked, 0.05, 1.1, 3.0) for cells in (crowded, roomy)]
+    told = [stood_for(cells_of(cells, 0), asked, 0.05, 1.1, 3.0) for cells in (crowded, roomy)]
     np.testing.assert_array_equal(*told)
-    assert 0 < told[0].sum() < len(asked)
+    assert 0 < (told[0] > 0.0).sum() < len(asked)
     assert crowded.cells.shape[1] < roomy.cells.shape[1] / 2
 
 
@@ -96,4 +108,4 @@ def test_pages_that_are_used_anew_are_free():
     offsets = np.stack(np.meshgrid(np.arange(8), np.arange(8)), axis=-1).reshape(-1, 2) * 0.05 + 0.025
     anew = np.concatenate([np.array([x, 4.0]) + offsets for x in (4.0, 4.4)])
     assert make_pages(cells, anew, np.zeros(2), 0.05)
-    assert are_free(cells, anew, 0.05, 5.0, 3.0).all()
+    assert (stood_for(cells, anew, 0.05, 5.0, 3.0) == 0.0).all()

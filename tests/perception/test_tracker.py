@@ -93,6 +93,15 @@ def test_two_legs_that_leave_no_doubt_are_a_person_though_something_has_stood_th
     assert len(people) == 1
 
 
+@pytest.mark.parametrize(("stood_s", "people"), [(2.0, 1), (60.0, 0)])
+def test_the_longer_something_has_stood_the_more_it_takes_to_be_somebody(hall, stood_s, people):
+    legs = [[3.0, 0.0], [3.0, 0.3]]
+    for _ in range(int(stood_s * hall.rate_hz)):
+        assert len(hall.show(legs, confidence=0.05, odometry=(0.0, 1.0, 0.0))) == 0
+    told = [len(hall.show(legs, confidence=0.6, odometry=(0.1 * k, 1.0, 0.0))) for k in range(25)]
+    assert told[-1] == people
+
+
 def test_somebody_whom_a_robot_without_odometry_follows_is_a_person_though_still_in_its_frame(hall):
     for k in range(60):
         true = np.array([-6.0 + 0.2 * k, 0.0, 0.0])  # the walls say that the frame does not stand still

@@ -23,26 +23,26 @@ def assign_reference(cost: Array, gate: float | Array) -> tuple[Rows, Rows]:
 class PlainGrid:
     """The rules of `LocalGrid`, cell by cell in a dictionary."""
 
-    def __init__(self, resolution: float, rise_s: float, fade_s: float) -> None:
-        self.resolution, self.rise_s, self.fade_s = resolution, rise_s, fade_s
+    def __init__(self, resolution: float, still_s: float, forget_s: float) -> None:
+        self.resolution, self.still_s, self.forget_s = resolution, still_s, forget_s
         self.cells: dict[tuple[int, int], tuple[float, float]] = {}
 
     def mark(self, points: Array, time_s: float, dt: float) -> None:
         """Add `dt` seconds of `points` (k, 2)."""
         for x, y in {tuple(cell) for cell in np.floor(points / self.resolution).astype(int).tolist()}:
-            self.cells[x, y] = (min(1.0, self.evidence((x, y), time_s) + dt / self.rise_s), time_s)
+            self.cells[x, y] = (self.stood_s((x, y), time_s) + dt, time_s)
 
-    def evidence(self, cell: tuple[int, int], time_s: float) -> float:
-        """Return that of a `cell`, faded."""
-        value, seen_s = self.cells.get(cell, (0.0, time_s))
-        return value * float(np.exp((seen_s - time_s) / self.fade_s))
+    def stood_s(self, cell: tuple[int, int], time_s: float) -> float:
+        """Return for how long something has stood in a `cell`."""
+        stood_s, seen_s = self.cells.get(cell, (0.0, time_s))
+        return stood_s if time_s - seen_s <= self.forget_s else 0.0
 
     def is_free(self, points: Array, time_s: float) -> Mask:
         """Return (n,) whether the cells of `points` (n, 2) and those around are free."""
         around = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)]
         cells = np.floor(points / self.resolution).astype(int).tolist()
         return np.array(
-            [max(self.evidence((x + i, y + j), time_s) for i, j in around) < 0.5 for x, y in cells], dtype=bool
+            [max(self.stood_s((x + i, y + j), time_s) for i, j in around) < self.still_s for x, y in cells], dtype=bool
         )
 
 
