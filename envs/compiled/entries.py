@@ -1,20 +1,21 @@
 """Entries of the observation that tell of people, as the robot of one world knows them."""
 
 import math
+from typing import Any
 
+from ...perception.leader.selection import Company
 from ...slam.view_kernel import inner_view_kernel
 from ..task.observation import FARTHEST_M, FASTEST_MPS
-from .leading import Known
-from .state import Array, Floats
+from .state import Array, Flags, Floats
 
 
 @inner_view_kernel
-def leader_entry(chosen: bool, place: Array, trust: float, visible: float, odometry: Array, entry: Floats) -> None:
-    """Write the leader at `place` (4,), odometry frame, in the robot's frame; zeros before one was `chosen`."""
+def leader_entry(leader: Any, odometry: Array, entry: Floats) -> None:
+    """Write the `leader` (`LEADER`) in the robot's frame; zeros before one was chosen."""
     entry[:] = 0.0
-    if chosen:
-        _in_robot_frame(odometry, place[0], place[1], place[2], place[3], entry)
-        entry[4], entry[5] = trust, visible
+    if leader.known:
+        _in_robot_frame(odometry, leader.x[0], leader.x[1], leader.x[2], leader.x[3], entry)
+        entry[4], entry[5] = leader.confidence, 1.0 if leader.visible else 0.0
 
 
 @inner_view_kernel
@@ -29,20 +30,20 @@ def _in_robot_frame(odometry: Array, x: float, y: float, vx: float, vy: float, r
 
 
 @inner_view_kernel
-def people_entry(track: int, odometry: Array, known: Known, table: Floats) -> None:
-    """Write who does not lead, the nearest first; `known.who` is used up."""
-    table[:] = 0.0
-    who, apart = known.who, known.apart
-    if track >= 0:
-        who[track] = False
-    for row in range(len(table)):
-        nearest = -1
-        for i in range(len(who)):
-            if who[i] and (nearest < 0 or apart[i] < apart[nearest]):
-                nearest = i
+def people_entry(row: int, odometry: Array, company: Company, others: Flags, table: Floats) -> None:
+    """Write the `company`, the nearest first, but for its `row` that leads; `others` (n,) is room to work in."""
+    table[:], others[:] = 0.0, True
+    x = company.x
+    if row >= 0:
+        others[row] = False
+    for line in range(len(table)):
+        nearest, least = -1, math.inf
+        for i in range(len(others)):
+            away = math.hypot(x[i, 0] - odometry[0], x[i, 1] - odometry[1])
+            if others[i] and away < least:
+                nearest, least = i, away
         if nearest < 0:
             return
-        who[nearest] = False
-        place, motion = known.places[nearest], known.motions[nearest]
-        _in_robot_frame(odometry, place[0], place[1], motion[0], motion[1], table[row])
-        table[row, 4], table[row, 5] = known.trust[nearest], 1.0
+        others[nearest] = False
+        _in_robot_frame(odometry, x[nearest, 0], x[nearest, 1], x[nearest, 2], x[nearest, 3], table[line])
+        table[line, 4], table[line, 5] = company.confidence[nearest], 1.0

@@ -5,6 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from ...perception.leader.selection import forget_leader
 from ...slam.draws import mixed
 from ...slam.view_kernel import inner_view_kernel, spliced_kernel, view_kernel
 from ..oracle import SAME_PERSON_M
@@ -14,7 +15,6 @@ from ..task.rewards import following_terms
 from ..tracker_errors.kernel import forget
 from ..world.config import TICK
 from .copying import copy_row, copy_rows
-from .leading import WAITING_S
 from .moving import advance
 from .perceiving import believe, perceive
 from .plans import Plans
@@ -147,10 +147,10 @@ def _begin(w: int, slot: int, plans: Plans, state: WorldsState) -> None:
     bodies.face[w], bodies.goal[w] = np.nan, np.nan
     copy_row(plans.start[slot], state.pose[w])
     copy_row(plans.start[slot], state.rolled[w])
-    state.speed[w], state.setpoint[w], state.action[w], state.odometry[w], state.memory[w] = 0.0, 0.0, 0.0, 0.0, 0.0
+    state.speed[w], state.setpoint[w], state.action[w], state.odometry[w] = 0.0, 0.0, 0.0, 0.0
     state.odometry_before[w], state.progress[w, 0], state.open[w] = 0.0, plans.start_arc[slot], 0.0
-    state.touches[w], state.track[w], state.lost_s[w] = False, -1, 0.0
-    state.memory[w, WAITING_S] = np.inf
+    state.touches[w], state.lost_s[w] = False, 0.0
+    forget_leader(state.leader[w])
     forget(state.tracks[w])
 
 

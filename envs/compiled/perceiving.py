@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from ...perception.leader.selection import Company, select
 from ...slam.draws import Words, normal, until_failure
 from ...slam.view_kernel import inner_view_kernel
 from ..oracle import FARTHEST_M as KNOWN_M
@@ -14,11 +15,10 @@ from ..tracker_errors import kernel
 from ..world.config import TICK
 from .beams import cast_ellipse, cast_rectangle, point_beams
 from .entries import leader_entry, people_entry
-from .leading import CHOSEN, TRUST, VISIBLE, Known, select
 from .moving import door_box
 from .plans import Plans
 from .rules import Laser, Rules
-from .state import Array, Floats, Scratch, Told, WorldsState, bodies_of
+from .state import Array, Floats, Scratch, Told, WorldsState, bodies_of, first_of
 
 
 @inner_view_kernel
@@ -51,27 +51,20 @@ def believe(w: int, rules: Rules, plans: Plans, state: WorldsState, told: Told, 
     """Let the robot of world w know people by the sweep just taken, and choose its leader; write both entries."""
     pose, odometry, n, began = state.pose[w], state.odometry[w], int(plans.people[state.slot[w]]), state.steps[w] == 0
     position, velocity = state.bodies.position[w, :n], state.bodies.velocity[w, :n]
-    rows = kernel.rows_for(n) if rules.modelled else n
-    known = Known(
-        room.known[:rows], room.apart[:rows], room.places[:rows], room.motions[:rows], room.unseen_s[:rows],
-        room.trust[:rows],
-    )  # fmt: skip
     if rules.modelled:
-        dt, tracks = 0.0 if began else rules.ticks * TICK, state.tracks[w, :rows]
+        dt, tracks = 0.0 if began else rules.ticks * TICK, state.tracks[w, : kernel.rows_for(n)]
         _track(dt, pose, position, velocity, room.beams[2], rules, state.random[w], tracks)
-        told.tracked[w] = _know_tracks(pose, odometry, tracks, known)
+        count = _know_tracks(pose, odometry, tracks, room.company)
     else:
-        told.tracked[w] = _know(pose, odometry, position, velocity, known)
-    sweeps, memory, estimate = 1 if began else rules.sweeps, state.memory[w], state.estimate[w]
-    dt = 0.0 if began else rules.ticks * TICK / sweeps
+        count = _know(pose, odometry, position, velocity, told.time_s[w], room.company)
+    known, leader, row = first_of(room.company, count), state.leader[w], -1
+    sweeps = 1 if began else rules.sweeps
     for sweep in range(sweeps):
-        time_s = told.time_s[w] - (sweeps - 1 - sweep) * dt
-        state.track[w] = select(
-            time_s, dt, known, rules.selecting, state.track[w], memory, estimate, state.covariance[w]
-        )  # fmt: skip
-    told.track[w] = state.track[w]
-    leader_entry(memory[CHOSEN] > 0.0, estimate, memory[TRUST], memory[VISIBLE], odometry, told.leader[w])
-    people_entry(state.track[w], odometry, known, told.people[w])
+        time_s = told.time_s[w] - (sweeps - 1 - sweep) * rules.ticks * TICK / sweeps
+        row = select(leader, known, odometry, time_s, rules.selecting)
+    told.tracked[w], told.track[w] = count, leader.track
+    leader_entry(leader, odometry, told.leader[w])
+    people_entry(row, odometry, known, room.others[:count], told.people[w])
 
 
 @inner_view_kernel
@@ -153,39 +146,40 @@ def _track(
 
 
 @inner_view_kernel
-def _know(pose: Array, odometry: Array, position: Array, velocity: Array, known: Known) -> int:
-    """Write what the robot knows of the people by the truth; return how many it knows."""
-    tracked = 0
+def _know(pose: Array, odometry: Array, position: Array, velocity: Array, time_s: float, company: Company) -> int:
+    """Write whom the robot knows by the truth, since the beginning; return how many."""
+    count = 0
     for i in range(len(position)):
-        _place(i, pose, odometry, position[i, 0], position[i, 1], velocity[i, 0], velocity[i, 1], known)
-        known.who[i], known.unseen_s[i], known.trust[i] = known.apart[i] < KNOWN_M, 0.0, 1.0
-        tracked += known.who[i]
-    return tracked
+        if math.hypot(position[i, 0] - pose[0], position[i, 1] - pose[1]) < KNOWN_M:
+            _place(count, pose, odometry, position[i, 0], position[i, 1], velocity[i, 0], velocity[i, 1], company.x)
+            company.ids[count], company.confidence[count] = i, 1.0
+            company.unseen_s[count], company.age_s[count] = 0.0, time_s
+            count += 1
+    return count
 
 
 @inner_view_kernel
-def _know_tracks(pose: Array, odometry: Array, tracks: Array, known: Known) -> int:
-    """Write what the robot knows of the people by tracks (n, COLUMNS); return how many it knows."""
-    tracked = 0
+def _know_tracks(pose: Array, odometry: Array, tracks: Array, company: Company) -> int:
+    """Write whom the robot knows by tracks (n, COLUMNS), none of which is ever new; return how many."""
+    count = 0
     for i in range(len(tracks)):
         row = tracks[i]
-        known.who[i] = row[kernel.PHASE] != kernel.UNKNOWN
-        if known.who[i]:
-            _place(i, pose, odometry, row[kernel.X], row[kernel.Y], row[kernel.VX], row[kernel.VY], known)
-            known.unseen_s[i], known.trust[i] = row[kernel.UNSEEN_S], row[kernel.TRUST]
-            tracked += 1
-    return tracked
+        if row[kernel.PHASE] != kernel.UNKNOWN:
+            _place(count, pose, odometry, row[kernel.X], row[kernel.Y], row[kernel.VX], row[kernel.VY], company.x)
+            company.ids[count], company.confidence[count] = i, row[kernel.TRUST]
+            company.unseen_s[count], company.age_s[count] = row[kernel.UNSEEN_S], np.inf
+            count += 1
+    return count
 
 
 @inner_view_kernel
-def _place(i: int, pose: Array, odometry: Array, x: float, y: float, vx: float, vy: float, known: Known) -> None:
-    """Write where in the odometry frame somebody is who is at (x, y) in the world, and how they move."""
+def _place(row: int, pose: Array, odometry: Array, x: float, y: float, vx: float, vy: float, states: Array) -> None:
+    """Write into a `row` of `states` where in the odometry frame somebody is, and how they move, given in the world."""
     turn = odometry[2] - pose[2]
     cos, sin = math.cos(turn), math.sin(turn)
     dx, dy = x - pose[0], y - pose[1]
-    known.apart[i] = math.sqrt(dx * dx + dy * dy)
-    known.places[i, 0], known.places[i, 1] = odometry[0] + cos * dx - sin * dy, odometry[1] + sin * dx + cos * dy
-    known.motions[i, 0], known.motions[i, 1] = cos * vx - sin * vy, sin * vx + cos * vy
+    states[row, 0], states[row, 1] = odometry[0] + cos * dx - sin * dy, odometry[1] + sin * dx + cos * dy
+    states[row, 2], states[row, 3] = cos * vx - sin * vy, sin * vx + cos * vy
 
 
 @inner_view_kernel

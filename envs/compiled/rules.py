@@ -6,6 +6,7 @@ from typing import Any, NamedTuple, get_type_hints
 import numpy as np
 from numpy.typing import NDArray
 
+from ...perception.leader.selection import LeaderNumbers, leader_numbers
 from ...slam.errors import InputError, shown
 from ..episode_setup import world_config
 from ..follow_config import FollowConfig, make_config
@@ -13,7 +14,6 @@ from ..robot.robot import RobotConfig, servo_gains
 from ..tracker_errors.errors import TrackerErrors, chosen_errors
 from ..world.config import TICK, whole_ratio
 from .driving import Base
-from .leading import Selecting, selecting
 
 Array = NDArray[np.float64]
 
@@ -82,7 +82,7 @@ class Rules(NamedTuple):
 
     base: Base
     laser: Laser
-    selecting: Selecting
+    selecting: LeaderNumbers
     modelled: bool
     tracked: bool
     errors: TrackerErrors
@@ -168,7 +168,7 @@ def make_rules(config: FollowConfig, limit: int, ahead: int) -> Rules:
     rules = Rules(
         base=_base(robot, world.physics_dt),
         laser=_laser(config),
-        selecting=_selecting(config),
+        selecting=leader_numbers(config.perception.leader, config.perception.tracker.motion),
         modelled=config.people.source == "modelled",
         tracked=config.people.source == "tracker",
         errors=chosen_errors(config.people.tracker_errors),
@@ -187,12 +187,6 @@ def make_rules(config: FollowConfig, limit: int, ahead: int) -> Rules:
         ahead=ahead,
     )
     return as_declared(rules)
-
-
-def _selecting(config: FollowConfig) -> Selecting:
-    """Return how the leader is chosen; one who is lost comes back by their own number where errors are modelled."""
-    choice = selecting(config.perception, 1.0 / config.sensors.lidar.rate_hz)
-    return choice._replace(search_overlap_s=-np.inf) if config.people.source == "modelled" else choice
 
 
 def _base(robot: RobotConfig, dt: float) -> Base:

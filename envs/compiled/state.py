@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...perception.leader.selection import LEADER, Company
 from ...slam.view_kernel import inner_view_kernel
 from ..people.behaviours.mind import NUMBERS
 from ..people.movement.bodies import Bodies, Start, standing_bodies
@@ -12,7 +13,6 @@ from ..task.interface import LEADER_COLUMNS, PERSON_COLUMNS
 from ..task.rewards import FOLLOWING_TERMS
 from ..tracker_errors.kernel import COLUMNS, rows_for
 from .driving import MOST_CONTACTS
-from .leading import MEMORY
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -43,10 +43,7 @@ class WorldsState(NamedTuple):
         odometry_before: (w, 3) one control period ago.
         rolled: (w, 3) the true pose at the last odometry.
         touches: (w, 2) whether the robot touched a person, and a thing, in the last period.
-        track: (w,) row of the person taken for the leader, -1 for none.
-        memory: (w, MEMORY) of the choice of the leader, as the next two: see `leading.select`.
-        estimate: (w, 4).
-        covariance: (w, 3).
+        leader: (w,) of `LEADER`, whom each robot follows.
         tracks: (w, 2 n + 1, COLUMNS) what a tracker that errs knows, see `tracker_errors.kernel`.
         lost_s: (w,) for how long the leader has not been followed [s].
     """
@@ -70,10 +67,7 @@ class WorldsState(NamedTuple):
     odometry_before: Array
     rolled: Array
     touches: Flags
-    track: Ints
-    memory: Array
-    estimate: Array
-    covariance: Array
+    leader: NDArray[Any]
     tracks: Array
     lost_s: Array
 
@@ -83,8 +77,8 @@ _OF_WORLDS: dict[str, tuple[tuple[int, ...], Any]] = {
     "steps": ((), np.int64), "ended": ((), np.bool_), "pose": ((3,), float), "speed": ((3,), float),
     "setpoint": ((3,), float), "action": ((3,), float), "change": ((), float),
     "progress": ((1,), float), "odometry": ((3,), float),
-    "odometry_before": ((3,), float), "rolled": ((3,), float), "touches": ((2,), np.bool_), "track": ((), np.int64),
-    "memory": ((MEMORY,), float), "estimate": ((4,), float), "covariance": ((3,), float), "lost_s": ((), float),
+    "odometry_before": ((3,), float), "rolled": ((3,), float), "touches": ((2,), np.bool_), "leader": ((), LEADER),
+    "lost_s": ((), float),
 }  # fmt: skip
 
 
@@ -110,9 +104,9 @@ def state_with_room(worlds: int, people: int, doors: int, old: WorldsState | Non
     return new
 
 
-def arrays_of(state: WorldsState) -> list[NDArray[Any]]:
-    """Return all arrays of a state, those of bodies among them."""
-    return [*state.bodies, *(array for name, array in state._asdict().items() if name != "bodies")]
+def arrays_of(values: Any) -> list[NDArray[Any]]:
+    """Return all arrays of a NamedTuple, and of those that it holds."""
+    return [values] if isinstance(values, np.ndarray) else [array for value in values for array in arrays_of(value)]
 
 
 @inner_view_kernel
@@ -195,12 +189,8 @@ class Scratch(NamedTuple):
         robot: (8,) as in `walking.advance_bodies`.
         place: (1, 2) of the robot [m].
         wanted: (3,) command.
-        known: (2 n + 1,) what the robot knows of people, as the next five: see `leading.Known`.
-        apart: (2 n + 1,).
-        places: (2 n + 1, 2).
-        motions: (2 n + 1, 2).
-        unseen_s: (2 n + 1,).
-        trust: (2 n + 1,).
+        company: Of 2 n + 1 people, whom the robot knows.
+        others: (2 n + 1,) who of them does not lead.
         before: (n, 2) where people were before a tick [m].
         truth: (4,) of `rewards.following_terms`.
     """
@@ -214,12 +204,8 @@ class Scratch(NamedTuple):
     robot: Array
     place: Array
     wanted: Array
-    known: Flags
-    apart: Array
-    places: Array
-    motions: Array
-    unseen_s: Array
-    trust: Array
+    company: Company
+    others: Flags
     before: Array
     truth: Array
 
@@ -229,6 +215,14 @@ def scratch(ticks: int, beams: int, people: int) -> Scratch:
     row, rows = np.zeros, rows_for(people)
     return Scratch(
         row((ticks, 3)), row((ticks, 3)), row((3, beams)), row((2, 6)), row((MOST_CONTACTS, 5)),
-        row((MOST_CONTACTS, 2)), row(8), row((1, 2)), row(3), row(rows, bool), row(rows), row((rows, 2)),
-        row((rows, 2)), row(rows), row(rows), row((people, 2)), row(4),
+        row((MOST_CONTACTS, 2)), row(8), row((1, 2)), row(3),
+        Company(row(rows, np.int64), row((rows, 4)), row(rows), row(rows), row(rows)), row(rows, bool),
+        row((people, 2)), row(4),
     )  # fmt: skip
+
+
+@inner_view_kernel
+def first_of(company: Company, count: int) -> Company:
+    """Return the first so many of a company."""
+    c = company
+    return Company(c.ids[:count], c.x[:count], c.confidence[:count], c.unseen_s[:count], c.age_s[:count])

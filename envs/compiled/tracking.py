@@ -1,6 +1,5 @@
 """Leg detector, tracker and choice of the leader for many worlds: the very kernels of the onboard stack, in a loop."""
 
-import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,7 +19,6 @@ from ...slam.rigid_kernel import moved_points
 from ...slam.view_kernel import inner_kernel, kernel
 from .entries import leader_entry, people_entry
 from .episodes import REST, STEP
-from .leading import Known
 
 Array = NDArray[np.float64]
 
@@ -127,12 +125,6 @@ def company_of(tracks, c):
 def _tell(w, leader, row, company, odometry, read):
     """Write what is told of world w, where `row` of the company leads, or nobody (-1)."""
     count = len(company.ids)
-    apart = np.empty(count)
-    for i in range(count):
-        apart[i] = math.hypot(company.x[i, 0] - odometry[0], company.x[i, 1] - odometry[1])
-    places, motions = company.x[:, :2].copy(), company.x[:, 2:].copy()
-    known = Known(np.ones(count, np.bool_), apart, places, motions, company.unseen_s, company.confidence)
-    visible = 1.0 if leader.visible else 0.0
-    leader_entry(leader.known, leader.x, leader.confidence, visible, odometry, read.leader[w])
-    people_entry(row, odometry, known, read.people[w])
+    leader_entry(leader, odometry, read.leader[w])
+    people_entry(row, odometry, company, np.empty(count, np.bool_), read.people[w])
     read.tracked[w], read.track[w] = count, leader.track

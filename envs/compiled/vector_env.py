@@ -177,7 +177,7 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
     def memory(self) -> int:
         """Memory of episodes, state and what is told [bytes]."""
         tracked = 0 if self._trackers is None else self._trackers.memory
-        return self._pool.size + tracked + sum(array.nbytes for array in (*arrays_of(self._state), *self._told))
+        return self._pool.size + tracked + sum(array.nbytes for array in arrays_of((self._state, self._told)))
 
     def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
         """Return what a method of the whole returns, or its attribute, once for each world."""

@@ -9,6 +9,7 @@ import numpy as np
 from numba import cuda
 from numpy.typing import NDArray
 
+from ...perception.leader.selection import Company
 from ...slam.view_kernel import inner_view_kernel
 from ..compiled.episodes import REST, step_world
 from ..compiled.plans import Plans
@@ -22,10 +23,10 @@ THREADS = 64
 @inner_view_kernel
 def scratch_of(room: Scratch, w: int) -> Scratch:
     """Return the scratch of one thread out of that of all, whose arrays have an axis over threads before the others."""
-    r = room
+    r, c = room, room.company
     return Scratch(
         r.poses[w], r.noise[w], r.beams[w], r.ellipse[w], r.contacts[w], r.work[w], r.robot[w], r.place[w],
-        r.wanted[w], r.known[w], r.apart[w], r.places[w], r.motions[w], r.unseen_s[w], r.trust[w], r.before[w],
+        r.wanted[w], Company(c.ids[w], c.x[w], c.confidence[w], c.unseen_s[w], c.age_s[w]), r.others[w], r.before[w],
         r.truth[w],
     )  # fmt: skip
 

@@ -36,6 +36,13 @@ def _room_for(shape: tuple[int, ...], kind: Any) -> Any:
     return cuda.device_array(shape, kind)
 
 
+def _room_of_each(values: Any, worlds: int) -> Any:
+    """Return room on the GPU for the arrays of a NamedTuple, once for each world."""
+    if hasattr(values, "_fields"):
+        return type(values)(*(_room_of_each(value, worlds) for value in values))
+    return _room_for((worlds, *values.shape), values.dtype)
+
+
 class GpuWorlds:
     """Worlds as they lie on the GPU.
 
@@ -52,7 +59,7 @@ class GpuWorlds:
         self._state: Any = on_gpu(state)
         self._rules, self._plans = on_gpu(rules), on_gpu(plans)
         worlds = len(state.slot)
-        self._room = Scratch(*(_room_for((worlds, *array.shape), array.dtype) for array in room))
+        self._room: Any = _room_of_each(room, worlds)
         self._what = _room_for((worlds,), np.int8)
         self._blocks = -(-worlds // THREADS)
 

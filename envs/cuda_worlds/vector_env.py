@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...slam.errors import InputError
 from ..compiled.episodes import BEGIN_AGAIN, REST, STEP
-from ..compiled.state import Told
+from ..compiled.state import Told, arrays_of
 from ..compiled.vector_env import CompiledVectorEnv, telling
 from .memory import GpuWorlds, fetch
 
@@ -110,4 +110,4 @@ class CudaVectorEnv(CompiledVectorEnv):
     @property
     def memory(self) -> int:
         """Memory of episodes, state, what is told and scratch, on the GPU [bytes]."""
-        return super().memory + self.num_envs * sum(array.nbytes for array in self._room())
+        return super().memory + self.num_envs * sum(array.nbytes for array in arrays_of(self._room()))

@@ -4,12 +4,13 @@ Ye 2021, section II.C. Trackers give somebody who comes back the old number, so 
 of who was chosen; where that one does not come back, whoever appears where the leader must be is taken for it.
 """
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...slam.view_kernel import as_record, inner_kernel, kernel
+from ...slam.view_kernel import inner_view_kernel, view_kernel
 from ..tracking.config import MotionConfig
 from ..tracking.kalman import predict_state
 from .config import LeaderConfig
@@ -27,9 +28,10 @@ LEADER = np.dtype(
         ("time_s", np.float64),  # of the last scan [s]
         ("chosen_s", np.float64),  # when it was chosen [s]
         ("waiting_s", np.float64),  # since when there are people [s]
-    ]
+    ],
+    align=True,
 )
-"""What one robot knows of its leader."""
+"""What one robot knows of its leader; a GPU reads numbers only where they are aligned."""
 
 
 class Company(NamedTuple):
@@ -61,7 +63,7 @@ class LeaderNumbers(NamedTuple):
 def leader_numbers(leader: LeaderConfig, motion: MotionConfig) -> LeaderNumbers:
     """Return the numbers as kernels take them."""
     named: dict[str, Any] = {**vars(motion), **vars(leader)}
-    return as_record(LeaderNumbers(**{name: float(named[name]) for name in LeaderNumbers._fields}))
+    return LeaderNumbers(**{name: float(named[name]) for name in LeaderNumbers._fields})
 
 
 def no_leaders(robots: int) -> NDArray[Any]:
@@ -72,7 +74,7 @@ def no_leaders(robots: int) -> NDArray[Any]:
     return leaders
 
 
-@kernel
+@view_kernel
 def forget_leader(one):
     """Let nobody be chosen."""
     one.known = one.visible = False
@@ -81,7 +83,7 @@ def forget_leader(one):
     one.waiting_s = np.inf
 
 
-@kernel
+@view_kernel
 def select(one, company, robot, time_s, c):
     """Say who of the `company` at `time_s`, seen from `robot` (2,), is the leader; `one` (`LEADER`) remembers.
 
@@ -111,7 +113,7 @@ def select(one, company, robot, time_s, c):
     return row
 
 
-@inner_kernel
+@inner_view_kernel
 def _row_of(company, number):
     for i in range(len(company.ids)):
         if number >= 0 and company.ids[i] == number:
@@ -119,14 +121,14 @@ def _row_of(company, number):
     return -1
 
 
-@inner_kernel
+@inner_view_kernel
 def _chosen(one, company, robot, time_s, c):
     """Return who is chosen in this scan; -1: nobody, or the time to choose is over."""
     if len(company.ids) == 0 or (one.known and time_s - one.chosen_s >= c.onset_s):
         return -1
     nearest, least = -1, np.inf
     for i in range(len(company.ids)):
-        away = np.hypot(company.x[i, 0] - robot[0], company.x[i, 1] - robot[1])
+        away = math.hypot(company.x[i, 0] - robot[0], company.x[i, 1] - robot[1])
         if away < least:
             nearest, least = i, away
     one.waiting_s = min(one.waiting_s, time_s)
@@ -138,17 +140,17 @@ def _chosen(one, company, robot, time_s, c):
     return nearest
 
 
-@inner_kernel
+@inner_view_kernel
 def _looked_for(one, company, dt, c):
     """Predict the leader; return who appears within its growing uncertainty, tracked since it was lost; -1: nobody."""
-    fade = np.exp(-dt / c.coast_s)
+    fade = math.exp(-dt / c.coast_s)
     one.x[2] *= fade
     one.x[3] *= fade
     predict_state(one.x, one.p, dt, c.q * dt * c.reference_rate_hz)
-    row, least = -1, min(c.search_distance, c.search_sigmas * np.sqrt(one.p[0]))
+    row, least = -1, min(c.search_distance, c.search_sigmas * math.sqrt(one.p[0]))
     for i in range(len(company.ids)):
         if company.age_s[i] <= one.unseen_s + dt + c.search_overlap_s:
-            away = np.hypot(company.x[i, 0] - one.x[0], company.x[i, 1] - one.x[1])
+            away = math.hypot(company.x[i, 0] - one.x[0], company.x[i, 1] - one.x[1])
             if away < least:
                 row, least = i, away
     return row

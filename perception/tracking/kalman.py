@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...slam.view_kernel import kernel
+from ...slam.view_kernel import kernel, view_kernel
 
 if TYPE_CHECKING:
     from filterpy.kalman import KalmanFilter
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-@kernel
+@view_kernel
 def predict_state(x, p, dt, q):
     """Move one state `x` (4,) and covariance `p` (3,) `dt` [s] ahead (eq. 4a, 4b) with process noise `q`."""
     x[0] += dt * x[2]

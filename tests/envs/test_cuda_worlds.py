@@ -8,7 +8,7 @@ import pytest
 from gymnasium.vector import AutoresetMode
 from numba import cuda
 from tagalong.envs.compiled.episodes import step_worlds
-from tagalong.envs.compiled.state import scratch
+from tagalong.envs.compiled.state import arrays_of, scratch
 from tagalong.envs.cuda_worlds.kernel import scratch_of
 from tagalong.slam import InputError
 
@@ -102,12 +102,20 @@ def test_what_a_gpu_cannot_do_is_refused_in_one_line(pretended):
         made("cuda").told  # noqa: B018
 
 
+def of_threads(values, threads):
+    """Scratch of so many threads, as the GPU has it."""
+    if isinstance(values, np.ndarray):
+        return np.stack([np.full_like(values, t) for t in range(threads)])
+    return type(values)(*(of_threads(value, threads) for value in values))
+
+
 def test_each_thread_has_its_own_row_of_each_scratch():
-    one = scratch(ticks=4, beams=3, people=2)
-    of_all = type(one)(*(np.stack([np.full_like(array, t) for t in range(2)]) for array in one))
+    of_all = of_threads(scratch(ticks=4, beams=3, people=2), 2)
     for t in range(2):
-        for name, array in scratch_of.py_func(of_all, t)._asdict().items():
-            assert np.shares_memory(array, getattr(of_all, name)[t]), name
+        own = arrays_of(scratch_of.py_func(of_all, t))
+        for array, of_both in zip(own, arrays_of(of_all), strict=True):
+            assert np.shares_memory(array, of_both[t])
+            assert array.shape == of_both.shape[1:]
 
 
 @pytest.mark.skipif(cuda.is_available(), reason="there is a GPU")

@@ -5,10 +5,8 @@ import json
 import gymnasium as gym
 import numpy as np
 import pytest
-from tagalong.envs.compiled import leading
 from tagalong.envs.tracker_errors import kernel
 from tagalong.envs.tracker_errors.errors import MISSED, PLACE, SHIPPED, chosen_errors, from_named, named
-from tagalong.perception import LeaderSelector, People
 from tagalong.slam import InputError
 
 OPEN = np.full(360, np.inf)
@@ -108,33 +106,6 @@ def test_a_thing_is_taken_for_a_person_where_a_beam_ends():
     assert 0.1 < there.mean() < 0.6
     apart = np.hypot(*(tracks[there, 0, kernel.X : kernel.Y + 1] - (LASER[0], 0.0)).T)
     assert apart == pytest.approx(2.0)
-
-
-def test_the_compiled_choice_of_the_leader_is_that_of_the_selector():
-    rng, selector = np.random.default_rng(0), LeaderSelector()
-    rules = leading.Selecting(1.0, 2.2, 4.0, 1.0, 2.0, 8.0, -np.inf, 0.05, 0.025, 1.0)
-    memory, estimate, covariance, track = np.zeros(leading.MEMORY), np.zeros(4), np.zeros(3), -1
-    memory[leading.WAITING_S] = np.inf
-    who, unseen = np.ones(3, bool), np.zeros(3)
-    for k in range(300):
-        who = np.where(rng.random(3) < 0.05, ~who, who)
-        unseen = np.where(rng.random(3) < 0.8, 0.0, unseen + 0.1)
-        places = np.array([[1.5, 0.0], [1.6, 0.3], [2.0, 2.0]]) + rng.normal(0.0, 0.05, (3, 2))
-        motions, trust = rng.normal(0.0, 0.3, (3, 2)), rng.random(3)
-        apart, rows = np.hypot(*places.T), np.flatnonzero(who)
-        none = np.zeros(len(rows))
-        people = People(
-            0.1 * k, rows, places[rows], motions[rows], trust[rows], places[rows][:, None].repeat(2, 1), none,
-            unseen[rows], np.full(len(rows), np.inf),
-        )  # fmt: skip
-        leader = selector.update(people, np.zeros(3))
-        known = leading.Known(who.copy(), apart, places, motions, unseen.copy(), trust)
-        track = leading.select(0.1 * k, 0.1 * (k > 0), known, rules, track, memory, estimate, covariance)
-        assert track == (-1 if leader is None else leader.track_id)
-        if leader is not None:
-            assert memory[leading.VISIBLE] == leader.visible
-            assert memory[leading.TRUST] == leader.confidence
-            assert estimate == pytest.approx([*leader.position, *leader.velocity], abs=1e-9)
 
 
 def drive(env, steps, seed=3):
