@@ -20,9 +20,11 @@ BORN, MISSED, FOUND, LOST, SECOND, PLACE, DOUBT = range(7)
 """Rows of `TrackerErrors.weights`: what depends on how a person is seen."""
 QUANTITIES = ("born_per_s", "missed_per_s", "found_per_s", "lost_per_s", "second_per_s", "place_m", "doubt")
 """Their names."""
-SIGHT = ("one", "range_m", "beams_log2", "hidden", "out_of_sight", "bearing_rad", "speed_mps", "off_m", "seen_log2")
-"""Columns of them: how a person is seen, see `kernel.seen`, how far the track is off, and, for who is missed, for how
-long they were seen, see `kernel.seen_for`."""
+SIGHT = (
+    "one", "range_m", "beams_log2", "hidden", "out_of_sight", "bearing_rad", "speed_mps", "off_m", "seen_log2", "way_m",
+)  # fmt: skip
+"""Columns of them: how a person is seen, see `kernel.seen`, how far the track is off, for how long who is missed was
+seen, see `kernel.seen_for`, and how far who becomes known has come in sight, see `kernel.come_on`."""
 
 
 class TrackerErrors(NamedTuple):
@@ -33,12 +35,9 @@ class TrackerErrors(NamedTuple):
     Errors are Gaussian with an exponential correlation (Ornstein and Uhlenbeck 1930).
 
     Attributes:
-        weights: (7, 9) logarithms: rates at which an unknown person becomes known, a seen one is missed, a missed one
+        weights: (7, 10) logarithms: rates at which an unknown person becomes known, a seen one is missed, a missed one
             is found again or given up, a seen one gets a second, false track [1/s]; standard deviation of a seen
             person's place, each axis [m]; 1 - confidence.
-        way_m: A person becomes known at half of the rate after coming so far in sight [m].
-        way_power: How steeply the rate rises there, see `kernel.enough_way`.
-        way_s: Time constant with which the way is forgotten out of sight [s].
         place_s: Correlation time of the error of the place [s].
         delay_s: How old a seen place is [s].
         motion_lag_s: Time constant with which a tracked velocity follows the true one [s].
@@ -58,9 +57,6 @@ class TrackerErrors(NamedTuple):
     """
 
     weights: Array
-    way_m: float
-    way_power: float
-    way_s: float
     place_s: float
     delay_s: float
     motion_lag_s: float

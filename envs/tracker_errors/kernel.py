@@ -35,7 +35,7 @@ WALKING_MPS = 0.5
 LONG_LOG2 = 5.0
 """Half a minute of being seen: more of it tells nothing."""
 WAY_M = 0.5
-"""A way beyond which more of it tells nothing: as far as a tracker asks for (`ConfirmationConfig.delta`) [m]."""
+"""A way beyond which more of it tells nothing: a stride is motion of its own (`EvidenceConfig.least_way`) [m]."""
 OUT_OF_SIGHT = 0.9
 """Who is hidden by more than this share is out of sight."""
 FARTHEST_M = 10.0
@@ -111,26 +111,20 @@ def seen(
 
 
 @view_kernel
-def come_on(
-    way: Array, motion: Array, sight: tuple[float, float, float, float, float, float], dt: float, forget_s: float
-) -> None:
+def come_on(way: Array, motion: Array, sight: tuple[float, float, float, float, float, float], dt: float) -> None:
     """Bring how far somebody has come in sight (2,) [m] to the present scan, at most `WAY_M`.
 
-    A tracker knows a person when legs that it follows have come far enough, not by chance at any moment: the way is
-    what remains of the past. It counts as far as the person is not hidden; out of sight, legs and their way are lost.
+    The farther legs have come that a tracker follows, the sooner it knows a person: the way is what remains of the
+    past. It counts as far as the person is not hidden.
 
     Args:
         way: Updated.
         motion: (2,) velocity [m/s].
         sight: How the person is seen, see `seen`.
         dt: Since the last scan [s].
-        forget_s: Time constant with which the way is forgotten out of sight [s].
     """
-    if sight[3] > 0.0:
-        keep, gain = math.exp(-dt / forget_s), 0.0
-    else:
-        keep, gain = 1.0, dt * (1.0 - sight[2])
-    x, y = keep * way[0] + gain * motion[0], keep * way[1] + gain * motion[1]
+    gain = 0.0 if sight[3] > 0.0 else dt * (1.0 - sight[2])
+    x, y = way[0] + gain * motion[0], way[1] + gain * motion[1]
     longer = max(math.sqrt(x * x + y * y) / WAY_M, 1.0)
     way[0], way[1] = x / longer, y / longer
 
@@ -142,12 +136,13 @@ def quantity(
     sight: tuple[float, float, float, float, float, float],
     off: float,
     seen_log2: float,
+    way: float = 0.0,
 ) -> float:
-    """Return the quantity `row` for somebody who is seen so; the last two columns of `SIGHT` stand by themselves."""
+    """Return the quantity `row` for somebody who is seen so; the last three columns of `SIGHT` stand by themselves."""
     w = errors.weights[row]
     return math.exp(
         w[0] + w[1] * sight[0] + w[2] * sight[1] + w[3] * sight[2] + w[4] * sight[3] + w[5] * sight[4]
-        + w[6] * sight[5] + w[7] * off + w[8] * seen_log2
+        + w[6] * sight[5] + w[7] * off + w[8] * seen_log2 + w[9] * way
     )  # fmt: skip
 
 
@@ -159,15 +154,6 @@ def seen_for(seen_s: float) -> float:
     scan's `seen` tells.
     """
     return min(np.log2(1.0 + seen_s), LONG_LOG2)
-
-
-@view_kernel
-def enough_way(way: float, enough: float, power: float) -> float:
-    """Return the share of the rate of becoming known after a way in sight [m]: half of it after `enough` [m].
-
-    None without any way, by the function of Hill 1910.
-    """
-    return 1.0 / (1.0 + (enough / way) ** power) if way > 1e-3 else 0.0
 
 
 @inner_view_kernel
@@ -216,7 +202,7 @@ def track_people(
             continue
         speed = math.sqrt(motion[0] * motion[0] + motion[1] * motion[1])
         sight = seen(place, speed, pose, ranges, laser)
-        come_on(track[WAY_X : WAY_Y + 1], motion, sight, dt, errors.way_s)
+        come_on(track[WAY_X : WAY_Y + 1], motion, sight, dt)
         _track_person(dt, place, motion, sight, errors, keeps, random, track)
         alone = track[PHASE] == SEEN and tracks[n + i, PHASE] == UNKNOWN
         if alone and _happens(quantity(SECOND, errors, sight, 0.0, 0.0), dt, random):
@@ -272,8 +258,7 @@ def _next_phase(
     """Return the phase of a track after `dt` [s] in which its person is seen so and was so far `off` it [m]."""
     if track[PHASE] == UNKNOWN:
         way = math.sqrt(track[WAY_X] * track[WAY_X] + track[WAY_Y] * track[WAY_Y])
-        share = enough_way(way, errors.way_m, errors.way_power)
-        return SEEN if _happens(share * quantity(BORN, errors, sight, 0.0, 0.0), dt, random) else UNKNOWN
+        return SEEN if _happens(quantity(BORN, errors, sight, 0.0, 0.0, way), dt, random) else UNKNOWN
     if track[PHASE] == SEEN:
         return UNSEEN if _happens(quantity(MISSED, errors, sight, off, seen_for(track[SEEN_S])), dt, random) else SEEN
     found, lost = quantity(FOUND, errors, sight, off, 0.0), quantity(LOST, errors, sight, off, 0.0)

@@ -18,9 +18,9 @@ WORLDS = "worlds"
 PRESETS = (WORLDS, "office", "office-map", "corridor")
 EPILOG = """\
 With the preset worlds, the default, the policy is rewarded from the start, by PPO on compiled worlds: offices of the
-training half, a floor plan, corridors and halls, people known with a tracker's errors. Its wishes pass a safety filter
-that stops before a certain contact, in training as later; "DIR-alone" is the network alone. The same command makes the
-same weights, to the byte, if it is not interrupted.
+training half, a floor plan, corridors and halls, people known by the robot's own tracker (on a GPU by a model of its
+errors). Its wishes pass a safety filter that stops before a certain contact, in training as later; "DIR-alone" is the
+network alone. The same command makes the same weights, to the byte, if it is not interrupted.
 
 With the other presets it is trained in MuJoCo's worlds with the tracker: with ppo, it first imitates a teacher that
 drives by the truth (which the robot never sees), on the ways that the policy itself comes to; then it is rewarded.
@@ -50,7 +50,7 @@ def add_follower_arguments(models: "argparse._SubParsersAction[argparse.Argument
         "--steps",
         type=at_least(1, MOST_STEPS),
         metavar="N",
-        help="steps of reinforcement (worlds: 9000000)",
+        help="steps of reinforcement (worlds: 4000000)",
     )
     parser.add_argument("--max-minutes", type=within(0.001, 1e6), metavar="M", help="stop then, evaluations included")
     parser.add_argument(
@@ -109,11 +109,11 @@ def _train_on_worlds(options: argparse.Namespace) -> int:
     if options.algo != "ppo":
         raise InputError(f"the preset {WORLDS} is trained by ppo, got {options.algo}")
     try:
-        from ...agents.training.worlds.preset import WorldsPreset, gpu_preset
+        from ...agents.training.worlds.preset import preset_for
         from ...agents.training.worlds.run import WorldsRun, WorldsRunConfig
     except ImportError as error:
         raise MissingExtraError(f"learned followers ({error.name})", "learn") from None
-    preset = gpu_preset() if options.device == "cuda" else WorldsPreset()
+    preset = preset_for(options.device)
     preset = replace(preset, env={**preset.env, **read_settings(options.settings)})
     if options.steps is not None:
         preset = replace(preset, steps=options.steps)

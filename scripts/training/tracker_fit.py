@@ -1,7 +1,7 @@
 """Fits the numbers of the tracker's error model to drives of the real tracker."""
 
 from collections.abc import Sequence
-from itertools import groupby, pairwise, product
+from itertools import groupby, pairwise
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,7 @@ from ...envs.tracker_errors.errors import (
     SIGHT,
     TrackerErrors,
 )
-from ...envs.tracker_errors.kernel import FARTHEST_M, SWAP_M, come_on, enough_way, seen_for
+from ...envs.tracker_errors.kernel import FARTHEST_M, SWAP_M, come_on, seen_for
 from ...slam.errors import InputError
 from .tracker_drives import LEADER, SEEN, UNKNOWN, UNSEEN, TrackedDrive
 
@@ -29,9 +29,6 @@ Flags = NDArray[np.bool_]
 
 TOO_FEW = "the drives are too few or too short to fit errors to: people have to be seen and lost on them"
 _RIDGE = 1e-3  # keeps a weight finite where nothing speaks for any value of it
-_KEPT_S = 0.15, 0.3, 0.6, 1.2  # what the numbers of the way are chosen from, as the next two
-_ENOUGH_M = 0.15, 0.2, 0.25, 0.3, 0.35
-_POWERS = 2.0, 3.0, 4.0, 6.0, 8.0
 _LAGS_S = np.arange(0.1, 3.05, 0.1)
 _LONGEST_LAG = 10  # scans that correlations are looked at over: beyond lie steps, which are no noise
 
@@ -44,7 +41,7 @@ def fit_errors(drives: Sequence[TrackedDrive]) -> TrackerErrors:
     """
     weights = np.zeros((len(QUANTITIES), len(SIGHT)))
     longest = _longest_unseen_s(drives)
-    weights[BORN], way = _born(drives, longest)
+    weights[BORN] = _born(drives, longest)
     for row, before, after in (
         (MISSED, SEEN, (UNSEEN, UNKNOWN)),
         (FOUND, UNSEEN, (SEEN,)),
@@ -64,7 +61,6 @@ def fit_errors(drives: Sequence[TrackedDrive]) -> TrackerErrors:
     place_s = np.mean([correlation_s([drive], lambda d: d.place - d.position + delay * d.velocity) for drive in drives])
     return TrackerErrors(
         weights=weights,
-        **way,
         place_s=float(place_s),
         delay_s=delay,
         motion_lag_s=lag,
@@ -79,49 +75,38 @@ def fit_errors(drives: Sequence[TrackedDrive]) -> TrackerErrors:
 
 
 def with_one(sights: Array) -> Array:
-    """Return (k, 9) the columns `SIGHT` of `sights` (k, 8)."""
+    """Return (k, 10) the columns `SIGHT` of `sights` (k, 9)."""
     return np.concatenate((np.ones((len(sights), 1)), sights), axis=1)
 
 
 def rate_weights(sights: Array, happened: Flags, dt: float) -> Array:
-    """Return (9,) the weights of a rate, by maximum likelihood of what happened within `dt` [s].
+    """Return (10,) the weights of a rate, by maximum likelihood of what happened within `dt` [s].
 
     Args:
-        sights: (k, 8) how somebody was seen, how far the track was off, and for how long it was seen.
+        sights: (k, 9) how somebody was seen, how far the track was off, for how long it was seen, and the way come.
         happened: (k,) whether it happened.
         dt: [s].
     """
-    return _likeliest(sights, happened, np.full(len(sights), dt))[0]
-
-
-def _likeliest(sights: Array, happened: Flags, exposure_s: Array) -> tuple[Array, float]:
-    """Return what `rate_weights` does, in so much time each (k,), and the negative logarithm of the likelihood."""
     columns = with_one(sights)
 
     def loss(weights: Array) -> tuple[float, Array]:
-        expected = np.exp(np.clip(columns @ weights, -20.0, 6.0)) * exposure_s
+        expected = np.exp(np.clip(columns @ weights, -20.0, 6.0)) * dt
         chance = -np.expm1(-expected)
         cost = np.where(happened, -np.log(np.maximum(chance, 1e-300)), expected).sum() + _RIDGE * weights @ weights
         slope = np.where(happened, -expected * np.exp(-expected) / np.maximum(chance, 1e-300), expected)
         return float(cost), slope @ columns + 2.0 * _RIDGE * weights
 
     start = np.zeros(len(SIGHT))
-    start[0] = np.log(max(float(happened.sum()), 1e-6 * len(happened)) / exposure_s.sum())
+    start[0] = np.log(max(float(happened.sum()), 1e-6 * len(happened)) / (dt * len(happened)))
     found = minimize(loss, start, jac=True, method="BFGS")
-    return np.asarray(found.x), float(found.fun)
+    return np.asarray(found.x)
 
 
-def _born(drives: Sequence[TrackedDrive], longest_s: float) -> tuple[Array, dict[str, float]]:
-    """Return (9,) the weights of the rate at which people become known, and the numbers of the way that it takes."""
-    told, share_of = [], np.vectorize(enough_way)
+def _born(drives: Sequence[TrackedDrive], longest_s: float) -> Array:
+    """Return (10,) the weights of the rate at which people become known."""
     sights, happened = _changes(drives, UNKNOWN, (SEEN, UNSEEN), longest_s)
-    for way_s in _KEPT_S:
-        ways = _joined([ways_come(d, way_s)[1:][(d.phase[:-1] == UNKNOWN) & _near(d)] for d in drives])
-        for way_m, power in product(_ENOUGH_M, _POWERS):
-            fit = _likeliest(sights, happened, drives[0].dt * share_of(ways, way_m, power))
-            told.append((*fit, {"way_m": way_m, "way_power": power, "way_s": way_s}))
-    weights, _, way = min(told, key=lambda row: row[1])
-    return weights, way
+    sights[:, -1] = _joined([ways_come(d)[1:][(d.phase[:-1] == UNKNOWN) & _near(d)] for d in drives])
+    return rate_weights(sights, happened, drives[0].dt)
 
 
 def _near(drive: TrackedDrive) -> Flags:
@@ -129,13 +114,13 @@ def _near(drive: TrackedDrive) -> Flags:
     return drive.sight[1:, :, 0] < FARTHEST_M
 
 
-def ways_come(drive: TrackedDrive, way_s: float) -> Array:
-    """Return (T, n) how far each has come in sight by each scan [m], kept for `way_s` [s] out of it."""
+def ways_come(drive: TrackedDrive) -> Array:
+    """Return (T, n) how far each has come in sight by each scan [m]."""
     way, near = np.zeros(drive.position.shape), _near(drive)
     for k in range(1, len(way)):
         for i in np.flatnonzero(near[k - 1]).tolist():
             way[k, i] = way[k - 1, i]
-            come_on(way[k, i], drive.velocity[k, i], tuple(drive.sight[k, i]), drive.dt, way_s)
+            come_on(way[k, i], drive.velocity[k, i], tuple(drive.sight[k, i]), drive.dt)
     return np.hypot(*way.transpose(2, 0, 1))
 
 
@@ -149,7 +134,7 @@ def seen_s(drive: TrackedDrive) -> Array:
 
 
 def mean_weights(sights: Array, values: Array) -> Array:
-    """Return (9,) the weights of the mean of positive `values` (k,), as if they were exponentially distributed."""
+    """Return (10,) the weights of the mean of positive `values` (k,), as if they were exponentially distributed."""
     columns = with_one(sights)
 
     def loss(weights: Array) -> tuple[float, Array]:
@@ -166,7 +151,7 @@ def mean_weights(sights: Array, values: Array) -> Array:
 def _changes(
     drives: Sequence[TrackedDrive], before: int, after: tuple[int, ...], longest_s: float
 ) -> tuple[Array, Flags]:
-    """Return how people of phase `before` were seen a scan later (k, 8), and whether they changed to one of `after`.
+    """Return how people of phase `before` were seen a scan later (k, 9), and whether they changed to one of `after`.
 
     Who was unseen for `longest_s` [s] is left out: they are given up.
     """
@@ -175,7 +160,8 @@ def _changes(
         old, new, sight = drive.phase[:-1], drive.phase[1:], drive.sight[1:]
         there = (old == before) & _near(drive) & (drive.unseen_s[:-1] + 0.5 * drive.dt < longest_s)
         seen_log2 = np.vectorize(seen_for)(seen_s(drive))[:-1]
-        sights.append(np.column_stack((sight[there], drive.off[:-1][there], seen_log2[there])))
+        past = drive.off[:-1][there], seen_log2[there], np.zeros(np.count_nonzero(there))
+        sights.append(np.column_stack((sight[there], *past)))
         happened.append(np.isin(new[there], after))
     return _joined(sights), _joined(happened)
 
@@ -208,10 +194,10 @@ def _unseen_mps(drives: Sequence[TrackedDrive]) -> float:
 
 
 def _seen_rows(drives: Sequence[TrackedDrive], values) -> tuple[Array, Array]:
-    """Return `values(drive)` of all who are seen, and how they are seen (k, 8); the track's past does not count."""
+    """Return `values(drive)` of all who are seen, and how they are seen (k, 9); the track's past does not count."""
     parts = [(values(d)[d.phase == SEEN], d.sight[d.phase == SEEN]) for d in drives]
     sights = _joined([sight for _, sight in parts])
-    return _joined([part for part, _ in parts]), np.column_stack((sights, np.zeros((len(sights), 2))))
+    return _joined([part for part, _ in parts]), np.column_stack((sights, np.zeros((len(sights), 3))))
 
 
 def delay_s(drives: Sequence[TrackedDrive]) -> float:
@@ -272,7 +258,7 @@ def _swaps(drives: Sequence[TrackedDrive]) -> tuple[float, float]:
 
 
 def _seconds_begun(drives: Sequence[TrackedDrive]) -> tuple[Array, Flags]:
-    """Return how everybody seen is seen (k, 8), and whether a second track of theirs begins there."""
+    """Return how everybody seen is seen (k, 9), and whether a second track of theirs begins there."""
     begun = []
     for drive in drives:
         starts = np.zeros(drive.phase.shape, dtype=bool)

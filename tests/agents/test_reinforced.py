@@ -15,7 +15,7 @@ from tagalong.agents.reinforced.policy import DenseNetwork, load_reinforced  # n
 from tagalong.agents.training.worlds.export import policy_arrays  # noqa: E402
 from tagalong.agents.training.worlds.pooled_tensors import PooledTensors, as_tensors  # noqa: E402
 from tagalong.agents.training.worlds.ppo import Learner, Rollout, log_probability  # noqa: E402
-from tagalong.agents.training.worlds.preset import WorldsPreset  # noqa: E402
+from tagalong.agents.training.worlds.preset import WorldsPreset, preset_for  # noqa: E402
 from tagalong.agents.training.worlds.run import EndedEpisodes, WorldsRun, WorldsRunConfig  # noqa: E402
 from tagalong.agents.training.worlds.tensor_worlds import TRUTH, Outcome, TensorWorlds, steered  # noqa: E402
 from tagalong.envs import CompiledVectorEnv  # noqa: E402
@@ -48,6 +48,16 @@ def test_the_same_command_makes_the_same_bytes_with_any_number_of_threads(whole,
         assert (folder / name).read_bytes() == (tmp_path / "again" / name).read_bytes()
     assert progress.steps == 80
     assert any(line.startswith("80/80 steps: tours done 0.00") for line in lines)
+
+
+def test_the_card_names_the_command_with_all_that_was_set(whole):
+    command = json.loads((whole[0] / "policy.json").read_text())["command"]
+    assert command == "tagalong train follower --device cpu --seed 0 --steps 80 --set beams=90"
+
+
+def test_people_are_known_by_the_tracker_where_its_kernels_run():
+    assert preset_for("cpu").env["people"] == "tracker"
+    assert preset_for("cuda").env["people"] == "modelled"
 
 
 def test_a_run_that_was_stopped_goes_on_with_what_it_had_learned(tmp_path):

@@ -6,7 +6,7 @@ import gymnasium as gym
 import numpy as np
 import pytest
 from tagalong.envs.tracker_errors import kernel
-from tagalong.envs.tracker_errors.errors import MISSED, PLACE, SHIPPED, chosen_errors, from_named, named
+from tagalong.envs.tracker_errors.errors import BORN, MISSED, PLACE, SHIPPED, chosen_errors, from_named, named
 from tagalong.slam import InputError
 
 OPEN = np.full(360, np.inf)
@@ -52,13 +52,25 @@ def first_known_s(velocity, drives=200, steps=100):
     return np.array(first)
 
 
-def test_who_stands_is_not_known_and_who_sets_off_is_soon():
-    first = first_known_s((0.0, 1.0))
-    assert len(first) > 190
-    assert first.min() > 0.0
-    assert np.median(first) < 0.8
-    assert first.std() < 0.5
-    assert len(first_known_s((0.0, 0.0))) == 0
+def test_who_walks_is_known_sooner_than_who_stands_and_who_has_come_far_soonest():
+    standing, walking = first_known_s((0.0, 0.0)), first_known_s((0.0, 1.0))
+    assert (walking < 1.0).mean() > 0.9 > 0.8 > (standing < 1.0).mean()
+    errors, near = chosen_errors("shipped"), np.array([1.4, 0.0])
+    sight = kernel.seen(near, 1.0, np.zeros(3), OPEN, LASER)
+    rates = [kernel.quantity(BORN, errors, sight, 0.0, 0.0, way) for way in (0.0, 0.2, 0.5)]
+    assert rates[0] < rates[1] < rates[2]
+
+
+def test_a_way_is_what_was_come_in_sight_and_no_longer_than_a_stride():
+    way, hidden = np.zeros(2), (2.0, 1.0, 1.0, 1.0, 0.0, 0.5)
+    sight = kernel.seen(np.array([1.4, 0.0]), 1.0, np.zeros(3), OPEN, LASER)
+    kernel.come_on(way, np.array([1.0, 0.0]), sight, 0.1)
+    assert way == pytest.approx([0.1, 0.0])
+    kernel.come_on(way, np.array([0.0, 1.0]), hidden, 0.1)
+    assert way == pytest.approx([0.1, 0.0])
+    for _ in range(20):
+        kernel.come_on(way, np.array([1.0, 0.0]), sight, 0.1)
+    assert way == pytest.approx([kernel.WAY_M, 0.0])
 
 
 def test_who_was_seen_for_long_is_missed_more_seldom():

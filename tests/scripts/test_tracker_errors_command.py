@@ -12,16 +12,16 @@ from tagalong.scripts.training.tracker_fit import TOO_FEW, correlation_s, mean_w
 
 
 def sights(rng, count):
-    """How `count` people are seen, how far their tracks are off, and for how long they were seen."""
+    """How `count` people are seen, how far their tracks are off, for how long they were seen, and the way come."""
     return np.column_stack(
         (rng.uniform(0.5, 8.0, count), rng.uniform(0.0, 2.0, count), rng.random(count), rng.random(count) < 0.2,
          rng.uniform(0.0, 2.0, count), rng.uniform(0.0, 0.5, count), rng.uniform(0.0, 0.3, count),
-         rng.uniform(0.0, 5.0, count))
+         rng.uniform(0.0, 5.0, count), rng.uniform(0.0, 0.5, count))
     )  # fmt: skip
 
 
 def test_weights_of_a_rate_are_found_again():
-    rng, made = np.random.default_rng(0), np.array([-1.0, -0.2, 0.6, -2.0, -0.5, 0.3, 2.0, 1.0, -0.3])
+    rng, made = np.random.default_rng(0), np.array([-1.0, -0.2, 0.6, -2.0, -0.5, 0.3, 2.0, 1.0, -0.3, 1.5])
     rows = sights(rng, 160_000)
     rate = np.exp(made[0] + rows @ made[1:])
     found = rate_weights(rows, rng.random(len(rows)) < 1.0 - np.exp(-0.1 * rate), 0.1)
@@ -30,7 +30,7 @@ def test_weights_of_a_rate_are_found_again():
 
 
 def test_weights_of_a_mean_are_found_again():
-    rng, made = np.random.default_rng(0), np.array([-4.0, 0.1, -0.3, 1.0, 0.0, 0.2, 0.5, 0.0, 0.0])
+    rng, made = np.random.default_rng(0), np.array([-4.0, 0.1, -0.3, 1.0, 0.0, 0.2, 0.5, 0.0, 0.0, 0.0])
     rows = sights(rng, 20_000)
     found = mean_weights(rows, rng.exponential(np.exp(made[0] + rows @ made[1:])))
     assert found == pytest.approx(made, abs=0.2)

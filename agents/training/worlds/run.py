@@ -6,6 +6,7 @@ from contextlib import closing
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from pathlib import Path
+from shlex import quote
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,7 @@ from ..model_state import Arrays, Shapes, arrays_of_adam, restore_adam, shapes_o
 from ..running import RunClock, RunLimits, TimeUp, settle
 from .export import policy_arrays, write_policy
 from .ppo import Learner, Rollout
-from .preset import WorldsPreset
+from .preset import WorldsPreset, preset_for
 from .tensor_worlds import Outcome, TensorWorlds
 
 CHECKPOINT_EVERY = 10
@@ -154,12 +155,18 @@ class WorldsRun:
         return {
             "algorithm": "ppo",
             "preset": "worlds",
-            "command": f"tagalong train follower --device {self.config.device} --seed {self.config.seed} "
-            f"--steps {self._preset.steps}",
+            "command": self._command(),
             **told,
             "made_with": {name: version(name) for name in ("numpy", "numba", "torch")},
             "settings": asdict(self._preset),
         }
+
+    def _command(self) -> str:
+        """Return the command that makes the same again."""
+        usual, ours = preset_for(self.config.device).env, self._preset.env
+        changed = [f"--set {quote(f'{name}={value}')}" for name, value in ours.items() if usual.get(name) != value]
+        first = f"tagalong train follower --device {self.config.device} --seed {self.config.seed}"
+        return " ".join((first, f"--steps {self._preset.steps}", *changed))
 
     def _resume(self) -> None:
         """Go on from the checkpoint in the folder, if there is one; the episodes that follow are other ones."""
