@@ -9,7 +9,7 @@ COLUMNS = ("jerk_rms_mps3", "distance_error_rms_m", "personal_space_compliance")
 MAP_COLUMNS = ("adnn_truth_to_map_m", "adnn_map_to_truth_m", "coverage")
 PAGE = """# Leaderboard
 
-Written by `tagalong compare` on {date}, with tagalong {tagalong} on {cores} cores of
+Written by `tagalong compare` on {date}, with tagalong {tagalong} on {cores} of
 {processor} ({system}, Python {python}). Full world, the robot's own tracker, {slam}.
 Driven: {drives}. The same episodes for everybody.
 
@@ -65,8 +65,15 @@ def leaderboard(
     table = "\n".join(f"| {' | '.join(line)} |" for line in (head, ["---"] * len(head), *rows))
     words = " ".join(suites)
     mapped = {"slam": "no SLAM", "option": ""} if slam is None else {"slam": f"`{slam}`", "option": f" --slam {slam}"}
+    cores = "1 core" if machine["cores"] == 1 else f"{machine['cores']} cores"
     return PAGE.format(
-        date=date, **machine, **mapped, drives=drives, table=table, words=words, followers=" ".join(followers)
+        date=date,
+        **{**machine, "cores": cores},
+        **mapped,
+        drives=drives,
+        table=table,
+        words=words,
+        followers=" ".join(followers),
     )
 
 

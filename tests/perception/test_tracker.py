@@ -1,12 +1,17 @@
 """People as hypotheses: one cluster, two legs or a hidden one, from standing and from moving robots."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from halls import BEARINGS, scan_of, wall_from
 from tagalong.perception import PeopleFilter, PeopleFilterConfig, perception_preset, table_ii
 from tagalong.perception.config import PRESETS, PerceptionConfig
+from tagalong.perception.legs.recent_views import RecentViewsConfig
 from tagalong.perception.tracking.config import EvidenceConfig, ReidentificationConfig, TrackerConfig
+from tagalong.perception.tracking.existence import stood_where
 from tagalong.perception.tracking.numbers import numbers_of
+from tagalong.perception.tracking.tracks import HYPOTHESIS, no_tracks, tracks_of
 from tagalong.slam import InputError
 
 
@@ -100,6 +105,16 @@ def test_the_longer_something_has_stood_the_more_it_takes_to_be_somebody(hall, s
         assert len(hall.show(legs, confidence=0.05, odometry=(0.0, 1.0, 0.0))) == 0
     told = [len(hall.show(legs, confidence=0.6, odometry=(0.1 * k, 1.0, 0.0))) for k in range(25)]
     assert told[-1] == people
+
+
+def test_somebody_stands_where_something_stands_only_with_all_legs_that_are_seen():
+    tracks = tracks_of(no_tracks(1, 8, RecentViewsConfig()), 0)
+    rows = np.zeros(4, HYPOTHESIS).view(np.recarray)
+    rows["clusters"] = [[0, 1], [1, 0], [1, -1], [-1, -1]]
+    sight = SimpleNamespace(stood=np.array([0.0, 7.0]))
+    numbers = SimpleNamespace(things_resolution=0.05, things_forget_s=3.0)
+    stood = stood_where.py_func(tracks, rows, sight, 1.0, numbers)  # pyright: ignore[reportFunctionMemberAccess]
+    assert stood.tolist() == [0.0, 0.0, 7.0, 0.0]
 
 
 def test_somebody_whom_a_robot_without_odometry_follows_is_a_person_though_still_in_its_frame(hall):
