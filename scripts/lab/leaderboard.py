@@ -66,15 +66,8 @@ def leaderboard(
     words = " ".join(suites)
     mapped = {"slam": "no SLAM", "option": ""} if slam is None else {"slam": f"`{slam}`", "option": f" --slam {slam}"}
     cores = "1 core" if machine["cores"] == 1 else f"{machine['cores']} cores"
-    return PAGE.format(
-        date=date,
-        **{**machine, "cores": cores},
-        **mapped,
-        drives=drives,
-        table=table,
-        words=words,
-        followers=" ".join(followers),
-    )
+    told = {**machine, "cores": cores, **mapped, "date": date, "drives": drives, "table": table, "words": words}
+    return PAGE.format(**told, followers=" ".join(followers))
 
 
 def _lead(cell: ComparedCell, who: str) -> str:
