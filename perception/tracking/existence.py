@@ -63,7 +63,7 @@ def end(tracks, sight, time_s, c):
     stood = stood_where(tracks, rows, sight, time_s, c)
     for i in range(len(rows)):
         still = max(stood[i], rows[i].stands_s) / c.existence_stand_s
-        if stood[i] >= c.things_still_s or (rows[i].age_s < c.things_still_s and not _has_come(rows[i], sight)):
+        if stood[i] >= c.things_still_s or (rows[i].age_s < c.things_still_s and not has_come(rows[i], sight)):
             still += 2.0 * c.existence_memory
         odds[i] -= sight.still * still
         rows[i].odds = odds[i]
@@ -88,7 +88,7 @@ def stood_where(tracks, rows, sight, time_s, c):
 
 
 @inner_kernel
-def _has_come(one, sight):
+def has_come(one, sight):
     """Return whether nothing at all was there a moment ago where a leg of hypothesis `one` is seen."""
     a, b = one.clusters[0], one.clusters[1]
     return (a >= 0 and sight.came[a]) or (b >= 0 and sight.came[b])

@@ -9,7 +9,7 @@ from tagalong.perception import PeopleFilter, PeopleFilterConfig, perception_pre
 from tagalong.perception.config import PRESETS, PerceptionConfig
 from tagalong.perception.legs.recent_views import RecentViewsConfig
 from tagalong.perception.tracking.config import EvidenceConfig, ReidentificationConfig, TrackerConfig
-from tagalong.perception.tracking.existence import stood_where
+from tagalong.perception.tracking.existence import has_come, stood_where
 from tagalong.perception.tracking.numbers import numbers_of
 from tagalong.perception.tracking.tracks import HYPOTHESIS, no_tracks, tracks_of
 from tagalong.slam import InputError
@@ -115,6 +115,14 @@ def test_somebody_stands_where_something_stands_only_with_all_legs_that_are_seen
     numbers = SimpleNamespace(things_resolution=0.05, things_forget_s=3.0)
     stood = stood_where.py_func(tracks, rows, sight, 1.0, numbers)  # pyright: ignore[reportFunctionMemberAccess]
     assert stood.tolist() == [0.0, 0.0, 7.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("legs", "came"), [((0, -1), False), ((1, -1), True), ((0, 1), True), ((-1, 1), True), ((-1, -1), False)]
+)
+def test_somebody_has_come_who_has_a_leg_where_nothing_was(legs, came):
+    one, sight = SimpleNamespace(clusters=legs), SimpleNamespace(came=np.array([False, True]))
+    assert has_come.py_func(one, sight) == came  # pyright: ignore[reportFunctionMemberAccess]
 
 
 def test_somebody_whom_a_robot_without_odometry_follows_is_a_person_though_still_in_its_frame(hall):
