@@ -73,8 +73,8 @@ class TruePeopleSource:
 class ModelledPeopleSource:
     """Everybody as a tracker would report them that errs as the real one does: a model of its errors, on the truth.
 
-    People keep their numbers: in the real stack those of the leader's tracks change, and it is known by its body. What
-    that gets wrong is among the errors.
+    People keep their numbers, where in the real stack those of tracks change now and then: that somebody else is taken
+    for the leader is among the errors.
 
     Args:
         world: The simulator.

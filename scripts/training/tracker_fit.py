@@ -241,8 +241,8 @@ def correlation_s(drives: Sequence[TrackedDrive], values) -> float:
 def _swaps(drives: Sequence[TrackedDrive]) -> tuple[float, float]:
     """Return at which rate the leader and somebody else near it are taken for each other [1/s], and for how long [s].
 
-    From when it was first the right one, and by the leader alone: whom the robot takes for its leader is by its body;
-    what the numbers of other tracks do is in no observation.
+    From when it was first the right one, and by the leader alone: what the numbers of other tracks do is in no
+    observation.
     """
     begun = wrong = near = 0
     for drive in drives:
