@@ -39,9 +39,10 @@ def people_entry(row: int, odometry: Array, company: Company, others: Flags, tab
     for line in range(len(table)):
         nearest, least = -1, math.inf
         for i in range(len(others)):
-            away = math.hypot(x[i, 0] - odometry[0], x[i, 1] - odometry[1])
-            if others[i] and away < least:
-                nearest, least = i, away
+            if others[i]:
+                away = math.hypot(x[i, 0] - odometry[0], x[i, 1] - odometry[1])
+                if away < least:
+                    nearest, least = i, away
         if nearest < 0:
             return
         others[nearest] = False

@@ -62,12 +62,14 @@ def test_who_walks_is_known_sooner_than_who_stands_and_who_has_come_far_soonest(
 
 
 def test_a_way_is_what_was_come_in_sight_and_no_longer_than_a_stride():
-    way, hidden = np.zeros(2), (2.0, 1.0, 1.0, 1.0, 0.0, 0.5)
+    way, hidden, half = np.zeros(2), (2.0, 1.0, 1.0, 1.0, 0.0, 0.5), (2.0, 1.0, 0.5, 0.0, 0.0, 0.5)
     sight = kernel.seen(np.array([1.4, 0.0]), 1.0, np.zeros(3), OPEN, LASER)
     kernel.come_on(way, np.array([1.0, 0.0]), sight, 0.1)
     assert way == pytest.approx([0.1, 0.0])
     kernel.come_on(way, np.array([0.0, 1.0]), hidden, 0.1)
     assert way == pytest.approx([0.1, 0.0])
+    kernel.come_on(way, np.array([1.0, 0.0]), half, 0.1)
+    assert way == pytest.approx([0.15, 0.0])
     for _ in range(20):
         kernel.come_on(way, np.array([1.0, 0.0]), sight, 0.1)
     assert way == pytest.approx([kernel.WAY_M, 0.0])
@@ -160,3 +162,26 @@ def test_times_must_be_positive():
     table = named(chosen_errors("shipped"))
     with pytest.raises(InputError, match="`place_s` must be positive"):
         from_named({**table, "place_s": 0.0}, "here")
+
+
+def test_nobody_is_new_in_the_model_so_who_is_lost_is_no_other_one_later():
+    given = {
+        "simulator": "compiled",
+        "people": "modelled",
+        "people_count": 12,
+        "beams": 120,
+        "episodes_ahead": 16,
+        "lost_limit_s": 99.0,
+    }
+    env = gym.make_vec("tagalong/Office-v0", 16, "vector_entry_point", autoreset_mode="Disabled", **given)
+    env.reset(seed=5)
+    followed, known, lost = np.full(16, -1), np.zeros(16, int), 0
+    for _ in range(300):  # whoever stands still loses its leader
+        *_, info = env.step(np.zeros((16, 2), np.float32))
+        who, known = info["leader_id"], known + ((info["leader_id"] >= 0) | (known > 0))
+        chosen = known > 15  # the choice may change for a second
+        followed = np.where(chosen, followed, who)
+        assert (who == followed)[chosen & (who >= 0) & (followed >= 0)].all()
+        lost += np.count_nonzero(chosen & (who < 0))
+    assert lost > 100
+    env.close()

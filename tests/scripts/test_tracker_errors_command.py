@@ -56,6 +56,9 @@ def test_the_command_writes_numbers_that_an_environment_reads(tmp_path, capsys, 
     path = tmp_path / "tracker_errors.json"
     card = json.loads(path.read_text())
     assert card["command"] == "tagalong train tracker-errors --seeds 1 --check-seeds 2 --steps 120"
+    born = card["errors"]["weights"]["born_per_s"]
+    assert born["way_m"] != 0.0
+    assert born["off_m"] == born["seen_log2"] == 0.0
     env = gym.make("tagalong/Corridor-v0", people="modelled", slam=None, tracker_errors=str(path), beams=90)
     env.reset(seed=0)
     env.step(np.zeros(2))
