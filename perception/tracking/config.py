@@ -157,7 +157,10 @@ class ExistenceConfig:
             odds in this time: things stand for ever. With 5, 7 and 10 furniture is 0.014, 0.029 and 0.053 of what is
             seen of walkers in thirty simulated offices; what is found of people is the same. After so long it is as
             if it had never moved, and the place is marked: of chair legs that were taken for one leg that steps, the
-            simulated meeting room had whole drives full [s].
+            simulated meeting room had whole drives full. And what has stood for so long is a thing until it moves: it
+            is no hypothesis, which would take the legs of who passes for its own and keep their number (of 46 offices
+            furniture is 0.019 for 0.025, and 0.058 of the walkers are missed for 0.061; of 8 never tried before 0.040
+            for 0.016, all in one drive, and 0.036 for 0.045) [s].
         gamma: What is told of legs has at least this confidence (Table II), in [0, 1].
         memory: Log odds by which a leg where something has stood still is less sure in what is told of legs, and surer
             elsewhere: half the weight of it beside the forest's log odds in a logistic regression (1.7; 1.3 to 2.1 with

@@ -16,9 +16,9 @@ LONG_AGO_S = 1e3
 
 @inner_kernel
 def begin(tracks, sight, laser, c):
-    """Begin hypotheses at clusters that no hypothesis explains, seen from `laser` (3,)."""
+    """Begin hypotheses at clusters that no hypothesis explains, seen from `laser` (3,), but not at things."""
     z, order = sight.z, np.argsort(-sight.first, kind="mergesort")
-    able = sight.affinity >= c.existence_begin
+    able = (sight.affinity >= c.existence_begin) & (sight.still * sight.stood < c.existence_stand_s)
     found = fresh_clusters(hypotheses_of(tracks), z, order, able, c.existence_merge, c.existence_own)
     for k in range(len(found)):
         a, b = found[k, 0], found[k, 1]
@@ -57,7 +57,7 @@ def begin_at(tracks, x, y, laser, c):
 
 @inner_kernel
 def end(tracks, sight, time_s, c):
-    """End duplicates, and hypotheses that nobody believes in."""
+    """End duplicates, and hypotheses that nobody believes in or that are things by now."""
     rows = hypotheses_of(tracks)
     odds = log_odds(rows, c.evidence_prior, c.evidence_alike, c.evidence_moved, c.evidence_least_way)
     stood = stood_where(tracks, rows, sight, time_s, c)
@@ -71,7 +71,11 @@ def end(tracks, sight, time_s, c):
     for i in range(len(rows)):
         one = rows[i]
         keep[i] = keep[i] and one.p[0] <= c.existence_vague
-        keep[i] = keep[i] and (odds[i] >= c.existence_stop if one.id >= 0 else one.unseen_s <= c.existence_tentative_s)
+        if one.id >= 0:
+            keep[i] = keep[i] and odds[i] >= c.existence_stop
+        else:
+            keep[i] = keep[i] and one.unseen_s <= c.existence_tentative_s
+            keep[i] = keep[i] and sight.still * stood[i] < c.existence_stand_s
     lose(tracks, rows, keep, time_s, c)
     keep_hypotheses(tracks, keep)
 

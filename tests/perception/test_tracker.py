@@ -203,6 +203,21 @@ def test_who_goes_out_of_sight_beside_a_post_is_not_that_post(hall):
     assert counts[-1] == 0
 
 
+@pytest.mark.parametrize("apart", [0.45, 0.6])
+@pytest.mark.parametrize("ahead", [-0.2, 0.0, 0.1])
+def test_who_comes_into_sight_beside_a_post_is_one_person_and_leaves_no_number_there(hall, step, apart, ahead):
+    post, pose = [2.0, 0.0], np.array([0.6, 0.5, 0.0])
+    for k in range(60):  # it has stood there for eight seconds and looks like a leg
+        hall.show([post], confidence=0.6, odometry=(0.05 * min(k, 12), 0.5, 0.0))
+    for k in range(12):
+        centre = np.array([2.0 + apart, ahead + 0.13 * k])
+        legs = step(centre, (0.0, 1.0), k / hall.rate_hz)[: 1 if k < 4 else 2]
+        people = hall.show([post, *legs], confidence=[0.6, *[0.95] * len(legs)], odometry=pose)
+        assert len(people) == 1
+    assert people.positions[0] == pytest.approx(centre, abs=0.25)
+    assert [len(hall.show([post], confidence=0.6, odometry=pose)) for _ in range(12)][-1] == 0
+
+
 @pytest.mark.parametrize(("begin", "still"), [(3.0, True), (4.2, False)])
 def test_where_somebody_stands_something_stands_unless_the_person_has_walked_there(hall, begin, still):
     for k in range(25):
