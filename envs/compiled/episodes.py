@@ -60,7 +60,7 @@ def step_world(
     """Do in world w what is asked for, as `step_worlds`."""
     _go_on(w, what, action, rules, plans, state, told, room)
     believe(w, rules, plans, state, told, room)
-    _judge(w, rules, plans, state, told, room)
+    _judge(w, rules, plans, state, told)
 
 
 @view_kernel
@@ -108,12 +108,11 @@ def judge_worlds(
     plans: Plans,
     state: WorldsState,
     told: Told,
-    room: Scratch,
 ) -> None:
     """Judge what was asked for in the `worlds` where others than kernels say what the robots know; as `step_worlds`."""
     for w in range(worlds[0], worlds[1]):
         if what[w] != REST:
-            _judge(w, rules, plans, state, told, room)
+            _judge(w, rules, plans, state, told)
 
 
 @inner_view_kernel
@@ -155,12 +154,12 @@ def _begin(w: int, slot: int, plans: Plans, state: WorldsState) -> None:
 
 
 @inner_view_kernel
-def _judge(w: int, rules: Rules, plans: Plans, state: WorldsState, told: Told, room: Scratch) -> None:
+def _judge(w: int, rules: Rules, plans: Plans, state: WorldsState, told: Told) -> None:
     """Write what is so in world w, and what the step is worth."""
     s, pose, steps = state.slot[w], state.pose[w], state.steps[w]
     position, step_s = state.bodies.position[w, : plans.people[s]], rules.ticks * TICK
-    _facts(position, plans.radius[s], pose, rules.robot_radius, state.change[w], room.truth)
-    told.distance[w], following = room.truth[0], _follows(position, pose, told.leader[w])
+    facts, following = told.facts[w], _follows(position, pose, told.leader[w])
+    _facts(position, plans.radius[s], pose, rules.robot_radius, state.change[w], facts)
     copy_row(state.odometry[w], told.odometry[w])
     told.robot_pose[w, 0], told.robot_pose[w, 1] = pose[0], pose[1]
     told.robot_pose[w, 2] = (pose[2] + np.pi) % (2.0 * np.pi) - np.pi
@@ -168,11 +167,12 @@ def _judge(w: int, rules: Rules, plans: Plans, state: WorldsState, told: Told, r
     told.following[w], told.lost_s[w] = following, state.lost_s[w]
     if steps == 0:
         told.reward[w], told.terms[w], told.ending[w] = 0.0, 0.0, 0
-        told.terminated[w] = told.truncated[w] = False
+        told.terminated[w] = told.truncated[w] = told.touched[w] = told.done[w] = False
         return
-    done = state.numbers[w, 0, DONE] > 0.0 and room.truth[0] < 2.0
+    done = state.numbers[w, 0, DONE] > 0.0 and facts[0] < 2.0
     person, static, ends = state.touches[w, 0], state.touches[w, 1], rules.ends_on_contact
-    following_terms(room.truth, following, person or static, done, step_s, rules.weights, rules.shapes, told.terms[w])
+    told.touched[w], told.done[w] = person or static, done
+    following_terms(facts, following, person or static, done, step_s, rules.weights, rules.shapes, told.terms[w])
     told.reward[w] = told.terms[w].sum()
     told.ending[w] = ending_code(person and ends, static and ends, done, False, state.lost_s[w] > rules.lost_limit_s)
     told.terminated[w], told.truncated[w] = told.ending[w] > 0, 0 < rules.limit <= steps
@@ -180,15 +180,15 @@ def _judge(w: int, rules: Rules, plans: Plans, state: WorldsState, told: Told, r
 
 
 @inner_view_kernel
-def _facts(position: Array, radius: Array, pose: Array, robot_radius: float, change: float, truth: Array) -> None:
-    """Write distance and bearing of the leader, free space to the others, and the action's change into `truth`."""
+def _facts(position: Array, radius: Array, pose: Array, robot_radius: float, change: float, facts: Array) -> None:
+    """Write distance and bearing of the leader, free space to the others, and the action's change into `facts`."""
     space = np.inf
     for i in range(1, len(position)):
         dx, dy = position[i, 0] - pose[0], position[i, 1] - pose[1]
         space = min(space, math.sqrt(dx * dx + dy * dy) - radius[i] - robot_radius)
     dx, dy = position[0, 0] - pose[0], position[0, 1] - pose[1]
-    truth[0], truth[1] = math.hypot(dx, dy), (math.atan2(dy, dx) - pose[2] + np.pi) % (2.0 * np.pi) - np.pi
-    truth[2], truth[3] = space, change
+    facts[0], facts[1] = math.hypot(dx, dy), (math.atan2(dy, dx) - pose[2] + np.pi) % (2.0 * np.pi) - np.pi
+    facts[2], facts[3] = space, change
 
 
 @inner_view_kernel

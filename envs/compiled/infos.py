@@ -1,5 +1,6 @@
 """What compiled worlds tell beside their observations, as Gymnasium batches it."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -7,7 +8,7 @@ from numpy.typing import NDArray
 
 from ..task.endings import REASONS
 from ..task.rewards import FOLLOWING_TERMS
-from .state import Flags, Told
+from .state import Array, Flags, Told
 
 _REASONS = np.array(REASONS, dtype=object)
 SUCCESSES = np.array([reason in ("tour_done", "covered") for reason in REASONS])
@@ -19,12 +20,12 @@ def observations(told: Told) -> dict[str, NDArray[Any]]:
     return {"scan": told.scan, "people": told.people, "velocity": told.velocity, "leader": told.leader}
 
 
-def infos(told: Told, mask: Flags) -> dict[str, Any]:
-    """Return the infos of the worlds of `mask` (w,); new arrays, 0 for the others."""
+def infos(told: Told, own: Mapping[str, Array], mask: Flags) -> dict[str, Any]:
+    """Return the infos of the worlds of `mask` (w,), with `own` terms of the reward; new arrays, 0 for the others."""
     kept = bool(mask.all())
     table = {**table_of(told), "ending": _REASONS[told.ending], "is_success": SUCCESSES[told.ending]}
     told_of: dict[str, Any] = {name: _only(values, mask, kept) for name, values in table.items()}
-    terms = {name: _only(values, mask, kept) for name, values in terms_of(told.terms).items()}
+    terms = {name: _only(values, mask, kept) for name, values in {**terms_of(told.terms), **own}.items()}
     return masked({**told_of, "reward_terms": masked(terms, mask)}, mask)
 
 
@@ -36,7 +37,7 @@ def table_of(told: Told) -> dict[str, Any]:
         "tracked_people": told.tracked,
         "odometry": told.odometry,
         "robot_pose": told.robot_pose,
-        "leader_distance": told.distance,
+        "leader_distance": told.facts[:, 0],
         "following_leader": told.following,
         "lost_s": told.lost_s,
         "leader_id": told.track,

@@ -124,7 +124,6 @@ def compiled_config(fields: Mapping[str, Any]) -> FollowConfig:
         ("`task.leader`", bool(config.task.leader), True),
         ("`task.coverage`", bool(config.task.coverage), False),
         ("`behaviours`", config.people.behaviours, ()),
-        ("`reward.terms`", dict(config.reward.terms), {}),
         ("`observation.entries`", dict(config.observation.entries), {}),
     ):
         if given != only:

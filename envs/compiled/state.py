@@ -137,7 +137,10 @@ class Told(NamedTuple):
         tracked: (w,) how many people the robot knows.
         odometry: (w, 3).
         robot_pose: (w, 3).
-        distance: (w,) from the true leader [m].
+        facts: (w, 4) distance and bearing of the true leader [m, rad], free space to the others [m], and by how much
+            the action changed, see `rewards.following_terms`.
+        touched: (w,) whether the robot touches somebody or something.
+        done: (w,) whether the tour is over.
         following: (w,) whether the robot follows its leader.
         lost_s: (w,) for how long it has not [s].
         track: (w,) identity of the leader, -1 for none.
@@ -157,7 +160,9 @@ class Told(NamedTuple):
     tracked: Ints
     odometry: Array
     robot_pose: Array
-    distance: Array
+    facts: Array
+    touched: Flags
+    done: Flags
     following: Flags
     lost_s: Array
     track: Ints
@@ -171,8 +176,9 @@ def nothing_told(worlds: int, beams: int, slots: int, speeds: int, read: bool = 
         row((worlds, beams), flat), row((worlds, len(LEADER_COLUMNS)), flat),
         row((worlds, slots, len(PERSON_COLUMNS)), flat), row((worlds, speeds), flat),
         row((worlds, len(FOLLOWING_TERMS))), row(worlds), row(worlds, bool), row(worlds, bool),
-        row(worlds, np.int64), row(worlds), row(worlds, np.int64), row((worlds, 3)), row((worlds, 3)), row(worlds),
-        row(worlds, bool), row(worlds), row(worlds, np.int64), row((worlds, beams if read else 0)),
+        row(worlds, np.int64), row(worlds), row(worlds, np.int64), row((worlds, 3)), row((worlds, 3)), row((worlds, 4)),
+        row(worlds, bool), row(worlds, bool), row(worlds, bool), row(worlds), row(worlds, np.int64),
+        row((worlds, beams if read else 0)),
     )  # fmt: skip
 
 
@@ -192,7 +198,6 @@ class Scratch(NamedTuple):
         company: Of 2 n + 1 people, whom the robot knows.
         others: (2 n + 1,) who of them does not lead.
         before: (n, 2) where people were before a tick [m].
-        truth: (4,) of `rewards.following_terms`.
     """
 
     poses: Array
@@ -207,7 +212,6 @@ class Scratch(NamedTuple):
     company: Company
     others: Flags
     before: Array
-    truth: Array
 
 
 def scratch(ticks: int, beams: int, people: int) -> Scratch:
@@ -217,7 +221,7 @@ def scratch(ticks: int, beams: int, people: int) -> Scratch:
         row((ticks, 3)), row((ticks, 3)), row((3, beams)), row((2, 6)), row((MOST_CONTACTS, 5)),
         row((MOST_CONTACTS, 2)), row(8), row((1, 2)), row(3),
         Company(row(rows, np.int64), row((rows, 4)), row(rows), row(rows), row(rows)), row(rows, bool),
-        row((people, 2)), row(4),
+        row((people, 2)),
     )  # fmt: skip
 
 

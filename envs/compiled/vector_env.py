@@ -21,6 +21,7 @@ from ..task.observation import observation_space
 from ..vector.arguments import chosen_by, each_seed
 from .episodes import BEGIN, BEGIN_AGAIN, REST, STEP, judge_worlds, step_worlds, sweep_worlds
 from .infos import infos, masked, observations
+from .own_terms import OwnTerms
 from .pool import SHARING, EpisodePool
 from .rules import compiled_config, make_rules
 from .state import Flags, arrays_of, nothing_told, scratch, state_with_room
@@ -39,9 +40,9 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
     simulator="compiled")`. Buildings, people, rewards and endings are those of `FollowEnv`; robot, contacts and laser
     are done anew, equal to MuJoCo's within a millimetre (tested). People are known by the truth (`people="truth"`, the
     default here), with the errors of a tracker (`people="modelled"`), or by the real one (`people="tracker"`, a
-    quarter of the speed), and nothing maps (`slam=None`, likewise); there is no camera, no picture, no
-    `leader=False`, and no functions of one's own (`behaviours`, `reward.terms`, `observation.entries`). All else of
-    `FollowConfig` and all options of `reset` are as there; what is not is refused.
+    quarter of the speed), and nothing maps (`slam=None`, likewise). Functions of `reward.terms` are called world by
+    world. There is no camera, no picture, no `leader=False`, and no `behaviours` or `observation.entries` of one's own.
+    All else of `FollowConfig` and all options of `reset` are as there; what is not is refused.
 
     Episodes are chosen by each world's seed, s + i for world i of `reset(seed=s)`, from `episodes_ahead` that are drawn
     before: no world waits for a drawing. With `own_start`, or with options, `reset` draws for each world what
@@ -106,6 +107,7 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
         speeds, tracked = 3 if self.interface.holonomic else 2, self._rules.tracked
         self._told = nothing_told(num_envs, beams, slots, speeds, read=tracked)
         self._trackers = Trackers(self.config, num_envs) if tracked else None
+        self._own_terms = OwnTerms(self.config.reward, num_envs, 1.0 / self.config.task.control_hz)
         self._begun, self._closed, self._own_start = False, False, own_start
         self._executor = ThreadPoolExecutor(self._threads) if self._threads > 1 else None
 
@@ -131,9 +133,9 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
             what[w] = self._draw(w, seeds[w], wanted)
         self._pool.draw_ahead()
         self._make_room()
-        self._run(what, np.zeros((self.num_envs, *(self.single_action_space.shape or ()))))
+        self._do(what, np.zeros((self.num_envs, *(self.single_action_space.shape or ()))))
         self._begun = True
-        return self._observations(), infos(self._told, mask)
+        return self._observations(), self._infos(mask)
 
     def _draw(self, w: int, seed: int | None, options: dict[str, Any]) -> int:
         """Draw the next episode of world w where it must be drawn; return how to begin it."""
@@ -162,15 +164,15 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
         mode, ended = self.metadata["autoreset_mode"], self._state.ended.copy()
         if mode == AutoresetMode.DISABLED and ended.any():
             raise InputError(f"the episode of environment {int(np.flatnonzero(ended)[0])} has ended: reset it first")
-        self._run(np.where(ended, BEGIN_AGAIN, STEP).astype(np.int8), wanted)
-        told = self._told
+        self._do(np.where(ended, BEGIN_AGAIN, STEP).astype(np.int8), wanted)
+        told, all_of_them = self._told, np.ones(self.num_envs, bool)
         rewards, terminated, truncated = told.reward.copy(), told.terminated.copy(), told.truncated.copy()
         ended = self._state.ended.copy()
         if mode != AutoresetMode.SAME_STEP or not ended.any():
-            return self._observations(), rewards, terminated, truncated, infos(told, np.ones(self.num_envs, bool))
-        final = {"final_obs": _last(observations(told), ended), "final_info": infos(told, ended)}
-        self._run(np.where(ended, BEGIN_AGAIN, REST).astype(np.int8), wanted)
-        told_of = infos(told, np.ones(self.num_envs, bool))
+            return self._observations(), rewards, terminated, truncated, self._infos(all_of_them)
+        final = {"final_obs": _last(observations(told), ended), "final_info": self._infos(ended)}
+        self._do(np.where(ended, BEGIN_AGAIN, REST).astype(np.int8), wanted)
+        told_of = self._infos(all_of_them)
         return self._observations(), rewards, terminated, truncated, {**told_of, **masked(final, ended)}
 
     @property
@@ -224,6 +226,14 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
     def _room(self) -> Any:
         return scratch(self._rules.ticks, len(self._rules.laser.cos_bearing), self._state.bodies.position.shape[1])
 
+    def _do(self, what: NDArray[np.int8], actions: NDArray[np.float64]) -> None:
+        """Do `what` (num_envs,) in all worlds, and judge it by functions of the user's own, too."""
+        self._run(what, actions)
+        self._own_terms.add(self._told, what == STEP, (what == BEGIN) | (what == BEGIN_AGAIN))
+
+    def _infos(self, mask: Flags) -> dict[str, Any]:
+        return infos(self._told, self._own_terms.values, mask)
+
     def _run(self, what: NDArray[np.int8], actions: NDArray[np.float64]) -> None:
         """Let the threads do `what` (num_envs,) in all worlds, block by block."""
         plans, state = self._pool.plans, self._state
@@ -236,7 +246,7 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
             step(part, what, actions, self._rules, plans, state, self._told, self._room())
 
         def judge(part: tuple[int, int]) -> None:
-            judge_worlds(part, what, self._rules, plans, state, self._told, self._room())
+            judge_worlds(part, what, self._rules, plans, state, self._told)
 
         self._share(move, blocks)
         if self._trackers is not None:

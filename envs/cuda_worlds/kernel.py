@@ -27,7 +27,6 @@ def scratch_of(room: Scratch, w: int) -> Scratch:
     return Scratch(
         r.poses[w], r.noise[w], r.beams[w], r.ellipse[w], r.contacts[w], r.work[w], r.robot[w], r.place[w],
         r.wanted[w], Company(c.ids[w], c.x[w], c.confidence[w], c.unseen_s[w], c.age_s[w]), r.others[w], r.before[w],
-        r.truth[w],
     )  # fmt: skip
 
 

@@ -46,6 +46,10 @@ class CudaVectorEnv(CompiledVectorEnv):
         super().__init__(num_envs, workers=1, **arguments)
         if self._rules.tracked:
             raise InputError('simulator="cuda" does not support people="tracker": take "modelled", or "compiled"')
+        if self.config.reward.terms:
+            raise InputError(
+                'simulator="cuda" does not support `reward.terms`: nobody can call them on a GPU; "compiled" does'
+            )
         self._gpu: GpuWorlds | None = None
 
     def reset(

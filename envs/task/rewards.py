@@ -128,7 +128,7 @@ def reward_terms(facts: StepFacts, config: RewardConfig) -> dict[str, float]:
     terms = np.empty(len(FOLLOWING_TERMS))
     flags = facts.following_leader, facts.collided, facts.tour_done
     following_terms(truth, *flags, facts.step_s, config.weights, config.shapes, terms)
-    return {**dict(zip(FOLLOWING_TERMS, terms.tolist(), strict=True)), **_further_terms(facts, config)}
+    return {**dict(zip(FOLLOWING_TERMS, terms.tolist(), strict=True)), **further_terms(facts, config)}
 
 
 @kernel
@@ -173,11 +173,16 @@ def exploration_terms(facts: StepFacts, goal: float, config: RewardConfig) -> di
         "smoothness": -config.smoothness * facts.action_change,
         "collision": -float(config.collision) if facts.collided else 0.0,
         "covered": float(config.covered) if facts.coverage >= goal and not facts.collided else 0.0,
-        **_further_terms(facts, config),
+        **further_terms(facts, config),
     }
 
 
-def _further_terms(facts: StepFacts, config: RewardConfig) -> dict[str, float]:
+def further_terms(facts: StepFacts, config: RewardConfig) -> dict[str, float]:
+    """Return what the functions of `config.terms` make of a step, by name.
+
+    Raises:
+        InputError: If one returns no finite number.
+    """
     return {name: _finite(name, function(facts)) for name, function in config.terms.items()}
 
 

@@ -37,9 +37,21 @@ def compiled(name="Corridor", worlds=3, **arguments):
     return gym.make_vec(f"tagalong/{name}-v0", worlds, "vector_entry_point", simulator="compiled", **given)
 
 
+def terms_in(info):
+    """The terms of the reward, without their masks."""
+    return {name: values for name, values in info["reward_terms"].items() if not name.startswith("_")}
+
+
+def of_all_facts(facts):
+    """A term that no fact of a step may be wrong for."""
+    flags = facts.following_leader + 2.0 * facts.collided + 4.0 * facts.tour_done
+    space = min(facts.bystander_space, 20.0)
+    return facts.distance + 10.0 * facts.bearing + 0.1 * space + facts.action_change + flags + facts.step_s
+
+
 @pytest.mark.parametrize("name", SCENES)
 def test_a_drive_is_that_of_mujoco(name):
-    fields = {**EXACT, **SCENES[name]}
+    fields = {**EXACT, **SCENES[name], "reward.terms": {"mine": of_all_facts}}
     many = compiled(name, 1, **{"people_count": 2, **fields}, own_start=True)
     one = gym.make(f"tagalong/{name}-v0", disable_env_checker=True, **fields)
     got, told = many.reset(seed=4)
@@ -61,8 +73,9 @@ def test_a_drive_is_that_of_mujoco(name):
         for term, value in info["reward_terms"].items():
             assert told["reward_terms"][term][0] == pytest.approx(value, abs=1e-4)
         action = rng.uniform(-0.5, 1.0, many.single_action_space.shape).astype(np.float32)
-        got, *_, told = many.step(action[None])
+        got, reward, *_, told = many.step(action[None])
         wanted, *_, info = one.step(action)
+        assert reward[0] == pytest.approx(sum(values[0] for values in terms_in(told).values()), abs=1e-9)
     assert compared > 10
     many.close()
 
@@ -188,6 +201,31 @@ def test_ended_episodes_are_followed_as_gymnasium_says(mode):
         assert observation["scan"][1].tobytes() == last["scan"][1].tobytes()
 
 
+@pytest.mark.parametrize("mode", [AutoresetMode.SAME_STEP, AutoresetMode.NEXT_STEP])
+def test_a_term_of_ones_own_is_zero_where_an_episode_begins(mode):
+    env = compiled(autoreset_mode=mode, max_episode_steps=3, **{"reward.terms": {"mine": lambda facts: 5.0}})
+    _, info = env.reset(seed=0)
+    assert info["reward_terms"]["mine"].tolist() == [0.0] * 3
+    rewards, told = [], []
+    for _ in range(5):
+        _, reward, _, _, info = env.step(np.zeros((3, 2)))
+        rewards.append(reward - sum(value for name, value in terms_in(info).items() if name != "mine"))
+        told.append(info["reward_terms"]["mine"].tolist())
+        if "final_info" in info:
+            assert info["final_info"]["reward_terms"]["mine"].tolist() == [5.0] * 3
+    same = mode == AutoresetMode.SAME_STEP
+    assert told == [[5.0] * 3, [5.0] * 3, [0.0] * 3 if same else [5.0] * 3, [5.0 if same else 0.0] * 3, [5.0] * 3]
+    if not same:
+        assert np.abs(np.array(rewards) - told).max() < 1e-9
+
+
+def test_a_term_of_ones_own_that_is_no_number_is_named():
+    env = compiled(**{"reward.terms": {"mine": lambda facts: float("nan")}})
+    env.reset(seed=0)
+    with pytest.raises(InputError, match=r"`reward.terms\['mine'\]` must return a finite number, got nan"):
+        env.step(np.zeros((3, 2)))
+
+
 def test_reset_options_hold_for_one_episode():
     env = compiled(people_count=1, autoreset_mode=AutoresetMode.SAME_STEP, max_episode_steps=2)
     env.reset(seed=0, options={"people": 6, "scene": "doorway"})
@@ -247,7 +285,7 @@ def test_both_simulators_tell_in_the_same_form(mode):
         ({"camera": "kinect-v2"}, "`camera`"),
         ({"leader": False}, "`task.leader` False"),
         ({"coverage": True}, "`task.coverage` True"),
-        ({"reward.terms": {"mine": float}}, "`reward.terms`"),
+        ({"observation.entries": {"mine": (gym.spaces.Box(0, 1), float)}}, "`observation.entries`"),
         ({"render_mode": "rgb_array"}, "`render_mode`"),
         ({"workers": 4}, "`workers`"),
         ({"episodes_ahead": 0}, "`episodes_ahead`"),

@@ -96,6 +96,8 @@ def test_worlds_come_to_the_gpu_and_back_as_they_were(pretended, mode, people):
 def test_what_a_gpu_cannot_do_is_refused_in_one_line(pretended):
     with pytest.raises(InputError, match='does not support people="tracker"'):
         made("cuda", people="tracker")
+    with pytest.raises(InputError, match=r"does not support `reward.terms`"):
+        made("cuda", **{"reward.terms": {"mine": lambda facts: 0.0}})
     with pytest.raises(InputError, match="`workers` are threads of a processor"):
         made("cuda", workers=2)
     with pytest.raises(InputError, match="nothing is told before the first reset"):
