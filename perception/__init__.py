@@ -17,7 +17,8 @@ The same for a whole recorded drive, of a bag, say, before it is mapped:
     for filtered in filtered_scans(drive):
         slam.update(filtered.odometry, filtered.without_people)
 
-Filtering    PeopleFilter (PeopleFilterConfig) returns a FilteredScan; `filtered_scans` takes a whole drive.
+Filtering    PeopleFilter (PeopleFilterConfig) returns a FilteredScan. For recordings, HindsightFilter, and
+             `filtered_scans` for a whole drive, know people from when they were first seen, not first believed in.
 Detection    LegDetector (LegDetectorConfig) finds legs in one scan, by a LegForest. Your own detector is a class with
              `detect(scan) -> Detections`: PeopleFilter(detector=...).
 Tracking     PeopleTracker (TrackerConfig, a node for each stage) turns legs into People, with identities.
@@ -45,11 +46,12 @@ from ..slam.door import lends
 
 if TYPE_CHECKING:
     from .config import PerceptionConfig, perception_preset, table_ii
+    from .hindsight import HindsightFilter, filtered_scans
     from .immobile.mapper import ImmobileMapper
     from .leader.selector import LeaderSelector
     from .legs.detector import Detections, LegDetector, LegDetectorConfig
     from .legs.forest import LegForest
-    from .people_filter import FilteredScan, PeopleFilter, PeopleFilterConfig, filtered_scans
+    from .people_filter import FilteredScan, PeopleFilter, PeopleFilterConfig
     from .rgbd.frame import Pinhole, RgbdFrame
     from .rgbd.people_finder import PeopleFinder
     from .rgbd.planes import PlaneFinder
@@ -60,6 +62,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Detections",
     "FilteredScan",
+    "HindsightFilter",
     "ImmobileMapper",
     "LeaderSelector",
     "LegDetector",
@@ -82,11 +85,12 @@ __all__ = [
 
 _MODULES = {
     "config": ("PerceptionConfig", "perception_preset", "table_ii"),
+    "hindsight": ("HindsightFilter", "filtered_scans"),
     "immobile.mapper": ("ImmobileMapper",),
     "leader.selector": ("LeaderSelector",),
     "legs.detector": ("Detections", "LegDetector", "LegDetectorConfig"),
     "legs.forest": ("LegForest",),
-    "people_filter": ("FilteredScan", "PeopleFilter", "PeopleFilterConfig", "filtered_scans"),
+    "people_filter": ("FilteredScan", "PeopleFilter", "PeopleFilterConfig"),
     "rgbd.frame": ("Pinhole", "RgbdFrame"),
     "rgbd.people_finder": ("PeopleFinder",),
     "rgbd.planes": ("PlaneFinder",),

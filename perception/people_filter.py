@@ -1,7 +1,6 @@
 """Keeps people out of scans before they reach a map (Ye 2021, section II.B)."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -10,7 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 from ..slam.bounds import check_numbers, check_positive
 from ..slam.errors import InputError, unknown_name
 from ..slam.geometry import inverse, transform_points
-from ..slam.logs.drive import RecordedDrive
 from ..slam.scan import LaserScan
 from ..slam.scan_to_scan.laser_odometry import ScanToScanOdometry
 from .legs.detector import Detections, Detector, LegDetector, LegDetectorConfig
@@ -19,7 +17,7 @@ from .nearness_kernel import near_any
 from .tracking.camera import SeenPeople
 from .tracking.config import TrackerConfig
 from .tracking.people import People
-from .tracking.tracker import PeopleTracker
+from .tracking.tracker import PeopleTracker, TrackerUpdate
 from .tracking.ye2021_config import Ye2021Config
 
 
@@ -158,33 +156,14 @@ class PeopleFilter:
         Raises:
             InputError: If the scan is not later than the one before, or the pose is none.
         """
-        odometry = self._odometry.update(scan).pose if odometry is None else odometry
-        update = self._tracker.update(scan, odometry, seen)
+        update = self.track(scan, odometry, seen)
         return FilteredScan(scan, update.odometry, update.people, update.detections, self.config.removal)
 
-
-def filtered_scans(drive: RecordedDrive, config: PeopleFilterConfig | None = None) -> Iterator[FilteredScan]:
-    """Yield each scan of `drive` as a fresh `PeopleFilter` leaves it.
-
-    Stamps of a log may be rounded, go back, or stand still; people are tracked by times that increase all the same.
-    Where the log has no odometry and nobody has made any, it is made of the scans.
-    """
-    people_filter = PeopleFilter(config)
-    times_s = _increasing(drive.times_s, people_filter.config.tracker.motion.reference_rate_hz)
-    said = drive.odometry if drive.has_odometry or drive.odometry.any() else [None] * len(drive)
-    for odometry, scan, time_s in zip(said, drive.scans, times_s.tolist(), strict=True):
-        timed = scan if scan.time_s == time_s else replace(scan, time_s=time_s)
-        yield replace(people_filter.update(timed, odometry), scan=scan)
-
-
-def _increasing(times_s: NDArray[np.float64], rate_hz: float) -> NDArray[np.float64]:
-    """Return stamps (n,) that increase: a step that does not is the median of those that do, or one at `rate_hz`."""
-    steps = np.diff(times_s)
-    forward = steps > 0.0
-    if forward.all():
-        return times_s
-    usual = float(np.median(steps[forward])) if 2 * forward.sum() > len(steps) else 1.0 / rate_hz
-    return times_s[0] + np.concatenate(([0.0], np.cumsum(np.where(forward, steps, usual))))
+    def track(
+        self, scan: LaserScan, odometry: ArrayLike | None = None, seen: SeenPeople | None = None
+    ) -> TrackerUpdate:
+        """Take the next scan, as `update`; return what the tracker makes of it."""
+        return self._tracker.update(scan, self._odometry.update(scan).pose if odometry is None else odometry, seen)
 
 
 def near_points(scan: LaserScan, points_lidar: ArrayLike, distance: float) -> NDArray[np.bool_]:

@@ -13,7 +13,7 @@ from ...perception.tracking import following
 from ...perception.tracking.evidence import probability
 from ...perception.tracking.local_grid import make_pages
 from ...perception.tracking.numbers import Numbers
-from ...perception.tracking.tracks import Tracks, forget, has_room, tracks_of
+from ...perception.tracking.tracks import Tracks, forget, has_room, hypotheses_of, tracks_of
 from ...slam.geometry import composed
 from ...slam.rigid_kernel import moved_points
 from ...slam.view_kernel import inner_kernel, kernel
@@ -109,7 +109,7 @@ def lidar_at(pose, mount):
 @inner_kernel
 def company_of(tracks, c):
     """Return who is tracked now."""
-    told = following.told_people(tracks, c)
+    told = following.told_people(hypotheses_of(tracks), c)
     count = len(told)
     ids, x, confidence = np.empty(count, np.int64), np.empty((count, 4)), np.empty(count)
     unseen_s, age_s = np.empty(count), np.empty(count)

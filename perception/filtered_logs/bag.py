@@ -13,9 +13,9 @@ from ...slam.files.input import named, naming
 from ...slam.logs.bag_copy.copied import FileCopy, copied_bag
 from ...slam.logs.rosbag import SCAN, first_echoes
 from ...slam.logs.scan_stream import BagBeginning, ScanStream, StreamedScan
-from ..people_filter import PeopleFilterConfig
+from ..people_filter import FilteredScan
 from .people_messages import CLOUD, POSES, PeopleMessages
-from .scan_filter import FilterCounts, ScanFilter, removed_readings
+from .scan_filter import FilterCounts, LateScanFilter, removed_readings
 
 _GEOMETRY = ("angle_min", "angle_max", "angle_increment", "time_increment", "scan_time", "range_min", "range_max")
 
@@ -23,7 +23,7 @@ _GEOMETRY = ("angle_min", "angle_max", "angle_increment", "time_increment", "sca
 def filter_bag(
     bag: BagBeginning,
     target: str | os.PathLike[str],
-    config: PeopleFilterConfig,
+    scans: LateScanFilter[StreamedScan],
     counts: FilterCounts,
     topic: str | None = None,
     correction: ScanCorrection | None = None,
@@ -36,7 +36,7 @@ def filter_bag(
     Args:
         bag: What its beginning tells.
         target: Where the copy goes.
-        config: Of the people filter.
+        scans: Takes people out of its scans.
         counts: Where is counted what was filtered.
         topic: Of the filtered scans; None: that of the scans, and "_filtered".
         correction: Puts its scans right; None: they are.
@@ -52,24 +52,27 @@ def filter_bag(
     for name in added:
         if name in bag.topics:
             raise InputError(f"{named(bag.path)}: has a topic {name} already; give another name by --topic")
-    job = _BagFilter(bag, topic, ScanFilter(config), counts)
+    job = _BagFilter(bag, topic, scans, counts)
     stream, right = ScanStream(bag), correction or ScanCorrection()
     with copied_bag(bag.path, target, bag.types, added) as files:
         for file in files:
             for message in file.messages():
                 for streamed in stream.take(*message):
                     for scan in right.take(streamed):
-                        job.write(file, scan)
+                        job.take(file, scan)
             for streamed in stream.rest():
                 for scan in right.take(streamed):
-                    job.write(file, scan)
+                    job.take(file, scan)
             for scan in right.rest():
-                job.write(file, scan)
+                job.take(file, scan)
+            job.rest(file)
     return topic
 
 
 class _BagFilter:
-    def __init__(self, bag: BagBeginning, topic: str, scans: ScanFilter, counts: FilterCounts) -> None:
+    def __init__(
+        self, bag: BagBeginning, topic: str, scans: LateScanFilter[StreamedScan], counts: FilterCounts
+    ) -> None:
         self._filter, self._counts = scans, counts
         self._types, self._messages = bag.types, PeopleMessages(bag.types, flipped=bag.flipped)
         self._where, self._topic = f"{named(bag.path)}: {bag.scans}", topic
@@ -79,11 +82,21 @@ class _BagFilter:
         fields = {name: getattr(message, name) for name in ("header", *_GEOMETRY)}
         return self._types.make(SCAN, **fields, ranges=ranges, intensities=np.zeros(0, dtype=np.float32))
 
-    def write(self, file: FileCopy, streamed: StreamedScan) -> None:
-        """Filter a scan; write what comes of it."""
-        message: Any = streamed.message
+    def take(self, file: FileCopy, streamed: StreamedScan) -> None:
+        """Filter a scan; write those that are due."""
         with naming(self._where):
-            filtered = self._filter.update(streamed.scan, streamed.odometry)
+            due = self._filter.take(streamed.scan, streamed.odometry, streamed)
+        for taken, filtered in due:
+            self._write(file, taken, filtered)
+
+    def rest(self, file: FileCopy) -> None:
+        """Write the scans that still wait."""
+        for taken, filtered in self._filter.rest():
+            self._write(file, taken, filtered)
+
+    def _write(self, file: FileCopy, streamed: StreamedScan, filtered: FilteredScan) -> None:
+        """Write what came of a scan, at the time of its message."""
+        message: Any = streamed.message
         self._counts.add(filtered)
         removed = removed_readings(filtered, streamed.order, len(message.ranges), float(message.angle_increment))
         seen = first_echoes(message.ranges)

@@ -5,19 +5,16 @@ import os
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ...slam.drives.scan_correction import surveyed_bag
 from ...slam.errors import InputError
 from ...slam.files.input import checked_name, named
 from ...slam.logs.bag_messages import is_bag
-from ...slam.logs.carmen_copy import copy_carmen
-from ...slam.logs.scan_stream import read_beginning
-from ...slam.scan import LaserScan
-from ..people_filter import PeopleFilterConfig
+from ...slam.logs.carmen_copy import LaserLine, copy_carmen
+from ...slam.logs.scan_stream import StreamedScan, read_beginning
+from ..hindsight import LAG_S
+from ..people_filter import FilteredScan, PeopleFilterConfig
 from .bag import filter_bag
-from .scan_filter import FilterCounts, ScanFilter, removed_readings
+from .scan_filter import FilterCounts, LateScanFilter, removed_readings
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,6 +53,7 @@ def filter_log(
     config: PeopleFilterConfig,
     topics: Topics | None = None,
     progress: Callable[[], object] = int,
+    lag_s: float = LAG_S,
 ) -> FilteredLog:
     """Take people out of the scans of a recorded drive, scan by scan: memory does not grow with the drive.
 
@@ -68,6 +66,7 @@ def filter_log(
         config: Of the people filter.
         topics: Of a bag.
         progress: Called after each scan.
+        lag_s: How much later people are told of, see `HindsightFilter` [s].
 
     Raises:
         InputError: If source and target are one, the log cannot be read, or the target cannot be written.
@@ -78,21 +77,44 @@ def filter_log(
     topics, counts = topics or Topics(), FilterCounts(progress=progress)
     if is_bag(source):
         bag, correction = surveyed_bag(read_beginning(source, topics.scans, topics.odometry))
-        return FilteredLog(counts, filter_bag(bag, target, config, counts, topics.filtered, correction), bag.notes)
+        scans = LateScanFilter[StreamedScan](config, lag_s)
+        return FilteredLog(counts, filter_bag(bag, target, scans, counts, topics.filtered, correction), bag.notes)
     if topics != Topics():
         raise InputError(f"{named(source)}: only a ROS bag has topics to choose")
-    filters: dict[str, ScanFilter] = {}
-
-    def removal(
-        kind: str, scan: LaserScan, odometry: NDArray[np.float64], order: NDArray[np.intp], readings: int
-    ) -> NDArray[np.bool_]:
-        """Filter a scan; each kind of line is a laser of its own. See `Removal`."""
-        if kind not in filters:
-            filters[kind] = ScanFilter(config)
-        filtered = filters[kind].update(scan, odometry)
-        counts.add(filtered)
-        step = float(scan.bearings[1] - scan.bearings[0]) if len(scan) > 1 else math.inf
-        return removed_readings(filtered, order, readings, step)
-
-    copy_carmen(source, target, removal)
+    copy_carmen(source, target, _LineRemoval(config, counts, lag_s))
     return FilteredLog(counts, "")
+
+
+_MOST_WAITING = 1000
+
+
+class _LineRemoval:
+    """What to take out of laser lines of a log, see `carmen_copy.Removal`; each kind of line is a laser of its own."""
+
+    def __init__(self, config: PeopleFilterConfig, counts: FilterCounts, lag_s: float = LAG_S) -> None:
+        self._config, self._counts, self._lag_s, self._lines = config, counts, lag_s, 0
+        self._filters: dict[str, LateScanFilter[LaserLine]] = {}
+        self._last: dict[str, int] = {}
+
+    def take(self, line: LaserLine) -> None:
+        """Filter a line's scan; tell the lines that are due what to take out of them."""
+        if line.kind not in self._filters:
+            self._filters[line.kind] = LateScanFilter(self._config, self._lag_s)
+        self._lines += 1
+        self._last[line.kind] = self._lines
+        self._tell(self._filters[line.kind].take(line.scan, line.odometry, line))
+        for kind, scans in self._filters.items():
+            if self._lines - self._last[kind] == _MOST_WAITING:  # a laser that has fallen silent holds up all others
+                self._tell(scans.rest())
+
+    def rest(self) -> None:
+        """Tell the lines that still wait."""
+        for scans in self._filters.values():
+            self._tell(scans.rest())
+
+    def _tell(self, due: list[tuple[LaserLine, FilteredScan]]) -> None:
+        for line, filtered in due:
+            self._counts.add(filtered)
+            bearings = line.scan.bearings
+            step = float(bearings[1] - bearings[0]) if len(bearings) > 1 else math.inf
+            line.removed = removed_readings(filtered, line.order, line.readings, step)

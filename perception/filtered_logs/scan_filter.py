@@ -1,13 +1,18 @@
 """A people filter for scans whose stamps, odometry and order of beams are what logs have."""
 
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...slam.scan import LaserScan
+from ..hindsight import LAG_S, HindsightFilter
 from ..people_filter import FilteredScan, PeopleFilter, PeopleFilterConfig
+
+Beside = TypeVar("Beside")
 
 
 @dataclass(eq=False)
@@ -51,6 +56,32 @@ class ScanFilter:
     def update(self, scan: LaserScan, odometry: NDArray[np.float64] | None) -> FilteredScan:
         """Take the next scan, with T_odom_robot (3,) or None, where there is no odometry."""
         return self._filter.update(replace(scan, time_s=self._clock.update(scan.time_s)), odometry)
+
+
+class LateScanFilter(Generic[Beside]):
+    """The same with hindsight, for recordings: a scan comes out some time later, with what was handed in beside it.
+
+    Args:
+        config: Of the people filter.
+        lag_s: How much later [s].
+    """
+
+    def __init__(self, config: PeopleFilterConfig, lag_s: float = LAG_S) -> None:
+        self._filter = HindsightFilter(config, lag_s=lag_s)
+        self._clock = IncreasingClock(config.tracker.motion.reference_rate_hz)
+        self._beside: deque[Beside] = deque()
+
+    def take(
+        self, scan: LaserScan, odometry: NDArray[np.float64] | None, beside: Beside
+    ) -> list[tuple[Beside, FilteredScan]]:
+        """Take the next scan, as `ScanFilter.update`; return those that are due."""
+        self._beside.append(beside)
+        timed = replace(scan, time_s=self._clock.update(scan.time_s))
+        return [(self._beside.popleft(), filtered) for filtered in self._filter.update(timed, odometry)]
+
+    def rest(self) -> list[tuple[Beside, FilteredScan]]:
+        """Return the scans that still wait."""
+        return [(self._beside.popleft(), filtered) for filtered in self._filter.finish()]
 
 
 class IncreasingClock:

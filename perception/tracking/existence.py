@@ -8,7 +8,7 @@ from ...slam.view_kernel import inner_kernel, kernel
 from .evidence import log_odds, seen_from
 from .local_grid import stood_for
 from .reidentification import lose, nearest_lost, taken
-from .tracks import HYPOTHESES, NEXT_ID, hypotheses_of, keep_hypotheses
+from .tracks import HYPOTHESES, NEXT_ID, NEXT_SERIAL, hypotheses_of, keep_hypotheses
 
 LONG_AGO_S = 1e3
 """A leg that was never seen is as uncertain as one that was last seen so long ago."""
@@ -41,7 +41,8 @@ def begin_at(tracks, x, y, laser, c):
     row = tracks.counts[HYPOTHESES]
     tracks.counts[HYPOTHESES] = row + 1
     one = tracks.hypotheses[row]
-    one.id, one.looks, one.odds = -1, 1.0, 0.0
+    one.id, one.serial, one.looks, one.odds = -1, tracks.counts[NEXT_SERIAL], 1.0, 0.0
+    tracks.counts[NEXT_SERIAL] += 1
     one.x[0], one.x[1], one.x[2], one.x[3] = x, y, 0.0, 0.0
     one.p[0], one.p[1], one.p[2] = c.motion_initial_variance, 0.0, 4.0 * c.motion_initial_variance
     one.moved = one.swing = one.missing = one.marked_s = one.stands_s = 0.0

@@ -80,9 +80,8 @@ def _mark_things(tracks, points, pose, time_s, dt, c):
 
 
 @kernel
-def told_people(tracks, c):
-    """Return (k,) the rows of those who are believed in, and of whom is known where they are."""
-    rows = hypotheses_of(tracks)
+def told_people(rows, c):
+    """Return (k,) which of the hypotheses `rows` (n,) are believed in, and of whom is known where they are."""
     told, count = np.empty(len(rows), np.int64), 0
     for i in range(len(rows)):
         if rows[i].id >= 0 and rows[i].p[0] <= c.existence_told:
@@ -92,12 +91,11 @@ def told_people(tracks, c):
 
 
 @kernel
-def seen_legs(tracks, told, c):
-    """Return places (k, 2), confidence (k,) and owner (k,) of the legs seen that likelier are somebody's than not.
+def seen_legs(rows, told, c):
+    """Return places (k, 2), confidence (k,) and owner (k,) of the legs of `rows` (n,) that likelier are somebody's.
 
-    The owner is a row of `told` (n,), or -1 for nobody.
+    The owner is a row of `told` (k,), or -1 for nobody.
     """
-    rows = hypotheses_of(tracks)
     owner_of = np.full(len(rows), -1)
     for k in range(len(told)):
         owner_of[told[k]] = k

@@ -1,6 +1,7 @@
 """People from leg detections, scan by scan (Ye 2021, section II.A)."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,7 +21,7 @@ from .evidence import remembered
 from .local_grid import make_pages, with_more_pages
 from .numbers import Numbers, numbers_of
 from .people import People, SeenLegs
-from .tracks import Tracks, has_room, no_tracks, tracks_of, with_room
+from .tracks import HYPOTHESIS, Tracks, has_room, hypotheses_of, no_tracks, tracks_of, with_room
 
 Array = NDArray[np.float64]
 
@@ -33,11 +34,13 @@ class TrackerUpdate:
         people: The people believed in now, in the odometry frame.
         detections: What the detector said about this scan, in the robot frame.
         odometry: (3,) T_odom_robot of this scan.
+        hypotheses: (n,) of `tracks.HYPOTHESIS`, all that may be people; empty of a tracker without any.
     """
 
     people: People
     detections: Detections
     odometry: Array
+    hypotheses: NDArray[Any] = field(default_factory=lambda: np.zeros(0, HYPOTHESIS))
 
     @property
     def people_robot(self) -> People:
@@ -87,7 +90,8 @@ class PeopleTracker:
         confidence = remembered(found.confidence, sight, float(existence.memory), still_s)
         human = confidence >= existence.gamma
         told = replace(detections, confidence=confidence, human=human)
-        return TrackerUpdate(_as_people(tracks, time_s, c), told, pose)
+        rows = hypotheses_of(tracks).copy()
+        return TrackerUpdate(people_of(rows, time_s, c), told, pose, rows)
 
     def _step(self, time_s: float) -> float:
         """Return the time since the last scan [s]; before the first, that between two scans at the reference rate."""
@@ -126,10 +130,10 @@ def found_in(detections: Detections) -> Found:
     )
 
 
-def _as_people(tracks: Tracks, time_s: float, c: Numbers) -> People:
-    """Return copies of what is known of the people at `time_s`."""
-    told = following.told_people(tracks, c)
-    rows = tracks.hypotheses[told]
+def people_of(hypotheses: NDArray[Any], time_s: float, c: Numbers) -> People:
+    """Return the people among `hypotheses` (n,), as they were at `time_s`."""
+    told = following.told_people(hypotheses, c)
+    rows = hypotheses[told]
     return People(
         time_s=time_s,
         ids=rows["id"],
@@ -140,5 +144,5 @@ def _as_people(tracks: Tracks, time_s: float, c: Numbers) -> People:
         variance=rows["p"][:, 0].copy(),
         unseen_s=rows["unseen_s"],
         age_s=rows["placed_s"],
-        seen_legs=SeenLegs(*following.seen_legs(tracks, told, c)),
+        seen_legs=SeenLegs(*following.seen_legs(hypotheses, told, c)),
     )

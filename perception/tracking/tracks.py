@@ -14,7 +14,7 @@ from ..legs.recent_views import RecentViews, RecentViewsConfig, forget_views, no
 from .local_grid import PAGES, Cells, cells_of, free_all, no_cells
 from .still_frame import FRAME
 
-HYPOTHESES, LOST, NEXT_ID = range(3)
+HYPOTHESES, LOST, NEXT_ID, NEXT_SERIAL = range(4)
 """Columns of `Tracks.counts`."""
 
 PATH = 8
@@ -23,6 +23,7 @@ PATH = 8
 HYPOTHESIS = np.dtype(
     [
         ("id", np.int64),  # number of the person; -1: not believed in yet
+        ("serial", np.int64),  # which one it is of all that ever began
         ("x", np.float64, 4),  # state (x, y, vx, vy) of the centre between the legs, odometry frame
         ("p", np.float64, 3),  # covariance, see kalman.py
         ("odds", np.float64),  # log odds that it is a person
@@ -57,7 +58,7 @@ class Tracks(NamedTuple):
     Attributes:
         hypotheses: (w, room) of `HYPOTHESIS`, people or not.
         lost: (w, room) of `LOST_PERSON`, to be re-identified.
-        counts: (w, 3) how many `HYPOTHESES` and `LOST` there are, and the next person's number.
+        counts: (w, 4) how many `HYPOTHESES` and `LOST` there are, the next person's number, and hypothesis'.
         frame: (w, 1) of `FRAME`.
         views: What was seen a moment ago.
         cells: Where things stand, see `LocalGrid`.
@@ -84,7 +85,7 @@ def no_tracks(trackers: int, beams: int, views: RecentViewsConfig, room: int = 6
     return Tracks(
         hypotheses=np.zeros((trackers, room), HYPOTHESIS),
         lost=np.zeros((trackers, room), LOST_PERSON),
-        counts=np.zeros((trackers, 3), np.int64),
+        counts=np.zeros((trackers, 4), np.int64),
         frame=np.zeros((trackers, 1), FRAME),
         views=no_views(trackers, beams, views),
         cells=no_cells(trackers, pages),

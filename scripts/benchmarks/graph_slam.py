@@ -19,7 +19,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...perception.people_filter import PeopleFilterConfig, filtered_scans
+from ...perception.hindsight import filtered_scans
+from ...perception.people_filter import PeopleFilterConfig
 from ...slam.errors import InputError
 from ...slam.geometry import between, compose, inverse
 from ...slam.graph.engine import Cartographer

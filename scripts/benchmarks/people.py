@@ -6,6 +6,7 @@ example:
 
 import argparse
 import time
+from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -16,12 +17,13 @@ from numpy.typing import NDArray
 from ...envs.world.truth import TrueState
 from ...envs.world.world import World, WorldConfig
 from ...perception.config import PerceptionConfig, perception_preset
+from ...perception.hindsight import LAG_S, HindsightFilter
 from ...perception.leader.selector import LeaderSelector
 from ...perception.metrics.clear_mot import ClearMot
-from ...perception.people_filter import FilteredScan, PeopleFilter, near_points, points_lidar
+from ...perception.people_filter import FilteredScan, near_points, points_lidar
 from ...slam.geometry import between, compose, inverse, transform_points, wrap_angle
 from ...slam.scan import LaserScan
-from ..console.arguments import at_least, positive, random_seed
+from ..console.arguments import at_least, positive, random_seed, within
 from ..lab.cells import TIMING
 from .results import write_results
 
@@ -55,11 +57,11 @@ class DriveJudge:
         self._since: dict[tuple[int, int], float] = {}
         self._first: dict[int, float] = {}
 
-    def add(self, world: World, truth: TrueState, update: FilteredScan) -> None:
-        """Take one scan of `world`."""
+    def add(self, labels: NDArray[np.int32], truth: TrueState, update: FilteredScan) -> None:
+        """Take one scan, of which `labels` (N,) say whom each beam meets, or -1."""
         scan = update.scan
         people, centres = update.people, truth.people.positions
-        labels = world.scan_labels()[scan.is_return]
+        labels = labels[scan.is_return]
         T_world_odom = compose(truth.robot_pose, inverse(update.odometry))
         tracks = transform_points(T_world_odom, people.positions)
         near = np.hypot(*(centres - truth.robot_pose[:2]).T) <= RANGE
@@ -133,28 +135,38 @@ def drives(options: argparse.Namespace) -> Iterator[dict[str, Any]]:
     config = replace(perception_preset(options.preset), forest=str(options.forest))
     for seed in range(options.first_seed, options.first_seed + options.seeds):
         world = World(WorldConfig(scene=options.scene, people=options.people), np.random.default_rng(seed))
-        yield {"seed": seed, **_judge_drive(world, config, options.seconds)}
+        yield {"seed": seed, **_judge_drive(world, config, options.seconds, options.lag)}
 
 
-def _judge_drive(world: World, config: PerceptionConfig, seconds: float) -> dict[str, Any]:
-    people_filter, judge = PeopleFilter(config), DriveJudge()
+def _judge_drive(world: World, config: PerceptionConfig, seconds: float, lag_s: float) -> dict[str, Any]:
+    people_filter, judge = HindsightFilter(config, lag_s=lag_s), DriveJudge()
     selector = LeaderSelector(config.leader, config.tracker.motion)
     spent, scans, right, chosen, onset_s = 0.0, 0, None, 0.0, 0.0
-    while world.time_s < seconds and not world.truth.tour_done:
-        world.step(follow_command(world.truth))
-        scan, truth = world.scan(), world.truth
-        start = time.perf_counter()
-        update = people_filter.update(scan, world.odometry)
-        leader = selector.update(update.people, world.odometry)
-        spent += time.perf_counter() - start
-        scans += 1
-        judge.add(world, truth, update)
-        if leader is not None:
+    seen: deque[tuple[NDArray[np.int32], TrueState]] = deque()
+
+    def judge_all(due: list[FilteredScan]) -> None:
+        nonlocal right, chosen, onset_s
+        for update in due:
+            labels, truth = seen.popleft()
+            leader = selector.update(update.people, update.odometry)
+            judge.add(labels, truth, update)
+            if leader is None:
+                continue
             place = transform_points(compose(truth.robot_pose, inverse(update.odometry)), leader.position[None])[0]
             on_leader = bool(np.hypot(*(place - truth.people.positions[truth.leader_index])) < 0.6)
             onset_s = truth.time_s if right is None else onset_s
             right = on_leader if right is None or truth.time_s - onset_s < 1.2 else right
             chosen += on_leader
+
+    while world.time_s < seconds and not world.truth.tour_done:
+        world.step(follow_command(world.truth))
+        scan, scans = world.scan(), scans + 1
+        seen.append((world.scan_labels(), world.truth))
+        start = time.perf_counter()
+        due = people_filter.update(scan, world.odometry)
+        spent += time.perf_counter() - start
+        judge_all(due)
+    judge_all(people_filter.finish())
     timing = {TIMING: {"ms": 1e3 * spent / scans}}
     return _row(judge) | {"leader_right": right, "leader_held": chosen / scans} | timing
 
@@ -201,6 +213,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--preset", default="recorded")
     parser.add_argument("--forest", default="simulation")
     parser.add_argument("--seconds", type=positive, default=120.0, help="longest drive [s]")
+    parser.add_argument(
+        "--lag",
+        type=within(0.0, 1e3),
+        default=0.0,
+        help=f"how much later people are told of [s]: 0 as on a robot (default), {LAG_S:g} as in recordings",
+    )
 
 
 def run(options: argparse.Namespace) -> int:

@@ -4,6 +4,8 @@ DATA holds .npz recordings in the layout of the leg_tracker ones. What is chosen
 recording that it is tried on: forests for positive_1 to 3 and for each third of negative_2 are trained without it
 (`--forest left-out`; a few minutes), all others never saw theirs. The tracker's numbers are its preset's. A recording
 without odometry gets that of its scans (scan matching), as any user's would; with `--odometry scans` all do.
+`lag`: how much later people are told of [s], 0 as on a robot, a second as in what is made of recordings (`filter`,
+`perceive`, `slam --filter-people`).
 
 `found`: annotated people, or labelled legs, with somebody tracked within 0.75 m. `extra`: people farther than that from
 all annotated ones, a scan with annotations; annotations leave out people, so not all of them are wrong. `walked`: those
@@ -19,7 +21,7 @@ example:
 """
 
 import argparse
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -28,16 +30,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...perception.config import PRESETS, PerceptionConfig, perception_preset
+from ...perception.hindsight import LAG_S, HindsightFilter
 from ...perception.legs.detector import Detections, LegDetector
 from ...perception.legs.forest import LegForest
-from ...perception.people_filter import PeopleFilter
 from ...perception.tracking.data_association import assign, distances
 from ...slam.errors import InputError
 from ...slam.geometry import compose, inverse, transform_points
 from ...slam.logs.scans_npz import read_scans_npz
 from ...slam.scan import LaserScan
 from ...slam.scan_to_scan.laser_odometry import laser_odometry
-from ..console.arguments import at_least
+from ..console.arguments import at_least, within
 from ..console.tables import format_table
 from ..training.evaluate_legs import FARTHEST_LEG, MATCH_DISTANCE, RATES, LegScores
 from ..training.leg_forests import left_out_forests
@@ -47,7 +49,7 @@ from .results import write_results
 
 RADIUS = 0.75
 WALKED = 1.0
-HEADER = ("recording", "preset", "truths", "found", "extra", "walked", "known", "switches", "people", "numbers")
+HEADER = ("recording", "preset", "lag", "truths", "found", "extra", "walked", "known", "switches", "people", "numbers")
 Array = NDArray[np.float64]
 
 
@@ -170,20 +172,28 @@ def _labelled_legs(path: Path, scans: list[LaserScan]) -> dict[int, tuple[NDArra
     return {k: (np.full(len(p), -1), p) for k, p in zip(where, places, strict=True) if k is not None and len(p)}
 
 
-def judge_recording(recording: PeopleRecording, config: PerceptionConfig, forests: list[LegForest]) -> Judge:
-    """Return the judge of one recording, whose n-th part has the n-th of `forests`; the tracker is one for all."""
+def judge_recording(
+    recording: PeopleRecording, config: PerceptionConfig, forests: list[LegForest], lag_s: float = 0.0
+) -> Judge:
+    """Return the judge of one recording, whose n-th part has the n-th of `forests`; the tracker is one for all.
+
+    People are told of `lag_s` later.
+    """
     parts = np.array_split(np.arange(len(recording.scans)), len(forests))
     detector = LegDetector(forests[0], config.detector)
-    people_filter, judge = PeopleFilter(config, detector), Judge()
-    for forest, part in zip(forests, parts, strict=True):
-        detector.forest = forest
-        for k in part.tolist():
-            update = people_filter.update(recording.scans[k], recording.poses[k])
-            people = update.people
-            places = transform_points(inverse(recording.poses[k]), people.positions)
-            judge.add(people.ids, places, people.positions, recording.truths.get(k))
-            legs = recording.truths[k][1] if recording.has_legs and k in recording.truths else np.empty((0, 2))
-            judge.add_legs(update.detections, legs)
+    people_filter, judge = HindsightFilter(config, detector, lag_s), Judge()
+
+    def drive() -> Iterator[tuple[LaserScan, Array]]:
+        for forest, part in zip(forests, parts, strict=True):
+            detector.forest = forest
+            yield from ((recording.scans[k], recording.poses[k]) for k in part.tolist())
+
+    for k, update in enumerate(people_filter.over(drive())):
+        people = update.people
+        places = transform_points(inverse(recording.poses[k]), people.positions)
+        judge.add(people.ids, places, people.positions, recording.truths.get(k))
+        legs = recording.truths[k][1] if recording.has_legs and k in recording.truths else np.empty((0, 2))
+        judge.add_legs(update.detections, legs)
     return judge
 
 
@@ -214,6 +224,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("data", type=Path, metavar="DATA", help="folder of recordings (.npz)")
     parser.add_argument("--preset", choices=list(PRESETS), help="parameters of the tracker (default: all)")
     parser.add_argument(
+        "--lag",
+        type=within(0.0, 1e3),
+        nargs="+",
+        default=[0.0, LAG_S],
+        metavar="S",
+        help=f"how much later people are told of (default: 0 and {LAG_S:g})",
+    )
+    parser.add_argument(
         "--forest", choices=("left-out", "shipped"), default="left-out", help="who tells legs (default: %(default)s)"
     )
     parser.add_argument(
@@ -243,8 +261,10 @@ def run(options: argparse.Namespace) -> int:
         recording = read_people_recording(path, options.odometry)
         for preset in presets:
             config = replace(perception_preset(preset), forest="real")
-            judge = judges[preset][recording.name] = judge_recording(recording, config, forests[recording.name])
-            rows.append({"recording": recording.name, "preset": preset, **judge.figures()})
+            for lag_s in options.lag:
+                judge = judge_recording(recording, config, forests[recording.name], lag_s)
+                judges[preset][recording.name] = judge
+                rows.append({"recording": recording.name, "preset": preset, "lag": lag_s, **judge.figures()})
     legs = {preset: scores for preset in presets if (scores := leg_scores(judges[preset]))}
     _show(rows, legs)
     write_results(options, {"figures": rows, "legs": legs})

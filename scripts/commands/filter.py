@@ -7,10 +7,11 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from ...perception.config import PRESETS, perception_preset
+from ...perception.config import perception_preset
 from ...perception.filtered_logs.log import Topics, filter_log
 from ...slam.files.output import require_writable
 from ..console.log_options import add_topics
+from ..console.recorded_people import add_recorded_people
 
 EPILOG = """\
 A CARMEN log has 0.0 (no measurement) for the returns of people. A ROS bag has four topics more, with the headers of the
@@ -22,6 +23,9 @@ scans:
 Nothing else changes, byte for byte. OUT appears when it is complete. Memory does not grow with the length of the drive
 (but for the index of a ROS 1 bag). A bag without odometry gets it from its scans, by scan matching; one that is grossly
 wrong about its odometry or its laser, or whose laser spins slowly, is found out by its first scans.
+
+Nobody is a person at first sight. A recording can wait: whoever is known to be one a second later is taken out of the
+scans before, too.
 
 example:
   tagalong filter lobby.bag lobby_filtered.bag
@@ -40,10 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("target", metavar="OUT", type=Path, help="the same, without people; a folder must be new")
     add_topics(parser)
     parser.add_argument("--topic", metavar="NAME", help="of the filtered scans (default: the scans', and _filtered)")
-    parser.add_argument(
-        "--preset", default="recorded", help=f"numbers of the tracker: {', '.join(PRESETS)} (default: %(default)s)"
-    )
-    parser.add_argument("--forest", default="real", help='leg forest: "real", "simulation" or a file (default: real)')
+    add_recorded_people(parser)
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
 
 
@@ -53,7 +54,7 @@ def run(options: argparse.Namespace) -> int:
     require_writable(options.target, folder=options.log.is_dir())
     topics = Topics(scans=options.scan_topic, odometry=options.odometry_topic, filtered=options.topic)
     with tqdm(unit="scan", disable=options.quiet or not sys.stderr.isatty()) as bar:
-        result = filter_log(options.log, options.target, config, topics, bar.update)
+        result = filter_log(options.log, options.target, config, topics, bar.update, options.lag)
     for note in result.notes:
         print(f"tagalong: {options.log}: {note}", file=sys.stderr)
     print(f"tracker: preset {options.preset}, leg forest {options.forest}")

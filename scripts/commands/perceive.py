@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 from tqdm import tqdm
 
-from ...perception.config import PRESETS, perception_preset
+from ...perception.config import perception_preset
+from ...perception.hindsight import HindsightFilter
 from ...perception.leader.selector import LeaderSelector, numbered_by_leader
-from ...perception.people_filter import FilteredScan, PeopleFilter
+from ...perception.people_filter import FilteredScan
 from ...perception.tracking.people import People
 from ...slam.drives.log import read_log
 from ...slam.errors import InputError
@@ -23,6 +24,7 @@ from ...slam.scan import LaserScan
 from ..console.arguments import within
 from ..console.log_options import add_topics
 from ..console.record_option import add_record, check_record
+from ..console.recorded_people import add_recorded_people
 from ..lab.people_recordings import recorded_people
 from ..runs.perceive_frames import add_camera_options, holds_frames, perceive_frames
 
@@ -54,10 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scans", metavar="SCANS", type=Path, help="recorded scans: log, ROS bag or .npz; or frames")
     add_topics(parser)
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder for the results")
-    parser.add_argument(
-        "--preset", default="recorded", help=f"numbers of the tracker: {', '.join(PRESETS)} (default: %(default)s)"
-    )
-    parser.add_argument("--forest", default="real", help='leg forest: "real", "simulation" or a file (default: real)')
+    add_recorded_people(parser)
     parser.add_argument(
         "--odometry",
         choices=("log", "scans", "none"),
@@ -87,15 +86,16 @@ def run(options: argparse.Namespace) -> int:
         return perceive_frames(options)
     check_record(options.record)
     config = replace(perception_preset(options.preset), forest=options.forest)
-    people_filter, selector = PeopleFilter(config), LeaderSelector(config.leader, config.tracker.motion)
+    people_filter = HindsightFilter(config, lag_s=options.lag)
+    selector = LeaderSelector(config.leader, config.tracker.motion)
     scans, odometry = _read(options)
     scans = _timed(scans, options.rate, options.scans)
     legs, people, ids = [LEGS_HEADER], [PEOPLE_HEADER], set[int]()
     hidden = options.quiet or not sys.stderr.isatty()
-    progress = tqdm(zip(scans, odometry, strict=True), total=len(scans), unit="scan", disable=hidden)
+    told = people_filter.over(zip(scans, odometry, strict=True))
+    progress = tqdm(told, total=len(scans), unit="scan", disable=hidden)
     with recorded_people(options.record, scans[0].time_s if scans else 0.0) as record:
-        for number, (scan, said) in enumerate(progress):
-            update = people_filter.update(scan, said)
+        for number, update in enumerate(progress):
             pose = update.odometry
             legs += _leg_rows(number, update, options.min_confidence)
             found = numbered_by_leader(update.people, selector.update(update.people, pose))

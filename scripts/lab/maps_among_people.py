@@ -7,7 +7,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ...perception.people_filter import PeopleFilterConfig, filtered_scans, near_points, points_lidar
+from ...perception.hindsight import filtered_scans
+from ...perception.people_filter import PeopleFilterConfig, near_points, points_lidar
 from ...slam.errors import InputError
 from ...slam.geometry import between, compose
 from ...slam.grid import GridConfig, render_map

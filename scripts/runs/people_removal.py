@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
+from ...perception.hindsight import filtered_scans
 from ...perception.legs.forest import LegForest
-from ...perception.people_filter import FilteredScan, PeopleFilterConfig, filtered_scans
+from ...perception.people_filter import FilteredScan, PeopleFilterConfig
 from ...slam.errors import InputError
 from ...slam.files.output import write_json
 from ...slam.logs.drive import RecordedDrive

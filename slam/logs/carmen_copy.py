@@ -4,9 +4,11 @@ import gzip
 import os
 import re
 import zlib
-from collections.abc import Callable, Iterator
+from collections import deque
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from typing import IO
+from dataclasses import dataclass
+from typing import IO, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,11 +22,6 @@ from .carmen import first_reading, front_offset, largest_range, laser_record, no
 from .text import MOST_LINE
 
 Array = NDArray[np.float64]
-Removal = Callable[[str, LaserScan, Array, NDArray[np.intp], int], NDArray[np.bool_]]
-"""Takes the kind of a line, its scan, T_odom_robot (3,), which range each beam is, and how many ranges there are.
-
-Returns (n,) which of the ranges to take out."""
-
 _LASERS = (b"FLASER", b"ROBOTLASER1")
 _MOST_BYTES = 1 << 40
 _GZIP_MAGIC = b"\x1f\x8b"
@@ -32,8 +29,55 @@ _NOTHING = b"0.0"  # "no measurement", as simulators and filters write it
 _SPACE = re.compile(rb"(\s+)")
 
 
+@dataclass(eq=False)
+class LaserLine:
+    """A line of a log; `removed` says, sooner or later, which of its ranges to take out.
+
+    Attributes:
+        text: The line with its end.
+        kind: Its first word.
+        scan: The scan that it says.
+        odometry: (3,) T_odom_robot.
+        order: (N,) which range each beam of the scan is.
+        readings: How many ranges there are.
+        removed: (readings,) which of them to take out; None: it is not known yet.
+    """
+
+    text: bytes
+    kind: str
+    scan: LaserScan
+    odometry: Array
+    order: NDArray[np.intp]
+    readings: int
+    removed: NDArray[np.bool_] | None = None
+
+    def written(self) -> bytes:
+        """Return the line without what is to be taken out."""
+        if self.removed is None or not self.removed.any():
+            return self.text
+        parts = _SPACE.split(self.text)  # words and what is between them, in turns
+        first = 2 * first_reading(self.text.split()) + (0 if parts[0] else 2)
+        for beam in np.flatnonzero(self.removed).tolist():
+            parts[first + 2 * beam] = _NOTHING
+        return b"".join(parts)
+
+
+class Removal(Protocol):
+    """Says what to take out of laser lines, now or some lines later."""
+
+    def take(self, line: LaserLine) -> None:
+        """Take the next laser line; write `removed` into those of which it is known."""
+        ...
+
+    def rest(self) -> None:
+        """Write it into all lines that still wait: there are no more."""
+        ...
+
+
 def copy_carmen(source: str | os.PathLike[str], target: str | os.PathLike[str], removal: Removal) -> None:
     """Copy a log to `target`, whole or not at all; ranges that `removal` says become 0.0, "no measurement".
+
+    Lines are held back while it is not known what to take out of one before them.
 
     All else stays as it is, byte for byte. A target whose name ends in .gz is compressed. The log is read twice: what
     FLASER lines write for "no return" is known by the largest range of all.
@@ -41,7 +85,7 @@ def copy_carmen(source: str | os.PathLike[str], target: str | os.PathLike[str], 
     Args:
         source: The log, plain or gzipped.
         target: Where the copy goes.
-        removal: Asked for each FLASER and ROBOTLASER1 line, in order.
+        removal: Takes each FLASER and ROBOTLASER1 line, in order.
 
     Raises:
         InputError: If the log cannot be read, a line is damaged (with its number), or no scan is in it.
@@ -64,12 +108,30 @@ def copy_carmen(source: str | os.PathLike[str], target: str | os.PathLike[str], 
         out: IO[bytes] | gzip.GzipFile = raw
         if zipped:
             out = stack.enter_context(gzip.GzipFile(filename="", mode="wb", fileobj=raw, mtime=0, compresslevel=6))
+        waiting: deque[bytes | LaserLine] = deque()
         for number, line in _numbered(source):
             words = line.split()
+            waiting.append(line)
             with _line_named(source, number, words):
                 if words and words[0] in _LASERS:
-                    line = _without(line, words, offset, limit, removal)
-            out.write(line)
+                    laser = _laser_line(line, words, offset, limit)
+                    waiting[-1] = laser
+                    removal.take(laser)
+            _write_known(waiting, out)
+        removal.rest()
+        _write_known(waiting, out)
+
+
+def _write_known(waiting: deque[bytes | LaserLine], out: IO[bytes] | gzip.GzipFile) -> None:
+    """Write the first of the lines that are `waiting`, up to one of which it is not known what to take out."""
+    while waiting:
+        line = waiting[0]
+        if isinstance(line, LaserLine):
+            if line.removed is None:
+                return
+            line = line.written()
+        out.write(line)
+        waiting.popleft()
 
 
 @contextmanager
@@ -85,21 +147,14 @@ def _line_named(source: str | os.PathLike[str], number: int, words: list[bytes])
         raise InputError(f"{where}: {error}") from error
 
 
-def _without(line: bytes, words: list[bytes], offset: float, limit: float, removal: Removal) -> bytes:
-    """Return a laser line with the ranges taken out that `removal` says; arguments as of `scan_of`."""
+def _laser_line(line: bytes, words: list[bytes], offset: float, limit: float) -> LaserLine:
+    """Read a laser line; arguments as of `scan_of`."""
     record = laser_record(words)
     count, odometry = len(record.ranges), np.array(record.robot)
     mount = np.round(between(odometry, np.array(record.laser)), 4) if record.max_range is not None else (offset, 0, 0)
     x, y, theta = (float(value) for value in mount)
     scan, order = scan_of(record, (x, y, theta), limit)
-    removed = removal(words[0].decode("ascii"), scan, odometry, order, count)
-    if not removed.any():
-        return line
-    parts = _SPACE.split(line)  # words and what is between them, in turns
-    first = 2 * first_reading(words) + (0 if parts[0] else 2)
-    for beam in np.flatnonzero(removed).tolist():
-        parts[first + 2 * beam] = _NOTHING
-    return b"".join(parts)
+    return LaserLine(line, words[0].decode("ascii"), scan, odometry, order, count)
 
 
 def _numbered(path: str | os.PathLike[str]) -> Iterator[tuple[int, bytes]]:

@@ -115,7 +115,7 @@ def test_the_map_of_the_loop_is_what_the_engine_makes_of_the_recorded_drive_raw_
 
     rollout(env, make_follower("pid", env.unwrapped.interface), seed=3, steps=60, after_step=note)
     drive = RecordedDrive(np.array(odometry), scans, None, "drive")
-    filtered = [scan.without_people for scan in filtered_scans(drive, PERCEPTION)]
+    filtered = [scan.without_people for scan in filtered_scans(drive, PERCEPTION, lag_s=0.0)]
     alone = make_slam("gmapping", particles=5, seed=7)
     for pose, scan in zip(odometry, filtered if filters else scans, strict=True):
         alone.update(pose, scan)
@@ -251,5 +251,5 @@ def test_filtered_scans_of_a_drive_alone_are_those_of_the_environments_robot():
         odometry.append(world.odometry)
         filtered.append(mind.update(scans[-1], odometry[-1]).filtered)
     drive = RecordedDrive(np.array(odometry), scans, None, "drive")
-    for ours, theirs in zip(filtered_scans(drive, PERCEPTION), filtered, strict=True):
+    for ours, theirs in zip(filtered_scans(drive, PERCEPTION, lag_s=0.0), filtered, strict=True):
         np.testing.assert_array_equal(ours.without_people.ranges, theirs.ranges)

@@ -322,8 +322,8 @@ def test_who_is_killed_leaves_nothing_under_the_name_of_the_copy(tmp_path, kind)
     source, target = made(tmp_path, kind)
     code = (
         "import time; from tagalong.perception.filtered_logs import bag; from tagalong.scripts.cli import main\n"
-        "write = bag._BagFilter.write\n"
-        "bag._BagFilter.write = lambda *a: (write(*a), print('wrote', flush=True), time.sleep(9.0))\n"
+        "write = bag._BagFilter._write\n"
+        "bag._BagFilter._write = lambda *a: (write(*a), print('wrote', flush=True), time.sleep(9.0))\n"
         f"main(['filter', {str(source)!r}, {str(target)!r}])"
     )
     process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE)

@@ -2,12 +2,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from tagalong.perception.hindsight import filtered_scans
 from tagalong.perception.legs.detector import Detections
 from tagalong.perception.people_filter import (
     FilteredScan,
     PeopleFilter,
     RemovalConfig,
-    filtered_scans,
     near_points,
     points_lidar,
 )

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tagalong.perception import PeopleFilter
+from tagalong.perception import HindsightFilter
 from tagalong.scripts.cli import main
 
 WALKER = Path(os.environ.get("TAGALONG_DATA", "")) / "legs" / "positive_1_scans.npz"
@@ -79,13 +79,13 @@ def test_bad_arguments_end_with_one_line_and_status_two(tmp_path, capsys, monkey
 def test_scans_that_come_without_odometry_are_no_standing_robot_unless_that_is_said_and_the_choice_is_told(
     tmp_path, monkeypatch, capsys, arguments, given_to_it, words
 ):
-    given, update = [], PeopleFilter.update
+    given, update = [], HindsightFilter.update
 
     def noting(people_filter, scan, odometry=None):
         given.append(None if odometry is None else odometry.tolist())
         return update(people_filter, scan, odometry)
 
-    monkeypatch.setattr(PeopleFilter, "update", noting)
+    monkeypatch.setattr(HindsightFilter, "update", noting)
     assert main(["perceive", write_scans(tmp_path / "room.npz"), "--out", str(tmp_path / "out"), *arguments]) == 0
     assert given == [given_to_it] * 5
     assert words in capsys.readouterr().out

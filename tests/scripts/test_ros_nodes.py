@@ -65,7 +65,7 @@ def make():
 def test_the_filter_sends_message_by_message_what_the_command_writes_into_a_bag(bag, make, tmp_path):
     config = filter_logic.FilterNodeConfig(**SIMULATED)
     sent = play(filter_logic.FilterLogic(make, config), bag)
-    words = [str(bag), str(tmp_path / "out.mcap"), "--forest", "simulation", "--quiet"]
+    words = [str(bag), str(tmp_path / "out.mcap"), "--forest", "simulation", "--lag", "0", "--quiet"]
     assert main(["filter", *words, "--scan-topic", "/scan", "--topic", "/node"]) == 0
     for ours, theirs in {"scan_filtered": "/node", "scan_filtered/tracks": "/node/tracks"}.items():
         written = [message for _, _, message in messages(tmp_path / "out.mcap", theirs)]

@@ -10,7 +10,7 @@ from ....envs.onboard.config import PERCEPTION
 from ....envs.recording.slow_tour import SlowTourConfig, slow_tour
 from ....envs.scenes.occupancy import true_map
 from ....envs.world.world import World, WorldConfig
-from ....perception.people_filter import filtered_scans
+from ....perception.hindsight import filtered_scans
 from ....slam.scan import LaserScan
 from ...lab.drive_files import MappingInput, save_input
 from .map_files import save_map
@@ -25,7 +25,7 @@ def record_tour(scene: str, people: int, odometry: str, seed: int, files: Path) 
     """Follow a leader (people >= 1) or drive alone (0); keep the scans, raw and filtered, in `files`."""
     if people == 0:
         drive = slow_tour(WorldConfig(scene=scene, odometry=odometry), seed, ALONE)
-        filtered = [scan.without_people for scan in filtered_scans(drive.recording, PERCEPTION)]
+        filtered = [scan.without_people for scan in filtered_scans(drive.recording, PERCEPTION, lag_s=0.0)]
         save_input(files / "drive.npz", MappingInput(drive, filtered))
         return {"ending": "tour_done", "scans": len(filtered), "removed": _removed(drive.recording.scans, filtered)}
     tour = following_tour(TourConfig(scene=scene, people=people, odometry=odometry, seed=seed))
