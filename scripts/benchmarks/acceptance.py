@@ -1,6 +1,5 @@
 """The cells behind the results table of the README: one drive, one map, one log each."""
 
-import argparse
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -25,7 +24,7 @@ from ...slam.runner import run_slam
 from ..lab.cells import Cell
 from ..lab.map_comparison import MapComparisonConfig, judge_map, map_reference
 from ..runs.slam_run import usable_times
-from .people import drives
+from .people import DriveConfig, judged_drive
 
 LOGS = {
     "intel": "intel_every5th.log.gz",
@@ -101,10 +100,7 @@ def map_once(scene: str, people: int, standing: int, seed: int, method: str = "g
 
 def track_once(scene: str, people: int, seed: int) -> dict[str, Any]:
     """Track everybody in one drive; return counts and shares."""
-    options = argparse.Namespace(
-        scene=scene, people=people, first_seed=seed, seeds=1, preset="recorded", forest="simulation", seconds=120.0
-    )
-    return next(drives(options))
+    return judged_drive(DriveConfig(scene=scene, people=people), seed)
 
 
 def map_log_once(data: str, log: str, seed: int, method: str = "gmapping") -> dict[str, Any]:

@@ -7,7 +7,6 @@ example:
 import argparse
 import time
 from collections import deque
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -16,7 +15,7 @@ from numpy.typing import NDArray
 
 from ...envs.world.truth import TrueState
 from ...envs.world.world import World, WorldConfig
-from ...perception.config import PerceptionConfig, perception_preset
+from ...perception.config import perception_preset
 from ...perception.hindsight import LAG_S, HindsightFilter
 from ...perception.leader.selector import LeaderSelector
 from ...perception.metrics.clear_mot import ClearMot
@@ -130,15 +129,31 @@ def follow_command(truth: TrueState, distance: float = 1.3) -> Array:
     return np.array([np.clip(speed, 0.0, 1.3), np.clip(2.5 * bearing, -1.5, 1.5)])
 
 
-def drives(options: argparse.Namespace) -> Iterator[dict[str, Any]]:
-    """Run the drives one by one and yield a row of the table for each."""
-    config = replace(perception_preset(options.preset), forest=str(options.forest))
-    for seed in range(options.first_seed, options.first_seed + options.seeds):
-        world = World(WorldConfig(scene=options.scene, people=options.people), np.random.default_rng(seed))
-        yield {"seed": seed, **_judge_drive(world, config, options.seconds, options.lag)}
+@dataclass(frozen=True, kw_only=True)
+class DriveConfig:
+    """A drive, and who looks for people in it.
+
+    Attributes:
+        scene: Of the world.
+        people: How many, the leader among them.
+        preset: Numbers of the tracker.
+        forest: Leg forest.
+        seconds: Longest drive [s].
+        lag_s: How much later people are told of [s].
+    """
+
+    scene: str = "corridor"
+    people: int = 4
+    preset: str = "recorded"
+    forest: str = "simulation"
+    seconds: float = 120.0
+    lag_s: float = 0.0
 
 
-def _judge_drive(world: World, config: PerceptionConfig, seconds: float, lag_s: float) -> dict[str, Any]:
+def judged_drive(drive: DriveConfig, seed: int) -> dict[str, Any]:
+    """Run a drive and return its row of the table."""
+    world = World(WorldConfig(scene=drive.scene, people=drive.people), np.random.default_rng(seed))
+    config, lag_s = replace(perception_preset(drive.preset), forest=drive.forest), drive.lag_s
     people_filter, judge = HindsightFilter(config, lag_s=lag_s), DriveJudge()
     selector = LeaderSelector(config.leader, config.tracker.motion)
     spent, scans, right, chosen, onset_s = 0.0, 0, None, 0.0, 0.0
@@ -158,7 +173,7 @@ def _judge_drive(world: World, config: PerceptionConfig, seconds: float, lag_s: 
             right = on_leader if right is None or truth.time_s - onset_s < 1.2 else right
             chosen += on_leader
 
-    while world.time_s < seconds and not world.truth.tour_done:
+    while world.time_s < drive.seconds and not world.truth.tour_done:
         world.step(follow_command(world.truth))
         scan, scans = world.scan(), scans + 1
         seen.append((world.scan_labels(), world.truth))
@@ -168,7 +183,7 @@ def _judge_drive(world: World, config: PerceptionConfig, seconds: float, lag_s: 
         judge_all(due)
     judge_all(people_filter.finish())
     timing = {TIMING: {"ms": 1e3 * spent / scans}}
-    return _row(judge) | {"leader_right": right, "leader_held": chosen / scans} | timing
+    return {"seed": seed} | _row(judge) | {"leader_right": right, "leader_held": chosen / scans} | timing
 
 
 def _row(judge: DriveJudge) -> dict[str, Any]:
@@ -223,8 +238,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Measure, print, write results.json."""
+    names = "scene", "people", "preset", "forest", "seconds"
+    drive = DriveConfig(**{name: getattr(options, name) for name in names}, lag_s=options.lag)
     rows = []
-    for row in drives(options):
+    for seed in range(options.first_seed, options.first_seed + options.seeds):
+        row = judged_drive(drive, seed)
         rows.append(row)
         print(
             f"seed {row['seed']:3d}  MOTA {row['mota']:.3f} (misses {row['misses']}, false {row['false']}, "

@@ -1,9 +1,7 @@
 """The table of the README: scene beside scene, engine beside engine."""
 
-import argparse
-
 from tagalong.scripts.benchmarks.acceptance_table import side_by_side
-from tagalong.scripts.benchmarks.people import drives
+from tagalong.scripts.benchmarks.people import DriveConfig, judged_drive
 from tagalong.scripts.lab.cells import TIMING, without_timing
 
 
@@ -32,9 +30,13 @@ def test_without_recorded_logs_there_is_no_table_of_them():
 
 
 def test_a_drive_of_people_is_the_same_each_time_but_for_what_stands_under_timing():
-    options = argparse.Namespace(
-        scene="corridor", people=2, first_seed=0, seeds=1, preset="recorded", forest="simulation", seconds=2.0
-    )
-    first, second = (next(drives(options)) for _ in range(2))
+    first, second = (judged_drive(DriveConfig(people=2, seconds=2.0), 0) for _ in range(2))
     assert first[TIMING]["ms"] > 0.0
     assert repr(without_timing(first)) == repr(without_timing(second))
+
+
+def test_who_is_told_of_later_is_missed_more_seldom():
+    at_once, later = (judged_drive(DriveConfig(people=3, seconds=6.0, lag_s=lag_s), 4) for lag_s in (0.0, 1.0))
+    assert at_once["truths"] == later["truths"] > 50
+    assert later["misses"] < at_once["misses"]
+    assert later["leader_right"]
