@@ -219,6 +219,24 @@ def test_a_term_of_ones_own_is_zero_where_an_episode_begins(mode):
         assert np.abs(np.array(rewards) - told).max() < 1e-9
 
 
+def test_a_term_of_ones_own_knows_of_each_contact():
+    env = compiled(
+        worlds=6, ends_on_contact=False, **{"reward.terms": {"touched": lambda facts: float(facts.collided)}}
+    )
+    observation, _ = env.reset(seed=0)
+    persons, things = 0, 0
+    for _ in range(200):  # half of them chase their leaders, half go straight on
+        x, y = observation["leader"][:, 0], observation["leader"][:, 1]
+        turn = np.where(np.arange(6) < 3, np.clip(2.0 * np.arctan2(y, x), -1.0, 1.0), 0.0)
+        observation, *_, info = env.step(np.stack((np.ones(6), turn), axis=1))
+        touched = info["reward_terms"]["touched"] > 0.0
+        assert (touched == (info["reward_terms"]["collision"] < 0.0)).all()
+        persons += int((touched & env._state.touches[:, 0] & ~env._state.touches[:, 1]).sum())
+        things += int((touched & env._state.touches[:, 1]).sum())
+    assert persons > 0
+    assert things > 0
+
+
 def test_a_term_of_ones_own_that_is_no_number_is_named():
     env = compiled(**{"reward.terms": {"mine": lambda facts: float("nan")}})
     env.reset(seed=0)

@@ -56,6 +56,18 @@ def test_who_is_believed_in_later_was_there_from_the_first_scan_on(past):
         assert (before.removed == after.removed).all()
 
 
+def test_who_is_gone_again_before_the_lag_is_over_was_there_all_the_same(scripted_detector):
+    detector = scripted_detector()
+    people_filter, told = HindsightFilter(detector=BeforeWall(detector), lag_s=3.0), []
+    for k in range(60):
+        places = np.array([[2.0, -1.0 + 0.15 * k]])[: k < 12]
+        detector.positions, detector.confidence = places, np.full(len(places), 0.3)
+        told += people_filter.update(scan_of(places, k / RATE_HZ, wall=wall_from(ODOMETRY)), ODOMETRY)
+    told += people_filter.finish()
+    assert counts_of(told)[:12] == [1] * 12
+    assert counts_of(told)[20:] == [0] * 40
+
+
 def test_without_a_lag_nothing_changes(past):
     live = past(lambda detector: PeopleFilter(detector=detector))
     late = past(lambda detector: HindsightFilter(detector=detector, lag_s=0.0))
