@@ -15,6 +15,7 @@ from .existence import begin, believe, end, stood_where
 from .geometry_kernels import points_of_things
 from .local_grid import mark
 from .numbers import process_variance
+from .still_frame import unjudged
 from .tracks import hypotheses_of
 
 
@@ -25,6 +26,9 @@ def follow(tracks, found, view, pose, time_s, dt, c):
     `pose` (3,) is T_odom_robot.
     """
     rows, sight = hypotheses_of(tracks), look(tracks, found, view, pose, time_s, dt, c)
+    motion.widen(rows, tracks.frame[0].laser, view.laser, unjudged(tracks.frame[0], c.frame_doubt))
+    for k in range(3):
+        tracks.frame[0].laser[k] = view.laser[k]
     motion.predict(rows, dt, process_variance(c, dt))
     associate(rows, sight, c)
     one_leg = c.motion_r + c.motion_one_leg_variance

@@ -3,6 +3,7 @@
 In a frame that stands still, a wall is met again where it was. How often it is, is measured from scan to scan; nothing
 is matched and nothing is assumed of the odometry. So a look back tells a walker from a thing under good odometry, and
 tells nothing where the odometry is wrong or missing, or where there is nothing but grass, another one in every scan.
+There, who keeps the place before a laser that turns may be thought to run through the frame.
 """
 
 from dataclasses import dataclass
@@ -35,8 +36,8 @@ class StillFrameConfig:
         check_positive(self, "points", "memory_s", "doubt")
 
 
-FRAME = np.dtype([("asked", np.float64), ("missed", np.float64)])
-"""Returns that were asked, lately, and of how many the place was empty."""
+FRAME = np.dtype([("asked", np.float64), ("missed", np.float64), ("laser", np.float64, 3)])
+"""Returns that were asked, lately, and of how many the place was empty; and T_odom_lidar (3,) of the last scan."""
 
 
 @kernel
@@ -60,6 +61,12 @@ def stillness(frame, doubt):
     """
     missed = (frame.missed + 0.5 * doubt) / (frame.asked + doubt)
     return min(max(2.0 - 4.0 * missed, 0.0), 1.0)
+
+
+@kernel
+def unjudged(frame, doubt):
+    """Return how far nobody can say whether the frame stands still, in [0, 1]: 1 where no wall has been seen lately."""
+    return doubt / (frame.asked + doubt)
 
 
 @kernel

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tagalong.perception.tracking.association import leg_costs
 from tagalong.perception.tracking.evidence import log_odds
-from tagalong.perception.tracking.motion import correct, note_path, predict
+from tagalong.perception.tracking.motion import correct, note_path, predict, widen
 from tagalong.perception.tracking.tracks import HYPOTHESIS
 
 
@@ -22,6 +22,18 @@ def noted(way, speed=1.0, free=True, known=1.0):
 def test_who_goes_half_a_metre_and_still_goes_on_has_moved_as_far_as_the_frame_stands_still():
     assert noted(0.6)["moved"] == pytest.approx(0.6)
     assert noted(0.6, known=0.7)["moved"] == pytest.approx(0.42)
+
+
+def test_where_no_wall_tells_a_person_may_have_kept_its_place_before_the_laser():
+    rows = np.zeros(2, HYPOTHESIS)
+    rows["x"][:, :2], rows["p"][:, 0] = [[2.0, 1.0], [1.0, 1.0]], 0.05
+    turned = np.array([1.0, 1.0, 0.5])
+    widen(rows, np.array([1.0, 1.0, 0.0]), turned, 1.0)  # the first one stands a metre ahead, the second one is it
+    assert rows["p"][:, 0] == pytest.approx([0.05 + 4.0 * np.sin(0.25) ** 2, 0.05])
+    widen(rows, turned, turned + np.array([0.3, 0.0, 0.0]), 0.5)
+    assert rows["p"][:, 0] == pytest.approx([0.05 + 4.0 * np.sin(0.25) ** 2 + 0.15**2, 0.05 + 0.15**2])
+    widen(rows, turned, np.zeros(3), 0.0)
+    assert rows["p"][1, 0] == pytest.approx(0.05 + 0.15**2)
 
 
 def test_each_stride_speaks_for_a_person_but_the_next_ones_less_than_the_first():
