@@ -160,6 +160,7 @@ def judged_drive(drive: DriveConfig, seed: int) -> dict[str, Any]:
     seen: deque[tuple[NDArray[np.int32], TrueState]] = deque()
 
     def judge_all(due: list[FilteredScan]) -> None:
+        """Judge the scans that are due."""
         nonlocal right, chosen, onset_s
         for update in due:
             labels, truth = seen.popleft()

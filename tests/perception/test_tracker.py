@@ -218,37 +218,6 @@ def test_who_comes_into_sight_beside_a_post_is_one_person_and_leaves_no_number_t
     assert [len(hall.show([post], confidence=0.6, odometry=pose)) for _ in range(12)][-1] == 0
 
 
-def test_in_the_open_who_keeps_ahead_of_a_robot_that_turns_keeps_the_number(stage, step):
-    told = []
-    for k in range(80):  # there is no wall, and the odometry turns to and fro, up to 2.5 rad/s
-        turn = np.sin((k - 15) / 4.0) if k > 15 else 0.0
-        centre, time_s = np.array([1.8, 0.0]), k / stage.rate_hz
-        told.append(stage.show(step(centre, (1.0, 0.0), time_s), odometry=(0.0, 0.0, turn)))
-    assert {int(number) for people in told for number in people.ids} == {0}
-    assert [len(people) for people in told[15:]] == [1] * 65
-
-
-def test_a_robot_that_has_turned_and_stands_is_as_sure_of_a_place_as_one_that_never_did(make_stage, step):
-    variances = []
-    for pose in ((0.0, 0.0, 0.0), (4.0, 2.0, 1.5)):
-        stage = make_stage()
-        for k in range(30):
-            people = stage.show(step(np.array([1.8, 0.0]), (1.0, 0.0), k / stage.rate_hz), odometry=pose)
-        variances.append(float(people.variance[0]))
-    assert variances[0] == pytest.approx(variances[1], rel=1e-6)
-
-
-def test_where_walls_tell_that_the_frame_stands_still_a_turn_makes_no_place_less_sure(make_hall, step):
-    variances = []
-    for sway in (0.0, 0.5):
-        hall = make_hall()
-        for k in range(40):
-            pose = np.array([0.0, 0.0, sway * np.sin(k / 2.0)])
-            people = hall.show(step(np.array([2.0, 0.0]), (1.0, 0.0), k / hall.rate_hz), confidence=0.9, odometry=pose)
-        variances.append(float(people.variance[0]))
-    assert variances[1] == pytest.approx(variances[0], rel=0.05)
-
-
 @pytest.mark.parametrize(("begin", "still"), [(3.0, True), (4.2, False)])
 def test_where_somebody_stands_something_stands_unless_the_person_has_walked_there(hall, begin, still):
     for k in range(25):
