@@ -98,3 +98,16 @@ def test_where_walls_tell_that_the_frame_stands_still_a_turn_makes_no_place_less
             people = hall.show(step(np.array([2.0, 0.0]), (1.0, 0.0), k / hall.rate_hz), confidence=0.9, odometry=pose)
         variances.append(float(people.variance[0]))
     assert variances[1] == pytest.approx(variances[0], rel=0.05)
+
+
+@pytest.mark.parametrize("at_first", [0.05, 0.005])  # a hypothesis begins, or none
+@pytest.mark.parametrize(("wobble", "people"), [(0.0, 0), (3.0, 1)])
+def test_what_has_stood_for_long_is_a_thing_only_as_far_as_walls_say_that_the_frame_stands_still(
+    hall, at_first, wobble, people
+):
+    rng = np.random.default_rng(0)
+    for k in range(90):  # they stand for eight seconds and look like nothing, then they look like legs
+        pose = np.array([0.6 * np.sin(0.2 * k), 0.5, 0.0])
+        true = pose + wobble * np.array([*rng.uniform(-1.0, 1.0, 2), 0.0])
+        told = hall.show([[3.0, 0.0], [3.0, 0.3]], confidence=at_first if k < 60 else 0.8, odometry=pose, true=true)
+    assert len(told) == people
