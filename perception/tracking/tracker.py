@@ -12,7 +12,7 @@ from ...slam.rigid_kernel import moved_points
 from ...slam.scan import LaserScan
 from ..legs.detection_kernel import Found
 from ..legs.detector import Detections, Detector
-from ..legs.range_view import RangeView, seen_in
+from ..legs.range_view import Fan, RangeView, fan_of, seen_in
 from ..legs.recent_views import no_views
 from . import following
 from .camera import SeenPeople, take_in
@@ -66,7 +66,8 @@ class PeopleTracker:
 
     def reset(self) -> None:
         """Forget everything."""
-        self._all, self._beams = no_tracks(1, 0, self._config.views), (0, 0.0, 0.0)
+        self._all = no_tracks(1, 0, self._config.views)
+        self._fan: Fan | None = None
         self._time_s: float | None = None
 
     def update(self, scan: LaserScan, odometry: ArrayLike, seen: SeenPeople | None = None) -> TrackerUpdate:
@@ -76,11 +77,11 @@ class PeopleTracker:
             InputError: If the scan is not later than the one before.
         """
         pose, dt, time_s = checked_pose(odometry), self._step(scan.time_s), float(scan.time_s)
-        detections, view = self._detector.detect(scan), seen_in(scan, pose)
+        detections, view = self._detector.detect(scan), self._view(scan, pose)
         found, c = found_in(detections), self._numbers
         points = moved_points(view.laser, scan.points)
         fresh = len(detections) + (0 if seen is None else len(seen.positions))
-        tracks = self._with_room(fresh, points, pose, view)
+        tracks = self._with_room(fresh, points, pose)
         sight = following.follow(tracks, found, view, pose, time_s, dt, c)
         if seen is not None:
             places, delay = np.ascontiguousarray(seen.positions, dtype=np.float64), max(0.0, time_s - seen.time_s)
@@ -101,14 +102,15 @@ class PeopleTracker:
         self._time_s = time_s
         return 1.0 / self._config.motion.reference_rate_hz if before is None else time_s - before
 
-    def _with_room(self, fresh: int, points: Array, pose: Array, view: RangeView) -> Tracks:
-        """Return the tracks, with room for `fresh` more and for things at `points` (k, 2) around `pose` (3,).
+    def _view(self, scan: LaserScan, pose: Array) -> RangeView:
+        """Return how far is seen along the beams of the first scan; another laser's are forgotten."""
+        if self._fan is None or not self._fan.may_be_of(scan):
+            self._fan = fan_of(scan)
+            self._all = self._all._replace(views=no_views(1, len(scan), self._config.views))
+        return seen_in(scan, pose, self._fan)
 
-        What was seen along other beams than those of `view` is forgotten.
-        """
-        beams = len(view.ranges), float(view.first), float(view.step)
-        if beams != self._beams:
-            self._all, self._beams = self._all._replace(views=no_views(1, beams[0], self._config.views)), beams
+    def _with_room(self, fresh: int, points: Array, pose: Array) -> Tracks:
+        """Return the tracks, with room for `fresh` more and for things at `points` (k, 2) around `pose` (3,)."""
         while not make_pages(tracks_of(self._all, 0).cells, points, pose, self._config.things.resolution):
             self._all = self._all._replace(cells=with_more_pages(self._all.cells))
         while not has_room(tracks_of(self._all, 0), fresh):

@@ -3,7 +3,8 @@
 Offices, rings of corridors, grids of equal rooms, halls and caves; lasers of 4 to 80 m, 180 to 360 deg and 90 to 720
 beams; a scan every 0.1 to 2 s; good to bad odometry; up to six people. Nobody carries the robot: each time that the
 engine believes it lost is false. Each world has a kind and a seed, and is the same to the byte on every machine alike.
-With --spinning the lasers turn once from scan to scan; `--spinning left` leaves the motion of the robot in their scans.
+With --spinning the lasers turn once from scan to scan; `--spinning live` takes the robot's motion out of their scans as
+they come, as on a robot; `--spinning left` leaves it in them.
 With `--odometry laser` nobody knows what the wheels say: odometry is made of the scans.
 
 example:
@@ -21,6 +22,7 @@ from numpy.typing import NDArray
 
 from ...envs.simulation2d.building_plans import KINDS
 from ...envs.simulation2d.drawn_drives import draw_drive
+from ...slam.drives.live_deskewing import Deskewer
 from ...slam.drives.made_odometry import with_made_odometry
 from ...slam.drives.sweep_time import deskewed
 from ...slam.engine import SlamEngine, make_slam
@@ -39,7 +41,7 @@ from .results import write_results
 Array = NDArray[np.float64]
 
 ENGINES = ("cartographer", "gmapping")
-SPINNING = ("out", "left")
+SPINNING = ("out", "live", "left")
 ODOMETRY = ("wheels", "laser")
 LARGE = 0.3  # ATE that counts as large [m]
 RIGHT = (0.5, np.radians(5.0))  # [m, rad] a closure that is farther off is wrong
@@ -60,8 +62,12 @@ def world(kind: str, seed: int, engine: str, spinning: str = "", odometry: str =
     recording = drive.recording
     if odometry == "laser":
         recording, _ = with_made_odometry(recording)
-    elif spinning == SPINNING[0]:
+    elif spinning == "out":
         recording = deskewed(recording)
+    elif spinning == "live":
+        deskewer = Deskewer()
+        pairs = zip(recording.odometry, recording.scans, strict=True)
+        recording = replace(recording, scans=[deskewer.update(odometry, scan)[0] for odometry, scan in pairs])
     robot, located, took = driven(recording, engine)
     result: dict[str, Any] = {
         "scans": len(recording), "traits": asdict(drive.traits), "area_m2": drive.plan.planner.area

@@ -8,7 +8,9 @@ with neighbours taken in other turns, once for each way in which the beams may h
 agree best is believed if it does so beyond chance; most lasers of 40 Hz and more turn out to measure at once.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,8 +27,10 @@ from .calibration import thinned
 
 Array = NDArray[np.float64]
 
-_PAIRS, _ENOUGH = 60, 10  # pairs of scans that are compared; fewer than the second tell nothing
-_NEIGHBOURS = 12  # scans before and after one among which its partner is
+PAIRS, _ENOUGH = 60, 10
+"""So many pairs of scans are compared; fewer than the second tell nothing."""
+NEIGHBOURS = 12
+"""Among so many scans before and after one is its partner."""
 _NEAR = (0.5, 1.0)  # [m, rad] partners are no farther apart, nor is a way between scans longer that can be one
 _OTHERWISE = 0.03  # [rad] by so much a partner turned otherwise, from its scan to the next
 _POINTS, _FAR = 20, 0.1  # least points of a scan; what lies farther off [m] is hidden from the partner
@@ -85,15 +89,58 @@ def sweep_time(drive: RecordedDrive) -> SweepTime | None:
     """Return when the beams of a drive's scans are measured; None: at once, or it cannot be told."""
     if len(drive) < 2:
         return None
-    ways, matcher = [_ways(drive, ended=ended) for ended in (False, True)], make_matcher("plicp")
-    pairs = _pairs(drive, ways[0])
-    candidates = _candidates(drive.scans[0])
-    rows = [_disagreements(drive, ways, pair, [None, *candidates], matcher) for pair in pairs]
-    told = np.array([row for row in rows if np.isfinite(row).all()]).reshape(-1, len(candidates) + 1)
-    if len(told) < _ENOUGH:
-        return None
-    best = int(np.argmin(told[:, 1:].mean(axis=0)))
-    return candidates[best] if _beyond_chance(told[:, 0] - told[:, 1 + best]) > _SURE else None
+    moments, question = _moments(drive), SweepQuestion(drive.scans[0])
+    for first, second in _pairs(moments):
+        question.ask(moments[first], moments[second])
+    return question.answer
+
+
+class Moment(NamedTuple):
+    """A scan, and how the robot moved about its time.
+
+    Attributes:
+        scan: The scan.
+        pose: (3,) T_odom_robot at its time.
+        onward: (3,) where the robot is after the usual time between scans, seen from there; zero: not known.
+        back: (3,) where it was so long before; zero: not known.
+    """
+
+    scan: LaserScan
+    pose: Array
+    onward: Array
+    back: Array
+
+
+class SweepQuestion:
+    """When the beams of a laser's scans are measured, asked of pairs of scans between which the robot turned otherwise.
+
+    Args:
+        scan: Any of its scans.
+    """
+
+    def __init__(self, scan: LaserScan) -> None:
+        self._candidates, self._matcher = _candidates(scan), make_matcher("plicp")
+        self._told = list[list[float]]()
+
+    @property
+    def told(self) -> int:
+        """How many pairs have told."""
+        return len(self._told)
+
+    def ask(self, one: Moment, other: Moment) -> None:
+        """Ask a pair of scans; one of too few points tells nothing."""
+        row = _disagreements(one, other, [None, *self._candidates], self._matcher)
+        if np.isfinite(row).all():
+            self._told.append(row)
+
+    @property
+    def answer(self) -> SweepTime | None:
+        """When they are measured by all that were asked; None: at once, or it cannot be told."""
+        if self.told < _ENOUGH:
+            return None
+        told = np.array(self._told)
+        best = int(np.argmin(told[:, 1:].mean(axis=0)))
+        return self._candidates[best] if _beyond_chance(told[:, 0] - told[:, 1 + best]) > _SURE else None
 
 
 def _beyond_chance(gains: Array) -> float:
@@ -171,17 +218,31 @@ def usual_ways(motions: Array, steps_s: Array, usual_s: float) -> Array:
     return ways
 
 
-def _pairs(drive: RecordedDrive, ways: Array) -> list[tuple[int, int]]:
+def _moments(drive: RecordedDrive) -> list[Moment]:
+    ways = (_ways(drive, ended=ended) for ended in (False, True))
+    return [Moment(*all_of_one) for all_of_one in zip(drive.scans, drive.odometry, *ways, strict=True)]
+
+
+def _pairs(moments: list[Moment]) -> list[tuple[int, int]]:
     """Return the scans of the fastest turns, each with the one nearby during which the robot turned most otherwise."""
-    pairs, last = [], len(drive) - 1
-    for new in np.argsort(-np.abs(ways[:last, 2]), kind="stable")[:_PAIRS].tolist():
-        near = np.arange(max(0, new - _NEIGHBOURS), min(last, new + _NEIGHBOURS + 1))
-        apart = between(drive.odometry[new], drive.odometry[near])
-        reach = (np.hypot(apart[:, 0], apart[:, 1]) <= _NEAR[0]) & (np.abs(apart[:, 2]) <= _NEAR[1])
-        otherwise = np.where(reach, np.abs(ways[near, 2] - ways[new, 2]), 0.0)
-        if otherwise.max() > _OTHERWISE:
-            pairs.append((int(near[np.argmax(otherwise)]), new))
+    pairs, last = [], len(moments) - 1
+    turns = np.array([moment.onward[2] for moment in moments[:last]])
+    for new in np.argsort(-np.abs(turns), kind="stable")[:PAIRS].tolist():
+        low = max(0, new - NEIGHBOURS)
+        partner = turned_otherwise(moments[new], moments[low : min(last, new + NEIGHBOURS + 1)])
+        if partner is not None:
+            pairs.append((low + partner, new))
     return pairs
+
+
+def turned_otherwise(moment: Moment, others: Sequence[Moment]) -> int | None:
+    """Return which of `others`, near the same place, the robot turned most otherwise at; None: nowhere enough."""
+    if not others:
+        return None
+    apart = between(moment.pose, np.array([other.pose for other in others]))
+    reach = (np.hypot(apart[:, 0], apart[:, 1]) <= _NEAR[0]) & (np.abs(apart[:, 2]) <= _NEAR[1])
+    otherwise = np.where(reach, np.abs([other.onward[2] - moment.onward[2] for other in others]), 0.0)
+    return int(np.argmax(otherwise)) if otherwise.max() > _OTHERWISE else None
 
 
 def _candidates(scan: LaserScan) -> list[SweepTime]:
@@ -197,19 +258,18 @@ def _candidates(scan: LaserScan) -> list[SweepTime]:
     ]
 
 
-def _disagreements(
-    drive: RecordedDrive, ways: list[Array], pair: tuple[int, int], times: list[SweepTime | None], matcher: Matcher
-) -> list[float]:
+def _disagreements(one: Moment, other: Moment, times: list[SweepTime | None], matcher: Matcher) -> list[float]:
     """Return how far two scans lie from each other once matched [m], for each of `times`; nan where they tell none."""
-    reference, new = (thinned(drive.scans[k]) for k in pair)
+    reference, new = thinned(one.scan), thinned(other.scan)
     if min(len(reference.points), len(new.points)) < _POINTS:
         return [np.nan] * len(times)
-    mounts = (compose(drive.odometry[k], drive.scans[k].T_robot_lidar) for k in pair)
-    guess, away = between(*mounts), list[float]()
+    guess = between(compose(one.pose, one.scan.T_robot_lidar), compose(other.pose, other.scan.T_robot_lidar))
+    away = list[float]()
     for time in times:
         a, b = reference, new
         if time is not None:
-            a, b = (at_once(scan, ways[time.ended][k], time) for scan, k in zip((a, b), pair, strict=True))
+            a = at_once(reference, one.back if time.ended else one.onward, time)
+            b = at_once(new, other.back if time.ended else other.onward, time)
         found = matcher.match(a, b, guess)
         distances, _ = KDTree(a.points).query(transform_points(found.pose, b.points), distance_upper_bound=_FAR)
         away.append(float(np.minimum(distances, _FAR).mean()))

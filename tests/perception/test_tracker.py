@@ -26,6 +26,16 @@ def test_somebody_seen_as_one_doubtful_cluster_by_a_moving_robot_is_a_person_wit
     assert people.velocities[0] == pytest.approx([-1.2, 0.0], abs=0.3)
 
 
+@pytest.mark.parametrize("beams", [lambda k: BEARINGS * (1.0 + 0.01 * (k % 3)), lambda k: BEARINGS[: -1 - k % 5]])
+def test_somebody_is_known_as_soon_where_no_two_scans_have_the_same_beams(make_hall, beams):
+    same, other = make_hall(), make_hall()
+    for k in range(14):  # it comes out of a corner where nothing was; without memory of that it is nobody yet
+        shown = {"places": [[3.0, 1.5 - 0.13 * k]], "confidence": 0.3, "odometry": (0.1 * k - 1.4, 0.0, 0.0)}
+        counts = len(same.show(**shown)), len(other.show(**shown, bearings=beams(k)))
+        assert counts[0] == counts[1]
+    assert counts == (1, 1)
+
+
 @pytest.mark.parametrize("rate_hz", [5.0, 10.0, 40.0])
 def test_two_legs_that_step_are_one_person_at_any_rate(make_hall, step, rate_hz):
     hall = make_hall(rate_hz)

@@ -14,20 +14,20 @@ from tagalong.slam.geometry import inverse, transform_points
 BEARINGS = np.radians(np.arange(-135.0, 135.0, 0.3516))
 
 
-def wall_from(pose, radius=9.0):
+def wall_from(pose, radius=9.0, bearings=BEARINGS):
     """How far the round wall of the hall is along each beam, seen from `pose` (3,)."""
-    ahead = pose[0] * np.cos(BEARINGS + pose[2]) + pose[1] * np.sin(BEARINGS + pose[2])
+    ahead = pose[0] * np.cos(bearings + pose[2]) + pose[1] * np.sin(bearings + pose[2])
     return np.sqrt(ahead**2 + radius**2 - pose[0] ** 2 - pose[1] ** 2) - ahead
 
 
-def scan_of(places, time_s, radius=0.08, wall=9.0):
+def scan_of(places, time_s, radius=0.08, wall=9.0, bearings=BEARINGS):
     """A scan of posts at `places` (n, 2) before a wall at so many metres, one or one for each beam."""
-    ranges = np.full(len(BEARINGS), wall)
+    ranges = np.full(len(bearings), wall)
     for x, y in places:
-        away, off = np.hypot(x, y), BEARINGS - np.arctan2(y, x)
+        away, off = np.hypot(x, y), bearings - np.arctan2(y, x)
         hit = np.abs(away * np.sin(off)) < radius
         ranges[hit & (np.cos(off) > 0.0)] = np.minimum(ranges[hit & (np.cos(off) > 0.0)], away)
-    return LaserScan(ranges, BEARINGS, 0.1, 11.0, time_s=time_s)
+    return LaserScan(ranges, bearings, 0.1, 11.0, time_s=time_s)
 
 
 @dataclass
@@ -63,12 +63,14 @@ class Hall:
     def __post_init__(self):
         self.tracker = PeopleTracker(TrackerConfig(), BeforeWall(self.detector))
 
-    def show(self, places, confidence=0.3, odometry=(0.0, 0.0, 0.0), hidden=False, true=None, seen=None):
+    def show(
+        self, places, confidence=0.3, odometry=(0.0, 0.0, 0.0), hidden=False, true=None, seen=None, bearings=BEARINGS
+    ):
         self.scans += 1
         pose = np.asarray(odometry, dtype=float)
         there = transform_points(inverse(pose), np.reshape(places, (-1, 2)))
-        wall = 0.5 if hidden else wall_from(pose if true is None else true)
-        scan = scan_of(there, self.scans / self.rate_hz, wall=wall)
+        wall = 0.5 if hidden else wall_from(pose if true is None else true, bearings=bearings)
+        scan = scan_of(there, self.scans / self.rate_hz, wall=wall, bearings=bearings)
         self.detector.positions = there[:0] if hidden else there
         self.detector.confidence = np.full(len(self.detector.positions), confidence)
         return self.tracker.update(scan, odometry, seen).people
