@@ -3,6 +3,7 @@
     make_slam(name, **settings)          a SLAM engine: "gmapping", "cartographer" (graph SLAM) or "ekf" (landmarks)
     run_slam(engine, drive) -> SlamRun   a whole recorded drive through an engine: trajectory, map, times
     read_log(path) -> RecordedDrive      a recorded drive: CARMEN, BeeSoft, DP-SLAM and tinySLAM logs, ROS bags
+    Deskewer()                           takes the robot's motion out of scans of a laser that spins, as they come
     Localizer(map)                       where on a finished map the robot is, from nowhere or "not sure"
     make_matcher(name, **settings)       the pose of one scan in the frame of another: "plicp", "mbicp", "ndt", ...
     write_ros_map, read_ros_map          maps as ROS's map_server reads them
@@ -30,6 +31,7 @@ from typing import TYPE_CHECKING
 from .door import lends
 
 if TYPE_CHECKING:
+    from .drives.live_deskewing import Deskewer
     from .drives.log import read_log
     from .ekf.config import EkfSlamConfig
     from .engine import SlamEngine, SlamUpdate, make_slam
@@ -48,6 +50,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "CartographerConfig",
+    "Deskewer",
     "EkfSlamConfig",
     "GMappingConfig",
     "InputError",
@@ -70,6 +73,7 @@ __all__ = [
 
 _HOME = {
     "CartographerConfig": "graph.engine",
+    "Deskewer": "drives.live_deskewing",
     "EkfSlamConfig": "ekf.config",
     "GMappingConfig": "gmapping.config",
     "InputError": "errors",

@@ -4,6 +4,7 @@ Not all lasers have the same beams in every scan: some have a few more or fewer 
 motion of the robot was taken out (`deskewed`) are bent. What they show is told along the beams of the first one.
 """
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -36,7 +37,8 @@ class RangeView(NamedTuple):
     laser: Array
 
 
-class Fan(NamedTuple):
+@dataclass(frozen=True)
+class Fan:
     """Evenly spaced beams.
 
     Attributes:
@@ -52,7 +54,7 @@ class Fan(NamedTuple):
     @property
     def bearings(self) -> Array:
         """(count,) [rad]."""
-        return self.first + self.step * np.arange(self.count)
+        return self.first + self.step * np.arange(self.count, dtype=np.float64)
 
     def may_be_of(self, scan: LaserScan) -> bool:
         """Whether `scan` may be of the same laser: as many beams, as far apart, but for a tenth."""

@@ -47,6 +47,10 @@ class _FilteredScans(ABC):
         """Send nothing: the clock does not matter here."""
         return []
 
+    def notes(self) -> list[str]:
+        """Return what the scans have shown of the laser since the last call."""
+        return self._scans.notes()
+
     def _people(self, live: LiveScan) -> PeopleMessages:
         return PeopleMessages(self._maker, flipped=live.flipped)  # pyright: ignore[reportArgumentType]
 

@@ -99,6 +99,10 @@ class FollowerLogic:
             return []
         return self.halt(now_s)
 
+    def notes(self) -> list[str]:
+        """Return what the scans have shown of the laser since the last call."""
+        return self._scans.notes()
+
     def halt(self, now_s: float) -> list[Output]:
         """Return the command to stand still, which is the last one until scans come again."""
         self._drives = False

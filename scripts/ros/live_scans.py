@@ -8,16 +8,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...slam.bounds import check_mount, check_words
+from ...slam.drives.live_deskewing import Deskewer
+from ...slam.drives.sweep_time import SweepTime
 from ...slam.errors import InputError, shown
 from ...slam.geometry import compose
 from ...slam.logs.bag_messages import Message, as_defined
 from ...slam.logs.ros_frames import FrameTree, frame_name, planar, rotation_matrix, stamp_s
 from ...slam.logs.rosbag import laser_mount
-from ...slam.logs.scan_stream import BagBeginning, ReadAlready, ScanStream
+from ...slam.logs.scan_stream import BagBeginning, ReadAlready, ScanStream, StreamedScan
 from ...slam.scan import LaserScan
 from .outputs import FRAMES, ODOMETRY, SCAN
 
 Array = NDArray[np.float64]
+
+FIND, AT_ONCE = "find", "at-once"
+"""When the beams of a scan are measured: the scans say it; all at once."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,10 +34,13 @@ class InputConfig:
             wait for.
         by_header: Whether times are those of the message headers; else those of their arrival, for robots whose parts
             do not agree about the time.
+        sweep: When the beams of a scan are measured: "find" (the scans of the first turns say), "at-once", or a share
+            of the time between scans that a turn of the laser takes and words of `SweepTime`, such as "1.0 clockwise".
     """
 
     laser_pose: tuple[float, ...] = ()
     by_header: bool = True
+    sweep: str = FIND
 
     def __post_init__(self) -> None:
         check_words(self)
@@ -40,6 +48,13 @@ class InputConfig:
             raise InputError(f"laser_pose must be x, y, theta, or nothing, got {shown(self.laser_pose)}")
         if self.laser_pose:
             check_mount(self.laser_pose, "laser_pose")
+        if self.sweep not in (FIND, AT_ONCE):
+            SweepTime.from_words(self.sweep)
+
+    def deskewer(self) -> Deskewer | None:
+        """Return what takes the robot's motion out of the scans; None: nothing is to."""
+        known = None if self.sweep in (FIND, AT_ONCE) else SweepTime.from_words(self.sweep)
+        return None if self.sweep == AT_ONCE else Deskewer(known)
 
 
 class LiveScan(NamedTuple):
@@ -47,7 +62,7 @@ class LiveScan(NamedTuple):
 
     Attributes:
         message: As it came.
-        scan: What it says.
+        scan: What it says, as if measured at once.
         order: (N,) which reading of the message each beam of the scan is.
         odometry: (3,) the robot at its time, seen from where the odometry began.
         T_odom_robot: (3,) the same in the odometry's own frame.
@@ -67,6 +82,8 @@ class LiveScan(NamedTuple):
 class LiveScans:
     """Puts odometry to scans as messages come; the same that `tagalong filter` does for a bag.
 
+    Scans of a laser that spins lose the robot's motion (`Deskewer`), from when its first turns have shown it.
+
     A scan waits until odometry after it has come, for half a second at most. Before the laser's place on the robot is
     known, and where no odometry comes, scans are passed over. One that is not newer than the one before is, too.
     """
@@ -79,6 +96,12 @@ class LiveScans:
         self._heard: list[tuple[Any, int]] = []
         self._odometry_s = self._newest_s = -np.inf
         self._flipped = False
+        self._deskewer, self._said, self._notes = config.deskewer(), None, list[str]()
+
+    def notes(self) -> list[str]:
+        """Return what has been found out since the last call, a sentence each."""
+        notes, self._notes = self._notes, []
+        return notes
 
     @property
     def odom_frame(self) -> str:
@@ -145,7 +168,17 @@ class LiveScans:
         self._newest_s = max(self._newest_s, scan.time_s)
         return newer and self._first is not None
 
-    def _placed(self, one: Any) -> LiveScan:
+    def _placed(self, one: StreamedScan) -> LiveScan:
         assert self._first is not None
-        whole = compose(self._first, one.odometry)
-        return LiveScan(one.message, one.scan, one.order, one.odometry, whole, self._flipped, self._odometry_s)
+        assert one.odometry is not None
+        whole, scan, order = compose(self._first, one.odometry), one.scan, one.order
+        if self._deskewer is not None:
+            scan, beams = self._deskewer.update(one.odometry, scan, one.newest)
+            order = order[beams]
+            self._note(self._deskewer.sweep)
+        return LiveScan(one.message, scan, order, one.odometry, whole, self._flipped, self._odometry_s)
+
+    def _note(self, sweep: SweepTime | None) -> None:
+        if sweep not in (None, self._said) and self._config.sweep == FIND:
+            self._notes.append(f"{sweep.note}; it need not be found again with sweep:='{sweep.words}'")
+            self._said = sweep

@@ -134,6 +134,8 @@ class _Running:
     def _send(self, outputs: Sequence[Output]) -> None:
         for topic, message in outputs:
             self._publishers[topic].publish(message)
+        for note in self._logic.notes():
+            self._node.get_logger().info(note)
 
     def _quality(self, topic: str) -> Any:
         qos = self._rclpy.qos

@@ -49,6 +49,10 @@ class Logic(Protocol):
         """Look at the clock, ten times a second; return what is to be sent."""
         ...
 
+    def notes(self) -> list[str]:
+        """Return what the user is to be told since the last call, a sentence each."""
+        ...
+
 
 class MadeMessages(RosMessages):
     """The messages of `RosMessages`, made by somebody else.

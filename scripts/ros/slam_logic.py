@@ -71,6 +71,10 @@ class SlamLogic:
         """Send nothing: the clock does not matter here."""
         return []
 
+    def notes(self) -> list[str]:
+        """Return what the scans have shown of the laser since the last call."""
+        return self._scans.notes()
+
     def _send(self, live: LiveScan) -> list[Output]:
         scan = live.scan
         if self._filter is not None:

@@ -1,7 +1,8 @@
 """Scans of a laser that spins as if all of their beams had been measured at once, one after the other as they come.
 
-`deskewed` has a whole recording to find out by how the laser measures, and the odometry after each scan. A robot has
-neither: so it asks the scans of its first turns, and is taken to move on from a scan as it moved up to it.
+`deskewed` has a whole recording to find out by how the laser measures, and the odometry after each scan. On a robot the
+scans of its first turns say the former; and where no odometry has come since a scan began, the robot is taken to move
+on as it moved up to it.
 """
 
 from collections import deque
@@ -14,7 +15,6 @@ from ..geometry import between, inverse
 from ..scan import LaserScan
 from .sweep_time import (
     NEIGHBOURS,
-    PAIRS,
     Moment,
     SweepQuestion,
     SweepTime,
@@ -27,14 +27,14 @@ from .sweep_time import (
 Array = NDArray[np.float64]
 
 _STEPS = 21  # between scans, of which the usual one is the median
+_TELLS = 0.5  # of the usual time between scans newer odometry is newer at least
 
 
 class Deskewer:
     """Takes the robot's motion out of the scans of a laser that spins, as they come.
 
-    Whether it spins, and which of its beams is the first, the scans of the first turns say (`sweep_time`): from ten
-    pairs of them on, until sixty have told. Before that, scans stay as they are, and so do all of a laser that measures
-    at once.
+    Whether it spins, and which of its beams is the first, the scans say, as in `sweep_time`: those of the sixty fastest
+    turns so far, from ten on. Before that, scans stay as they are, and so do all of a laser that measures at once.
 
     Args:
         sweep: When the beams are measured, where that is known; None: to be found out.
@@ -52,12 +52,16 @@ class Deskewer:
         """When the beams are measured, by all that is known; None: at once, or it is not known yet."""
         return self._sweep
 
-    def update(self, odometry: ArrayLike, scan: LaserScan) -> tuple[LaserScan, NDArray[np.intp]]:
+    def update(
+        self, odometry: ArrayLike, scan: LaserScan, newest: tuple[float, ArrayLike] | None = None
+    ) -> tuple[LaserScan, NDArray[np.intp]]:
         """Take the next scan; return it as if measured at once, and (N,) which beam of `scan` each of its beams is.
 
         Args:
             odometry: (3,) T_odom_robot at its time [m, m, rad].
             scan: Later than the one before.
+            newest: Time [s] and pose (3,) of the newest odometry, where some has come since: a scan that is told when
+                its sweep ends leaves the time for that.
 
         Raises:
             InputError: If the pose is none.
@@ -69,7 +73,18 @@ class Deskewer:
         self._last = scan, pose, inverse(way) if way.any() else way
         if self._sweep is None:
             return scan, np.arange(len(scan))
-        return straightened(scan, self._last[2] if self._sweep.ended else way, self._sweep)
+        back, onward = self._last[2], self._onward(pose, scan.time_s, newest)
+        return straightened(scan, back if self._sweep.ended else way if onward is None else onward, self._sweep)
+
+    def _onward(self, pose: Array, time_s: float, newest: tuple[float, ArrayLike] | None) -> Array | None:
+        """Return (3,) how the robot moves in the usual time after `time_s`, by newer odometry; None: by none."""
+        usual_s = usual_step_s(np.array(self._times_s))
+        if newest is None or not 0.0 < _TELLS * usual_s <= newest[0] - time_s:
+            return None
+        since_s = newest[0] - time_s
+        return usual_ways(between(pose, checked_pose(newest[1]))[None] * (usual_s / since_s), np.array([usual_s]), 0.0)[
+            0
+        ]
 
     def _way(self, pose: Array, time_s: float) -> Array:
         """Return (3,) how the robot moved, up to now, in the usual time between scans."""
@@ -90,5 +105,5 @@ class Deskewer:
         if which is not None:
             self._question = self._question or SweepQuestion(scan)
             self._question.ask(self._moments[which], moment)
-            self._sweep, self._is_known = self._question.answer, self._question.told >= PAIRS
+            self._sweep = self._question.answer
         self._moments.append(moment)

@@ -8,9 +8,11 @@ with neighbours taken in other turns, once for each way in which the beams may h
 agree best is believed if it does so beyond chance; most lasers of 40 Hz and more turn out to measure at once.
 """
 
+import math
+from bisect import insort
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +20,7 @@ from scipy.spatial import KDTree
 from scipy.stats import rankdata
 
 from ..bounds import LEAST_SPACING
+from ..errors import InputError, shown
 from ..geometry import between, compose, inverse, transform_points
 from ..logs.drive import RecordedDrive
 from ..scan import LaserScan
@@ -27,8 +30,7 @@ from .calibration import thinned
 
 Array = NDArray[np.float64]
 
-PAIRS, _ENOUGH = 60, 10
-"""So many pairs of scans are compared; fewer than the second tell nothing."""
+_PAIRS, _ENOUGH = 60, 10  # pairs of scans that are compared; fewer than the second tell nothing
 NEIGHBOURS = 12
 """Among so many scans before and after one is its partner."""
 _NEAR = (0.5, 1.0)  # [m, rad] partners are no farther apart, nor is a way between scans longer that can be one
@@ -36,6 +38,7 @@ _OTHERWISE = 0.03  # [rad] by so much a partner turned otherwise, from its scan 
 _POINTS, _FAR = 20, 0.1  # least points of a scan; what lies farther off [m] is hidden from the partner
 _SURE = 3.0  # standard deviations beyond chance
 _PARTS = (1.0, 0.5, 0.25)  # a log may hold every second scan, or every fourth
+_WORDS = ("clockwise", "ahead", "ended")  # fields of `SweepTime`, in its order
 _LONGER = 1.5  # times the usual time between scans: some are missing
 
 
@@ -54,6 +57,29 @@ class SweepTime:
     clockwise: bool = False
     ahead: bool = False
     ended: bool = False
+
+    @classmethod
+    def from_words(cls, words: str) -> Self:
+        """Return the time that `words` name, such as "1.0 clockwise ended".
+
+        Raises:
+            InputError: If they name none.
+        """
+        share, *rest = words.split() or [""]
+        try:
+            number = float(share)
+        except ValueError:
+            number = math.nan
+        if not 0.0 < number <= 1.0 or len(set(rest)) < len(rest) or not set(rest) <= set(_WORDS):
+            what = f"a share in (0, 1] of the time between scans, and any of {', '.join(_WORDS)}"
+            raise InputError(f"a laser's sweep is {what}, such as '1.0 clockwise', got {shown(words)}")
+        return cls(number, *(word in rest for word in _WORDS))
+
+    @property
+    def words(self) -> str:
+        """What `from_words` takes."""
+        said = (self.clockwise, self.ahead, self.ended)
+        return " ".join((f"{self.share:g}", *(word for word, is_so in zip(_WORDS, said, strict=True) if is_so)))
 
     @property
     def note(self) -> str:
@@ -114,31 +140,32 @@ class Moment(NamedTuple):
 class SweepQuestion:
     """When the beams of a laser's scans are measured, asked of pairs of scans between which the robot turned otherwise.
 
+    The sixty pairs that did most so are the ones that count.
+
     Args:
         scan: Any of its scans.
     """
 
     def __init__(self, scan: LaserScan) -> None:
         self._candidates, self._matcher = _candidates(scan), make_matcher("plicp")
-        self._told = list[list[float]]()
-
-    @property
-    def told(self) -> int:
-        """How many pairs have told."""
-        return len(self._told)
+        self._told = list[tuple[float, list[float]]]()
 
     def ask(self, one: Moment, other: Moment) -> None:
         """Ask a pair of scans; one of too few points tells nothing."""
+        otherwise = abs(one.onward[2] - other.onward[2])
+        if len(self._told) == _PAIRS and otherwise <= self._told[0][0]:
+            return
         row = _disagreements(one, other, [None, *self._candidates], self._matcher)
         if np.isfinite(row).all():
-            self._told.append(row)
+            insort(self._told, (otherwise, row))
+            del self._told[:-_PAIRS]
 
     @property
     def answer(self) -> SweepTime | None:
-        """When they are measured by all that were asked; None: at once, or it cannot be told."""
-        if self.told < _ENOUGH:
+        """When they are measured by all that was told; None: at once, or it cannot be told."""
+        if len(self._told) < _ENOUGH:
             return None
-        told = np.array(self._told)
+        told = np.array([row for _, row in self._told])
         best = int(np.argmin(told[:, 1:].mean(axis=0)))
         return self._candidates[best] if _beyond_chance(told[:, 0] - told[:, 1 + best]) > _SURE else None
 
@@ -227,7 +254,7 @@ def _pairs(moments: list[Moment]) -> list[tuple[int, int]]:
     """Return the scans of the fastest turns, each with the one nearby during which the robot turned most otherwise."""
     pairs, last = [], len(moments) - 1
     turns = np.array([moment.onward[2] for moment in moments[:last]])
-    for new in np.argsort(-np.abs(turns), kind="stable")[:PAIRS].tolist():
+    for new in np.argsort(-np.abs(turns), kind="stable")[:_PAIRS].tolist():
         low = max(0, new - NEIGHBOURS)
         partner = turned_otherwise(moments[new], moments[low : min(last, new + NEIGHBOURS + 1)])
         if partner is not None:

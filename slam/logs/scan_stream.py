@@ -161,6 +161,7 @@ class StreamedScan(NamedTuple):
         scan: What it says.
         order: (N,) which reading of the message each beam of the scan is.
         odometry: (3,) T_odom_robot at its time, the first pose of the odometry being the origin; None: not known.
+        newest: Time [s] and pose (3,) of the newest odometry that had come; None: none.
     """
 
     message: Any
@@ -168,6 +169,7 @@ class StreamedScan(NamedTuple):
     scan: LaserScan
     order: NDArray[np.intp]
     odometry: Array | None
+    newest: tuple[float, Array] | None = None
 
 
 class ScanStream:
@@ -229,7 +231,7 @@ class ScanStream:
         self._reach = max(self._reach, float(here))
         scan, order = placed_scan(sweep, time_s, self._reach, bag.mount, bag.flipped, self._where)
         pose = self._odometry.at(time_s) if bag.has_odometry else None
-        return StreamedScan(message, time_ns, scan, order, pose)
+        return StreamedScan(message, time_ns, scan, order, pose, self._odometry.newest)
 
 
 class ReadAlready:
@@ -252,6 +254,11 @@ class _RecentOdometry:
     def newest_s(self) -> float:
         """Time of the newest pose [s]."""
         return self._times_s[-1] if self._times_s else -np.inf
+
+    @property
+    def newest(self) -> tuple[float, Array] | None:
+        """Time [s] and pose (3,) of the newest one, if there is any."""
+        return (self._times_s[-1], self._poses[-1]) if self._times_s else None
 
     def add(self, time_s: float, pose: Array) -> None:
         """Take a pose (3,); one that is not newer than the one before, or is none, says nothing."""

@@ -1,14 +1,19 @@
 """What the nodes of ROS 2 do, without ROS: messages of bags that the simulator made, one after the other."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import gymnasium as gym
 import numpy as np
 import pytest
+from spinning_room import MOUNT, drive_with, off_walls
 from tagalong.agents import make_follower
 from tagalong.envs import rollout
 from tagalong.envs.recording import EpisodeRecording
 from tagalong.scripts.cli import main
 from tagalong.scripts.ros import filter_logic, follower_logic, outputs, slam_logic
 from tagalong.slam import InputError
+from tagalong.slam.drives.sweep_time import SweepTime
 from tagalong.slam.geometry import between, compose
 from tagalong.slam.logs import open_recording
 
@@ -268,6 +273,41 @@ def test_a_laser_with_another_number_of_beams_in_each_turn_is_followed_all_the_s
         robot.env.step((0.0, 0.0))
 
 
+def play_room(make, logic, time):
+    """What a node sends for the turns in a room of a laser that spins, and what it tells."""
+    drive, sent, told = drive_with(time), [], []
+    logic.take("/tf_static", make.transform(MOUNT, 0.0, ("base_link", "laser")), 0.0)
+    for pose, scan in zip(drive.odometry, drive.scans, strict=True):
+        logic.take("odom", make.odometry(pose, np.zeros(3), scan.time_s, ("odom", "base_link")), scan.time_s)
+        sent.append(logic.take("scan", make.scan(scan, scan.time_s, "laser"), scan.time_s))
+        told += logic.notes()
+    return drive, sent, told
+
+
+def test_the_motion_of_a_spinning_laser_is_taken_out_once_its_turns_have_shown_it_and_said_once(make):
+    time = SweepTime(1.0, clockwise=True, ended=True)
+    logic = filter_logic.FilterLogic(make, filter_logic.FilterNodeConfig())
+    _, sent, told = play_room(make, logic, time)
+    assert told[-1].startswith("a turn of the laser, clockwise")
+    assert told[-1].endswith("with sweep:='1 clockwise ended'")
+    assert len(told) == len(set(told))
+    assert [len(outputs) for outputs in sent] == [4] * len(sent)
+
+
+@pytest.mark.parametrize(("sweep", "straight"), [("1.0 clockwise ended", True), ("at-once", False)])
+def test_how_a_laser_spins_can_be_told(make, sweep, straight):
+    seen = []
+    config = slam_logic.SlamNodeConfig(method="gmapping", filter_people=False, sweep=sweep, map_every_s=1e6)
+    logic = slam_logic.SlamLogic(make, config)
+    logic._engine = SimpleNamespace(
+        update=lambda odometry, scan: seen.append(scan) or SimpleNamespace(pose=odometry),
+        live_map=logic._engine.live_map,
+    )
+    drive, _, told = play_room(make, logic, SweepTime(1.0, clockwise=True, ended=True))
+    assert told == []
+    assert (off_walls(replace(drive, scans=seen)) < 0.03) == straight
+
+
 def fields_of(message):
     return {name: value for name, value in vars(message).items() if name != "__msgtype__"}
 
@@ -307,6 +347,8 @@ def test_a_message_that_is_not_what_its_type_says_is_told_and_the_next_one_is_ta
         (follower_logic.FollowerNodeConfig, {"max_speed": 0.0}, "max_speed"),
         (follower_logic.FollowerNodeConfig, {"patience_s": float("nan")}, "patience_s"),
         (slam_logic.SlamNodeConfig, {"map_every_s": -1.0}, "map_every_s"),
+        (slam_logic.SlamNodeConfig, {"sweep": "round"}, "a laser's sweep is a share"),
+        (slam_logic.SlamNodeConfig, {"sweep": 1.0}, "`sweep` must be a word"),
     ],
 )
 def test_a_parameter_that_cannot_be_is_told(kind, wrong, told):

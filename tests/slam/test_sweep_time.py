@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from spinning_room import CORNERS, MOUNT, drive_with
-from tagalong.slam import LaserScan, RecordedDrive, read_log
+from spinning_room import drive_with, off_walls
+from tagalong.slam import InputError, LaserScan, RecordedDrive, read_log
 from tagalong.slam.drives.made_odometry import with_made_odometry
 from tagalong.slam.drives.sweep_time import SweepTime, at_once, deskewed, sweep_time
-from tagalong.slam.geometry import between, compose, transform_points
+from tagalong.slam.geometry import between
 from tagalong.slam.logs import write_carmen
 
 
@@ -28,17 +28,6 @@ def test_the_scans_say_when_their_beams_were_measured(time):
     assert straight.notes[-1].startswith("a turn of the laser, " + ("clockwise" if time.clockwise else "counter"))
     assert off_walls(bent) > 0.1
     assert off_walls(straight) < 0.02
-
-
-def off_walls(drive):
-    """Return how far, in the 90th percentile, the points of a drive lie from the walls of the room [m]."""
-    points = np.concatenate(
-        [transform_points(compose(T, MOUNT), scan.points) for T, scan in zip(drive.odometry, drive.scans, strict=True)]
-    )
-    edges = np.roll(CORNERS, -1, axis=0) - CORNERS
-    offset = points[:, None] - CORNERS
-    along = np.clip((offset * edges).sum(axis=-1) / (edges * edges).sum(axis=-1), 0.0, 1.0)
-    return np.percentile(np.linalg.norm(offset - along[..., None] * edges, axis=-1).min(axis=1), 90)
 
 
 def test_a_laser_that_measures_at_once_is_left_alone():
@@ -82,6 +71,19 @@ def test_the_first_beam_of_a_clockwise_laser_is_its_last():
     assert SweepTime(1.0, clockwise=True).of(scan) == pytest.approx([0.5, 0.25, 0.0])
     assert SweepTime(1.0, ended=True).of(scan) == pytest.approx([0.5, 0.25, 0.0])
     assert SweepTime(0.5, ahead=True).of(scan) == pytest.approx([0.375, 0.0, 0.125])
+
+
+@pytest.mark.parametrize(
+    "time", [SweepTime(1.0), SweepTime(0.25, clockwise=True, ended=True), SweepTime(0.5, ahead=True)]
+)
+def test_words_say_when_beams_are_measured(time):
+    assert SweepTime.from_words(time.words) == time
+
+
+@pytest.mark.parametrize("words", ["", "clockwise", "0", "1.5", "nan", "1.0 left", "1.0 ahead ahead"])
+def test_words_that_say_nothing_of_the_kind_are_told(words):
+    with pytest.raises(InputError, match="a laser's sweep is a share"):
+        SweepTime.from_words(words)
 
 
 def test_beams_that_cross_stay_ascending_and_within_limits():
