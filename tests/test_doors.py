@@ -13,9 +13,9 @@ import pytest
 
 FLOORS = ("slam", "perception", "envs", "agents")
 SURFACE = {
-    "slam": """CartographerConfig EkfSlamConfig GMappingConfig InputError LaserScan Localizer OccupancyMap RecordedDrive
-        SlamEngine SlamRun SlamUpdate absolute_error make_matcher make_slam read_log read_ros_map run_slam score_map
-        write_ros_map""",
+    "slam": """CartographerConfig Deskewer EkfSlamConfig GMappingConfig InputError LaserScan Localizer OccupancyMap
+        RecordedDrive SlamEngine SlamRun SlamUpdate absolute_error make_matcher make_slam read_log read_ros_map run_slam
+        score_map write_ros_map""",
     "perception": """Detections FilteredScan HindsightFilter ImmobileMapper LeaderSelector LegDetector
         LegDetectorConfig LegForest People PeopleFilter PeopleFilterConfig PeopleFinder PeopleTracker PerceptionConfig
         Pinhole PlaneFinder RgbdFrame TrackerConfig filtered_scans perception_preset table_ii""",

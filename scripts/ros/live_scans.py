@@ -48,13 +48,11 @@ class InputConfig:
             raise InputError(f"laser_pose must be x, y, theta, or nothing, got {shown(self.laser_pose)}")
         if self.laser_pose:
             check_mount(self.laser_pose, "laser_pose")
-        if self.sweep not in (FIND, AT_ONCE):
-            SweepTime.from_words(self.sweep)
+        self.deskewer()
 
     def deskewer(self) -> Deskewer | None:
         """Return what takes the robot's motion out of the scans; None: nothing is to."""
-        known = None if self.sweep in (FIND, AT_ONCE) else SweepTime.from_words(self.sweep)
-        return None if self.sweep == AT_ONCE else Deskewer(known)
+        return None if self.sweep == AT_ONCE else Deskewer(None if self.sweep == FIND else self.sweep)
 
 
 class LiveScan(NamedTuple):

@@ -37,11 +37,16 @@ class Deskewer:
     turns so far, from ten on. Before that, scans stay as they are, and so do all of a laser that measures at once.
 
     Args:
-        sweep: When the beams are measured, where that is known; None: to be found out.
+        sweep: When the beams are measured, where that is known, or words of it (`SweepTime.from_words`), such as
+            "1 clockwise"; None: to be found out.
+
+    Raises:
+        InputError: If the words name nothing of the kind.
     """
 
-    def __init__(self, sweep: SweepTime | None = None) -> None:
-        self._sweep, self._is_known = sweep, sweep is not None
+    def __init__(self, sweep: SweepTime | str | None = None) -> None:
+        self._sweep = SweepTime.from_words(sweep) if isinstance(sweep, str) else sweep
+        self._is_known = sweep is not None
         self._question: SweepQuestion | None = None
         self._moments: deque[Moment] = deque(maxlen=NEIGHBOURS)
         self._times_s: deque[float] = deque(maxlen=_STEPS)

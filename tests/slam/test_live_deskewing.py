@@ -71,7 +71,7 @@ def test_of_a_laser_whose_time_ends_with_the_scan_nothing_is_left_of_the_bend():
 
 def test_where_it_is_known_how_the_laser_spins_the_first_scans_are_straight_too():
     bent = drive_with(SweepTime(1.0))
-    straight, known = live(bent, Deskewer(SweepTime(1.0)), later=True)
+    straight, known = live(bent, Deskewer("1.0"), later=True)
     assert set(known) == {SweepTime(1.0)}
     assert off_walls(part(straight, 1, 20)) < 0.02
 
@@ -108,6 +108,8 @@ def test_the_way_across_missing_scans_is_that_of_one_and_a_jump_is_none():
     assert turned[0] / turned[1] == pytest.approx(0.5 * steps[0] / steps[1], rel=0.05)
 
 
-def test_a_pose_that_is_none_is_told():
+def test_a_pose_that_is_none_and_words_that_say_nothing_are_told():
+    with pytest.raises(InputError, match="sweep"):
+        Deskewer("round")
     with pytest.raises(InputError, match="pose"):
         Deskewer().update((0.0, np.nan, 0.0), drive_with(None, scans=1).scans[0])
