@@ -299,7 +299,7 @@ def _last(batch: dict[str, NDArray[Any]], ended: Flags) -> NDArray[Any]:
 
 def telling(call: Callable[..., None], *arguments: Any) -> None:
     """Call a kernel; say so if it takes long, which is when it is compiled."""
-    text = 'compiling the worlds of simulator="compiled": once on this machine, about a minute'
+    text = 'compiling the worlds of simulator="compiled": once on this machine, one to two minutes'
     timer = threading.Timer(_SLOW_S, _log.warning, (text,))
     timer.start()
     try:
