@@ -201,7 +201,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--spinning", nargs="?", choices=SPINNING, const=SPINNING[0], default="",
-        help="lasers that turn once from scan to scan, the motion meanwhile taken out of their scans, or left in them",
+        help="lasers that turn once from scan to scan, the motion meanwhile taken out of their scans, be it as they "
+        "come (live), or left in them",
     )  # fmt: skip
     parser.add_argument(
         "--odometry", choices=ODOMETRY, default=ODOMETRY[0],
@@ -215,8 +216,8 @@ def run(options: argparse.Namespace) -> int:
     low, high = options.seeds
     if low > high:
         raise InputError(f"--seeds: the first must not be larger than the last, got {low} {high}")
-    if options.odometry == "laser" and options.spinning == "left":
-        raise InputError("--odometry laser takes the motion out of the scans; leave out --spinning left")
+    if options.odometry == "laser" and options.spinning in ("live", "left"):
+        raise InputError(f"--odometry laser takes the motion out of the scans; leave out --spinning {options.spinning}")
     worlds = cells(options.engines, options.kinds, range(low, high + 1), options.spinning, options.odometry)
     results = run_cells(worlds, options.out, jobs=options.jobs, label="worlds")
     summed = summary(results)

@@ -28,8 +28,8 @@ Array = NDArray[np.float64]
 
 _STEPS = 21  # between scans, of which the usual one is the median
 _SURE = 3.5  # standard deviations beyond chance, more than for a recording: it is asked at each pair. Of 35 drives with
-# lasers that measure at once one is taken for another then (two with 3); nine of ten drawn ones that spin are known after
-# 59 to 379 scans (27 to 167), the tenth after 876 (871)
+# lasers that measure at once one is taken for another then (two with 3); nine of ten drawn ones that spin are known
+# after 59 to 379 scans (27 to 167), the tenth after 876 (871)
 _TELLS = 0.5  # of the usual time between scans newer odometry is newer at least
 
 

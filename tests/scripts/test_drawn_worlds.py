@@ -48,12 +48,22 @@ def test_spinning_lasers_are_measured_with_and_without_the_motion_in_their_scans
         return tiny(kind, seed)
 
     monkeypatch.setattr(drawn_worlds, "draw_drive", noted)
+
+    class Live:
+        def update(self, odometry, scan):
+            told.append("live")
+            return scan, None
+
     monkeypatch.setattr(drawn_worlds, "deskewed", lambda drive: told.append("deskewed") or drive)
+    monkeypatch.setattr(drawn_worlds, "Deskewer", Live)
     words = ["bench", "drawn-worlds", "--kinds", "hall", "--seeds", "0", "0", "--out", str(tmp_path)]
     assert main(words) == 0
     assert main([*words, "--spinning"]) == 0
     assert main([*words, "--spinning", "left"]) == 0
     assert told == [False, True, "deskewed", True]
+    assert main([*words, "--spinning", "live"]) == 0
+    assert told[4:] == [True, *["live"] * 12]
+    assert main([*words, "--spinning", "left"]) == 0
     assert list(json.loads((tmp_path / "results.json").read_text())["worlds"]) == ["cartographer/hall/0/left"]
 
 
@@ -69,8 +79,9 @@ def test_without_wheels_odometry_is_made_of_the_scans(monkeypatch, tmp_path, cap
     worlds = json.loads((tmp_path / "results.json").read_text())["worlds"]
     assert list(worlds) == ["cartographer/hall/0/out/laser"]
     assert worlds["cartographer/hall/0/out/laser"]["odometry"]["rmse_m"] < 0.02
-    assert main([*words, "left", "--odometry", "laser"]) == 2
-    assert "leave out --spinning left" in capsys.readouterr().err
+    for spinning in ("left", "live"):
+        assert main([*words, spinning, "--odometry", "laser"]) == 2
+        assert f"leave out --spinning {spinning}" in capsys.readouterr().err
 
 
 def test_an_interrupted_run_goes_on_and_tells_what_a_whole_one_tells(monkeypatch, tmp_path, capsys):

@@ -125,6 +125,13 @@ def test_each_node_sends_on_its_topics_what_their_types_are(ros, name):
     assert node.said == ["destroyed"]
 
 
+def test_what_a_node_finds_out_is_told(ros, monkeypatch):
+    monkeypatch.setattr(nodes.FilterLogic, "notes", lambda self: ["the laser spins"])
+    ros.spin = lambda node: node.subscriptions["scan"].take(said()["scan"])
+    nodes.run_node("filter")
+    assert ros.tagalong_filter.said == ["the laser spins", "destroyed"]
+
+
 def test_sensors_are_heard_as_they_send_and_late_comers_get_the_map(ros):
     nodes.run_node("slam")
     node = ros.tagalong_slam

@@ -1,17 +1,13 @@
 """What the nodes of ROS 2 do, without ROS: messages of bags that the simulator made, one after the other."""
 
-from dataclasses import replace
-from types import SimpleNamespace
-
 import gymnasium as gym
 import numpy as np
 import pytest
-from spinning_room import MOUNT, drive_with, off_walls
 from tagalong.agents import make_follower
 from tagalong.envs import rollout
 from tagalong.envs.recording import EpisodeRecording
 from tagalong.scripts.cli import main
-from tagalong.scripts.ros import filter_logic, follower_logic, live_scans, outputs, slam_logic
+from tagalong.scripts.ros import filter_logic, follower_logic, outputs, slam_logic
 from tagalong.slam import InputError
 from tagalong.slam.geometry import between, compose
 from tagalong.slam.logs import open_recording
@@ -270,42 +266,6 @@ def test_a_laser_with_another_number_of_beams_in_each_turn_is_followed_all_the_s
         outputs = [o for each in (*said[:2], ("scan", scan)) for o in follower.take(*each, now_s)]
         assert len(commands(outputs)) == 1
         robot.env.step((0.0, 0.0))
-
-
-SWEEP = "1 clockwise ended"
-
-
-def play_room(make, logic):
-    """What a node sends for turns in a room with a laser that spins as `SWEEP` says, and what it tells."""
-    drive, sent, told = drive_with(live_scans.InputConfig(sweep=SWEEP).deskewer().sweep), [], []
-    logic.take("/tf_static", make.transform(MOUNT, 0.0, ("base_link", "laser")), 0.0)
-    for pose, scan in zip(drive.odometry, drive.scans, strict=True):
-        logic.take("odom", make.odometry(pose, np.zeros(3), scan.time_s, ("odom", "base_link")), scan.time_s)
-        sent.append(logic.take("scan", make.scan(scan, scan.time_s, "laser"), scan.time_s))
-        told += logic.notes()
-    return drive, sent, told
-
-
-def test_the_motion_of_a_spinning_laser_is_taken_out_once_its_turns_have_shown_it_and_said_once(make):
-    _, sent, told = play_room(make, filter_logic.FilterLogic(make, filter_logic.FilterNodeConfig()))
-    assert told[-1].startswith("a turn of the laser, clockwise")
-    assert told[-1].endswith(f"with sweep:='{SWEEP}'")
-    assert len(told) == len(set(told))
-    assert [len(outputs) for outputs in sent] == [4] * len(sent)
-
-
-@pytest.mark.parametrize(("sweep", "straight"), [(SWEEP, True), ("at-once", False)])
-def test_how_a_laser_spins_can_be_told(make, sweep, straight):
-    seen = []
-    config = slam_logic.SlamNodeConfig(method="gmapping", filter_people=False, sweep=sweep, map_every_s=1e6)
-    logic = slam_logic.SlamLogic(make, config)
-    logic._engine = SimpleNamespace(
-        update=lambda odometry, scan: seen.append(scan) or SimpleNamespace(pose=odometry),
-        live_map=logic._engine.live_map,
-    )
-    drive, _, told = play_room(make, logic)
-    assert told == []
-    assert (off_walls(replace(drive, scans=seen)) < 0.03) == straight
 
 
 def fields_of(message):

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from spinning_room import drive_with, off_walls
 from tagalong.slam import Deskewer, InputError, LaserScan
-from tagalong.slam.drives.sweep_time import SweepTime
+from tagalong.slam.drives import sweep_time
+from tagalong.slam.drives.sweep_time import Moment, SweepQuestion, SweepTime
 
 
 def live(drive, deskewer, later=False):
@@ -50,6 +51,41 @@ def test_without_newer_odometry_the_robot_is_taken_to_move_on_as_before():
     straight, _ = live(bent, Deskewer(SweepTime(1.0)))
     assert off_walls(bent) > 0.2
     assert off_walls(straight) < 0.05
+
+
+def test_newer_odometry_tells_of_the_usual_time_whenever_it_was():
+    bent = drive_with(SweepTime(1.0))
+    turned = []
+    for share in (0.6, 1.0, 1.5):
+        deskewer = Deskewer("1.0")
+        deskewer.update(bent.odometry[0], bent.scans[0])
+        way = np.array([0.0, 0.0, 0.2 * share])
+        scan, _ = deskewer.update(bent.odometry[1], bent.scans[1], (0.2 + 0.2 * share, bent.odometry[1] + way))
+        turned.append(scan.bearings[0] - bent.scans[1].bearings[0])
+    assert np.ptp(turned) < 1e-9
+
+
+def test_the_pairs_that_turned_most_otherwise_are_the_ones_that_count(monkeypatch):
+    """Weak turns say something else here than fast ones, and there are more of them, before and after."""
+    scan = drive_with(None, scans=1).scans[0]
+    known = SweepQuestion(scan)._candidates
+
+    def says(one, other, times, matcher):
+        right = 3 if abs(one.onward[2]) > 0.2 else 5
+        return [0.05] + [0.01 if k == right else 0.04 for k in range(len(known))]
+
+    monkeypatch.setattr(sweep_time, "_disagreements", says)
+    rng = np.random.default_rng(0)
+    turns = np.concatenate((rng.uniform(0.05, 0.1, 100), rng.uniform(0.3, 0.5, 60), rng.uniform(0.05, 0.1, 100)))
+    moments = [Moment(scan, np.zeros(3), np.array([0.0, 0.0, turn]), np.zeros(3)) for turn in turns]
+    still = Moment(scan, np.zeros(3), np.zeros(3), np.zeros(3))
+    answers = {}
+    for sure in (3.0, 1e9):
+        question = SweepQuestion(scan, sure)
+        for moment in moments:
+            question.ask(moment, still)
+        answers[sure] = question.answer
+    assert answers == {3.0: known[3], 1e9: None}
 
 
 def test_odometry_that_is_hardly_newer_and_such_of_a_jump_tell_nothing_of_the_way():
