@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from spinning_room import drive_with, off_walls
 from tagalong.slam import Deskewer, InputError, LaserScan
-from tagalong.slam.drives import sweep_time
+from tagalong.slam.drives import live_deskewing, sweep_time
 from tagalong.slam.drives.sweep_time import Moment, SweepQuestion, SweepTime
 
 
@@ -61,7 +61,8 @@ def test_newer_odometry_tells_of_the_usual_time_whenever_it_was():
         deskewer.update(bent.odometry[0], bent.scans[0])
         way = np.array([0.0, 0.0, 0.2 * share])
         scan, _ = deskewer.update(bent.odometry[1], bent.scans[1], (0.2 + 0.2 * share, bent.odometry[1] + way))
-        turned.append(scan.bearings[0] - bent.scans[1].bearings[0])
+        turned.append(scan.bearings[-1] - bent.scans[1].bearings[-1])
+    assert np.abs(turned).min() > 0.05
     assert np.ptp(turned) < 1e-9
 
 
@@ -110,6 +111,13 @@ def test_where_it_is_known_how_the_laser_spins_the_first_scans_are_straight_too(
     straight, known = live(bent, Deskewer("1.0"), later=True)
     assert set(known) == {SweepTime(1.0)}
     assert off_walls(part(straight, 1, 20)) < 0.02
+
+
+def test_who_asks_at_each_pair_has_to_be_surer_than_who_asks_once(monkeypatch):
+    bent = part(drive_with(SweepTime(1.0)), 0, 30)
+    assert live(bent, Deskewer())[1][-1] is not None
+    monkeypatch.setattr(live_deskewing, "_SURE", 6.0)  # as many pairs cannot be as sure
+    assert set(live(bent, Deskewer())[1]) == {None}
 
 
 def test_scans_measured_at_once_stay_as_they_are():
