@@ -5,6 +5,7 @@ motion of the robot was taken out (`deskewed`) are bent. What they show is told 
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -51,7 +52,7 @@ class Fan:
     first: float
     step: float
 
-    @property
+    @cached_property
     def bearings(self) -> Array:
         """(count,) [rad]."""
         return self.first + self.step * np.arange(self.count, dtype=np.float64)
@@ -67,7 +68,7 @@ def fan_of(scan: LaserScan) -> Fan:
     """Return the beams of a scan, as if they were evenly spaced."""
     if len(scan) == 0:
         return Fan(0, 0.0, 0.0)
-    first, last = scan.bearings[[0, -1]].tolist()
+    first, last = float(scan.bearings[0]), float(scan.bearings[-1])
     return Fan(len(scan), first, (last - first) / max(len(scan) - 1, 1))
 
 
