@@ -27,9 +27,6 @@ from .sweep_time import (
 Array = NDArray[np.float64]
 
 _STEPS = 21  # between scans, of which the usual one is the median
-_SURE = 3.5  # standard deviations beyond chance, more than for a recording: it is asked at each pair. Of 35 drives with
-# lasers that measure at once one is taken for another then (two with 3); nine of ten drawn ones that spin are known
-# after 59 to 379 scans (27 to 167), the tenth after 876 (871)
 _TELLS = 0.5  # of the usual time between scans newer odometry is newer at least
 
 
@@ -37,7 +34,9 @@ class Deskewer:
     """Takes the robot's motion out of the scans of a laser that spins, as they come.
 
     Whether it spins, and which of its beams is the first, the scans say, as in `sweep_time`: those of the sixty fastest
-    turns so far, from ten on. Before that, scans stay as they are, and so do all of a laser that measures at once.
+    turns so far, from ten on. Before that, scans stay as they are, and so do all of a laser that measures at once. Of
+    35 drives with such lasers two were taken for a while to take a quarter of the time; ten lasers that spin were known
+    after 27 to 167 scans, but for one (871).
 
     Args:
         sweep: When the beams are measured, where that is known, or words of it (`SweepTime.from_words`), such as
@@ -111,7 +110,7 @@ class Deskewer:
         moment = Moment(scan, before, way, back)
         which = turned_otherwise(moment, self._moments)
         if which is not None:
-            self._question = self._question or SweepQuestion(scan, _SURE)
+            self._question = self._question or SweepQuestion(scan)
             self._question.ask(self._moments[which], moment)
             self._sweep = self._question.answer
         self._moments.append(moment)

@@ -144,11 +144,10 @@ class SweepQuestion:
 
     Args:
         scan: Any of its scans.
-        sure: How far beyond chance an answer must be [standard deviations]; who asks again and again needs more.
     """
 
-    def __init__(self, scan: LaserScan, sure: float = _SURE) -> None:
-        self._candidates, self._matcher, self._sure = _candidates(scan), make_matcher("plicp"), sure
+    def __init__(self, scan: LaserScan) -> None:
+        self._candidates, self._matcher = _candidates(scan), make_matcher("plicp")
         self._told = list[tuple[float, list[float]]]()
 
     def ask(self, one: Moment, other: Moment) -> None:
@@ -168,7 +167,7 @@ class SweepQuestion:
             return None
         told = np.array([row for _, row in self._told])
         best = int(np.argmin(told[:, 1:].mean(axis=0)))
-        return self._candidates[best] if _beyond_chance(told[:, 0] - told[:, 1 + best]) > self._sure else None
+        return self._candidates[best] if _beyond_chance(told[:, 0] - told[:, 1 + best]) > _SURE else None
 
 
 def _beyond_chance(gains: Array) -> float:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from spinning_room import drive_with, off_walls
 from tagalong.slam import Deskewer, InputError, LaserScan
-from tagalong.slam.drives import live_deskewing, sweep_time
+from tagalong.slam.drives import sweep_time
 from tagalong.slam.drives.sweep_time import Moment, SweepQuestion, SweepTime
 
 
@@ -80,13 +80,10 @@ def test_the_pairs_that_turned_most_otherwise_are_the_ones_that_count(monkeypatc
     turns = np.concatenate((rng.uniform(0.05, 0.1, 100), rng.uniform(0.3, 0.5, 60), rng.uniform(0.05, 0.1, 100)))
     moments = [Moment(scan, np.zeros(3), np.array([0.0, 0.0, turn]), np.zeros(3)) for turn in turns]
     still = Moment(scan, np.zeros(3), np.zeros(3), np.zeros(3))
-    answers = {}
-    for sure in (3.0, 1e9):
-        question = SweepQuestion(scan, sure)
-        for moment in moments:
-            question.ask(moment, still)
-        answers[sure] = question.answer
-    assert answers == {3.0: known[3], 1e9: None}
+    question = SweepQuestion(scan)
+    for moment in moments:
+        question.ask(moment, still)
+    assert question.answer == known[3]
 
 
 def test_odometry_that_is_hardly_newer_and_such_of_a_jump_tell_nothing_of_the_way():
@@ -111,13 +108,6 @@ def test_where_it_is_known_how_the_laser_spins_the_first_scans_are_straight_too(
     straight, known = live(bent, Deskewer("1.0"), later=True)
     assert set(known) == {SweepTime(1.0)}
     assert off_walls(part(straight, 1, 20)) < 0.02
-
-
-def test_who_asks_at_each_pair_has_to_be_surer_than_who_asks_once(monkeypatch):
-    bent = part(drive_with(SweepTime(1.0)), 0, 30)
-    assert live(bent, Deskewer())[1][-1] is not None
-    monkeypatch.setattr(live_deskewing, "_SURE", 6.0)  # as many pairs cannot be as sure
-    assert set(live(bent, Deskewer())[1]) == {None}
 
 
 def test_scans_measured_at_once_stay_as_they_are():
