@@ -88,10 +88,8 @@ class Deskewer:
         usual_s = usual_step_s(np.array(self._times_s))
         if newest is None or not 0.0 < _TELLS * usual_s <= newest[0] - time_s:
             return None
-        since_s = newest[0] - time_s
-        return usual_ways(between(pose, checked_pose(newest[1]))[None] * (usual_s / since_s), np.array([usual_s]), 0.0)[
-            0
-        ]
+        motion = between(pose, checked_pose(newest[1])) * (usual_s / (newest[0] - time_s))
+        return usual_ways(motion[None], np.array([usual_s]), 0.0)[0]
 
     def _way(self, pose: Array, time_s: float) -> Array:
         """Return (3,) how the robot moved, up to now, in the usual time between scans."""
