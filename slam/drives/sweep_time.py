@@ -39,6 +39,7 @@ _POINTS, _FAR = 20, 0.1  # least points of a scan; what lies farther off [m] is 
 _SURE = 3.0  # standard deviations beyond chance
 _PARTS = (1.0, 0.5, 0.25)  # a log may hold every second scan, or every fourth
 _WORDS = ("clockwise", "ahead", "ended")  # fields of `SweepTime`, in its order
+_OTHER_WAY = "counter-clockwise"
 _LONGER = 1.5  # times the usual time between scans: some are missing
 
 
@@ -60,7 +61,7 @@ class SweepTime:
 
     @classmethod
     def from_words(cls, words: str) -> Self:
-        """Return the time that `words` name, such as "1.0 clockwise ended".
+        """Return the time that `words` name, such as "1 clockwise ended".
 
         Raises:
             InputError: If they name none.
@@ -70,24 +71,27 @@ class SweepTime:
             number = float(share)
         except ValueError:
             number = math.nan
-        if not 0.0 < number <= 1.0 or len(set(rest)) < len(rest) or not set(rest) <= set(_WORDS):
-            what = f"a share in (0, 1] of the time between scans, and any of {', '.join(_WORDS)}"
-            raise InputError(f"a laser's sweep is {what}, such as '1.0 clockwise', got {shown(words)}")
-        return cls(number, *(word in rest for word in _WORDS))
+        said = set(rest)
+        twice = len(said) < len(rest) or {"clockwise", _OTHER_WAY} <= said
+        if not 0.0 < number <= 1.0 or twice or not said <= {*_WORDS, _OTHER_WAY}:
+            what = f"a share in (0, 1] of the time between scans, and any of {_OTHER_WAY}, {', '.join(_WORDS)}"
+            raise InputError(f"a laser's sweep is {what}, such as '1 clockwise', got {shown(words)}")
+        return cls(number, *(word in said for word in _WORDS))
 
     @property
     def words(self) -> str:
-        """What `from_words` takes."""
-        said = (self.clockwise, self.ahead, self.ended)
-        return " ".join((f"{self.share:g}", *(word for word, is_so in zip(_WORDS, said, strict=True) if is_so)))
+        """What `from_words` takes; never a mere number, which a command line of ROS would not take for words."""
+        rest = [word for word, is_so in zip(_WORDS[1:], (self.ahead, self.ended), strict=True) if is_so]
+        return " ".join((f"{self.share:g}", self._order, *rest))
+
+    @property
+    def _order(self) -> str:
+        return _WORDS[0] if self.clockwise else _OTHER_WAY
 
     @property
     def note(self) -> str:
         """What is done about it, in a sentence."""
-        order = "clockwise" if self.clockwise else "counter-clockwise"
-        return (
-            f"a turn of the laser, {order}, takes {self.share:.0%} of the time between scans: its motion is taken out"
-        )
+        return f"a turn of the laser, {self._order}, takes {self.share:.0%} of the time between scans: its motion is taken out"
 
     def of(self, scan: LaserScan) -> Array:
         """Return (N,) how long from the scan's time each beam is measured, as a share of the time between scans."""

@@ -78,9 +78,12 @@ def test_the_first_beam_of_a_clockwise_laser_is_its_last():
 )
 def test_words_say_when_beams_are_measured(time):
     assert SweepTime.from_words(time.words) == time
+    assert not time.words.split()[-1].replace(".", "").isdigit()  # a command line would take it for a number
 
 
-@pytest.mark.parametrize("words", ["", "clockwise", "0", "1.5", "nan", "1.0 left", "1.0 ahead ahead"])
+@pytest.mark.parametrize(
+    "words", ["", "clockwise", "0", "1.5", "nan", "1.0 left", "1.0 ahead ahead", "1 clockwise counter-clockwise"]
+)
 def test_words_that_say_nothing_of_the_kind_are_told(words):
     with pytest.raises(InputError, match="a laser's sweep is a share"):
         SweepTime.from_words(words)
