@@ -91,7 +91,8 @@ class SweepTime:
     @property
     def note(self) -> str:
         """What is done about it, in a sentence."""
-        return f"a turn of the laser, {self._order}, takes {self.share:.0%} of the time between scans: its motion is taken out"
+        share = f"{self.share:.0%} of the time between scans"
+        return f"a turn of the laser, {self._order}, takes {share}: its motion is taken out"
 
     def of(self, scan: LaserScan) -> Array:
         """Return (N,) how long from the scan's time each beam is measured, as a share of the time between scans."""
