@@ -9,6 +9,9 @@ DOCS := .venv/.installed-docs
 MINUTES ?= 2
 SEED ?= 1
 
+# a test starts no helpers of its own
+test fuzz kill-tests: export TAGALONG_COMPILERS = 1
+
 .PHONY: demo test check bench docs pictures dist fuzz kill-tests clean
 
 demo: $(STAMP)

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..slam.errors import InputError, shown
 from ..slam.processes.stages import Stages, completed
+from .compiled_parts import compiled_for
 from .episode import EnvState, EpisodeState
 from .episode_setup import OnboardStackFactory, check_options, checked_seed, interface, observed, world_config
 from .follow_config import make_config
@@ -240,25 +241,26 @@ class FollowEnv(gym.Env[Any, Any]):
         self._require_open()
         super().reset(seed=checked_seed(seed))
         check_options(options)
-        world = World(world_config(self.config, options), self.np_random)
-        self._world = world
-        stack = self._stacks.make(world, self.np_random)
-        measured = self.config.task.coverage or not self.config.task.leader
-        coverage = Coverage(world.scene, world.config.robot.size[1]) if measured else NoCoverage()
-        belief, truth = stack.update(world.scan(), world.odometry), world.truth
-        stack.look(world.frames)
-        coverage.update(belief.filtered_scan, truth.robot_pose)
-        self._episode = EpisodeState(
-            stack=stack,
-            endings=EndingRule(self.config.task),
-            coverage=coverage,
-            belief=belief,
-            truth=truth,
-            action=np.zeros(len(self._top)),
-            trail=array("d", truth.robot_pose[:2]),
-            ending=Ending(),
-            covered=coverage.share,
-        )
+        with compiled_for(self.config):
+            world = World(world_config(self.config, options), self.np_random)
+            self._world = world
+            stack = self._stacks.make(world, self.np_random)
+            measured = self.config.task.coverage or not self.config.task.leader
+            coverage = Coverage(world.scene, world.config.robot.size[1]) if measured else NoCoverage()
+            belief, truth = stack.update(world.scan(), world.odometry), world.truth
+            stack.look(world.frames)
+            coverage.update(belief.filtered_scan, truth.robot_pose)
+            self._episode = EpisodeState(
+                stack=stack,
+                endings=EndingRule(self.config.task),
+                coverage=coverage,
+                belief=belief,
+                truth=truth,
+                action=np.zeros(len(self._top)),
+                trail=array("d", truth.robot_pose[:2]),
+                ending=Ending(),
+                covered=coverage.share,
+            )
         if self.render_mode in SHOWN_AT_ONCE:
             self.render()
         facts = self._facts(0.0)

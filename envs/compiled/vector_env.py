@@ -15,6 +15,7 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from ...slam.errors import InputError, shown
+from ...slam.first_use.compiling import compiled_together
 from ..episode_setup import check_options, checked_seed, interface, observed
 from ..limits.field_checks import finite_numbers
 from ..task.observation import observation_space
@@ -22,6 +23,7 @@ from ..vector.arguments import chosen_by, each_seed
 from .episodes import BEGIN, BEGIN_AGAIN, REST, STEP, judge_worlds, step_worlds, sweep_worlds
 from .infos import infos, masked, observations
 from .own_terms import OwnTerms
+from .parts import read_sweep, sweep
 from .pool import SHARING, EpisodePool
 from .rules import compiled_config, make_rules
 from .state import Flags, arrays_of, nothing_told, scratch, state_with_room
@@ -129,11 +131,12 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
         mask = chosen_by(wanted.pop("reset_mask", None), self.num_envs, begun=self._begun)
         check_options(wanted)
         what = np.full(self.num_envs, REST, dtype=np.int8)
-        for w in np.flatnonzero(mask).tolist():
-            what[w] = self._draw(w, seeds[w], wanted)
-        self._pool.draw_ahead()
-        self._make_room()
-        self._do(what, np.zeros((self.num_envs, *(self.single_action_space.shape or ()))))
+        with compiled_together(*(() if self._trackers is None else (read_sweep, sweep))):
+            for w in np.flatnonzero(mask).tolist():
+                what[w] = self._draw(w, seeds[w], wanted)
+            self._pool.draw_ahead()
+            self._make_room()
+            self._do(what, np.zeros((self.num_envs, *(self.single_action_space.shape or ()))))
         self._begun = True
         return self._observations(), self._infos(mask)
 

@@ -7,9 +7,12 @@ from pathlib import Path
 
 from tqdm import tqdm
 
+from ...perception.compiled_parts import track_people
 from ...perception.config import perception_preset
 from ...perception.filtered_logs.log import Topics, filter_log
 from ...slam.files.output import require_writable
+from ...slam.first_use.compiling import compiled_together
+from ...slam.first_use.parts import correct_drive
 from ..console.log_options import add_topics
 from ..console.recorded_people import add_recorded_people
 
@@ -53,7 +56,8 @@ def run(options: argparse.Namespace) -> int:
     config = replace(perception_preset(options.preset), forest=options.forest)
     require_writable(options.target, folder=options.log.is_dir())
     topics = Topics(scans=options.scan_topic, odometry=options.odometry_topic, filtered=options.topic)
-    with tqdm(unit="scan", disable=options.quiet or not sys.stderr.isatty()) as bar:
+    together = compiled_together(track_people, correct_drive)
+    with together, tqdm(unit="scan", disable=options.quiet or not sys.stderr.isatty()) as bar:
         result = filter_log(options.log, options.target, config, topics, bar.update, options.lag)
     for note in result.notes:
         print(f"tagalong: {options.log}: {note}", file=sys.stderr)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from tqdm import tqdm
 
+from ...perception.compiled_parts import track_people
 from ...perception.config import perception_preset
 from ...perception.hindsight import HindsightFilter
 from ...perception.leader.selector import LeaderSelector, numbered_by_leader
@@ -19,6 +20,8 @@ from ...perception.tracking.people import People
 from ...slam.drives.log import read_log
 from ...slam.errors import InputError
 from ...slam.files.output import write_json, write_text
+from ...slam.first_use.compiling import compiled_together
+from ...slam.first_use.parts import correct_drive
 from ...slam.logs.scans_npz import read_scans_npz
 from ...slam.scan import LaserScan
 from ..console.arguments import within
@@ -84,6 +87,11 @@ def run(options: argparse.Namespace) -> int:
     """Read the scans, track people through them, write the tables; or look at frames."""
     if holds_frames(options.scans, options.frames):
         return perceive_frames(options)
+    with compiled_together(track_people, correct_drive):
+        return _perceive_scans(options)
+
+
+def _perceive_scans(options: argparse.Namespace) -> int:
     check_record(options.record)
     config = replace(perception_preset(options.preset), forest=options.forest)
     people_filter = HindsightFilter(config, lag_s=options.lag)

@@ -8,9 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...perception.compiled_parts import track_people
 from ...perception.immobile.slam import ImmobileSlam
 from ...slam.engine import ENGINES, SlamEngine, make_slam
 from ...slam.errors import InputError
+from ...slam.first_use.compiling import Part, compiled_together
+from ...slam.first_use.parts import correct_drive, map_by_graph, map_by_particles
 from ...slam.logs.drive import RecordedDrive
 from ...slam.logs.tum import read_tum
 from ...slam.runner import run_slam
@@ -24,6 +27,8 @@ from ..runs.people_removal import add_people_options, people_filter_config, remo
 from ..runs.slam_recording import record_run
 from ..runs.slam_run import prepare_folder, progress_bar, write_run
 
+_PARTS: dict[str, Part] = {"cartographer": map_by_graph, "gmapping": map_by_particles}
+"""What takes long to compile of the engines, by `--method`."""
 EPILOG = """\
 writes into DIR:
   trajectory.tum         one pose a scan: t x y z qx qy qz qw
@@ -83,6 +88,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Map the log, write the results, print a table."""
+    parts: list[Part] = [track_people] if options.filter_people else []
+    parts += [part for method, part in _PARTS.items() if method == options.method]
+    with compiled_together(*parts, correct_drive):
+        return _map_log(options)
+
+
+def _map_log(options: argparse.Namespace) -> int:
     check_record(options.record)
     check_mapping(options)
     forest = options.forest if options.mapping == OWN else None

@@ -1,0 +1,1 @@
+"""The first use on a machine: what is compiled, and by whom."""
