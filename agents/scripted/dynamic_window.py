@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ...envs.task.interface import FollowInterface
 from ...slam.errors import InputError
+from .footprint_kernel import box_gaps
 
 Array = NDArray[np.float64]
 _ELSEWHERE_M = 0.4  # a target farther than this is elsewhere
@@ -30,7 +31,8 @@ class DynamicWindowConfig:
         turns: How many turn rates, odd.
         horizon_s: How far ahead a velocity is followed [s].
         steps: In how many steps.
-        radius: Nothing may come nearer to the robot's centre than this [m]; None: what the robot sweeps as it turns.
+        margin: Nothing may come nearer to the robot's edge than this: the laser is off by centimetres, and so is a
+            stop [m].
         comfort: Things farther than this from its edge cost nothing [m].
         space: People farther than this, surface to surface, cost nothing [m]: personal space and a margin.
         person_radius: Radius taken for people [m].
@@ -53,8 +55,8 @@ class DynamicWindowConfig:
     turns: int = 15
     horizon_s: float = 1.6
     steps: int = 8
-    radius: float | None = None
-    comfort: float = 0.3
+    margin: float = 0.04
+    comfort: float = 0.15
     space: float = 0.55
     person_radius: float = 0.25
     goal: float = 1.3
@@ -65,8 +67,8 @@ class DynamicWindowConfig:
     effort: float = 0.05
 
     def __post_init__(self) -> None:
-        for name in ("max_speed", "max_turn_rate", "acceleration", "turn_acceleration", "horizon_s", "radius"):
-            if not (getattr(self, name) is None or getattr(self, name) > 0.0):
+        for name in ("max_speed", "max_turn_rate", "acceleration", "turn_acceleration", "horizon_s"):
+            if not getattr(self, name) > 0.0:
                 raise InputError(f"`{name}` of the dynamic window must be positive, got {getattr(self, name)}")
 
     def within(self, interface: FollowInterface) -> "DynamicWindowConfig":
@@ -93,7 +95,7 @@ class DynamicWindow:
 
     def __init__(self, config: DynamicWindowConfig, robot: FollowInterface) -> None:
         self.config, self._step_s = config.within(robot), 1.0 / robot.control_hz
-        self._radius = robot.turning_radius if config.radius is None else config.radius
+        self._robot = robot
         self._times = np.linspace(0.0, config.horizon_s, config.steps + 1)[1:]
         self.reset()
 
@@ -113,14 +115,19 @@ class DynamicWindow:
         self._stood_s = self._stood_s + self._step_s if stands else 0.5 * self._stood_s
         speeds, turns = self._window()
         paths = arcs(speeds, turns, self._times)
-        gap = self._nearest(paths[:, :, :2], around.obstacles)
+        gap = self._gaps(paths, around.obstacles)
         cost = self._costs(speeds, turns, paths, gap, target, look_at, around.people)
         cost[~self._can_stop(speeds, gap, around.obstacles)] = np.inf
         best = int(np.argmin(cost))
         if np.isinf(cost[best]):
-            return self._brake(look_at)
-        self._approach(float(speeds[best]), float(turns[best]))
-        return self._speed, self._turn
+            return self._approach(0.0, 0.0)
+        return self._approach(float(speeds[best]), float(turns[best]))
+
+    def turn(self, rate: float, around: Obstacles) -> tuple[float, float]:
+        """Return speed [m/s] and turn rate [rad/s] to turn on the spot; it stands where it would touch something."""
+        gap = self._gaps(arcs(np.zeros(1), np.array([rate]), self._times), around.obstacles)
+        free = bool(self._can_stop(np.zeros(1), gap, around.obstacles)[0])
+        return self._approach(0.0, rate if free else 0.0)
 
     def _window(self) -> tuple[Array, Array]:
         """Return (c,) speeds and (c,) turn rates that can be reached."""
@@ -135,13 +142,10 @@ class DynamicWindow:
         grid = np.meshgrid(speed, turn, indexing="ij")
         return grid[0].ravel(), grid[1].ravel()
 
-    def _nearest(self, places: Array, obstacles: Array) -> Array:
-        """Return (c, t) distance from each place (c, t, 2) to the nearest obstacle [m]."""
-        far = self._radius + self.config.comfort
-        if not len(obstacles):
-            return np.full(places.shape[:2], far)
-        square = (places[:, :, None, 0] - obstacles[:, 0]) ** 2 + (places[:, :, None, 1] - obstacles[:, 1]) ** 2
-        return np.minimum(np.sqrt(square.min(axis=2)), far)
+    def _gaps(self, poses: Array, obstacles: Array) -> Array:
+        """Return (c, t) distance from the robot's edge at each pose (c, t, 3) to the nearest obstacle (n, 2) [m]."""
+        half_length, half_width = self._robot.half_length, self._robot.half_width
+        return box_gaps(poses, np.ascontiguousarray(obstacles), half_length, half_width, self.config.comfort)
 
     def _can_stop(self, speeds: Array, gap: Array, obstacles: Array) -> NDArray[np.bool_]:
         """Return (c,) whether the robot can stop before it meets anything; what is too near already may not be nearer.
@@ -152,8 +156,10 @@ class DynamicWindow:
             obstacles: (n, 2) [m].
         """
         c = self.config
-        now = float(np.sqrt((obstacles**2).sum(axis=1).min(initial=np.inf)))
-        meets = gap < min(self._radius, now - 0.01)
+        now = float(self._gaps(np.zeros((1, 1, 3)), obstacles)[0, 0])
+        meets = gap < min(c.margin, now - 0.01)
+        if now < c.margin:
+            return np.logical_not(meets.any(axis=1))
         first = np.where(meets.any(axis=1), np.argmax(meets, axis=1), len(self._times))
         driven = np.append(self._times, c.horizon_s)[first] - self._times[0]
         return (first == len(self._times)) | (np.abs(speeds) * driven > speeds**2 / (2.0 * c.acceleration))
@@ -166,7 +172,7 @@ class DynamicWindow:
         distance = np.hypot(target[0] - end[:, 0], target[1] - end[:, 1]) / (c.max_speed * c.horizon_s)
         bearing = np.arctan2(look_at[1] - end[:, 1], look_at[0] - end[:, 0]) - end[:, 2]
         facing = np.abs((bearing + np.pi) % (2.0 * np.pi) - np.pi) / np.pi
-        tight = 1.0 - np.clip((gap.min(axis=1) - self._radius) / c.comfort, 0.0, 1.0)
+        tight = 1.0 - np.clip(gap.min(axis=1) / c.comfort, 0.0, 1.0)
         change = np.abs(speeds - self._speed) / (c.acceleration * c.window_s)
         turn_change = np.abs(turns - self._turn) / (c.turn_acceleration * c.window_s)
         caution = 1.0 / (1.0 + self._stood_s / c.patience_s)
@@ -184,22 +190,19 @@ class DynamicWindow:
             return np.zeros(len(places))
         c = self.config
         where = people[None, :, :2] + self._times[:, None, None] * people[None, :, 2:4]
-        gap = np.hypot(*(places[:, :, None] - where[None]).transpose(3, 0, 1, 2)) - self._radius - c.person_radius
+        radii = self._robot.turning_radius + c.person_radius
+        gap = np.hypot(*(places[:, :, None] - where[None]).transpose(3, 0, 1, 2)) - radii
         lack = np.maximum(1.0 - gap / c.space, 0.0)
         later = 1.0 - 0.5 * self._times / c.horizon_s
         return (lack * later[None, :, None]).max(axis=(1, 2))
 
-    def _brake(self, look_at: Array) -> tuple[float, float]:
-        """Stop, and turn on the spot towards what there is to face."""
-        self._approach(0.0, float(np.clip(2.0 * np.arctan2(look_at[1], look_at[0]), -0.6, 0.6)))
-        return self._speed, self._turn
-
-    def _approach(self, speed: float, turn: float) -> None:
-        """Move the command towards a velocity, no faster than allowed; braking may be harder."""
+    def _approach(self, speed: float, turn: float) -> tuple[float, float]:
+        """Return the command, moved towards a velocity no faster than allowed; braking may be harder."""
         c = self.config
         more, less, most = c.acceleration * self._step_s, 1.5 * c.acceleration * self._step_s, c.turn_acceleration
         self._speed = min(max(speed, self._speed - less), self._speed + more)
         self._turn = min(max(turn, self._turn - most * self._step_s), self._turn + most * self._step_s)
+        return self._speed, self._turn
 
 
 def arcs(speeds: Array, turns: Array, times: Array) -> Array:

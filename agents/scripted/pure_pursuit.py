@@ -1,7 +1,6 @@
 """A follower by pure pursuit (Coulter 1992): on the leader's own trail instead of straight at the leader."""
 
 import math
-from collections import deque
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,6 +11,7 @@ from ...slam.errors import InputError
 from ..protocol.follower import Observation
 from .avoidance import AvoidanceConfig, free_heading
 from .leader_memory import Goal, LeaderMemory, MemoryConfig, Mode
+from .leader_trail import LeaderTrail
 from .scan_points import ScanPoints, as_action, leader_row, own_velocity, without
 
 Array = NDArray[np.float64]
@@ -63,27 +63,28 @@ class PurePursuitFollower:
         self.config = config or PurePursuitConfig()
         self._step_s = 1.0 / self.interface.control_hz
         self._memory = LeaderMemory(self.config.memory, self._step_s)
+        self._trail = LeaderTrail(self.config.spacing, self._step_s)
         self._points = ScanPoints(self.interface)
         self.reset()
 
     def reset(self) -> None:
         """Forget everything; call it before each episode."""
         self._memory.reset()
-        self._trail: deque[tuple[float, float]] = deque()
+        self._trail.clear()
         self._speed = self._turn = self._deviation = 0.0
 
     def act(self, observation: Observation) -> NDArray[np.float32]:
         """Return the action (forward, turn), or (forward, 0, turn) for a holonomic robot, each in [-1, 1]."""
         velocity = own_velocity(observation)
         goal = self._memory.update(leader_row(observation), velocity)
-        self._carry_along(velocity)
+        self._trail.carry_along(velocity)
         if goal.mode is Mode.WAIT:
             return self._command(0.0, 0.0)
         if goal.mode is Mode.SEARCH:
             self._trail.clear()
             return self._command(0.0, self._memory.search_turn)
-        self._extend(goal)
-        aim = self._aim(goal)
+        self._trail.extend(goal.x, goal.y)
+        aim = self._trail.aim(self.config.lookahead) or (goal.x, goal.y)
         points = self._points.near(observation, self.config.avoidance.horizon + 1.0)
         if observation["leader"][5] > 0.5:
             points = without(points, np.array([[goal.x, goal.y]]), self.config.body)
@@ -106,24 +107,6 @@ class PurePursuitFollower:
         curvature = 2.0 * math.sin(heading) / max(reach, 0.3)
         standing_turn = 0.0 if speed > 0.15 else c.pivot_gain * goal.bearing
         return speed, speed * curvature + standing_turn
-
-    def _extend(self, goal: Goal) -> None:
-        last = self._trail[-1] if self._trail else (math.inf, math.inf)
-        if math.hypot(goal.x - last[0], goal.y - last[1]) > self.config.spacing:
-            self._trail.append((goal.x, goal.y))
-
-    def _aim(self, goal: Goal) -> tuple[float, float]:
-        """Return the first point of the trail, robot frame, that is not nearer than `lookahead`; drops those before."""
-        while self._trail and math.hypot(*self._trail[0]) < self.config.lookahead:
-            self._trail.popleft()
-        return self._trail[0] if self._trail else (goal.x, goal.y)
-
-    def _carry_along(self, velocity: tuple[float, float, float]) -> None:
-        """Move the trail from the last robot frame into the present one."""
-        dx, dy, turned = (v * self._step_s for v in velocity)
-        cos, sin = math.cos(turned), math.sin(turned)
-        moved = ((x - dx, y - dy) for x, y in self._trail)
-        self._trail = deque((cos * x + sin * y, cos * y - sin * x) for x, y in moved)
 
     def _command(self, speed: float, turn: float) -> NDArray[np.float32]:
         step, turn_step = self.config.acceleration * self._step_s, self.config.turn_acceleration * self._step_s

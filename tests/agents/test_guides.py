@@ -9,9 +9,12 @@ from grid_field_reference import way_field_reference
 from tagalong.agents import EXPLORERS, FOLLOWERS, make_follower
 from tagalong.agents.scripted.dwa import DWAFollower
 from tagalong.agents.scripted.dynamic_window import DynamicWindow, DynamicWindowConfig, Obstacles, arcs
+from tagalong.agents.scripted.footprint_kernel import box_gaps
 from tagalong.agents.scripted.frontier import FrontierExplorer
 from tagalong.agents.scripted.frontier_plan import FrontierConfig, frontiers, place_ahead, plan_way
 from tagalong.agents.scripted.grid_field import way_field
+from tagalong.agents.scripted.leader_trail import LeaderTrail
+from tagalong.agents.scripted.passed_points import PassedPoints
 from tagalong.agents.scripted.pure_pursuit import PurePursuitFollower
 from tagalong.agents.scripted.random_walk import RandomWalk
 from tagalong.envs.task import FollowInterface, OwnMap
@@ -94,8 +97,8 @@ def test_arcs_are_those_of_a_unicycle():
 
 
 def run_window(around, target, seconds=6.0, robot=INTERFACE):
-    """Drive towards a fixed place among fixed things, on ideal motion; return the places (n, 2)."""
-    window, pose, places = DynamicWindow(DynamicWindowConfig(), robot), np.zeros(3), []
+    """Drive towards a fixed place among fixed things, on ideal motion; return the poses (n, 3)."""
+    window, pose, poses = DynamicWindow(DynamicWindowConfig(), robot), np.zeros(3), []
     for _ in range(int(seconds * 10)):
         cos, sin = math.cos(pose[2]), math.sin(pose[2])
         into = np.array([[cos, -sin], [sin, cos]])
@@ -104,17 +107,92 @@ def run_window(around, target, seconds=6.0, robot=INTERFACE):
         goal = (np.asarray(target) - pose[:2]) @ into
         speed, turn = window.choose(goal, goal, local)
         pose += np.array([speed * cos, speed * sin, turn]) * 0.1
-        places.append(pose[:2].copy())
-    return np.array(places)
+        poses.append(pose.copy())
+    return np.array(poses)
 
 
 def test_the_window_drives_to_the_target_and_around_what_stands_in_the_way():
     free = run_window(NOTHING, (3.0, 0.0))
-    assert free[-1] == pytest.approx([3.0, 0.0], abs=0.2)
+    assert free[-1, :2] == pytest.approx([3.0, 0.0], abs=0.2)
     post = np.stack((np.full(9, 1.5), np.linspace(0.1, 0.35, 9)), axis=-1)
-    places = run_window(Obstacles(post, np.empty((0, 4))), (3.5, 0.0), 10.0)
-    assert np.hypot(*(places[:, None] - post).transpose(2, 0, 1)).min() > 0.33
-    assert places[-1] == pytest.approx([3.5, 0.0], abs=0.3)
+    poses = run_window(Obstacles(post, np.empty((0, 4))), (3.5, 0.0), 10.0)
+    assert box_gaps_reference(poses[None], post, INTERFACE, 9.0).min() > 0.03
+    assert poses[-1, :2] == pytest.approx([3.5, 0.0], abs=0.3)
+
+
+def box_gaps_reference(poses, obstacles, robot, far):
+    """As `box_gaps`, pair by pair, by numpy."""
+    gaps = np.full(poses.shape[:2], far)
+    for index in np.ndindex(*gaps.shape):
+        x, y, theta = poses[index]
+        into = np.array([[math.cos(theta), -math.sin(theta)], [math.sin(theta), math.cos(theta)]])
+        beyond = np.abs((obstacles - (x, y)) @ into) - (robot.half_length, robot.half_width)
+        outside, inside = np.hypot(*np.maximum(beyond, 0.0).T), np.minimum(beyond.max(axis=1), 0.0)
+        gaps[index] = min(far, (outside + inside).min(initial=far))
+    return gaps
+
+
+def test_gaps_of_the_footprint_are_those_of_a_box():
+    rng = np.random.default_rng(3)
+    poses, obstacles = rng.uniform(-3.0, 3.0, (20, 6, 3)), rng.uniform(-3.0, 3.0, (60, 2))
+    box = INTERFACE.half_length, INTERFACE.half_width
+    gaps = box_gaps(poses, obstacles, *box, 0.4)
+    assert gaps == pytest.approx(box_gaps_reference(poses, obstacles, INTERFACE, 0.4))
+    assert (gaps < 0.0).any()
+    assert (gaps == 0.4).any()
+    assert (box_gaps(poses, np.empty((0, 2)), *box, 0.4) == 0.4).all()
+
+
+def test_the_window_never_creeps_up_to_what_is_in_the_way():
+    wall = np.stack((np.full(61, 1.8), np.linspace(-3, 3, 61)), axis=-1)
+    rng, window, x = np.random.default_rng(0), DynamicWindow(DynamicWindowConfig(), INTERFACE), 0.0
+    for _ in range(900):
+        seen = wall - (x, 0.0) + rng.normal(0.0, 0.01, wall.shape)
+        target = np.array([4.0 - x, 0.0])
+        x += 0.1 * window.choose(target, target, Obstacles(seen, np.empty((0, 4))))[0]
+    assert 1.8 - x - INTERFACE.half_length > DynamicWindowConfig().margin - 0.01
+
+
+def test_a_turn_on_the_spot_touches_nothing():
+    window = DynamicWindow(DynamicWindowConfig(), INTERFACE)
+    beside = Obstacles(np.array([[0.2, 0.31]]), np.empty((0, 4)))
+    assert window.turn(0.5, beside) == (0.0, 0.0)
+    assert window.turn(0.5, NOTHING)[1] > 0.0
+
+
+def test_what_the_laser_has_passed_is_minded_until_it_is_behind():
+    passed, points = PassedPoints(INTERFACE, 1.0), np.array([[0.0, 0.5], [1.0, 0.0]])
+    assert passed.update(points, (0.0, 0.0, 0.0)) == pytest.approx(points)
+    kept = passed.update(np.empty((0, 2)), (8.0, 0.0, 0.0))  # 0.8 m on: one is beside the tail, the other in view, gone
+    assert kept == pytest.approx(np.array([[-0.8, 0.5]]))
+    turned = passed.update(np.empty((0, 2)), (0.0, 0.0, 1.0))
+    assert turned == pytest.approx(
+        np.array([[-0.8 * math.cos(0.1) + 0.5 * math.sin(0.1), 0.5 * math.cos(0.1) + 0.8 * math.sin(0.1)]])
+    )
+    for _ in range(9):
+        left = passed.update(np.empty((0, 2)), (0.0, 0.0, 0.0))
+    assert not len(left)
+
+
+def test_the_trail_is_the_way_of_the_leader_seen_from_the_robot():
+    trail = LeaderTrail(0.1, 0.1)
+    for k in range(30):
+        trail.extend(0.05 * k, 0.0)
+    trail.carry_along((10.0, 0.0, 0.0))  # a metre on
+    ahead = trail.ahead()
+    assert ahead[0] == pytest.approx([0.0, 0.0], abs=0.08)
+    assert ahead[-1] == pytest.approx([0.4, 0.0], abs=0.08)
+    assert (np.diff(ahead[:, 0]) > 0.1 - 1e-9).all()
+    assert trail.aim(0.3) == pytest.approx((0.35, 0.0), abs=0.08)
+    assert trail.aim(2.0) is None
+
+
+def test_the_window_follower_goes_round_a_corner_where_the_leader_went():
+    def corner(t):
+        return (1.3 + 0.8 * t, 0.0) if t < 5.0 else (5.3, 0.8 * (t - 5.0))
+
+    rows = drive(DWAFollower(INTERFACE), corner, 14.0)
+    assert rows[-1, 1] > 4.0
 
 
 SMALL, LARGE = (replace(INTERFACE, half_length=a, half_width=b) for a, b in ((0.228, 0.191), (0.5, 0.4)))
@@ -123,8 +201,9 @@ SMALL, LARGE = (replace(INTERFACE, half_length=a, half_width=b) for a, b in ((0.
 @pytest.mark.parametrize("robot", [SMALL, INTERFACE, LARGE])
 def test_the_window_stops_in_front_of_a_wall_where_the_robot_can_still_turn(robot):
     wall = np.stack((np.full(61, 1.8), np.linspace(-3, 3, 61)), axis=-1)
-    places = run_window(Obstacles(wall, np.empty((0, 4))), (4.0, 0.0), 6.0, robot)
-    assert 1.8 - places[:, 0].max() == pytest.approx(robot.turning_radius + DynamicWindowConfig().comfort, abs=0.08)
+    poses = run_window(Obstacles(wall, np.empty((0, 4))), (4.0, 0.0), 6.0, robot)
+    assert 1.8 - poses[:, 0].max() == pytest.approx(robot.half_length + DynamicWindowConfig().comfort, abs=0.08)
+    assert 1.8 - poses[:, 0].max() > robot.turning_radius
 
 
 @pytest.mark.parametrize("wall", [0.0, 0.9])
@@ -146,7 +225,7 @@ def test_people_are_given_more_room_than_things():
     beside = np.array([[1.5, 0.75]])
     thing = run_window(Obstacles(beside, np.empty((0, 4))), (3.5, 0.0))
     person = run_window(Obstacles(np.empty((0, 2)), np.array([[1.5, 0.75, 0.0, 0.0]])), (3.5, 0.0))
-    nearest = [np.hypot(*(places - beside).T).min() for places in (thing, person)]
+    nearest = [np.hypot(*(poses[:, :2] - beside).T).min() for poses in (thing, person)]
     assert nearest[1] > nearest[0] + 0.03
 
 
