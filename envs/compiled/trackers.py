@@ -38,14 +38,15 @@ class Trackers:
         tracks = *minds.tracks[:4], *minds.tracks.views, *minds.tracks.cells
         return sum(array.nbytes for array in (*tracks, *minds[1:]))
 
-    def read(self, part: tuple[int, int], what: NDArray[np.int8], state: WorldsState, told: Told) -> None:
+    def read(self, part: tuple[int, int], what: NDArray[np.int8], state: WorldsState, told: Told) -> bool:
         """Let the robots of the worlds `part` (first, end) that did `what` (w,) read their sweeps, and tell it.
 
-        Where there is no room for a sweep it is left unread, see `make_room`.
+        Returns whether all could: where there is no room for a sweep it is left unread, see `make_room`.
         """
         swept = Swept(told.ranges, told.time_s, state.odometry)
         read = Read(told.leader, told.people, told.tracked, told.track)
         track_worlds(part, what, self._rules, self._minds, swept, read)
+        return not self._minds.lacking[part[0] : part[1]].any()
 
     def make_room(self, what: NDArray[np.int8]) -> NDArray[np.int8]:
         """Make room where it was lacking; return (w,) `what` is left to do, with sweeps unread."""

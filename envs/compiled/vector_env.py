@@ -4,8 +4,6 @@ import logging
 import os
 import threading
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -16,6 +14,7 @@ from numpy.typing import NDArray
 
 from ...slam.errors import InputError, shown
 from ...slam.first_use.compiling import compiled_together
+from ...slam.processes.threads import MOST_THREADS, Workers
 from ..episode_setup import check_options, checked_seed, interface, observed
 from ..limits.field_checks import finite_numbers
 from ..task.observation import observation_space
@@ -31,7 +30,6 @@ from .trackers import Trackers
 
 MOST_ENVS = 65_536
 _SLOW_S = 3.0  # a first call that takes longer is compiling
-_BLOCKS = 4  # for each thread: who is done early takes another
 _log = logging.getLogger("tagalong")
 
 
@@ -83,9 +81,10 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
     ) -> None:
         if not 1 <= num_envs <= MOST_ENVS:
             raise InputError(f"`num_envs` must lie in 1 .. {MOST_ENVS}, got {num_envs}")
-        self._threads = min(num_envs, os.cpu_count() or 1) if workers is None else workers
-        if not 1 <= self._threads <= num_envs:
-            raise InputError(f"need 1 <= `workers` <= `num_envs`, got {workers} and {num_envs}")
+        threads = min(num_envs, os.cpu_count() or 1, MOST_THREADS) if workers is None else workers
+        if not 1 <= threads <= min(num_envs, MOST_THREADS):
+            rule = f"need 1 <= `workers` <= `num_envs`, and {MOST_THREADS} at most"
+            raise InputError(f"{rule}, got {workers} and {num_envs}")
         if not 1 <= episodes_ahead <= MOST_ENVS:
             raise InputError(f"`episodes_ahead` must lie in 1 .. {MOST_ENVS}, got {episodes_ahead}")
         self.config = compiled_config(fields)
@@ -111,7 +110,7 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
         self._trackers = Trackers(self.config, num_envs) if tracked else None
         self._own_terms = OwnTerms(self.config.reward, num_envs, 1.0 / self.config.task.control_hz)
         self._begun, self._closed, self._own_start = False, False, own_start
-        self._executor = ThreadPoolExecutor(self._threads) if self._threads > 1 else None
+        self._workers = Workers(threads)
 
     def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
@@ -202,10 +201,8 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
         raise InputError(f"compiled worlds have no attributes of their own: `{name}` cannot be set; make a new one")
 
     def close_extras(self, **kwargs: Any) -> None:
-        """End the threads."""
+        """Take no more steps."""
         self._closed = True
-        if self._executor is not None:
-            self._executor.shutdown()
 
     def _checked(self, actions: Any) -> NDArray[np.float64]:
         wanted = finite_numbers(actions)
@@ -239,38 +236,35 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
 
     def _run(self, what: NDArray[np.int8], actions: NDArray[np.float64]) -> None:
         """Let the threads do `what` (num_envs,) in all worlds, block by block."""
-        plans, state = self._pool.plans, self._state
-        count = 1 if self._executor is None else _BLOCKS * self._threads
-        edges = np.linspace(0, self.num_envs, count + 1).astype(int).tolist()
-        blocks = [(first, end) for first, end in pairwise(edges) if first < end]
-
-        def move(part: tuple[int, int]) -> None:
-            step = step_worlds if self._trackers is None else sweep_worlds
-            step(part, what, actions, self._rules, plans, state, self._told, self._room())
+        plans, state, trackers = self._pool.plans, self._state, self._trackers
+        unread: list[tuple[int, int]] = []
 
         def judge(part: tuple[int, int]) -> None:
             judge_worlds(part, what, self._rules, plans, state, self._told)
 
-        self._share(move, blocks)
-        if self._trackers is not None:
-            self._read(self._trackers, what, blocks)
-            self._share(judge, blocks)
+        def move(part: tuple[int, int]) -> None:
+            step = step_worlds if trackers is None else sweep_worlds
+            step(part, what, actions, self._rules, plans, state, self._told, self._room())
+            if trackers is not None and trackers.read(part, what, state, self._told):
+                judge(part)
+            elif trackers is not None:
+                unread.append(part)
 
-    def _read(self, trackers: Trackers, what: NDArray[np.int8], blocks: list[tuple[int, int]]) -> None:
-        """Let the robots of all worlds that did `what` (num_envs,) read their sweeps."""
-        left = what
-        while (left != REST).any():
-            self._share(lambda part, left=left: trackers.read(part, left, self._state, self._told), blocks)
-            left = trackers.make_room(left)
+        self._share(move)
+        if trackers is not None and unread:
+            left = trackers.make_room(what)
+            while (left != REST).any():
+                self._share(lambda part, left=left: trackers.read(part, left, state, self._told))
+                left = trackers.make_room(left)
+            for part in unread:
+                judge(part)
 
-    def _share(self, work: Callable[[tuple[int, int]], None], blocks: list[tuple[int, int]]) -> None:
-        """Let the threads share the work on all blocks."""
-        if not self._begun:  # the first call may compile
+    def _share(self, work: Callable[[tuple[int, int]], object]) -> None:
+        """Let the threads share the work on all worlds."""
+        if self._begun:
+            self._workers.run(lambda first, end: work((first, end)), self.num_envs)
+        else:  # the first call may compile
             telling(work, (0, self.num_envs))
-        elif self._executor is None:
-            work(blocks[0])
-        else:
-            list(self._executor.map(work, blocks))
 
     def _observations(self) -> dict[str, NDArray[Any]]:
         return {name: values.copy() for name, values in observations(self._told).items()}
@@ -300,7 +294,7 @@ def _last(batch: dict[str, NDArray[Any]], ended: Flags) -> NDArray[Any]:
     return last
 
 
-def telling(call: Callable[..., None], *arguments: Any) -> None:
+def telling(call: Callable[..., object], *arguments: Any) -> None:
     """Call a kernel; say so if it takes long, which is when it is compiled."""
     text = 'compiling the worlds of simulator="compiled": once on this machine, one to two minutes'
     timer = threading.Timer(_SLOW_S, _log.warning, (text,))

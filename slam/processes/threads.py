@@ -6,7 +6,8 @@ from concurrent.futures import ThreadPoolExecutor, wait
 
 from ..errors import InputError
 
-_MOST_THREADS = 64  # no work here has more pieces worth a thread each
+MOST_THREADS = 64
+"""No work here has more pieces worth a thread each."""
 
 
 class Workers:
@@ -20,8 +21,8 @@ class Workers:
     """
 
     def __init__(self, threads: int) -> None:
-        if not 1 <= threads <= _MOST_THREADS:
-            raise InputError(f"`threads` must be within 1 .. {_MOST_THREADS}, got {threads}")
+        if not 1 <= threads <= MOST_THREADS:
+            raise InputError(f"`threads` must be within 1 .. {MOST_THREADS}, got {threads}")
         self.threads = threads
         self._pool: ThreadPoolExecutor | None = None
         self._process = os.getpid()
