@@ -153,6 +153,14 @@ def test_the_window_never_creeps_up_to_what_is_in_the_way():
     assert 1.8 - x - INTERFACE.half_length > DynamicWindowConfig().margin - 0.01
 
 
+def test_the_window_passes_a_door_that_is_little_wider_than_the_robot():
+    jambs = np.stack(
+        (np.full(40, 1.5), np.concatenate((np.linspace(0.375, 2.0, 20), -np.linspace(0.375, 2.0, 20)))), -1
+    )
+    poses = run_window(Obstacles(jambs, np.empty((0, 4))), (3.0, 0.0), 10.0)
+    assert poses[-1, :2] == pytest.approx([3.0, 0.0], abs=0.3)
+
+
 def test_a_turn_on_the_spot_touches_nothing():
     window = DynamicWindow(DynamicWindowConfig(), INTERFACE)
     beside = Obstacles(np.array([[0.2, 0.31]]), np.empty((0, 4)))
@@ -187,12 +195,26 @@ def test_the_trail_is_the_way_of_the_leader_seen_from_the_robot():
     assert trail.aim(2.0) is None
 
 
-def test_the_window_follower_goes_round_a_corner_where_the_leader_went():
-    def corner(t):
-        return (1.3 + 0.8 * t, 0.0) if t < 5.0 else (5.3, 0.8 * (t - 5.0))
+def test_the_window_follower_hurries_round_a_corner_where_the_leader_went():
+    def fast(t):
+        return (1.3 + 1.6 * t, 0.0) if t < 3.0 else (6.1, min(1.6 * (t - 3.0), 4.0))
 
-    rows = drive(DWAFollower(INTERFACE), corner, 14.0)
-    assert rows[-1, 1] > 4.0
+    rows = drive(DWAFollower(INTERFACE), fast, 9.0)
+    assert np.minimum(np.abs(rows[:, 1]), np.abs(rows[:, 0] - 6.1)).max() < 0.6
+    assert rows[-1, 1] > 2.0
+
+
+def test_the_window_follower_does_not_back_into_what_it_saw_before_it_turned():
+    def backing(post):
+        follower, ranges = DWAFollower(INTERFACE), np.full(BEAMS, 30.0)
+        if post:
+            ranges[np.argmin(np.abs(BEARINGS - math.pi / 2))] = 0.34
+        follower.act(observation([0.0, 1.3, 0.0, 0.0], ranges=ranges))
+        follower.act(observation([0.6, 0.0, 0.0, 0.0], turn=-5.0 * math.pi))  # a quarter to the right: it is behind now
+        return min(follower.act(observation([0.6, 0.0, 0.0, 0.0]))[0] for _ in range(6)) * INTERFACE.max_speed
+
+    assert backing(post=False) == pytest.approx(-0.3, abs=0.02)
+    assert backing(post=True) > -0.15
 
 
 SMALL, LARGE = (replace(INTERFACE, half_length=a, half_width=b) for a, b in ((0.228, 0.191), (0.5, 0.4)))
