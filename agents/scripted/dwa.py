@@ -104,8 +104,10 @@ class DWAFollower:
     def _is_clear(self, place: Array, obstacles: Array) -> bool:
         """Return whether the straight way to `place` (2,) is short and not barred by any of the obstacles (n, 2)."""
         length = float(np.hypot(*place))
-        if length > self.config.lookahead or length < 1e-6 or not len(obstacles):
-            return length <= self.config.lookahead
+        if length > self.config.lookahead:
+            return False
+        if length < 1e-6 or not len(obstacles):
+            return True
         along = np.clip(obstacles @ place / length, 0.0, length)
         aside = np.hypot(*(obstacles - along[:, None] * place / length).T)
         return bool(aside.min() >= self.interface.turning_radius)
