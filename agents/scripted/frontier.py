@@ -12,6 +12,7 @@ from ..protocol.follower import Observation
 from .dwa import known_people
 from .dynamic_window import DynamicWindow, DynamicWindowConfig, Obstacles
 from .frontier_plan import FrontierConfig, FrontierWay, place_ahead, plan_way
+from .passed_points import PassedPoints
 from .scan_points import ScanPoints, as_action, own_velocity
 
 Array = NDArray[np.float64]
@@ -55,12 +56,13 @@ class FrontierExplorer:
         self.config = config or FrontierExplorerConfig()
         self._step_s = 1.0 / self.interface.control_hz
         self._window = DynamicWindow(self.config.window, self.interface)
-        self._points = ScanPoints(self.interface)
+        self._points, self._passed = ScanPoints(self.interface), PassedPoints(self.interface)
         self.reset()
 
     def reset(self) -> None:
         """Forget everything; call it before each episode."""
         self._window.reset()
+        self._passed.reset()
         self._way: FrontierWay | None = None
         self._visited: list[Array] = []
         self._given_up: list[tuple[float, Array]] = []
@@ -75,7 +77,8 @@ class FrontierExplorer:
     def act(self, observation: Observation) -> NDArray[np.float32]:
         """Return the action (forward, turn), or (forward, 0, turn) for a holonomic robot, each in [-1, 1]."""
         self._time_s += self._step_s
-        forward, _, turn = own_velocity(observation)
+        velocity = forward, _, turn = own_velocity(observation)
+        points = self._passed.update(self._points.near(observation, self.config.near), velocity)
         moves = abs(forward) > 0.06 or abs(turn) > 0.15
         self._still_s = 0.0 if moves else self._still_s + self._step_s
         if self._time_s - self._planned_s >= self.config.plan_s:
@@ -84,7 +87,7 @@ class FrontierExplorer:
             self._window.reset()
             return as_action(0.0, 0.0, self.interface)
         target = place_ahead(self._way.places, self._own_map().pose, self.config.reach)
-        around = Obstacles(self._points.near(observation, self.config.near), known_people(observation))
+        around = Obstacles(points, known_people(observation))
         return as_action(*self._window.choose(target, target, around), self.interface)
 
     def _plan(self) -> None:

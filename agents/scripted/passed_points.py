@@ -16,7 +16,7 @@ class PassedPoints:
         seconds: How long they are remembered: what passes the tail does so in this time, and people go on [s].
     """
 
-    def __init__(self, interface: FollowInterface, seconds: float) -> None:
+    def __init__(self, interface: FollowInterface, seconds: float = 3.0) -> None:
         self._interface, self._seconds = interface, seconds
         self.reset()
 

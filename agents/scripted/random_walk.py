@@ -11,6 +11,7 @@ from ..protocol.follower import Observation
 from .avoidance import AvoidanceConfig, free_lengths
 from .dwa import known_people
 from .dynamic_window import DynamicWindow, DynamicWindowConfig, Obstacles
+from .passed_points import PassedPoints
 from .scan_points import ScanPoints, as_action, own_velocity
 
 Array = NDArray[np.float64]
@@ -45,23 +46,24 @@ class RandomWalk:
         self.config = config or RandomWalkConfig()
         self._step_s = 1.0 / self.interface.control_hz
         self._window = DynamicWindow(self.config.window, self.interface)
-        self._points = ScanPoints(self.interface)
+        self._points, self._passed = ScanPoints(self.interface), PassedPoints(self.interface)
         self.reset()
 
     def reset(self) -> None:
         """Forget everything; call it before each episode."""
         self._rng = np.random.default_rng(self.config.seed)
         self._window.reset()
+        self._passed.reset()
         self._heading = self._still_s = 0.0
 
     def act(self, observation: Observation) -> NDArray[np.float32]:
         """Return the action (forward, turn), or (forward, 0, turn) for a holonomic robot, each in [-1, 1]."""
-        forward, left, turn = own_velocity(observation)
+        velocity = forward, left, turn = own_velocity(observation)
         self._heading = (self._heading - turn * self._step_s + math.pi) % (2.0 * math.pi) - math.pi
         self._still_s = 0.0 if math.hypot(forward, left) > 0.08 or abs(turn) > 0.2 else self._still_s + self._step_s
         points = self._points.near(observation, self.config.avoidance.horizon + 1.0)
         self._maybe_turn(points)
-        around = Obstacles(points, known_people(observation))
+        around = Obstacles(self._passed.update(points, velocity), known_people(observation))
         target = self.config.reach * np.array((math.cos(self._heading), math.sin(self._heading)))
         return as_action(*self._window.choose(target, target, around), self.interface)
 
