@@ -85,7 +85,8 @@ def test_where_there_is_no_room_for_a_sweep_it_is_made_and_nothing_else_changes(
         told.append([])
         for _ in range(60):
             told[-1] += [observation[key].tobytes() for key in ("leader", "people", "scan")]
-            observation, *_ = env.step(towards(observation["leader"]))
+            observation, reward, *_ = env.step(towards(observation["leader"]))
+            told[-1].append(reward.tobytes())
         assert trackers._minds.tracks.hypotheses.shape[1] >= 16
         assert trackers._minds.tracks.cells.cells.shape[1] >= 64 * 100
         assert env.unwrapped.memory > trackers.memory > WORLDS * 1.5e5
