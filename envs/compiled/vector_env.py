@@ -243,6 +243,7 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
             judge_worlds(part, what, self._rules, plans, state, self._told)
 
         def move(part: tuple[int, int]) -> None:
+            """Move the worlds of a block, and judge them, unless their trackers lack room."""
             step = step_worlds if trackers is None else sweep_worlds
             step(part, what, actions, self._rules, plans, state, self._told, self._room())
             if trackers is not None and trackers.read(part, what, state, self._told):
