@@ -89,6 +89,11 @@ class EpisodePool:
         return Plans(**self._records.arrays)
 
     @property
+    def plans_in_use(self) -> Plans:
+        """The episodes up to the last one that was drawn: what need not be there takes no memory where it is copied."""
+        return Plans(**self._records.in_use)
+
+    @property
     def size(self) -> int:
         """Memory of all episodes [bytes]."""
         return self._records.size

@@ -44,6 +44,12 @@ class Records:
         return self.arrays[name]
 
     @property
+    def in_use(self) -> dict[str, Array]:
+        """The rows up to the last one that is used, as views."""
+        behind = int(np.flatnonzero(self._used)[-1]) + 1 if self._used.any() else 0
+        return {name: array[:behind] for name, array in self.arrays.items()}
+
+    @property
     def size(self) -> int:
         """Memory of the rows that are used [bytes]."""
         return sum(array.nbytes for array in self.arrays.values()) * int(self._used.sum()) // self.count

@@ -104,7 +104,7 @@ class CudaVectorEnv(CompiledVectorEnv):
     def _move(self, what: NDArray[np.int8], actions: Any) -> None:
         """Do the same with actions that lie on the GPU, and leave there what is told."""
         if self._gpu is None:
-            self._gpu = GpuWorlds(self._rules, self._pool.plans, self._state, self._told, self._room())
+            self._gpu = GpuWorlds(self._rules, self._pool.plans_in_use, self._state, self._told, self._room())
         if self._begun:
             self._gpu.step(what, actions)
         else:  # the first call may compile

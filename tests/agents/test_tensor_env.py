@@ -11,9 +11,17 @@ torch = pytest.importorskip("torch", reason='tensors need the extra "learn"')
 
 from tagalong.agents import TensorVectorEnv  # noqa: E402
 from tagalong.envs import CompiledVectorEnv, CudaVectorEnv  # noqa: E402
+from tagalong.envs.compiled.state import Told  # noqa: E402
 from tagalong.slam import InputError  # noqa: E402
 
 GIVEN = {"scene": "corridor", "episodes_ahead": 8, "beams": 90, "people_count": 3, "max_episode_steps": 9}
+
+
+class Whole(np.ndarray):
+    """An array as numba has it on a GPU, where it goes through all rows of a column that is taken from it."""
+
+    def __getitem__(self, key):
+        raise AssertionError("a column of an array on the GPU: take it from a tensor")
 
 
 class Pretended(CudaVectorEnv):
@@ -25,7 +33,7 @@ class Pretended(CudaVectorEnv):
 
     @property
     def told(self):
-        return self._told
+        return Told(*(array.view(Whole) for array in self._told))
 
     def _run(self, what, actions):
         self._move(what, actions)

@@ -143,3 +143,11 @@ def test_a_real_gpu_drives_as_the_processor_does(people):
 @REAL
 def test_a_real_gpu_makes_the_same_bytes_for_the_same_seed():
     assert drive(made("cuda", max_episode_steps=9)) == drive(made("cuda", max_episode_steps=9))
+
+
+def test_episodes_that_were_not_drawn_take_no_room_on_the_gpu(pretended):
+    env, rows = made("cuda", 5), []
+    for options in (None, {"people": 2, "reset_mask": np.array([False, False, True, False, False])}):
+        env.reset(seed=0, options=options)
+        rows.append({len(array) for array in env._gpu._plans})
+    assert rows == [{8}, {8 + 3}]
