@@ -5,6 +5,8 @@ threads, and the clock's beside them: on a machine that does other things the fi
 and two take turns; what the second brings is in the clock's column, and only where nothing else wants its core.
 Everything is compiled and drawn before it is timed.
 
+Where IR-SIM is installed (pip install ir-sim), it is measured beside them.
+
 With --simulator cuda the worlds are a GPU's, and all that is told is fetched to the processor; the clock's time alone
 tells there. Take tens of thousands of them.
 
@@ -25,6 +27,8 @@ from ...envs import CompiledVectorEnv
 from ..console.arguments import at_least
 from ..console.tables import format_table
 from ..lab.hardware import describe_machine, reference_kernel_s
+from .ir_sim import NAME as IR_SIM
+from .ir_sim import ir_sim_speed
 from .results import write_results
 
 CASES: dict[str, dict[str, Any]] = {
@@ -169,7 +173,8 @@ def processor_rows(options: argparse.Namespace) -> dict[str, dict[str, float]]:
         rows[f"office, 5 bystanders, 360 beams, truth, {worlds} worlds"] = world_speeds(
             worlds, options.seconds, **CASES["office, 5 bystanders, 360 beams"]
         )[0]
-    return rows
+    other = ir_sim_speed(options.seconds)
+    return rows if other is None else {**rows, IR_SIM: other}
 
 
 def _shown(row: dict[str, float], key: str) -> str:
