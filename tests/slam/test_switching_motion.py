@@ -112,6 +112,30 @@ def test_without_stamps_the_robot_goes_on_by_the_scan():
     np.testing.assert_allclose(hypotheses[1].prediction.pose, [7.2, 0.0, 0.0], atol=1e-9)
 
 
+def test_stamps_that_jitter_make_no_fault_of_a_robot_that_slows_down():
+    """Full ACES log, scan 4087: 0.22 m in 0.12 s, it says, and 0.05 m in 0.36 s."""
+    told, stamps = straight(20, step=0.22), STEP_S * np.arange(20.0)
+    told[19, 0], stamps[18] = told[18, 0] + 0.05, stamps[18] - 0.08
+    model = SwitchingMotion(ExtrapolatorConfig())
+    for pose, stamp in zip(told, stamps, strict=True):
+        hypotheses = model.predict(pose, stamp)
+        assert all(motion.sound for motion in hypotheses)
+        model.take(hypotheses, hypotheses[0], pose, -9.0)
+
+
+@pytest.mark.parametrize("last_s", [0.02, 5.0])
+def test_how_far_a_robot_may_speed_up_is_told_by_the_usual_time_between_scans(last_s):
+    model, told = SwitchingMotion(ExtrapolatorConfig()), straight(20, step=0.8)
+    for k, pose in enumerate(told[:19]):
+        hypotheses = model.predict(pose, STEP_S * k)
+        model.take(hypotheses, hypotheses[0], pose, -9.0)
+    coasting = model.predict(told[18], STEP_S * 18 + last_s)[-1]
+    usual, config = STEP_S + 0.1 * (last_s - STEP_S), ExtrapolatorConfig()
+    least = [config.sigma(np.array([way, 0.0, 0.0]))[0] for way in (0.0, 0.8)]
+    np.testing.assert_allclose(coasting.prediction.pose, told[19], atol=1e-9)
+    np.testing.assert_allclose(coasting.prediction.sigma[0], np.linalg.norm([*least, usual**2]))
+
+
 def test_odometry_whose_predictions_hold_is_taken_for_precise_and_now_and_then_for_as_rough_as_its_model():
     model, _ = driven(straight(120), straight(120))
     ahead = straight(121)[-1]

@@ -2,7 +2,8 @@
 
 Odometry of real robots freezes for some scans while the robot drives on and catches up in one, lags, or slips. So each
 scan has two predictions since the last one that told where the robot was: by the odometry, and by going on as before
-(constant velocity, as far as a robot can brake or speed up meanwhile). Which of them holds is a hidden state of two
+(the same step again, as far as a robot can brake or speed up meanwhile; stamps would tell of a longer step after a
+longer time, but those of recorded logs jitter by half of it). Which of them holds is a hidden state of two
 values, odometry sound or faulty, that mostly stays as it was; it is filtered by how well each explains the scan (a
 Markov switching model; Blom, Bar-Shalom 1988). Where both agree, as nearly always, the second is not looked at. After a
 fault there is a third: odometry that was late or frozen tells in the end where the robot went all the while.
@@ -37,11 +38,10 @@ _SLIP, _STEPS = np.array([0.5, 0.5]), 3.0  # [m, rad] a robot without odometry m
 _VARIES = 0.5  # of a usual step: that a robot stops, or goes twice as fast, is within two standard deviations
 _FARTHEST = 5.0  # [m] and no farther, but may have turned to any side
 _MEMORY = 0.1  # weight of the newest step in the usual one
-_SHORTEST = 1e-3  # [s] no laser turns faster; stamps that are nearer to each other tell no time
+_SHORTEST = 1e-3  # [s] no laser turns faster; stamps that are nearer to each other on average tell no time
 _FORGOTTEN = 10  # scans without a match after which it is not known any more how the robot went
 _STILL = 1e-3  # [m, rad] odometry that says less says that the robot stands
 _LEAST_STEP = 0.05  # [m, rad] a robot may always go so far between two scans
-_LONGER = 3.0  # times the time before: after a longer pause, scans seem to be taken after some way, not some time
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +108,8 @@ class SwitchingMotion:
         self._doubt = np.zeros(2)  # sigma of the motions since the last match that the odometry did not tell
         self._moved = 0.0  # [m] by the odometry since the last scan
         self.soundness, self.precision = OdometrySoundness(), OdometryPrecision()
-        self._time = self._step_s = self._before_s = 0.0  # [s] of the last scan; between the last two; those before
+        self._time: float | None = None  # [s] of the last scan
+        self._interval_s = 0.0  # between two scans, usually
         self._matched: Array | None = None  # pose at the last match ...
         self._matched_odometry = np.zeros(3)  # ... and the believed odometry
         self._unmatched = 0  # scans since
@@ -184,12 +185,11 @@ class SwitchingMotion:
         if self._extrapolator is None or self.odometry is None:
             self.odometry = odometry
             self._extrapolator = OdometryExtrapolator(self.config, odometry)
-            self._told, self._time = odometry, time_s
+            self._told = odometry
         moved = between(self._told, odometry)
         self._moved = math.hypot(moved[0], moved[1])
-        elapsed = time_s - self._time
-        self._told, self._time = odometry, time_s
-        self._before_s, self._step_s = self._step_s, elapsed
+        self._told = odometry
+        self._tick(time_s)
         moves = not stands(moved)
         self._bridges = bridge is not None
         self.soundness.advance(moves)
@@ -198,16 +198,19 @@ class SwitchingMotion:
             at = self.odometry
             return [self._guessed(compose(at, way.pose), odds, way.sigma, True) for odds, way in bridge]
         sound = self._by_odometry(self._believed) + (self._caught_up(odometry) if moves else [])
-        return sound + self._by_fault(elapsed)
+        return sound + self._by_fault()
 
-    def _by_fault(self, elapsed: float) -> list[MotionHypothesis]:
-        """Return that the robot goes on as before; nothing where odometry says the same, or nothing is known of that.
+    def _tick(self, time_s: float) -> None:
+        """Learn how much time usually passes between two scans; stamps jitter by more than what a laser does."""
+        if self._time is not None:
+            elapsed = max(time_s - self._time, 0.0)
+            self._interval_s += (_MEMORY if self._interval_s > 0.0 else 1.0) * (elapsed - self._interval_s)
+        self._time = time_s
 
-        Args:
-            elapsed: Since the last scan [s].
-        """
+    def _by_fault(self) -> list[MotionHypothesis]:
+        """Return that the robot goes on as before; nothing where odometry says the same, or that is not known."""
         self._agree = False
-        going_on = self._going_on(elapsed)
+        going_on = self._going_on()
         if going_on is None:
             return []
         coasted, sigma = going_on
@@ -219,24 +222,18 @@ class SwitchingMotion:
         fault = 1.0 - self.soundness.probability
         return [] if self._agree else [self._guessed(went, fault, sigma, False)]
 
-    def _going_on(self, elapsed: float) -> tuple[Array, Array] | None:
+    def _going_on(self) -> tuple[Array, Array] | None:
         """Return (3,) how far a robot that goes on as before is from its last match, and (2,) the standard deviations.
 
         None: nothing is known of how it went before.
-
-        Args:
-            elapsed: Since the last scan [s].
         """
-        timed = elapsed >= _SHORTEST and self._before_s >= _SHORTEST
-        longer = elapsed / self._before_s if timed else 1.0
-        if longer > _LONGER:
-            longer = 1.0
         if self._step is None or self._unmatched >= _FORGOTTEN:
             return None
-        coasted = longer * self._step
+        coasted = self._step
         for _ in range(self._unmatched):
             coasted = compose(self._step, coasted)
-        wide = np.minimum(_ACCELERATION * elapsed**2, self._usual) if timed else self._usual
+        timed = self._interval_s >= _SHORTEST
+        wide = np.minimum(_ACCELERATION * self._interval_s**2, self._usual) if timed else self._usual
         return coasted, np.hypot(self.config.sigma(np.zeros(3)), (self._unmatched + 1) * wide)
 
     @property
