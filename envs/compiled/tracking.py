@@ -86,7 +86,7 @@ def track_worlds(worlds, what, rules, minds, swept, read):
         points = moved_points(view.laser, found.points)
         if not has_room(tracks, np.count_nonzero(found.confidence > 0.0)):
             minds.lacking[w] = TRACKS
-        elif not make_pages(tracks.cells, points, pose, c.things_resolution):
+        elif not make_pages(tracks.cells, points, pose, c.things_resolution, time_s, c.things_forget_s):
             minds.lacking[w] = CELLS
         if minds.lacking[w]:
             continue

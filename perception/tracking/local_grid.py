@@ -2,8 +2,8 @@
 
 A cell remembers for how long it has been hit, and forgets it when nothing has hit it for a while. Only the cells hit
 are touched; they live in a ring buffer of `SIDE` x `SIDE` cells around the robot, each with the cell number it stands
-for, so the robot may drive on for ever. The ring is cut into pages, and only those that a scan has touched are there:
-walls are lines, so that an office fills a seventh of them.
+for, so the robot may drive on for ever. The ring is cut into pages, and only those that a scan has touched lately are
+there: walls are lines, so that an office fills a seventh of them.
 """
 
 from typing import Any, NamedTuple
@@ -25,6 +25,8 @@ _PAGE_BITS, _IN_PAGE, _PAGE = 3, 7, 64
 _ACROSS = SIDE >> _PAGE_BITS
 PAGES = 768
 """Room for pages at first, of 4096 in all: an office takes 400 to 770."""
+_CROWDED = 0.875
+"""Of the room: where more of the pages hold what is remembered, the next scans would lack room again."""
 
 
 class Cells(NamedTuple):
@@ -68,7 +70,7 @@ class LocalGrid:
 
     def mark(self, points: Array, centre: Array, time_s: float, dt: float) -> None:
         """Add `dt` seconds of non-human `points` (k, 2) seen at `time_s` from `centre` (2,), in the odometry frame."""
-        while not make_pages(cells_of(self._all, 0), points, centre, self._resolution):
+        while not make_pages(cells_of(self._all, 0), points, centre, self._resolution, time_s, self._forget_s):
             self._all = with_more_pages(self._all)
         mark(cells_of(self._all, 0), points, centre, self._resolution, time_s, dt, self._forget_s)
 
@@ -111,8 +113,20 @@ def _within(points: Any, k: int, centre: Any, resolution: float) -> bool:
 
 
 @kernel
-def make_pages(cells: Any, points: Any, centre: Any, resolution: float) -> bool:
-    """Make the pages that `mark` needs for any of `points` (k, 2); return whether there was room for them."""
+def make_pages(cells: Any, points: Any, centre: Any, resolution: float, now: float, forget_s: float) -> bool:
+    """Make the pages that `mark` needs for any of `points` (k, 2); return whether there was room for them.
+
+    Where there is none, pages of which everything is forgotten `now` [s] give way.
+    """
+    if _made(cells, points, centre, resolution):
+        return True
+    few = _drop_forgotten(cells, now, forget_s) <= _CROWDED * (len(cells.cells) // _PAGE)
+    return few and _made(cells, points, centre, resolution)
+
+
+@inner_kernel
+def _made(cells: Any, points: Any, centre: Any, resolution: float) -> bool:
+    """Make pages as `make_pages`, as far as there is room."""
     pages, room = cells.pages, len(cells.cells) // _PAGE
     for k in range(len(points)):
         if _within(points, k, centre, resolution):
@@ -123,6 +137,28 @@ def make_pages(cells: Any, points: Any, centre: Any, resolution: float) -> bool:
                 pages[-1] += 1
                 pages[page] = pages[-1]
     return True
+
+
+@inner_kernel
+def _drop_forgotten(cells: Any, now: float, forget_s: float) -> int:
+    """Drop the pages of which everything is forgotten, and move the others together; return how many those are."""
+    pages, before, kept = cells.pages, int(cells.pages[-1]), 0
+    owners = np.zeros(before + 1, np.int64)
+    for page in range(_ACROSS * _ACROSS):
+        owners[pages[page]] = page
+    for k in range(1, before + 1):
+        remembered = False
+        for i in range(_PAGE * k, _PAGE * (k + 1)):
+            cell = cells.cells[i]
+            remembered |= cell.stood_s > 0.0 and now - cell.time_s <= forget_s
+        kept += remembered
+        pages[owners[k]] = kept if remembered else 0
+        if remembered and kept < k:
+            cells.cells[_PAGE * kept : _PAGE * (kept + 1)] = cells.cells[_PAGE * k : _PAGE * (k + 1)]
+    for i in range(_PAGE * (kept + 1), _PAGE * (before + 1)):
+        cells.cells[i].stood_s = 0.0
+    pages[-1] = kept
+    return kept
 
 
 @kernel

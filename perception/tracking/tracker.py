@@ -81,7 +81,7 @@ class PeopleTracker:
         found, c = found_in(detections), self._numbers
         points = moved_points(view.laser, scan.points)
         fresh = len(detections) + (0 if seen is None else len(seen.positions))
-        tracks = self._with_room(fresh, points, pose)
+        tracks = self._with_room(fresh, points, pose, time_s)
         sight = following.follow(tracks, found, view, pose, time_s, dt, c)
         if seen is not None:
             places, delay = np.ascontiguousarray(seen.positions, dtype=np.float64), max(0.0, time_s - seen.time_s)
@@ -109,9 +109,10 @@ class PeopleTracker:
             self._all = self._all._replace(views=no_views(1, len(scan), self._config.views))
         return seen_in(scan, pose, self._fan)
 
-    def _with_room(self, fresh: int, points: Array, pose: Array) -> Tracks:
+    def _with_room(self, fresh: int, points: Array, pose: Array, time_s: float) -> Tracks:
         """Return the tracks, with room for `fresh` more and for things at `points` (k, 2) around `pose` (3,)."""
-        while not make_pages(tracks_of(self._all, 0).cells, points, pose, self._config.things.resolution):
+        resolution, forget_s = self._numbers.things_resolution, self._numbers.things_forget_s
+        while not make_pages(tracks_of(self._all, 0).cells, points, pose, resolution, time_s, forget_s):
             self._all = self._all._replace(cells=with_more_pages(self._all.cells))
         while not has_room(tracks_of(self._all, 0), fresh):
             self._all = with_room(self._all)

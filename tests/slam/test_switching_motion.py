@@ -130,7 +130,7 @@ def test_how_far_a_robot_may_speed_up_is_told_by_the_usual_time_between_scans(la
         hypotheses = model.predict(pose, STEP_S * k)
         model.take(hypotheses, hypotheses[0], pose, -9.0)
     coasting = model.predict(told[18], STEP_S * 18 + last_s)[-1]
-    usual, config = STEP_S + 0.1 * (last_s - STEP_S), ExtrapolatorConfig()
+    usual, config = STEP_S + 0.1 * (min(last_s, 3.0 * STEP_S) - STEP_S), ExtrapolatorConfig()
     least = [config.sigma(np.array([way, 0.0, 0.0]))[0] for way in (0.0, 0.8)]
     np.testing.assert_allclose(coasting.prediction.pose, told[19], atol=1e-9)
     np.testing.assert_allclose(coasting.prediction.sigma[0], np.linalg.norm([*least, usual**2]))
@@ -287,3 +287,29 @@ def test_what_was_before_a_fault_is_forgotten_with_the_first_scan_that_tells():
     model, _ = driven(told[:17], truth[:17])
     assert len(model.predict(told[17] + np.array([0.0, 0.5, 0.0]), STEP_S * 17)) <= 3
     assert model._before is None
+
+
+@pytest.mark.parametrize(("pause_s", "gap"), [(60.0, True), (STEP_S, False)])
+def test_after_a_gap_no_place_around_the_last_match_counts_and_a_jump_without_time_is_a_fault(pause_s, gap):
+    """ACES with a tenth of its scans missing: thirty metres on, a scan fitted best where the robot had been before."""
+    told = straight(32)
+    told[20:, 0] += 12.0
+    model, _ = driven(told[:20], told[:20])
+    for k in (20, 21):  # the first scan after it tells nothing
+        hypotheses = model.predict(told[k], STEP_S * k + pause_s)
+        assert all(motion.sound for motion in hypotheses) == gap
+        assert (model.anywhere is None) == gap
+        model.take(hypotheses, hypotheses[0], hypotheses[0].prediction.pose, None)
+    for k in range(22, 32):  # and those after that do
+        hypotheses = model.predict(told[k], STEP_S * k + pause_s)
+        model.take(hypotheses, hypotheses[0], told[k], 0.0)
+    assert model.anywhere is not None
+
+
+def test_without_stamps_a_way_beyond_all_usual_ones_is_a_gap():
+    told, model = straight(21), SwitchingMotion(ExtrapolatorConfig())
+    told[20, 0] += 12.0
+    for pose in told[:20]:
+        hypotheses = model.predict(pose, 0.0)
+        model.take(hypotheses, hypotheses[0], pose, -9.0)
+    assert all(motion.sound for motion in model.predict(told[20], 0.0))

@@ -110,8 +110,9 @@ class SwitchingMotion:
         self.soundness, self.precision = OdometrySoundness(), OdometryPrecision()
         self._time: float | None = None  # [s] of the last scan
         self._interval_s = 0.0  # between two scans, usually
-        self._matched: Array | None = None  # pose at the last match ...
-        self._matched_odometry = np.zeros(3)  # ... and the believed odometry
+        self._matched: Array | None = None  # pose at the last match, ...
+        self._matched_odometry = np.zeros(3)  # ... the believed odometry, ...
+        self._matched_time = 0.0  # ... and when [s]
         self._unmatched = 0  # scans since
         self._usual = np.zeros(2)  # step between two scans [m, rad]
         self._step: Array | None = None  # (3,) between the last two scans that were matched one after the other
@@ -201,10 +202,11 @@ class SwitchingMotion:
         return sound + self._by_fault()
 
     def _tick(self, time_s: float) -> None:
-        """Learn how much time usually passes between two scans; stamps jitter by more than what a laser does."""
+        """Learn how much time usually passes between two scans: stamps jitter, and there are pauses."""
+        usual = self._interval_s
         if self._time is not None:
             elapsed = max(time_s - self._time, 0.0)
-            self._interval_s += (_MEMORY if self._interval_s > 0.0 else 1.0) * (elapsed - self._interval_s)
+            self._interval_s += _MEMORY * (min(elapsed, _STEPS * usual) - usual) if usual > 0.0 else elapsed
         self._time = time_s
 
     def _by_fault(self) -> list[MotionHypothesis]:
@@ -227,7 +229,7 @@ class SwitchingMotion:
 
         None: nothing is known of how it went before.
         """
-        if self._step is None or self._unmatched >= _FORGOTTEN:
+        if self._step is None or self._unmatched >= _FORGOTTEN or self._gap:
             return None
         coasted = self._step
         for _ in range(self._unmatched):
@@ -240,11 +242,28 @@ class SwitchingMotion:
     def anywhere(self) -> Prediction | None:
         """Where the robot may have gone since the last match, whatever its odometry says.
 
-        None: there was none, or sound odometry tells of a way that is longer, as across a gap in a log.
+        None: there was none, or there is a gap in the log.
         """
-        reach = min(_SLIP[0] + _STEPS * (self._unmatched + 1) * self._usual[0], _FARTHEST)
-        gap = self.soundness.probability > 0.5 and self._moved > reach
-        return None if self._matched is None or gap else Prediction(self._matched, np.array([reach, np.pi]))
+        return None if self._matched is None or self._gap else Prediction(self._matched, np.array([self._reach, np.pi]))
+
+    @property
+    def _reach(self) -> float:
+        """How far the robot may have gone since the last match without its odometry [m]."""
+        return min(_SLIP[0] + _STEPS * (self._unmatched + 1) * self._usual[0], _FARTHEST)
+
+    @property
+    def _gap(self) -> bool:
+        """Whether there is a gap in the log: sound odometry tells of a farther way, and there was time for it.
+
+        No place around the last match counts then, however well the scan fits there: corridors look alike.
+        """
+        if self._matched is None or self._time is None:
+            return False
+        x, y, _ = between(self._matched_odometry, self._believed).tolist()
+        in_time = math.inf
+        if self._interval_s >= _SHORTEST:
+            in_time = _SLIP[0] + _STEPS * self._usual[0] * (self._time - self._matched_time) / self._interval_s
+        return self.soundness.probability > 0.5 and self._reach < math.hypot(x, y) <= in_time
 
     def found(self, pose: Array) -> MotionHypothesis:
         """Return the hypothesis that the motion, of which the odometry knew nothing, led to `pose` (3,), T_local_robot.
@@ -362,11 +381,12 @@ class SwitchingMotion:
     def _learn(self, pose: Array) -> None:
         """Remember how far the robot goes between two scans; `pose` (3,) is that of the last match."""
         assert self.odometry is not None
+        assert self._time is not None
         if self._matched is not None and self._unmatched == 0:
             step = self._step = between(self._matched, pose)
             went = np.array([math.hypot(step[0], step[1]), abs(step[2])])
             self._usual = self._usual + _MEMORY * (went - self._usual)
-        self._matched, self._matched_odometry, self._unmatched = pose, self.odometry, 0
+        self._matched, self._matched_odometry, self._matched_time, self._unmatched = pose, self.odometry, self._time, 0
 
 
 def stands(motion: Array) -> bool:
