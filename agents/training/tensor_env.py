@@ -75,7 +75,8 @@ class TensorVectorEnv:
         self.env.close()
 
     def _seen(self) -> dict[str, Tensor]:
-        return {name: values.clone() for name, values in observations(self._told()).items()}
+        seen: dict[str, Any] = observations(self._told())
+        return {name: values.clone() for name, values in seen.items()}
 
     def _infos(self) -> dict[str, Any]:
         told = self._told()
@@ -88,4 +89,4 @@ class TensorVectorEnv:
         Whole arrays become tensors, and a column is taken from the tensor: numba looks at every row of a column of its
         own arrays, 0.1 s a time for 65,536 worlds.
         """
-        return Told(*(torch.as_tensor(values, device=DEVICE) for values in self.env.told))
+        return Told._make(torch.as_tensor(values, device=DEVICE) for values in self.env.told)

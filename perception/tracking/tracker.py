@@ -111,7 +111,7 @@ class PeopleTracker:
 
     def _with_room(self, fresh: int, points: Array, pose: Array, time_s: float) -> Tracks:
         """Return the tracks, with room for `fresh` more and for things at `points` (k, 2) around `pose` (3,)."""
-        resolution, forget_s = self._numbers.things_resolution, self._numbers.things_forget_s
+        resolution, forget_s = float(self._config.things.resolution), float(self._config.things.forget_s)
         while not make_pages(tracks_of(self._all, 0).cells, points, pose, resolution, time_s, forget_s):
             self._all = self._all._replace(cells=with_more_pages(self._all.cells))
         while not has_room(tracks_of(self._all, 0), fresh):

@@ -11,7 +11,6 @@ torch = pytest.importorskip("torch", reason='tensors need the extra "learn"')
 
 from tagalong.agents import TensorVectorEnv  # noqa: E402
 from tagalong.envs import CompiledVectorEnv, CudaVectorEnv  # noqa: E402
-from tagalong.envs.compiled.state import Told  # noqa: E402
 from tagalong.slam import InputError  # noqa: E402
 
 GIVEN = {"scene": "corridor", "episodes_ahead": 8, "beams": 90, "people_count": 3, "max_episode_steps": 9}
@@ -33,7 +32,7 @@ class Pretended(CudaVectorEnv):
 
     @property
     def told(self):
-        return Told(*(array.view(Whole) for array in self._told))
+        return type(self._told)(*(array.view(Whole) for array in self._told))
 
     def _run(self, what, actions):
         self._move(what, actions)

@@ -25,20 +25,16 @@ from ...geometry import between, compose, inverse
 from ...scan_to_grid.extrapolator import ExtrapolatorConfig, OdometryExtrapolator, Prediction
 from .bridge import Bridge, bridge_over
 from .odometry_soundness import OdometryPrecision, OdometrySoundness
+from .usual_step import SLIP, UsualStep
 
 Array = NDArray[np.float64]
 
 _ROUGH = 0.3  # share of sound motions with errors as in the model, as where a wheel slips a little
-_ACCELERATION = np.array([1.0, 2.0])  # [m/s^2, rad/s^2] of a wheeled robot among people, a standard deviation
 _AGREE = 3.0  # standard deviations within which, ...
 _NEAR = np.array([0.1, 0.05])  # [m, rad] ... and beyond, a match from one prediction finds what it would from the other
 _TRUSTED = 0.9  # probability from which sound odometry stands for where the robot is
 _LATE = 0.5  # share of odometry that is sound again after a fault that tells where the robot went meanwhile
-_SLIP, _STEPS = np.array([0.5, 0.5]), 3.0  # [m, rad] a robot without odometry may be so far, and so many usual steps,
 _VARIES = 0.5  # of a usual step: that a robot stops, or goes twice as fast, is within two standard deviations
-_FARTHEST = 5.0  # [m] and no farther, but may have turned to any side
-_MEMORY = 0.1  # weight of the newest step in the usual one
-_SHORTEST = 1e-3  # [s] no laser turns faster; stamps that are nearer to each other on average tell no time
 _FORGOTTEN = 10  # scans without a match after which it is not known any more how the robot went
 _STILL = 1e-3  # [m, rad] odometry that says less says that the robot stands
 _LEAST_STEP = 0.05  # [m, rad] a robot may always go so far between two scans
@@ -108,13 +104,13 @@ class SwitchingMotion:
         self._doubt = np.zeros(2)  # sigma of the motions since the last match that the odometry did not tell
         self._moved = 0.0  # [m] by the odometry since the last scan
         self.soundness, self.precision = OdometrySoundness(), OdometryPrecision()
-        self._time: float | None = None  # [s] of the last scan
-        self._interval_s = 0.0  # between two scans, usually
+        self._time_s = 0.0  # of the last scan
+        self._gap = False  # whether there is a gap in the log between it and the last match
         self._matched: Array | None = None  # pose at the last match, ...
         self._matched_odometry = np.zeros(3)  # ... the believed odometry, ...
-        self._matched_time = 0.0  # ... and when [s]
+        self._matched_s = 0.0  # ... and when
         self._unmatched = 0  # scans since
-        self._usual = np.zeros(2)  # step between two scans [m, rad]
+        self._usual = UsualStep()
         self._step: Array | None = None  # (3,) between the last two scans that were matched one after the other
         self._bridges = False  # whether the odometry of the last scan is interpolated
         self.odometry: Array | None = None
@@ -126,7 +122,7 @@ class SwitchingMotion:
         """Return the motion as it is now, to go back to."""
         twin = copy.copy(self)
         twin._extrapolator, twin.soundness = copy.copy(self._extrapolator), copy.copy(self.soundness)
-        twin.precision = copy.copy(self.precision)
+        twin.precision, twin._usual = copy.copy(self.precision), copy.copy(self._usual)
         return twin
 
     def restarted(self, odometry: Array, pose: Array) -> "SwitchingMotion":
@@ -152,7 +148,7 @@ class SwitchingMotion:
             odometry: (3,) T_odom_robot.
             scans: Up to this one.
         """
-        told, usual = between(self._told, odometry), np.maximum(self._usual, _LEAST_STEP)
+        told, usual = between(self._told, odometry), np.maximum(self._usual.size, _LEAST_STEP)
         return bool(max(math.hypot(told[0], told[1]) / usual[0], abs(told[2]) / usual[1]) > math.sqrt(scans))
 
     def bridge(self, odometry: Array, steps: Array) -> tuple[Array, Bridge]:
@@ -167,7 +163,7 @@ class SwitchingMotion:
         """
         assert self.odometry is not None
         whole = between(self.odometry, odometry if self._offset is None else compose(self._offset, odometry))
-        ways = bridge_over(whole, steps, self._usual, self.config.sigma(whole))
+        ways = bridge_over(whole, steps, self._usual.size, self.config.sigma(whole))
         evenly = compose(self.odometry, ways[0][1].pose)
         return evenly if self._offset is None else compose(inverse(self._offset), evenly), ways
 
@@ -190,24 +186,20 @@ class SwitchingMotion:
         moved = between(self._told, odometry)
         self._moved = math.hypot(moved[0], moved[1])
         self._told = odometry
-        self._tick(time_s)
+        self._time_s = time_s
+        self._usual.tick(time_s)
         moves = not stands(moved)
         self._bridges = bridge is not None
         self.soundness.advance(moves)
         self._believed = odometry if self._offset is None else compose(self._offset, odometry)
+        x, y, _ = between(self._matched_odometry, self._believed).tolist()
+        known = self._matched is not None and self.soundness.probability > 0.5
+        self._gap = known and self._usual.skips(math.hypot(x, y), self._unmatched + 1, self._matched_s)
         if bridge is not None:
             at = self.odometry
             return [self._guessed(compose(at, way.pose), odds, way.sigma, True) for odds, way in bridge]
         sound = self._by_odometry(self._believed) + (self._caught_up(odometry) if moves else [])
         return sound + self._by_fault()
-
-    def _tick(self, time_s: float) -> None:
-        """Learn how much time usually passes between two scans: stamps jitter, and there are pauses."""
-        usual = self._interval_s
-        if self._time is not None:
-            elapsed = max(time_s - self._time, 0.0)
-            self._interval_s += _MEMORY * (min(elapsed, _STEPS * usual) - usual) if usual > 0.0 else elapsed
-        self._time = time_s
 
     def _by_fault(self) -> list[MotionHypothesis]:
         """Return that the robot goes on as before; nothing where odometry says the same, or that is not known."""
@@ -234,36 +226,18 @@ class SwitchingMotion:
         coasted = self._step
         for _ in range(self._unmatched):
             coasted = compose(self._step, coasted)
-        timed = self._interval_s >= _SHORTEST
-        wide = np.minimum(_ACCELERATION * self._interval_s**2, self._usual) if timed else self._usual
-        return coasted, np.hypot(self.config.sigma(np.zeros(3)), (self._unmatched + 1) * wide)
+        wide = (self._unmatched + 1) * self._usual.change
+        return coasted, np.hypot(self.config.sigma(np.zeros(3)), wide)
 
     @property
     def anywhere(self) -> Prediction | None:
         """Where the robot may have gone since the last match, whatever its odometry says.
 
-        None: there was none, or there is a gap in the log.
+        None: there was none, or there is a gap in the log: corridors look alike.
         """
-        return None if self._matched is None or self._gap else Prediction(self._matched, np.array([self._reach, np.pi]))
-
-    @property
-    def _reach(self) -> float:
-        """How far the robot may have gone since the last match without its odometry [m]."""
-        return min(_SLIP[0] + _STEPS * (self._unmatched + 1) * self._usual[0], _FARTHEST)
-
-    @property
-    def _gap(self) -> bool:
-        """Whether there is a gap in the log: sound odometry tells of a farther way, and there was time for it.
-
-        No place around the last match counts then, however well the scan fits there: corridors look alike.
-        """
-        if self._matched is None or self._time is None:
-            return False
-        x, y, _ = between(self._matched_odometry, self._believed).tolist()
-        in_time = math.inf
-        if self._interval_s >= _SHORTEST:
-            in_time = _SLIP[0] + _STEPS * self._usual[0] * (self._time - self._matched_time) / self._interval_s
-        return self.soundness.probability > 0.5 and self._reach < math.hypot(x, y) <= in_time
+        if self._matched is None or self._gap:
+            return None
+        return Prediction(self._matched, np.array([self._usual.reach(self._unmatched + 1), np.pi]))
 
     def found(self, pose: Array) -> MotionHypothesis:
         """Return the hypothesis that the motion, of which the odometry knew nothing, led to `pose` (3,), T_local_robot.
@@ -272,7 +246,7 @@ class SwitchingMotion:
         before, but for about half a usual step a scan. A place beyond looks like where the robot is, and is not.
         """
         assert self._matched is not None
-        sigma = _SLIP / 3.0 + _VARIES * (self._unmatched + 1) * self._usual
+        sigma = SLIP / 3.0 + _VARIES * (self._unmatched + 1) * self._usual.size
         places = [self._matched, compose(self._anchor, self._believed)]
         if self._step is not None:
             place = self._matched
@@ -381,12 +355,11 @@ class SwitchingMotion:
     def _learn(self, pose: Array) -> None:
         """Remember how far the robot goes between two scans; `pose` (3,) is that of the last match."""
         assert self.odometry is not None
-        assert self._time is not None
         if self._matched is not None and self._unmatched == 0:
             step = self._step = between(self._matched, pose)
             went = np.array([math.hypot(step[0], step[1]), abs(step[2])])
-            self._usual = self._usual + _MEMORY * (went - self._usual)
-        self._matched, self._matched_odometry, self._matched_time, self._unmatched = pose, self.odometry, self._time, 0
+            self._usual.learn(went)
+        self._matched, self._matched_odometry, self._matched_s, self._unmatched = pose, self.odometry, self._time_s, 0
 
 
 def stands(motion: Array) -> bool:
