@@ -1,7 +1,6 @@
 """How many steps a second IR-SIM (Han et al., `pip install ir-sim`) makes beside ours, where it is installed."""
 
 import contextlib
-import importlib
 import io
 from importlib.util import find_spec
 from pathlib import Path
@@ -43,11 +42,12 @@ def ir_sim_speed(seconds: float) -> dict[str, float] | None:
     """
     if find_spec("irsim") is None:
         return None
+    import irsim  # pyright: ignore[reportMissingImports]
+
     with TemporaryDirectory() as folder, contextlib.redirect_stdout(io.StringIO()):  # it tells of windows it has not
         file = Path(folder) / "world.yaml"
         file.write_text(_WORLD, encoding="utf-8")
-        irsim: Any = importlib.import_module("irsim")
-        env = irsim.make(str(file), display=False, disable_all_plot=True, log_level="ERROR", seed=0)
+        env: Any = irsim.make(str(file), display=False, disable_all_plot=True, log_level="ERROR", seed=0)
         rng = np.random.default_rng(0)
         _step(env, rng, 0.0)
         steps, used, clock = _step(env, rng, seconds)
