@@ -219,7 +219,7 @@ class SwitchingMotion:
     def _going_on(self) -> tuple[Array, Array] | None:
         """Return (3,) how far a robot that goes on as before is from its last match, and (2,) the standard deviations.
 
-        None: nothing is known of how it went before.
+        None: nothing is known of how it went before, or there is a gap in the log.
         """
         if self._step is None or self._unmatched >= _FORGOTTEN or self._gap:
             return None
