@@ -313,3 +313,23 @@ def test_without_stamps_a_way_beyond_all_usual_ones_is_a_gap():
         hypotheses = model.predict(pose, 0.0)
         model.take(hypotheses, hypotheses[0], pose, -9.0)
     assert all(motion.sound for motion in model.predict(told[20], 0.0))
+
+
+def test_a_copy_of_the_motion_learns_nothing_from_what_comes_after():
+    model, _ = driven(straight(30), straight(30))
+    before, reach = model.copy(), model.anywhere.sigma[0]
+    for k in range(30, 40):
+        pose = np.array([straight(30)[-1, 0] + 1.0 * (k - 29), 0.0, 0.0])
+        hypotheses = model.predict(pose, STEP_S * k)
+        model.take(hypotheses, hypotheses[0], pose, -9.0)
+    assert model.anywhere.sigma[0] > reach + 0.5
+    assert before.anywhere.sigma[0] == reach
+
+
+def test_a_way_of_many_scans_without_a_match_is_no_gap():
+    model, told = SwitchingMotion(ExtrapolatorConfig()), straight(30)
+    for k, pose in enumerate(told):
+        hypotheses = model.predict(pose, STEP_S * k)
+        matched = k < 20
+        model.take(hypotheses, hypotheses[0], pose, -9.0 if matched else None)
+        assert model.anywhere is not None or k == 0
