@@ -9,6 +9,9 @@ from ..errors import InputError
 MOST_THREADS = 64
 """No work here has more pieces worth a thread each."""
 
+_GIVEN, _LEAST = 2 / 3, 1 / 16
+"""Parts of a thread's equal share: of what is left, that it is given at once; of all, that is worth handing over."""
+
 
 class Workers:
     """Runs a function, mostly kernels that release the interpreter's lock, on slices of the pieces.
@@ -34,12 +37,11 @@ class Workers:
             return
         if self._pool is None or self._process != os.getpid():  # a forked process has no threads but its own
             self._pool, self._process = ThreadPoolExecutor(self.threads - 1), os.getpid()
-        slices = min(count, 4 * self.threads)  # smaller than a thread's share, so that none waits long for another
-        turns = iter(range(slices))  # each is given out once, by the interpreter's lock
+        turns = iter(slices(count, self.threads))  # each is given out once, by the interpreter's lock
 
         def share() -> None:
-            for k in turns:
-                work(count * k // slices, count * (k + 1) // slices)
+            for start, stop in turns:
+                work(start, stop)
 
         others = [self._pool.submit(share) for _ in range(self.threads - 1)]
         try:
@@ -51,3 +53,22 @@ class Workers:
 
     def __getstate__(self) -> dict[str, object]:
         return {"threads": self.threads, "_pool": None, "_process": 0}  # threads are not copied: they start again
+
+
+def slices(count: int, threads: int) -> list[tuple[int, int]]:
+    """Return slices that cover range(count), ever shorter, so that no thread waits long for the last one of another.
+
+    Each is a part of what is left (guided self-scheduling: Polychronopoulos and Kuck, IEEE Transactions on Computers,
+    1987), so that few are handed over, and a thread with less of a processor ends with the others.
+
+    Args:
+        count: Pieces of work.
+        threads: Threads that share them.
+    """
+    least = max(1, int(_LEAST * count / threads))
+    parts, start = list[tuple[int, int]](), 0
+    while start < count:
+        stop = min(count, start + max(least, int(_GIVEN * (count - start) / threads)))
+        parts.append((start, stop))
+        start = stop
+    return parts
