@@ -21,8 +21,8 @@ class SlamUpdate:
         integrated: Whether the scan was matched and written into the map; False where the motion since the last
             integrated scan was too small and the pose was predicted by odometry only.
         diagnostics: Numbers of the engine's own (documented there), e.g. the effective number of particles.
-        located: Whether the engine knows where on its map the robot is; False after a kidnapping, until it has found
-            the place again: then `pose` is only carried on by the odometry.
+        located: Whether the engine knows where on its map the robot is; False after a kidnapping or a long gap in the
+            log, until it has found the place again: then `pose` is only carried on by the odometry.
         covariance: (3, 3) of the pose, map frame [m, m, rad]; None: the engine has none.
     """
 

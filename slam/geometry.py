@@ -115,6 +115,12 @@ def first_of_way(steps: ArrayLike, goal: ArrayLike) -> Array:
     return first
 
 
+def turning(heading: float) -> Array:
+    """Return (3, 3) what turns a motion (3,) by `heading` [rad]."""
+    cos, sin = math.cos(heading), math.sin(heading)
+    return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+
+
 def transform_points(T_a_b: ArrayLike, points_b: ArrayLike) -> Array:
     """Return `points_b` (..., N, 2) in frame a. `T_a_b` is (3,), or (..., 3) as the points."""
     pose, points = np.asarray(T_a_b, dtype=np.float64), np.asarray(points_b, dtype=np.float64)

@@ -70,12 +70,12 @@ class Cartographer:
 
     def __init__(self, config: CartographerConfig | None = None) -> None:
         self.config = config = config or CartographerConfig()
-        local = LocalSlam(config.local)
+        self.calibration, self.clock = OdometryCalibration(), OdometryClock(config.local.extrapolator)
+        local = LocalSlam(config.local, self.calibration)
         self._global = GlobalSlam(config.global_, local.submaps, local.sweep) if config.global_ else None
         self._mapping = DriveMapping(local, self._global)
         self._record = self._mapping.record
         self._recovery = KidnapRecovery(self._mapping) if config.recovery and config.global_ else None
-        self.calibration, self.clock = OdometryCalibration(), OdometryClock(config.local.extrapolator)
         self._steps = MatchedSteps()
         self._odometry: Array | None = None
         self._online = PoseLog()
@@ -109,7 +109,8 @@ class Cartographer:
         diagnostics = {"odometry_fault": float(result.odometry_fault)}
         diagnostics |= {"score": result.match.score} if result.match else {}
         sure = not (waits and waits.contradicts) and (not self._recovery or self._recovery.located)
-        located = elsewhere is not None or (sure and not result.jumped)
+        tied = self._global is None or self._global.is_tied
+        located = elsewhere is not None or (sure and tied and not result.jumped)
         return SlamUpdate(self.pose, result.insertion is not None, diagnostics, located)
 
     def _take(self, scans: Iterable[Due]) -> LocalResult | None:

@@ -71,8 +71,12 @@ def test_after_a_gap_the_odometry_is_believed_and_not_a_match_on_what_was_never_
 
 def test_what_the_odometry_missed_in_a_gap_is_known_once_the_robot_comes_back():
     engine, slip = make_slam("cartographer"), np.array([0.3, 0.4, 0.1])
-    _, truth, _ = drive(engine, [along(2.0, 8.0), along(14.0, 17.0), along(17.0, 3.0)], slip * 0.5)
+    updates, truth, _ = drive(engine, [along(2.0, 8.0), along(14.0, 17.0), along(17.0, 3.0)], slip * 0.5)
     assert errors(engine, truth).max() < 0.2
+    located = np.array([update.located for update in updates])
+    assert located[:61].all()
+    assert not located[61:130].any()  # six metres by odometry of which little is known
+    assert located[-15:].all()
 
 
 def test_after_a_gap_new_submaps_begin_so_that_the_graph_can_move_what_follows():

@@ -252,6 +252,17 @@ def test_where_no_scan_tells_a_robot_whose_odometry_is_frozen_goes_on(monkeypatc
     np.testing.assert_allclose(between(result.pose, pose), 0.0, atol=0.05)
 
 
+def test_frozen_odometry_that_tells_of_no_way_is_off_by_what_a_robot_may_have_done():
+    slam, rng, inserted = LocalSlam(LocalSlamConfig()), np.random.default_rng(4), []
+    for k in range(20):
+        pose = np.array([-3.0 + 0.2 * k, -2.0, 0.0])
+        told = np.array([-3.0 + 0.2 * min(k, 13), -2.0, 0.0])
+        result = slam.update(told, replace(cast(WALLS, pose, rng, bearings=BEARINGS), time_s=0.2 * k))
+        inserted += [result.insertion] if result.odometry_fault and result.insertion else []
+    assert len(inserted) > 3
+    assert all(insertion.drift.min() > 0.01 for insertion in inserted)
+
+
 def test_odometry_that_seemed_precise_may_be_rough_where_a_scan_fits_badly(monkeypatch):
     slam, rng, truth = LocalSlam(LocalSlamConfig()), np.random.default_rng(7), np.array([-1.0, -2.0, 0.0])
     for k in range(6):

@@ -99,6 +99,15 @@ def test_a_piece_agrees_with_the_map_where_it_lies_and_not_across_its_walls(driv
         assert not agrees(graph, before, last, compose(pose, np.array(off)), 15.0), off
 
 
+@pytest.mark.parametrize(("through", "right"), [(4, True), (30, False)])
+def test_a_piece_of_which_many_beams_come_through_walls_lies_elsewhere(drives, monkeypatch, through, right):
+    """At right places 26 and more beams end at walls for each that comes through one, at a wrong one three."""
+    graph, told = drives[0]._global.graph, (100, through)
+    monkeypatch.setattr("tagalong.slam.graph.loops.piece_fit.ends_and_passes", lambda *_: told)
+    last = len(graph.nodes) - 1
+    assert agrees(graph, [0, 1], last, graph.node_poses[last], 100.0) == right
+
+
 def test_beams_that_end_at_a_wall_and_beams_that_come_through_it_are_counted():
     field = np.zeros((40, 40), np.float32)
     field[:, 20] = 1.0  # a wall 1 m ahead of a laser at the left edge

@@ -84,6 +84,52 @@ def test_factors_that_change_are_learned_anew():
     assert calibration.factors[0] == pytest.approx(0.9, abs=0.03)
 
 
+def noisy(truth, turn, seed=0):
+    """Return the odometry of a drive (n, 3) each step of which is off by a `turn`, a standard deviation [rad]."""
+    off = np.random.default_rng(seed).normal(0.0, turn, len(truth))
+    poses = [np.zeros(3)]
+    for motion, wrong in zip(truth, off, strict=True):
+        poses.append(compose(poses[-1], np.add(motion, (0.0, 0.0, wrong))))
+    return np.array(poses)
+
+
+def test_how_far_off_odometry_leads_is_what_is_known_of_odometries_until_something_is_learned():
+    linear, angular = OdometryCalibration().drift(20.0)
+    assert angular > 1.0
+    assert linear > 10.0
+    assert OdometryCalibration().drift(0.0).tolist() == [0.0, 0.0]
+
+
+@pytest.mark.parametrize(("turn", "seed"), [(0.002, 0), (0.01, 1), (0.03, 2)])
+def test_how_far_off_odometry_leads_is_learned_and_hardly_less_than_it_is(turn, seed):
+    truth = steps(150)
+    calibration = learned(truth, noisy(truth, turn, seed))
+    for way in (10.0, 40.0):
+        off = [noisy(steps(way), turn, 100 + k)[-1] - np.array([way, 0.0, 0.0]) for k in range(200)]
+        aside, turned = np.std([np.hypot(*p[:2]) for p in off]), np.std([p[2] for p in off])
+        linear, angular = calibration.drift(way)
+        assert 0.9 * turned < angular < 3.0 * turned + 0.15
+        assert 0.8 * aside < linear < way * angular
+
+
+def test_odometry_that_has_become_rough_is_told_as_rough():
+    truth, turn = steps(600), 0.03
+    odometry = noisy(truth, np.where(np.arange(len(truth)) < 1800, 0.001, turn))
+    assert learned(truth, odometry).drift(10.0)[1] > 0.75 * turn * np.sqrt(40)
+
+
+def test_over_a_way_that_nobody_saw_a_turn_that_odometry_does_not_tell_cannot_be_made_good():
+    truth = steps(150)
+    straight, bent = learned(truth, told(truth)), learned(truth, told(truth, drift=0.03))
+    assert bent.drift(30.0)[1] == pytest.approx(np.hypot(straight.drift(30.0)[1], 0.9), abs=0.15)
+
+
+def test_a_corridor_does_not_make_odometry_precise():
+    truth = steps(100)
+    seen, unseen = (learned(truth, told(truth), information).drift(5.0)[0] for information in (CLEAR, CORRIDOR))
+    assert unseen > 1.5 * seen
+
+
 def test_backing_turns_the_other_way():
     truth = np.concatenate((steps(60), -steps(60)))
     calibration = learned(truth, told(truth, drift=0.05))

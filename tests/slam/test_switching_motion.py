@@ -306,6 +306,27 @@ def test_after_a_gap_no_place_around_the_last_match_counts_and_a_jump_without_ti
     assert model.anywhere is not None
 
 
+@pytest.mark.parametrize(("pause_s", "way"), [(20.0, 20.0), (4.0, 12.2)])
+def test_over_a_gap_a_robot_may_have_driven_as_far_as_it_usually_does_in_that_time(pause_s, way):
+    told = straight(32)
+    told[20:, 0] += 12.0
+    model, _ = driven(told[:20], told[:20])
+    before, speed = model.driven, straight(2)[1, 0] / STEP_S
+    assert before == pytest.approx(19 * STEP_S * speed)
+    model.predict(told[20], STEP_S * 20 + pause_s)
+    assert model.driven - before == pytest.approx(max(speed * (pause_s + STEP_S), told[20, 0] - told[19, 0]), rel=0.15)
+    assert model.copy().driven == model.restarted(told[20], told[20]).driven == model.driven
+
+
+def test_a_robot_that_stands_drives_nowhere():
+    model, _ = driven(straight(20), straight(20))
+    before, place = model.driven, straight(20)[-1]
+    for k in range(20, 60):
+        hypotheses = model.predict(place, STEP_S * k)
+        model.take(hypotheses, hypotheses[0], place, -9.0)
+    assert model.driven == before
+
+
 def test_without_stamps_a_way_beyond_all_usual_ones_is_a_gap():
     told, model = straight(21), SwitchingMotion(ExtrapolatorConfig())
     told[20, 0] += 12.0

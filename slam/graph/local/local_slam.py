@@ -19,9 +19,10 @@ from .held_scans import Due, HeldScans, Look
 from .hypothesis_matching import HypothesisMatching
 from .match_monitor import MatchMonitor, MatchMonitorConfig
 from .motion_filter import MotionFilter, MotionFilterConfig
+from .odometry_calibration import OdometryCalibration
 from .submap import Submap
 from .sweep import Sweep
-from .switching_motion import MotionHypothesis, SwitchingMotion, likeliest, likely_sigma
+from .switching_motion import MotionHypothesis, SwitchingMotion, likeliest
 
 Array = NDArray[np.float64]
 
@@ -63,7 +64,7 @@ class Insertion:
         points: (N, 2) thinned returns for matching, robot frame [m].
         match: How it was matched; None: not at all (the first scan, or too few points).
         motion: By the odometry since the last inserted scan, in its frame; zero for the first.
-        sigma: (2,) how far off that is likely to be, as precise as the odometry has been of late [m, rad].
+        drift: (2,) how far off that is likely to be by what was learned of the odometry [m, rad].
         scan: The scan itself.
     """
 
@@ -71,7 +72,7 @@ class Insertion:
     points: Array
     match: GridMatch | None
     motion: Prediction
-    sigma: Array
+    drift: Array
     scan: LaserScan
 
 
@@ -101,16 +102,19 @@ class LocalSlam:
 
     Args:
         config: Settings.
+        calibration: What is learned of the odometry.
 
     Attributes:
         monitor: Notices that matching has failed.
     """
 
-    def __init__(self, config: LocalSlamConfig) -> None:
+    def __init__(self, config: LocalSlamConfig, calibration: OdometryCalibration | None = None) -> None:
         self._config = config
         self.monitor = self._monitor = MatchMonitor(config.monitor)
         self._motion = SwitchingMotion(config.extrapolator)
+        self._calibration = calibration or OdometryCalibration()
         self._inserted_at: Array | None = None
+        self._driven = 0.0  # by then [m]
         self._motion_filter = MotionFilter(config.motion_filter)
         self._voxel_filter = AdaptiveVoxelFilter(config.voxel_filter)
         self._active = ActiveSubmaps(config.submaps)
@@ -272,9 +276,11 @@ class LocalSlam:
             return None
         since = between(odometry if self._inserted_at is None else self._inserted_at, odometry)
         motion = Prediction(since, self._config.extrapolator.sigma(since))
-        self._inserted_at = odometry
-        sigma, submaps = likely_sigma(self._motion, since), self._active.insert(pose, self.sweep(scan))
-        return Insertion(submaps, points, match, motion, sigma, replace(scan))
+        drift = self._calibration.drift(self._motion.driven - self._driven)
+        if self._motion.soundness.probability < 0.5:
+            drift = np.hypot(drift, motion.sigma)
+        self._inserted_at, self._driven = odometry, self._motion.driven
+        return Insertion(self._active.insert(pose, self.sweep(scan)), points, match, motion, drift, replace(scan))
 
     def sweep(self, scan: LaserScan) -> Sweep:
         """Return what a scan draws into a submap, robot frame."""

@@ -1,11 +1,9 @@
 """How the robot moved from scan to scan by what scans tell: what is learned of its odometry is learned from that."""
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry import between
+from ...geometry import between, turning
 from .local_slam import LocalResult
 
 Array = NDArray[np.float64]
@@ -34,9 +32,3 @@ class MatchedSteps:
             return None
         turn = turning(before.item(2))
         return between(before, result.pose), turn.T @ result.match.told @ turn
-
-
-def turning(heading: float) -> Array:
-    """Return (3, 3) what turns a motion by `heading` [rad]."""
-    cos, sin = math.cos(heading), math.sin(heading)
-    return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])

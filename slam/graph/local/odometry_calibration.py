@@ -12,14 +12,14 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry import between, compose
-from .matched_steps import turning
+from ...geometry import between, compose, turning
 
 Array = NDArray[np.float64]
 
 _USUAL = np.array([1.0, 1.0, 0.0])  # [of the way, of a turn, rad/m] an odometry that is calibrated ...
 _SPREAD = np.array([0.1, 0.1, 0.05])  # ... and how far odometries are from that, standard deviations
 _STRETCH = 5.0  # [m]
+_UNKNOWN = np.square(_SPREAD[[0, 2]] * _STRETCH)  # [m^2, rad^2] as if one stretch of before had told so
 _MEMORY = 100.0  # way after which what was learned counts for 1/e: tyres lose air, floors change [m]
 _FREEDOM = 4.0  # of the t distribution of a stretch's errors: wheels slip, and matches fail, now and then
 
@@ -35,6 +35,7 @@ class OdometryCalibration:
     def __init__(self) -> None:
         self.factors: Array = _USUAL
         self._information = np.diag(_SPREAD**-2.0)
+        self._squared, self._learned = _UNKNOWN, 1.0  # sum of what stretches were off by, squared, and of how many
         self._told: Array | None = None  # odometry as the robot tells it ...
         self._odometry = np.zeros(3)  # ... and calibrated
         self._step = np.zeros(3)  # told since the last scan
@@ -77,6 +78,18 @@ class OdometryCalibration:
             self._regress()
             self._begin()
 
+    def drift(self, way: float) -> Array:
+        """Return (2,) how far off odometry leads over a `way` [m] without a scan, standard deviations [m, rad].
+
+        Each stretch has an error of its own, and what the factors are off by is the same in all. Where on the way the
+        robot made a turn is not known, so that one which odometry does not tell cannot be made good. A heading that
+        goes off evenly leads aside by its mean, as a random walk's, by a share 1 / sqrt(3) of the way.
+        """
+        stretches = way / _STRETCH
+        errors = np.sqrt(self._squared / self._learned * (stretches + stretches**2 / self._learned))
+        turn = math.hypot(errors[1], self.factors[2] * way)
+        return np.array([math.hypot(errors[0], min(turn, 1.0) * way / math.sqrt(3.0)), turn])
+
     def _regress(self) -> None:
         """Learn from a stretch."""
         error = self._went - self._expected - self._model @ self._forget()
@@ -86,6 +99,9 @@ class OdometryCalibration:
         before = self._model @ np.linalg.solve(self._information, self._model.T)
         expected = seen @ np.linalg.inv(np.eye(3) + (noise + before) @ seen)
         weights = seen @ np.linalg.inv(np.eye(3) + noise @ seen)  # inverse of the sum of both covariances
+        x, y, turned = (np.square(error) + np.diag(noise - noise @ weights @ noise)).tolist()  # and what is not told
+        self._squared = self._squared + np.array([0.5 * (x + y), turned]) * _STRETCH / self._way
+        self._learned += 1.0
         weights *= (_FREEDOM + 3.0) / (_FREEDOM + float(error @ expected @ error))
         self._information = self._information + self._model.T @ weights @ self._model
         self.factors = self.factors + np.linalg.solve(self._information, self._model.T @ (weights @ error))
@@ -95,6 +111,8 @@ class OdometryCalibration:
         kept = math.exp(-self._way / _MEMORY)
         prior = (1.0 - kept) * np.diag(_SPREAD**-2.0)
         self._information = kept * self._information + prior
+        self._squared = kept * self._squared + (1.0 - kept) * _UNKNOWN
+        self._learned = kept * self._learned + 1.0 - kept
         before = self.factors
         self.factors = before + np.linalg.solve(self._information, prior @ (_USUAL - before))
         return self.factors - before

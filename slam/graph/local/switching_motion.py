@@ -90,6 +90,7 @@ class SwitchingMotion:
         odometry: (3,) T_odom_robot of the odometry without its faults; None before the first scan.
         pose: (3,) T_local_robot at the last scan.
         faults: At how many scans the odometry was not believed.
+        driven: How far the robot has driven, by its odometry, and over gaps in the log as far as it usually does [m].
         jumped: Whether the robot was found far from where it was thought to be, and its odometry has not agreed since.
     """
 
@@ -116,6 +117,7 @@ class SwitchingMotion:
         self.odometry: Array | None = None
         self.pose = np.zeros(3)
         self.faults = 0
+        self.driven = 0.0
         self.jumped = False
 
     def copy(self) -> "SwitchingMotion":
@@ -131,7 +133,7 @@ class SwitchingMotion:
         motion.odometry, motion._told, motion.pose = odometry, odometry, pose
         motion._extrapolator = OdometryExtrapolator(self.config, odometry)
         motion._extrapolator.correct(odometry, pose)
-        motion.faults = self.faults
+        motion.faults, motion.driven = self.faults, self.driven
         motion.precision = self.precision
         return motion
 
@@ -195,6 +197,7 @@ class SwitchingMotion:
         x, y, _ = between(self._matched_odometry, self._believed).tolist()
         known = self._matched is not None and self.soundness.probability > 0.5
         self._gap = known and self._usual.skips(math.hypot(x, y), self._unmatched + 1, self._matched_s)
+        self.driven += max(self._moved, self._usual.size.item(0) * self._usual.passed if self._gap else 0.0)
         if bridge is not None:
             at = self.odometry
             return [self._guessed(compose(at, way.pose), odds, way.sigma, True) for odds, way in bridge]
@@ -370,9 +373,3 @@ def stands(motion: Array) -> bool:
 def likeliest(motion: SwitchingMotion, hypotheses: list[MotionHypothesis]) -> MotionHypothesis:
     """Return the likeliest of what `predict` returned, where no scan tells: sound odometry has several of them."""
     return hypotheses[0 if motion.soundness.probability >= 0.5 else -1]
-
-
-def likely_sigma(motion: SwitchingMotion, way: Array) -> Array:
-    """Return (2,) how far off the odometry may be after a `way` (3,), as precise as it was of late."""
-    shares = motion.precision.shares
-    return motion.config.sigma(way) * (shares if motion.soundness.probability > 0.5 else np.maximum(shares, 1.0))

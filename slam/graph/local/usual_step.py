@@ -18,10 +18,12 @@ class UsualStep:
 
     Attributes:
         size: (2,) of the step [m, rad].
+        passed: So many times its interval have passed between the last two scans; 0: stamps tell no time.
     """
 
     def __init__(self) -> None:
         self.size = np.zeros(2)
+        self.passed = 0.0
         self._time_s: float | None = None  # of the last scan
         self._interval_s = 0.0  # between two scans; 0: stamps tell no time
 
@@ -30,6 +32,7 @@ class UsualStep:
         usual = self._interval_s
         if self._time_s is not None:
             elapsed = max(time_s - self._time_s, 0.0)
+            self.passed = elapsed / usual if usual >= _SHORTEST else 0.0
             self._interval_s += _MEMORY * (min(elapsed, _STEPS * usual) - usual) if usual > 0.0 else elapsed
         self._time_s = time_s
 

@@ -32,6 +32,7 @@ Array = NDArray[np.float64]
 
 _LOOSE = np.array([30.0, 3.0])  # [m, rad] how badly the odometry ties a drive segment that has no place yet
 _RELOCALIZED = np.array([0.1, 0.05])  # [m, rad] how well relocalization knows a place
+_SURE, _KNOWN = 2.0, 1.0  # standard deviations, nineteen in twenty, within so many metres: the place is known
 _YOUNG = 100  # nodes that stay in any case: loops are closed and drive segments are begun by what is recent
 
 
@@ -79,6 +80,12 @@ class GlobalSlam:
     def trimmed_poses(self) -> Array:
         """(m, 3) T_global_robot of every node that has left the graph, in the order in which they left."""
         return self._trimmed.on(self.graph.submap_poses.array())
+
+    @property
+    def is_tied(self) -> bool:
+        """Whether the newest node is known to lie within a metre of where it is, seen from where the drive began."""
+        newest = len(self.graph.nodes) - 1
+        return newest < 0 or _SURE * self.graph.pieces.slack(0, newest).linear <= _KNOWN
 
     @property
     def closable(self) -> tuple[float, float]:
@@ -141,7 +148,7 @@ class GlobalSlam:
         graph.add_submaps(T_global_local)
         motion = self._motion(insertion, pose)
         if len(insertion.submaps) == 1 and not graph.drawn[insertion.submaps[0]]:
-            graph.pieces.begin(len(graph.nodes), insertion.submaps[0], Prediction(motion.pose, insertion.sigma))
+            graph.pieces.begin(len(graph.nodes), insertion.submaps[0], Slack(*insertion.drift.tolist()))
         index = graph.add_node(Node(pose_local, insertion.points, insertion.submaps, motion, insertion.scan), pose)
         told = insertion.match or insertion.motion
         if insertion.match:

@@ -10,7 +10,6 @@ from itertools import islice
 from operator import add, attrgetter
 from typing import NamedTuple
 
-from ...scan_to_grid.extrapolator import Prediction
 from .constraints import Constraint, Kind
 from .slack import Slack
 from .trimming import Renumbering
@@ -31,14 +30,11 @@ class Pieces:
         self._begins = [_Begin(0, 0, Slack())]
         self._joined: list[int] = [0]  # of each piece, the first of those that it is joined with
 
-    def begin(self, node: int, submap: int, motion: Prediction) -> None:
-        """Begin a piece with a node and a submap, tied to the node before by a `motion` of the odometry.
-
-        The less is known of the heading, the less is known of where that leads.
-        """
+    def begin(self, node: int, submap: int, slack: Slack) -> None:
+        """Begin a piece with a node and a submap, tied to the node before by odometry that may be off by `slack`."""
         if node == 0:
             return
-        self._begins.append(_Begin(node, submap, Slack(*motion.sigma.tolist()).after(motion.pose)))
+        self._begins.append(_Begin(node, submap, slack))
         self._joined.append(len(self._joined))
 
     def first_node(self, node: int) -> int:
