@@ -17,10 +17,9 @@ from tagalong.slam.graph.loops.slack import Slack
 from tagalong.slam.graph.loops.stretch import stretch
 from tagalong.slam.graph.loops.submap_links import SubmapLinks
 from tagalong.slam.processes.threads import Workers
-from tagalong.slam.scan_to_grid.extrapolator import Prediction
 
 SCAN = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]])
-LOOSE = Prediction(np.array([3.0, 0.0, 0.0]), np.array([2.0, 0.2]))
+LOOSE = Slack(2.0, 0.2)
 
 
 def graph(nodes=4, begins=()):
