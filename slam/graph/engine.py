@@ -108,10 +108,15 @@ class Cartographer:
             self._live.follow(self.node_poses, self._record.nodes, self._record.scans)
         diagnostics = {"odometry_fault": float(result.odometry_fault)}
         diagnostics |= {"score": result.match.score} if result.match else {}
-        sure = not (waits and waits.contradicts) and (not self._recovery or self._recovery.located)
-        tied = self._global is None or self._global.is_tied
-        located = elsewhere is not None or (sure and tied and not result.jumped)
+        sure = not result.jumped and not (waits and waits.contradicts)
+        located = elsewhere is not None or (sure and self._is_on_the_map)
         return SlamUpdate(self.pose, result.insertion is not None, diagnostics, located)
+
+    @property
+    def _is_on_the_map(self) -> bool:
+        """Whether nothing says that the robot was carried, or is tied to the map by odometry too far off."""
+        carried = self._recovery and not self._recovery.located
+        return not carried and (self._global is None or self._global.is_tied)
 
     def _take(self, scans: Iterable[Due]) -> LocalResult | None:
         """Map scans, one after the other; return what became of the last one."""
