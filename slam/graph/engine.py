@@ -109,14 +109,8 @@ class Cartographer:
         diagnostics = {"odometry_fault": float(result.odometry_fault)}
         diagnostics |= {"score": result.match.score} if result.match else {}
         sure = not result.jumped and not (waits and waits.contradicts)
-        located = elsewhere is not None or (sure and self._is_on_the_map)
+        located = elsewhere is not None or (sure and _is_on_the_map(self._global, self._recovery))
         return SlamUpdate(self.pose, result.insertion is not None, diagnostics, located)
-
-    @property
-    def _is_on_the_map(self) -> bool:
-        """Whether nothing says that the robot was carried, or is tied to the map by odometry too far off."""
-        carried = self._recovery and not self._recovery.located
-        return not carried and (self._global is None or self._global.is_tied)
 
     def _take(self, scans: Iterable[Due]) -> LocalResult | None:
         """Map scans, one after the other; return what became of the last one."""
@@ -220,3 +214,8 @@ class Cartographer:
             self._live = GrowingMap()
             self._live.follow(self.node_poses, self._record.nodes, self._record.scans)
         return self._live.map
+
+
+def _is_on_the_map(graph: GlobalSlam | None, recovery: KidnapRecovery | None) -> bool:
+    """Return whether nothing says that the robot was carried, or that only odometry too far off ties it to the map."""
+    return (recovery is None or recovery.located) and (graph is None or graph.is_tied)
