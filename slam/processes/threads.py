@@ -9,7 +9,7 @@ from ..errors import InputError
 MOST_THREADS = 64
 """No work here has more pieces worth a thread each."""
 
-_GIVEN, _LEAST = 2 / 3, 1 / 16
+_GIVEN, _LEAST = 2 / 3, 1 / 32
 """Parts of a thread's equal share: of what is left, that it is given at once; of all, that is worth handing over."""
 
 

@@ -131,6 +131,26 @@ class GlobalSlam:
         if nodes:
             self._tie_segment(nodes)
 
+    def close_at(self, pose: Array, pose_local: Array) -> bool:
+        """Tie the newest node as a loop closure by where the robot was found; return whether the graph agrees with it.
+
+        Args:
+            pose: (3,) T_global_robot that belongs to ...
+            pose_local: ... (3,) T_local_robot.
+        """
+        graph, node = self.graph, len(self.graph.nodes) - 1
+        there = compose(pose, between(pose_local, graph.nodes[node].pose_local))
+        distance = np.hypot(*(graph.centres - there[:2]).T)
+        distance[[s for s in graph.nodes[node].submaps if s < len(distance)]] = np.inf
+        if not np.isfinite(distance).any():
+            return False
+        submap = int(np.argmin(distance))
+        found = Prediction(between(graph.submap_poses[submap], there), _RELOCALIZED)
+        closure = Constraint(submap, node, found.pose, found.information, Kind.INTER, searched=True)
+        self._matching.add([closure])
+        self.optimise()
+        return any(constraint is closure for constraint in graph.constraints)
+
     def _tie_segment(self, nodes: list[int]) -> None:
         """Tie the nodes of a segment that was just placed to the submaps around its last node."""
         last = nodes[-1]

@@ -27,9 +27,11 @@ class KidnapRecovery:
     - Scans in a row that contradict the submap raise a doubt. Mapping goes on meanwhile: loop closure may decide, too.
     - The doubt ends where the scans fit the map of before where local SLAM has the robot.
     - It ends, too, after a while, unless that map rules out that it is there.
-    - Where the map rules it out, and the robot has been followed on it elsewhere for a while, it was carried. When,
-      is told by the scans: first they fit better where local SLAM had the robot, then along the way to where it was
-      found. The latter are taken back and mapped again as a drive segment, at the place that was found.
+    - Where the map rules it out, and the robot has been followed on it elsewhere for a while, the map has drifted, or
+      the robot was carried. It has drifted if local SLAM never left its submap and the graph agrees with a closure of
+      that loop.
+    - Else it was carried. When, is told by the scans: first they fit better where local SLAM had the robot, then along
+      the way to where it was found. The latter are taken back and mapped again as a drive segment, at that place.
     - Where it is ruled out but the robot is never found, the drive ends with such a segment that has no place.
 
     So a drive on which no robot is found elsewhere is mapped as if nobody looked on; only nodes leave the graph later.
@@ -89,10 +91,10 @@ class KidnapRecovery:
         """End the doubt where there is reason to; return the result that counts."""
         if doubt.found and doubt.changed < doubt.scans and not self._tied():
             assert doubt.elsewhere is not None
-            if not self._apart:
-                result = self._set_apart(doubt.changed)
-            self._graph.place_segment(doubt.elsewhere, result.pose)
-            self.relocalizations += 1
+            if not self._has_drifted(doubt.elsewhere, result.pose):
+                result = result if self._apart else self._set_apart(doubt.changed)
+                self._graph.place_segment(doubt.elsewhere, result.pose)
+                self.relocalizations += 1
             self._forget()
         elif doubt.settled or doubt.found or (not doubt.impossible and doubt.travelled >= _GIVE_UP):
             self._forget()
@@ -102,6 +104,18 @@ class KidnapRecovery:
             result = self._set_apart() if lost else result
             self._doubt = lost
         return result
+
+    def _has_drifted(self, elsewhere: Array, pose_local: Array) -> bool:
+        """Return whether the map has drifted by as much as the robot is `elsewhere` (3,); if so, that loop is closed.
+
+        A robot that was carried leaves the submap that local SLAM maps in, and what the graph knows of the way there
+        contradicts the place where it is found.
+        """
+        if self._mark is None:
+            return False
+        graph, before = self._graph.graph, len(self._mark.graph.node_poses)
+        followed = graph.pieces.first_node(len(graph.nodes) - 1) < before
+        return followed and self._graph.close_at(elsewhere, pose_local)
 
     def _tied(self) -> bool:
         """Return whether loop closure has tied scans of the doubt to submaps of before: then it has decided.

@@ -1,0 +1,74 @@
+"""A robot that is found elsewhere on its map: the map has drifted, and a loop is closed, or the robot was carried."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from long_corridor import LINES, REACH, along, drive
+from tagalong.slam.engine import make_slam
+from tagalong.slam.geometry import compose
+from tagalong.slam.graph.engine import Cartographer
+from walls import cast
+
+
+@pytest.fixture
+def engine():
+    """Return an engine that has mapped 34 m of a corridor, and has seen scans that contradict its map."""
+    engine = make_slam("cartographer")
+    assert isinstance(engine, Cartographer)
+    drive(engine, [along(2.0, 36.0)], np.zeros(3))
+    recovery = engine._recovery
+    recovery._mark = engine._mapping.mark()
+    recovery._doubt = SimpleNamespace(found=True, changed=0, scans=12, elsewhere=None)
+    return engine
+
+
+def found(engine, moved):
+    """Let the robot be found where the graph has it, but for a motion (3,); return the last scan's result."""
+    recovery, graph = engine._recovery, engine._global
+    pose_local = engine.local_trajectory()[-1]
+    here = compose(graph.local_to_global, pose_local)
+    recovery._doubt.elsewhere = compose(here, np.array(moved))
+    result = SimpleNamespace(pose=pose_local)
+    recovery._scans = [(np.zeros(3), cast(LINES, here, np.random.default_rng(0), REACH), pose_local)]
+    return recovery._concluded(recovery._doubt, result), recovery._doubt, result
+
+
+def test_where_the_graph_agrees_the_loop_is_closed_and_nothing_is_taken_back(engine):
+    graph = engine._global.graph
+    nodes, before = len(graph.nodes), engine.node_poses[-1]
+    result, doubt, given = found(engine, (0.1, 0.05, 0.0))
+    assert result is given
+    assert doubt is None
+    assert (engine.losses, engine.relocalizations, len(graph.nodes)) == (0, 0, nodes)
+    closure = graph.constraints[-1]
+    assert closure.searched
+    assert closure.node == nodes - 1
+    assert closure.submap not in graph.nodes[-1].submaps
+    assert np.hypot(*(engine.node_poses[-1] - before)[:2]) > 0.02
+
+
+def test_where_the_graph_contradicts_the_place_the_robot_was_carried(engine):
+    before, ties = engine.node_poses.copy(), len(engine.constraints)
+    assert not engine._global.close_at(compose(before[-1], np.array([-9.0, 0.5, 2.0])), engine.local_trajectory()[-1])
+    assert len(engine.constraints) == ties
+    assert np.abs(engine.node_poses - before).max() < 0.05
+
+
+def test_where_local_slam_has_left_its_submap_no_loop_is_closed(engine, monkeypatch):
+    pieces, node = engine._global.graph.pieces, len(engine._global.graph.nodes) - 1
+    monkeypatch.setattr(pieces, "first_node", lambda _: node + 1)  # begun since
+    monkeypatch.setattr(engine._global, "close_at", lambda *_: pytest.fail("asked"))
+    place, apart = [], []
+    monkeypatch.setattr(engine._global, "place_segment", lambda pose, _: place.append(pose))
+    monkeypatch.setattr(engine._recovery, "_set_apart", lambda first: apart.append(first) or SimpleNamespace(pose=0))
+    found(engine, (-5.0, 0.0, 0.0))
+    assert apart == [0]
+    assert len(place) == engine.relocalizations == 1
+
+
+def test_a_map_without_a_finished_submap_closes_no_loop():
+    engine = make_slam("cartographer")
+    assert isinstance(engine, Cartographer)
+    drive(engine, [along(2.0, 3.0)], np.zeros(3))
+    assert not engine._global.close_at(np.zeros(3), np.zeros(3))
