@@ -30,7 +30,7 @@ def mapped():
 def weighed(mapped, believed, true, lines=ROOM, scans=12, closable=(1.0, 0.5)):
     """Return a doubt after a drive ahead from `true`, which local SLAM takes for one from `believed`."""
     place, known = mapped
-    doubt, rng = Doubt(place, known, closable), np.random.default_rng(1)
+    doubt, rng = Doubt(place, lambda: place, known, closable), np.random.default_rng(1)
     for k in range(scans):
         step = np.array([0.1 * k, 0.0, 0.0])
         doubt.weigh(step, cast(lines, compose(np.array(true), step), rng), step, np.array(believed))
@@ -83,7 +83,7 @@ def test_in_another_building_where_local_slam_has_the_robot_is_impossible_and_no
 
 
 def test_without_a_map_nothing_can_be_said():
-    doubt = Doubt(None, [], (1.0, 0.5))
+    doubt = Doubt(None, lambda: None, [], (1.0, 0.5))
     doubt.weigh(np.zeros(3), cast(ROOM, np.zeros(3), np.random.default_rng(0)), np.zeros(3), np.zeros(3))
     assert not (doubt.refuted)
     assert not (doubt.settled)
@@ -92,7 +92,11 @@ def test_without_a_map_nothing_can_be_said():
 
 def test_when_the_robot_was_carried_is_told_by_the_scans(mapped):
     place, known = mapped
-    doubt, rng, believed = Doubt(place, known, (1.0, 0.5)), np.random.default_rng(1), np.array([-2.0, -1.0, 0.1])
+    doubt, rng, believed = (
+        Doubt(place, lambda: place, known, (1.0, 0.5)),
+        np.random.default_rng(1),
+        np.array([-2.0, -1.0, 0.1]),
+    )
     for k in range(24):
         step = np.array([0.1 * k, 0.0, 0.0])
         true = believed if k < 2 else np.array([2.0, -2.0, 1.9])
@@ -103,7 +107,11 @@ def test_when_the_robot_was_carried_is_told_by_the_scans(mapped):
 
 def test_a_robot_whose_turn_its_odometry_does_not_tell_is_not_found_there(mapped):
     place, known = mapped
-    doubt, rng, true = Doubt(place, known, (1.0, 0.5)), np.random.default_rng(1), np.array([0.0, -2.0, 0.6])
+    doubt, rng, true = (
+        Doubt(place, lambda: place, known, (1.0, 0.5)),
+        np.random.default_rng(1),
+        np.array([0.0, -2.0, 0.6]),
+    )
     for k in range(40):
         step = np.array([0.1 * k, 0.0, 0.0])
         doubt.weigh(step, cast(ROOM, compose(true, step), rng), step, np.array([-2.0, -1.0, 2.5]))

@@ -264,13 +264,6 @@ def test_a_closure_that_ties_the_scans_of_a_doubt_to_what_was_mapped_before_deci
     assert recovery._tied()  # pyright: ignore[reportPrivateUsage]
 
 
-def test_a_robot_that_closures_have_tied_is_not_taken_elsewhere(mapped, monkeypatch):
-    engine, odometry, _, rng = mapped
-    monkeypatch.setattr(engine._recovery, "_tied", lambda: True)  # pyright: ignore[reportPrivateUsage]
-    fed(engine, ahead((-3.8, 0.9, -1.2), (0.1, 0.0, 0.03), 40), odometry, rng)
-    assert engine.losses == 0
-
-
 def test_submaps_that_grew_lose_what_was_drawn_into_them_since_the_scans_that_are_taken_back(mapped):
     engine, odometry, last, rng = mapped
     mapping = engine._mapping  # pyright: ignore[reportPrivateUsage]

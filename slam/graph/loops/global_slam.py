@@ -142,14 +142,17 @@ class GlobalSlam:
         there = compose(pose, between(pose_local, graph.nodes[node].pose_local))
         distance = np.hypot(*(graph.centres - there[:2]).T)
         distance[[s for s in graph.nodes[node].submaps if s < len(distance)]] = np.inf
-        if not np.isfinite(distance).any():
+        closures = list[Constraint]()
+        for s in np.argsort(distance, kind="stable")[: self._config.nearest].tolist():
+            if distance[s] <= self._config.max_distance:
+                guess, points = between(graph.submap_poses[s], there), graph.nodes[node].points
+                found = self._builder.closure(s, graph.submaps[s], node, points, guess)
+                closures += [found] if found else []
+        if not closures:
             return False
-        submap = int(np.argmin(distance))
-        found = Prediction(between(graph.submap_poses[submap], there), _RELOCALIZED)
-        closure = Constraint(submap, node, found.pose, found.information, Kind.INTER, searched=True)
-        self._matching.add([closure])
+        self._matching.add(closures)
         self.optimise()
-        return any(constraint is closure for constraint in graph.constraints)
+        return any(constraint is closure for closure in closures for constraint in graph.constraints)
 
     def _tie_segment(self, nodes: list[int]) -> None:
         """Tie the nodes of a segment that was just placed to the submaps around its last node."""

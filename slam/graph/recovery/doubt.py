@@ -1,6 +1,6 @@
 """A doubt where the robot is: local SLAM's opinion against the map of before, by all scans since the doubt began."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -45,7 +45,8 @@ class Doubt:
     for it there.
 
     Args:
-        place: The map before the doubt; None: hardly anything is mapped yet, and nothing can be said.
+        around: The map before the doubt around the robot; None: hardly anything is mapped, and nothing can be said.
+        whole: Draws all of that map, which takes long: only once the robot must be searched for.
         known: Scans of before and (3,) T_map_robot of each: so well do scans usually fit.
         closable: How far off local SLAM may be for loop closure to find that by itself [m, rad].
         lost: Whether local SLAM has no opinion where on the map the robot is: then it is refuted from the beginning.
@@ -59,12 +60,13 @@ class Doubt:
 
     def __init__(
         self,
-        place: PlaceMap | None,
+        around: PlaceMap | None,
+        whole: Callable[[], PlaceMap | None],
         known: Sequence[tuple[LaserScan, Array]],
         closable: tuple[float, float],
         lost: bool = False,
     ) -> None:
-        self._place, self._config, self._closable = place, _FRESH_MAP, closable
+        self._config, self._closable, self._whole = _FRESH_MAP, closable, whole
         self._localizer: Localizer | None = None  # once refuted
         self._preparation = ScanPreparation(self._config.voxel_filter)
         self._before: Array | None = None  # T_local_robot at the last scan
@@ -76,10 +78,14 @@ class Doubt:
         self.travelled, self.scans = 0.0, 0
         self.vouched, self._possible = False, 0  # scans in a row that the map does not contradict
         self.elsewhere: Array | None = None
-        if place is not None:
-            self._fit = BeamFit(place, self._config.fit)
-            self._lenient = BeamFit(place, replace(self._config.fit, unseen=1.0))
+        self._place = around
+        if around is not None:
+            self._judge_on(around)
             self._level = self._usual(known)
+
+    def _judge_on(self, place: PlaceMap) -> None:
+        self._fit = BeamFit(place, self._config.fit)
+        self._lenient = BeamFit(place, replace(self._config.fit, unseen=1.0))
 
     def _usual(self, known: Sequence[tuple[LaserScan, Array]]) -> float:
         """Return how much scans misfit the map where they were taken."""
@@ -115,8 +121,9 @@ class Doubt:
             return
         if not self._lost:
             self._judge(odometry, scan, pose, pose_local, way + abs(float(moved[2])))
-        if self.refuted and self._localizer is None:
-            self._localizer = Localizer(self._place, self._config)
+        if self.refuted and self._localizer is None and (whole := self._whole()):
+            self._judge_on(whole)
+            self._localizer = Localizer(whole, self._config)
         if self._localizer:
             self._search(self._localizer, odometry, scan, pose, way)
         self._fitting = self._fitting + 1 if self.vouched else 0

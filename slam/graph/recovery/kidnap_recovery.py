@@ -24,12 +24,14 @@ class KidnapRecovery:
 
     In words:
 
-    - Scans in a row that contradict the submap raise a doubt. Mapping goes on meanwhile: loop closure may decide, too.
+    - Scans in a row that contradict the submap raise a doubt, and so does odometry that is not believed: the robot may
+      have been carried to where it looks alike, for what is known of the last metres. Mapping goes on meanwhile.
+    - Loop closure may decide, too, where the scans fit the map of before by it.
     - The doubt ends where the scans fit the map of before where local SLAM has the robot.
     - It ends, too, after a while, unless that map rules out that it is there.
     - Where the map rules it out, and the robot has been followed on it elsewhere for a while, the map has drifted, or
       the robot was carried. It has drifted if local SLAM never left its submap and the graph agrees with a closure of
-      that loop.
+      that loop, for which there are some metres' time.
     - Else it was carried. When, is told by the scans: first they fit better where local SLAM had the robot, then along
       the way to where it was found. The latter are taken back and mapped again as a drive segment, at that place.
     - Where it is ruled out but the robot is never found, the drive ends with such a segment that has no place.
@@ -65,14 +67,16 @@ class KidnapRecovery:
             odometry: (3,) T_odom_robot.
             scan: The scan.
         """
-        if not self._doubt and (not result.contradicts or len(self._scans) >= _MOST_SCANS):
+        suspicious = result.contradicts or result.odometry_fault
+        if not self._doubt and (not suspicious or len(self._scans) >= _MOST_SCANS):
             self._forget()
             return result
         if not self._apart:
             self._mark = self._mark or self._mapping.mark()
             self._scans.append((odometry, scan, result.pose))
         self._unweighed.append((odometry, scan, result.pose))
-        if not self._doubt and self._monitor.alarmed and self._record.way - self._settled_at >= _SETTLED:
+        alarmed = result.odometry_fault or self._monitor.alarmed
+        if not self._doubt and alarmed and self._record.way - self._settled_at >= _SETTLED:
             self._doubt = self._new_doubt()
         if not self._doubt:
             return result
@@ -85,13 +89,18 @@ class KidnapRecovery:
         assert self._mark
         poses = self._mark.graph.node_poses
         known = [(self._record.scans[k], poses[k]) for k in range(len(poses))[-_KNOWN:]]
-        return Doubt(self._map.of(poses), known, self._graph.closable, lost)
+        around = self._map.of(poses) if lost else self._map.around(poses)
+        return Doubt(around, lambda: self._map.of(poses), known, self._graph.closable, lost)
 
     def _concluded(self, doubt: Doubt, result: LocalResult) -> LocalResult:
         """End the doubt where there is reason to; return the result that counts."""
-        if doubt.found and doubt.changed < doubt.scans and not self._tied():
+        if doubt.found and doubt.changed < doubt.scans and not (doubt.vouched and self._tied()):
             assert doubt.elsewhere is not None
-            if not self._has_drifted(doubt.elsewhere, result.pose):
+            followed = self._followed
+            drifted = followed and self._graph.close_at(doubt.elsewhere, result.pose)
+            if followed and not drifted and doubt.travelled < _GIVE_UP:
+                return result  # a closure may tell so yet
+            if not drifted:
                 result = result if self._apart else self._set_apart(doubt.changed)
                 self._graph.place_segment(doubt.elsewhere, result.pose)
                 self.relocalizations += 1
@@ -105,17 +114,13 @@ class KidnapRecovery:
             self._doubt = lost
         return result
 
-    def _has_drifted(self, elsewhere: Array, pose_local: Array) -> bool:
-        """Return whether the map has drifted by as much as the robot is `elsewhere` (3,); if so, that loop is closed.
-
-        A robot that was carried leaves the submap that local SLAM maps in, and what the graph knows of the way there
-        contradicts the place where it is found.
-        """
+    @property
+    def _followed(self) -> bool:
+        """Whether local SLAM has followed the robot since the doubt began, and never left its submap."""
         if self._mark is None:
             return False
-        graph, before = self._graph.graph, len(self._mark.graph.node_poses)
-        followed = graph.pieces.first_node(len(graph.nodes) - 1) < before
-        return followed and self._graph.close_at(elsewhere, pose_local)
+        graph = self._graph.graph
+        return graph.pieces.first_node(len(graph.nodes) - 1) < len(self._mark.graph.node_poses)
 
     def _tied(self) -> bool:
         """Return whether loop closure has tied scans of the doubt to submaps of before: then it has decided.

@@ -14,6 +14,7 @@ Array = NDArray[np.float64]
 
 _GRID = GridConfig(resolution=0.05)
 _NEW_NODES = 10  # a map without so many of the last nodes still serves: to draw it anew takes long ...
+_AROUND = 15.0  # [m] from the robot: a laser sees no more of a building, but for long corridors
 _MOVED = 0.1  # [m] ... if no node has been moved farther since
 
 
@@ -41,10 +42,17 @@ class NodeMap:
     def of(self, poses: Array) -> PlaceMap | None:
         """Return the map of the first nodes, at `poses` (n, 3) T_map_robot; None: hardly anything is mapped yet."""
         if self._poses is None or not self._serves(self._poses, poses):
-            placed = np.flatnonzero(self._graph.graph.segments.placed_nodes[: len(poses)])
-            grid = draw(poses[placed], [ScanRays.of(self._record.scans[k], _GRID) for k in placed], _GRID)
-            self._poses, self._map = poses, searchable(grid)
+            self._poses, self._map = poses, searchable(self._drawn(poses, np.ones(len(poses), dtype=np.bool_)))
         return self._map
+
+    def around(self, poses: Array) -> PlaceMap | None:
+        """Return the map of those of the first nodes, at `poses` (n, 3), that are near the last of them."""
+        x, y = (poses[:, :2] - poses[-1:, :2]).T
+        return searchable(self._drawn(poses, np.hypot(x, y) <= _AROUND))
+
+    def _drawn(self, poses: Array, wanted: NDArray[np.bool_]) -> OccupancyMap:
+        placed = np.flatnonzero(wanted & self._graph.graph.segments.placed_nodes[: len(poses)])
+        return draw(poses[placed], [ScanRays.of(self._record.scans[k], _GRID) for k in placed], _GRID)
 
     @staticmethod
     def _serves(drawn: Array, poses: Array) -> bool:
