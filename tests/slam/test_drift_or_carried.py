@@ -57,6 +57,13 @@ def test_where_the_graph_contradicts_the_place_the_robot_was_carried(engine):
     assert np.abs(engine.node_poses - before).max() < 0.05
 
 
+def test_a_closure_that_the_graph_meets_only_roughly_is_taken_back(engine, monkeypatch):
+    monkeypatch.setattr(engine._global.graph, "meets", lambda *_: False)
+    ties, pose = len(engine.constraints), engine.node_poses[-1]
+    assert not engine._global.close_at(pose, engine.local_trajectory()[-1])
+    assert len(engine.constraints) == ties
+
+
 def test_a_closure_has_time_to_tell_that_the_map_has_drifted(engine, monkeypatch):
     monkeypatch.setattr(engine._global, "close_at", lambda *_: False)
     result, doubt, given = found(engine, (-5.0, 0.0, 0.0))
@@ -84,17 +91,15 @@ def test_a_map_without_a_finished_submap_closes_no_loop():
     assert not engine._global.close_at(np.zeros(3), np.zeros(3))
 
 
-@pytest.mark.parametrize("fits", [False, True])
-def test_closures_decide_only_where_the_scan_fits_the_map_by_them(engine, monkeypatch, fits):
+def test_where_no_closure_tells_so_for_long_the_robot_was_carried(engine, monkeypatch):
     place = []
-    monkeypatch.setattr(engine._recovery, "_tied", lambda: True)
     monkeypatch.setattr(engine._global, "close_at", lambda *_: False)
     monkeypatch.setattr(engine._recovery, "_set_apart", lambda first: SimpleNamespace(pose=first))
     monkeypatch.setattr(engine._global, "place_segment", lambda pose, _: place.append(pose))
-    engine._recovery._doubt.vouched, engine._recovery._doubt.travelled = fits, 21.0
+    engine._recovery._doubt.travelled = 21.0
     _, doubt, _ = found(engine, (-5.0, 0.0, 0.0))
     assert doubt is None
-    assert len(place) == (not fits)
+    assert len(place) == 1
 
 
 @pytest.mark.parametrize("fault", [False, True])

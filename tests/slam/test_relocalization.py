@@ -1,7 +1,5 @@
 """A robot that is kidnapped while it maps: SLAM notices, says so, and joins the rest of the drive to its map."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from tagalong.slam.engine import make_slam
@@ -247,21 +245,6 @@ def test_the_kernel_of_the_monitor_counts_beams_through_walls_and_ends_in_seen_f
 def test_a_monitor_without_sense_is_refused():
     with pytest.raises(ValueError, match="patience"):
         MatchMonitorConfig(patience=0)
-
-
-def test_a_closure_that_ties_the_scans_of_a_doubt_to_what_was_mapped_before_decides_it(mapped):
-    engine, odometry, _, rng = mapped
-    mapping, recovery = engine._mapping, engine._recovery  # pyright: ignore[reportPrivateUsage]
-    mark = mapping.mark()
-    recovery._mark = mark  # pyright: ignore[reportPrivateUsage]
-    assert not recovery._tied()  # pyright: ignore[reportPrivateUsage]
-    fed(engine, tour()[:60], odometry, rng)
-    recovery._mark = mark  # pyright: ignore[reportPrivateUsage]
-    assert not recovery._tied()  # pyright: ignore[reportPrivateUsage]
-    constraints = mapping.graph.graph.constraints
-    latest = max(k for k, constraint in enumerate(constraints) if constraint.submap == 0)
-    constraints[latest] = replace(constraints[latest], searched=True)
-    assert recovery._tied()  # pyright: ignore[reportPrivateUsage]
 
 
 def test_submaps_that_grew_lose_what_was_drawn_into_them_since_the_scans_that_are_taken_back(mapped):

@@ -152,7 +152,10 @@ class GlobalSlam:
             return False
         self._matching.add(closures)
         self.optimise()
-        return any(constraint is closure for closure in closures for constraint in graph.constraints)
+        if any(graph.meets(closure, self._config.constraints.max_shift) for closure in closures):
+            return True
+        graph.constraints = [constraint for constraint in graph.constraints if constraint not in closures]
+        return False
 
     def _tie_segment(self, nodes: list[int]) -> None:
         """Tie the nodes of a segment that was just placed to the submaps around its last node."""

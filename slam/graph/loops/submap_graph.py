@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from math import hypot
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,6 +87,11 @@ class SubmapGraph:
     def guess(self, submap: int, node: int) -> Array:
         """Return (3,) T_submap_node by the poses that both have now."""
         return between(self.submap_poses[submap], self.node_poses[node])
+
+    def meets(self, constraint: Constraint, within: tuple[float, float]) -> bool:
+        """Return whether the graph has a node `within` so much [m, rad] of where a constraint has it."""
+        x, y, turn = between(self.guess(constraint.submap, constraint.node), constraint.pose).tolist()
+        return hypot(x, y) <= within[0] and abs(turn) <= within[1]
 
     def near(self, indices: Sequence[int], max_distance: float) -> list[list[int]]:
         """Return the finished submaps near each of some nodes, nearest first.

@@ -15,7 +15,6 @@ Array = NDArray[np.float64]
 _GIVE_UP = 20.0  # [m] after which a doubt that nothing confirms is dropped
 _MOST_SCANS = 5000  # that are kept to be taken again
 _SETTLED = 2.0  # [m] for which it holds that a doubt was settled: people walk along
-_TIES = 3  # constraints that speak for where local SLAM has the robot
 _KNOWN = 5  # of the last scans of before say how well scans usually fit the map
 
 
@@ -26,7 +25,6 @@ class KidnapRecovery:
 
     - Scans in a row that contradict the submap raise a doubt, and so does odometry that is not believed: the robot may
       have been carried to where it looks alike, for what is known of the last metres. Mapping goes on meanwhile.
-    - Loop closure may decide, too, where the scans fit the map of before by it.
     - The doubt ends where the scans fit the map of before where local SLAM has the robot.
     - It ends, too, after a while, unless that map rules out that it is there.
     - Where the map rules it out, and the robot has been followed on it elsewhere for a while, the map has drifted, or
@@ -94,7 +92,7 @@ class KidnapRecovery:
 
     def _concluded(self, doubt: Doubt, result: LocalResult) -> LocalResult:
         """End the doubt where there is reason to; return the result that counts."""
-        if doubt.found and doubt.changed < doubt.scans and not (doubt.vouched and self._tied()):
+        if doubt.found and doubt.changed < doubt.scans:
             assert doubt.elsewhere is not None
             followed = self._followed
             drifted = followed and self._graph.close_at(doubt.elsewhere, result.pose)
@@ -121,18 +119,6 @@ class KidnapRecovery:
             return False
         graph = self._graph.graph
         return graph.pieces.first_node(len(graph.nodes) - 1) < len(self._mark.graph.node_poses)
-
-    def _tied(self) -> bool:
-        """Return whether loop closure has tied scans of the doubt to submaps of before: then it has decided.
-
-        A match near where local SLAM has the robot is no closure, if no search has led there.
-        """
-        if self._mark is None:
-            return False
-        graph = self._mark.graph
-        first, submaps = len(graph.node_poses), set(range(len(graph.submap_poses))) - set(graph.growing)
-        ties = [c for c in self._graph.graph.constraints if c.node >= first and c.submap in submaps]
-        return len(ties) >= _TIES and any(c.searched for c in ties)
 
     def finish(self) -> None:
         """Take note that the drive has ended: what a doubt has come to by now counts."""
