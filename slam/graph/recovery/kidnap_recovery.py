@@ -93,16 +93,7 @@ class KidnapRecovery:
     def _concluded(self, doubt: Doubt, result: LocalResult) -> LocalResult:
         """End the doubt where there is reason to; return the result that counts."""
         if doubt.found and doubt.changed < doubt.scans:
-            assert doubt.elsewhere is not None
-            followed = self._followed
-            drifted = followed and self._graph.close_at(doubt.elsewhere, result.pose)
-            if followed and not drifted and doubt.travelled < _GIVE_UP:
-                return result  # a closure may tell so yet
-            if not drifted:
-                result = result if self._apart else self._set_apart(doubt.changed)
-                self._graph.place_segment(doubt.elsewhere, result.pose)
-                self.relocalizations += 1
-            self._forget()
+            result = self._found(doubt, result)
         elif doubt.settled or doubt.found or (not doubt.impossible and doubt.travelled >= _GIVE_UP):
             self._forget()
             self._settled_at = self._record.way
@@ -110,6 +101,23 @@ class KidnapRecovery:
             lost = self._new_doubt(lost=True) if doubt.impossible else None
             result = self._set_apart() if lost else result
             self._doubt = lost
+        return result
+
+    def _found(self, doubt: Doubt, result: LocalResult) -> LocalResult:
+        """Close the loop to where the robot was found, or map it there from when it was carried.
+
+        That waits for some metres where local SLAM has followed the robot: a closure may tell yet that the map drifted.
+        """
+        assert doubt.elsewhere is not None
+        followed = self._followed
+        drifted = followed and self._graph.close_at(doubt.elsewhere, result.pose)
+        if followed and not drifted and doubt.travelled < _GIVE_UP:
+            return result
+        if not drifted:
+            result = result if self._apart else self._set_apart(doubt.changed)
+            self._graph.place_segment(doubt.elsewhere, result.pose)
+            self.relocalizations += 1
+        self._forget()
         return result
 
     @property
