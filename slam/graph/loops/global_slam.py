@@ -141,7 +141,6 @@ class GlobalSlam:
         graph, node = self.graph, len(self.graph.nodes) - 1
         there = compose(pose, between(pose_local, graph.nodes[node].pose_local))
         distance = np.hypot(*(graph.centres - there[:2]).T)
-        distance[[s for s in graph.nodes[node].submaps if s < len(distance)]] = np.inf
         closures = list[Constraint]()
         for s in np.argsort(distance, kind="stable")[: self._config.nearest].tolist():
             if distance[s] <= self._config.max_distance:
