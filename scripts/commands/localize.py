@@ -29,9 +29,10 @@ from ..runs.slam_run import prepare_folder, progress_bar
 EPILOG = """\
 The whole map is searched first, and again whenever the scans contradict the map. All places where the robot may be are
 followed until its scans have decided between them. While several remain (a symmetric room, a smooth corridor, one of
-many equal doors) it is "not sure": such scans have no pose. At the end the drive is looked at as a whole, also
-backwards: what the last scans decide holds for the first ones, too. Odometry that says less than 0.8
-or more than 1.25 metres or radians for each one that the scans show is complained of, in one line on stderr.
+many equal doors), or the best explains the scans no better than the unknown would (where the map ends), it is "not
+sure": such scans have no pose. At the end the drive is looked at as a whole, also backwards: what the last scans decide
+holds for the first ones, too. Odometry that says less than 0.8 or more than 1.25 metres or radians for each one that
+the scans show is complained of, in one line on stderr.
 
 On a map of landmarks nothing is searched: the robot is followed from its start, and "not sure" once the filter's
 standard deviation exceeds half a metre, or scan after scan shows landmarks that the map does not know. Its file is
@@ -41,7 +42,8 @@ be left out; or CSV whose first line is x,y or x,y,xx,xy,yy. tagalong slam --met
 writes into DIR:
   trajectory.tum         the scans with a pose: t x y z qx qy qz qw
                          (t: the number of the scan where the log has no usable times)
-  smoothed.tum           all scans, by the whole drive at once; not on landmarks, nor where no place was found
+  smoothed.tum           by the whole drive at once, all scans but where the robot was rather off the map; not on
+                         landmarks, nor where no place was found
   map.png                the path on the map, to look at
   metrics.json           share of sure and matched scans, how often the robot was lost, how much the map explains
   timing.json            speed and memory; the only file that differs between two runs
@@ -178,6 +180,7 @@ def _rows(metrics: dict[str, Any], result: LocalizerRun) -> list[tuple[str, str,
         ("matched", f"{100 * metrics['matched_share']:.1f}", "%"),
         ("lost", str(metrics["lost"]), "times"),
         ("whole drive sure", "-" if whole is None else f"{100 * whole:.1f}", "%"),
+        ("whole drive on the map", "-" if whole is None else f"{100 * metrics['whole_drive_share']:.1f}", "%"),
         ("explained by the map", "-" if explained is None else f"{100 * explained:.0f}", "%"),
         ("path", f"{metrics['path_m']:.1f}", "m"),
         ("time", f"{result.seconds.sum():.2f}", "s"),

@@ -38,17 +38,18 @@ def write_localize_run(
         settings: How it was made.
         smoothed: The drive as a whole; None: nothing is known of it.
     """
-    whole = smoothed.probability if smoothed else None
+    known = np.isfinite(smoothed.trajectory[:, 0]) if smoothed else np.zeros(len(drive), np.bool_)
     metrics = {
         **settings,
         "tagalong": __version__,
         **localize_metrics(drive, run),
-        "whole_drive_probability": whole,
+        "whole_drive_probability": smoothed.probability if smoothed else None,
+        "whole_drive_share": float(known.mean()) if smoothed else None,
     }
     times, sure = usable_times(drive), run.sure
     write_tum(folder / "trajectory.tum", Trajectory(times[sure], run.trajectory[sure]))
-    if smoothed and np.isfinite(smoothed.trajectory).all():
-        write_tum(folder / "smoothed.tum", Trajectory(times, smoothed.trajectory))
+    if smoothed and known.any():
+        write_tum(folder / "smoothed.tum", Trajectory(times[known], smoothed.trajectory[known]))
     title = f"{drive.name}: sure of {100 * metrics['sure_share']:.1f} % of the scans"
     save_png(folder / "map.png", trajectory_picture(grid, _stretches(run), title))
     write_json(folder / "metrics.json", metrics)

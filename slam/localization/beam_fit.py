@@ -74,6 +74,9 @@ class BeamFit:
     Args:
         place: The map.
         config: Settings.
+
+    Attributes:
+        unseen: Misfit of a scan all of whose beams end where the map knows nothing.
     """
 
     def __init__(self, place: PlaceMap, config: BeamFitConfig) -> None:
@@ -82,6 +85,7 @@ class BeamFit:
         self._model = BeamModel(sigma, config.slack, config.stray, config.through, config.unseen)
         edges = AdaptiveVoxelConfig(min_points=config.points, max_edge=config.spacing)
         self._even = AdaptiveVoxelFilter(edges)
+        self.unseen = -float(np.log(config.unseen))
 
     def sight(self, odometry: Array, points: Array, sensor: Array) -> Sight:
         """Return a scan of `points` (N, 2), seen from `sensor` (2,) at the odometry pose (3,), made ready."""

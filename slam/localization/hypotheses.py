@@ -77,6 +77,9 @@ class Hypotheses:
     more, `elsewhere`: it misfits somewhat more than is usual, the robot may step into it at any time, and what a search
     finds comes from it.
 
+    The robot may have left the map: then, too, some place on it fits best. So the best one is told only if, since it
+    was found, it is likelier than one where all beams end in the unknown.
+
     Args:
         place: The map.
         fit: Judge of poses on it.
@@ -96,6 +99,7 @@ class Hypotheses:
         self.poses, self.explained, self.usual = np.empty((0, 3)), np.empty(0), 0.0
         self._now, self.parents = np.empty(0), np.empty(0, np.int64)  # misfit of the last scan; before it
         self._misfits, self._priors = np.empty(0), np.empty(0)  # sum of all, weighed by freshness; logarithm
+        self._known = np.empty(0)  # by how much less it misfitted, since it was found, than the unknown does
         self._elsewhere = np.zeros(2)  # the same two of all other places together
         self._level, self._learned, self._fresh = config.level, config.level_scans, 1.0
 
@@ -106,7 +110,7 @@ class Hypotheses:
         """Take one pose (3,) for likely."""
         self.poses, self.parents = pose[None], np.full(1, -1, np.int64)
         self._misfits, self._priors, self._now, self.explained = np.zeros((4, 1))
-        self._elsewhere = np.array([0.0, self._config.jump])
+        self._elsewhere, self._known = np.array([0.0, self._config.jump]), np.full(1, np.inf)
 
     def weigh(self, sight: Sight, motion: Array, sigma: Array, fresh: float) -> None:
         """Move all hypotheses on and weigh them by a scan.
@@ -125,6 +129,7 @@ class Hypotheses:
         if len(self):
             self._learn_level(float(self._now[0]))
         self._misfits = self._misfits + fresh * self._now
+        self._known = self._known + fresh * (self._fit.unseen - self._now)
         self._priors = self._priors - config.odometry * residuals
         self._elsewhere[0] += fresh * (self._bounded_level + config.excess)
         self._tidy()
@@ -140,6 +145,7 @@ class Hypotheses:
         self.poses = np.concatenate((self.poses, poses))
         self._misfits = np.concatenate((self._misfits, self._elsewhere[0] + self._fresh * (now - elsewhere)))
         self._priors = np.concatenate((self._priors, np.full(len(poses), self._elsewhere[1] - self._places)))
+        self._known = np.concatenate((self._known, self._fresh * (self._fit.unseen - now)))
         self._now, self.explained = np.concatenate((self._now, now)), np.concatenate((self.explained, explained))
         self.parents = np.concatenate((self.parents, np.full(len(poses), -1, np.int64)))
         self._elsewhere[0] += self._fresh * max(0.0, self._unfound(sight) - elsewhere)
@@ -162,9 +168,9 @@ class Hypotheses:
         misfit, prior = self._elsewhere.tolist()
         return float(prior - self._config.evidence * misfit / self._bounded_level)
 
-    def cost(self, misfits: Array, fresh: Array) -> float:
-        """Return what a trajectory with such `misfits` (n,) at scans of such freshness (n,) loses in log-likelihood."""
-        return self._config.evidence * float(misfits @ fresh) / self._bounded_level
+    def costs(self, misfits: Array, fresh: Array) -> Array:
+        """Return what trajectories with such `misfits` (..., n) lose in log-likelihood at scans of freshness (n,)."""
+        return self._config.evidence * misfits * fresh / self._bounded_level
 
     @property
     def least(self) -> float:
@@ -192,12 +198,13 @@ class Hypotheses:
 
     @property
     def probability(self) -> float:
-        """Probability that the robot is at the best hypothesis, or so near to it that they agree."""
+        """Probability that the robot is at the best hypothesis, or so near to it that they agree, and on the map."""
         if not len(self):
             return 0.0
         total = np.logaddexp(np.logaddexp.reduce(self._weights), self._other)
         agree = near(self.poses, self.poses[0], self._config.mode)
-        return float(np.exp(np.logaddexp.reduce(self._weights[agree]) - total))
+        known = self._config.evidence * float(self._known[agree].max()) / self._bounded_level
+        return float(np.exp(np.logaddexp.reduce(self._weights[agree]) - total - np.logaddexp(0.0, -known)))
 
     @property
     def doubt(self) -> float:
@@ -240,7 +247,7 @@ class Hypotheses:
             if not kept or not near(self.poses[kept], self.poses[k], config.same).any():
                 kept.append(k)
         self.poses, self.parents = self.poses[kept], self.parents[kept]
-        self._misfits, self._priors = self._misfits[kept], self._priors[kept]
+        self._misfits, self._priors, self._known = self._misfits[kept], self._priors[kept], self._known[kept]
         self._now, self.explained = self._now[kept], self.explained[kept]
 
 

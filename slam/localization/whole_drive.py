@@ -22,8 +22,9 @@ class SmoothedDrive:
     """The best trajectory of a whole drive.
 
     Attributes:
-        trajectory: (n, 3) T_map_robot at each scan; NaN everywhere where no place on the map was ever found.
-        probability: Of this trajectory and those that mostly agree with it, beside the others that were tried.
+        trajectory: (n, 3) T_map_robot at each scan; NaN where the robot was rather off the map.
+        probability: Of this trajectory and those that mostly agree with it, beside the others that were tried; 0 where
+            no place on the map was ever found.
     """
 
     trajectory: Array
@@ -55,7 +56,9 @@ def smooth_drive(localizer: Localizer, drive: Drive) -> SmoothedDrive:
     paths += [_between_scans(path, again.history, odometry[::-1])[::-1] for path in _paths(again, again.history)]
     if not paths:
         return SmoothedDrive(np.full((len(odometry), 3), np.nan), 0.0)
-    return _choose(paths, np.array([_log_likelihood(localizer, path) for path in paths]))
+    chosen = _choose(paths, np.array([_log_likelihood(localizer, path) for path in paths]))
+    chosen.trajectory[~_on_map_between(localizer, chosen.trajectory)] = np.nan
+    return chosen
 
 
 def _choose(paths: list[Array], weights: Array) -> SmoothedDrive:
@@ -113,8 +116,7 @@ def _follow_back(localizer: Localizer, history: list[WeighedScan], path: Array, 
 
 def _loss(localizer: Localizer, history: list[WeighedScan], path: Array) -> float:
     """Return the negative log-likelihood of a trajectory (m, 3) at the scans that were weighed."""
-    misfits = np.array([localizer.fit.judge(s.sight, pose[None])[0][0] for s, pose in zip(history, path, strict=True)])
-    total = localizer.hypotheses.cost(misfits, np.array([s.fresh for s in history]))
+    total, _ = _on_map(localizer, history, path)
     odometry = np.array([s.sight.odometry for s in history])
     motions = between(odometry[:-1], odometry[1:]).reshape(-1, 3)
     off = between(motions, between(path[:-1], path[1:]).reshape(-1, 3)).reshape(-1, 3)
@@ -123,6 +125,35 @@ def _loss(localizer: Localizer, history: list[WeighedScan], path: Array) -> floa
     # A step that the odometry cannot have made is a jump to another place; it costs no more than that.
     steps = localizer.config.hypotheses.odometry * 0.5 * squares
     return total + float(np.minimum(steps, -localizer.hypotheses.least).sum())
+
+
+def _on_map(localizer: Localizer, history: list[WeighedScan], path: Array) -> tuple[float, NDArray[np.bool_]]:
+    """Return what the scans of a trajectory (m, 3) lose in log-likelihood, and (m,) where the robot was on the map.
+
+    It may leave the map and come back, each at the log-likelihood of a jump; off the map it misfits as in the unknown.
+    """
+    fresh, jump = np.array([s.fresh for s in history]), -localizer.config.hypotheses.jump
+    misfits = np.array([localizer.fit.judge(s.sight, pose[None])[0][0] for s, pose in zip(history, path, strict=True)])
+    off_and_on = np.stack((np.full(len(misfits), localizer.fit.unseen), misfits))
+    costs = localizer.hypotheses.costs(off_and_on, fresh)
+    least, changed = np.zeros(2), np.empty((len(history), 2), np.bool_)  # Viterbi's algorithm, over off and on
+    for i in range(len(history)):
+        changed[i] = least[::-1] + jump < least
+        least = np.minimum(least, least[::-1] + jump) + costs[:, i]
+    on, state = np.empty(len(history), np.bool_), int(least[1] <= least[0])
+    for i in range(len(history) - 1, -1, -1):
+        on[i] = state
+        state ^= int(changed[i, state])
+    return float(least.min()), on
+
+
+def _on_map_between(localizer: Localizer, trajectory: Array) -> NDArray[np.bool_]:
+    """Return (n,) where a robot on a trajectory (n, 3) was on the map, between weighed scans as at the one before."""
+    history = localizer.history
+    assert history is not None
+    numbers = np.array([scan.number for scan in history])
+    _, on = _on_map(localizer, history, trajectory[numbers])
+    return on[np.maximum(np.searchsorted(numbers, np.arange(len(trajectory)), side="right") - 1, 0)]
 
 
 def _log_likelihood(localizer: Localizer, trajectory: Array) -> float:

@@ -60,6 +60,14 @@ def driven(localizer, lines, start, motion, count, rng, reach=20.0, odometry=(0.
     return updates, poses
 
 
+def led(start, motions):
+    """Return the poses of a robot that moves so from `start`."""
+    poses = [np.array(start)]
+    for motion in motions:
+        poses.append(compose(poses[-1], motion))
+    return poses
+
+
 def error(update, pose):
     return error_of(update.pose, pose)
 
@@ -131,6 +139,18 @@ def test_at_the_edge_of_the_map_it_is_found_although_half_of_what_it_sees_is_not
         )
         assert updates[-1].pose is not None
         assert error(updates[-1], poses[-1])[0] < 0.1
+
+
+def test_a_robot_beyond_the_end_of_the_map_is_nowhere_on_it(room):
+    """Some place on the map fits best: it must fit better than the unknown would."""
+    probability = room.probability.copy()
+    probability[:, int((-2.0 - room.origin[0]) / room.resolution) :] = np.nan
+    part = OccupancyMap(probability, room.resolution, room.origin)
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        start = (2.5, rng.uniform(-2.0, 0.0), rng.uniform(-3.0, 3.0))
+        updates, _ = driven(Localizer(part), ROOM, start, (0.05, 0.0, 0.06), 60, rng)
+        assert all(update.pose is None for update in updates)
 
 
 def test_after_a_jump_it_says_that_it_is_lost_and_finds_itself_within_ten_scans(room):
@@ -274,6 +294,21 @@ def test_in_a_hall_of_equal_doors_it_is_sure_only_after_an_end_and_the_whole_dri
     smoothed = smooth_drive(localizer, RecordedDrive(odometry, scans, None, "hall"))
     assert smoothed.probability > 0.9
     assert all(error_of(found, pose)[0] < 0.3 for found, pose in zip(smoothed.trajectory, poses, strict=True))
+
+
+def test_the_whole_drive_of_a_robot_that_is_taken_off_the_map_ends_there(room):
+    rng = np.random.default_rng(0)
+    away = np.array(walls((-1.0, -8.0), (1.5, -8.0), (1.5, 9.0), (-1.0, 9.0)) + walls((0.5, 2.0), (1.5, 3.5)))
+    turning, ahead = [(0.05, 0.0, 0.05)], [(0.25, 0.0, 0.0)]
+    poses, beyond = led((-2.8, -0.5, 0.4), 19 * turning), led((0.2, -5.0, 1.5), 39 * ahead)
+    odometry = led((0.0, 0.0, 0.0), 19 * turning + 40 * ahead)
+    scans = [cast(ROOM, pose, rng) for pose in poses] + [cast(away, pose, rng) for pose in beyond]
+    localizer = Localizer(room, keep_history=True)
+    for pose, scan in zip(odometry, scans, strict=True):
+        localizer.update(pose, scan)
+    trajectory = smooth_drive(localizer, RecordedDrive(np.array(odometry), scans, None, "taken away")).trajectory
+    assert max(error_of(found, pose)[0] for found, pose in zip(trajectory, poses, strict=False)) < 0.1
+    assert np.isnan(trajectory[30:]).all()
 
 
 def test_a_hole_in_the_map_where_no_beam_went_does_not_end_a_hypothesis(room):
