@@ -6,6 +6,6 @@ Importing the package is light: it only registers the environment ids with Gymna
 
 from .envs.registration import register_environments
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 register_environments()

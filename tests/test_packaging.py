@@ -1,13 +1,16 @@
 """The wheel, as a stranger installs it."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
+import tomllib
 import venv
 from pathlib import Path
 
 import pytest
+import tagalong
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -33,6 +36,15 @@ def installed(tmp_path_factory) -> Path:
     python = folder / "env" / "bin" / "python"
     run(python, "-m", "pip", "install", "-q", "-c", ROOT / "constraints.txt", wheel, cwd=folder)
     return python
+
+
+def test_the_version_is_the_same_wherever_it_stands():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]
+    cited = re.search(r"^version: (\S+)$", (ROOT / "CITATION.cff").read_text(), re.M)
+    told = re.search(r"^## (\S+)", (ROOT / "CHANGELOG.md").read_text(), re.M)
+    assert cited is not None
+    assert told is not None
+    assert [tagalong.__version__, cited[1], told[1]] == [project] * 3
 
 
 @pytest.mark.slow
