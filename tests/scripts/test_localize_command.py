@@ -17,10 +17,10 @@ CORNERS = np.array(
 )
 
 
-def cast(pose, time_s=0.0):
+def cast(pose, time_s=0.0, corners=CORNERS):
     angles = BEARINGS + pose[2]
     d = np.stack((np.cos(angles), np.sin(angles)), axis=-1)[:, None]
-    a, e = CORNERS[None] - pose[:2], (np.roll(CORNERS, -1, axis=0) - CORNERS)[None]
+    a, e = corners[None] - pose[:2], (np.roll(corners, -1, axis=0) - corners)[None]
     cross = d[..., 0] * e[..., 1] - d[..., 1] * e[..., 0]
     t = (a[..., 0] * e[..., 1] - a[..., 1] * e[..., 0]) / cross
     u = (a[..., 0] * d[..., 1] - a[..., 1] * d[..., 0]) / cross
@@ -63,6 +63,24 @@ def test_a_drive_is_found_on_a_map_and_written_out(building, tmp_path, capsys):
     for name in written:
         if name != "timing.json":
             assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
+
+
+def test_of_the_whole_drive_only_what_was_on_the_map_is_written(building, tmp_path):
+    folder, truth = building
+    hall = np.array([(-1.0, -8.0), (1.5, -8.0), (1.5, 2.0), (0.5, 2.0), (1.5, 3.5), (1.5, 9.0), (-1.0, 9.0)])
+    away = [compose(np.array((0.2, -5.0, 1.5)), (0.25 * k, 0.0, 0.0)) for k in range(40)]
+    steps = between(truth[0], truth)
+    odometry = [*steps, *(compose(steps[-1], (0.25 * k, 0.0, 0.0)) for k in range(1, 41))]
+    scans = [cast(pose, 0.1 * k) for k, pose in enumerate(truth)]
+    scans += [cast(pose, 0.1 * k, hall) for k, pose in enumerate(away, 30)]
+    write_carmen(tmp_path / "drive.log", RecordedDrive(np.array(odometry), scans, None, "taken away"))
+    words = ["localize", str(tmp_path / "drive.log"), "--map", str(folder / "map.yaml"), "--quiet", "--out"]
+    assert cli.main([*words, str(tmp_path / "out")]) == 0
+    smoothed = read_tum(tmp_path / "out" / "smoothed.tum")
+    assert 29 <= len(smoothed.poses) < 45
+    assert np.hypot(*(smoothed.poses[:29] - truth[:29])[:, :2].T).max() < 0.1
+    metrics = json.loads((tmp_path / "out" / "metrics.json").read_text())
+    assert metrics["whole_drive_share"] == len(smoothed.poses) / 70
 
 
 def test_a_start_may_be_given(building, tmp_path):

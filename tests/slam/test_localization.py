@@ -153,6 +153,26 @@ def test_a_robot_beyond_the_end_of_the_map_is_nowhere_on_it(room):
         assert all(update.pose is None for update in updates)
 
 
+def test_what_places_explain_stays_theirs_when_they_are_sorted(room):
+    hypotheses = (localizer := Localizer(room)).hypotheses
+    localizer.update(np.zeros(3), cast(ROOM, np.array((-2.8, -0.5, 0.4)), np.random.default_rng(0)))
+    assert len(hypotheses) > 3
+    np.testing.assert_allclose(hypotheses._known + hypotheses._misfits, np.log(2.0))  # one scan: known is the rest
+
+
+def test_a_given_start_holds_where_half_of_what_it_sees_is_not_mapped(room):
+    probability = room.probability.copy()
+    probability[:, int((-1.0 - room.origin[0]) / room.resolution) :] = np.nan
+    start = np.array((-1.4, 0.2, 0.0))
+    update = Localizer(OccupancyMap(probability, room.resolution, room.origin), start=start).update(
+        np.zeros(3), cast(ROOM, start, np.random.default_rng(0))
+    )
+    assert update.explained is not None
+    assert update.explained < 0.7
+    assert update.pose is not None
+    assert error(update, start)[0] < 0.1
+
+
 def test_after_a_jump_it_says_that_it_is_lost_and_finds_itself_within_ten_scans(room):
     rng = np.random.default_rng(0)
     localizer = Localizer(room, start=(-2.8, -0.5, 0.4))
