@@ -42,6 +42,7 @@ class HypothesesConfig:
         sure: Least probability of these together with which the place is told.
         hopeless: Hypotheses whose likelihood is below the best by more than this, as a logarithm, are forgotten.
         memory: What is usual is the mean of about so many independent scans.
+        off_map: Whether the robot may be off the map: a place is told only if it is likelier than the unknown.
     """
 
     angular_step: Step = float(np.radians(2.5))
@@ -62,6 +63,7 @@ class HypothesesConfig:
     sure: Share = 0.99
     hopeless: Annotated[float, Within(1.0, 1000.0)] = 20.0
     memory: float = 50.0
+    off_map: bool = True
 
     def __post_init__(self) -> None:
         check_numbers(self)
@@ -204,7 +206,8 @@ class Hypotheses:
         total = np.logaddexp(np.logaddexp.reduce(self._weights), self._other)
         agree = near(self.poses, self.poses[0], self._config.mode)
         known = self._config.evidence * float(self._known[agree].max()) / self._bounded_level
-        return float(np.exp(np.logaddexp.reduce(self._weights[agree]) - total - np.logaddexp(0.0, -known)))
+        off_map = np.logaddexp(0.0, -known) if self._config.off_map else 0.0
+        return float(np.exp(np.logaddexp.reduce(self._weights[agree]) - total - off_map))
 
     @property
     def doubt(self) -> float:
