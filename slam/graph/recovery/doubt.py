@@ -16,8 +16,8 @@ from ...scan import LaserScan
 
 Array = NDArray[np.float64]
 
-# The map is of a minute ago, by the same laser: what fits it badly is elsewhere, and a look around decides. Mapping goes
-# on for a robot that is off it: so only where on it the robot may be is asked, also among people, who hide the walls.
+# The map is of a minute ago, by the same laser: what fits it badly is elsewhere, and a look around decides.
+# Mapping goes on for a robot that is off it, so only where on it the robot may be is asked, also among people.
 _HERE = HypothesesConfig(evidence=4.0, maxima=60, off_map=False)
 _FRESH_MAP = LocalizerConfig(hypotheses=_HERE, fresh=2.5, search_every=2.0)
 _AGREE = 1.0, 0.35  # [m, rad] by which local SLAM may have drifted since, or the map
