@@ -3,8 +3,7 @@
 import argparse
 import datetime
 import json
-from collections.abc import Sequence
-from functools import cache
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +13,11 @@ from ...agents import make_follower
 from ...envs.suites import FIRST_SEED, SUITES, suite
 from ...slam.errors import InputError, shown
 from ...slam.files.output import made_folder, write_json, write_text
+from ...slam.processes.crew import require_workers
 from ..console.arguments import MOST_EPISODES, at_least
 from ..console.tables import format_table
 from ..figures.plots import require_matplotlib
+from ..lab.backends import runner
 from ..lab.cell_comparison import ComparedCell, compare_cells, report
 from ..lab.driven_episodes import episode_row, finished_rows, scenario_environment
 from ..lab.hardware import describe_machine
@@ -27,14 +28,15 @@ The first of --followers is what the others are compared with: the share of tour
 (McNemar's exact test, corrected for the number of cells after Holm), and all other figures (Wilcoxon's signed ranks).
 Episodes are driven with the tracker. Without --slam nothing maps; with it the robot maps as it follows, and its map is
 compared with the true building (ADNN both ways), its poses with the true ones, and the floor counted that its laser saw
-from 4.6 m or nearer. Every finished episode is a line of episodes.jsonl; the same command goes on where it was stopped.
+from 4.6 m or nearer. Every finished episode is a line of episodes.jsonl, as they end; the same command goes on where it
+was stopped, and --jobs decides nothing but the time.
 
 writes into DIR: episodes.jsonl, results.json, report.md, with --plot trade_off.png; and the leaderboard where
 --leaderboard says. A follower of your own is one more name: what the others drove into DIR is not driven again.
 
 examples:
   tagalong compare --suites office floor_plan --followers pid mppi mapper --slam cartographer --out out/maps
-  tagalong compare --suites hard-v2 --followers pid learned reinforced reinforced-alone --episodes 100
+  tagalong compare --suites hard-v2 --followers pid learned reinforced reinforced-alone --episodes 100 --jobs 2
   tagalong compare --followers pid mppi my_module:Bold --leaderboard docs/leaderboard.md
   tagalong compare --quick
 """
@@ -58,6 +60,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--leaderboard", type=Path, metavar="FILE", help="write all followers in one table, as Markdown"
     )
+    parser.add_argument("--jobs", type=at_least(1), default=1, metavar="N", help="processes (default: %(default)s)")
     parser.add_argument("--out", type=Path, default=Path("out/compare"), metavar="DIR", help="default: %(default)s")
 
 
@@ -66,12 +69,13 @@ def run(options: argparse.Namespace) -> int:
     followers = list(dict.fromkeys(options.followers))
     if len(followers) < 2:
         raise InputError(f"--followers must name two or more, got {shown(followers)}")
+    require_workers(options.jobs, "--jobs")
     _check_followers(followers, options.suites[0], options.slam)
     if options.plot:
         require_matplotlib()
     episodes = QUICK if options.quick else options.episodes
     file = made_folder(options.out) / "episodes.jsonl"
-    rows = _driven(file, followers, options.suites, episodes, options.slam)
+    rows = _driven(file, followers, options.suites, episodes, options.slam, options.jobs)
     cells = compare_cells(rows, followers)
     write_json(
         options.out / "results.json",
@@ -108,24 +112,29 @@ def _check_followers(followers: Sequence[str], name: str, slam: str | None) -> N
 
 
 def _driven(
-    file: Path, followers: Sequence[str], suites: Sequence[str], episodes: int, slam: str | None
+    file: Path, followers: Sequence[str], suites: Sequence[str], episodes: int, slam: str | None, jobs: int
 ) -> list[dict[str, Any]]:
     """Return the rows of all episodes, driven now or before, episode by episode."""
-    rows = {(row["follower"], row["suite"], row["episode"]): row for row in finished_rows(file, slam)}
+    rows = {_key(row): row for row in finished_rows(file, slam)}
     asked = [
         (who, name, k)
         for name in dict.fromkeys(suites)
         for k in range(episodes * len(suite(name)))
         for who in followers
     ]
-    environment = cache(scenario_environment)
-    for who, name, k in tqdm(asked, unit="episode", leave=False):
-        if (who, name, k) not in rows:
-            row = {**episode_row(who, name, k, environment(name, k % len(suite(name)), slam)), "slam": slam}
-            rows[who, name, k] = row
+    missing = [(*key, slam) for key in asked if key not in rows]
+    begun = len(asked) - len(missing)
+    with runner("local", jobs) as run, tqdm(total=len(asked), initial=begun, unit="episode", leave=False) as progress:
+        for row in run(episode_row, missing):
+            rows[_key(row)] = row
             with file.open("a", encoding="utf-8") as lines:
                 lines.write(json.dumps(row) + "\n")
+            progress.update()
     return [{**rows[key], "cell": suite(key[1])[key[2] % len(suite(key[1]))].name} for key in asked]
+
+
+def _key(row: Mapping[str, Any]) -> tuple[str, str, int]:
+    return row["follower"], row["suite"], row["episode"]
 
 
 def _line(cell: ComparedCell, followers: Sequence[str]) -> tuple[str, ...]:

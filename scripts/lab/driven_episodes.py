@@ -45,20 +45,23 @@ def scenario_environment(name: str, number: int, slam: str | None) -> gym.Env[An
     return gym.make(one.env, **{**one.arguments, "slam": slam, "coverage": slam is not None})
 
 
-def episode_row(follower: str, name: str, k: int, env: gym.Env[Any, Any]) -> dict[str, Any]:
+def episode_row(follower: str, name: str, k: int, slam: str | None) -> dict[str, Any]:
     """Drive episode `k` of a suite in the environment of its scenario; return its figures, NaN as None."""
     scenarios = suite(name)
+    env = scenario_environment(name, k % len(scenarios), slam)
     inner = env.unwrapped
     assert isinstance(inner, FollowEnv)
     driver = make_follower(follower, inner.interface)
     episode = rollout(env, driver, seed=FIRST_SEED + k, options=scenarios[k % len(scenarios)].options)
     figures = {**episode.metrics, "total_reward": episode.total_reward, **_map_figures(inner, episode)}
+    env.close()
     return {
         "follower": follower,
         "suite": name,
         "episode": k,
         "ending": episode.ending,
         **{key: float(figures[key]) if np.isfinite(figures[key]) else None for key in (*FIGURES, *MAP_FIGURES)},
+        "slam": slam,
     }
 
 

@@ -8,7 +8,7 @@ from tagalong.envs.task import FollowInterface
 from tagalong.scripts.cli import main
 from tagalong.scripts.commands import compare
 from tagalong.scripts.lab.cell_comparison import TITLES, compare_cells, report
-from tagalong.scripts.lab.driven_episodes import MAP_FIGURES, episode_row, finished_rows, scenario_environment
+from tagalong.scripts.lab.driven_episodes import MAP_FIGURES, episode_row, finished_rows
 from tagalong.slam import InputError
 
 
@@ -47,7 +47,7 @@ def test_cells_are_paired_with_the_first_follower_and_corrected_for_their_number
 def test_a_stopped_comparison_goes_on_and_drives_nothing_twice(tmp_path, monkeypatch, capsys):
     driven = []
 
-    def episode(who, name, k, env):
+    def episode(who, name, k, slam):
         driven.append((who, k))
         if len(driven) == 3:
             raise KeyboardInterrupt
@@ -73,7 +73,7 @@ def test_a_strangers_follower_enters_the_leaderboard_with_one_module_and_one_com
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setattr(
-        compare, "episode_row", lambda who, name, k, env: {**row(who, "", k, ":" in who), "suite": name}
+        compare, "episode_row", lambda who, name, k, slam: {**row(who, "", k, ":" in who), "suite": name}
     )
     monkeypatch.setattr(compare, "scenario_environment", lambda name, number, slam: Nowhere())
     words = ["compare", "--suites", "office", "--followers", "pid", "toy_follower:Toy", "--episodes", "6"]
@@ -148,8 +148,7 @@ def test_episodes_without_slam_do_not_stand_for_those_with_it(tmp_path):
 
 
 def test_with_slam_the_map_and_the_floor_seen_are_judged():
-    env = scenario_environment("corridor", 0, "cartographer")
-    figures = episode_row("mapper", "corridor", 0, env)
+    figures = episode_row("mapper", "corridor", 0, "cartographer")
     assert 0.0 < figures["adnn_truth_to_map_m"] < 0.5
     assert 0.0 < figures["adnn_map_to_truth_m"] < 0.1
     assert figures["ate_m"] < 0.05
@@ -167,3 +166,17 @@ def test_who_needs_a_map_is_refused_where_nothing_maps_before_any_drive(tmp_path
 def test_a_follower_that_is_named_twice_is_one(tmp_path, capsys):
     assert main(["compare", "--followers", "pid", "pid", "--out", str(tmp_path)]) == 2
     assert "must name two or more" in capsys.readouterr().err
+
+
+def test_processes_change_nothing_but_the_time_and_a_strangers_module_is_found_in_them(tmp_path, monkeypatch):
+    still = "class Still:\n    def reset(self): pass\n    def act(self, observation): return [0.0, 0.0]\n"
+    (tmp_path / "still_follower.py").write_text(still)
+    monkeypatch.chdir(tmp_path)
+    words = ["compare", "--suites", "corridor", "--followers", "pid", "still_follower:Still", "--episodes", "2"]
+    for jobs in "12":
+        assert main([*words, "--jobs", jobs, "--out", jobs]) == 0
+    first, second = ([json.loads(line) for line in (tmp_path / n / "episodes.jsonl").open()] for n in "12")
+    assert sorted(first, key=str) == sorted(second, key=str)
+    for name in ("results.json", "report.md"):
+        assert (tmp_path / "1" / name).read_bytes() == (tmp_path / "2" / name).read_bytes()
+    assert main([*words, "--jobs", "100000", "--out", "3"]) == 2
