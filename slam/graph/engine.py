@@ -11,15 +11,13 @@ from ..bounds import Cell, check_numbers, checked_pose
 from ..engine import SlamUpdate
 from ..grid import GridConfig, render_map
 from ..growing_map import GrowingMap
+from ..local.held_scans import Due
+from ..local.learned_odometry import LearnedOdometry
+from ..local.local_slam import LocalResult, LocalSlam, LocalSlamConfig
 from ..occupancy_map import OccupancyMap
 from ..pose_log import PoseLog
 from ..scan import LaserScan
 from ..settings import with_settings
-from .local.held_scans import Due
-from .local.local_slam import LocalResult, LocalSlam, LocalSlamConfig
-from .local.matched_steps import MatchedSteps
-from .local.odometry_calibration import OdometryCalibration
-from .local.odometry_clock import OdometryClock
 from .loops.constraints import Constraint
 from .loops.drive_mapping import DriveMapping
 from .loops.global_config import GlobalSlamConfig
@@ -71,13 +69,13 @@ class Cartographer:
 
     def __init__(self, config: CartographerConfig | None = None) -> None:
         self.config = config = config or CartographerConfig()
-        self.calibration, self.clock = OdometryCalibration(), OdometryClock(config.local.extrapolator)
+        self._learned = LearnedOdometry(config.local.extrapolator)
+        self.calibration, self.clock = self._learned.calibration, self._learned.clock
         local = LocalSlam(config.local, self.calibration)
         self._global = GlobalSlam(config.global_, local.submaps, local.sweep) if config.global_ else None
         self._mapping = DriveMapping(local, self._global)
         self._record = self._mapping.record
         self._recovery = KidnapRecovery(self._mapping) if config.recovery and config.global_ else None
-        self._steps = MatchedSteps()
         self._odometry: Array | None = None
         self._online = PoseLog()
         self._live: GrowingMap | None = None  # only once `live_map` has been asked for
@@ -94,14 +92,12 @@ class Cartographer:
     def update(self, odometry: ArrayLike, scan: LaserScan) -> SlamUpdate:
         """Take one scan and the robot's odometry pose T_odom_robot (3,) at that time."""
         self._odometry = checked_pose(odometry, before=self._odometry)
-        odometry = self.clock.apply(self.calibration.apply(self._odometry), scan.time_s)
+        odometry = self._learned.apply(self._odometry, scan.time_s)
         nodes = len(self._record.nodes)
         waits = self._mapping.wait(odometry, scan)
         result = waits or self._take(self._mapping.due(odometry, scan))
         assert result
-        if step := self._steps.follow(result, waits is not None):
-            self.calibration.learn(*step)
-            self.clock.learn(*step)
+        self._learned.learn(result, waits is not None)
         elsewhere = self._recovery.pose if self._recovery else None
         self._online.append(self._mapping.pose if elsewhere is None else elsewhere)
         self._trim()

@@ -52,7 +52,7 @@ class HypothesesConfig:
     points: Annotated[int, Within(1, 10_000)] = 120
     evidence: float = 2.0
     level: Share = 0.2
-    level_scans: float = 2.0
+    level_scans: float = 10.0
     least_level: Share = 0.08
     most_level: Share = 0.4
     excess: float = 0.3

@@ -9,7 +9,10 @@ from numpy.typing import ArrayLike, NDArray
 from ..bounds import check_numbers, check_positive, checked_pose
 from ..errors import InputError
 from ..geometry import between, compose
+from ..local.local_odometry import AsTold, LocalOdometry
+from ..local.local_slam import LocalSlamConfig
 from ..occupancy_map import OccupancyMap
+from ..pose_log import PoseLog
 from ..scan import LaserScan
 from ..scan_to_grid.extrapolator import ExtrapolatorConfig
 from ..scan_to_grid.voxel_filter import AdaptiveVoxelConfig
@@ -37,11 +40,12 @@ class LocalizerConfig:
     """Settings of `Localizer`.
 
     Attributes:
+        local: Settings of local SLAM, which tells how the robot moved between scans; None: the odometry does.
         place: How the map is made ready.
         fit: How poses are judged and refined.
         hypotheses: How places are found, followed and weighed.
         voxel_filter: Which points of a scan are used.
-        extrapolator: Error model of the odometry.
+        extrapolator: How well it is known how the robot moved.
         min_points: A scan with fewer points says nothing.
         step: A scan is weighed after so many metres or radians.
         fresh: A scan is independent of the ones before after so many metres and radians together.
@@ -51,6 +55,7 @@ class LocalizerConfig:
         blind_distance: After so many metres without a scan that says anything it is not sure [m].
     """
 
+    local: LocalSlamConfig | None = field(default_factory=LocalSlamConfig)
     place: PlaceMapConfig = field(default_factory=PlaceMapConfig)
     fit: BeamFitConfig = field(default_factory=BeamFitConfig)
     hypotheses: HypothesesConfig = field(default_factory=HypothesesConfig)
@@ -113,7 +118,8 @@ class Localizer:
     """Finds the robot on a finished map and keeps track of it; says when it is not sure.
 
     Without a start pose, and whenever none of the places that it follows explains the scans, the whole map is searched.
-    There is a pose while one place has nearly all of the probability.
+    There is a pose while one place has nearly all of the probability. How the robot moved from scan to scan is told by
+    local SLAM, which notices where the odometry slips, stands still or is late.
 
     Args:
         grid: The map; one that was made ready before is taken as it is.
@@ -148,11 +154,13 @@ class Localizer:
         self._preparation = ScanPreparation(self.config.voxel_filter)
         self.start = self._start = None if start is None else self._checked(checked_pose(start, "start"))
         self.history: list[WeighedScan] | None = [] if keep_history else None
-        self._odometry: Array | None = None  # of the last scan
+        self._moving = LocalOdometry(self.config.local) if self.config.local else AsTold()
+        self._told: Array | None = None  # odometry of the last scan ...
+        self._odometry: Array | None = None  # ... and as local SLAM has it
         self._weighed_at: Array | None = None  # odometry of the last scan that was weighed
         self._since_search, self._since_sight, self._surprises = np.inf, 0.0, 0
         self._sure = False
-        self._updates: list[Array | None] = []
+        self._odometries, self._updates = PoseLog(), list[Array | None]()
         self.lost = 0
 
     def _checked(self, start: Array) -> Array:
@@ -176,9 +184,15 @@ class Localizer:
         nowhere = np.full(3, np.nan)
         return np.array([nowhere if pose is None else pose for pose in self._updates]).reshape(-1, 3)
 
+    def odometry(self) -> Array:
+        """Return (n, 3) T_odom_robot of every scan, as local SLAM has it: how the robot moved."""
+        return self._odometries.array()
+
     def update(self, odometry: ArrayLike, scan: LaserScan) -> LocalizationUpdate:
         """Take one scan and the robot's odometry pose T_odom_robot (3,) at that time."""
-        before, self._odometry = self._odometry, checked_pose(odometry, before=self._odometry)
+        self._told = checked_pose(odometry, before=self._told)
+        before, self._odometry = self._odometry, self._moving.update(self._told, scan)
+        self._odometries.append(self._odometry)
         moved = _length(between(self._odometry if before is None else before, self._odometry))
         self._since_search, self._since_sight = self._since_search + moved, self._since_sight + moved
         prepared = self._preparation.prepare(self._odometry, scan)

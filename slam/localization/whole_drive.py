@@ -1,6 +1,6 @@
 """A recorded drive localized as a whole: the trajectory that explains all scans best, also before it was sure."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,8 +47,8 @@ def smooth_drive(localizer: Localizer, drive: Drive) -> SmoothedDrive:
     """
     if localizer.history is None:
         raise InputError("to smooth a drive the localizer must keep its history (`keep_history`)")
-    odometry, history = np.asarray(drive.odometry, dtype=np.float64), localizer.history
-    again = Localizer(localizer.place, localizer.config, keep_history=True)
+    odometry, history = localizer.odometry(), localizer.history
+    again = Localizer(localizer.place, replace(localizer.config, local=None), keep_history=True)
     for pose, scan in zip(odometry[::-1], drive.scans[::-1], strict=True):
         again.update(pose, scan)
     assert again.history is not None

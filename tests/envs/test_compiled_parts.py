@@ -35,7 +35,7 @@ SIMULATION = [
 ]
 PARTICLES = [["slam.gmapping.match_kernels", "match"], ["slam.gmapping.tile_kernels", "own_tiles"]]
 GRAPH = [
-    ["slam.graph.local.surface", "surface_points"],
+    ["slam.local.surface", "surface_points"],
     ["slam.scan_to_grid.refine_kernels", "refine_pose"],
     ["slam.scan_to_grid.match_kernels", "match_nodes"],
 ]

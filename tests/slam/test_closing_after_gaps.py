@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from tagalong.slam.geometry import compose
 from tagalong.slam.graph.engine import Cartographer, CartographerConfig
-from tagalong.slam.graph.local.active_submaps import ActiveSubmapsConfig
-from tagalong.slam.graph.local.local_slam import LocalSlamConfig
+from tagalong.slam.local.active_submaps import ActiveSubmapsConfig
+from tagalong.slam.local.local_slam import LocalSlamConfig
 from walls import cast
 
 REACH = 4.0  # [m] of the laser

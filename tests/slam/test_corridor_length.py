@@ -4,9 +4,9 @@ from itertools import pairwise
 
 import numpy as np
 from tagalong.slam.engine import make_slam
-from tagalong.slam.graph.local.active_submaps import ActiveSubmapsConfig
-from tagalong.slam.graph.local.local_slam import LocalSlamConfig
-from tagalong.slam.graph.local.submap import SubmapConfig
+from tagalong.slam.local.active_submaps import ActiveSubmapsConfig
+from tagalong.slam.local.local_slam import LocalSlamConfig
+from tagalong.slam.local.submap import SubmapConfig
 from tagalong.slam.scan import LaserScan
 from walls import cast
 

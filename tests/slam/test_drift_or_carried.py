@@ -8,7 +8,7 @@ from long_corridor import LINES, REACH, along, drive
 from tagalong.slam.engine import make_slam
 from tagalong.slam.geometry import compose
 from tagalong.slam.graph.engine import Cartographer
-from tagalong.slam.graph.local.local_slam import LocalResult
+from tagalong.slam.local.local_slam import LocalResult
 from walls import cast
 
 

@@ -6,8 +6,8 @@ import pytest
 from pose_graph_reference import normal_equations
 from scipy.optimize import minimize
 from tagalong.slam.geometry import between, compose, transform_points
-from tagalong.slam.graph.local.submap_kernels import insert_scans
 from tagalong.slam.graph.loops.blur_kernels import blurred_scores, blurred_scores_reference
+from tagalong.slam.local.submap_kernels import insert_scans
 from tagalong.slam.pose_graph.normal_equations import block_pattern, fill
 from tagalong.slam.pose_graph.pose_graph import PoseGraph
 from tagalong.slam.scan_to_grid.correlative import correlate

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from tagalong.slam.engine import make_slam
 from tagalong.slam.geometry import between, compose, part_of, wrap_one
-from tagalong.slam.graph.local.bridge import bridge_over
-from tagalong.slam.graph.local.local_slam import LocalSlam, LocalSlamConfig
-from tagalong.slam.graph.local.switching_motion import SwitchingMotion
+from tagalong.slam.local.bridge import bridge_over
+from tagalong.slam.local.local_slam import LocalSlam, LocalSlamConfig
+from tagalong.slam.local.switching_motion import SwitchingMotion
 from tagalong.slam.scan_to_grid.extrapolator import ExtrapolatorConfig
 from tagalong.slam.scan_to_grid.voxel_filter import AdaptiveVoxelConfig, AdaptiveVoxelFilter
 from walls import cast

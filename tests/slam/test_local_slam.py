@@ -8,12 +8,12 @@ from tagalong.slam.engine import make_slam
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between, compose
 from tagalong.slam.graph.engine import Cartographer
-from tagalong.slam.graph.local.active_submaps import ActiveSubmaps, ActiveSubmapsConfig
-from tagalong.slam.graph.local.local_slam import LocalSlam, LocalSlamConfig
-from tagalong.slam.graph.local.odometry_soundness import OdometrySoundness
-from tagalong.slam.graph.local.sweep import Sweep
-from tagalong.slam.graph.local.switching_motion import MotionHypothesis
 from tagalong.slam.graph.loops.constraints import Kind
+from tagalong.slam.local.active_submaps import ActiveSubmaps, ActiveSubmapsConfig
+from tagalong.slam.local.local_slam import LocalSlam, LocalSlamConfig
+from tagalong.slam.local.odometry_soundness import OdometrySoundness
+from tagalong.slam.local.sweep import Sweep
+from tagalong.slam.local.switching_motion import MotionHypothesis
 from tagalong.slam.scan import LaserScan
 from tagalong.slam.scan_to_grid.extrapolator import Prediction
 from tagalong.slam.scan_to_grid.scan_matcher import GridMatch, GridScanMatcher, GridScanMatcherConfig

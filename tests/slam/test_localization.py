@@ -49,6 +49,9 @@ def room():
     return drawn(ROOM, PLACES)
 
 
+BY_ODOMETRY = LocalizerConfig(local=None)
+
+
 def driven(localizer, lines, start, motion, count, rng, reach=20.0, odometry=(0.0, 0.0, 0.0)):
     """Return the updates and true poses of a drive from `start` with `motion` a scan."""
     pose, odometry, updates, poses = np.array(start), np.array(odometry), [], []
@@ -88,6 +91,25 @@ def test_a_robot_that_knows_nothing_is_found_and_tracked(room):
             distance, turn = error(update, pose)
             assert distance < 0.05
             assert turn < np.deg2rad(1.0)
+
+
+def test_wheels_that_slip_lead_no_robot_astray_that_local_slam_follows(room):
+    start, step, away = np.array((-2.8, -2.0, 0.0)), np.array((0.08, 0.0, 0.03)), {}
+    for config in (None, BY_ODOMETRY):
+        rng, localizer, pose, wheels = np.random.default_rng(1), Localizer(room, config, start), start, np.zeros(3)
+        truth, scans = [], []
+        for k in range(40):
+            truth.append(pose)
+            scans.append(cast(ROOM, pose, rng))
+            localizer.update(wheels, scans[-1])
+            pose = compose(pose, step)
+            wheels = compose(wheels, step * (3.0 if k % 10 in (5, 6, 7) else 0.3))
+        sure = np.isfinite(localizer.trajectory()[:, 0])
+        off = between(np.array(truth), np.nan_to_num(localizer.trajectory()))[sure]
+        away[config] = sure.mean(), np.hypot(off[:, 0], off[:, 1]).max()
+    assert away[None][0] > 0.95
+    assert away[None][1] < 0.1
+    assert away[BY_ODOMETRY][0] < 0.9 or away[BY_ODOMETRY][1] > 0.1
 
 
 def test_a_given_start_needs_no_search_even_in_a_symmetric_room():
@@ -227,7 +249,7 @@ def test_two_runs_are_equal_to_the_byte(room):
     assert paths[0] == paths[1]
 
 
-def test_a_robot_that_was_pushed_aside_is_not_sure_of_where_it_was_before(room):
+def test_a_robot_that_was_pushed_aside_knows_it_by_its_scans_and_without_local_slam_is_not_sure(room):
     start = (0.0, -1.0, 0.0)
     for away, turn in ((0.3, 0.25), (0.4, -0.25), (0.5, 0.2)):
         rng = np.random.default_rng(0)
@@ -235,6 +257,10 @@ def test_a_robot_that_was_pushed_aside_is_not_sure_of_where_it_was_before(room):
         driven(localizer, ROOM, start, (0.0, 0.0, 0.0), 4, rng)
         pushed = compose(np.array(start), np.array([0.0, away, turn]))
         updates, poses = driven(localizer, ROOM, pushed, (0.0, 0.0, 0.02), 14, rng)
+        assert max(error(update, pose)[0] for update, pose in zip(updates, poses, strict=True)) < 0.1
+        localizer = Localizer(room, BY_ODOMETRY, start)
+        driven(localizer, ROOM, start, (0.0, 0.0, 0.0), 4, rng)
+        updates, poses = driven(localizer, ROOM, pushed, (0.0, 0.0, 0.02), 40, rng)
         sure = [k for k, update in enumerate(updates) if update.belief is not None and update.pose is not None]
         assert len(sure) == 1
         for update, pose in zip(updates[sure[0] :], poses[sure[0] :], strict=True):
@@ -250,7 +276,7 @@ def test_a_robot_that_was_kidnapped_to_where_it_looks_almost_as_where_it_was_is_
     ]
     for start, off in cases:
         rng = np.random.default_rng(0)
-        localizer = Localizer(grid, start=start)
+        localizer = Localizer(grid, BY_ODOMETRY, start)
         driven(localizer, SYMMETRIC, start, (0.0, 0.0, 0.0), 4, rng)
         turned = compose(np.array([0.0, 0.0, np.pi]), compose(np.array(start), np.array(off)))
         updates, _ = driven(localizer, SYMMETRIC, turned, (0.0, 0.0, 0.02), 6, rng)

@@ -1,10 +1,10 @@
 """A loop is closed where a place stands out, and not where another looks alike."""
 
 import numpy as np
-from tagalong.slam.graph.local.submap import Submap, SubmapConfig
-from tagalong.slam.graph.local.sweep import Sweep
 from tagalong.slam.graph.loops.constraints import ConstraintBuilder, ConstraintConfig
 from tagalong.slam.graph.loops.slack import Slack
+from tagalong.slam.local.submap import Submap, SubmapConfig
+from tagalong.slam.local.sweep import Sweep
 from tagalong.slam.scan_to_grid.scan_matcher import DOUBT
 from walls import cast
 

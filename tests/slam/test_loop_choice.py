@@ -6,7 +6,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from tagalong.slam.graph.local.submap import Submap, SubmapConfig
 from tagalong.slam.graph.loops.constraints import Constraint, ConstraintBuilder, ConstraintConfig, Kind, Place
 from tagalong.slam.graph.loops.global_config import GlobalSlamConfig
 from tagalong.slam.graph.loops.global_slam import GlobalSlam
@@ -16,6 +15,7 @@ from tagalong.slam.graph.loops.pieces import Pieces
 from tagalong.slam.graph.loops.slack import Slack
 from tagalong.slam.graph.loops.stretch import stretch
 from tagalong.slam.graph.loops.submap_links import SubmapLinks
+from tagalong.slam.local.submap import Submap, SubmapConfig
 from tagalong.slam.processes.threads import Workers
 
 SCAN = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]])

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from tagalong.slam.geometry import between, compose, inverse
 from tagalong.slam.graph.engine import Cartographer, CartographerConfig
-from tagalong.slam.graph.local.active_submaps import ActiveSubmapsConfig
-from tagalong.slam.graph.local.local_slam import LocalSlamConfig
 from tagalong.slam.graph.loops.constraints import Kind
 from tagalong.slam.graph.loops.global_config import GlobalSlamConfig
+from tagalong.slam.local.active_submaps import ActiveSubmapsConfig
+from tagalong.slam.local.local_slam import LocalSlamConfig
 from walls import cast
 
 BAYS, PERIOD, REACH = 10, 3.0, 4.0

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from tagalong.slam import make_slam
 from tagalong.slam.geometry import between, compose
-from tagalong.slam.graph.local.local_slam import LocalResult
-from tagalong.slam.graph.local.matched_steps import MatchedSteps
-from tagalong.slam.graph.local.odometry_calibration import OdometryCalibration
+from tagalong.slam.local.local_slam import LocalResult
+from tagalong.slam.local.matched_steps import MatchedSteps
+from tagalong.slam.local.odometry_calibration import OdometryCalibration
 from tagalong.slam.scan_to_grid.scan_matcher import GridMatch
 from walls import cast
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tagalong.slam import make_slam
 from tagalong.slam.geometry import between
-from tagalong.slam.graph.local.odometry_clock import OdometryClock
+from tagalong.slam.local.odometry_clock import OdometryClock
 from tagalong.slam.scan_to_grid.extrapolator import ExtrapolatorConfig
 from walls import cast
 

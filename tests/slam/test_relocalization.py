@@ -5,9 +5,9 @@ import pytest
 from tagalong.slam.engine import make_slam
 from tagalong.slam.geometry import between, compose, transform_points
 from tagalong.slam.graph.engine import Cartographer, CartographerConfig
-from tagalong.slam.graph.local.match_monitor import MatchMonitor, MatchMonitorConfig, contradictions
-from tagalong.slam.graph.local.submap import Submap, SubmapConfig
-from tagalong.slam.graph.local.sweep import Sweep
+from tagalong.slam.local.match_monitor import MatchMonitor, MatchMonitorConfig, contradictions
+from tagalong.slam.local.submap import Submap, SubmapConfig
+from tagalong.slam.local.sweep import Sweep
 from tagalong.slam.scan_to_scan import make_matcher
 from walls import cast
 

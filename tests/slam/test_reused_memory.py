@@ -3,8 +3,8 @@
 import copy
 
 import numpy as np
-from tagalong.slam.graph.local.submap import Submap, SubmapConfig
-from tagalong.slam.graph.local.sweep import Sweep
+from tagalong.slam.local.submap import Submap, SubmapConfig
+from tagalong.slam.local.sweep import Sweep
 from tagalong.slam.reused_memory import ReusedMemory, reused_array
 from tagalong.slam.search.score_pyramid import ScoreGrid, build_pyramid
 

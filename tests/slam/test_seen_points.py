@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from tagalong.slam.engine import make_slam
 from tagalong.slam.geometry import between, compose
-from tagalong.slam.graph.local.seen_points import near_visits, telling
+from tagalong.slam.local.seen_points import near_visits, telling
 from walls import cast
 
 AHEAD = np.linspace(-np.pi / 2, np.pi / 2, 181)

@@ -7,11 +7,11 @@ import pytest
 from tagalong.slam.errors import InputError
 from tagalong.slam.geometry import between, compose, inverse
 from tagalong.slam.graph.engine import Cartographer, CartographerConfig
-from tagalong.slam.graph.local.submap import Submap, SubmapConfig
-from tagalong.slam.graph.local.sweep import Sweep
 from tagalong.slam.graph.loops.constraints import Constraint, ConstraintBuilder, ConstraintConfig, Kind
 from tagalong.slam.graph.loops.global_config import GlobalSlamConfig
 from tagalong.slam.graph.loops.slack import Slack
+from tagalong.slam.local.submap import Submap, SubmapConfig
+from tagalong.slam.local.sweep import Sweep
 from tagalong.slam.scan_to_grid.extrapolator import Prediction
 from walls import cast
 

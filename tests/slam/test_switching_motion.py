@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from tagalong.slam.geometry import between
-from tagalong.slam.graph.local.odometry_soundness import OdometrySoundness
-from tagalong.slam.graph.local.switching_motion import SwitchingMotion
+from tagalong.slam.local.odometry_soundness import OdometrySoundness
+from tagalong.slam.local.switching_motion import SwitchingMotion
 from tagalong.slam.scan_to_grid.extrapolator import ExtrapolatorConfig
 
 STEP_S = 0.2

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from tagalong.slam.graph.local.usual_step import UsualStep
+from tagalong.slam.local.usual_step import UsualStep
 
 
 def learned(stamps, metres=0.2):

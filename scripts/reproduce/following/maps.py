@@ -12,8 +12,8 @@ from scipy.spatial import KDTree
 from ....envs.world.world import World, WorldConfig
 from ....slam.engine import SlamEngine, make_slam
 from ....slam.geometry import inverse, transform_points
-from ....slam.graph.local.local_slam import LocalSlamConfig
 from ....slam.graph.loops.global_config import GlobalSlamConfig
+from ....slam.local.local_slam import LocalSlamConfig
 from ....slam.occupancy_map import OccupancyMap
 from ....slam.quality.adnn import adnn
 from ....slam.quality.registration import register

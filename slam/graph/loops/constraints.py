@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 from ...bounds import Angle, Share, Within, check_numbers
 from ...errors import InputError
 from ...geometry import between, compose
+from ...local.submap import Submap
 from ...recent import Recent
 from ...scan_to_grid.match_kernels import information_in_node, match_nodes
 from ...scan_to_grid.refine_kernels import refine_pose
 from ...scan_to_grid.scan_matcher import DOUBT, far_radius
 from ...search.branch_and_bound import SearchWindow, Separation, branch_and_bound
 from ...search.score_pyramid import ScoreGrid, ScorePyramid, build_pyramid
-from ..local.submap import Submap
 from .blur_kernels import blurred_scores
 from .slack import SIGMAS, Slack
 

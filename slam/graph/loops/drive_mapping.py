@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry import compose
+from ...local.held_scans import Due
+from ...local.local_slam import LocalResult, LocalSlam
 from ...scan import LaserScan
-from ..local.held_scans import Due
-from ..local.local_slam import LocalResult, LocalSlam
 from .drive_record import DriveRecord
 from .global_slam import GlobalSlam
 from .submap_graph import GraphMark

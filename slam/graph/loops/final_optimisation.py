@@ -5,9 +5,9 @@ from collections.abc import Callable
 import numpy as np
 
 from ...geometry import between
+from ...local.sweep import Sweep
 from ...processes.threads import Workers
 from ...scan import LaserScan
-from ..local.sweep import Sweep
 from .constraints import Constraint, ConstraintBuilder, Kind
 from .global_config import GlobalSlamConfig
 from .node_matching import NodeMatching

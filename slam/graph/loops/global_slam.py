@@ -7,13 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry import between, compose, inverse
+from ...local.local_slam import Insertion
+from ...local.submap import Submap
+from ...local.sweep import Sweep
 from ...processes.threads import Workers
 from ...revisits import superseded
 from ...scan import LaserScan
 from ...scan_to_grid.extrapolator import Prediction
-from ..local.local_slam import Insertion
-from ..local.submap import Submap
-from ..local.sweep import Sweep
 from .constraints import Constraint, ConstraintBuilder, Kind
 from .final_optimisation import FinalOptimisation
 from .global_config import GlobalSlamConfig

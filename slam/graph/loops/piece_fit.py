@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry import between, compose, inverse
+from ...local.submap_kernels import beams, passes_wall
 from ...view_kernel import kernel
-from ..local.submap_kernels import beams, passes_wall
 from .submap_graph import SubmapGraph
 
 Array = NDArray[np.float64]

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry import between, compose
+from ...local.submap import Submap
+from ...local.sweep import Sweep
 from ...pose_log import PoseLog
 from ...scan import LaserScan
-from ..local.submap import Submap
-from ..local.sweep import Sweep
 from .constraints import Constraint
 from .drive_segments import DriveSegments
 from .node import Node

@@ -18,8 +18,8 @@ Array = NDArray[np.float64]
 
 # The map is of a minute ago, by the same laser: what fits it badly is elsewhere, and a look around decides.
 # Mapping goes on for a robot that is off it, so only where on it the robot may be is asked, also among people.
-_HERE = HypothesesConfig(evidence=4.0, maxima=60, off_map=False)
-_FRESH_MAP = LocalizerConfig(hypotheses=_HERE, fresh=2.5, search_every=2.0)
+_HERE = HypothesesConfig(evidence=4.0, maxima=60, level_scans=2.0, off_map=False)
+_FRESH_MAP = LocalizerConfig(local=None, hypotheses=_HERE, fresh=2.5, search_every=2.0)
 _AGREE = 1.0, 0.35  # [m, rad] by which local SLAM may have drifted since, or the map
 _DRIFT = np.array([0.3, 0.1])  # [m, rad] standard deviations of that: where it has the robot is refined so far
 _VOUCHED = 3  # scans in a row that fit the map where local SLAM has the robot end the doubt

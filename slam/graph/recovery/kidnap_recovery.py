@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from ...local.held_scans import Due
+from ...local.local_slam import LocalResult
 from ...scan import LaserScan
-from ..local.held_scans import Due
-from ..local.local_slam import LocalResult
 from ..loops.drive_mapping import DriveMapping, DriveMark
 from .doubt import Doubt
 from .node_map import NodeMap

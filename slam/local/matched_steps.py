@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry import between, turning
+from ..geometry import between, turning
 from .local_slam import LocalResult
 
 Array = NDArray[np.float64]

@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry import between
-from ...scan import LaserScan
-from ...scan_to_grid.degenerate_direction import degenerate_direction
-from ...scan_to_grid.extrapolator import Prediction
-from ...scan_to_grid.scan_matcher import DOUBT, GridMatch, GridScanMatcher
+from ..geometry import between
+from ..scan import LaserScan
+from ..scan_to_grid.degenerate_direction import degenerate_direction
+from ..scan_to_grid.extrapolator import Prediction
+from ..scan_to_grid.scan_matcher import DOUBT, GridMatch, GridScanMatcher
 from .active_submaps import ActiveSubmaps
 from .seen_points import seen_points, telling_share
 from .switching_motion import MotionHypothesis, SwitchingMotion

@@ -11,8 +11,8 @@ from functools import reduce
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry import compose, first_of_way
-from ...scan_to_grid.extrapolator import Prediction
+from ..geometry import compose, first_of_way
+from ..scan_to_grid.extrapolator import Prediction
 
 Array = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry import between, compose, turning
+from ..geometry import between, compose, turning
 
 Array = NDArray[np.float64]
 

@@ -7,7 +7,7 @@ last scan a scan sticks to them, and the robot seems to stand. So gaps along a s
 import numpy as np
 from numpy.typing import NDArray
 
-from ...view_kernel import kernel
+from ..view_kernel import kernel
 
 Points = NDArray[np.float64]
 

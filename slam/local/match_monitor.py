@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...bounds import check_numbers
-from ...errors import InputError
-from ...view_kernel import kernel
+from ..bounds import check_numbers
+from ..errors import InputError
+from ..view_kernel import kernel
 from .submap import Submap
 from .submap_kernels import beams, passes_wall
 

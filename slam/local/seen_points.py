@@ -8,8 +8,8 @@ nothing is seen through a wall: where a beam would have to, its end speaks again
 import numpy as np
 from numpy.typing import NDArray
 
-from ...scan_to_grid.extrapolator import Prediction
-from ...view_kernel import kernel
+from ..scan_to_grid.extrapolator import Prediction
+from ..view_kernel import kernel
 from .submap import Submap
 from .submap_kernels import beams, passes_wall
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ...view_kernel import kernel, spliced_kernel
+from ..view_kernel import kernel, spliced_kernel
 
 Grid = NDArray[np.float32]
 Points = NDArray[np.float64]

@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from ...bounds import check_numbers
-from ...errors import InputError
+from ..bounds import check_numbers
+from ..errors import InputError
 from .submap import Submap, SubmapConfig
 from .sweep import Sweep
 

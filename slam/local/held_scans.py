@@ -11,9 +11,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry import between
-from ...scan import LaserScan
-from ...scan_to_grid.scan_matcher import GridMatch
+from ..geometry import between
+from ..scan import LaserScan
+from ..scan_to_grid.scan_matcher import GridMatch
 from .bridge import Bridge
 from .switching_motion import MotionHypothesis, SwitchingMotion
 

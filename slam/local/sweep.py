@@ -6,8 +6,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry import transform_points
-from ...scan import LaserScan
+from ..geometry import transform_points
+from ..scan import LaserScan
 from .surface import surface_points
 
 Array = NDArray[np.float64]

@@ -21,8 +21,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry import between, compose, inverse
-from ...scan_to_grid.extrapolator import ExtrapolatorConfig, OdometryExtrapolator, Prediction
+from ..geometry import between, compose, inverse
+from ..scan_to_grid.extrapolator import ExtrapolatorConfig, OdometryExtrapolator, Prediction
 from .bridge import Bridge, bridge_over
 from .odometry_soundness import OdometryPrecision, OdometrySoundness
 from .usual_step import SLIP, UsualStep

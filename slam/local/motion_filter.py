@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...bounds import check_numbers
-from ...errors import InputError
-from ...geometry import between
+from ..bounds import check_numbers
+from ..errors import InputError
+from ..geometry import between
 
 
 @dataclass(frozen=True, kw_only=True)

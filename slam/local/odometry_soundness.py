@@ -6,8 +6,8 @@ import statistics
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry import between
-from ...scan_to_grid.extrapolator import Prediction
+from ..geometry import between
+from ..scan_to_grid.extrapolator import Prediction
 
 Array = NDArray[np.float64]
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry import between, compose, inverse, part_of, turning
-from ...scan_to_grid.extrapolator import ExtrapolatorConfig
+from ..geometry import between, compose, inverse, part_of, turning
+from ..scan_to_grid.extrapolator import ExtrapolatorConfig
 from .switching_motion import stands
 
 Array = NDArray[np.float64]

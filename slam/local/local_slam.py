@@ -7,13 +7,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...bounds import Cell, check_numbers
-from ...errors import InputError
-from ...geometry import between
-from ...scan import LaserScan
-from ...scan_to_grid.extrapolator import ExtrapolatorConfig, Prediction
-from ...scan_to_grid.scan_matcher import GridMatch, GridScanMatcher, GridScanMatcherConfig
-from ...scan_to_grid.voxel_filter import AdaptiveVoxelConfig, AdaptiveVoxelFilter
+from ..bounds import Cell, check_numbers
+from ..errors import InputError
+from ..geometry import between
+from ..scan import LaserScan
+from ..scan_to_grid.extrapolator import ExtrapolatorConfig, Prediction
+from ..scan_to_grid.scan_matcher import GridMatch, GridScanMatcher, GridScanMatcherConfig
+from ..scan_to_grid.voxel_filter import AdaptiveVoxelConfig, AdaptiveVoxelFilter
 from .active_submaps import ActiveSubmaps, ActiveSubmapsConfig
 from .held_scans import Due, HeldScans, Look
 from .hypothesis_matching import HypothesisMatching

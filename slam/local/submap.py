@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...bounds import Cell, Reach, Share, check_numbers, check_size, memory_for
-from ...errors import InputError
-from ...reused_memory import reused_array
+from ..bounds import Cell, Reach, Share, check_numbers, check_size, memory_for
+from ..errors import InputError
+from ..reused_memory import reused_array
 from .submap_kernels import bounds, insert_scans
 from .sweep import Sweep
 

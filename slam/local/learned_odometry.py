@@ -1,0 +1,38 @@
+"""Odometry with what is learned of its wheels and its clock, by the steps between scans that were matched."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scan_to_grid.extrapolator import ExtrapolatorConfig
+from .local_slam import LocalResult
+from .matched_steps import MatchedSteps
+from .odometry_calibration import OdometryCalibration
+from .odometry_clock import OdometryClock
+
+Array = NDArray[np.float64]
+
+
+class LearnedOdometry:
+    """Turns the odometry that a robot tells into what it would tell, were its wheels and its clock known well.
+
+    Args:
+        config: Error model of the odometry.
+
+    Attributes:
+        calibration: What was learned of the wheels.
+        clock: What was learned of how late the odometry is.
+    """
+
+    def __init__(self, config: ExtrapolatorConfig) -> None:
+        self.calibration, self.clock = OdometryCalibration(), OdometryClock(config)
+        self._steps = MatchedSteps()
+
+    def apply(self, odometry: Array, time_s: float) -> Array:
+        """Return T_odom_robot (3,) as it is learned to be, of a scan at `time_s` [s] that is told with `odometry`."""
+        return self.clock.apply(self.calibration.apply(odometry), time_s)
+
+    def learn(self, result: LocalResult, waits: bool) -> None:
+        """Learn from where the last scan was matched, or seems to be as long as it `waits`."""
+        if step := self._steps.follow(result, waits):
+            self.calibration.learn(*step)
+            self.clock.learn(*step)
