@@ -50,7 +50,7 @@ class CartographerConfig:
 class Cartographer:
     """Graph SLAM of Cartographer's kind (Hess, Kohler, Rapp, Andor 2016); a `SlamEngine`.
 
-    Scans in a row that contradict what was mapped, or odometry that is not believed, tell that the robot may have been
+    A scan that contradicts what was mapped, or odometry that is not believed, tells that the robot may have been
     carried, or slipped far. Mapping goes on, and once the robot has been found and followed elsewhere on the map of
     before, that loop is closed, or all that was mapped since is taken back and mapped again there. What wheels of the
     wrong size do to the odometry is learned from the matches.

@@ -110,3 +110,20 @@ def test_odometry_that_is_not_believed_raises_a_doubt(engine, fault):
     result = LocalResult(pose, None, None, contradicts=False, odometry_fault=fault)
     assert recovery.review(result, pose, scan) is result
     assert (recovery._doubt is not None) == fault
+
+
+@pytest.mark.parametrize("sign", ["contradicts", "odometry_fault", "jumped"])
+def test_one_scan_with_any_sign_asks_the_map_and_one_that_fits_there_ends_it(sign):
+    engine = make_slam("cartographer")
+    assert isinstance(engine, Cartographer)
+    drive(engine, [along(2.0, 10.0)], np.zeros(3))
+    recovery, place = engine._recovery, engine.local_trajectory()[-1]
+    assert recovery is not None
+    scan = cast(LINES, engine.pose, np.random.default_rng(0), REACH)
+    recovery.review(LocalResult(place, None, None), np.zeros(3), scan)
+    assert recovery._doubt is None
+    recovery.review(LocalResult(place, None, None, **{sign: True}), np.zeros(3), scan)
+    assert recovery._doubt is not None
+    for _ in range(5):
+        recovery.review(LocalResult(place, None, None), np.zeros(3), scan)
+    assert recovery._doubt is None

@@ -23,8 +23,9 @@ class KidnapRecovery:
 
     In words:
 
-    - Scans in a row that contradict the submap raise a doubt, and so does odometry that is not believed: the robot may
-      have been carried to where it looks alike, for what is known of the last metres. Mapping goes on meanwhile.
+    - A scan that contradicts the submap raises a doubt, and so does one that is found far from where it was expected, or
+      odometry that is not believed: the robot may have been carried to where it looks alike, for what is known of the
+      last metres. Mapping goes on meanwhile.
     - The doubt ends where the scans fit the map of before where local SLAM has the robot.
     - It ends, too, after a while, unless that map rules out that it is there.
     - Where the map rules it out, and the robot has been followed on it elsewhere for a while, the map has drifted, or
@@ -46,7 +47,7 @@ class KidnapRecovery:
 
     def __init__(self, mapping: DriveMapping) -> None:
         assert mapping.graph
-        self._monitor, self._mapping, self._graph = mapping.local.monitor, mapping, mapping.graph
+        self._mapping, self._graph = mapping, mapping.graph
         self._record = mapping.record
         self._map = NodeMap(mapping.graph, mapping.record)
         self._mark: DriveMark | None = None  # before the first of the scans in a row that contradict the submap
@@ -65,7 +66,7 @@ class KidnapRecovery:
             odometry: (3,) T_odom_robot.
             scan: The scan.
         """
-        suspicious = result.contradicts or result.odometry_fault
+        suspicious = result.contradicts or result.odometry_fault or result.jumped
         if not self._doubt and (not suspicious or len(self._scans) >= _MOST_SCANS):
             self._forget()
             return result
@@ -73,8 +74,7 @@ class KidnapRecovery:
             self._mark = self._mark or self._mapping.mark()
             self._scans.append((odometry, scan, result.pose))
         self._unweighed.append((odometry, scan, result.pose))
-        alarmed = result.odometry_fault or self._monitor.alarmed
-        if not self._doubt and alarmed and self._record.way - self._settled_at >= _SETTLED:
+        if not self._doubt and self._record.way - self._settled_at >= _SETTLED:
             self._doubt = self._new_doubt()
         if not self._doubt:
             return result
