@@ -23,7 +23,7 @@ class KidnapRecovery:
 
     In words:
 
-    - A scan that contradicts the submap raises a doubt, and so does one that is found far from where it was expected, or
+    - A scan that contradicts the submap raises a doubt, and so do one that is found far from where it was expected, and
       odometry that is not believed: the robot may have been carried to where it looks alike, for what is known of the
       last metres. Mapping goes on meanwhile.
     - The doubt ends where the scans fit the map of before where local SLAM has the robot.
