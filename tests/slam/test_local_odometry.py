@@ -16,13 +16,14 @@ ROOM = np.array([(*one, *other) for line in (CORNERS, CHEST) for one, other in p
 STEP = np.array([0.1, 0.0, 0.04])
 
 
-def led(odometry, told, count):
-    """Return true poses and what `odometry` makes of what is `told` (scan, step) of a drive around the room."""
+def led(odometry, told, count, blind=0):
+    """Return true poses and what `odometry` makes of what is `told` (scan, step) of a drive, which ends `blind`."""
     rng = np.random.default_rng(0)
     true, wheels, truth, made = np.array([0.0, -2.5, 0.0]), np.zeros(3), [], []
     for k in range(count):
         truth.append(true)
-        made.append(odometry.update(wheels, replace(cast(ROOM, true, rng), time_s=0.1 * k)))
+        reach = 20.0 if k < count - blind else 0.1
+        made.append(odometry.update(wheels, replace(cast(ROOM, true, rng, reach), time_s=0.1 * k)))
         true, wheels = compose(true, STEP), compose(wheels, told(k, STEP))
     return np.array(truth), np.array(made)
 
@@ -49,3 +50,17 @@ def test_no_more_than_the_growing_submaps_are_kept():
     odometry = LocalOdometry(LocalSlamConfig())
     led(odometry, lambda k, step: step, 300)
     assert len(odometry._local.submaps) <= 2
+
+
+def test_what_was_learned_of_the_wheels_holds_where_no_scan_tells_anything():
+    def gone(odometry):
+        truth, made = led(odometry, lambda k, step: step * 1.15, 270, blind=20)
+        return between(between(truth[-20], truth[-1]), between(made[-20], made[-1]))
+
+    assert np.abs(gone(LocalOdometry(LocalSlamConfig()))).max() < 0.5 * np.abs(gone(AsTold())).max()
+
+
+def test_scans_wait_while_the_odometry_stands_still():
+    odometry = LocalOdometry(LocalSlamConfig())
+    led(odometry, lambda k, step: step * (k < 20), 24)
+    assert len(odometry._local._held.scans) == 3

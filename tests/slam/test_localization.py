@@ -96,8 +96,8 @@ def test_a_robot_that_knows_nothing_is_found_and_tracked(room):
 def test_wheels_that_slip_lead_no_robot_astray_that_local_slam_follows(room):
     start, step, away = np.array((-2.8, -2.0, 0.0)), np.array((0.08, 0.0, 0.03)), {}
     for config in (None, BY_ODOMETRY):
-        rng, localizer, pose, wheels = np.random.default_rng(1), Localizer(room, config, start), start, np.zeros(3)
-        truth, scans = [], []
+        rng, pose, wheels = np.random.default_rng(1), start, np.zeros(3)
+        localizer, truth, scans = Localizer(room, config, start, keep_history=True), [], []
         for k in range(40):
             truth.append(pose)
             scans.append(cast(ROOM, pose, rng))
@@ -107,6 +107,11 @@ def test_wheels_that_slip_lead_no_robot_astray_that_local_slam_follows(room):
         sure = np.isfinite(localizer.trajectory()[:, 0])
         off = between(np.array(truth), np.nan_to_num(localizer.trajectory()))[sure]
         away[config] = sure.mean(), np.hypot(off[:, 0], off[:, 1]).max()
+        if config is None:
+            moved, motion = between(truth[0], np.array(truth)), localizer.odometry()
+            assert np.abs(moved - between(motion[0], motion)).max() < 0.1
+            whole = smooth_drive(localizer, RecordedDrive(motion, scans, None, "slips")).trajectory
+            assert np.abs(whole - np.array(truth)).max() < 0.1
     assert away[None][0] > 0.95
     assert away[None][1] < 0.1
     assert away[BY_ODOMETRY][0] < 0.9 or away[BY_ODOMETRY][1] > 0.1
