@@ -103,14 +103,11 @@ class LocalSlam:
     Args:
         config: Settings.
         calibration: What is learned of the odometry.
-
-    Attributes:
-        monitor: Notices that matching has failed.
     """
 
     def __init__(self, config: LocalSlamConfig, calibration: OdometryCalibration | None = None) -> None:
         self._config = config
-        self.monitor = self._monitor = MatchMonitor(config.monitor)
+        self._monitor = MatchMonitor(config.monitor)
         self._motion = SwitchingMotion(config.extrapolator)
         self._calibration = calibration or OdometryCalibration()
         self._inserted_at: Array | None = None

@@ -31,7 +31,9 @@ class HypothesesConfig:
         evidence: By how much a hypothesis is less likely, as a logarithm, that misfits twice as much as is usual, for
             each scan that is independent of the others.
         level: What is usual before anything was seen ...
-        level_scans: ... counts as much as so many independent scans: the first ones may show one bare wall.
+        level_scans: ... counts as much as so many independent scans: by chance the best of many places fits better than
+            is usual. With 2 the second log of Wean Hall was sure and wrong in 3.7 % of the scans told, with 10 in
+            0.2 %; stretches of five other logs hardly differ, and a robot that wakes up on a clean map is found later.
         least_level: The usual misfit is not taken for less, as no map is so good ...
         most_level: ... nor for more: there the map is of elsewhere.
         excess: A robot that is at none of the hypotheses is thought to misfit so much more than is usual.

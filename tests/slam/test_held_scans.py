@@ -170,7 +170,7 @@ def waiting(last):
 
 def test_a_scan_that_waits_is_told_to_contradict_the_map_and_is_not_counted_twice():
     local, _ = waiting(np.array([-0.3, 0.5, 1.5]))
-    assert local.monitor.rejected == 0
+    assert local._monitor.rejected == 0
     result = local.wait(round_the_corner()[35], cast(WALLS, np.array([-0.3, 0.5, 1.5]), np.random.default_rng(1)))
     assert result
     assert result.contradicts

@@ -16,7 +16,8 @@ from ...scan import LaserScan
 
 Array = NDArray[np.float64]
 
-# The map is of a minute ago, by the same laser: what fits it badly is elsewhere, and a look around decides.
+# The map is of a minute ago, by the same laser: what fits it badly is elsewhere, a look around decides, and few scans
+# tell what is usual. How the robot moved is not asked of local SLAM, which is what is doubted.
 # Mapping goes on for a robot that is off it, so only where on it the robot may be is asked, also among people.
 _HERE = HypothesesConfig(evidence=4.0, maxima=60, level_scans=2.0, off_map=False)
 _FRESH_MAP = LocalizerConfig(local=None, hypotheses=_HERE, fresh=2.5, search_every=2.0)
