@@ -64,7 +64,7 @@ def environment_page(name: str) -> str:
     parts = [
         f"# {name}",
         summary,
-        f"![The building of seed 0, seen from above](../images/environments/{scene}.png)",
+        f"![PID behind its leader, 3.2 times as fast, and the map that it makes](../images/environments/{scene}.webp)",
         details,
         "## Use",
         f"```python\n{PROGRAM.format(name=name)}```",

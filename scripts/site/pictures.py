@@ -1,4 +1,4 @@
-"""`python -m tagalong.scripts.site.pictures DIR`: draws the pictures of the documentation anew, from one seed.
+"""`python -m tagalong.scripts.site.pictures DIR`: draws the pictures and videos of the site anew, from one seed.
 
 They are in the repository as `docs/images/environments` and `docs/images/methods`; `make pictures` draws them there.
 """
@@ -26,6 +26,7 @@ from ...perception.rgbd.people import RgbdPeople
 from ...perception.rgbd.people_finder import PeopleFinder
 from ...perception.rgbd.planes import PlaneFinder
 from ...slam.engine import make_slam
+from ...slam.files.output import replacing
 from ...slam.geometry import between, compose, transform_points
 from ...slam.localization.localizer import Localizer
 from ...slam.runner import run_slam
@@ -43,6 +44,10 @@ COLOURS = 256
 """Of a picture's palette: with fewer, rare ones are lost, such as of a start."""
 SEED = 3
 """Of everything that is drawn here."""
+VIDEO_STEPS, VIDEO_EVERY, VIDEO_FPS = 240, 4, 8.0
+"""Length of an environment's video [steps], steps between its frames, and frames a second [1/s]: 3.2 times as fast."""
+VIDEO_WIDTH, VIDEO_QUALITY = 560, 40
+"""Of such a video [px], and how well it is kept (WebP's 0 to 100): some 250 kilobytes."""
 MATCHED = (200, 208)
 """Scans of the drive that the matchers lay on each other."""
 CAMERA_FRAMES, CAMERA_S = 4, 120.0
@@ -54,7 +59,7 @@ def draw_all(folder: Path) -> None:
     """Draw every picture into `folder`."""
     for arguments in IDS.values():
         scene = str(arguments["scene"])
-        _save(folder / "environments" / f"{scene}.png", environment_picture(arguments))
+        save_webp(folder / "environments" / f"{scene}.webp", environment_video(arguments))
     tour = following_tour(TourConfig(scene="meeting_room", people=3, seed=SEED))
     _save(folder / "methods" / "people-filter.png", filter_picture(tour))
     _save(folder / "methods" / "matchers.png", matcher_picture(tour))
@@ -68,16 +73,20 @@ def draw_all(folder: Path) -> None:
     save_detections(folder / "methods" / "camera.png", camera_frames())
 
 
-def environment_picture(arguments: dict[str, Any]) -> Image.Image:
-    """Return the environment as it renders itself, 6 s after the start behind PID."""
+def environment_video(arguments: dict[str, Any]) -> list[Image.Image]:
+    """Return the first 24 s behind PID, as the environment renders itself."""
     env = gym.make("tagalong/Corridor-v0", render_mode="rgb_array", **arguments)
-    inner = env.unwrapped
-    assert isinstance(inner, FollowEnv)
-    rollout(env, make_follower("pid", inner.interface), seed=SEED, steps=60)
-    picture = inner.render()
+    frames: list[Image.Image] = []
+
+    def film(inner: FollowEnv) -> None:
+        if round(inner.truth.time_s * inner.config.task.control_hz) % VIDEO_EVERY == 0:
+            picture = inner.render()
+            assert picture is not None
+            frames.append(Image.fromarray(picture))
+
+    rollout(env, make_follower("pid"), seed=SEED, steps=VIDEO_STEPS, after_step=film)
     env.close()
-    assert picture is not None
-    return Image.fromarray(picture)
+    return frames
 
 
 def filter_picture(tour: FollowingTour) -> Image.Image:
@@ -198,6 +207,23 @@ def camera_frames() -> list[tuple[RgbdFrame, RgbdPeople]]:
                 last_s = frame.time_s
                 shown.append((frame, found))
     return shown
+
+
+def save_webp(path: Path, frames: list[Image.Image]) -> None:
+    """Write frames of one size as a WebP that moves and loops: a quarter of a GIF, and shown by every browser."""
+    size = (VIDEO_WIDTH, round(frames[0].height * VIDEO_WIDTH / frames[0].width))
+    first, *others = [frame.resize(size, Image.Resampling.LANCZOS) for frame in frames]
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with replacing(path) as temporary:
+        first.save(
+            temporary,
+            format="WEBP",
+            save_all=True,
+            append_images=others,
+            duration=round(1000 / VIDEO_FPS),
+            loop=0,
+            quality=VIDEO_QUALITY,
+        )
 
 
 def _save(path: Path, picture: Image.Image) -> None:

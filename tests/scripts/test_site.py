@@ -205,4 +205,4 @@ def test_every_environment_and_every_method_has_a_picture_that_is_there():
         for picture in re.findall(r"!\[[^]]*\]\(([^)]+)\)", path.read_text(encoding="utf-8")):
             assert (path.parent / picture).is_file(), f"{path.name}: {picture}"
     scenes = {str(arguments["scene"]) for arguments in environments.IDS.values()}
-    assert {path.stem for path in (ROOT / "docs" / "images" / "environments").glob("*.png")} == scenes
+    assert {path.stem for path in (ROOT / "docs" / "images" / "environments").glob("*.webp")} == scenes
