@@ -4,6 +4,7 @@ import math
 import os
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 from ...slam.drives.scan_correction import surveyed_bag
 from ...slam.errors import InputError
@@ -69,11 +70,13 @@ def filter_log(
         lag_s: How much later people are told of, see `HindsightFilter` [s].
 
     Raises:
-        InputError: If source and target are one, the log cannot be read, or the target cannot be written.
+        InputError: If source and target are one, or the target's name is that of another kind of log, the log cannot be
+            read, or the target cannot be written.
         MissingExtraError: If it is a bag and the libraries for it are not installed.
     """
     if os.path.realpath(checked_name(source)) == os.path.realpath(checked_name(target)):
         raise InputError(f"{named(target)}: is the log itself; give another name")
+    _require_name_of_its_kind(checked_name(source), checked_name(target))
     topics, counts = topics or Topics(), FilterCounts(progress=progress)
     if is_bag(source):
         bag, correction = surveyed_bag(read_beginning(source, topics.scans, topics.odometry))
@@ -83,6 +86,21 @@ def filter_log(
         raise InputError(f"{named(source)}: only a ROS bag has topics to choose")
     copy_carmen(source, target, _LineRemoval(config, counts, lag_s))
     return FilteredLog(counts, "")
+
+
+_BAGS = {".bag": "a ROS 1 bag", ".mcap": "an MCAP file", ".db3": "a file in the folder of a ROS 2 bag"}
+
+
+def _require_name_of_its_kind(source: Path, target: Path) -> None:
+    """Refuse a name by which other programs would take the copy for what it is not: a copy is what its source is."""
+    is_file = is_bag(source) and not source.is_dir()
+    kind = (".mcap" if source.suffix == ".mcap" else ".bag") if is_file else ""
+    if target.suffix in _BAGS and target.suffix != kind:
+        found = _BAGS[kind] if is_file else "a folder" if source.is_dir() else "no bag"
+        raise InputError(
+            f"{named(target)}: is a name of {_BAGS[target.suffix]}, but {named(source)} is {found}, and so will its "
+            f"copy be; give a name without {target.suffix}"
+        )
 
 
 _MOST_WAITING = 1000

@@ -67,4 +67,6 @@ def run(options: argparse.Namespace) -> int:
     print(
         f"{counts.scans} scans, {len(counts.people)} people, {share:.2f} % of returns removed; wrote {options.target}"
     )
+    if result.topic:
+        print(f"added: {result.topic}, and its people, tracks and legs ({result.topic}/people, ...)")
     return 0

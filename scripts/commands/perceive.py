@@ -117,7 +117,8 @@ def _perceive_scans(options: argparse.Namespace) -> int:
     print(
         f"tracker: preset {options.preset}, leg forest {options.forest}; odometry {_source(options.odometry, odometry)}"
     )
-    print(f"{len(scans)} scans, {len(legs) - 1} legs, {len(ids)} people; wrote {options.out}/legs.csv, people.csv")
+    written = f"{options.out}/legs.csv, people.csv" + (f", {options.record}" if options.record else "")
+    print(f"{len(scans)} scans, {len(legs) - 1} legs, {len(ids)} people; wrote {written}")
     return 0
 
 

@@ -91,6 +91,35 @@ def test_a_log_is_not_filtered_into_itself(carmen, capsys):
     assert "is the log itself" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("kind", "name", "found"),
+    [
+        ("sqlite", "out.mcap", "is a folder"),
+        ("sqlite", "out.db3", "is a folder"),
+        ("mcap", "out.bag", "is an MCAP file"),
+        ("bag", "out.mcap", "is a ROS 1 bag"),
+    ],
+)
+def test_a_bag_is_not_copied_under_a_name_of_another_kind(tmp_path, capsys, kind, name, found):
+    source, _ = made(tmp_path, kind)
+    assert main(["filter", str(source), str(tmp_path / name)]) == 2
+    told = capsys.readouterr().err
+    assert found in told
+    assert f"give a name without {name[3:]}" in told
+    assert not (tmp_path / name).exists()
+
+
+def test_a_log_is_not_copied_under_the_name_of_a_bag(carmen, tmp_path, capsys):
+    assert main(["filter", str(carmen), str(tmp_path / "out.mcap")]) == 2
+    assert "is no bag" in capsys.readouterr().err
+
+
+def test_the_topics_that_were_added_are_told(tmp_path, capsys):
+    source, target = made(tmp_path, "mcap")
+    assert main(["filter", str(source), str(target), "--topic", "/front/clean"]) == 0
+    assert "added: /front/clean, and its people, tracks and legs (/front/clean/people, ...)" in capsys.readouterr().out
+
+
 def test_stamps_that_stand_still_or_go_back_become_times_that_increase():
     clock = IncreasingClock(10.0)
     times = [clock.update(stamp) for stamp in (5.0, 5.0, 5.2, 5.1, 5.3)]
