@@ -5,14 +5,14 @@ STAMP := .venv/.installed
 LEARN := .venv/.installed-learn
 DOCS := .venv/.installed-docs
 
-# of `make fuzz`: about how long, and the seed of all inputs
+# of `make fuzz`: about how long, and the seed of all inputs; of `make site-test`: how long the longest may take
 MINUTES ?= 2
 SEED ?= 1
 
 # a test starts no helpers of its own
 test fuzz kill-tests: export TAGALONG_COMPILERS = 1
 
-.PHONY: demo test check bench docs pictures dist fuzz kill-tests clean
+.PHONY: demo test check bench docs site-test pictures dist fuzz kill-tests clean
 
 demo: $(STAMP)
 	$(BIN)/tagalong demo --out out/demo
@@ -40,6 +40,10 @@ bench: $(STAMP)
 docs: $(DOCS)
 	$(BIN)/python -m tagalong.scripts.site out/site-source
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict --clean
+
+# programs and commands of the site that take minutes, too
+site-test: $(LEARN)
+	TAGALONG_SITE_MINUTES=$(MINUTES) $(BIN)/python -m pytest -q tests/scripts/test_site.py
 
 # the pictures of the site, drawn anew
 pictures: $(STAMP)

@@ -19,7 +19,7 @@ Brackets: 95 % intervals. The last column is paired, tour by tour, with p of McN
 
 Your own follower enters with one module and one command ([how it is written](how-to/own-follower.md)):
 
-<!-- only parsed: hours -->
+<!-- takes 300 minutes -->
 ```console
 $ tagalong compare --suites {words}{option} --followers {followers} my_module:Bold --leaderboard docs/leaderboard.md
 ```

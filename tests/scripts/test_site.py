@@ -1,10 +1,13 @@
 """The site: every page is found, every program and command on it runs, and what is made of the code is made.
 
-A block of commands that would take longer than some seconds stands under `<!-- only parsed: WHY -->`: its words are
-checked by the command's own parser, and it is not run.
+What takes longer than some seconds stands under `<!-- takes N minutes -->`, or under that and "and the recordings",
+and is run where TAGALONG_SITE_MINUTES is at least N; what a machine may lack, under `<!-- needs WHAT -->`. What is not
+run is read by the command's own parser.
 """
 
 import ast
+import math
+import os
 import re
 import runpy
 import shlex
@@ -23,7 +26,13 @@ from tagalong.slam.logs import open_recording, write_carmen
 
 ROOT = Path(__file__).resolve().parents[2]
 NAV = (ROOT / "mkdocs.yml").read_text(encoding="utf-8").partition("\nnav:\n")[2]
-BLOCK = re.compile(r"(<!-- only parsed: [^>]+ -->\n+)?^```(python|console)\n(.*?)^```$", flags=re.M | re.S)
+BLOCK = re.compile(
+    r"(?:<!-- (?:takes (\d+) minutes?( and the recordings)?|(needs) [^>]+) -->\n+)?^```(python|console)\n(.*?)^```$",
+    flags=re.M | re.S,
+)
+PATIENCE = float(os.environ.get("TAGALONG_SITE_MINUTES", "0"))
+"""Blocks that take longer are not run [min]."""
+RECORDINGS = os.environ.get("TAGALONG_DATA")
 DOORS = {"tagalong", *(f"tagalong.{door}" for door in reference.DOORS)}
 OTHER_PROGRAMS = {"export TAGALONG_DATA=DIR"}
 """Lines that are neither tagalong, make nor pip."""
@@ -34,7 +43,7 @@ class Block(NamedTuple):
 
     page: str
     name: str
-    only_parsed: bool
+    minutes: float
     language: str
     text: str
 
@@ -45,7 +54,10 @@ def blocks() -> Iterator[Block]:
     made = [("environments/meetingroom-v0.md", environments.environment_page("tagalong/MeetingRoom-v0"))]
     for page, text in [*sorted(texts.items()), *made]:
         for number, found in enumerate(BLOCK.finditer(text), 1):
-            yield Block(page, f"{page}, block {number}", bool(found[1]), found[2], found[3])
+            lacks = found[3] or (found[2] and RECORDINGS is None)
+            yield Block(
+                page, f"{page}, block {number}", math.inf if lacks else float(found[1] or 0), found[4], found[5]
+            )
 
 
 def hand_written() -> list[Path]:
@@ -84,7 +96,7 @@ def folder(tmp_path):
 
 @pytest.mark.parametrize("block", PROGRAMS, ids=lambda block: block.name)
 def test_a_program_of_the_site_runs(block, folder, monkeypatch, capsys):
-    if block.only_parsed:
+    if block.minutes > PATIENCE:
         return
     if "write_minari" in block.text:
         pytest.importorskip("minari")
@@ -114,6 +126,9 @@ def test_the_commands_of_a_page_run_one_after_the_other_or_are_at_least_understo
     monkeypatch.chdir(folder)
     monkeypatch.syspath_prepend(str(folder))
     monkeypatch.setenv("TAGALONG_DATA", str(folder))
+    if PATIENCE > 0.0 and RECORDINGS is not None:
+        (folder / "DATA").symlink_to(RECORDINGS)
+        (folder / "recordings").symlink_to(Path(RECORDINGS) / "legs")
     for program in PROGRAMS:  # the module that the page has the reader write
         if program.page == page and program.text.startswith("# my_module.py"):
             (folder / "my_module.py").write_text(program.text, encoding="utf-8")
@@ -144,9 +159,18 @@ def run_or_parse(words: list[str], block: Block) -> None:
     parser.parse_args(words)
     if words[0] == "record" and find_spec("minari") is None:
         return
+    if any(word.endswith(".rrd") for word in words) and find_spec("rerun") is None:
+        return
     slow = words[0] in ("demo", "doctor") or (words[0] == "data" and len(words) > 1)
-    if not block.only_parsed and not slow:
+    if block.minutes <= PATIENCE and (PATIENCE > 0.0 or not slow):
         assert cli.main(words) == 0, (block.name, words)
+
+
+def test_every_marker_is_one_that_is_understood():
+    known = r"takes \d+ minutes?( and the recordings)?|needs .+|made: .+|fuzz table: (begin|end)"
+    for path in hand_written():
+        for marker in re.findall(r"<!-- ([^>]*) -->", path.read_text(encoding="utf-8")):
+            assert re.fullmatch(known, marker), (path.name, marker)
 
 
 def test_a_page_that_the_navigation_lacks_is_named_here():
