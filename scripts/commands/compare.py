@@ -28,8 +28,8 @@ The first of --followers is what the others are compared with: the share of tour
 (McNemar's exact test, corrected for the number of cells after Holm), and all other figures (Wilcoxon's signed ranks).
 Episodes are driven with the tracker. Without --slam nothing maps; with it the robot maps as it follows, and its map is
 compared with the true building (ADNN both ways), its poses with the true ones, and the floor counted that its laser saw
-from 4.6 m or nearer. Every finished episode is a line of episodes.jsonl, as they end; the same command goes on where it
-was stopped, and --jobs decides nothing but the time.
+from 4.6 m or nearer. Every finished episode is a line of episodes.jsonl at once, and they are sorted at the end; the
+same command goes on where it was stopped, and --jobs decides nothing but the time.
 
 writes into DIR: episodes.jsonl, results.json, report.md, with --plot trade_off.png; and the leaderboard where
 --leaderboard says. A follower of your own is one more name: what the others drove into DIR is not driven again.
@@ -130,6 +130,7 @@ def _driven(
             with file.open("a", encoding="utf-8") as lines:
                 lines.write(json.dumps(row) + "\n")
             progress.update()
+    write_text(file, "".join(sorted(file.read_text(encoding="utf-8").splitlines(keepends=True))))
     return [{**rows[key], "cell": suite(key[1])[key[2] % len(suite(key[1]))].name} for key in asked]
 
 

@@ -87,7 +87,7 @@ PLANS = {
     "bench speed": _tagalong("bench speed --steps 2 --out out", in_a_row=20, times=_SPEEDS),
     "bench simulators": _tagalong("bench simulators --suites corridor --episodes 2 --out out"),
     "compare --slam": _tagalong(
-        "compare --suites corridor --followers pid plain_pid --episodes 1 --slam cartographer --out out"
+        "compare --suites corridor --followers pid plain_pid --episodes 1 --slam cartographer --jobs 2 --out out"
     ),
     "bench drawn-worlds": _tagalong("bench drawn-worlds --kinds cells --seeds 0 1 --jobs 2 --out out"),
     "demo": _tagalong("demo --out out", in_a_row=20),
