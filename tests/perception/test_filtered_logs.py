@@ -109,6 +109,13 @@ def test_a_bag_is_not_copied_under_a_name_of_another_kind(tmp_path, capsys, kind
     assert not (tmp_path / name).exists()
 
 
+def test_a_bag_is_known_by_what_it_holds_not_by_its_name(tmp_path):
+    source, target = made(tmp_path, "bag")
+    unnamed = shutil.move(source, tmp_path / "recorded")
+    assert main(["filter", str(unnamed), str(target)]) == 0
+    assert main(["filter", str(unnamed), str(tmp_path / "copy")]) == 0
+
+
 def test_a_log_is_not_copied_under_the_name_of_a_bag(carmen, tmp_path, capsys):
     assert main(["filter", str(carmen), str(tmp_path / "out.mcap")]) == 2
     assert "is no bag" in capsys.readouterr().err
