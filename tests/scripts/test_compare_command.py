@@ -175,6 +175,8 @@ def test_processes_change_nothing_but_the_time_and_a_strangers_module_is_found_i
     words = ["compare", "--suites", "corridor", "--followers", "pid", "still_follower:Still", "--episodes", "2"]
     for jobs in "12":
         assert main([*words, "--jobs", jobs, "--out", jobs]) == 0
+    lines = (tmp_path / "1" / "episodes.jsonl").read_text().splitlines()
+    assert lines == sorted(lines)
     for name in ("episodes.jsonl", "results.json", "report.md"):
         assert (tmp_path / "1" / name).read_bytes() == (tmp_path / "2" / name).read_bytes()
     assert main([*words, "--jobs", "100000", "--out", "3"]) == 2

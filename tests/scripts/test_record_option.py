@@ -44,7 +44,7 @@ def test_a_mapped_drive_is_recorded_with_its_map(tmp_path):
     assert topics(path) == {"/tf_static": 1, "/scan": 8, "/odom": 8, "/tf": 16, "/people": 8, "/path": 1, "/map": 1}
 
 
-def test_people_in_recorded_scans_are_recorded(tmp_path):
+def test_people_in_recorded_scans_are_recorded(tmp_path, capsys):
     bearings = np.linspace(-1.5, 1.5, 181)
     scans = [LaserScan(np.full(181, 3.0), bearings, 0.1, 30.0, 100.0 + 0.1 * k) for k in range(4)]
     write_carmen(tmp_path / "drive.log.gz", RecordedDrive(np.zeros((4, 3)), scans, None, "drive"))
@@ -52,6 +52,7 @@ def test_people_in_recorded_scans_are_recorded(tmp_path):
     assert (
         main(["perceive", str(tmp_path / "drive.log.gz"), "--out", str(tmp_path / "out"), "--record", str(path)]) == 0
     )
+    assert capsys.readouterr().out.endswith(f"people.csv, {path}\n")
     assert topics(path) == {"/tf_static": 1, "/scan": 4, "/scan_filtered": 4, "/odom": 4, "/tf": 4, "/people": 4}
     assert times(path, "/scan")[0] == 0.0
 
