@@ -94,10 +94,13 @@ def answered(do: Callable[[Any], Any], task: Any) -> tuple[Any, Exception | None
 def _take_signals() -> list[int]:
     """Leave Ctrl-C, which comes to all processes of a terminal, to the parent; let SIGTERM unwind what runs.
 
+    What it leaves half made says nothing of that as it goes.
+
     Returns:
         The numbers of the signals that came, none yet.
     """
     came: list[int] = []
+    hook = sys.unraisablehook
 
     def leave(number: int, frame: FrameType | None) -> None:
         came.append(number)
@@ -106,6 +109,7 @@ def _take_signals() -> list[int]:
             return
         raise SystemExit(128 + number)
 
+    sys.unraisablehook = lambda lost: None if came else hook(lost)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, leave)
     if hasattr(signal, "pthread_sigmask"):

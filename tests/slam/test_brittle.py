@@ -67,3 +67,24 @@ time.sleep(10.0)
 """
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=tmp_path)
     assert (done.returncode, done.stdout) == (143, "imported\n")
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="signals of POSIX")
+@pytest.mark.parametrize("killed", [True, False])
+def test_what_a_signal_leaves_half_made_in_a_worker_says_nothing_of_it(tmp_path, killed):
+    program = f"""
+import os, signal
+from tagalong.slam.processes.inside import _take_signals
+class Half:
+    def __init__(self):
+        if {killed}:
+            os.kill(os.getpid(), signal.SIGTERM)
+            sum(range(1000))
+    def __del__(self):
+        self.never_made
+_take_signals()
+Half()
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=tmp_path)
+    assert done.returncode == (143 if killed else 0)
+    assert ("never_made" in done.stderr) is not killed
