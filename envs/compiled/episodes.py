@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from ...perception.leader.selection import forget_leader
 from ...slam.draws import mixed
+from ...slam.processes.turns import Turns, next_slice
 from ...slam.view_kernel import inner_view_kernel, spliced_kernel, view_kernel
 from ..oracle import SAME_PERSON_M
 from ..people.behaviours.leader import DONE
@@ -27,7 +28,7 @@ STEP, BEGIN, BEGIN_AGAIN, REST = 0, 1, 2, 3
 
 @view_kernel
 def step_worlds(
-    worlds: tuple[int, int],
+    turns: Turns,
     what: NDArray[np.int8],
     actions: Array,
     rules: Rules,
@@ -36,10 +37,10 @@ def step_worlds(
     told: Told,
     room: Scratch,
 ) -> None:
-    """Do in each of the `worlds` (first, end) what is asked for; what is told of it is written.
+    """Do in each world what is asked for; what is told of it is written.
 
     Args:
-        worlds: The first one, and the one behind the last one.
+        turns: At the worlds.
         what: (w,) `STEP`, `BEGIN`, `BEGIN_AGAIN` or `REST`.
         actions: (w, a) in any range; cut to [-1, 1].
         rules: What never changes.
@@ -48,9 +49,12 @@ def step_worlds(
         told: What is told of them.
         room: Scratch of this thread.
     """
-    for w in range(worlds[0], worlds[1]):
-        if what[w] != REST:
-            step_world(w, what[w], actions[w], rules, plans, state, told, room)
+    first, end = next_slice(turns)
+    while first < end:
+        for w in range(first, end):
+            if what[w] != REST:
+                step_world(w, what[w], actions[w], rules, plans, state, told, room)
+        first, end = next_slice(turns)
 
 
 @spliced_kernel
@@ -65,7 +69,7 @@ def step_world(
 
 @view_kernel
 def sweep_worlds(
-    worlds: tuple[int, int],
+    turns: Turns,
     what: NDArray[np.int8],
     actions: Array,
     rules: Rules,
@@ -75,9 +79,12 @@ def sweep_worlds(
     room: Scratch,
 ) -> None:
     """Do as `step_worlds` up to the sweep, for those who know people by reading it; `judge_worlds` does the rest."""
-    for w in range(worlds[0], worlds[1]):
-        if what[w] != REST:
-            _go_on(w, what[w], actions[w], rules, plans, state, told, room)
+    first, end = next_slice(turns)
+    while first < end:
+        for w in range(first, end):
+            if what[w] != REST:
+                _go_on(w, what[w], actions[w], rules, plans, state, told, room)
+        first, end = next_slice(turns)
 
 
 @spliced_kernel
@@ -102,17 +109,20 @@ def _go_on(
 
 @view_kernel
 def judge_worlds(
-    worlds: tuple[int, int],
+    turns: Turns,
     what: NDArray[np.int8],
     rules: Rules,
     plans: Plans,
     state: WorldsState,
     told: Told,
 ) -> None:
-    """Judge what was asked for in the `worlds` where others than kernels say what the robots know; as `step_worlds`."""
-    for w in range(worlds[0], worlds[1]):
-        if what[w] != REST:
-            _judge(w, rules, plans, state, told)
+    """Judge what was asked for in each world where others than kernels say what the robots know; as `step_worlds`."""
+    first, end = next_slice(turns)
+    while first < end:
+        for w in range(first, end):
+            if what[w] != REST:
+                _judge(w, rules, plans, state, told)
+        first, end = next_slice(turns)
 
 
 @inner_view_kernel

@@ -10,6 +10,7 @@ from ...perception.legs.forest import LegForest
 from ...perception.tracking.local_grid import PAGES, with_more_pages
 from ...perception.tracking.numbers import numbers_of
 from ...perception.tracking.tracks import no_tracks, with_room
+from ...slam.processes.turns import Turns
 from ..follow_config import FollowConfig
 from .episodes import REST
 from .state import Told, WorldsState
@@ -38,15 +39,14 @@ class Trackers:
         tracks = *minds.tracks[:4], *minds.tracks.views, *minds.tracks.cells
         return sum(array.nbytes for array in (*tracks, *minds[1:]))
 
-    def read(self, part: tuple[int, int], what: NDArray[np.int8], state: WorldsState, told: Told) -> bool:
-        """Let the robots of the worlds `part` (first, end) that did `what` (w,) read their sweeps, and tell it.
+    def read(self, turns: Turns, what: NDArray[np.int8], state: WorldsState, told: Told) -> None:
+        """Let the robots of the worlds that did `what` (w,) read their sweeps, and tell it; `turns` at the worlds.
 
-        Returns whether all could: where there is no room for a sweep it is left unread, see `make_room`.
+        Where there is no room for a sweep it is left unread, see `make_room`.
         """
         swept = Swept(told.ranges, told.time_s, state.odometry)
         read = Read(told.leader, told.people, told.tracked, told.track)
-        track_worlds(part, what, self._rules, self._minds, swept, read)
-        return not self._minds.lacking[part[0] : part[1]].any()
+        track_worlds(turns, what, self._rules, self._minds, swept, read)
 
     def make_room(self, what: NDArray[np.int8]) -> NDArray[np.int8]:
         """Make room where it was lacking; return (w,) `what` is left to do, with sweeps unread."""

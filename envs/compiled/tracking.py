@@ -15,6 +15,7 @@ from ...perception.tracking.local_grid import make_pages
 from ...perception.tracking.numbers import Numbers
 from ...perception.tracking.tracks import Tracks, forget, has_room, hypotheses_of, tracks_of
 from ...slam.geometry import composed
+from ...slam.processes.turns import next_slice
 from ...slam.rigid_kernel import moved_points
 from ...slam.view_kernel import inner_kernel, kernel
 from .entries import leader_entry, people_entry
@@ -71,32 +72,40 @@ class Read(NamedTuple):
 
 
 @kernel
-def track_worlds(worlds, what, rules, minds, swept, read):
-    """Track people in the sweeps of the `worlds` (first, end) that did `what` (w,), ask who leads, and tell of it."""
-    for w in range(worlds[0], worlds[1]):
-        if what[w] == REST:
-            continue
-        tracks, leader = tracks_of(minds.tracks, w), minds.leaders[w]
-        if what[w] != STEP:
-            forget(tracks)
-            forget_leader(leader)
-        found = find_legs(swept.ranges[w], rules.beams, rules.splitting, rules.forest)
-        pose, time_s, c = swept.odometry[w], swept.time_s[w], rules.tracker
-        view = view_of(swept.ranges[w], rules.beams, lidar_at(pose, rules.beams.mount))
-        points = moved_points(view.laser, found.points)
-        if not has_room(tracks, np.count_nonzero(found.confidence > 0.0)):
-            minds.lacking[w] = TRACKS
-        elif not make_pages(tracks.cells, points, pose, c.things_resolution, time_s, c.things_forget_s):
-            minds.lacking[w] = CELLS
-        if minds.lacking[w]:
-            continue
-        dt = time_s - minds.time_s[w] if what[w] == STEP else 1.0 / c.motion_reference_rate_hz
-        minds.time_s[w] = time_s
-        sight = following.follow(tracks, found, view, pose, time_s, dt, c)
-        following.maintain(tracks, sight, view, pose, points, time_s, dt, c)
-        company = company_of(tracks, c)
-        row = select(leader, company, pose, time_s, rules.selector)
-        _tell(w, leader, row, company, pose, read)
+def track_worlds(turns, what, rules, minds, swept, read):
+    """Track people in the sweeps of the worlds that did `what` (w,), ask who leads, and tell of it; `turns` at them."""
+    first, end = next_slice(turns)
+    while first < end:
+        for w in range(first, end):
+            if what[w] != REST:
+                _track(w, what[w], rules, minds, swept, read)
+        first, end = next_slice(turns)
+
+
+@inner_kernel
+def _track(w, what, rules, minds, swept, read):
+    """Do so in world w."""
+    tracks, leader = tracks_of(minds.tracks, w), minds.leaders[w]
+    if what != STEP:
+        forget(tracks)
+        forget_leader(leader)
+    found = find_legs(swept.ranges[w], rules.beams, rules.splitting, rules.forest)
+    pose, time_s, c = swept.odometry[w], swept.time_s[w], rules.tracker
+    view = view_of(swept.ranges[w], rules.beams, lidar_at(pose, rules.beams.mount))
+    points = moved_points(view.laser, found.points)
+    if not has_room(tracks, np.count_nonzero(found.confidence > 0.0)):
+        minds.lacking[w] = TRACKS
+    elif not make_pages(tracks.cells, points, pose, c.things_resolution, time_s, c.things_forget_s):
+        minds.lacking[w] = CELLS
+    if minds.lacking[w]:
+        return
+    dt = time_s - minds.time_s[w] if what == STEP else 1.0 / c.motion_reference_rate_hz
+    minds.time_s[w] = time_s
+    sight = following.follow(tracks, found, view, pose, time_s, dt, c)
+    following.maintain(tracks, sight, view, pose, points, time_s, dt, c)
+    company = company_of(tracks, c)
+    row = select(leader, company, pose, time_s, rules.selector)
+    _tell(w, leader, row, company, pose, read)
 
 
 @inner_kernel

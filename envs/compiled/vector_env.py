@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ...slam.errors import InputError, shown
 from ...slam.first_use.compiling import compiled_together
 from ...slam.processes.threads import MOST_THREADS, Workers
+from ...slam.processes.turns import Turns, turns
 from ..episode_setup import check_options, checked_seed, interface, observed
 from ..limits.field_checks import finite_numbers
 from ..task.observation import observation_space
@@ -235,37 +236,25 @@ class CompiledVectorEnv(VectorEnv[Any, Any, Any]):
         return infos(self._told, self._own_terms.values, mask)
 
     def _run(self, what: NDArray[np.int8], actions: NDArray[np.float64]) -> None:
-        """Let the threads do `what` (num_envs,) in all worlds, block by block."""
-        plans, state, trackers = self._pool.plans, self._state, self._trackers
-        unread: list[tuple[int, int]] = []
+        """Let the threads do `what` (num_envs,) in all worlds."""
+        world = self._rules, self._pool.plans, self._state, self._told
+        trackers, left = self._trackers, what
+        step = step_worlds if trackers is None else sweep_worlds
+        self._share(lambda turns: step(turns, what, actions, *world, self._room()))
+        if trackers is None:
+            return
+        while (left != REST).any():
+            self._share(lambda turns, left=left: trackers.read(turns, left, self._state, self._told))
+            left = trackers.make_room(left)
+        self._share(lambda turns: judge_worlds(turns, what, *world))
 
-        def judge(part: tuple[int, int]) -> None:
-            judge_worlds(part, what, self._rules, plans, state, self._told)
-
-        def move(part: tuple[int, int]) -> None:
-            """Move the worlds of a block, and judge them, unless their trackers lack room."""
-            step = step_worlds if trackers is None else sweep_worlds
-            step(part, what, actions, self._rules, plans, state, self._told, self._room())
-            if trackers is not None and trackers.read(part, what, state, self._told):
-                judge(part)
-            elif trackers is not None:
-                unread.append(part)
-
-        self._share(move)
-        if trackers is not None and unread:
-            left = trackers.make_room(what)
-            while (left != REST).any():
-                self._share(lambda part, left=left: trackers.read(part, left, state, self._told))
-                left = trackers.make_room(left)
-            for part in unread:
-                judge(part)
-
-    def _share(self, work: Callable[[tuple[int, int]], object]) -> None:
-        """Let the threads share the work on all worlds."""
+    def _share(self, work: Callable[[Turns], object]) -> None:
+        """Let the threads take turns at the work on all worlds."""
         if self._begun:
-            self._workers.run(lambda first, end: work((first, end)), self.num_envs)
+            shared = turns(self.num_envs, self._workers.threads)
+            self._workers.together(lambda: work(shared))
         else:  # the first call may compile
-            telling(work, (0, self.num_envs))
+            telling(work, turns(self.num_envs))
 
     def _observations(self) -> dict[str, NDArray[Any]]:
         return {name: values.copy() for name, values in observations(self._told).items()}

@@ -35,17 +35,24 @@ class Workers:
         if self.threads == 1 or count <= 1:
             work(0, count)
             return
-        if self._pool is None or self._process != os.getpid():  # a forked process has no threads but its own
-            self._pool, self._process = ThreadPoolExecutor(self.threads - 1), os.getpid()
         turns = iter(slices(count, self.threads))  # each is given out once, by the interpreter's lock
 
         def share() -> None:
             for start, stop in turns:
                 work(start, stop)
 
-        others = [self._pool.submit(share) for _ in range(self.threads - 1)]
+        self.together(share)
+
+    def together(self, work: Callable[[], object]) -> None:
+        """Call `work()` once in every thread, the caller's among them."""
+        if self.threads == 1:
+            work()
+            return
+        if self._pool is None or self._process != os.getpid():  # a forked process has no threads but its own
+            self._pool, self._process = ThreadPoolExecutor(self.threads - 1), os.getpid()
+        others = [self._pool.submit(work) for _ in range(self.threads - 1)]
         try:
-            share()  # the caller works, too: to hand over a slice takes as long as some slices do
+            work()
         finally:
             wait(others)  # before the arrays that they write are looked at, or freed
         for other in others:

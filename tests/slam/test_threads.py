@@ -6,8 +6,25 @@ import signal
 import threading
 import time
 
+import numpy as np
 import pytest
 from tagalong.slam.processes.threads import Workers, slices
+from tagalong.slam.processes.turns import next_slice, turns
+from tagalong.slam.view_kernel import kernel
+
+
+@kernel
+def count_up(shared, done, times):
+    """Add one to each piece of `done`, `times` over so that the threads meet; return how many slices were taken."""
+    taken = 0
+    first, end = next_slice(shared)
+    while first < end:
+        taken += 1
+        for _ in range(times):
+            for piece in range(first, end):
+                done[piece] += 1
+        first, end = next_slice(shared)
+    return taken
 
 
 @pytest.mark.parametrize("threads", [1, 3])
@@ -25,6 +42,29 @@ def test_slices_get_shorter_and_the_last_is_a_small_part_of_a_share(threads):
     assert lengths[0] < 4800 / threads
     assert max(lengths[-threads:]) <= 4800 / threads / 8
     assert len(lengths) < 12 * threads
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3, 16])
+@pytest.mark.parametrize("count", [0, 1, 2, 100, 5000])
+def test_threads_take_each_turn_once_inside_a_kernel(threads, count):
+    shared, done, taken = turns(count, threads), np.zeros(count, np.int64), list[int]()
+    Workers(threads).together(lambda: taken.append(count_up(shared, done, 100)))
+    assert (done == 100).all()
+    assert len(taken) == threads
+    assert sum(taken) == (len(slices(count, threads)) if threads > 1 else count > 0)
+
+
+def test_two_threads_both_take_turns():
+    shared, done, both = turns(5000, 2), np.zeros(5000, np.int64), threading.Barrier(2)
+    taken = list[int]()
+
+    def work() -> None:
+        both.wait(20)
+        taken.append(count_up(shared, done, 2000))
+
+    count_up(turns(0), done, 1)  # compiled before
+    Workers(2).together(work)
+    assert min(taken) > 0
 
 
 def test_an_error_in_a_thread_reaches_the_caller():
