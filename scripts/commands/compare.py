@@ -90,9 +90,8 @@ def run(options: argparse.Namespace) -> int:
     if options.leaderboard is not None:
         tours = {name: episodes * len(suite(name)) for name in dict.fromkeys(options.suites)}
         today = datetime.datetime.now(tz=datetime.UTC).date().isoformat()
-        page = leaderboard(
-            cells[-1], followers, tours, describe_machine(), first_seed=FIRST_SEED, date=today, slam=options.slam
-        )
+        counts = {"episodes": episodes, "first_seed": FIRST_SEED}
+        page = leaderboard(cells[-1], followers, tours, describe_machine(), **counts, date=today, slam=options.slam)
         write_text(options.leaderboard, page)
     if options.plot:
         from ..figures.trade_off import draw_trade_off

@@ -17,12 +17,9 @@ Driven: {drives}. The same episodes for everybody.
 
 Brackets: 95 % intervals. The last column is paired, tour by tour, with p of McNemar's exact test.
 
-Your own follower enters with one module and one command ([how it is written](how-to/own-follower.md)):
-
-<!-- takes 300 minutes -->
-```console
-$ tagalong compare --suites {words}{option} --followers {followers} my_module:Bold --leaderboard docs/leaderboard.md
-```
+Your own follower enters with one module and [one command](how-to/own-follower.md). This table was written by
+`tagalong compare --suites {words}{option} --followers {followers} --episodes {episodes}
+--leaderboard docs/leaderboard.md`.
 """
 
 
@@ -32,6 +29,7 @@ def leaderboard(
     suites: Mapping[str, int],
     machine: Mapping[str, Any],
     *,
+    episodes: int,
     first_seed: int,
     date: str,
     slam: str | None = None,
@@ -43,6 +41,7 @@ def leaderboard(
         followers: The first is what the others are compared with.
         suites: Name -> episodes that each follower drove of it.
         machine: As of `describe_machine`.
+        episodes: Of each cell of a suite.
         first_seed: Of each suite's episodes; the others follow it one by one.
         date: Of the comparison, year-month-day.
         slam: Engine that mapped meanwhile.
@@ -67,7 +66,7 @@ def leaderboard(
     mapped = {"slam": "no SLAM", "option": ""} if slam is None else {"slam": f"`{slam}`", "option": f" --slam {slam}"}
     cores = "1 core" if machine["cores"] == 1 else f"{machine['cores']} cores"
     told = {**machine, "cores": cores, **mapped, "date": date, "drives": drives, "table": table, "words": words}
-    return PAGE.format(**told, followers=" ".join(followers))
+    return PAGE.format(**told, followers=" ".join(followers), episodes=episodes)
 
 
 def _lead(cell: ComparedCell, who: str) -> str:

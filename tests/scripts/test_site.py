@@ -173,6 +173,20 @@ def run_or_parse(words: list[str], block: Block) -> None:
         assert cli.main(words) == 0, (block.name, words)
 
 
+def test_commands_within_a_sentence_name_what_there_is():
+    """They may leave out what is clear; what they do name, a command or an option, must be one."""
+    for path in [*hand_written(), ROOT / "README.md"]:
+        text = re.sub(r"^```.*?^```", "", path.read_text(encoding="utf-8"), flags=re.M | re.S)
+        for command in re.findall(r"`(tagalong [^`|\\]+)`", text):
+            words = shlex.split(command)[1:]
+            if words[-1] == "NODE":
+                continue
+            try:
+                cli.make_parser().parse_args(words)
+            except InputError as error:
+                assert re.search(r"are required|expected one argument", str(error)), (path.name, command, str(error))
+
+
 def test_every_marker_is_one_that_is_understood():
     known = r"takes \d+ minutes?( and the recordings)?|needs .+|made: .+|fuzz table: (begin|end)"
     for path in hand_written():
