@@ -183,7 +183,7 @@ def test_commands_within_a_sentence_name_what_there_is(capsys):
                 continue
             options = [word for word in words if word.startswith("--")]
             bare = words[: words.index(options[0])] if options else words
-            with pytest.raises(SystemExit, match="^0$"):
+            with pytest.raises(SystemExit, match=r"^0$"):
                 pytest.fail(f"{command}: {cli.make_parser().parse_args([*bare, '--help'])}")
             told = capsys.readouterr().out
             for option in options:
