@@ -15,7 +15,7 @@ from .submap_graph import SubmapGraph
 Array = NDArray[np.float64]
 
 _EVERY = 1.0  # [m] of the drive after which a scan is looked at again
-_LEAST_SUPPORT = 10.0  # so many beams must end at a wall for each that comes through one; where right, 26 and more do
+_LEAST_SUPPORT = 10.0  # so many beams must end at a wall for each that comes through one; where right, 16 and more do
 _SLACK_M = 0.4  # a wall must stand so far before the end of a beam to be in its way
 _TRACE, _NEAR = 0.15, 2  # occupancy of a wall, and cells around the end of a beam within which it counts
 
