@@ -49,7 +49,7 @@ def _added(typingctx, values):
 @inner_view_kernel
 def next_slice(turns: Turns) -> tuple[int, int]:
     """Take the next slice (first, end); an empty one if all are taken."""
-    turn = _added(turns.taken)
+    turn = _added(turns.taken)  # pyright: ignore[reportCallIssue]
     if turn >= len(turns.bounds) - 1:
         return 0, 0
     return turns.bounds[turn], turns.bounds[turn + 1]
