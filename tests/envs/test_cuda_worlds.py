@@ -9,9 +9,9 @@ from gymnasium.vector import AutoresetMode
 from numba import cuda
 from tagalong.envs.compiled.episodes import step_worlds
 from tagalong.envs.compiled.state import arrays_of, scratch
+from tagalong.envs.compiled.vector_env import turns
 from tagalong.envs.cuda_worlds.kernel import scratch_of
 from tagalong.slam import InputError
-from tagalong.slam.processes import turns
 
 GIVEN = {"episodes_ahead": 8, "beams": 90, "people_count": 3}
 REAL = pytest.mark.skipif(not cuda.is_available(), reason="needs an NVIDIA GPU and numba-cuda")
@@ -48,7 +48,7 @@ class Kernel:
     def __call__(self, what, actions, rules, plans, state, told, room):
         given = [plain(values) for values in (rules, plans, state, told)]
         one = scratch_of.py_func(plain(room), len(what) - 1)
-        step_worlds(turns.turns(len(what)), plain(what), plain(actions), *given, one)
+        step_worlds(turns(len(what)), plain(what), plain(actions), *given, one)
 
 
 @pytest.fixture
