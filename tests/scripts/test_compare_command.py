@@ -84,7 +84,7 @@ def test_a_strangers_follower_enters_the_leaderboard_with_one_module_and_one_com
     assert "| 1.00 [0.61, 1.00] | 0 of 6 |" in page
     assert "+1.00 [+1.00, +1.00], p 0.031" in page
     assert "`office`, 6 tours, seeds 1000000 to 1000005" in page
-    assert "tagalong compare --suites office --followers pid toy_follower:Toy my_module:Bold" in page
+    assert "`tagalong compare --suites office --followers pid toy_follower:Toy --episodes 6\n" in page
 
 
 def test_a_leaderboard_that_cannot_be_written_is_told_before_any_drive(tmp_path, monkeypatch, capsys):
