@@ -20,6 +20,8 @@ _SPEEDS = (1.0, 0.7, 0.45, 0.2, 0.0)
 _TURNS = (1.0, 0.5, 0.0)
 """Shares of the wished turn rate that are tried; beside them, turning at `_ASIDE_RPS` to either side."""
 _BACK_MPS, _ASIDE_RPS = -0.15, 0.6
+_STANDS = 1e-3
+"""Speed and turn rate together of a robot that stands [m/s, rad/s]."""
 NEARER_M = 1e-4
 """Who may not come nearer to something may come so much nearer [m]: rounding."""
 
@@ -36,8 +38,7 @@ class GuardNumbers(NamedTuple):
         step_s: Length of a step [s].
         margin: See `GuardConfig`, as the next ones.
         reach: See there.
-        leader_near: See there.
-        leader_body: See there.
+        stride: See there.
         brake_steps: See there.
     """
 
@@ -49,8 +50,7 @@ class GuardNumbers(NamedTuple):
     step_s: float
     margin: float
     reach: float
-    leader_near: float
-    leader_body: float
+    stride: float
     brake_steps: int
 
 
@@ -88,7 +88,7 @@ def goes_wide(gap: float, speed: float) -> bool:
 
 @view_kernel
 def put_bounds(things: Array, least: float, margin: float) -> None:
-    """Write over how far each of `things` (m, 3) is now, the nearest `least` [m], how near the robot may come to it.
+    """Write over how far each of `things` (m, 5) is now, the nearest `least` [m], how near the robot may come to it.
 
     To what is touched, no nearer than it is; to other things, not so near that it touches them.
     """
@@ -102,11 +102,14 @@ def brakes_in_time(
 ) -> tuple[bool, float]:
     """Return whether one step of a wish, and braking then, keeps all bounds; and how far back that comes [m].
 
+    A bound is broken by who would be beyond it both where the thing is now and where it will be if it walks on: who
+    walks out of the way is not braked for, and who comes nearer is met where they are now.
+
     Args:
         state: (4,) what is commanded now.
         speed: Wished [m/s].
         turn: Wished [rad/s].
-        things: (m, 3) place of each in the robot frame, and how near the robot may come to it [m].
+        things: (m, 5) place of each in the robot frame, how near the robot may come to it [m], its velocity [m/s].
         steering: (12,) `SteeringConfig.as_tuple()`.
         robot: Its numbers.
     """
@@ -120,12 +123,18 @@ def brakes_in_time(
         middle, way = heading + 0.5 * w * robot.step_s, v * robot.step_s
         x, y, heading = x + way * math.cos(middle), y + way * math.sin(middle), heading + w * robot.step_s
         back = max(back, -x)
-        cos, sin = math.cos(heading), math.sin(heading)
+        cos, sin, after = math.cos(heading), math.sin(heading), (k + 1) * robot.step_s
         for i in range(len(things)):
             dx, dy = things[i, 0] - x, things[i, 1] - y
             gap = gap_to(cos * dx + sin * dy, cos * dy - sin * dx, robot.half_length, robot.half_width)
+            if gap >= things[i, 2]:
+                continue
+            dx, dy = dx + after * things[i, 3], dy + after * things[i, 4]
+            gap = gap_to(cos * dx + sin * dy, cos * dy - sin * dx, robot.half_length, robot.half_width)
             if gap < things[i, 2]:
                 return False, back
+        if abs(v) + abs(w) < _STANDS:  # whoever walks into a robot that stands is no matter of its braking
+            break
     return True, back
 
 
@@ -149,12 +158,53 @@ def put_alternatives(speed: float, turn: float, wishes: Array) -> None:
             count += 1
 
 
+@view_kernel
+def stopping(speed: float, step_s: float, steering: Array) -> float:
+    """Return the speed to wish of who is to stand as soon as can be [m/s]: to wish for none is to slow down gently."""
+    return speed - steering[3] * min(max(speed / step_s, -steering[6]), steering[6])
+
+
+@view_kernel
+def away_from(dx: float, dy: float, vx: float, vy: float, stride: float) -> float:
+    """Return how far a place is from a person, or infinity if it is not theirs [m].
+
+    Legs are a stride before and behind, and half as far to the sides: a door post beside a walker does not walk.
+
+    Args:
+        dx: The place as seen from the person [m].
+        dy: The same [m].
+        vx: Velocity of the person [m/s].
+        vy: The same [m/s].
+        stride: See `GuardConfig`.
+    """
+    away, aside = math.hypot(dx, dy), abs(dx * vy - dy * vx)
+    if away > stride or aside > 0.5 * stride * math.hypot(vx, vy):
+        return np.inf
+    return away
+
+
+@view_kernel
+def put_velocities(things: Array, leader: Array, people: Array, stride: float) -> None:
+    """Write the velocity of the person whose leg each of `things` (n, 5) is, the nearest one's; of others, zero."""
+    for i in range(len(things)):
+        x, y, nearest = things[i, 0], things[i, 1], np.inf
+        things[i, 3] = things[i, 4] = 0.0
+        for j in range(-1, len(people)):
+            person = leader if j < 0 else people[j]
+            if person[5] < 0.5:
+                continue
+            away = away_from(x - person[0], y - person[1], person[2], person[3], stride)
+            if away < nearest:
+                nearest, things[i, 3], things[i, 4] = away, person[2], person[3]
+
+
 @inner_view_kernel
 def guard_world(
     state: Array,
     wish: Array,
     scan: Array,
     leader: Array,
+    people: Array,
     directions: Array,
     steering: Array,
     robot: GuardNumbers,
@@ -168,28 +218,28 @@ def guard_world(
         wish: Speed [m/s] and turn rate [rad/s].
         scan: (beams,) of the observation.
         leader: (6,) of it.
+        people: (m, 6) of it.
         directions: (beams, 2) of the beams in the robot frame.
         steering: (12,) `SteeringConfig.as_tuple()`.
         robot: Its numbers.
-        things: (beams, 3) scratch.
+        things: (beams, 5) scratch.
         wishes: (MOST_WISHES, 3) scratch.
     """
-    walks_on = leader[5] >= 0.5 and math.hypot(leader[0], leader[1]) >= robot.leader_near
     count, least = 0, np.inf
     for j in range(len(scan)):
         away = float(scan[j]) * robot.range_max
         if scan[j] >= 1.0 or away >= robot.reach:
             continue
         x, y = robot.laser_x + away * directions[j, 0], robot.laser_y + away * directions[j, 1]
-        if walks_on and math.hypot(x - leader[0], y - leader[1]) <= robot.leader_body:
-            continue
-        gap = gap_to(x, y, robot.half_length, robot.half_width)
-        things[count, 0], things[count, 1], things[count, 2] = x, y, gap
-        count, least = count + 1, min(least, gap)
+        things[count, 0], things[count, 1] = x, y
+        things[count, 2] = gap_to(x, y, robot.half_length, robot.half_width)
+        least = min(least, things[count, 2])
+        count += 1
     if goes_wide(least, float(state[0])):
         return
     near, speed, turn = things[:count], float(wish[0]), float(wish[1])
     put_bounds(near, least, robot.margin)
+    put_velocities(near, leader, people, robot.stride)
     if brakes_in_time(state, speed, turn, near, steering, robot)[0]:
         return
     put_alternatives(speed, turn, wishes)
@@ -197,7 +247,7 @@ def guard_world(
         if brakes_in_time(state, wishes[i, 0], wishes[i, 1], near, steering, robot)[0]:
             wish[0], wish[1] = wishes[i, 0], wishes[i, 1]
             return
-    wish[0], wish[1] = 0.0, 0.0
+    wish[0], wish[1] = stopping(float(state[0]), robot.step_s, steering), 0.0
 
 
 @view_kernel
@@ -206,6 +256,7 @@ def guard_worlds(
     wanted: Array,
     scans: Array,
     leaders: Array,
+    people: Array,
     directions: Array,
     steering: Array,
     robot: GuardNumbers,
@@ -214,4 +265,6 @@ def guard_worlds(
 ) -> None:
     """Do as `guard_world` for each of n worlds; scratch as there."""
     for w in range(len(wanted)):
-        guard_world(states[w], wanted[w], scans[w], leaders[w], directions, steering, robot, things, wishes)
+        guard_world(
+            states[w], wanted[w], scans[w], leaders[w], people[w], directions, steering, robot, things, wishes
+        )  # fmt: skip

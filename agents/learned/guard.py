@@ -15,7 +15,17 @@ from ...envs.task.interface import FollowInterface
 from ...slam.errors import InputError
 from ..protocol.follower import Observation
 from ..scripted.scan_points import ScanPoints, own_velocity, without
-from .braking import MOST_WISHES, NEARER_M, GuardNumbers, brakes_in_time, goes_wide, put_alternatives, put_bounds
+from .braking import (
+    MOST_WISHES,
+    NEARER_M,
+    GuardNumbers,
+    brakes_in_time,
+    goes_wide,
+    put_alternatives,
+    put_bounds,
+    put_velocities,
+    stopping,
+)
 from .hindsight import Hindsight
 from .situation import Wish
 from .steering import State, SteeringConfig
@@ -35,38 +45,36 @@ class GuardConfig:
     Attributes:
         margin: Gap kept to every return, a few times the laser's noise; who is nearer may not come nearer [m].
         reach: Returns farther than this from the laser do not matter [m].
-        leader_near: A leader farther than this is no thing to be touched: it walks on [m].
-        leader_body: Returns nearer to it than this are the leader [m].
+        stride: Returns this far before and behind where somebody is believed to be, and half as far to the sides, are
+            that person's legs, and walk on [m].
         brake_steps: Steps that braking is followed, at most.
-        kept_s: How old returns in the field of view may be: the nearest of some scans counts, as one is noisy [s].
         remembered_s: For how long returns are remembered that the laser, looking forward, has lost behind it [s].
     """
 
     margin: float = 0.04
     reach: float = 1.4
-    leader_near: float = 0.9
-    leader_body: float = 0.45
+    stride: float = 0.45
     brake_steps: int = 16
-    kept_s: float = 0.25
     remembered_s: float = 3.0
 
     def __post_init__(self) -> None:
         if not (self.margin >= 0.0 and self.reach > 0.0 and 1 <= self.brake_steps <= _MOST_STEPS):
             raise InputError(f"a guard needs margin >= 0, reach > 0 and 1 to {_MOST_STEPS} steps of braking")
-        if not (0.0 <= self.kept_s <= _MOST_S and 0.0 <= self.remembered_s <= _MOST_S):
-            raise InputError(f"a guard remembers for 0 to {_MOST_S:g} s, got {self.kept_s} and {self.remembered_s}")
+        if not 0.0 <= self.remembered_s <= _MOST_S:
+            raise InputError(f"a guard remembers for 0 to {_MOST_S:g} s, got {self.remembered_s}")
 
     def of(self, robot: FollowInterface) -> GuardNumbers:
         """Return its numbers and those of a robot, as kernels take them."""
         x, y, _ = robot.T_robot_lidar
         return GuardNumbers(
             float(robot.half_length), float(robot.half_width), float(x), float(y), float(robot.range_max),
-            1.0 / robot.control_hz, float(self.margin), float(self.reach), float(self.leader_near),
-            float(self.leader_body), int(self.brake_steps),
+            1.0 / robot.control_hz, float(self.margin), float(self.reach), float(self.stride), int(self.brake_steps),
         )  # fmt: skip
 
 
-_NOTHING = np.zeros((0, 3))
+_NOTHING = np.zeros((0, 5))
+_BEHIND_M = 0.8
+"""Farther off, what the laser has lost behind the robot is no longer minded."""
 
 
 class Guard:
@@ -92,54 +100,50 @@ class Guard:
     def reset(self) -> None:
         """Forget everything."""
         self._points = np.zeros((0, 2))
-        self._kept = np.zeros((0, 3))  # x, y [m], age [s]
+        self._lost = np.zeros((0, 3))  # x, y [m], age [s]
+        self._leader, self._people = np.zeros(6), np.zeros((0, 6))
         self._behind.reset()
 
     def observe(self, observation: Observation) -> None:
         """Take the returns of an observation; once a step, before `limit`."""
         self._behind.observe(observation)
-        before, self._points = self._points, self._things(observation)
         dx, dy, turned = (value * self._step_s for value in own_velocity(observation))
-        old = np.vstack((self._kept, np.column_stack((before, np.zeros(len(before))))))
+        old = np.vstack((self._lost, np.column_stack((self._points, np.zeros(len(self._points))))))
         x, y = old[:, 0] - dx, old[:, 1] - dy
         cos, sin = np.cos(turned), np.sin(turned)
         moved = np.column_stack((cos * x + sin * y, cos * y - sin * x, old[:, 2] + self._step_s))
         bearing = np.arctan2(moved[:, 1] - self._laser[1], moved[:, 0] - self._laser[0])
         unseen = (bearing < self._sides[0]) | (bearing > self._sides[1])
-        near = np.hypot(moved[:, 0], moved[:, 1]) < 0.8
-        limit = np.where(unseen & near, self.config.remembered_s, self.config.kept_s)
-        self._kept = moved[moved[:, 2] < limit]
-
-    def _things(self, observation: Observation) -> Array:
-        """Return (n, 2) what is near, without a leader who walks ahead: it will not be there when the robot is."""
-        points, leader = self._scan.near(observation, self.config.reach), observation["leader"]
-        if leader[5] < 0.5 or np.hypot(leader[0], leader[1]) < self.config.leader_near:
-            return points
-        return without(points, leader[None, :2].astype(np.float64), self.config.leader_body)
+        near = np.hypot(moved[:, 0], moved[:, 1]) < _BEHIND_M
+        self._lost = moved[unseen & near & (moved[:, 2] < self.config.remembered_s)]
+        self._points = self._scan.near(observation, self.config.reach)
+        self._leader, self._people = (observation[name].astype(np.float64) for name in ("leader", "people"))
 
     @property
     def things(self) -> Array:
-        """(n, 2) what must not be touched, robot frame [m]; not to be written to."""
-        return np.vstack((self._points, self._kept[:, :2]))
+        """(n, 2) what is near but for the leader, robot frame [m]; not to be written to."""
+        there = self._leader[None, :2] if self._leader[5] >= 0.5 else np.zeros((0, 2))
+        return np.vstack((without(self._points, there, self.config.stride), self._lost[:, :2]))
 
     def room_behind(self) -> float:
         """Return how far back the ground is known to be free, at most 1 m [m]."""
         return self._behind.room()
 
     def limit(self, state: State, wish: Wish) -> Wish:
-        """Return `wish`, or the nearest one that can be braked without a touch; standing still if there is none.
+        """Return `wish`, or the nearest one that can be braked without a touch; the quickest stop if there is none.
 
         Args:
             state: What is commanded now.
             wish: Speed [m/s] and turn rate [rad/s].
         """
-        things = self.things
-        gaps = signed_gaps(np.zeros((1, 3)), things, self._robot)[0]
-        least = float(gaps.min(initial=np.inf))
+        near, now = np.zeros((len(self._points) + len(self._lost), 5)), np.array(state)
+        near[:, :2] = np.vstack((self._points, self._lost[:, :2]))
+        near[:, 2] = signed_gaps(np.zeros((1, 3)), near[:, :2], self._robot)[0]
+        least = float(near[:, 2].min(initial=np.inf))
         if goes_wide(least, state[0]) and min(wish[0], state[0]) >= 0.0:
             return wish
-        near, now = np.column_stack((things, gaps)), np.array(state)
         put_bounds(near, least, self.config.margin)
+        put_velocities(near[: len(self._points)], self._leader, self._people, self.config.stride)
         if self._passes(now, wish, near):
             return wish
         tried = np.empty((MOST_WISHES, 3))
@@ -147,7 +151,7 @@ class Guard:
         for speed, turn, _ in tried.tolist():
             if self._passes(now, (speed, turn), near):
                 return speed, turn
-        return 0.0, 0.0
+        return stopping(state[0], self._step_s, self._steering), 0.0
 
     def _passes(self, state: Array, wish: Wish, near: Array) -> bool:
         """Return whether one step of a wish, and braking then, keeps gaps and the room behind.
@@ -155,7 +159,7 @@ class Guard:
         Args:
             state: (4,) what is commanded now.
             wish: Speed [m/s] and turn rate [rad/s].
-            near: (m, 3) things that must not be touched, and how near it may come to each [m].
+            near: (m, 5) what must not be touched, see `brakes_in_time`.
         """
         keeps, back = brakes_in_time(state, *wish, near, self._steering, self._numbers)
         if not keeps or back <= NEARER_M:

@@ -68,9 +68,15 @@ def test_training_knows_where_the_laser_looks_as_driving_does():
     for wish in ((1.3, 0.0), (0.3, 1.5), (0.3, -1.5), (-0.4, 0.0), (0.8, 0.8), (0.8, -0.8)):
         guard = Guard(GuardConfig(), steering, turned)
         guard.room_behind = lambda: np.inf
-        rows = {"scan": scan[0], "leader": leader[0], "people": np.zeros((6, 6)), "velocity": np.zeros(2, np.float32)}
+        rows = {
+            "scan": scan[0],
+            "leader": leader[0],
+            "people": np.zeros((6, 6), np.float32),
+            "velocity": np.zeros(2, np.float32),
+        }
         guard.observe(rows)
-        given = torch.tensor([[0.5, 0.0, 0.0, 0.0]]), torch.tensor([wish]), torch.tensor(scan), torch.tensor(leader)
+        told = {name: torch.as_tensor(rows[name])[None] for name in ("scan", "leader", "people")}
+        given = torch.tensor([[0.5, 0.0, 0.0, 0.0]]), torch.tensor([wish]), told
         limited = WorldsGuard(GuardConfig(), turned, 1, "cpu").limit(*given, steering)
         assert limited[0].tolist() == pytest.approx(guard.limit((0.5, 0.0, 0.0, 0.0), wish), abs=1e-6)
         changed += limited[0].tolist() != pytest.approx(wish)
@@ -114,14 +120,16 @@ def test_a_gpu_guards_each_world_by_a_thread_of_its_own(monkeypatch):
 
     on_processor = WorldsGuard(GuardConfig(), interface, 70, "cpu")
     monkeypatch.setattr(guarding, "guard_world", lambda *given: guarding.guard_worlds(*(
-        value[None] if k < 4 else value for k, value in enumerate(given))))  # fmt: skip
+        value[None] if k < 5 else value for k, value in enumerate(given))))  # fmt: skip
     monkeypatch.setattr(guarding, "_array", lambda tensor: tensor.numpy())
     monkeypatch.setattr(guarding, "cuda", card)
     monkeypatch.setattr(guarding, "guard_on_gpu", Kernel())
     scans = torch.as_tensor(rng.uniform(0.005, 0.04, (70, 90)).astype(np.float32))
-    commanded, leader = torch.zeros(70, 4), torch.zeros(70, 6)
+    told = {"scan": scans, "leader": torch.zeros(70, 6), "people": torch.zeros(70, 6, 6)}
+    told["people"][::2, 0] = torch.tensor((0.5, 0.0, 1.2, 0.0, 1.0, 1.0))
+    commanded = torch.zeros(70, 4)
     commanded[:, 0], wishes = 0.4, torch.as_tensor(rng.uniform(-1.0, 1.0, (70, 2)).astype(np.float32))
-    given = commanded, wishes, scans, leader, SteeringConfig()
+    given = commanded, wishes, told, SteeringConfig()
     limited = WorldsGuard(GuardConfig(), interface, 70, "cuda").limit(*given)
     assert torch.equal(limited, on_processor.limit(*given))
     assert asked == [(2, 64)]

@@ -139,21 +139,84 @@ states = st.tuples(st.floats(-0.4, 1.3), st.floats(-1.8, 1.2), st.floats(-1.6, 1
 wished = st.tuples(st.floats(-0.4, 1.3), st.floats(-1.6, 1.6))
 
 
-@given(states, wished, places, st.floats(-0.05, 0.04))
-def test_braking_in_thought_is_driving_in_thought(state, wish, things, bound):
-    near = np.column_stack((np.array(things), np.full(len(things), bound)))
+walks = st.tuples(st.floats(-1.5, 1.5), st.floats(-1.5, 1.5))
+
+
+@given(states, wished, places, walks, st.floats(-0.05, 0.04))
+def test_braking_in_thought_is_driving_in_thought(state, wish, places, walk, bound):
+    near = np.column_stack((np.array(places), np.full(len(places), bound), np.tile(walk, (len(places), 1))))
     robot = CONFIG.of(SCALES)
     keeps, back = brakes_in_time(np.array(state), *wish, near, np.array(STEERING.as_tuple()), robot)
     then, pose, spare, farthest = np.array([state]), HERE, np.inf, 0.0
     for k in range(CONFIG.brake_steps + 1):
         then = steer_many(then, np.array([wish if k == 0 else (0.0, 0.0)]), 0.1, STEERING)
         pose = driven(pose, then, 0.1)
-        spare = min(spare, float(signed_gaps(pose, near[:, :2], SCALES).min()) - bound)
+        now, later = (signed_gaps(pose, near[:, :2] + shift, SCALES) for shift in (0.0, 0.1 * (k + 1) * near[:, 3:]))
+        spare = min(spare, float(np.maximum(now, later).min()) - bound)
         farthest = max(farthest, -float(pose[0, 0]))
+        if np.abs(then[0, [0, 2]]).sum() < 1e-3:
+            break
     if abs(spare) > 1e-9:
         assert keeps == (spare > 0.0)
     if keeps:
         assert back == pytest.approx(farthest, abs=1e-9)
+
+
+def stopped_by(places, leader=None, people=(), speed=1.0):
+    """Whether a robot at this speed is stopped by returns at these places, while it believes in these people."""
+    observation = seen(np.zeros(3), [])
+    for x, y in places:
+        bearing = np.arctan2(y, x - 0.1)
+        observation["scan"][int(np.abs(SCALES.bearings - bearing).argmin())] = np.hypot(x - 0.1, y) / 30.0
+    if leader is not None:
+        observation["leader"][:] = (*leader, 1.0, 1.0)
+    for row, person in zip(observation["people"], people, strict=False):
+        row[:] = (*person, 1.0, 1.0)
+    guard = Guard(CONFIG, STEERING, SCALES)
+    guard.observe(observation)
+    return guard.limit((speed, 0.0, 0.0, 0.0), (speed, 0.0)) != (speed, 0.0)
+
+
+FOOT = ((0.7, 0.0),)
+
+
+def test_nobody_brakes_for_who_walks_out_of_the_way():
+    assert stopped_by(FOOT)
+    for velocity in ((1.0, 0.0), (0.0, 1.2), (0.3, -1.2)):
+        assert not stopped_by(FOOT, leader=(0.8, 0.0, *velocity))
+        assert not stopped_by(FOOT, people=[(3.0, 1.0, 0.0, 0.0), (0.8, 0.0, *velocity)])
+    for velocity in ((0.0, 0.0), (0.05, 0.0), (-1.0, 0.0)):  # who stands, or comes
+        assert stopped_by(FOOT, leader=(0.8, 0.0, *velocity))
+
+
+def test_a_post_beside_a_walker_does_not_walk():
+    assert stopped_by(FOOT, leader=(0.7, 0.35, 1.2, 0.0))
+    assert stopped_by(FOOT, leader=(1.2, 0.0, 1.2, 0.0))  # more than a stride behind
+    assert not stopped_by(FOOT, leader=(1.0, 0.1, 1.2, 0.0))
+
+
+def test_who_comes_nearer_is_met_where_they_are_now():
+    assert not stopped_by(((1.3, 0.0),), people=[(1.3, 0.0, -1.5, 0.0)])
+
+
+def test_a_return_is_the_nearest_person_s():
+    walks, stands = (0.8, 0.1, 1.2, 0.0), (0.75, 0.0, 0.0, 0.0)
+    assert stopped_by(FOOT, people=[walks, stands])
+    assert stopped_by(FOOT, people=[stands, walks])
+
+
+def test_who_cannot_brake_in_time_stops_as_quickly_as_can_be():
+    observation = seen(np.zeros(3), [(1.0, 0.0, 0.28)])
+    guard, state, speeds = Guard(CONFIG, STEERING, SCALES), (1.0, 0.0, 0.0, 0.0), []
+    guard.observe(observation)
+    for _ in range(20):
+        state = steer(state, *guard.limit(state, (1.0, 0.0)), 0.1, STEERING)
+        speeds.append(state[0])
+    assert min(speeds) > -0.1  # its jerk is limited, too: it swings back by two centimetres
+    assert -0.03 < 0.1 * sum(speed for speed in speeds if speed < 0.0)
+    assert np.diff(speeds).min() == pytest.approx(-0.1 * STEERING.braking)
+    stands = next(k for k, speed in enumerate(speeds) if speed < 0.02)
+    assert stands <= 7  # the limit of braking, and of its jerk
 
 
 @given(wished)
@@ -172,7 +235,7 @@ def test_many_worlds_are_guarded_as_one_robot_is_that_remembers_nothing_yet():
     rng, changed = np.random.default_rng(0), 0
     turned = SCALES.bearings + SCALES.T_robot_lidar[2]
     directions = np.column_stack((np.cos(turned), np.sin(turned)))
-    scratch = np.empty((len(turned), 3)), np.empty((MOST_WISHES, 3))
+    scratch = np.empty((len(turned), 5)), np.empty((MOST_WISHES, 3))
     for _ in range(60):
         walls = [
             (1.0, 0.0, rng.uniform(0.3, 1.2)),
@@ -180,7 +243,8 @@ def test_many_worlds_are_guarded_as_one_robot_is_that_remembers_nothing_yet():
             (0.0, 1.0, rng.uniform(-0.8, -0.3)),
         ]
         observation = seen(np.zeros(3), walls)
-        observation["leader"][:] = (rng.uniform(0.7, 1.2), rng.uniform(-0.2, 0.2), 0.0, 0.0, 1.0, rng.integers(2))
+        observation["leader"][:] = (rng.uniform(0.5, 1.2), rng.uniform(-0.2, 0.2), 1.2, 0.0, 1.0, rng.integers(2))
+        observation["people"][0] = (rng.uniform(0.0, 1.0), rng.uniform(-0.8, 0.8), 0.0, 1.0, 1.0, rng.integers(2))
         state, wish = (
             (rng.uniform(0.0, 1.3), 0.0, rng.uniform(-1.0, 1.0), 0.0),
             (rng.uniform(0.0, 1.3), rng.uniform(-1.6, 1.6)),
@@ -191,7 +255,7 @@ def test_many_worlds_are_guarded_as_one_robot_is_that_remembers_nothing_yet():
         wanted = np.array([wish, wish])
         guard_worlds(
             np.array([state, state]), wanted, np.stack([observation["scan"]] * 2),
-            np.stack([observation["leader"]] * 2), directions, np.array(STEERING.as_tuple()), CONFIG.of(SCALES),
+            np.stack([observation["leader"]] * 2), np.stack([observation["people"]] * 2), directions, np.array(STEERING.as_tuple()), CONFIG.of(SCALES),
             *scratch,
         )  # fmt: skip
         expected = guard.limit(state, wish)

@@ -4,6 +4,7 @@ It goes by the returns of the present scan. What the laser has lost behind the r
 it does not mind: in training a contact there is a lesson.
 """
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -39,23 +40,21 @@ class WorldsGuard:
         directions = np.stack((np.cos(bearings), np.sin(bearings)), axis=1)
         rows = 1 if device == "cpu" else count
         self._directions = self._here(directions)
-        self._things = self._here(np.empty((rows, len(bearings), 3)))
+        self._things = self._here(np.empty((rows, len(bearings), 5)))
         self._wishes = self._here(np.empty((rows, MOST_WISHES, 3)))
 
-    def limit(
-        self, commanded: Tensor, wishes: Tensor, scan: Tensor, leader: Tensor, steering: SteeringConfig
-    ) -> Tensor:
+    def limit(self, commanded: Tensor, wishes: Tensor, seen: Mapping[str, Tensor], steering: SteeringConfig) -> Tensor:
         """Return (n, 2) the wishes, or the nearest that can be braked: speed [m/s] and turn rate [rad/s].
 
         Args:
             commanded: (n, 4) what is commanded now.
             wishes: (n, 2).
-            scan: (n, beams) of the observations.
-            leader: (n, 6) of them.
+            seen: The observations: `scan` (n, beams), `leader` (n, 6), `people` (n, m, 6).
             steering: How wishes are driven.
         """
         limited = wishes.clone()
-        given: list[Any] = [_array(tensor) for tensor in (commanded, limited, scan[:, :: self._every], leader)]
+        rows = commanded, limited, seen["scan"][:, :: self._every], seen["leader"], seen["people"]
+        given: list[Any] = [_array(tensor) for tensor in rows]
         given += [self._directions, self._here(np.array(steering.as_tuple())), self._robot]
         if self._device == "cpu":
             guard_worlds(*given, self._things[0], self._wishes[0])  # pyright: ignore[reportCallIssue]
@@ -78,6 +77,7 @@ def _guard(
     wanted: Array,
     scans: Array,
     leaders: Array,
+    people: Array,
     directions: Array,
     steering: Array,
     robot: GuardNumbers,
@@ -86,7 +86,9 @@ def _guard(
 ) -> None:
     w = cuda.grid(1)  # pyright: ignore[reportCallIssue]
     if w < len(wanted):
-        guard_world(states[w], wanted[w], scans[w], leaders[w], directions, steering, robot, things[w], wishes[w])
+        guard_world(
+            states[w], wanted[w], scans[w], leaders[w], people[w], directions, steering, robot, things[w], wishes[w]
+        )  # fmt: skip
 
 
 guard_on_gpu: Any = cuda.jit(cache=True)(_guard)

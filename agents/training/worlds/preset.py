@@ -110,7 +110,7 @@ class WorldsPreset:
     deviation: float = 0.5
     last_deviation: float = 0.12
     quick: float = 2.0
-    smoothness: float = 1.0
+    smoothness: float = 1.5
     clearance: float = 1.0
     clearance_m: float = 0.3
     clearance_speed: float = 2.0

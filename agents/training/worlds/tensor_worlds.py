@@ -86,8 +86,7 @@ class TensorWorlds:
         cut = outputs.clamp(-1.0, 1.0)
         wishes = torch.stack((middle + half * cut[:, 0], c.max_turn_rate * cut[:, 1]), dim=1)
         if self._guard is not None:
-            scan, leader = self._seen["scan"], self._seen["leader"]
-            wishes = self._guard.limit(self._commanded, wishes, scan, leader, self._steering)
+            wishes = self._guard.limit(self._commanded, wishes, self._seen, self._steering)
         after = steered(self._commanded, wishes, self._step_s, self._steering)
         self._commanded = torch.where(begun[:, None], 0.0, after)
         actions = self._commanded[:, (0, 2)] / self._scales
