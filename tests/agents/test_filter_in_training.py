@@ -83,6 +83,19 @@ def test_training_knows_where_the_laser_looks_as_driving_does():
     assert changed
 
 
+def test_training_does_not_brake_for_bystanders_who_walk_out_of_the_way():
+    interface = FollowInterface(bearings=np.deg2rad(np.linspace(-135.0, 135.0, 271)))
+    told = {"scan": torch.ones(1, 271), "leader": torch.zeros(1, 6), "people": torch.zeros(1, 6, 6)}
+    told["scan"][0, 135] = 0.6 / 30.0
+    passes = []
+    for there in (0.0, 1.0):
+        told["people"][0, 2] = torch.tensor((0.8, 0.0, 1.2, 0.0, 1.0, there))
+        guard = WorldsGuard(GuardConfig(), interface, 1, "cpu")
+        commanded, wish = torch.tensor([[1.0, 0.0, 0.0, 0.0]]), torch.tensor([[1.0, 0.0]])
+        passes.append(torch.equal(guard.limit(commanded, wish, told, SteeringConfig()), wish))
+    assert passes == [False, True]
+
+
 def test_only_who_was_trained_with_the_filter_can_be_asked_to_drive_without():
     for name in ("pid-alone", "learned-alone", "my_module:Bold-alone"):
         with pytest.raises(InputError, match="takes the safety filter from a policy that was trained with it"):

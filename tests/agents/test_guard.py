@@ -199,6 +199,14 @@ def test_who_comes_nearer_is_met_where_they_are_now():
     assert not stopped_by(((1.3, 0.0),), people=[(1.3, 0.0, -1.5, 0.0)])
 
 
+def test_what_the_laser_sees_no_more_where_it_looks_is_gone():
+    guard = Guard(CONFIG, STEERING, SCALES)
+    guard.observe(seen(np.zeros(3), [(1.0, 0.0, 0.6)]))
+    assert guard.limit((1.0, 0.0, 0.0, 0.0), (1.0, 0.0)) != (1.0, 0.0)
+    guard.observe(seen(np.zeros(3), []))
+    assert guard.limit((1.0, 0.0, 0.0, 0.0), (1.0, 0.0)) == (1.0, 0.0)
+
+
 def test_a_return_is_the_nearest_person_s():
     walks, stands = (0.8, 0.1, 1.2, 0.0), (0.75, 0.0, 0.0, 0.0)
     assert stopped_by(FOOT, people=[walks, stands])
