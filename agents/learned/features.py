@@ -10,7 +10,8 @@ from ...envs.task.interface import FollowInterface
 from ...slam.errors import InputError
 from ..protocol.follower import Observation
 from ..scripted.leader_memory import Goal, LeaderMemory, MemoryConfig, Mode
-from ..scripted.scan_points import own_velocity, scan_of
+from ..scripted.scan_points import own_velocity
+from .known_beams import KnownBeams
 from .steering import State
 from .trail import Trail
 
@@ -31,7 +32,8 @@ class FeatureConfig:
         people: Nearest bystanders that are told.
         people_range: Bystanders farther than this are left out [m].
         map_cells: Side of the map patch that is told, 0 for none [cells].
-        field_of_view: Of the laser, half of it to either side of straight ahead [rad]; another laser is refused.
+        field_of_view: Of the laser, half of it to either side of straight ahead [rad]; another laser is told as
+            `KnownBeams` says.
     """
 
     sectors: int = 90
@@ -82,16 +84,16 @@ class Features:
         interface: Scales of the environment.
 
     Raises:
-        InputError: If the laser does not look where `config` says, within a sector, or has too few beams.
+        InputError: If the laser does not look ahead.
     """
 
     def __init__(self, config: FeatureConfig, interface: FollowInterface) -> None:
         self.config = config
-        _check_field_of_view(config, interface)
+        self._laser = KnownBeams(interface, config.field_of_view, config.sectors)
         self._step_s = 1.0 / interface.control_hz
         self._range_max = interface.range_max
-        self._starts = _sector_starts(interface.bearings, config.sectors)
-        self._beams = len(interface.bearings)
+        beams = len(self._laser.interface.bearings)
+        self._starts = np.round(np.arange(config.sectors) * beams / config.sectors).astype(np.intp)
         self._ways = np.array(WAYS_M)
         self.reset()
 
@@ -141,7 +143,7 @@ class Features:
         trail = np.clip(self._trail.ahead(self._ways) / 2.0, -3.0, 3.0).ravel()
         own = (velocity[0], velocity[2], *commanded)
         vector = np.concatenate((told, trail, self._people(observation["people"]), own)).astype(np.float32)
-        inputs = {"scan": self._scan(scan_of(observation, self._beams)), "vector": vector}
+        inputs = {"scan": self._scan(self._laser.scan(observation)), "vector": vector}
         if self.config.map_cells:
             inputs["map"] = self._map(observation)
         return inputs
@@ -168,22 +170,3 @@ class Features:
         if edge < 0:
             raise InputError(f"this policy is told {cells} cells of the map, got an observation of {patch.shape[0]}")
         return patch[None, edge : edge + cells, edge : edge + cells].copy()
-
-
-def _check_field_of_view(config: FeatureConfig, interface: FollowInterface) -> None:
-    """Refuse a laser whose sectors would lie elsewhere than those that the network knows."""
-    seen = np.array([interface.bearings[0], interface.bearings[-1]]) + interface.T_robot_lidar[2]
-    half = config.field_of_view / 2.0
-    if np.abs(seen - (-half, half)).max() > config.field_of_view / config.sectors:
-        had, has = np.degrees((-half, half)), np.degrees(seen)
-        raise InputError(
-            f"this policy's card has `field_of_view` {had[1] - had[0]:.0f} degrees (from {had[0]:.0f} to {had[1]:.0f})"
-            f", the environment {has[1] - has[0]:.0f} (from {has[0]:.0f} to {has[1]:.0f})"
-        )
-
-
-def _sector_starts(bearings: NDArray[np.float64], sectors: int) -> NDArray[np.intp]:
-    """Return (sectors,) the first beam of each sector; a sector without a beam of its own takes the next one."""
-    if len(bearings) < sectors:
-        raise InputError(f"this policy is told {sectors} sectors: the laser needs as many beams, got {len(bearings)}")
-    return np.round(np.arange(sectors) * len(bearings) / sectors).astype(np.intp)

@@ -8,12 +8,12 @@ from numpy.typing import NDArray
 
 from ...envs.task.interface import FollowInterface
 from ...envs.wrappers.pooled_features import PooledFeatures
-from ...slam.errors import InputError
 from ..learned.guard import Guard, GuardConfig, NoGuard
+from ..learned.known_beams import KnownBeams
 from ..learned.steering import REST, steer
 from ..protocol.follower import Observation
 from ..scripted.scan_points import as_action
-from .policy import DenseNetwork, ReinforcedConfig, load_reinforced
+from .policy import DenseNetwork, load_reinforced
 
 
 class ReinforcedFollower:
@@ -36,9 +36,9 @@ class ReinforcedFollower:
     ) -> None:
         arrays, config = load_reinforced(policy)
         self._interface = interface or FollowInterface()
-        _check_field_of_view(self._interface, config)
+        self._beams = KnownBeams(self._interface, config.field_of_view, config.pooled.sectors)
         self._steering, self._network = config.steering, DenseNetwork(arrays)
-        self._features = PooledFeatures(config.pooled, replace(self._interface, holonomic=False))
+        self._features = PooledFeatures(config.pooled, replace(self._beams.interface, holonomic=False))
         self._scales = np.array((config.max_speed, config.max_turn_rate))
         wears = config.guard is not None if guarded is None else guarded
         guard = config.guard or GuardConfig()
@@ -60,21 +60,11 @@ class ReinforcedFollower:
 
     def _told(self, observation: Observation) -> NDArray[np.float32]:
         """Return the network's inputs; a holonomic robot is told as one that does not drive sideways."""
-        batch = {name: observation[name][None] for name in ("scan", "leader", "people")}
+        batch = {name: observation[name][None] for name in ("leader", "people")}
+        batch["scan"] = self._beams.scan(observation)[None]
         batch["velocity"] = observation["velocity"][None, [0, -1]]
         if not self._begun:
             self._begun = True
             return self._features.begin(batch)[0]
         action = np.array((self._commanded[0], self._commanded[2])) / self._scales
         return self._features.update(batch, action.astype(np.float32)[None])[0]
-
-
-def _check_field_of_view(interface: FollowInterface, config: ReinforcedConfig) -> None:
-    """Refuse a laser whose sectors would lie elsewhere than those that the network knows."""
-    seen = np.degrees(np.array([interface.bearings[0], interface.bearings[-1]]) + interface.T_robot_lidar[2])
-    half = np.degrees(config.field_of_view) / 2.0
-    if np.abs(seen - (-half, half)).max() > 2.0 * half / config.pooled.sectors:
-        raise InputError(
-            f"this policy knows a laser from {-half:.0f} to {half:.0f} degrees, the environment's looks from "
-            f"{seen[0]:.0f} to {seen[1]:.0f}"
-        )

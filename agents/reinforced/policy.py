@@ -40,7 +40,8 @@ class ReinforcedConfig:
         guard: The safety filter that it was trained with; None: it was trained without.
         max_speed: Speed that it was told as action 1 [m/s].
         max_turn_rate: Turn rate that it was told so [rad/s].
-        field_of_view: Of the laser, half of it to either side of straight ahead [rad]; another laser is refused.
+        field_of_view: Of the laser, half of it to either side of straight ahead [rad]; another laser is told as
+            `KnownBeams` says.
     """
 
     pooled: PooledConfig = field(default_factory=PooledConfig)

@@ -43,13 +43,15 @@ examples:
 QUICK = 2
 """Episodes of each cell with --quick."""
 MAPPERS = ("cartographer", "gmapping")
+EVERYBODY = ("pid", "plain_pid", "pure_pursuit", "dwa", "mppi", "learned", "reinforced-alone", "reinforced")
+"""Who is compared if nobody is named: those who need nothing but a leader."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.epilog = EPILOG
-    followers = ["pid", "learned"]
-    parser.add_argument("--followers", nargs="+", default=followers, metavar="WHO", help="as for `tagalong evaluate`")
+    names = f"as for `tagalong evaluate` (default: {', '.join(EVERYBODY)})"
+    parser.add_argument("--followers", nargs="+", default=list(EVERYBODY), metavar="WHO", help=names)
     parser.add_argument("--suites", nargs="+", choices=sorted(SUITES), default=["hard-v2"], metavar="SUITE")
     parser.add_argument(
         "--episodes", type=at_least(1, MOST_EPISODES), default=20, metavar="N", help="of each cell (%(default)s)"

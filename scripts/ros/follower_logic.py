@@ -37,8 +37,7 @@ class FollowerNodeConfig(InputConfig):
         follower: Who drives, as of `tagalong evaluate`: "pid", "learned", "pid+guard", module:class, a folder.
         preset: Numbers of the tracker, as of `tagalong filter --preset`.
         forest: Leg forest: "real", "simulation" or a file.
-        field_of_view: What of the laser the robot looks at, half of it to either side of straight ahead; the learned
-            follower knows 4.71, 270 degrees, and refuses another [rad].
+        field_of_view: What of the laser the robot looks at, half of it to either side of straight ahead [rad].
         max_speed: Highest forward speed [m/s].
         max_turn_rate: Highest turn rate [rad/s].
         half_length: Half of the robot's length [m].

@@ -186,21 +186,6 @@ def test_a_policy_that_is_not_there_or_does_not_fit_is_refused(tmp_path):
         make_follower(str(tmp_path))
 
 
-@pytest.mark.parametrize(
-    ("first", "last", "turned", "said"),
-    [
-        (-90, 90, 0.0, "180 (from -90 to 90)"),
-        (-180, 180, 0.0, "360 (from -180 to 180)"),
-        (-135, 135, 90.0, "-45 to 225"),
-    ],
-)
-def test_a_policy_that_knows_another_laser_is_refused(first, last, turned, said):
-    bearings, mount = np.deg2rad(np.linspace(first, last, 721)), (0.1, 0.0, float(np.deg2rad(turned)))
-    with pytest.raises(InputError, match="card has `field_of_view` 270 degrees") as refused:
-        LearnedFollower(FollowInterface(bearings=bearings, T_robot_lidar=mount))
-    assert said in str(refused.value)
-
-
 def test_a_laser_that_ends_a_little_later_is_the_same():
     bearings = np.deg2rad(np.arange(-135.0, 134.8, 0.36))
     assert LearnedFollower(FollowInterface(bearings=bearings)).act(observation(len(bearings))).shape == (2,)
