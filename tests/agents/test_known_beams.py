@@ -17,7 +17,7 @@ def laser(first, last, beams, turned=0.0):
 
 
 def told(robot, least=60):
-    """Bearings in the robot frame, and what is told there of a laser that reads its bearing, as a share of the circle."""
+    """Bearings (robot frame), and what is told there of a laser that reads its bearing, as a share of the circle."""
     beams = KnownBeams(robot, KNOWN, least)
     ahead = (robot.bearings + robot.T_robot_lidar[2] + np.pi) % (2.0 * np.pi) - np.pi
     scan = beams.scan({"scan": (np.abs(ahead) / np.pi / 2.0).astype(np.float32)})
