@@ -91,9 +91,7 @@ class Guard:
         self._steering, self._numbers = np.array(steering.as_tuple()), config.of(interface)
         self._step_s = 1.0 / interface.control_hz
         self._scan = ScanPoints(interface)
-        x, y, turn = interface.T_robot_lidar
-        self._laser = np.array((x, y))
-        self._sides = (interface.bearings[0] + turn, interface.bearings[-1] + turn)
+        self._laser = np.array(interface.T_robot_lidar[:2])
         self._behind = Hindsight(interface)
         self.reset()
 
@@ -113,7 +111,7 @@ class Guard:
         cos, sin = np.cos(turned), np.sin(turned)
         moved = np.column_stack((cos * x + sin * y, cos * y - sin * x, old[:, 2] + self._step_s))
         bearing = np.arctan2(moved[:, 1] - self._laser[1], moved[:, 0] - self._laser[0])
-        unseen = (bearing < self._sides[0]) | (bearing > self._sides[1])
+        unseen = self._robot.along_scan(bearing) > 1.0
         near = np.hypot(moved[:, 0], moved[:, 1]) < _BEHIND_M
         self._lost = moved[unseen & near & (moved[:, 2] < self.config.remembered_s)]
         self._points = self._scan.near(observation, self.config.reach)

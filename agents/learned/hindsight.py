@@ -36,10 +36,9 @@ class Hindsight:
         self._count = len(interface.bearings)
         self._beams = slice(None, None, max(1, len(interface.bearings) // MOST_BEAMS))
         bearings = interface.bearings[self._beams]
-        self._first, self._width = bearings[0], bearings[-1] - bearings[0]
-        self._sectors = max(1, round(float(self._width) / _SECTOR_RAD))
+        self._sectors = max(1, round(abs(float(bearings[-1] - bearings[0])) / _SECTOR_RAD))
         self._starts = np.floor(np.arange(self._sectors) * len(bearings) / self._sectors).astype(np.intp)
-        self._mount, self._step_s = interface.T_robot_lidar, 1.0 / interface.control_hz
+        self._interface, self._step_s = interface, 1.0 / interface.control_hz
         rows = half_length + _ROW_M * np.arange(1, round(FARTHEST_M / _ROW_M) + 1)
         columns: Array = np.linspace(-half_width, half_width, 7)
         probes = np.column_stack((np.repeat(-rows, len(columns)), np.tile(columns, len(rows))))
@@ -85,12 +84,12 @@ class Hindsight:
         """Return (n,) whether each of `places` (n, 2) is known to be free."""
         x, y = self._seen_from(places, self._poses)
         stood = (np.abs(x) <= self._half[0] + _SLACK_M) & (np.abs(y) <= self._half[1] + _SLACK_M)
-        mount_x, mount_y, turn = self._mount
+        mount_x, mount_y, _ = self._interface.T_robot_lidar
         away = np.hypot(x - mount_x, y - mount_y)
-        bearing = np.arctan2(y - mount_y, x - mount_x) - turn - self._first
-        sector = np.floor(bearing / self._width * self._sectors).astype(np.intp)
-        inside = (sector >= 0) & (sector < self._sectors)
-        reach = self._ranges[np.arange(len(self._ranges))[:, None], np.clip(sector, 0, self._sectors - 1)]
+        share = self._interface.along_scan(np.arctan2(y - mount_y, x - mount_x))
+        sector = np.floor(share * self._sectors).astype(np.intp)
+        inside = sector < self._sectors
+        reach = self._ranges[np.arange(len(self._ranges))[:, None], np.minimum(sector, self._sectors - 1)]
         free = stood | (inside & (reach > away + _NOISE_M))
         says = free | (inside & (reach > away - _NOISE_M))
         newest = says.shape[0] - 1 - np.argmax(says[::-1], axis=0)

@@ -64,7 +64,7 @@ class Body(NamedTuple):
         disc_radius: Their radius [m].
         half_length: Of the robot [m].
         half_width: Of the robot [m].
-        laser: (4,) x, y of the laser [m], bearings of its first and its last beam [rad].
+        laser: (4,) x, y of the laser [m], direction of its rightmost beam, and its field of view [rad].
     """
 
     limits: Array
@@ -188,8 +188,7 @@ def hidden(pose: Array, k: int, scene: PlanningScene, body: Body) -> float:
     y = pose[1] + sin * body.laser[0] + cos * body.laser[1]
     dx, dy = scene.people[-1, k, 0] - x, scene.people[-1, k, 1] - y
     away = max(np.hypot(dx, dy), 1e-3)
-    bearing = (np.arctan2(dy, dx) - pose[2] + np.pi) % (2.0 * np.pi) - np.pi
-    if bearing < body.laser[2] or bearing > body.laser[3]:
+    if (np.arctan2(dy, dx) - pose[2] - body.laser[2]) % (2.0 * np.pi) > body.laser[3]:
         return 1.0
     most = 0.0
     for j in range(len(scene.people) - 1):

@@ -28,5 +28,6 @@ def body_of(robot: FollowInterface, s: SteeringConfig) -> Body:
     inner = np.zeros((columns, rows), dtype=np.bool_)
     inner[1:-1, 1:-1] = True  # what touches one of these touches one of the outer ones first
     ahead, left, mount = robot.T_robot_lidar
-    laser = np.array((ahead, left, robot.bearings[0] + mount, robot.bearings[-1] + mount))
+    rightmost = min(robot.bearings[0], robot.bearings[-1]) + mount
+    laser = np.array((ahead, left, rightmost, robot.field_of_view))
     return Body(limits, grid[~inner], math.hypot(a / rows, b / columns), a, b, laser)

@@ -29,14 +29,9 @@ class StandingThings:
 
     def __init__(self, interface: FollowInterface, reach: float, remembered_s: float) -> None:
         self._reach, self._remembered_s = reach, remembered_s
-        self._step_s, self._scan, self._count = (
-            1.0 / interface.control_hz,
-            ScanPoints(interface),
-            len(interface.bearings),
-        )
-        self._beams = slice(None, None, max(1, self._count // MOST_BEAMS))
-        self._bearings, self._scale = interface.bearings[self._beams], interface.range_max
-        self._mount = interface.T_robot_lidar
+        self._interface, self._scan = interface, ScanPoints(interface)
+        self._step_s, self._count = 1.0 / interface.control_hz, len(interface.bearings)
+        self._every = max(1, self._count // MOST_BEAMS)
         self.reset()
 
     def reset(self) -> None:
@@ -57,6 +52,7 @@ class StandingThings:
         kept = self._kept[~self._seen_through(observation)]
         rows = np.vstack((np.column_stack((new, np.zeros(len(new)))), kept))
         rows = rows[(np.abs(rows[:, :2]).max(axis=1, initial=0.0) < self._reach) & (rows[:, 2] < self._remembered_s)]
+        rows = rows[np.lexsort((rows[:, 1], rows[:, 0], rows[:, 2]))]  # whichever beam was the first
         cells = np.floor(rows[:, :2] / CELL_M).astype(np.int64)
         rows = rows[np.unique(cells[:, 0] * 100_003 + cells[:, 1], return_index=True)[1]]
         if len(moving):
@@ -73,12 +69,9 @@ class StandingThings:
 
     def _seen_through(self, observation: Observation) -> NDArray[np.bool_]:
         """Return (n,) whether a beam of this scan went on behind each return that is remembered."""
-        scan = scan_of(observation, self._count)[self._beams].astype(np.float64) * self._scale
-        x, y, turn = self._mount
+        scan = scan_of(observation, self._count)[:: self._every].astype(np.float64) * self._interface.range_max
+        x, y, _ = self._interface.T_robot_lidar
         away = np.hypot(self._kept[:, 0] - x, self._kept[:, 1] - y)
-        bearing = np.arctan2(self._kept[:, 1] - y, self._kept[:, 0] - x) - turn
-        bearing = (bearing + np.pi) % (2.0 * np.pi) - np.pi
-        first, width = self._bearings[0], self._bearings[-1] - self._bearings[0]
-        beam = np.round((bearing - first) / width * (len(self._bearings) - 1)).astype(np.intp)
-        inside = (beam >= 0) & (beam < len(self._bearings))
-        return inside & (scan[np.clip(beam, 0, len(scan) - 1)] > away + SEEN_THROUGH_M)
+        share = self._interface.along_scan(np.arctan2(self._kept[:, 1] - y, self._kept[:, 0] - x))
+        beam = np.round(share * (self._count - 1) / self._every).astype(np.intp)
+        return (share <= 1.0) & (scan[np.minimum(beam, len(scan) - 1)] > away + SEEN_THROUGH_M)

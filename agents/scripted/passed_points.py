@@ -42,7 +42,5 @@ class PassedPoints:
         return self._points
 
     def _out_of_view(self, points: Array) -> NDArray[np.bool_]:
-        x, y, heading = self._interface.T_robot_lidar
-        bearings = np.arctan2(points[:, 1] - y, points[:, 0] - x) - heading
-        bearings = (bearings + np.pi) % (2.0 * np.pi) - np.pi
-        return (bearings < self._interface.bearings[0]) | (bearings > self._interface.bearings[-1])
+        x, y, _ = self._interface.T_robot_lidar
+        return self._interface.along_scan(np.arctan2(points[:, 1] - y, points[:, 0] - x)) > 1.0

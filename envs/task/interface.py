@@ -65,3 +65,23 @@ class FollowInterface:
     def turning_radius(self) -> float:
         """Half of the robot's diagonal, which is what it sweeps as it turns, rounded up to a centimetre [m]."""
         return math.ceil(100.0 * math.hypot(self.half_length, self.half_width)) / 100.0
+
+    @property
+    def field_of_view(self) -> float:
+        """Angle that the laser looks at; all round, where its first and last beam are neighbours [rad]."""
+        width = abs(float(self.bearings[-1] - self.bearings[0]))
+        return 2.0 * math.pi if 2.0 * math.pi - width < 1.5 * width / max(len(self.bearings) - 1, 1) else width
+
+    def along_scan(self, directions: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return where in a scan directions lie: 0 at its first beam, 1 at its last, more where the laser is blind.
+
+        Args:
+            directions: From the laser, in the robot frame [rad]. The laser may be turned, and its beams may be counted
+                from anywhere, either way.
+        """
+        first, width = self.bearings[0], abs(self.bearings[-1] - self.bearings[0])
+        way = np.sign(self.bearings[-1] - first)
+        beyond = np.mod(way * (directions - self.T_robot_lidar[2] - first), 2.0 * np.pi)
+        if self.field_of_view > width:  # what lies between its ends is at the nearer one
+            beyond = np.where(beyond > 0.5 * width + np.pi, 0.0, np.minimum(beyond, width))
+        return beyond / width
