@@ -81,8 +81,13 @@ SUITES: dict[str, tuple[Scenario, ...]] = {
     ),
     "hard-v1": HARD_CELLS,
     "hard-v2": tuple(_heedless(cell) for cell in HARD_CELLS),
+    "follow-bench-printed": (
+        _heedless(_cell("crossing 4.8 m, 20", "busy_crossing", 20)),
+        _heedless(_cell("clutter 20, 30", "clutter", 30)),
+    ),
 }
-"""Name -> scenarios; episode k is of scenario k modulo their number, with seed `FIRST_SEED` + k."""
+"""Name -> scenarios; episode k is of scenario k modulo their number, with seed `FIRST_SEED` + k. Of the crowds of
+"follow-bench-printed" its paper has figures (20 people who cross; 20 obstacles, 30 people); a change is a new name."""
 
 
 def suite(name: str) -> tuple[Scenario, ...]:

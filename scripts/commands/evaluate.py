@@ -38,7 +38,8 @@ Explorers ({explorers}) drive without a leader, among the same bystanders, until
 A suite is a fixed set of unseen episodes (offices of the test half; seeds from 1000000 on, its scenarios in turn):
 corridor, meeting_room, office, floor_plan, hurried (offices, hurried leaders), crowd (8 to 12 bystanders), follow-bench
 (its four situations with 8 bystanders, and its own figures beside ours), hard-v1 (12 cells: doors of 0.9 m, short
-lasers, slipping wheels, crowds), hard-v2 (the same, and no bystander sees the robot).
+lasers, slipping wheels, crowds), hard-v2 (the same, and no bystander sees the robot), follow-bench-printed (the two
+crowds of which Follow-Bench prints how its planners do).
 
 examples:
   tagalong evaluate pid --env tagalong/Corridor-v0 --episodes 30 --people 2

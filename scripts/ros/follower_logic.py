@@ -1,6 +1,5 @@
 """What the node `follower` does: finds the leader in scans, and commands the robot, as long as it sees."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -18,9 +17,8 @@ from ...envs.task.observation import ObservationConfig, Observed, Observer
 from ...perception.config import perception_preset
 from ...perception.leader.selector import LeaderSelector
 from ...perception.people_filter import PeopleFilter
-from ...slam.bounds import Angle, check_numbers, check_positive
+from ...slam.bounds import check_numbers, check_positive
 from ...slam.errors import InputError
-from ...slam.geometry import wrap_angle
 from ...slam.scan import LaserScan
 from .filter_logic import MARKERS, people_markers
 from .live_scans import InputConfig, LiveScan, LiveScans
@@ -37,7 +35,6 @@ class FollowerNodeConfig(InputConfig):
         follower: Who drives, as of `tagalong evaluate`: "pid", "learned", "pid+guard", module:class, a folder.
         preset: Numbers of the tracker, as of `tagalong filter --preset`.
         forest: Leg forest: "real", "simulation" or a file.
-        field_of_view: What of the laser the robot looks at, half of it to either side of straight ahead [rad].
         max_speed: Highest forward speed [m/s].
         max_turn_rate: Highest turn rate [rad/s].
         half_length: Half of the robot's length [m].
@@ -49,7 +46,6 @@ class FollowerNodeConfig(InputConfig):
     follower: str = "pid+guard"
     preset: str = "recorded"
     forest: str = "real"
-    field_of_view: Angle = 2.0 * math.pi
     max_speed: float = 0.3
     max_turn_rate: float = 1.0
     half_length: float = 0.18
@@ -60,7 +56,7 @@ class FollowerNodeConfig(InputConfig):
     def __post_init__(self) -> None:
         super().__post_init__()
         check_numbers(self)
-        check_positive(self, "max_speed", "max_turn_rate", "half_length", "half_width", "patience_s", "field_of_view")
+        check_positive(self, "max_speed", "max_turn_rate", "half_length", "half_width", "patience_s")
 
 
 class FollowerLogic:
@@ -124,23 +120,20 @@ class FollowerLogic:
         return sent
 
     def _resampled(self, scan: LaserScan) -> LaserScan:
-        """Return the scan on the beams ahead of the first one: some lasers have another number of them in each turn."""
+        """Return the scan on the beams of the first one: some lasers have another number of them in each turn."""
+        if len(scan) < 2:
+            raise InputError(f"a scan has {len(scan)} beams: two are the fewest")
         if self._driver is None:
             self._begin(scan)
         if len(scan) == len(self._bearings) and np.allclose(scan.bearings, self._bearings, atol=1e-4):
             return scan
-        if len(scan) < 2:
-            raise InputError(f"a scan has {len(scan)} beams: two are the fewest")
         after = np.clip(np.searchsorted(scan.bearings, self._bearings), 1, len(scan) - 1)
         nearer = after - (self._bearings - scan.bearings[after - 1] < scan.bearings[after] - self._bearings)
         return replace(scan, ranges=scan.ranges[nearer], bearings=self._bearings)
 
     def _begin(self, scan: LaserScan) -> None:
         config = self._config
-        ahead = np.abs(wrap_angle(scan.bearings + scan.T_robot_lidar[2]))
-        self._bearings = scan.bearings[ahead <= 0.5 * config.field_of_view + 1e-6]
-        if len(self._bearings) < 2:
-            raise InputError(f"{len(self._bearings)} beams of the laser are in the field of view: two are the fewest")
+        self._bearings = scan.bearings
         interface = FollowInterface(
             max_speed=config.max_speed,
             max_turn_rate=config.max_turn_rate,

@@ -224,16 +224,15 @@ def test_a_clock_that_is_ahead_makes_nothing_newer(make, follower):
     assert commands(follower.tick(now_s - 10.0 + 0.51))
 
 
-@pytest.mark.parametrize("seen", [2.0 * np.pi, np.deg2rad(270.0), np.pi])
-def test_the_learned_follower_drives_by_what_a_full_circle_has_of_what_it_knows(make, seen):
+@pytest.mark.parametrize("name", ["learned", "reinforced"])
+def test_policies_drive_by_what_a_full_circle_has_of_what_they_know(make, name):
     beams = {"beams": 720, "field_of_view": np.deg2rad(359.5)}
     env = gym.make("tagalong/Corridor-v0", people_count=1, slam=None, **beams).unwrapped
     env.reset(seed=3)
     robot = Robot(make)
     robot.env = env
     now_s, said = robot.says()
-    config = follower_logic.FollowerNodeConfig(follower="learned", field_of_view=seen, **SIMULATED)
-    logic = follower_logic.FollowerLogic(make, config)
+    logic = follower_logic.FollowerLogic(make, follower_logic.FollowerNodeConfig(follower=name, **SIMULATED))
     outputs = [o for each in said[:2] for o in logic.take(*each, now_s)]
     assert len(commands(outputs + logic.take(*said[2], now_s))) == 1
 
@@ -325,10 +324,3 @@ def test_a_scan_of_hardly_any_beams_is_told_and_the_next_one_followed(make, foll
         else:
             assert len(commands([o for each in said for o in follower.take(*each, now_s)])) == 1
         robot.env.step((0.0, 0.0))
-
-
-def test_a_field_of_view_without_beams_is_told(make):
-    logic = follower_logic.FollowerLogic(make, follower_logic.FollowerNodeConfig(field_of_view=1e-9, **SIMULATED))
-    now_s, said = Robot(make).says()
-    with pytest.raises(InputError, match="in the field of view: two are the fewest"):
-        _ = [o for each in said for o in logic.take(*each, now_s)]
