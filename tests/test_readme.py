@@ -56,6 +56,21 @@ def test_a_follower_of_ones_own_takes_15_lines_and_is_evaluated_by_the_same_comm
     assert (tmp_path / "out" / "evaluation.json").exists()
 
 
+def test_the_followers_of_the_readme_are_those_of_the_leaderboard():
+    def cells(line):
+        return [cell.strip() for cell in line.strip("|").split("|")]
+
+    board = (ROOT / "docs" / "leaderboard.md").read_text()
+    written = {}
+    for who, done, contacts, jerk, *_ in (cells(line) for line in board.splitlines() if line.startswith("| `")):
+        written[who] = f"{done.split()[0]}; {contacts.split()[0]}", jerk.split()[0]
+    lines = README.splitlines()
+    first = next(k for k, line in enumerate(lines) if "hard tours, bystanders" in line)
+    head, _, done, jerk = lines[first : first + 4]
+    told = zip(*(cells(line)[1:] for line in (head, done, jerk)), strict=True)
+    assert {who: figures for who, *figures in told} == {who: list(figures) for who, figures in written.items()}
+
+
 def test_slam_takes_at_most_ten_lines_of_python():
     (slam,) = [program for program in PROGRAMS if "read_log" in program]
     assert len([line for line in slam.splitlines() if line]) <= 10

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from tagalong.agents import FOLLOWERS
 from tagalong.envs.task import FollowInterface
 from tagalong.scripts.cli import main
 from tagalong.scripts.commands import compare
@@ -63,6 +64,11 @@ def test_a_stopped_comparison_goes_on_and_drives_nothing_twice(tmp_path, monkeyp
     cell = json.loads((tmp_path / "results.json").read_text())["cells"][0]
     assert cell["done"]["dwa"]["mean"] == 1.0
     assert main([*words[:4], "pid", "--out", str(tmp_path)]) == 2
+
+
+def test_all_who_need_a_leader_and_no_map_are_compared_if_nobody_is_named():
+    assert set(compare.EVERYBODY) == {*FOLLOWERS, "reinforced-alone"}
+    assert compare.EVERYBODY[0] == "pid"
 
 
 def test_a_strangers_follower_enters_the_leaderboard_with_one_module_and_one_command(tmp_path, monkeypatch):
