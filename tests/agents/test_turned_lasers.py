@@ -60,3 +60,23 @@ def test_a_laser_all_round_is_the_same_however_it_is_mounted(name, half_width, w
     assert np.ptp(usual, axis=0).min() > 0.05
     for laser, numbers in LASERS.items():
         assert actions(name, half_width, *numbers) == pytest.approx(usual, abs=within), laser
+
+
+@pytest.mark.parametrize("laser", LASERS)
+def test_each_direction_is_at_its_beam_and_all_round_there_is_no_gap(laser):
+    bearings, turned = LASERS[laser]
+    own, turn = np.radians(bearings), float(np.radians(turned))
+    robot = FollowInterface(bearings=own, T_robot_lidar=(0.1, 0.0, turn))
+    assert robot.field_of_view == pytest.approx(2.0 * np.pi)
+    inside = robot.along_scan(own[1:-1] + turn)
+    assert inside == pytest.approx(np.arange(1, 359) / 359.0)
+    step = own[1] - own[0]
+    ends = robot.along_scan(own[0] + turn - step * np.array((0.4, 0.6)))
+    assert ends == pytest.approx((0.0, 1.0))
+
+
+def test_beside_a_narrower_view_the_laser_is_blind():
+    robot = FollowInterface(bearings=np.radians(np.linspace(-90.0, 90.0, 181)), T_robot_lidar=(0.1, 0.0, np.pi / 2.0))
+    assert robot.field_of_view == pytest.approx(np.pi)
+    assert robot.along_scan(np.radians((1.0, 90.0, 179.0))) == pytest.approx((1.0 / 180.0, 0.5, 179.0 / 180.0))
+    assert (robot.along_scan(np.radians((-1.0, -90.0, 181.0))) > 1.0).all()
