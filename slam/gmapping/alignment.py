@@ -68,11 +68,6 @@ class MapAlignment:
         self._corner = np.array([maps.origin[0] * SIDE, maps.origin[1] * SIDE, 0.0])
         self._points = np.ascontiguousarray(matcher.thinned(points_robot, maps.cell) / maps.cell)
 
-    @property
-    def _few(self) -> Array:
-        """(m, 2) the points that judge a sample."""
-        return np.ascontiguousarray(self._points[:: max(1, len(self._points) // self._matcher.config.sample_points)])
-
     def refined(self, start: Array, expected: Array, covariance: Array, *, near: bool = False) -> Candidate:
         """Return where Gauss-Newton steps lead from `start` (3,), with a Gaussian around `expected` (3,) as a prior.
 
@@ -103,12 +98,12 @@ class MapAlignment:
 
     def sampled(self, expected: Array, covariance: Array, samples: Array) -> Candidate:
         """Return the refined best of `samples` (m, 3) standard normal draws of a Gaussian around `expected` (3,)."""
-        maps = self._maps
+        maps, matcher = self._maps, self._matcher.config
         root = np.linalg.cholesky(covariance * self._scale[:, None] * self._scale)
         pose = self._to_cells(expected)
         search_samples(
-            pose.copy(), root, samples, self._few, self._config.weight, self._config.unseen, self._directory,
-            maps.counts, maps.near, pose,
+            pose.copy(), root, samples, self._matcher.few(self._points), matcher.weight, matcher.unseen,
+            self._directory, maps.counts, maps.near, pose,
         )  # fmt: skip
         return self.refined(self._to_metres(pose), expected, covariance)
 
@@ -117,14 +112,14 @@ class MapAlignment:
 
         The map knows most of what the scan sees there: a place where it knows nothing explains any scan.
         """
-        config, points = self._config, self._few * self._maps.cell
+        config, points = self._config, self._matcher.few(self._points) * self._maps.cell
         points = points[np.hypot(*points.T) <= _FAR]
         if not len(points):
             return []
         window = SearchWindow(linear=float(reach[0]), angular=float(reach[1]), angular_step=config.window_turn)
         grid = self._scores(centre, float(reach[0]) + float(np.hypot(*points.T).max()))
         pyramid = build_pyramid(grid, top_level=_TOP_LEVEL, margin=window.reach(grid.resolution) + (1 << _TOP_LEVEL))
-        least = max(0.0, 1.0 + (enough - _ROUGH) / config.weight)
+        least = max(0.0, 1.0 + (enough - _ROUGH) / self._matcher.config.weight)
         found = branch_and_bound(
             pyramid, points, centre, window, min_score=least, maxima=_MAXIMA, separation=_SEPARATION
         )
@@ -159,7 +154,7 @@ class MapAlignment:
         return ScoreGrid(values, (float(corner[0]), float(corner[1])), side * maps.cell)
 
     def _judged(self, pose: Array, covariance: NDArray[np.floating], distance: float, loss: float = 1.0) -> Candidate:
-        maps, config, n = self._maps, self._config, max(len(self._points), 1)
+        maps, config, n = self._maps, self._matcher.config, max(len(self._points), 1)
         x, y, theta = pose.tolist()
         against, unknown = compare(
             x, y, theta, self._points, config.unseen, np.inf, self._directory, maps.counts, maps.near

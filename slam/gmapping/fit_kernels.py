@@ -9,6 +9,7 @@ import numpy as np
 from ..view_kernel import kernel
 from .tile_kernels import MASK, SHIFT
 
+NEAR = 2  # cells; see `compare`; tiles end the sight
 _SHIFT, _ONE, _HALF = np.uintp(SHIFT), np.uint64(1), np.uint64(32)
 
 

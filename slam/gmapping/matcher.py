@@ -6,9 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..processes.threads import Workers
+from .align_kernels import align_particles
 from .config import MatcherConfig
-from .match_kernels import match_particles
-from .search_kernels import search_particles
 from .thinning_kernel import first_of_squares
 from .tile_kernels import SIDE
 from .tile_maps import TileMaps
@@ -32,7 +31,10 @@ class Matches:
 
 
 class ParticleScanMatcher:
-    """Looks for a start among samples of the odometry's error, then takes Gauss-Newton steps from coarse to fine.
+    """Takes Gauss-Newton steps from where each particle is expected.
+
+    Where the map speaks against the pose that they lead to, it looks for a start among samples of the odometry's error,
+    and takes steps from coarse to fine.
 
     Args:
         config: Parameters.
@@ -71,38 +73,26 @@ class ParticleScanMatcher:
         """Return the first of `points` (n, 2) [m] in each square, in their order."""
         return first_of_squares(points, cell * self.config.thinning)
 
+    def few(self, points: Array) -> Array:
+        """Return those of the thinned `points` (n, 2) that judge a sample."""
+        return np.ascontiguousarray(points[:: max(1, len(points) // self.config.sample_points)])
+
     def _aligned(
         self, maps: TileMaps, points: Array, priors: Array, covariances: Array, samples: Array
     ) -> tuple[Array, Array, Array]:
         """Return the modes (P, 3), (P, 3, 4) systems, whose first three columns are information, and losses (P,)."""
         config, directory = self.config, maps.directory
-        few = points[:: max(1, len(points) // config.sample_points)]
+        few = self.few(points)
         roots, informations = np.linalg.cholesky(covariances), np.linalg.inv(covariances)
         poses, systems, losses = priors.copy(), np.zeros((len(priors), 3, 4)), np.ones(len(priors))
 
         def align(start: int, stop: int) -> None:
             """Match the particles from `start` up to `stop`; threads share them."""
-            search_particles(
-                start, stop, priors, roots, samples, few, config.sample_weight, directory, maps.near, poses
-            )
-            match_particles(
-                start,
-                stop,
-                poses,
-                priors,
-                informations,
-                points,
-                self.stages,
-                config.independent_points,
-                config.sigma / maps.cell,
-                config.straightness,
-                directory,
-                maps.counts,
-                maps.means,
-                maps.bits,
-                systems,
-                losses,
-            )
+            align_particles(
+                start, stop, priors, roots, informations, samples, few, points, self.stages,
+                config.independent_points, config.sigma / maps.cell, config.straightness, config.weight, config.unseen,
+                config.suspicion, directory, maps.counts, maps.means, maps.bits, maps.near, poses, systems, losses,
+            )  # fmt: skip
 
         self._workers.run(align, len(priors))
         return poses, systems, losses

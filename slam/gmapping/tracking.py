@@ -100,7 +100,8 @@ class Tracker:
         self.pose, self.covariance = between(origin, found.pose), turned_once(found.covariance, -origin.item(2))
         motion = between(last, self.pose)
         self._learn(motion, increment, deviations, longer)
-        self.located = found.against <= self.config.lost and (believed or -found.value <= self.config.suspicion)
+        explained = believed or -found.value <= self._matcher.config.suspicion
+        self.located = found.against <= self.config.lost and explained
         self._poor = min(self._poor + 1, _MOST_POOR) if -found.value > self.config.lie else 0
         return Tracked(motion, believed)
 
@@ -116,7 +117,7 @@ class Tracker:
             reach: (2,) how far the robot may have gone [m] and turned [rad]: two standard deviations.
         """
         config, best = self.config, aligned.refined(said, said, covariance, near=True)
-        if -best.value > config.suspicion:
+        if -best.value > self._matcher.config.suspicion:
             best = max(best, aligned.sampled(said, covariance, self._samples), key=lambda candidate: candidate.value)
         far = _sizes(between(last, said)) / (0.5 * reach)
         unlikely = 0.5 * float(far @ far)

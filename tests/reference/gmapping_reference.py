@@ -5,7 +5,7 @@ Lengths are in cells. Grids are (rows, cols), row 0 at y = 0.
 
 import numpy as np
 from numpy.typing import NDArray
-from tagalong.slam.gmapping.search_kernels import NEAR
+from tagalong.slam.gmapping.fit_kernels import NEAR
 from tagalong.slam.gmapping.tile_kernels import SIDE
 from tagalong.slam.rays import ray_cells
 
@@ -76,23 +76,14 @@ def sample_values(
     samples: Array,
     points: Array,
     weight: float,
+    unseen: float,
+    visited: NDArray[np.bool_],
     occupied: NDArray[np.bool_],
 ) -> tuple[Array, Array]:
-    """Return the poses (m, 3) among which `search_kernels.search` chooses, and the value (m,) of each."""
+    """Return the poses (m, 3) among which `fit_kernels.search_samples` chooses, and the value (m,) of each."""
     poses = prior + samples @ root.T
-    cells = np.zeros((*occupied.shape, 2), dtype=bool)
-    for row, col in np.argwhere(occupied):
-        tile_row, tile_col = row // SIDE * SIDE, col // SIDE * SIDE
-        for level, reach in enumerate((1, NEAR)):
-            rows = slice(max(row - reach, tile_row), min(row + reach + 1, tile_row + SIDE))
-            cols = slice(max(col - reach, tile_col), min(col + reach + 1, tile_col + SIDE))
-            cells[rows, cols, level] = True
-    cos, sin = np.cos(poses[:, 2, None]), np.sin(poses[:, 2, None])
-    x = np.floor(poses[:, 0, None] + cos * points[:, 0] - sin * points[:, 1]).astype(int)
-    y = np.floor(poses[:, 1, None] + sin * points[:, 0] + cos * points[:, 1]).astype(int)
-    inside = (x >= 0) & (y >= 0) & (x < occupied.shape[1]) & (y < occupied.shape[0])
-    near = cells[np.where(inside, y, 0), np.where(inside, x, 0)] & inside[..., None]
-    return poses, weight * near.mean(axis=(1, 2)) - 0.5 * np.sum(samples**2, axis=1)
+    against = [spoken_against(pose, points, unseen, visited, occupied)[0] for pose in poses]
+    return poses, -weight * np.array(against) / len(points) - 0.5 * np.sum(samples**2, axis=1)
 
 
 def spoken_against(

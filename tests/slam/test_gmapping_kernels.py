@@ -8,10 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tagalong.slam.errors import InputError
 from tagalong.slam.gmapping.config import MatcherConfig
-from tagalong.slam.gmapping.fit_kernels import compare, draw_scores
+from tagalong.slam.gmapping.fit_kernels import compare, draw_scores, search_samples
 from tagalong.slam.gmapping.match_kernels import accumulate, new_memory, solve
 from tagalong.slam.gmapping.matcher import ParticleScanMatcher
-from tagalong.slam.gmapping.search_kernels import count_missed, search
 from tagalong.slam.gmapping.thinning_kernel import first_of_squares
 from tagalong.slam.gmapping.tile_kernels import SIDE, draw_near
 from tagalong.slam.gmapping.tile_maps import TileMaps
@@ -131,6 +130,25 @@ def test_more_points_than_are_independent_make_a_pose_no_surer():
     assert (np.diag(all_of_them) < 0.55 * np.diag(hundred)).all()
 
 
+def test_another_start_is_looked_for_only_where_the_map_speaks_against_the_first():
+    rng, maps = np.random.default_rng(9), TileMaps(1, 0.05, FULLNESS, Workers(1))
+    for _ in range(3):
+        maps.write(np.zeros((1, 3)), room_scan(rng), np.ones(200, dtype=bool))
+    points, covariance = room_scan(rng), np.diag(np.square([0.3, 0.3, 0.15]))[None]
+
+    def off(expected, suspicion):
+        """How far from the truth a scan is put that is expected there [m]."""
+        matcher = ParticleScanMatcher(MatcherConfig(suspicion=suspicion), Workers(1))
+        matches = matcher.match(maps, points, np.array([expected]), covariance, np.random.default_rng(0))
+        return float(np.hypot(*matches.modes[0, :2])), matches.modes.tobytes()
+
+    near, far = (0.02, -0.03, 0.01), (0.5, 0.4, 0.2)
+    assert off(near, 0.75)[0] < 0.01
+    assert off(near, 0.75) == off(near, 1e6)
+    assert off(far, 0.75)[0] < 0.01
+    assert off(far, 1e6)[0] > 0.1
+
+
 def test_a_match_that_remembers_its_last_step_finds_what_one_that_looks_anew_does():
     rng = np.random.default_rng(7)
     maps = written_maps(rng)
@@ -154,7 +172,7 @@ def test_thinning_keeps_the_first_point_of_each_square_in_order():
 
 
 @pytest.mark.parametrize("theta", [0.0, 0.7])
-def test_a_point_misses_half_where_a_wall_is_two_cells_away_and_all_where_it_is_three(theta):
+def test_half_speaks_against_a_point_where_a_wall_is_two_cells_away_and_all_where_it_is_three(theta):
     rng, bits, near = np.random.default_rng(3), np.zeros((2, SIDE), np.uint32), np.zeros((2, SIDE), np.uint64)
     bits[1, 15], bits[1, 20] = np.uint32(1 << 12), np.uint32(1 << 21)
     draw_near(np.ones((1, 1), np.bool_), np.ones((1, 1), np.int32), bits, near)
@@ -162,21 +180,22 @@ def test_a_point_misses_half_where_a_wall_is_two_cells_away_and_all_where_it_is_
     cos, sin = np.cos(theta), np.sin(theta)
     cells = np.floor(points @ np.array([[cos, sin], [-sin, cos]]) + 16.0)
     apart = np.abs(cells[:, None] - [(12, 15), (21, 20)]).max(axis=-1).min(axis=1)
-    missed = count_missed(16.0, 16.0, theta, points, np.inf, np.ones((1, 1), np.int32), near)
-    assert missed == np.clip(apart - 1, 0, 2).sum()
+    counts = np.ones((2, SIDE * SIDE, 2), np.uint16)
+    against, unknown = compare(16.0, 16.0, theta, points, 0.4, np.inf, np.ones((1, 1), np.int32), counts, near)
+    assert (2.0 * against, unknown) == (np.clip(apart - 1, 0, 2).sum(), 0)
     assert set(np.clip(apart - 1, 0, 2)) == {0, 1, 2}
 
 
 def test_the_search_finds_the_best_of_all_samples():
     rng = np.random.default_rng(3)
     maps = written_maps(rng)
-    _, _, occupied = plain(maps)
+    counts, _, occupied = plain(maps)
     prior = np.append(maps.to_cells(np.array([0.25, -0.2])), 0.15)
     root = np.linalg.cholesky(np.diag([5.0, 5.0, 0.1]) ** 2)
     samples, points = rng.standard_normal((200, 3)), room_scan(rng, 60) / 0.05
-    pose = np.zeros(3)
-    search(prior, root, samples, points, 30.0, maps.directory[0], maps.near, pose)
-    poses, values = reference.sample_values(prior, root, samples, points, 30.0, occupied)
+    pose, tiles = np.zeros(3), (maps.directory[0], maps.counts, maps.near)
+    search_samples(prior, root, samples, points, 30.0, 0.4, *tiles, pose)
+    poses, values = reference.sample_values(prior, root, samples, points, 30.0, 0.4, counts[..., 1] > 0, occupied)
     np.testing.assert_allclose(pose, poses[np.argmax(values)], rtol=1e-12)
 
 

@@ -1,0 +1,56 @@
+"""Kernels that lay one scan on the maps of many particles: the mode of each one's improved proposal."""
+
+import numpy as np
+
+from ..view_kernel import kernel
+from .fit_kernels import compare, search_samples
+from .match_kernels import match
+
+
+@kernel
+def log_likelihood(pose, prior, information, points, weight, unseen, directory, counts, near):
+    """Return the log-likelihood of a pose: what the map says against its points, and how far it is from the prior."""
+    against, _ = compare(pose[0], pose[1], pose[2], points, unseen, np.inf, directory, counts, near)
+    distance = 0.0
+    for a in range(3):
+        for b in range(3):
+            distance += (pose[a] - prior[a]) * information[a, b] * (pose[b] - prior[b])
+    return -weight * against / max(len(points), 1) - 0.5 * distance
+
+
+@kernel
+def align_particles(
+    start, stop, priors, roots, informations, samples, few, points, stages, beams, sigma, straightness, weight, unseen,
+    suspicion, directory, counts, means, bits, near, poses, systems, losses,
+):  # fmt: skip
+    """Align particles start..stop, as `MatcherConfig` says; see `match` and `search_samples`.
+
+    Args:
+        priors: (P, 3) expected poses.
+        roots, informations: (P, 3, 3) lower Cholesky factors of their covariances, and the inverses of these.
+        samples: (m, 3) standard normal draws.
+        few: (k, 2) the points that judge a sample.
+        points: (n, 2) all of the scan.
+        stages: (s, 4) window, stride, iterations and scale of each, the finest last.
+        weight, unseen, suspicion: Of `MatcherConfig`; `beams`, `sigma` and `straightness`, too.
+        directory, counts, means, bits, near: The maps.
+        poses: (P, 3) the modes; `systems` (P, 3, 4) and `losses` (P,) are what `match` leaves there.
+    """
+    for p in range(start, stop):
+        prior, information, own = priors[p], informations[p], directory[p]
+        pose = prior.copy()
+        _, losses[p] = match(
+            pose, prior, information, points, stages[-1:], beams, sigma, straightness, own, counts, means, bits,
+            systems[p],
+        )  # fmt: skip
+        poses[p] = pose
+        value = log_likelihood(pose, prior, information, points, weight, unseen, own, counts, near)
+        if -value <= suspicion:
+            continue
+        system = np.zeros((3, 4))
+        search_samples(prior, roots[p], samples, few, weight, unseen, own, counts, near, pose)
+        _, loss = match(
+            pose, prior, information, points, stages, beams, sigma, straightness, own, counts, means, bits, system
+        )
+        if log_likelihood(pose, prior, information, points, weight, unseen, own, counts, near) > value:
+            poses[p], systems[p], losses[p] = pose, system, loss
