@@ -100,7 +100,7 @@ class Tracker:
         self.pose, self.covariance = between(origin, found.pose), turned_once(found.covariance, -origin.item(2))
         motion = between(last, self.pose)
         self._learn(motion, increment, deviations, longer)
-        explained = believed or -found.value <= self._matcher.config.suspicion
+        explained = believed or -found.value <= self.config.misfit
         self.located = found.against <= self.config.lost and explained
         self._poor = min(self._poor + 1, _MOST_POOR) if -found.value > self.config.lie else 0
         return Tracked(motion, believed)
