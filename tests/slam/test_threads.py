@@ -55,16 +55,21 @@ def test_threads_take_each_turn_once_inside_a_kernel(threads, count):
 
 
 def test_two_threads_both_take_turns():
-    shared, done, both = turns(5000, 2), np.zeros(5000, np.int64), threading.Barrier(2)
-    taken = list[int]()
+    done, both = np.zeros(5000, np.int64), threading.Barrier(2)
 
-    def work() -> None:
-        both.wait(20)
-        taken.append(count_up(shared, done, 2000))
+    def shared_out() -> list[int]:
+        shared, taken = turns(5000, 2), list[int]()
+
+        def work() -> None:
+            both.wait(20)
+            taken.append(count_up(shared, done, 2000))
+
+        Workers(2).together(work)
+        return taken
 
     count_up(turns(0), done, 1)  # compiled before
-    Workers(2).together(work)
-    assert min(taken) > 0
+    # one thread may be done before the system lets the other run; never again and again, unless they cannot run at once
+    assert any(min(shared_out()) > 0 for _ in range(100))
 
 
 def test_an_error_in_a_thread_reaches_the_caller():
