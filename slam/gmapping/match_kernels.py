@@ -4,6 +4,9 @@ Per point: the nearest mean hit point of the occupied cells in a window, the lin
 it, each with the weight of its hits (a cell behind a wall that noise has hit once says little); the residual is the
 distance to that line, or to the point itself where there is no line. A few Gauss-Newton steps with a robust weight, and
 with the odometry as a prior, minimise it (Censi 2008 for the metric).
+
+A wall has two faces. The one that the robot sees when it has gone through a door lies where the map knows nothing yet,
+beside the one that is drawn: taken for that one, it would put the robot back by the thickness of the wall.
 """
 
 import numpy as np
@@ -13,6 +16,8 @@ from .tile_kernels import MASK, SHIFT, SIDE
 
 _ONE = np.uint64(1)
 _ROUNDING = 1e-3  # far more than what means (float32) are off by
+_NARROW, _WIDE = 2, 5  # cells; see `draw_lines`
+_BEFORE = 2.0  # cells before a line where rays have been if they have seen it from there; walls are thicker
 _SHIFT, _MASK, _SIDE = np.uintp(SHIFT), np.uintp(MASK), np.uintp(SIDE)  # unsigned: numba asks of no index if it is < 0
 
 
@@ -124,36 +129,62 @@ def _look_wide(pose, points, stride, half, directory, means, bits, seen, squares
 
 
 @kernel
-def draw_lines(cells, stride, half, straightness, directory, counts, means, bits, known, lines):
+def _is_free(x, y, directory, counts, bits):
+    """Return whether rays have crossed the cell at (x, y) and found nothing there."""
+    row, col = np.uintp(int(np.floor(y))), np.uintp(int(np.floor(x)))
+    tile = np.uintp(directory[row >> _SHIFT, col >> _SHIFT])
+    row, col = row & _MASK, col & _MASK
+    free = counts[tile, (row << _SHIFT) | col, 1] != 0
+    return free and not (bits[tile, row] >> np.uint32(col)) & np.uint32(1)
+
+
+@kernel
+def _moments(row, col, half, directory, counts, means, bits):
+    """Return (n, weights, x, y, xx, xy, yy) of the occupied cells at most `half` rows and columns from (row, col).
+
+    How many there are, and sums over all their hits, relative to (row, col).
+    """
+    n, weights, sx, sy, sxx, sxy, syy = 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for r in range(np.uintp(row - half), np.uintp(row + half + 1)):
+        c = np.uintp(col - half)
+        word = _row_bits(r, c, np.uintp(2 * half + 1), directory, bits)
+        while word != 0:
+            if word & _ONE:
+                tile = np.uintp(directory[r >> _SHIFT, c >> _SHIFT])
+                cell = ((r & _MASK) << _SHIFT) | (c & _MASK)
+                dx = np.float64(np.int64(c) - col) + means[tile, cell, 0]
+                dy = np.float64(np.int64(r) - row) + means[tile, cell, 1]
+                w = np.float64(counts[tile, cell, 0])
+                n += 1
+                weights += w
+                sx += w * dx
+                sy += w * dy
+                sxx += w * dx * dx
+                sxy += w * dx * dy
+                syy += w * dy * dy
+            word >>= _ONE
+            c += _ONE
+    return n, weights, sx, sy, sxx, sxy, syy
+
+
+@kernel
+def draw_lines(cells, stride, straightness, directory, counts, means, bits, known, lines):
     """Draw the lines of all hits in the occupied cells around those of `cells` (n,) that are not `known` (n,) yet.
 
-    A line of `lines` (n, 5): 1 (0: there is none), centre x, y, normal x, y.
+    Around means within _NARROW rows and columns, or _WIDE where there are fewer than three: beams hit far walls, and
+    those that they graze, in few cells, each of which would hold the robot where it was, along the wall, too.
+
+    A line of `lines` (n, 6): 1 (0: there is none), centre x, y, normal x, y; and from where it has been seen: 1 from the
+    side where the normal points, -1 from the other one, 0 from both, or nobody knows.
     """
     for k in range(0, len(cells), stride):
         if cells[k] < 0 or known[k] == cells[k]:
             continue
         known[k] = cells[k]
         row, col = cells[k] >> 32, cells[k] & 0xFFFFFFFF
-        n, weights, sx, sy, sxx, sxy, syy = 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-        for r in range(np.uintp(row - half), np.uintp(row + half + 1)):
-            c = np.uintp(col - half)
-            word = _row_bits(r, c, np.uintp(2 * half + 1), directory, bits)
-            while word != 0:
-                if word & _ONE:
-                    tile = np.uintp(directory[r >> _SHIFT, c >> _SHIFT])
-                    cell = ((r & _MASK) << _SHIFT) | (c & _MASK)
-                    dx = np.float64(np.int64(c) - col) + means[tile, cell, 0]
-                    dy = np.float64(np.int64(r) - row) + means[tile, cell, 1]
-                    w = np.float64(counts[tile, cell, 0])
-                    n += 1
-                    weights += w
-                    sx += w * dx
-                    sy += w * dy
-                    sxx += w * dx * dx
-                    sxy += w * dx * dy
-                    syy += w * dy * dy
-                word >>= _ONE
-                c += _ONE
+        n, weights, sx, sy, sxx, sxy, syy = _moments(row, col, _NARROW, directory, counts, means, bits)
+        if n < 3:
+            n, weights, sx, sy, sxx, sxy, syy = _moments(row, col, _WIDE, directory, counts, means, bits)
         lines[k, 0] = 0.0
         if n < 3:
             continue
@@ -164,15 +195,19 @@ def draw_lines(cells, stride, half, straightness, directory, counts, means, bits
         if middle - root > straightness * (middle + root):
             continue
         angle = 0.5 * np.arctan2(2.0 * sxy, sxx - syy)
-        lines[k, 0], lines[k, 1], lines[k, 2] = 1.0, col + sx, row + sy
-        lines[k, 3], lines[k, 4] = -np.sin(angle), np.cos(angle)
+        x, y, nx, ny = col + sx, row + sy, -np.sin(angle), np.cos(angle)
+        lines[k, 0], lines[k, 1], lines[k, 2], lines[k, 3], lines[k, 4], lines[k, 5] = 1.0, x, y, nx, ny, 0.0
+        if _is_free(x + _BEFORE * nx, y + _BEFORE * ny, directory, counts, bits):
+            lines[k, 5] += 1.0
+        if _is_free(x - _BEFORE * nx, y - _BEFORE * ny, directory, counts, bits):
+            lines[k, 5] -= 1.0
 
 
 @kernel
 def new_memory(n):
     """Return what `accumulate` remembers of n points from step to step: see `find_cells` and `draw_lines`."""
     seen, near, names = np.full((n, 3), -1), np.empty((n, 9, 2)), np.empty((n, 9), dtype=np.int64)
-    known, lines = np.full(n, -1), np.empty((n, 5))
+    known, lines = np.full(n, -1), np.empty((n, 6))
     return seen, near, names, np.empty(n), np.empty(n, dtype=np.int64), known, lines
 
 
@@ -184,7 +219,7 @@ def accumulate(pose, points, stride, half, scale, straightness, directory, count
     """
     seen, near, names, squares, cells, known, lines = remembered
     find_cells(pose, points, stride, half, directory, means, bits, seen, near, names, squares, cells)
-    draw_lines(cells, stride, 2, straightness, directory, counts, means, bits, known, lines)
+    draw_lines(cells, stride, straightness, directory, counts, means, bits, known, lines)
     return add_up(pose, points, stride, scale, directory, means, squares, cells, lines, system)
 
 
@@ -201,6 +236,11 @@ def add_up(pose, points, stride, scale, directory, means, squares, cells, lines,
         if cells[k] < 0:
             total += 1.0
             continue
+        if lines[k, 0] != 0.0:
+            side = lines[k, 3] * (pose[0] - lines[k, 1]) + lines[k, 4] * (pose[1] - lines[k, 2])
+            if lines[k, 5] * side < 0.0:  # another face of the wall
+                total += 1.0
+                continue
         met += 1
         ax = cos * points[k, 0] - sin * points[k, 1]
         ay = sin * points[k, 0] + cos * points[k, 1]

@@ -31,7 +31,14 @@ def count_rays(
 
 
 def normal_equations(
-    pose: Array, points: Array, half: int, scale: float, straightness: float, centres: Array, hits: Array
+    pose: Array,
+    points: Array,
+    half: int,
+    scale: float,
+    straightness: float,
+    centres: Array,
+    hits: Array,
+    free: NDArray[np.bool_],
 ) -> tuple[Array, float]:
     """Return what `match_kernels.accumulate` does: (3, 4) weighted [H | g] and the mean loss.
 
@@ -43,6 +50,7 @@ def normal_equations(
         straightness: Largest ratio of the variances across and along a line.
         centres: (m, 2) x, y mean hit points of the occupied cells.
         hits: (m,) how many points each is the mean of: its weight in a line.
+        free: (rows, cols) where rays have been, and nothing is.
     """
     system, losses = np.zeros((3, 4)), []
     cells = np.floor(centres)
@@ -54,7 +62,8 @@ def normal_equations(
             losses.append(1.0)
             continue
         nearest = seen[np.argmin(np.sum((centres[seen] - point) ** 2, axis=1))]
-        beside = np.abs(cells - cells[nearest]).max(axis=1) <= 2
+        apart = np.abs(cells - cells[nearest]).max(axis=1)
+        beside = apart <= (2 if np.count_nonzero(apart <= 2) >= 3 else 5)
         around, weights = centres[beside], hits[beside]
         jacobian = np.array([[1.0, 0.0, -arm[1]], [0.0, 1.0, arm[0]]])
         residual = point - centres[nearest]
@@ -62,8 +71,13 @@ def normal_equations(
         if len(around) >= 3:
             variances, axes = np.linalg.eigh(np.cov(around.T, bias=True, aweights=weights))
         if variances[0] <= straightness * variances[1]:
-            normal = axes[:, :1].T
-            residual, jacobian = normal @ (point - np.average(around, axis=0, weights=weights)), normal @ jacobian
+            normal, middle = axes[:, :1].T, np.average(around, axis=0, weights=weights)
+            towards = np.sign(normal @ (pose[:2] - middle)) * normal[0]
+            before, behind = (free[int(y), int(x)] for x, y in (middle + 2.0 * towards, middle - 2.0 * towards))
+            if behind and not before:
+                losses.append(1.0)
+                continue
+            residual, jacobian = normal @ (point - middle), normal @ jacobian
         error = residual @ residual / scale**2
         system += jacobian.T @ np.column_stack((jacobian, residual)) / (1.0 + error) ** 2
         losses.append(error / (1.0 + error))

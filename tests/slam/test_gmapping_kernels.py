@@ -107,7 +107,7 @@ def test_normal_equations_equal_numpy_and_a_step_solves_them():
     tiles = maps.directory[0], maps.counts, maps.means, maps.bits
     for _ in range(2):  # looked up anew, then remembered
         _, loss = accumulate(pose, points, 1, 3, 2.0, 0.15, *tiles, remembered, system)
-    expected, expected_loss = reference.normal_equations(pose, points, 3, 2.0, 0.15, centres, hits)
+    expected, expected_loss = reference.normal_equations(pose, points, 3, 2.0, 0.15, centres, hits, (counts[..., 1] > 0) & ~occupied)
     np.testing.assert_allclose(system, expected, rtol=1e-6, atol=1e-4)
     assert loss == pytest.approx(expected_loss, rel=1e-6)
     step = np.zeros(3)
@@ -142,11 +142,41 @@ def test_another_start_is_looked_for_only_where_the_map_speaks_against_the_first
         matches = matcher.match(maps, points, np.array([expected]), covariance, np.random.default_rng(0))
         return float(np.hypot(*matches.modes[0, :2])), matches.modes.tobytes()
 
-    near, far = (0.02, -0.03, 0.01), (0.5, 0.4, 0.2)
+    near, far = (0.02, -0.03, 0.01), (0.6, 0.4, 0.3)
     assert off(near, 0.75)[0] < 0.01
     assert off(near, 0.75) == off(near, 1e6)
     assert off(far, 0.75)[0] < 0.01
     assert off(far, 1e6)[0] > 0.1
+
+
+def matched(maps, points, expected, sigma):
+    """Where a scan is put that is expected at a pose, with so much doubt along and across [m], and little of turn."""
+    matcher, rng = ParticleScanMatcher(MatcherConfig(suspicion=1e6), Workers(1)), np.random.default_rng(0)
+    return matcher.match(maps, points, np.array([expected]), np.diag(np.square([*sigma, 0.01]))[None], rng).modes[0]
+
+
+@pytest.mark.parametrize("thick", [0.12, 0.15])
+def test_the_other_face_of_a_wall_is_not_taken_for_the_one_that_was_seen(thick):
+    rng, maps, ys = np.random.default_rng(3), TileMaps(1, 0.05, FULLNESS, Workers(1)), np.linspace(-1.5, 1.5, 150)
+    face, jamb = np.stack((2.0 + rng.normal(0.0, 0.01, 150), ys), axis=1), np.array([[2.02, 1.9], [2.05, 1.9]])
+    for _ in range(3):
+        maps.write(np.zeros((1, 3)), np.concatenate((face, jamb)), np.ones(152, dtype=bool))
+    through = np.array([3.0, 0.0, 0.0])  # the robot has gone round the wall
+    other = np.stack((2.0 + thick - through[0] + rng.normal(0.0, 0.01, 150), ys), axis=1)
+    assert matched(maps, other, through, (0.1, 0.1))[0] == pytest.approx(through[0], abs=0.002)
+    same = np.stack((2.0 + rng.normal(0.0, 0.01, 150) - 0.9, ys), axis=1)  # seen from the same side as before: it pulls
+    assert matched(maps, same, np.array([0.9 - thick, 0.0, 0.0]), (0.1, 0.1))[0] == pytest.approx(0.9, abs=0.01)
+
+
+def test_hits_far_apart_on_a_wall_do_not_hold_the_robot_back_along_it():
+    rng, maps, xs = np.random.default_rng(4), TileMaps(1, 0.05, FULLNESS, Workers(1)), np.arange(-3.0, 3.0, 0.2)
+    walls = np.concatenate([np.stack((xs, np.full(len(xs), y)), axis=1) for y in (-1.0, 1.0)])
+    maps.write(np.zeros((1, 3)), walls + rng.normal(0.0, 0.005, walls.shape), np.ones(len(walls), dtype=bool))
+    middle = walls[np.abs(walls[:, 0]) < 2.5]
+    for ahead in (0.06, 0.08):  # beams hit the walls beside the robot as far ahead of it as before
+        pose = matched(maps, middle + rng.normal(0.0, 0.005, middle.shape), np.array([ahead, 0.03, 0.0]), (0.05, 0.1))
+        assert pose[0] == pytest.approx(ahead, abs=0.02)
+        assert abs(pose[1]) < 0.005
 
 
 def test_a_match_that_remembers_its_last_step_finds_what_one_that_looks_anew_does():
