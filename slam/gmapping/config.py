@@ -27,9 +27,7 @@ class MatcherConfig:
         windows: Half size of the window searched for the nearest occupied cell [cells].
         strides: Every how many-th point is used.
         iterations: Most Gauss-Newton steps.
-        scales: Distance at which a point counts a quarter (Geman-McClure) [cells]. A last one of 1 halves the error of
-            lasers that see 4 m (0.06 m for 0.12 m), which draw what they have just come to see to the end of what they
-            had seen before; but one of four runs of the Intel log is torn by it (1.04 m).
+        scales: Distance at which a point counts a quarter (Geman-McClure) [cells].
         thinning: At most one point of a scan in a square of this side [cells].
         straightness: Mean hit points around a cell form a line where their variance across is below this share of
             that along.
