@@ -174,8 +174,8 @@ def draw_lines(cells, stride, straightness, directory, counts, means, bits, know
     Around means within _NARROW rows and columns, or _WIDE where there are fewer than three: beams hit far walls, and
     those that they graze, in few cells, each of which would hold the robot where it was, along the wall, too.
 
-    A line of `lines` (n, 6): 1 (0: there is none), centre x, y, normal x, y; and from where it has been seen: 1 from the
-    side where the normal points, -1 from the other one, 0 from both, or nobody knows.
+    A line of `lines` (n, 6): 1 (0: there is none), centre x, y, normal x, y; and from where it has been seen: 1 from
+    the side where the normal points, -1 from the other one, 0 from both, or nobody knows.
     """
     for k in range(0, len(cells), stride):
         if cells[k] < 0 or known[k] == cells[k]:

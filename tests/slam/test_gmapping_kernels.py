@@ -100,6 +100,7 @@ def test_normal_equations_equal_numpy_and_a_step_solves_them():
     counts, means, occupied = plain(maps)
     rows, cols = np.nonzero(occupied)
     centres, hits = np.stack((cols, rows), axis=-1) + means[rows, cols], counts[rows, cols, 0]
+    free = (counts[..., 1] > 0) & ~occupied
     pose = np.append(maps.to_cells(np.array([0.05, -0.03])), 0.02)
     points = room_scan(rng, 150) / 0.05
     system = np.zeros((3, 4))
@@ -107,7 +108,7 @@ def test_normal_equations_equal_numpy_and_a_step_solves_them():
     tiles = maps.directory[0], maps.counts, maps.means, maps.bits
     for _ in range(2):  # looked up anew, then remembered
         _, loss = accumulate(pose, points, 1, 3, 2.0, 0.15, *tiles, remembered, system)
-    expected, expected_loss = reference.normal_equations(pose, points, 3, 2.0, 0.15, centres, hits, (counts[..., 1] > 0) & ~occupied)
+    expected, expected_loss = reference.normal_equations(pose, points, 3, 2.0, 0.15, centres, hits, free)
     np.testing.assert_allclose(system, expected, rtol=1e-6, atol=1e-4)
     assert loss == pytest.approx(expected_loss, rel=1e-6)
     step = np.zeros(3)
