@@ -3,9 +3,15 @@
 import numpy as np
 import pytest
 from tagalong.slam.geometry import between, compose
+from tagalong.slam.gmapping.alignment import Candidate
+from tagalong.slam.gmapping.config import MatcherConfig, TrackingConfig
+from tagalong.slam.gmapping.matcher import ParticleScanMatcher
 from tagalong.slam.gmapping.motion import MotionModel
 from tagalong.slam.gmapping.paths import PathTree
 from tagalong.slam.gmapping.resampling import effective_number, normalised, systematic
+from tagalong.slam.gmapping.tile_maps import TileMaps
+from tagalong.slam.gmapping.tracking import Tracker
+from tagalong.slam.processes.threads import Workers
 
 INCREMENTS = np.array([[0.1, 0.0, 0.05], [0.1, 0.01, 0.05], [0.05, -0.02, -0.1], [0.2, 0.0, 0.2]])
 
@@ -62,3 +68,22 @@ def test_a_path_leads_through_resampled_ancestors():
     np.testing.assert_array_equal(tree.path(1)[:, 0], [2.0, 11.0, 21.0])
     np.testing.assert_array_equal(tree.path(2)[:, 0], [0.0, 12.0, 22.0])
     np.testing.assert_allclose(between(tree.path(0)[0], tree.path(0)[1]), [8.0, 0.0, 0.0])
+
+
+@pytest.mark.parametrize(
+    ("believed", "value", "against", "located"),
+    [
+        (False, -2.9, 0.0, True),
+        (False, -3.1, 0.0, False),  # found without the odometry, and explained badly
+        (True, -3.1, 0.0, True),
+        (True, 0.0, 0.39, True),
+        (True, 0.0, 0.41, False),
+    ],
+)
+def test_where_the_robot_is_stays_open_by_bounds_of_its_own(monkeypatch, believed, value, against, located):
+    config, workers = TrackingConfig(lost=0.4, misfit=3.0), Workers(1)
+    tracker = Tracker(config, ParticleScanMatcher(MatcherConfig(), workers), MotionModel(0.1, 0.2, 0.1, 0.2), 0.0)
+    found = Candidate(np.zeros(3), 1e-4 * np.eye(3), value, against, 0.0, 0.0)
+    monkeypatch.setattr(tracker, "_found", lambda *_: (found, believed))
+    tracker.track(TileMaps(1, 0.05, 0.1, workers), 0, np.zeros(3), np.ones((5, 2)), np.array([0.1, 0.0, 0.0]), 0.1)
+    assert tracker.located is located
