@@ -9,13 +9,13 @@ from .match_kernels import match
 
 @kernel
 def log_likelihood(pose, prior, information, points, weight, unseen, directory, counts, near):
-    """Return the log-likelihood of a pose: what the map says against its points, and how far it is from the prior."""
-    against, _ = compare(pose[0], pose[1], pose[2], points, unseen, np.inf, directory, counts, near)
+    """Return (value, against, unknown) of a pose: its log-likelihood, by what `compare` returns and by the prior."""
+    against, unknown = compare(pose[0], pose[1], pose[2], points, unseen, np.inf, directory, counts, near)
     distance = 0.0
     for a in range(3):
         for b in range(3):
             distance += (pose[a] - prior[a]) * information[a, b] * (pose[b] - prior[b])
-    return -weight * against / max(len(points), 1) - 0.5 * distance
+    return -weight * against / max(len(points), 1) - 0.5 * distance, against, unknown
 
 
 @kernel
@@ -44,7 +44,7 @@ def align_particles(
             systems[p],
         )  # fmt: skip
         poses[p] = pose
-        value = log_likelihood(pose, prior, information, points, weight, unseen, own, counts, near)
+        value, _, _ = log_likelihood(pose, prior, information, points, weight, unseen, own, counts, near)
         if -value <= suspicion:
             continue
         system = np.zeros((3, 4))
@@ -52,5 +52,5 @@ def align_particles(
         _, loss = match(
             pose, prior, information, points, stages, beams, sigma, straightness, own, counts, means, bits, system
         )
-        if log_likelihood(pose, prior, information, points, weight, unseen, own, counts, near) > value:
+        if log_likelihood(pose, prior, information, points, weight, unseen, own, counts, near)[0] > value:
             poses[p], systems[p], losses[p] = pose, system, loss

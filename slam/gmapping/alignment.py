@@ -3,13 +3,14 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from ..geometry import wrap_one
 from ..search.branch_and_bound import SearchWindow, Separation, branch_and_bound
 from ..search.score_pyramid import ScoreGrid, build_pyramid
+from .align_kernels import log_likelihood
 from .config import TrackingConfig
-from .fit_kernels import compare, draw_scores, search_samples
+from .fit_kernels import draw_scores, search_samples
 from .match_kernels import match
 from .matcher import ParticleScanMatcher
 from .tile_kernels import SIDE
@@ -74,9 +75,7 @@ class MapAlignment:
         From a start that is `near` only the last, finest stage is needed.
         """
         maps, matcher = self._maps, self._matcher
-        pose, prior = self._to_cells(start), self._to_cells(expected)
-        pose[2] = prior.item(2) + wrap_one(pose.item(2) - prior.item(2))
-        information = np.linalg.inv(covariance * self._scale[:, None] * self._scale)
+        pose, prior, information = self._in_cells(start, expected, covariance)
         system = np.zeros((3, 4))
         _, loss = match(
             pose,
@@ -93,8 +92,7 @@ class MapAlignment:
             maps.bits,
             system,
         )
-        off = pose - prior
-        return self._judged(pose, np.linalg.inv(system[:, :3]), 0.5 * float(off @ information @ off), loss)
+        return self._judged(pose, prior, information, np.linalg.inv(system[:, :3]), loss)
 
     def sampled(self, expected: Array, covariance: Array, samples: Array) -> Candidate:
         """Return the refined best of `samples` (m, 3) standard normal draws of a Gaussian around `expected` (3,)."""
@@ -124,7 +122,7 @@ class MapAlignment:
             pyramid, points, centre, window, min_score=least, maxima=_MAXIMA, separation=_SEPARATION
         )
         covariance = _covariance(reach)
-        settled = (self._settled(each.pose, centre, covariance) for each in found.maxima)
+        settled = (self._settled(np.array(each.pose), centre, covariance) for each in found.maxima)
         return [each for each in settled if each.unknown <= _MOST_UNKNOWN]
 
     def steady(self, centre: Array, expected: Array, reach: Array) -> Candidate:
@@ -132,14 +130,11 @@ class MapAlignment:
         near = self.refined(expected, expected, _covariance(0.25 * reach))
         return self._settled(near.pose, centre, _covariance(reach))
 
-    def _settled(self, start: ArrayLike, expected: Array, covariance: Array) -> Candidate:
+    def _settled(self, start: Array, expected: Array, covariance: Array) -> Candidate:
         """Return the better one of a pose of a search and what it is refined to."""
-        pose, step = np.array(start, dtype=np.float64), np.array([_SEARCH_CELL, _SEARCH_CELL, self._config.window_turn])
-        off = pose - expected
-        off[2] = wrap_one(off.item(2))
-        rough = np.diag((step * self._scale) ** 2)
-        kept = self._judged(self._to_cells(pose), rough, 0.5 * float(off @ np.linalg.inv(covariance) @ off))
-        return max(kept, self.refined(pose, expected, covariance), key=_value)
+        step = np.array([_SEARCH_CELL, _SEARCH_CELL, self._config.window_turn]) * self._scale
+        kept = self._judged(*self._in_cells(start, expected, covariance), np.diag(step**2))
+        return max(kept, self.refined(start, expected, covariance), key=_value)
 
     def _scores(self, centre: Array, radius: float) -> ScoreGrid:
         """Return what a point is worth at each place within `radius` [m] of `centre`."""
@@ -153,17 +148,29 @@ class MapAlignment:
         corner = (np.array([col, row]) + self._corner[:2]) * maps.cell
         return ScoreGrid(values, (float(corner[0]), float(corner[1])), side * maps.cell)
 
-    def _judged(self, pose: Array, covariance: NDArray[np.floating], distance: float, loss: float = 1.0) -> Candidate:
-        maps, config, n = self._maps, self._matcher.config, max(len(self._points), 1)
-        x, y, theta = pose.tolist()
-        against, unknown = compare(
-            x, y, theta, self._points, config.unseen, np.inf, self._directory, maps.counts, maps.near
+    def _judged(
+        self,
+        pose: Array,
+        prior: Array,
+        information: NDArray[np.floating],
+        covariance: NDArray[np.floating],
+        loss: float = 1.0,
+    ) -> Candidate:
+        """Return a pose with what speaks for it; all in cells."""
+        points, maps, config, n = self._points, self._maps, self._matcher.config, max(len(self._points), 1)
+        value, against, unknown = log_likelihood(
+            pose, prior, information, points, config.weight, config.unseen, self._directory, maps.counts, maps.near
         )
-        value = -config.weight * against / n - distance
         spoken = (against - config.unseen * unknown) / n
         return Candidate(
             self._to_metres(pose), covariance / self._scale[:, None] / self._scale, value, spoken, unknown / n, loss
         )
+
+    def _in_cells(self, pose: Array, prior: Array, covariance: Array) -> tuple[Array, Array, NDArray[np.floating]]:
+        """Return a pose and a prior (3,), their headings less than half a turn apart, and its information (3, 3)."""
+        pose, prior = self._to_cells(pose), self._to_cells(prior)
+        pose[2] = prior.item(2) + wrap_one(pose.item(2) - prior.item(2))
+        return pose, prior, np.linalg.inv(covariance * self._scale[:, None] * self._scale)
 
     def _to_cells(self, pose: Array) -> Array:
         return pose * self._scale - self._corner
