@@ -7,7 +7,8 @@ from grid_reference import write_observation_reference
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from tagalong.slam.errors import InputError
-from tagalong.slam.gmapping.config import MatcherConfig
+from tagalong.slam.gmapping.alignment import MapAlignment
+from tagalong.slam.gmapping.config import MatcherConfig, TrackingConfig
 from tagalong.slam.gmapping.fit_kernels import compare, draw_scores, search_samples
 from tagalong.slam.gmapping.match_kernels import accumulate, new_memory, solve
 from tagalong.slam.gmapping.matcher import ParticleScanMatcher
@@ -178,6 +179,34 @@ def test_hits_far_apart_on_a_wall_do_not_hold_the_robot_back_along_it():
         pose = matched(maps, middle + rng.normal(0.0, 0.005, middle.shape), np.array([ahead, 0.03, 0.0]), (0.05, 0.1))
         assert pose[0] == pytest.approx(ahead, abs=0.02)
         assert abs(pose[1]) < 0.005
+
+
+def test_a_heading_may_be_told_a_whole_turn_apart():
+    rng, heading = np.random.default_rng(6), np.pi - 0.01
+    turn = np.array([[np.cos(heading), np.sin(heading)], [-np.sin(heading), np.cos(heading)]])
+    points = room_scan(rng) @ turn.T
+    maps, matcher = TileMaps(1, 0.05, FULLNESS, Workers(1)), ParticleScanMatcher(MatcherConfig(), Workers(1))
+    maps.write(np.array([[0.0, 0.0, heading]]), points, np.ones(200, dtype=bool))
+    aligned, expected = MapAlignment(maps, 0, points, matcher, TrackingConfig()), np.array([0.0, 0.0, heading])
+    near, beyond = (
+        aligned.refined(expected + np.array([0.0, 0.0, 0.03 + whole]), expected, 0.01 * np.eye(3))
+        for whole in (0.0, -2.0 * np.pi)
+    )
+    np.testing.assert_allclose(near.pose, beyond.pose, atol=1e-9)
+    assert near.value == pytest.approx(beyond.value, abs=1e-6)
+    assert near.pose[2] == pytest.approx(heading, abs=0.01)
+
+
+def test_what_speaks_against_a_pose_is_told_apart_from_what_is_unknown():
+    rng, maps = np.random.default_rng(10), TileMaps(1, 0.05, FULLNESS, Workers(1))
+    maps.write(np.zeros((1, 3)), room_scan(rng, 2000), np.ones(2000, dtype=bool))
+    inside = np.stack((np.linspace(-2.0, 2.0, 10), np.ones(10)), axis=1)  # where rays have been
+    outside = np.stack((np.linspace(-2.0, 2.0, 30), np.full(30, 6.0)), axis=1)  # where none has
+    matcher = ParticleScanMatcher(MatcherConfig(unseen=0.4, weight=30.0), Workers(1))
+    aligned = MapAlignment(maps, 0, np.concatenate((inside, outside)), matcher, TrackingConfig())
+    told = aligned.refined(np.zeros(3), np.zeros(3), 1e-9 * np.eye(3))
+    assert (told.against, told.unknown) == pytest.approx((0.25, 0.75))
+    assert told.value == pytest.approx(-30.0 * (0.25 + 0.4 * 0.75), abs=1e-3)
 
 
 def test_a_match_that_remembers_its_last_step_finds_what_one_that_looks_anew_does():
