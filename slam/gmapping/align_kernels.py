@@ -9,13 +9,16 @@ from .match_kernels import match
 
 @kernel
 def log_likelihood(pose, prior, information, points, weight, unseen, directory, counts, near):
-    """Return (value, against, unknown) of a pose: its log-likelihood, by what `compare` returns and by the prior."""
+    """Return (value, against, unknown) of a pose: its log-likelihood, by what `compare` returns and by the prior.
+
+    The points count for `weight` of them at most, and a few for no more than they are.
+    """
     against, unknown = compare(pose[0], pose[1], pose[2], points, unseen, np.inf, directory, counts, near)
     distance = 0.0
     for a in range(3):
         for b in range(3):
             distance += (pose[a] - prior[a]) * information[a, b] * (pose[b] - prior[b])
-    return -weight * against / max(len(points), 1) - 0.5 * distance, against, unknown
+    return -min(1.0, weight / max(len(points), 1)) * against - 0.5 * distance, against, unknown
 
 
 @kernel
@@ -36,6 +39,7 @@ def align_particles(
         directory, counts, means, bits, near: The maps.
         poses: (P, 3) the modes; `systems` (P, 3, 4) and `losses` (P,) are what `match` leaves there.
     """
+    worth = min(weight, float(len(points)))
     for p in range(start, stop):
         prior, information, own = priors[p], informations[p], directory[p]
         pose = prior.copy()
@@ -48,7 +52,7 @@ def align_particles(
         if -value <= suspicion:
             continue
         system = np.zeros((3, 4))
-        search_samples(prior, roots[p], samples, few, weight, unseen, own, counts, near, pose)
+        search_samples(prior, roots[p], samples, few, worth, unseen, own, counts, near, pose)
         _, loss = match(
             pose, prior, information, points, stages, beams, sigma, straightness, own, counts, means, bits, system
         )

@@ -68,6 +68,7 @@ class MapAlignment:
         self._scale = np.array([1.0 / maps.cell, 1.0 / maps.cell, 1.0])
         self._corner = np.array([maps.origin[0] * SIDE, maps.origin[1] * SIDE, 0.0])
         self._points = np.ascontiguousarray(matcher.thinned(points_robot, maps.cell) / maps.cell)
+        self._worth = min(matcher.config.weight, float(len(self._points)))
 
     def refined(self, start: Array, expected: Array, covariance: Array, *, near: bool = False) -> Candidate:
         """Return where Gauss-Newton steps lead from `start` (3,), with a Gaussian around `expected` (3,) as a prior.
@@ -100,7 +101,7 @@ class MapAlignment:
         root = np.linalg.cholesky(covariance * self._scale[:, None] * self._scale)
         pose = self._to_cells(expected)
         search_samples(
-            pose.copy(), root, samples, self._matcher.few(self._points), matcher.weight, matcher.unseen,
+            pose.copy(), root, samples, self._matcher.few(self._points), self._worth, matcher.unseen,
             self._directory, maps.counts, maps.near, pose,
         )  # fmt: skip
         return self.refined(self._to_metres(pose), expected, covariance)
@@ -117,7 +118,7 @@ class MapAlignment:
         window = SearchWindow(linear=float(reach[0]), angular=float(reach[1]), angular_step=config.window_turn)
         grid = self._scores(centre, float(reach[0]) + float(np.hypot(*points.T).max()))
         pyramid = build_pyramid(grid, top_level=_TOP_LEVEL, margin=window.reach(grid.resolution) + (1 << _TOP_LEVEL))
-        least = max(0.0, 1.0 + (enough - _ROUGH) / self._matcher.config.weight)
+        least = max(0.0, 1.0 + (enough - _ROUGH) / self._worth)
         found = branch_and_bound(
             pyramid, points, centre, window, min_score=least, maxima=_MAXIMA, separation=_SEPARATION
         )

@@ -16,7 +16,8 @@ class MatcherConfig:
     looked for, from which all stages lead on.
 
     Attributes:
-        weight: Log-likelihood between a scan whose points all contradict the map and one with none that does.
+        weight: Log-likelihood between a scan whose points all contradict the map and one with none that does; as many
+            points are worth it, fewer are worth their number.
         unseen: What a point counts where the map knows nothing, as a share of a contradiction: so much that a scan of
             which nothing is known, just after one that was, makes the odometry suspicious.
         suspicion: Minus the log-likelihood of a match above which a better start is looked for. Of 0.75, 1.5 and 3, ten
@@ -69,7 +70,8 @@ class TrackingConfig:
             it was found without the odometry and its log-likelihood is below minus `misfit`.
         misfit: See `lost`. With 0.75 for 3, GMapping was not sure of 55 for 5 of the 1,988 scans of the CSAIL log.
         spread: Nor is it known where the particles' positions have a larger standard deviation than this [m].
-        memory: Over so many scans is remembered how far the robot went from one to the next.
+        memory: Over so many scans is remembered how far the robot went from one to the next, and over so many matched
+            ones how good the odometry is.
         least_way: The robot may always have moved so far between two scans [m] ...
         least_turn: ... and turned so far [rad] ...
         agility: ... and further by this many times the largest motion of late.
@@ -104,12 +106,12 @@ class GMappingConfig:
         fullness: A cell is occupied when more than this share of its visits were hits.
         ray_margin: The last share of a ray before a hit visits nothing: else far beams, by their noise, wear away the
             near side of what stands before others, and corridors are drawn too long.
-        srr: Odometry's translation error per translation [m/m].
+        srr: Odometry's translation error per translation [m/m]; of this and the next three, what is known at first.
         srt: Odometry's rotation error per translation [rad/m].
         str_: Odometry's translation error per rotation [m/rad].
         stt: Odometry's rotation error per rotation [rad/rad].
         max_urange: Longer ranges are cut there: free so far, nothing hit [m].
-        observation_gain: How many independent beams a scan counts for in the weight of a particle.
+        observation_gain: How many independent beams a scan counts for in the weight of a particle, at most.
         resample_threshold: Particles are resampled when their effective number falls below this share of them.
         minimum_score: 1 - loss that an alignment must reach; else the pose follows the odometry alone. 0: never.
         threads: Threads that share the particles; the result does not depend on them.

@@ -53,7 +53,10 @@ class GMapping:
         config = self.config
         self._maps = TileMaps(config.particles, config.delta, config.fullness, workers, config.ray_margin)
         self._matcher = ParticleScanMatcher(self.config.matcher, workers)
-        self._motion = MotionModel(self.config.srr, self.config.srt, self.config.str_, self.config.stt)
+        self._motion = MotionModel(
+            config.srr, config.srt, config.str_, config.stt, config.tracking.memory,
+            config.linear_update, config.angular_update,
+        )  # fmt: skip
         self._tracker = Tracker(config.tracking, self._matcher, self._motion, config.minimum_score)
         self._paths = PathTree()
         self._poses = np.zeros((self.config.particles, 3))
@@ -166,16 +169,20 @@ class GMapping:
     def _process(self, points_robot: Array) -> dict[str, float]:
         """Match, draw, weigh and resample."""
         means = compose(self._poses, self._tracker.pose)
-        covariances = turned(self._motion.covariance, self._poses[:, 2])
+        prior = self._motion.covariance_at(self._tracker.pose)
+        covariances = turned(prior, self._poses[:, 2])
         matches = self._matcher.match(self._maps, points_robot, means, covariances, self._rng)
         lost = matches.losses > 1.0 - self.config.minimum_score
         modes, roots = matches.modes, matches.roots
         if lost.any():
             modes = np.where(lost[:, None], compose(self._poses, self._motion.mean), modes)
             roots = np.where(lost[:, None, None], np.linalg.cholesky(covariances), roots)
+        best = self.best_particle
+        posterior = turned_once(roots[best] @ roots[best].T, -self._poses.item(best, 2))
+        self._motion.learn(between(self._poses[best], modes[best]), prior, posterior)
         self._poses = modes + np.einsum("pij,pj->pi", roots, self._rng.standard_normal(means.shape))
         self._poses[:, 2] = wrap_angle(self._poses[:, 2])
-        gains = -self.config.observation_gain * matches.losses
+        gains = -min(self.config.observation_gain, matches.points) * matches.losses
         self._log_weights += gains
         self._log_evidence += gains
         self._paths.append(self._poses)

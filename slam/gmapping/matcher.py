@@ -23,11 +23,13 @@ class Matches:
         modes: (P, 3) most likely poses T_map_robot [m, m, rad].
         roots: (P, 3, 3) lower Cholesky factors of their covariances.
         losses: (P,) mean robust loss of the points at the mode, 0 (all on the map) to 1 (none).
+        points: How many of the scan's points took part, one in a square.
     """
 
     modes: Array
     roots: Array
     losses: Array
+    points: int
 
 
 class ParticleScanMatcher:
@@ -67,7 +69,7 @@ class ParticleScanMatcher:
         samples[0] = 0.0
         poses, systems, losses = self._aligned(maps, points, priors, covariances, samples)
         roots = np.linalg.cholesky(np.linalg.inv(systems[:, :, :3])) / scale[:, None]
-        return Matches((poses + corner) / scale, roots, losses)
+        return Matches((poses + corner) / scale, roots, losses, len(points))
 
     def thinned(self, points: Array, cell: float) -> Array:
         """Return the first of `points` (n, 2) [m] in each square, in their order."""

@@ -5,10 +5,13 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..geometry import compose
+from ..geometry import compose, wrap_one
 
 Array = NDArray[np.float64]
 
+_WORTH = 3.0  # matched scans: so much counts what is known of any odometry
+_LEAST_SCALE = 0.1
+_MOST_SQUARE = 9.0  # a motion three standard deviations off is not the odometry's noise
 _SIDEWAYS = 0.3  # share of `srr` that acts across the direction of motion
 FLOOR = np.array([0.005, 0.005, 0.0025])  # [m, m, rad] what an odometry that stands still may be off by
 
@@ -17,44 +20,108 @@ class MotionModel:
     """Gathers odometry between two matched scans into a mean motion and its covariance.
 
     Each increment (dx, dy, dtheta), seen from where it began, is off by independent Gaussian errors with standard
-    deviations srr |dx| + str |dtheta| + 0.3 srr |dy|, likewise for y, and stt |dtheta| + srt |(dx, dy)|. Between two
-    matched scans the three errors keep their sign: they add up, however often odometry is read. The original draws
-    them anew at every reading, which at 10 Hz makes a wheel that is 5 % too small look like an odometry that is good to
-    2 %; on the slipping reference drives that costs a factor of five to eight in accuracy.
+    deviations srr |dx| + str |dtheta| + 0.3 srr |dy|, likewise for y, and stt |dtheta| + srt |(dx, dy)|. Over the way
+    from one matched scan to the next the three errors keep their sign: they add up, however often odometry is read. The
+    original draws them anew at every reading, which at 10 Hz makes a wheel that is 5 % too small look like an odometry
+    that is good to 2 %; on slipping reference drives that costs a factor of five to eight in accuracy. Where nothing
+    is seen for a hundred metres they do not keep it longer: else the robot might soon be anywhere.
+
+    That is what is known of any odometry. Most are better, and where scans say little, particles that are moved by ten
+    times the odometry's error are nowhere soon: by what informative scans make of it, its own `scale` is learned.
+
+    Attributes:
+        mean: (3,) the gathered motion [m, m, rad].
+        travelled, turned: Way [m] and turns [rad] of it, added up.
+        scale: (3,) the odometry's standard deviations as a share of those above, at most 1: one for x and y, one for
+            the heading.
 
     Args:
         srr: Translation error per translation [m/m].
         srt: Rotation error per translation [rad/m].
         str_: Translation error per rotation [m/rad].
         stt: Rotation error per rotation [rad/rad].
+        memory: Over so many matched scans `scale` is learned.
+        way, turn: Errors keep their sign over so much motion [m] or turning [rad].
     """
 
-    def __init__(self, srr: float, srt: float, str_: float, stt: float) -> None:
+    def __init__(
+        self,
+        srr: float,
+        srt: float,
+        str_: float,
+        stt: float,
+        memory: float = 30.0,
+        way: float = np.inf,
+        turn: float = np.inf,
+    ) -> None:
         self.srr, self.srt, self.str_, self.stt = srr, srt, str_, stt
+        self.scale = np.ones(3)
+        self._keep, self._way, self._turn = 1.0 - 1.0 / memory, way, turn
+        self._squares, self._known = np.zeros(2), np.zeros(2)  # of late, for the positions and for the headings
         self.reset()
 
     def reset(self) -> None:
         """Start again from a motion of zero."""
         self.mean: Array = np.zeros(3)
         self._root: Array = np.zeros((3, 3))  # columns: one standard deviation of each of the three errors
-        self._floor: Array = np.diag(FLOOR)
-        self.travelled = 0.0
-        self.turned = 0.0
+        self._settled: Array = np.diag(FLOOR**2)  # covariance of what has nothing to do with them
+        self.travelled = self._since_way = 0.0
+        self.turned = self._since_turn = 0.0
 
     def add(self, increment: Array) -> None:
         """Append `increment` (3,), T_before_after by odometry."""
         dx, dy, dtheta = increment.tolist()
         carry, turn = carried(self.mean.item(2), increment)
-        self._root = carry @ self._root + turn * self.deviations(increment)
-        self._floor = carry @ self._floor
+        self._root = carry @ self._root + turn * (self.scale * self.deviations(increment))
+        self._settled = carry @ self._settled @ carry.T
         self.mean = compose(self.mean, increment)
-        self.travelled += float(np.hypot(dx, dy))
-        self.turned += abs(dtheta)
+        way, turned = float(np.hypot(dx, dy)), abs(dtheta)
+        self.travelled, self._since_way = self.travelled + way, self._since_way + way
+        self.turned, self._since_turn = self.turned + turned, self._since_turn + turned
+        if self._since_way >= self._way or self._since_turn >= self._turn:
+            self._settled += self._root @ self._root.T
+            self._root = np.zeros((3, 3))
+            self._since_way = self._since_turn = 0.0
 
     @property
     def covariance(self) -> Array:
         """(3, 3) covariance of the gathered motion, in the frame where it began."""
-        return self._root @ self._root.T + self._floor @ self._floor.T
+        return self._root @ self._root.T + self._settled
+
+    def covariance_at(self, motion: Array) -> Array:
+        """Return the covariance (3, 3) of the gathered motion, wider where the robot is believed to have gone another
+        `motion` (3,) that it does not explain: an odometry that stands still once is not as good as it used to be."""
+        off, covariance = self._off(motion), self.covariance
+        return covariance * max(1.0, float(off @ np.linalg.solve(covariance, off)) / 3.0)
+
+    def learn(self, motion: Array, prior: Array, posterior: Array) -> None:
+        """Take what a scan made of the gathered motion.
+
+        Seen along the axes in which prior and scan are independent, and in units of the prior, a scan that says a share
+        k of what is known afterwards has an odometry that is as good as the prior off by k on average, squared; of
+        which k (1 - k) are the scan's own errors.
+
+        Args:
+            motion: (3,) by the odometry and the scan.
+            prior: (3, 3) covariance by the odometry, as of `covariance_at`.
+            posterior: (3, 3) covariance of `motion`.
+        """
+        off = self._off(motion)
+        for i, block in enumerate((slice(0, 2), slice(2, 3))):
+            root = np.linalg.inv(np.linalg.cholesky(prior[block, block]))
+            shares, axes = np.linalg.eigh(np.eye(len(root)) - root @ posterior[block, block] @ root.T)
+            shares = shares.clip(0.0, 1.0)
+            squares = np.minimum((axes.T @ (root @ off[block])) ** 2, _MOST_SQUARE) - shares * (1.0 - shares)
+            self._squares[i] = self._keep * self._squares[i] + self.scale[2 * i] ** 2 * np.mean(squares)
+            self._known[i] = self._keep * self._known[i] + np.mean(shares**2)
+        learned = (_WORTH + self._squares) / (_WORTH + self._known)
+        self.scale = np.sqrt(learned.clip(_LEAST_SCALE**2, 1.0))[[0, 0, 1]]
+
+    def _off(self, motion: Array) -> Array:
+        """Return how far a motion (3,) is from the gathered one."""
+        off = motion - self.mean
+        off[2] = wrap_one(off.item(2))
+        return off
 
     def deviations(self, increment: Array) -> Array:
         """Return the standard deviations (3,) of an increment (3,) [m, m, rad]."""

@@ -57,7 +57,6 @@ class Tracker:
         self._least = np.array([config.least_way, config.least_turn])  # [m, rad]
         self._reach = self._least.copy()  # [m, rad] the largest motions of late
         self._time_s, self._usual_s = np.inf, np.inf  # of the last scan; between two scans
-        self._timed = False  # whether the clock ran from the last scan to this one
         self.located = True  # whether the last scan leaves no doubt where the robot is
         self._motion = np.zeros(3)  # between the last two scans
         self._noise = 1.0  # how many times its variance the odometry's squared error is of late, at least 1
@@ -121,7 +120,7 @@ class Tracker:
             best = max(best, aligned.sampled(said, covariance, self._samples), key=lambda candidate: candidate.value)
         far = _sizes(between(last, said)) / (0.5 * reach)
         unlikely = 0.5 * float(far @ far)
-        honest = max(best.value, -config.strange) - (unlikely if self._timed else min(unlikely, config.lie))
+        honest = max(best.value, -config.strange) - min(unlikely, config.lie)
         if -honest <= config.lie:
             return best, True
         reach = np.minimum(reach, _MOST_REACH)
@@ -146,8 +145,7 @@ class Tracker:
     def _longer(self, time_s: float) -> float:
         """Return how many times as long as usual it is since the scan before; 1 where it is not, or clocks stand."""
         passed, self._time_s = time_s - self._time_s, time_s
-        self._timed = 0.0 < passed < np.inf
-        if not self._timed:
+        if not 0.0 < passed < np.inf:
             return 1.0
         longer = max(1.0, passed / self._usual_s)
         self._usual_s = min(passed, self._usual_s) if np.isinf(self._usual_s) else self._usual_s

@@ -151,6 +151,17 @@ def worst_errors(slam, truth):
     return np.hypot(*off[:, :2].T).max(), np.rad2deg(np.abs(off[:, 2])).max()
 
 
+@pytest.mark.parametrize("seed", range(5))
+def test_sixty_metres_in_the_open_do_not_throw_the_robot_out_of_the_hall(seed):
+    slam, odometry = make_slam("gmapping", particles=10, seed=seed), np.zeros((301, 3))
+    odometry[:, 0] = 0.2 * np.arange(301)
+    for k, pose in enumerate(odometry):
+        slam.update(pose, LaserScan(np.full(len(BEARINGS), np.inf), BEARINGS, 0.1, 30.0, 0.1 * k))
+    update = slam.update(odometry[-1], scan_at(np.zeros(3), np.random.default_rng(seed), 30.1))
+    assert np.hypot(*(update.pose - odometry[-1])[:2]) < 120.0
+    assert 10.0 < np.sqrt(np.trace(update.covariance[:2, :2])) < 80.0  # 0.2 rad/m of one sign all the way: 360 m
+
+
 def test_scans_between_matched_ones_are_followed_not_left_to_odometry():
     truth, _, scans = drive(steps=120)
     steps = between(truth[:-1], truth[1:]) * [1.0, 1.0, 0.8]

@@ -209,6 +209,19 @@ def test_what_speaks_against_a_pose_is_told_apart_from_what_is_unknown():
     assert told.value == pytest.approx(-30.0 * (0.25 + 0.4 * 0.75), abs=1e-3)
 
 
+def test_a_few_points_are_worth_no_more_than_their_number():
+    rng, maps = np.random.default_rng(10), TileMaps(1, 0.05, FULLNESS, Workers(1))
+    maps.write(np.zeros((1, 3)), room_scan(rng, 2000), np.ones(2000, dtype=bool))
+    matcher = ParticleScanMatcher(MatcherConfig(weight=30.0), Workers(1))
+
+    def value(n):
+        inside = np.stack((np.linspace(-2.0, 2.0, n), np.ones(n)), axis=1)  # where rays have been and hit nothing
+        aligned = MapAlignment(maps, 0, inside, matcher, TrackingConfig())
+        return aligned.refined(np.zeros(3), np.zeros(3), 1e-9 * np.eye(3)).value
+
+    assert [value(n) for n in (1, 4, 30, 45)] == pytest.approx([-1.0, -4.0, -30.0, -30.0], abs=1e-3)
+
+
 def test_a_match_that_remembers_its_last_step_finds_what_one_that_looks_anew_does():
     rng = np.random.default_rng(7)
     maps = written_maps(rng)

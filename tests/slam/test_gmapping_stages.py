@@ -47,6 +47,62 @@ def test_deviations_follow_the_four_parameters():
     np.testing.assert_allclose(model.deviations(np.array([0.0, 0.0, -1.0])), [0.3, 0.3, 0.4])
 
 
+def drive_with(factor, steps, informative=1e-6, seed=0):
+    """A model that has been told of `steps` matched scans by an odometry with `factor` of the errors it expects."""
+    rng, model = np.random.default_rng(seed), MotionModel(0.1, 0.2, 0.1, 0.2)
+    for _ in range(steps):
+        model.reset()
+        model.add(np.array([0.5, 0.0, 0.1]))
+        prior = model.covariance_at(model.mean)
+        truth = model.mean + factor * model.deviations(np.array([0.5, 0.0, 0.1])) * rng.standard_normal(3)
+        prior = model.covariance_at(truth)
+        noise = np.eye(3) * informative
+        gain = prior @ np.linalg.inv(prior + noise)
+        told = truth + np.sqrt(informative) * rng.standard_normal(3)
+        model.learn(model.mean + gain @ (told - model.mean), prior, prior - gain @ prior)
+    return model
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_errors_of_an_odometry_are_learned_where_scans_tell_of_them(seed):
+    good, as_expected = (drive_with(factor, 200, seed=seed).scale for factor in (0.2, 1.0))
+    assert (good < 0.45).all()
+    assert (as_expected > 0.6).all()
+    np.testing.assert_allclose(drive_with(0.2, 200, informative=1e6, seed=seed).scale, 1.0, atol=0.05)
+
+
+def test_one_jump_of_an_odometry_widens_its_own_step_and_hardly_the_next():
+    model = drive_with(0.2, 200)
+    before = model.scale.copy()
+    model.reset()
+    model.add(np.array([0.5, 0.0, 0.0]))
+    far = model.mean + np.array([0.0, 1.0, 0.0])
+    wide = model.covariance_at(far)
+    off = far - model.mean
+    assert off @ np.linalg.inv(wide) @ off == pytest.approx(3.0)
+    np.testing.assert_array_equal(model.covariance_at(model.mean), model.covariance)
+    model.learn(far, wide, 1e-6 * np.eye(3))
+    assert (model.scale < 1.3 * before).all()
+
+
+def test_a_jump_of_a_whole_turn_is_none():
+    model = MotionModel(0.1, 0.2, 0.1, 0.2)
+    model.add(np.array([0.5, 0.0, 3.1]))
+    np.testing.assert_allclose(model.covariance_at(model.mean - [0.0, 0.0, 2.0 * np.pi]), model.covariance)
+
+
+def test_errors_keep_their_sign_over_the_way_to_the_next_matched_scan_and_no_longer():
+    def deviation(metres, **spans):
+        model = MotionModel(0.1, 0.0, 0.0, 0.0, **spans)
+        for _ in range(10 * metres):
+            model.add(np.array([0.1, 0.0, 0.0]))
+        return np.sqrt(model.covariance[0, 0])
+
+    assert deviation(50) == pytest.approx(5.0, rel=1e-3)
+    assert deviation(50, way=0.5) == pytest.approx(0.05 * np.sqrt(100), rel=0.1)
+    assert deviation(50, way=0.5, turn=0.3) == deviation(50, way=0.5)
+
+
 def test_systematic_resampling_is_unbiased_and_never_off_by_one():
     weights = normalised(np.log([0.05, 0.37, 0.13, 0.26, 0.19]))
     draws = [np.bincount(systematic(weights, u), minlength=5) for u in np.linspace(0.0, 1.0, 2000, endpoint=False)]
