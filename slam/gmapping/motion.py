@@ -26,8 +26,8 @@ class MotionModel:
     that is good to 2 %; on slipping reference drives that costs a factor of five to eight in accuracy. Where nothing
     is seen for a hundred metres they do not keep it longer: else the robot might soon be anywhere.
 
-    That is what is known of any odometry. Most are better, and where scans say little, particles that are moved by ten
-    times the odometry's error are nowhere soon: by what informative scans make of it, its own `scale` is learned.
+    So far off any odometry may be. Most are better, and where scans say little, particles that are moved by ten times
+    the odometry's error are soon far apart: its own `scale` is learned from scans that tell where the robot is.
 
     Attributes:
         mean: (3,) the gathered motion [m, m, rad].
@@ -97,9 +97,9 @@ class MotionModel:
     def learn(self, motion: Array, prior: Array, posterior: Array) -> None:
         """Take what a scan made of the gathered motion.
 
-        Seen along the axes in which prior and scan are independent, and in units of the prior, a scan that says a share
-        k of what is known afterwards has an odometry that is as good as the prior off by k on average, squared; of
-        which k (1 - k) are the scan's own errors.
+        Along the axes that both leave independent, and in units of the prior, let the scan contribute a share k of what
+        is known afterwards. The mean square of how far it moves the robot is then k^2 times that of the odometry's
+        errors, and k (1 - k) by the scan's own. A scan that tells nothing (k = 0) teaches nothing.
 
         Args:
             motion: (3,) by the odometry and the scan.

@@ -1,17 +1,22 @@
 """Motion model, resampling and paths: statistics with known answers."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from tagalong.slam.geometry import between, compose
+from tagalong.slam.gmapping import alignment
 from tagalong.slam.gmapping.alignment import Candidate
-from tagalong.slam.gmapping.config import MatcherConfig, TrackingConfig
-from tagalong.slam.gmapping.matcher import ParticleScanMatcher
+from tagalong.slam.gmapping.config import GMappingConfig, MatcherConfig, TrackingConfig
+from tagalong.slam.gmapping.engine import GMapping
+from tagalong.slam.gmapping.matcher import Matches, ParticleScanMatcher
 from tagalong.slam.gmapping.motion import MotionModel
 from tagalong.slam.gmapping.paths import PathTree
 from tagalong.slam.gmapping.resampling import effective_number, normalised, systematic
 from tagalong.slam.gmapping.tile_maps import TileMaps
 from tagalong.slam.gmapping.tracking import Tracker
 from tagalong.slam.processes.threads import Workers
+from tagalong.slam.scan import LaserScan
 
 INCREMENTS = np.array([[0.1, 0.0, 0.05], [0.1, 0.01, 0.05], [0.05, -0.02, -0.1], [0.2, 0.0, 0.2]])
 
@@ -143,3 +148,39 @@ def test_where_the_robot_is_stays_open_by_bounds_of_its_own(monkeypatch, believe
     monkeypatch.setattr(tracker, "_found", lambda *_: (found, believed))
     tracker.track(TileMaps(1, 0.05, 0.1, workers), 0, np.zeros(3), np.ones((5, 2)), np.array([0.1, 0.0, 0.0]), 0.1)
     assert tracker.located is located
+
+
+def test_a_sudden_turn_is_believed_where_the_scan_tells_nothing_about_it():
+    workers = Workers(1)
+    tracker = Tracker(
+        TrackingConfig(), ParticleScanMatcher(MatcherConfig(), workers), MotionModel(0.1, 0.2, 0.1, 0.2), 0
+    )
+    maps, points = TileMaps(1, 0.05, 0.1, workers), np.array([[2.0, 0.0], [2.0, 0.1], [2.0, 0.2]])  # nothing is known
+    for k in range(10):
+        tracker.track(maps, 0, np.zeros(3), points, np.zeros(3), 0.2 * k)
+    tracked = tracker.track(maps, 0, np.zeros(3), points, np.array([0.0, 0.0, 0.8]), 2.0)
+    assert tracked.believed
+    np.testing.assert_allclose(tracked.motion, [0.0, 0.0, 0.8], atol=1e-6)
+
+
+def test_the_best_of_samples_is_chosen_by_as_many_points_as_there_are(monkeypatch):
+    workers, told = Workers(1), []
+    monkeypatch.setattr(alignment, "search_samples", lambda *arguments: told.append(arguments[4]))
+    for n in (4, 90):
+        points = np.stack((np.linspace(-4.5, 4.5, n), np.ones(n)), axis=1)
+        matcher, maps = ParticleScanMatcher(MatcherConfig(weight=30.0), workers), TileMaps(1, 0.05, 0.1, workers)
+        aligned = alignment.MapAlignment(maps, 0, points, matcher, TrackingConfig())
+        aligned.sampled(np.zeros(3), 0.01 * np.eye(3), np.zeros((2, 3)))
+    assert told == [4.0, 30.0]
+
+
+@pytest.mark.parametrize(("points", "worth"), [(3, 3.0), (300, 30.0)])
+def test_a_scan_moves_the_weights_by_as_many_beams_as_it_has(monkeypatch, points, worth):
+    slam = GMapping(GMappingConfig(particles=8, threads=1, observation_gain=30.0))
+    losses = np.linspace(0.0, 0.2, 8)
+    matches = Matches(np.zeros((8, 3)), np.broadcast_to(1e-3 * np.eye(3), (8, 3, 3)), losses, points)
+    monkeypatch.setattr(ParticleScanMatcher, "match", lambda *_: matches)
+    scan = LaserScan(np.full(60, 2.0), np.linspace(-1.0, 1.0, 60), 0.1, 10.0)
+    slam.update(np.zeros(3), scan)
+    update = slam.update(np.array([0.6, 0.0, 0.0]), replace(scan, time_s=0.1, ranges=np.full(60, 1.4)))
+    assert update.diagnostics["neff"] == pytest.approx(effective_number(normalised(-worth * losses)))
