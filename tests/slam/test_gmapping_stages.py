@@ -184,3 +184,36 @@ def test_a_scan_moves_the_weights_by_as_many_beams_as_it_has(monkeypatch, points
     slam.update(np.zeros(3), scan)
     update = slam.update(np.array([0.6, 0.0, 0.0]), replace(scan, time_s=0.1, ranges=np.full(60, 1.4)))
     assert update.diagnostics["neff"] == pytest.approx(effective_number(normalised(-worth * losses)))
+
+
+def test_the_scans_own_errors_are_not_taken_for_those_of_the_odometry():
+    scales = [drive_with(0.1, 100, informative=1e-3, seed=seed).scale for seed in range(10)]
+    np.testing.assert_array_less(np.mean(scales, axis=0), [0.7, 0.7, 0.5])
+
+
+def test_every_matched_scan_teaches_how_good_the_odometry_is_and_a_frozen_one_is_not_trusted(monkeypatch):
+    motions, said = [], []
+    learn, covariance_at = MotionModel.learn, MotionModel.covariance_at
+    monkeypatch.setattr(MotionModel, "learn", lambda *a: motions.append((a[0].mean, *a[1:])) or learn(*a))
+    monkeypatch.setattr(MotionModel, "covariance_at", lambda *a: said.append(a[1]) or covariance_at(*a))
+    slam, bearings = GMapping(GMappingConfig(particles=3, threads=1)), np.deg2rad(np.arange(-180.0, 180.0, 2.0))
+    with np.errstate(divide="ignore"):
+        for k in range(8):  # between two walls 2 m to the sides, and one 12 m ahead
+            x, sine, cosine = 0.6 * k, np.sin(bearings), np.cos(bearings)
+            ahead = np.where(cosine > 0, (12.0 - x) / cosine, (-3.0 - x) / cosine)
+            ranges = np.minimum(np.abs(2.0 / sine), ahead)
+            slam.update(np.array([0.5 * k, 0.0, 0.0]), LaserScan(ranges, bearings, 0.1, 30.0, 0.1 * k))
+    assert len(motions) == len(said) == 7
+    for mean, motion, prior, posterior in motions:
+        np.testing.assert_allclose(mean, [0.5, 0.0, 0.0])
+        np.testing.assert_allclose(motion, [0.6, 0.0, 0.0], atol=0.05)
+        assert np.trace(posterior) < np.trace(prior)
+    np.testing.assert_allclose(said, np.tile([0.6, 0.0, 0.0], (7, 1)), atol=0.05)
+
+
+def test_points_in_one_square_take_part_once():
+    workers = Workers(1)
+    matcher, maps = ParticleScanMatcher(MatcherConfig(), workers), TileMaps(1, 0.05, 0.1, workers)
+    points = np.repeat([[1.0, 0.01], [2.0, 0.01], [2.0, 0.51]], 20, axis=0)
+    covariances = 0.01 * np.eye(3)[None]
+    assert matcher.match(maps, points, np.zeros((1, 3)), covariances, np.random.default_rng(0)).points == 3
