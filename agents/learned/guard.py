@@ -3,7 +3,7 @@
 From the commands of a wish the robot must be able to brake without touching any return of the laser. If it is not, the
 nearest wish is taken from which it can. The guard interferes at the last moment only, so what is smooth stays smooth;
 learning is left to find good ways, and is spared the last centimetres (Wagener, Boots, Cheng 2021). Who touches
-something already may leave it, but not press on; and nobody backs over ground that was never seen (`hindsight`).
+something already may leave it, but not press on; and nobody backs over ground that was never seen (`GroundBehind`).
 """
 
 from dataclasses import dataclass
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ...envs.task.interface import FollowInterface
 from ...slam.errors import InputError
 from ..protocol.follower import Observation
+from ..scripted.ground_behind import GroundBehind
 from ..scripted.scan_points import ScanPoints, own_velocity, without
 from .braking import (
     MOST_WISHES,
@@ -26,7 +27,6 @@ from .braking import (
     put_velocities,
     stopping,
 )
-from .hindsight import Hindsight
 from .situation import Wish
 from .steering import State, SteeringConfig
 
@@ -92,7 +92,7 @@ class Guard:
         self._step_s = 1.0 / interface.control_hz
         self._scan = ScanPoints(interface)
         self._laser = np.array(interface.T_robot_lidar[:2])
-        self._behind = Hindsight(interface)
+        self._behind = GroundBehind(interface)
         self.reset()
 
     def reset(self) -> None:

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from ...envs.task.interface import FollowInterface
 from ...slam.errors import InputError
-from ..learned.hindsight import Hindsight
 from ..protocol.follower import Observation
+from ..scripted.ground_behind import GroundBehind
 from ..scripted.leader_memory import Goal, LeaderMemory, Mode
 from ..scripted.scan_points import leader_row, own_velocity, without
 from .config import MPPIConfig
@@ -48,7 +48,7 @@ class MPPIFollower:
             )
         self._step_s = 1.0 / robot.control_hz
         self._memory = LeaderMemory(c.memory, self._step_s)
-        self._things, self._behind = StandingThings(robot, c.reach, c.remembered_s), Hindsight(robot)
+        self._things, self._behind = StandingThings(robot, c.reach, c.remembered_s), GroundBehind(robot)
         self._every = max(1, round(c.horizon_s / (c.evaluations * self._step_s)))
         self._knot_s = c.horizon_s / (c.knots - 1)
         self._body, self._prices = body_of(robot, c.steering), Prices(*(getattr(c.prices, f) for f in Prices._fields))

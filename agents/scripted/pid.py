@@ -10,6 +10,7 @@ from ...envs.task.interface import FollowInterface
 from ...slam.bounds import check_positive
 from ..protocol.follower import Observation
 from .avoidance import AvoidanceConfig, free_heading
+from .ground_behind import GroundBehind
 from .leader_memory import Goal, LeaderMemory, MemoryConfig, Mode
 from .pid_axis import Axis, AxisConfig
 from .scan_points import ScanPoints, as_action, leader_row, own_velocity, without
@@ -26,10 +27,10 @@ class PIDConfig:
         linear: Gains from the error of the distance [m] to forward speed [m/s].
         angular: Gains from the bearing [rad] to turn rate [rad/s].
         feed_forward: Share of the leader's speed along the line of sight that is added to the forward speed [-].
-        reverse_speed: Fastest backing away from a leader who comes near [m/s].
+        reverse_speed: Fastest backing away from a leader who comes near, over ground known to be free [m/s].
         acceleration: Limit on the growth of the forward speed [m/s^2].
         braking: Limit on its decrease [m/s^2].
-        reaction_s: Time until a command takes hold; speed ahead of things allows for it [s].
+        reaction_s: Time until a command takes hold; speed towards things allows for it [s].
         approach_speed: Fastest on the way to where a lost leader was last seen [m/s].
         turn_acceleration: Limit on the change of the turn rate [rad/s^2].
         leader_clearance: Returns nearer than this to a person who is seen are that person, not an obstacle [m].
@@ -68,7 +69,7 @@ class PIDFollower:
         self._linear = Axis(self.config.linear, self._step_s)
         self._angular = Axis(self.config.angular, self._step_s)
         self._memory = LeaderMemory(self.config.memory, self._step_s)
-        self._points = ScanPoints(self.interface)
+        self._points, self._behind = ScanPoints(self.interface), GroundBehind(self.interface)
         self.reset()
 
     def reset(self) -> None:
@@ -76,11 +77,13 @@ class PIDFollower:
         self._linear.reset()
         self._angular.reset()
         self._memory.reset()
+        self._behind.reset()
         self._speed = self._turn = self._deviation = 0.0
 
     def act(self, observation: Observation) -> NDArray[np.float32]:
         """Return the action (forward, turn), or (forward, 0, turn) for a holonomic robot, each in [-1, 1]."""
         velocity = own_velocity(observation)
+        self._behind.observe(observation)
         goal = self._memory.update(leader_row(observation), velocity)
         if goal.mode is Mode.WAIT:
             return self._command(0.0, 0.0)
@@ -100,14 +103,15 @@ class PIDFollower:
         top = self.interface.max_speed if goal.mode is Mode.FOLLOW else c.approach_speed
         speed = self._linear.update(goal.distance - keep, saturated=abs(self._speed) >= top) + pace
         speed = min(max(speed, -c.reverse_speed), top * max(0.0, math.cos(heading)) ** 2)
-        brake_in_time = self._safe_speed(ahead)
+        if speed < 0.0:
+            speed = max(speed, -self._safe_speed(self._behind.room() - c.avoidance.front))
         turn = self._angular.update(heading)
-        return min(speed, brake_in_time), turn
+        return min(speed, self._safe_speed(ahead)), turn
 
-    def _safe_speed(self, ahead: float) -> float:
-        """Return the speed from which the robot stops within `ahead` metres, its reaction time included [m/s]."""
+    def _safe_speed(self, room: float) -> float:
+        """Return the speed from which the robot stops within `room` [m], its reaction time included [m/s]."""
         lag = self.config.braking * self.config.reaction_s
-        return math.sqrt(lag**2 + 2.0 * self.config.braking * ahead) - lag
+        return math.sqrt(lag**2 + 2.0 * self.config.braking * max(0.0, room)) - lag
 
     def _command(self, speed: float, turn: float) -> NDArray[np.float32]:
         more, less = self.config.acceleration * self._step_s, self.config.braking * self._step_s

@@ -10,6 +10,7 @@ from ...envs.task.interface import FollowInterface
 from ...slam.errors import InputError
 from ..protocol.follower import Observation
 from .avoidance import AvoidanceConfig, free_heading
+from .ground_behind import GroundBehind
 from .leader_memory import Goal, LeaderMemory, MemoryConfig, Mode
 from .leader_trail import LeaderTrail
 from .scan_points import ScanPoints, as_action, leader_row, own_velocity, without
@@ -26,7 +27,7 @@ class PurePursuitConfig:
         lookahead: The point on the trail that is steered for lies this far away [m].
         spacing: Distance between two points of the trail [m].
         catch_up: Forward speed per metre that the leader is too far away, beside its own speed [1/s].
-        reverse_speed: Fastest backing away from a leader who comes near [m/s].
+        reverse_speed: Fastest backing away from a leader who comes near, over ground known to be free [m/s].
         acceleration: Limit on the change of the forward speed [m/s^2].
         turn_acceleration: Limit on the change of the turn rate [rad/s^2].
         pivot: Bearing of the aim beyond which the robot turns on the spot [rad].
@@ -64,18 +65,20 @@ class PurePursuitFollower:
         self._step_s = 1.0 / self.interface.control_hz
         self._memory = LeaderMemory(self.config.memory, self._step_s)
         self._trail = LeaderTrail(self.config.spacing, self._step_s)
-        self._points = ScanPoints(self.interface)
+        self._points, self._behind = ScanPoints(self.interface), GroundBehind(self.interface)
         self.reset()
 
     def reset(self) -> None:
         """Forget everything; call it before each episode."""
         self._memory.reset()
+        self._behind.reset()
         self._trail.clear()
         self._speed = self._turn = self._deviation = 0.0
 
     def act(self, observation: Observation) -> NDArray[np.float32]:
         """Return the action (forward, turn), or (forward, 0, turn) for a holonomic robot, each in [-1, 1]."""
         velocity = own_velocity(observation)
+        self._behind.observe(observation)
         goal = self._memory.update(leader_row(observation), velocity)
         self._trail.carry_along(velocity)
         if goal.mode is Mode.WAIT:
@@ -101,12 +104,17 @@ class PurePursuitFollower:
         pace = max(0.0, goal.vx * math.cos(goal.bearing) + goal.vy * math.sin(goal.bearing))
         wish = pace + c.catch_up * (goal.distance - keep)
         if wish < -0.1:
-            return max(wish, -c.reverse_speed), c.pivot_gain * goal.bearing
+            back = min(c.reverse_speed, self._safe_speed(self._behind.room()))
+            return max(wish, -back), c.pivot_gain * goal.bearing
         speed = max(0.0, wish) * math.cos(heading)
-        speed = min(speed, self.interface.max_speed, math.sqrt(2.0 * c.acceleration * max(0.0, ahead - 0.1)))
+        speed = min(speed, self.interface.max_speed, self._safe_speed(ahead))
         curvature = 2.0 * math.sin(heading) / max(reach, 0.3)
         standing_turn = 0.0 if speed > 0.15 else c.pivot_gain * goal.bearing
         return speed, speed * curvature + standing_turn
+
+    def _safe_speed(self, room: float) -> float:
+        """Return the speed from which the robot stops a decimetre before the end of `room` [m/s]."""
+        return math.sqrt(2.0 * self.config.acceleration * max(0.0, room - 0.1))
 
     def _command(self, speed: float, turn: float) -> NDArray[np.float32]:
         step, turn_step = self.config.acceleration * self._step_s, self.config.turn_acceleration * self._step_s

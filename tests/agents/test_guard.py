@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from tagalong.agents.learned.braking import MOST_WISHES, brakes_in_time, guard_worlds, put_alternatives
 from tagalong.agents.learned.guard import Guard, GuardConfig, box_gaps, driven, signed_gaps
-from tagalong.agents.learned.hindsight import Hindsight
 from tagalong.agents.learned.steering import REST, SteeringConfig, steer, steer_many
+from tagalong.agents.scripted.ground_behind import GroundBehind
 from tagalong.envs.task import FollowInterface
 
 STEERING, CONFIG = SteeringConfig(), GuardConfig()
@@ -123,16 +123,16 @@ def test_whoever_has_looked_round_may_back_where_it_saw_that_there_is_room():
 
 
 def test_the_newest_view_of_a_place_counts():
-    hindsight = Hindsight(SCALES)
+    ground = GroundBehind(SCALES)
     turn = np.pi / 10.0  # each step 18 degrees
     for k in range(11):  # half a turn in an empty place: what is behind now was ahead
-        hindsight.observe(seen((0.0, 0.0, k * turn), [], (0.0, turn / 0.1 if k else 0.0)))
-    assert hindsight.room() == 1.0
+        ground.observe(seen((0.0, 0.0, k * turn), [], (0.0, turn / 0.1 if k else 0.0)))
+    assert ground.room() == 1.0
     for k in range(20):  # a whole turn, and now there is a wall
-        hindsight.observe(seen((0.0, 0.0, np.pi + (k + 1) * turn), [(1.0, 0.0, 0.7)], (0.0, turn / 0.1)))
-    assert 0.3 < hindsight.room() < 0.7 - 0.275
-    hindsight.reset()
-    assert hindsight.room() == 0.0
+        ground.observe(seen((0.0, 0.0, np.pi + (k + 1) * turn), [(1.0, 0.0, 0.7)], (0.0, turn / 0.1)))
+    assert 0.3 < ground.room() < 0.7 - 0.275
+    ground.reset()
+    assert ground.room() == 0.0
 
 
 states = st.tuples(st.floats(-0.4, 1.3), st.floats(-1.8, 1.2), st.floats(-1.6, 1.6), st.floats(-3.0, 3.0))

@@ -64,8 +64,13 @@ def test_the_distance_settles_near_1_3_m_behind_a_straight_leader(make):
 
 @pytest.mark.parametrize("make", [PurePursuitFollower, DWAFollower])
 def test_it_backs_away_from_a_leader_who_comes_near(make):
-    rows = drive(make(INTERFACE), lambda t: (max(0.7, 1.5 - 0.5 * t), 0.0), 8.0)
+    rows = drive(make(INTERFACE), lambda t: (1.3 + 0.8 * t if t < 3.0 else max(2.8, 5.2 - 0.5 * t), 0.0), 10.0)
     assert rows[-1, 2] - rows[-1, 0] > 1.0
+
+
+def test_pure_pursuit_does_not_back_over_ground_that_it_has_not_seen():
+    rows = drive(PurePursuitFollower(INTERFACE), lambda t: (max(0.7, 1.5 - 0.5 * t), 0.0), 8.0)
+    assert rows[:, 0].min() > -0.01
 
 
 @pytest.mark.parametrize("name", ["pure_pursuit", "dwa"])

@@ -70,8 +70,16 @@ def test_speed_changes_no_faster_than_the_acceleration_limit():
 
 
 def test_it_backs_away_from_a_leader_who_comes_near():
-    rows = drive(PIDFollower(INTERFACE), lambda t: (max(0.8, 1.5 - 0.5 * t), 0.0), 8.0)
+    rows = drive(PIDFollower(INTERFACE), lambda t: (1.3 + 0.8 * t if t < 3.0 else max(3.0, 5.2 - 0.5 * t), 0.0), 10.0)
     assert rows[-1, 4] - rows[-1, 1] == pytest.approx(1.3, abs=0.1)
+
+
+def test_it_does_not_back_over_ground_that_it_has_not_seen():
+    rows = drive(PIDFollower(INTERFACE), lambda t: (max(0.8, 1.5 - 0.5 * t), 0.0), 8.0)
+    assert rows[:, 1].min() > -0.01
+    rows = drive(PIDFollower(INTERFACE), lambda t: (1.3 + 0.8 * t if t < 1.5 else max(0.8, 4.0 - 1.0 * t), 0.0), 12.0)
+    assert rows[:, 1].max() > 0.8  # it went so far, and comes back to where it stood, less the space that it keeps
+    assert 0.0 < rows[-1, 1] < 0.3
 
 
 def test_it_turns_towards_a_leader_behind_it():

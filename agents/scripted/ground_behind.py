@@ -1,4 +1,4 @@
-"""How far back the ground is known to be free, where the laser does not look: it was seen so, or the robot stood on it.
+"""How far back the ground is known to be free, where the laser may not look: it was seen so, or the robot stood there.
 
 Some of the last views are kept and carried along by odometry, each with the place from which it was taken. Of a place
 behind the robot the newest view counts that says anything about it: a beam went beyond it, or the robot's own box was
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...envs.task.interface import FollowInterface
 from ..protocol.follower import Observation
-from ..scripted.scan_points import MOST_BEAMS, own_velocity, scan_of
+from .scan_points import MOST_BEAMS, own_velocity, scan_of
 
 Array = NDArray[np.float64]
 
@@ -23,7 +23,7 @@ _SLACK_M = 0.03  # by which the robot's box on the way back may miss that on the
 _VIEWS, _APART_M, _APART_RAD = 24, 0.12, 0.2  # 3 m of way, or most of a turn
 
 
-class Hindsight:
+class GroundBehind:
     """Remembers the views of one episode.
 
     Args:
