@@ -68,11 +68,6 @@ def test_it_backs_away_from_a_leader_who_comes_near(make):
     assert rows[-1, 2] - rows[-1, 0] > 1.0
 
 
-def test_pure_pursuit_does_not_back_over_ground_that_it_has_not_seen():
-    rows = drive(PurePursuitFollower(INTERFACE), lambda t: (max(0.7, 1.5 - 0.5 * t), 0.0), 8.0)
-    assert rows[:, 0].min() > -0.01
-
-
 @pytest.mark.parametrize("name", ["pure_pursuit", "dwa"])
 def test_it_waits_until_a_leader_was_seen_and_looks_for_a_lost_one(name):
     follower = make_follower(name, INTERFACE)

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from tagalong.agents import PIDFollower, make_follower
+from tagalong.agents import PIDFollower, PurePursuitFollower, make_follower
 from tagalong.agents.scripted.avoidance import AvoidanceConfig, free_heading, free_lengths
 from tagalong.agents.scripted.leader_memory import LeaderMemory, MemoryConfig, Mode
 from tagalong.agents.scripted.pid import PIDConfig
@@ -74,10 +74,11 @@ def test_it_backs_away_from_a_leader_who_comes_near():
     assert rows[-1, 4] - rows[-1, 1] == pytest.approx(1.3, abs=0.1)
 
 
-def test_it_does_not_back_over_ground_that_it_has_not_seen():
-    rows = drive(PIDFollower(INTERFACE), lambda t: (max(0.8, 1.5 - 0.5 * t), 0.0), 8.0)
+@pytest.mark.parametrize("make", [PIDFollower, PurePursuitFollower])
+def test_it_does_not_back_over_ground_that_it_has_not_seen(make):
+    rows = drive(make(INTERFACE), lambda t: (max(0.8, 1.5 - 0.5 * t), 0.0), 8.0)
     assert rows[:, 1].min() > -0.01
-    rows = drive(PIDFollower(INTERFACE), lambda t: (1.3 + 0.8 * t if t < 1.5 else max(0.8, 4.0 - 1.0 * t), 0.0), 12.0)
+    rows = drive(make(INTERFACE), lambda t: (1.3 + 0.8 * t if t < 1.5 else max(0.8, 4.0 - 1.0 * t), 0.0), 12.0)
     assert rows[:, 1].max() > 0.8  # it went so far, and comes back to where it stood, less the space that it keeps
     assert 0.0 < rows[-1, 1] < 0.3
 
