@@ -76,7 +76,10 @@ def test_it_backs_away_from_a_leader_who_comes_near():
 
 @pytest.mark.parametrize("make", [PIDFollower, PurePursuitFollower])
 def test_it_does_not_back_over_ground_that_it_has_not_seen(make):
-    rows = drive(make(INTERFACE), lambda t: (max(0.8, 1.5 - 0.5 * t), 0.0), 8.0)
+    follower = make(INTERFACE)
+    drive(follower, lambda t: (1.3 + 0.8 * t, 0.0), 4.0)
+    follower.reset()  # another episode: it knows nothing of what it saw in that before
+    rows = drive(follower, lambda t: (max(0.8, 1.5 - 0.5 * t), 0.0), 8.0)
     assert rows[:, 1].min() > -0.01
     rows = drive(make(INTERFACE), lambda t: (1.3 + 0.8 * t if t < 1.5 else max(0.8, 4.0 - 1.0 * t), 0.0), 12.0)
     assert rows[:, 1].max() > 0.8  # it went so far, and comes back to where it stood, less the space that it keeps
