@@ -1,5 +1,6 @@
 """Which way is free: the heading nearest to the wanted one along which the robot's body meets nothing."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +18,7 @@ class AvoidanceConfig:
     Attributes:
         front: Space kept free in front [m].
         margin: Space kept free on each side [m].
+        turning: Gap that no corner of the robot's box may come below by a turn, a few times the laser's noise [m].
         horizon: How far ahead things are looked at [m].
         widest: Largest deviation from the wanted heading [rad].
         candidates: Number of headings compared, odd.
@@ -26,6 +28,7 @@ class AvoidanceConfig:
 
     front: float = 0.145
     margin: float = 0.121
+    turning: float = 0.04
     horizon: float = 1.5
     widest: float = 1.2
     candidates: int = 25
@@ -71,6 +74,46 @@ def free_heading(
     blocked = 1.0 - np.minimum(free[:-1], wish) / wish
     cost = np.abs(deviations) + config.blocked_cost * blocked + config.change_cost * np.abs(deviations - last_deviation)
     return FreeHeading(float(headings[np.argmin(cost)]), float(free[-1]))
+
+
+def free_turns(obstacles: Array, config: AvoidanceConfig, robot: FollowInterface) -> tuple[float, float]:
+    """Return how far the robot can turn on the spot to the left, and to the right, before its box meets one of
+    `obstacles` (n, 2), robot frame [m]; at most half a turn [rad].
+
+    Seen from the robot an obstacle goes round in a circle, and of that circle the box, grown by the gap that is kept,
+    leaves four arcs free: before it, behind it and at its sides. What is nearer than the gap may not come nearer.
+    """
+    x, y = obstacles[:, 0], obstacles[:, 1]
+    gaps = np.maximum(np.abs(x) - robot.half_length, np.abs(y) - robot.half_width)
+    kept = np.minimum(gaps, config.turning)
+    length, width, radius = robot.half_length + kept, robot.half_width + kept, np.hypot(x, y)
+    meets = (gaps > 0.0) & (radius < np.hypot(length, width))
+    x, y, length, width, radius = x[meets], y[meets], length[meets], width[meets], radius[meets]
+    ends = np.abs(x) >= length  # before the box or behind it, not at its sides
+    half_arc = np.where(ends, np.arccos(np.minimum(length / radius, 1.0)), np.arccos(np.minimum(width / radius, 1.0)))
+    from_middle = np.where(ends, np.arctan2(y * np.sign(x), np.abs(x)), np.arctan2(-x * np.sign(y), np.abs(y)))
+    left, right = half_arc + from_middle, half_arc - from_middle
+    return float(left.min(initial=np.pi)), float(right.min(initial=np.pi))
+
+
+def kept_turn(
+    wish: float,
+    obstacles: Array,
+    acceleration: float,
+    reaction_s: float,
+    config: AvoidanceConfig,
+    robot: FollowInterface,
+) -> float:
+    """Return the turn rate nearest to `wish` [rad/s] that ends before the robot's box meets one of `obstacles` (n, 2)
+    [m], with that `acceleration` [rad/s^2] after a time of reaction [s]."""
+    left, right = (stopping_speed(room, acceleration, reaction_s) for room in free_turns(obstacles, config, robot))
+    return min(max(wish, -right), left)
+
+
+def stopping_speed(room: float, braking: float, reaction_s: float) -> float:
+    """Return the speed from which one stops within `room`, after a time of reaction [s]; of a turn likewise."""
+    lag = braking * reaction_s
+    return math.sqrt(lag**2 + 2.0 * braking * max(0.0, room)) - lag
 
 
 def free_lengths(headings: Array, obstacles: Array, config: AvoidanceConfig, robot: FollowInterface) -> Array:

@@ -1,10 +1,14 @@
 """Where the follower takes its leader to be: smoothed while it is seen, remembered while it is not."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
 
 from ...slam.errors import InputError
+
+_TURNS_BACK = 0.05
+"""Share of the rate of the search below which something is in the way."""
 
 
 class Mode(Enum):
@@ -136,6 +140,18 @@ class LeaderMemory:
     def search_turn(self) -> float:
         """Turn rate of the search now [rad/s]: nothing at first, then towards where the leader went."""
         return 0.0 if self._searching_s < self._config.dwell_s else self._side * self._config.search_turn_rate
+
+    def look_around(self, kept: Callable[[float], float]) -> float:
+        """Return `search_turn` as far as the robot can turn where it stands [rad/s]; the next time it turns back.
+
+        Args:
+            kept: Returns how fast it can turn, of a rate that is wished for.
+        """
+        wish = self.search_turn
+        turn = kept(wish)
+        if abs(turn) < _TURNS_BACK * abs(wish):
+            self._side = -self._side
+        return turn
 
     def _carry_along(self, velocity: tuple[float, float, float]) -> None:
         goal, step = self.goal, self._step_s

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from ...envs.task.interface import FollowInterface
 from ...slam.bounds import check_positive
 from ..protocol.follower import Observation
-from .avoidance import AvoidanceConfig, free_heading
+from .avoidance import AvoidanceConfig, FreeHeading, free_heading, kept_turn, stopping_speed
 from .ground_behind import GroundBehind
 from .leader_memory import Goal, LeaderMemory, MemoryConfig, Mode
 from .pid_axis import Axis, AxisConfig
@@ -87,31 +87,36 @@ class PIDFollower:
         goal = self._memory.update(leader_row(observation), velocity)
         if goal.mode is Mode.WAIT:
             return self._command(0.0, 0.0)
-        if goal.mode is Mode.SEARCH:
-            return self._command(0.0, self._memory.search_turn)
         obstacles = self._obstacles(observation, goal)
+        if goal.mode is Mode.SEARCH:
+            return self._command(0.0, self._memory.look_around(lambda turn: self._kept_turn(turn, obstacles)))
         way = free_heading(
             goal.bearing, goal.distance, obstacles, self._deviation, self.config.avoidance, self.interface
         )
         self._deviation = way.heading - goal.bearing
-        return self._command(*self._follow(goal, way.heading, way.ahead))
+        return self._command(*self._follow(goal, way, obstacles))
 
-    def _follow(self, goal: Goal, heading: float, ahead: float) -> tuple[float, float]:
-        c = self.config
+    def _follow(self, goal: Goal, way: FreeHeading, obstacles: Array) -> tuple[float, float]:
+        c, wish = self.config, self._angular.update(way.heading)
+        turn = self._kept_turn(wish, obstacles)
         keep = c.distance if goal.mode is Mode.FOLLOW else 0.0
         pace = (goal.vx * math.cos(goal.bearing) + goal.vy * math.sin(goal.bearing)) * c.feed_forward
         top = self.interface.max_speed if goal.mode is Mode.FOLLOW else c.approach_speed
         speed = self._linear.update(goal.distance - keep, saturated=abs(self._speed) >= top) + pace
-        speed = min(max(speed, -c.reverse_speed), top * max(0.0, math.cos(heading)) ** 2)
+        onward = 1.0 - turn / wish if wish else 0.0  # who cannot turn here goes on until it can
+        speed = min(max(speed, -c.reverse_speed), top * max(max(0.0, math.cos(way.heading)) ** 2, onward))
         if speed < 0.0:
             speed = max(speed, -self._safe_speed(self._behind.room() - c.avoidance.front))
-        turn = self._angular.update(heading)
-        return min(speed, self._safe_speed(ahead)), turn
+        return min(speed, self._safe_speed(way.ahead)), turn
 
     def _safe_speed(self, room: float) -> float:
         """Return the speed from which the robot stops within `room` [m], its reaction time included [m/s]."""
-        lag = self.config.braking * self.config.reaction_s
-        return math.sqrt(lag**2 + 2.0 * self.config.braking * max(0.0, room)) - lag
+        return stopping_speed(room, self.config.braking, self.config.reaction_s)
+
+    def _kept_turn(self, wish: float, obstacles: Array) -> float:
+        """Return the turn rate nearest to `wish` that ends before a corner meets one of `obstacles` (n, 2) [rad/s]."""
+        c = self.config
+        return kept_turn(wish, obstacles, c.turn_acceleration, c.reaction_s, c.avoidance, self.interface)
 
     def _command(self, speed: float, turn: float) -> NDArray[np.float32]:
         more, less = self.config.acceleration * self._step_s, self.config.braking * self._step_s

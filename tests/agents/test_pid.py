@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from tagalong.agents import PIDFollower, PurePursuitFollower, make_follower
-from tagalong.agents.scripted.avoidance import AvoidanceConfig, free_heading, free_lengths
+from tagalong.agents.scripted.avoidance import AvoidanceConfig, free_heading, free_lengths, free_turns
 from tagalong.agents.scripted.leader_memory import LeaderMemory, MemoryConfig, Mode
 from tagalong.agents.scripted.pid import PIDConfig
 from tagalong.agents.scripted.pid_axis import Axis, AxisConfig
@@ -170,3 +170,59 @@ def test_a_lost_leader_is_where_the_tracker_predicts_it_only_if_that_is_wanted_a
 def test_an_unknown_follower_is_refused_with_the_list():
     with pytest.raises(InputError, match="followers: dwa, frontier, learned, mapper, mppi, pid"):
         make_follower("pdi")
+
+
+def turned_until_touch(points, side, kept):
+    """Return how far the robot's box, grown by `kept` (n,), can turn before it meets a point, step by step [rad]."""
+    robot = FollowInterface()
+    for angle in np.arange(0.0, np.pi, 1e-3):
+        cos, sin = math.cos(side * angle), math.sin(side * angle)
+        x, y = cos * points[:, 0] + sin * points[:, 1], cos * points[:, 1] - sin * points[:, 0]
+        inside = (np.abs(x) < robot.half_length + kept - 1e-9) & (np.abs(y) < robot.half_width + kept - 1e-9)
+        if inside.any():
+            return angle
+    return np.pi
+
+
+def test_free_turns_are_those_after_which_the_box_meets_something():
+    rng, robot, config = np.random.default_rng(4), FollowInterface(), AvoidanceConfig()
+    for _ in range(60):
+        points = rng.uniform(-0.5, 0.5, (rng.integers(1, 4), 2))
+        gaps = np.maximum(np.abs(points[:, 0]) - robot.half_length, np.abs(points[:, 1]) - robot.half_width)
+        points, gaps = points[gaps > 0.0], gaps[gaps > 0.0]
+        kept = np.minimum(gaps, config.turning)
+        left, right = free_turns(points, config, robot)
+        assert left == pytest.approx(turned_until_touch(points, 1.0, kept), abs=2e-3)
+        assert right == pytest.approx(turned_until_touch(points, -1.0, kept), abs=2e-3)
+
+
+def test_what_touches_the_robot_already_does_not_hold_it():
+    assert free_turns(np.array([[0.2, 0.1]]), AvoidanceConfig(), FollowInterface()) == (np.pi, np.pi)
+
+
+@pytest.mark.parametrize("kind", [PIDFollower, PurePursuitFollower])
+def test_a_corner_is_not_turned_into_a_door_frame_and_the_robot_drives_on(kind):
+    interface = FollowInterface(bearings=np.deg2rad(np.linspace(-135, 135, BEAMS)))
+    follower, scan = kind(interface), np.ones(BEAMS, dtype=np.float32)
+    post = np.array([0.17, 0.386]) - interface.T_robot_lidar[:2]  # beside the left front corner
+    beam = int(np.argmin(np.abs(interface.bearings - math.atan2(post[1], post[0]))))
+    scan[beam] = np.hypot(*post) / interface.range_max
+    leader = np.array([0.0, 3.0, 0.0, 0.0, 0.9, 1.0], dtype=np.float32)  # to the left, behind the post
+    observation = {"leader": leader, "people": np.zeros((6, 6), np.float32), "velocity": np.zeros(2, np.float32)}
+    hindered = [follower.act({"scan": scan, **observation}) for _ in range(10)][-1]
+    follower.reset()
+    free = [follower.act({"scan": np.ones(BEAMS, dtype=np.float32), **observation}) for _ in range(10)][-1]
+    assert free[1] == 1.0
+    assert hindered[1] < 0.7
+    assert hindered[0] > 0.1 > 0.0 == pytest.approx(free[0], abs=1e-6)
+
+
+def test_a_search_turns_back_where_it_cannot_turn_any_further():
+    memory = LeaderMemory(MemoryConfig(dwell_s=0.0, approach_s=0.1, patience_s=0.0), 0.1)
+    memory.update([1.0, 0.5, 0.0, 0.0, 0.9, 1.0], (0.0, 0.0, 0.0))
+    for _ in range(4):
+        goal = memory.update([0.0] * 6, (0.0, 0.0, 0.0))
+    assert goal.mode is Mode.SEARCH
+    assert memory.look_around(lambda turn: turn) == 0.5
+    assert memory.look_around(lambda turn: min(turn, 0.0)) == 0.0
+    assert memory.look_around(lambda turn: min(turn, 0.0)) == -0.5
