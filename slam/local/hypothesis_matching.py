@@ -54,7 +54,8 @@ class HypothesisMatching:
         for other in hypotheses[1:]:
             if fits is None or not other.is_needless(hypotheses[0], fits):
                 found.append((other, self._matched(points, sensor, other.prediction, degenerate, known)))
-        best = self._best(found, len(points))
+        telling = self._matcher.independent(points)
+        best = self._best(found, telling)
         if best[1] and self._matcher.is_poor(best[1]):
             return self._anywhere(motion, points, sensor, hypotheses, found)
         return *best, False
@@ -71,17 +72,18 @@ class HypothesisMatching:
 
         A place counts where no other is about as likely, nor what was `found`; it becomes the last of the `hypotheses`.
         """
-        first, best, anywhere = found[0][0], self._best(found, len(points)), motion.anywhere
+        telling = self._matcher.independent(points)
+        first, best, anywhere = found[0][0], self._best(found, telling), motion.anywhere
         places: list[tuple[float, list[Candidate]]] = []
         for match in self._matcher.search(self._active.front, points, anywhere) if anywhere else ():
             match = replace(match, seen=telling_share(self._active.front, points, sensor, match.pose))
             if not self._matcher.explains(match):
                 continue
             candidates: list[Candidate] = [(first, match), (motion.found(match.pose), match)]
-            cost = min(_cost(self._matcher, first, candidate, len(points)) for candidate in candidates)
+            cost = min(_cost(self._matcher, first, candidate, telling) for candidate in candidates)
             places.append((cost, candidates))
-        stays = _cost(self._matcher, first, best[:2], len(points))
-        nowhere = self._matcher.cost(None, len(points)) - math.log(_NOWHERE)
+        stays = _cost(self._matcher, first, best[:2], telling)
+        nowhere = self._matcher.cost(None, telling) - math.log(_NOWHERE)
         if not places:
             return *best, stays > nowhere
         places.sort(key=lambda place: place[0])
@@ -90,7 +92,7 @@ class HypothesisMatching:
         alike = any(cost < least + DOUBT and _are_apart(match, candidates[0][1]) for cost, candidates in others)
         if (alike or least > min(nowhere, stays - DOUBT)) and _are_apart(match, best[1]):
             return *best, stays > min(least + DOUBT, nowhere)
-        best = self._best([*found, *likeliest], len(points))
+        best = self._best([*found, *likeliest], telling)
         if best[1] is match:
             hypotheses[:] = [*(other for other in hypotheses if other.sound), jump]
         return *best, False
@@ -105,7 +107,7 @@ class HypothesisMatching:
         front = self._active.front
         match = self._matcher.match if known else self._matcher.match_anyhow
         seen = seen_points(front, points, prediction)
-        found = match(front, seen, prediction, degenerate, len(points))
+        found = match(front, seen, prediction, degenerate)
         if found is None:
             return None
         score = found.score * len(seen) / len(points)

@@ -224,6 +224,18 @@ def short_sighted(drive: RecordedDrive, rng: Generator, reach: float) -> Disturb
     return DisturbedDrive(replace(cut.recording, scans=scans), cut.origin)
 
 
+def sparse_beams(drive: RecordedDrive, rng: Generator, every: int) -> DisturbedDrive:
+    """Leave every `every`-th beam, as a simpler laser has them."""
+    del rng
+    return _with_beams(drive, lambda scan: np.arange(len(scan)) % every == every // 2)
+
+
+def narrow_view(drive: RecordedDrive, rng: Generator, angle: float) -> DisturbedDrive:
+    """Let the laser see no wider than `angle` [rad], half of it to each side."""
+    del rng
+    return _with_beams(drive, lambda scan: np.abs(scan.bearings) <= 0.5 * angle + 1e-9)
+
+
 def accompanied(drive: RecordedDrive, rng: Generator) -> DisturbedDrive:
     """Let two people walk along, half a metre to a metre beside the laser, one on each side."""
     return _with_ranges(drive, lambda scan: _before(scan, _LEGS + rng.normal(0.0, _SWAY, _LEGS.shape)))
@@ -262,6 +274,8 @@ FAULTS: dict[str, Fault] = {
     "noisy-beams": Fault("noise of 0.1 m on all ranges", partial(noisy_beams, sigma=0.1)),
     "reach-8": Fault("ranges cut at 8 m", partial(short_sighted, reach=8.0)),
     "reach-5.6": Fault("ranges cut at 5.6 m", partial(short_sighted, reach=5.6)),
+    "sparse-beams": Fault("every sixth beam only", partial(sparse_beams, every=6)),
+    "narrow-view": Fault("a view of 90 degrees", partial(narrow_view, angle=np.pi / 2)),
     "range-bias": Fault("all ranges 0.1 m too long", partial(long_beams, bias=0.1)),
     "people": Fault("two people who stay beside the laser", accompanied),
 }
@@ -303,6 +317,12 @@ def _with_odometry(drive: RecordedDrive, odometry: Array) -> DisturbedDrive:
 
 def _with_ranges(drive: RecordedDrive, seen: Callable[[LaserScan], Array]) -> DisturbedDrive:
     scans = [replace(scan, ranges=seen(scan)) for scan in drive.scans]
+    return DisturbedDrive(replace(drive, scans=scans), np.arange(len(drive)))
+
+
+def _with_beams(drive: RecordedDrive, kept: Callable[[LaserScan], NDArray[np.bool_]]) -> DisturbedDrive:
+    """Return the drive with those beams of each scan that are `kept`."""
+    scans = [replace(scan, ranges=scan.ranges[kept(scan)], bearings=scan.bearings[kept(scan)]) for scan in drive.scans]
     return DisturbedDrive(replace(drive, scans=scans), np.arange(len(drive)))
 
 

@@ -7,13 +7,14 @@ from typing import Annotated, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bounds import Angle, Rounds, Within, check_numbers
+from ..bounds import Angle, Cell, Rounds, Within, check_numbers
 from ..errors import InputError
 from ..geometry import transform_points, wrap_one
 from ..view_kernel import kernel
 from .correlative import correlate
 from .extrapolator import Prediction
 from .refine_kernels import refine_pose
+from .voxel_filter import voxel_first
 from .wide_search import search_widely
 
 Array = NDArray[np.float64]
@@ -25,7 +26,8 @@ _SCORE_MEMORY = 0.1  # share of the newest score in the typical one
 _TYPICAL_SCORE = 0.5  # before any match: of ten logs, most scores are between 0.45 and 0.65
 _TRUSTED = 100.0  # times more than elsewhere the odometry counts along a degenerate direction
 _MOST_POSES = 50_000_000  # of a correlative search, of each of its points: seconds; by default it has 10^5
-_TELLING = 0.5  # share of the points of a scan that tell, at most: a few returns fit many places
+_COMPARED = 0.25  # share of its weight that a scan has where places are compared: its points err alike there, too
+_TOLD = 0.375  # share of its curvature that a scan tells
 _UNKNOWN = 0.5  # of a usual score: a point where nothing is known fits as likely as not
 _SLIP = np.array([0.05, 0.1])  # [m, rad] what a wheel may slip at no motion
 
@@ -36,6 +38,9 @@ class GridScanMatcherConfig:
 
     Attributes:
         weight: Weight of a point's `1 - occupancy` beside the odometry's squared error over its variance.
+        apart: Points in one square of this side count as one, since they err alike: else a thousand beams on one wall
+            outvote any odometry, and thirty beams that look all around do not correct it [m] ...
+        independent: ... and at most so many points of a scan count.
         sigmas: The search window reaches so many standard deviations of the odometry.
         max_linear: But not farther than this [m].
         max_angular: And not turned further than this [rad].
@@ -50,12 +55,11 @@ class GridScanMatcherConfig:
             much of the typical one of what it sees of the submap there.
         beside: A scan sees nothing of what it was matched on if its score is below so much of the typical one, and only
             this share of it tells.
-        independent: At most so many points of a scan tell, and half of them, where places are compared, in the search
-            and after it: the more there are, the nearer they are to each other and err alike; one by one they would
-            outvote any odometry.
     """
 
-    weight: float = 1.5
+    weight: float = 3.0
+    apart: Cell = 0.1
+    independent: int = 90
     sigmas: float = 3.0
     max_linear: Annotated[float, Within(0.0, 10.0)] = 0.5
     max_angular: Angle = 0.5
@@ -67,7 +71,6 @@ class GridScanMatcherConfig:
     retry_found: float = 0.75
     explained: float = 0.5
     beside: float = 0.25
-    independent: int = 45
     retry_sigmas: float = 10.0
 
     def __post_init__(self) -> None:
@@ -83,8 +86,7 @@ class GridMatch:
 
     Attributes:
         pose: (3,) T_local_robot [m, m, rad].
-        information: (3, 3) curvature of the scan's cost there, without that of the prior, if each point tells.
-        share: So much of that the scan tells, since points beside each other err alike.
+        information: (3, 3) curvature of the scan's cost there, without that of the prior.
         score: Mean occupancy under the points, in [0, 1].
         searched: Whether the correlative search was needed.
         retried: Whether it was found only far from where the odometry expects it.
@@ -97,12 +99,11 @@ class GridMatch:
     searched: bool
     retried: bool = False
     seen: float = 1.0
-    share: float = 1.0
 
     @property
     def told(self) -> Array:
         """(3, 3) what the scan tells of the pose, inverse covariance."""
-        return self.share * self.information
+        return _TOLD * self.information
 
 
 class Walls(Protocol):
@@ -139,7 +140,7 @@ class GridScanMatcher:
         self._typical_score = _TYPICAL_SCORE
 
     def match(
-        self, submap: Walls, points: Array, prediction: Prediction, degenerate: Array | None = None, of: int = 0
+        self, submap: Walls, points: Array, prediction: Prediction, degenerate: Array | None = None
     ) -> GridMatch | None:
         """Return the match of a scan; None: there are too few points.
 
@@ -148,24 +149,23 @@ class GridScanMatcher:
             points: (N, 2) robot frame [m].
             prediction: Where the odometry expects it.
             degenerate: (2,) direction that is left to the odometry, robot frame, as `degenerate_direction` returns it.
-            of: So many points the scan has, where `points` are some of them.
         """
         if len(points) < self._config.min_points:
             return None
-        return self._match(submap, points, prediction, degenerate, max(of, len(points)))
+        return self._match(submap, points, prediction, degenerate)
 
     def match_anyhow(
-        self, submap: Walls, points: Array, prediction: Prediction, degenerate: Array | None = None, of: int = 0
+        self, submap: Walls, points: Array, prediction: Prediction, degenerate: Array | None = None
     ) -> GridMatch | None:
         """Return as `match`; where the scan fits much worse than usual, as if the wheels had slipped.
 
         Then it is searched for with `retry_sigmas` times the odometry's standard deviations, and what wheels slip at
         rest. What it finds counts where the score is good enough.
         """
-        match = self.match(submap, points, prediction, degenerate, of)
+        match = self.match(submap, points, prediction, degenerate)
         if match and self.is_poor(match):
             wide = Prediction(prediction.pose, self._config.retry_sigmas * prediction.sigma + _SLIP)
-            again = self._match(submap, points, wide, degenerate, max(of, len(points)))
+            again = self._match(submap, points, wide, degenerate)
             good = again.score >= self._config.retry_found * self._typical_score
             match = replace(again, retried=True) if good else match
         return match
@@ -187,8 +187,7 @@ class GridScanMatcher:
         linear, angular = anywhere.sigma.tolist()
         least = self._config.explained * self._config.beside * self._typical_score
         starts = search_widely(*place, thinned, anywhere.pose, linear, angular, step, least)
-        n = len(points)
-        found = [self._match(submap, points, Prediction(start, anywhere.sigma), None, n) for start in starts]
+        found = [self._match(submap, points, Prediction(start, anywhere.sigma), None) for start in starts]
         return [replace(match, retried=True) for match in found]
 
     def believe(self, match: GridMatch) -> None:
@@ -209,23 +208,23 @@ class GridScanMatcher:
         return match.score >= self._config.explained * self._typical_score * seen
 
     def cost(self, match: GridMatch | None, points: int) -> float:
-        """Return the negative log-likelihood of a scan of so many `points` where it was matched, up to a constant.
+        """Return the negative log-likelihood of a scan where it was matched, up to a constant.
 
+        The scan counts for so many `points` as `independent` says.
         What lies where nothing is known counts as a point that fits as usual or not at all, either as likely. A `match`
         of None is that of a scan of which nothing is known.
         """
         score, seen = (match.score, match.seen) if match else (0.0, 0.0)
         missed = seen - score + (1.0 - seen) * (1.0 - _UNKNOWN * self._typical_score)
-        return self._config.weight * self._telling(points) * missed
+        return _COMPARED * self._config.weight * points * missed
 
-    def _telling(self, points: int) -> float:
-        """Return how many of so many points of a scan tell."""
-        return min(_TELLING * points, self._config.independent)
+    def independent(self, points: Array) -> int:
+        """Return for how many points that err independently those of a scan (N, 2) count."""
+        return min(len(voxel_first(points, self._config.apart)), self._config.independent)
 
-    def _match(
-        self, submap: Walls, points: Array, prediction: Prediction, degenerate: Array | None, of: int
-    ) -> GridMatch:
-        config, share = self._config, self._telling(of) / of
+    def _match(self, submap: Walls, points: Array, prediction: Prediction, degenerate: Array | None) -> GridMatch:
+        config = self._config
+        each = config.weight * self.independent(points) / len(points)
         reach, angles, step = self._window(submap.resolution, points, prediction)
         prior, information = prediction.pose, prediction.information
         if degenerate is not None and degenerate.any():
@@ -235,14 +234,12 @@ class GridScanMatcher:
         start = prior
         if reach or angles:
             thinned = points[:: max(1, len(points) // config.search_points)]
-            weight = share * config.weight * len(points) / len(thinned)
+            weight = _COMPARED * each * len(points) / len(thinned)
             start, _ = correlate(*place, thinned, prior, information, weight, reach, angles, step)
-        pose, curvature, rest, _ = refine_pose(
-            *place, points, start, prior, information, config.weight, config.iterations
-        )
+        pose, curvature, rest, _ = refine_pose(*place, points, start, prior, information, each, config.iterations)
         pose[2] = wrap_one(pose.item(2))
         score, searched = 1.0 - rest / len(points), bool(reach or angles)
-        return GridMatch(pose, config.weight * curvature, score, searched, share=share)
+        return GridMatch(pose, curvature, score, searched)
 
     def _window(self, resolution: float, points: Array, prediction: Prediction) -> tuple[int, int, float]:
         """Return cells, angle steps to each side and the step [rad]; zeros where the least squares alone will do."""

@@ -51,7 +51,7 @@ class Slope:
 
 
 def test_only_along_that_way_the_odometry_is_trusted_more():
-    points = np.stack((np.linspace(-0.5, 0.5, 100), np.linspace(-0.2, 0.2, 100)), axis=-1)
+    points = np.stack((np.linspace(-1.5, 1.5, 100), np.tile([-0.2, -0.05, 0.05, 0.2], 25)), axis=-1)
     prediction = Prediction(np.array([0.0, 0.0, np.pi / 2]), np.array([0.03, 0.001]))
     matcher = GridScanMatcher(GridScanMatcherConfig())
     shifts = []

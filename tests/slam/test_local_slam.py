@@ -175,22 +175,12 @@ def test_what_lies_where_nothing_is_known_fits_as_likely_as_not():
     assert matcher.cost(None, 100) == matcher.cost(unknown, 100)
 
 
-def test_every_other_of_a_few_points_weighs_and_of_many_as_of_a_usual_scan():
+def test_each_of_a_few_points_weighs_and_of_many_as_of_a_usual_scan():
     matcher, match = GridScanMatcher(GridScanMatcherConfig()), GridMatch(np.zeros(3), np.eye(3), 0.5, False)
-    assert matcher.cost(match, 20) == pytest.approx(0.5 * 20 * 1.5 * 0.5)
-    assert matcher.cost(match, 400) == matcher.cost(match, 90)
-
-
-def test_of_a_scan_that_the_map_has_seen_in_part_each_point_tells_no_more_than_of_a_whole_one():
-    slam, rng, pose = LocalSlam(LocalSlamConfig()), np.random.default_rng(8), np.array([-1.0, -2.0, 0.0])
-    ahead = np.deg2rad(np.arange(-20.0, 20.0, 1.0))
-    for k in range(6):
-        slam.update(compose(pose, [0.05 * k, 0.0, 0.0]), cast(WALLS, pose, rng, bearings=ahead))
-    scan = cast(WALLS, pose, rng, bearings=np.deg2rad(np.arange(-180.0, 180.0, 1.0)))
-    points = slam._voxel_filter.apply(scan.points_robot)
-    _, match, _, _ = slam._matching.match(slam._motion, scan, points, slam._motion.predict(pose, 1.0))
-    assert match.seen < 0.5
-    assert match.share == pytest.approx(45 / len(points))
+    assert matcher.cost(match, 20) == pytest.approx(0.25 * 20 * 3.0 * 0.5)
+    spread = 20.0 * np.random.default_rng(0).random((400, 2))
+    assert matcher.independent(spread[:20]) == 20
+    assert matcher.independent(spread) == matcher.independent(spread[:200]) == 90
 
 
 def test_a_scan_that_contradicts_a_submap_is_not_one_that_has_left_it_behind():

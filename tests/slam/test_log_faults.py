@@ -161,3 +161,11 @@ def test_a_laser_elsewhere_moves_as_the_robot_that_carries_it_does():
 
 def test_a_laser_upside_down_sees_what_is_on_its_left_on_its_right():
     assert np.array_equal(ranges_of(put("upside-down").recording), ranges_of(DRIVE)[:, ::-1])
+
+
+def test_a_simpler_laser_has_some_of_the_beams_where_they_were():
+    sparse, narrow = put("sparse-beams").recording, put("narrow-view").recording
+    for cut, kept in ((sparse, slice(3, None, 6)), (narrow, slice(15, 46))):
+        np.testing.assert_array_equal(cut.scans[5].bearings, BEARINGS[kept])
+        np.testing.assert_array_equal(ranges_of(cut), ranges_of(DRIVE)[:, kept])
+        assert cut.scans[5].time_s == DRIVE.scans[5].time_s

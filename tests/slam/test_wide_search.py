@@ -44,5 +44,6 @@ def test_a_place_that_explains_too_little_is_none():
 def test_a_scan_that_fits_a_tenth_better_elsewhere_does_not_outweigh_odometry_that_was_sound():
     matcher = GridScanMatcher(GridScanMatcherConfig())
     usual, better = (GridMatch(np.zeros(3), np.eye(3), score, searched=True) for score in (0.4, 0.5))
-    gain = matcher.cost(usual, 180) - matcher.cost(better, 180)
+    many = matcher.independent(10.0 * np.random.default_rng(0).random((180, 2)))
+    gain = matcher.cost(usual, many) - matcher.cost(better, many)
     assert 0.0 < gain < -np.log(0.001)  # the probability that sound odometry fails with a scan

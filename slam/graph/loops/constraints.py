@@ -80,7 +80,6 @@ class ConstraintConfig:
         search_angular: Half range of the searched headings [rad].
         search_points: The search uses about so many points.
         max_shift: A match from a good guess must not move farther than this [m, rad].
-        min_points: Fewer points than this match nothing.
     """
 
     weight: float = 1.5
@@ -93,7 +92,6 @@ class ConstraintConfig:
     search_angular: Angle = 0.8
     search_points: Annotated[int, Within(1, 10_000)] = 300
     max_shift: Annotated[tuple[float, float], Within(0.0, 10.0)] = (0.25, 0.1)
-    min_points: int = 30
 
     def __post_init__(self) -> None:
         check_numbers(self)
@@ -191,7 +189,6 @@ class ConstraintBuilder:
         return [
             Constraint(index, nodes[k], relative[k], information[k], Kind.INTER, float(scores[k]))
             for k in np.flatnonzero(good).tolist()
-            if sizes[k] >= config.min_points
         ]
 
     def places(self, submap: Submap, points: Array, guess: Array, slack: Slack) -> list[Place]:
