@@ -9,6 +9,7 @@ from tagalong.agents.scripted.avoidance import AvoidanceConfig, free_heading, fr
 from tagalong.agents.scripted.leader_memory import LeaderMemory, MemoryConfig, Mode
 from tagalong.agents.scripted.pid import PIDConfig
 from tagalong.agents.scripted.pid_axis import Axis, AxisConfig
+from tagalong.agents.scripted.pure_pursuit import PurePursuitConfig
 from tagalong.agents.scripted.scan_points import ScanPoints
 from tagalong.envs.task import FollowInterface
 from tagalong.slam import InputError
@@ -226,3 +227,36 @@ def test_a_search_turns_back_where_it_cannot_turn_any_further():
     assert memory.look_around(lambda turn: turn) == 0.5
     assert memory.look_around(lambda turn: min(turn, 0.0)) == 0.0
     assert memory.look_around(lambda turn: min(turn, 0.0)) == -0.5
+
+
+QUICK = MemoryConfig(dwell_s=0.0, approach_s=0.1, patience_s=0.0)
+
+
+@pytest.mark.parametrize(
+    "follower",
+    [
+        PIDFollower(INTERFACE, PIDConfig(memory=QUICK)),
+        PurePursuitFollower(INTERFACE, PurePursuitConfig(memory=QUICK)),
+    ],
+    ids=["pid", "pure_pursuit"],
+)
+@pytest.mark.parametrize(
+    "leader",
+    [[0.0] * 6, [1.2, 0.6, 0.0, 0.0, 0.9, 1.0], [0.75, 0.45, 0.0, 0.0, 0.9, 1.0]],
+    ids=["lost", "at the distance kept", "too near"],
+)
+def test_between_two_posts_nobody_turns_whatever_the_leader_does(follower, leader):
+    def turned(posts):
+        scan = np.ones(BEAMS, dtype=np.float32)
+        for post in np.array(posts).reshape(-1, 2) - INTERFACE.T_robot_lidar[:2]:
+            beam = int(np.argmin(np.abs(INTERFACE.bearings - math.atan2(post[1], post[0]))))
+            scan[beam] = np.hypot(*post) / INTERFACE.range_max
+        follower.reset()
+        for row in [[1.0, 0.5, 0.0, 0.0, 0.9, 1.0], *[leader] * 8]:
+            leads = np.array(row, dtype=np.float32)
+            seen = {"leader": leads, "people": np.zeros((6, 6), np.float32), "velocity": np.zeros(2, np.float32)}
+            action = follower.act({"scan": scan, **seen})
+        return abs(action[1])
+
+    assert turned([]) > 0.2
+    assert turned([[0.27, 0.3], [0.27, -0.3]]) < 0.1

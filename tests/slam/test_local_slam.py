@@ -175,6 +175,20 @@ def test_what_lies_where_nothing_is_known_fits_as_likely_as_not():
     assert matcher.cost(None, 100) == matcher.cost(unknown, 100)
 
 
+def test_points_that_a_driver_gives_four_times_lead_to_no_other_motion():
+    slam, rng, pose = LocalSlam(LocalSlamConfig()), np.random.default_rng(8), np.array([-1.0, -2.0, 0.0])
+    for k in range(6):
+        slam.update(compose(pose, [0.05 * k, 0.0, 0.0]), cast(WALLS, compose(pose, [0.05 * k, 0, 0]), rng))
+    scan = cast(WALLS, compose(pose, [0.3, 0.0, 0.0]), rng)
+    points = slam._voxel_filter.apply(scan.points_robot)
+    leads = []
+    for given in (points, np.repeat(points, 4, axis=0)):
+        hypotheses = slam._motion.predict(compose(pose, [0.3, 0.0, 0.4]), scan.time_s)
+        leads.append(slam._matching.match(slam._motion, scan, given, hypotheses)[2])
+    assert np.isfinite(leads[0])
+    assert leads[1] == pytest.approx(leads[0], rel=0.1)
+
+
 def test_each_of_a_few_points_weighs_and_of_many_as_of_a_usual_scan():
     matcher, match = GridScanMatcher(GridScanMatcherConfig()), GridMatch(np.zeros(3), np.eye(3), 0.5, False)
     assert matcher.cost(match, 20) == pytest.approx(0.25 * 20 * 3.0 * 0.5)
