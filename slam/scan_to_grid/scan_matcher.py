@@ -26,8 +26,8 @@ _SCORE_MEMORY = 0.1  # share of the newest score in the typical one
 _TYPICAL_SCORE = 0.5  # before any match: of ten logs, most scores are between 0.45 and 0.65
 _TRUSTED = 100.0  # times more than elsewhere the odometry counts along a degenerate direction
 _MOST_POSES = 50_000_000  # of a correlative search, of each of its points: seconds; by default it has 10^5
-_COMPARED = 0.25  # share of its weight that a scan has where places are compared: its points err alike there, too
-_TOLD = 0.375  # share of its curvature that a scan tells
+_COMPARED = 0.25  # share of its weight that a scan has where it is weighed against other evidence: its points err alike
+_FIRM = 1.5  # times as firmly as by its curvature a scan is tied to the submap that it is drawn into
 _UNKNOWN = 0.5  # of a usual score: a point where nothing is known fits as likely as not
 _SLIP = np.array([0.05, 0.1])  # [m, rad] what a wheel may slip at no motion
 
@@ -86,7 +86,7 @@ class GridMatch:
 
     Attributes:
         pose: (3,) T_local_robot [m, m, rad].
-        information: (3, 3) curvature of the scan's cost there, without that of the prior.
+        information: (3, 3) how firmly it lies there, inverse covariance without that of the prior.
         score: Mean occupancy under the points, in [0, 1].
         searched: Whether the correlative search was needed.
         retried: Whether it was found only far from where the odometry expects it.
@@ -103,7 +103,7 @@ class GridMatch:
     @property
     def told(self) -> Array:
         """(3, 3) what the scan tells of the pose, inverse covariance."""
-        return _TOLD * self.information
+        return _COMPARED * self.information
 
 
 class Walls(Protocol):
@@ -239,7 +239,7 @@ class GridScanMatcher:
         pose, curvature, rest, _ = refine_pose(*place, points, start, prior, information, each, config.iterations)
         pose[2] = wrap_one(pose.item(2))
         score, searched = 1.0 - rest / len(points), bool(reach or angles)
-        return GridMatch(pose, curvature, score, searched)
+        return GridMatch(pose, _FIRM * curvature, score, searched)
 
     def _window(self, resolution: float, points: Array, prediction: Prediction) -> tuple[int, int, float]:
         """Return cells, angle steps to each side and the step [rad]; zeros where the least squares alone will do."""
