@@ -163,7 +163,7 @@ class LocalSlam:
         pose = match.pose if match else motion.prediction.pose
         self._held.looked(look, pose)
         contradicts = look.in_question or self._contradicts(scan, look, copy(self._monitor))
-        self._motion.take(look.hypotheses, motion, pose, look.lead if match else None, bool(match and match.retried))
+        self._motion.take(look.hypotheses, motion, pose, look.lead if match else None, match)
         return LocalResult(pose, match, None, contradicts, not motion.sound, self._motion.jumped)
 
     def _looked(self, scan: LaserScan, hypotheses: list[MotionHypothesis]) -> Look:
@@ -249,7 +249,7 @@ class LocalSlam:
             self._matcher.believe(match)
         pose = match.pose if match else motion.prediction.pose
         told = match is not None or not self._active.begun
-        self._motion.take(hypotheses, motion, pose, lead if told else None, bool(match and match.retried))
+        self._motion.take(hypotheses, motion, pose, lead if told else None, match)
         insertion = self._insert(motion.odometry, scan, points, pose, match)
         return LocalResult(pose, match, insertion, contradicts, not motion.sound, self._motion.jumped)
 
@@ -271,6 +271,8 @@ class LocalSlam:
         """Insert a scan at `pose` (3,) if it has enough points, and the robot has moved since the last one."""
         if len(points) < self._config.matcher.min_points or not self._motion_filter.passes(pose):
             return None
+        if match:
+            self._motion.drawn()
         since = between(odometry if self._inserted_at is None else self._inserted_at, odometry)
         motion = Prediction(since, self._config.extrapolator.sigma(since))
         drift = self._calibration.drift(self._motion.driven - self._driven)

@@ -9,9 +9,10 @@ Markov switching model; Blom, Bar-Shalom 1988). Where both agree, as nearly alwa
 fault there is a third: odometry that was late or frozen tells in the end where the robot went all the while.
 
 How precise sound odometry is differs between robots by a factor of ten, and a match among walls that look alike along
-the way may be off by more than good odometry ever is. So it is learned how well the odometry predicted the last
-matches, and sound odometry has two predictions at the same place: one as precise as most of its motions were, and, for
-the rest of them, one as rough as its error model.
+the way may be off by more than good odometry ever is. So it is learned (`odometry_precision`), and sound odometry has
+two predictions at one place: as precise as most of its motions were and, for the rest of them, as rough as its error
+model. How far off the last match may be is part of both, until a scan is drawn where it was matched: there the robot
+stands, by definition.
 """
 
 import copy
@@ -23,13 +24,14 @@ from numpy.typing import NDArray
 
 from ..geometry import between, compose, inverse
 from ..scan_to_grid.extrapolator import ExtrapolatorConfig, OdometryExtrapolator, Prediction
+from ..scan_to_grid.scan_matcher import GridMatch
 from .bridge import Bridge, bridge_over
-from .odometry_soundness import OdometryPrecision, OdometrySoundness
+from .odometry_precision import ROUGH, OdometryPrecision
+from .odometry_soundness import OdometrySoundness
 from .usual_step import SLIP, UsualStep
 
 Array = NDArray[np.float64]
 
-_ROUGH = 0.3  # share of sound motions with errors as in the model, as where a wheel slips a little
 _AGREE = 3.0  # standard deviations within which, ...
 _NEAR = np.array([0.1, 0.05])  # [m, rad] ... and beyond, a match from one prediction finds what it would from the other
 _TRUSTED = 0.9  # probability from which sound odometry stands for where the robot is
@@ -102,7 +104,7 @@ class SwitchingMotion:
         self._believed = np.zeros(3)  # odometry told, in the frame of the believed one
         self._before: tuple[Array | None, Array] | None = None  # offset and odometry before the newest fault
         self._agree = False  # whether odometry moves the robot as it moved before
-        self._doubt = np.zeros(2)  # sigma of the motions since the last match that the odometry did not tell
+        self._doubt = np.zeros(2)  # sigma of the last match, and of motions since that the odometry did not tell
         self._moved = 0.0  # [m] by the odometry since the last scan
         self.soundness, self.precision = OdometrySoundness(), OdometryPrecision()
         self._time_s = 0.0  # of the last scan
@@ -276,8 +278,8 @@ class SwitchingMotion:
         if np.array_equal(precise, rough):
             return [self._hypothesis(odometry, sound, pose, rough, True)]
         return [
-            self._hypothesis(odometry, (1.0 - _ROUGH) * sound, pose, precise, True),
-            self._hypothesis(odometry, _ROUGH * sound, pose, rough, True),
+            self._hypothesis(odometry, (1.0 - ROUGH) * sound, pose, precise, True),
+            self._hypothesis(odometry, ROUGH * sound, pose, rough, True),
         ]
 
     def _caught_up(self, told: Array) -> list[MotionHypothesis]:
@@ -310,7 +312,7 @@ class SwitchingMotion:
         chosen: MotionHypothesis,
         pose: Array,
         lead: float | None,
-        jumped: bool = False,
+        match: GridMatch | None = None,
     ) -> None:
         """Take the `pose` (3,) of the scan that `hypotheses` were made for, and which of them led there.
 
@@ -320,7 +322,7 @@ class SwitchingMotion:
             pose: T_local_robot.
             lead: Logarithm of how many times more likely a fault made the scan that is seen there than sound odometry
                 did; None: no match says so, the pose is that of the prediction.
-            jumped: Whether that match was found only far from the prediction.
+            match: How that scan was matched; None: there was nothing to match it on.
         """
         assert self._extrapolator is not None
         guessed = self._bridges or not chosen.sound
@@ -340,12 +342,21 @@ class SwitchingMotion:
             self.soundness.weigh(lead)
         elif self._agree:
             self.soundness.agree()
+        jumped = match is not None and match.retried
         self.jumped = jumped or (self.jumped and self.soundness.probability < _TRUSTED)
-        if chosen.sound and not jumped and not self._unmatched and not self._bridges:
-            self.precision.learn(self._extrapolator.predict(chosen.odometry), pose)
+        left = np.zeros(2)
+        if match is not None and not jumped:
+            left = chosen.prediction.sigma_after(match.curvature)
+            if chosen.sound and not self._unmatched and not self._bridges:
+                model = self._extrapolator.predict(chosen.odometry)
+                self.precision.learn(model, self._doubt, chosen.prediction, match)
         self._extrapolator.correct(odometry, pose)
-        self._doubt = np.zeros(2)
+        self._doubt = left
         self._learn(pose)
+
+    def drawn(self) -> None:
+        """Note that the last scan was drawn where it was matched."""
+        self._doubt = np.zeros(2)
 
     def _remember(self, chosen: MotionHypothesis, told: bool) -> None:
         """Keep what was believed before a fault until a scan has `told` whether odometry that moves has caught up."""

@@ -78,6 +78,16 @@ class Prediction:
         linear, angular = self.sigma.tolist()
         return (x * x + y * y) / linear**2 + (turn / angular) ** 2
 
+    def sigma_after(self, information: Array) -> Array:
+        """Return (2,) standard deviations [m, rad] of the pose once a scan tells of it with `information` (3, 3).
+
+        That of the translation is along the direction that the scan tells least of.
+        """
+        linear, angular = np.square(self.sigma).tolist()
+        a, b, c = information.item(0, 0), information.item(0, 1), information.item(1, 1)
+        least = 0.5 * (a + c) - math.hypot(0.5 * (a - c), b)
+        return np.array([(least + 1.0 / linear) ** -0.5, (information.item(2, 2) + 1.0 / angular) ** -0.5])
+
     def then(self, other: "Prediction") -> "Prediction":
         """Return this motion and the `other` after it as one; their errors are independent."""
         return Prediction(compose(self.pose, other.pose), np.hypot(self.sigma, other.sigma))

@@ -86,7 +86,7 @@ class GridMatch:
 
     Attributes:
         pose: (3,) T_local_robot [m, m, rad].
-        information: (3, 3) how firmly it lies there, inverse covariance without that of the prior.
+        curvature: (3, 3) of its misfit there, inverse covariance without that of the prior.
         score: Mean occupancy under the points, in [0, 1].
         searched: Whether the correlative search was needed.
         retried: Whether it was found only far from where the odometry expects it.
@@ -94,15 +94,20 @@ class GridMatch:
     """
 
     pose: Array
-    information: Array
+    curvature: Array
     score: float
     searched: bool
     retried: bool = False
     seen: float = 1.0
 
     @property
+    def information(self) -> Array:
+        """(3, 3) how firmly it is tied to the submap, inverse covariance."""
+        return _FIRM * self.curvature
+
+    @property
     def told(self) -> Array:
-        """(3, 3) what the scan tells of the pose, inverse covariance."""
+        """(3, 3) what the scan tells of the pose beside other evidence, inverse covariance."""
         return _COMPARED * self.information
 
 
@@ -239,7 +244,7 @@ class GridScanMatcher:
         pose, curvature, rest, _ = refine_pose(*place, points, start, prior, information, each, config.iterations)
         pose[2] = wrap_one(pose.item(2))
         score, searched = 1.0 - rest / len(points), bool(reach or angles)
-        return GridMatch(pose, _FIRM * curvature, score, searched)
+        return GridMatch(pose, curvature, score, searched)
 
     def _window(self, resolution: float, points: Array, prediction: Prediction) -> tuple[int, int, float]:
         """Return cells, angle steps to each side and the step [rad]; zeros where the least squares alone will do."""

@@ -215,10 +215,10 @@ def test_odometry_that_has_caught_up_is_as_rough_as_the_whole_way_and_teaches_no
     local, at = waiting(round_the_corner()[37])
     goal, motion = compose(at, [1.5, 0.0, 0.0]), local._held.motion
     assert motion
-    faults, errors = motion.faults, motion.precision._errors
+    faults, shares = motion.faults, motion.precision.shares
     for due in local.rest(goal):
         assert due.bridge is not None
         local.take(due)
     assert local._motion.faults == faults + 2
-    assert local._motion.precision._errors is errors
+    assert local._motion.precision.shares is shares
     assert local._motion.predict(goal, 9.0)[0].prediction.sigma[0] > 0.06 * 1.5
