@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 ROUGH = 0.3
 """Share of sound motions with errors as in the model, as where a wheel slips a little."""
 
-_MEMORY = 100.0  # scans; what was seen before counts for 1/e
+_MEMORY = 100.0  # scans; what was seen so long ago counts for 1/e
 _SHARES = np.geomspace(0.2, 5.0, 17)  # odometry errs the same way for long: none is taken for more precise than that
 _USUAL = 0.3  # five robots' odometry has 0.1 to 0.9, that of worlds drawn 0.02 to 0.4
 _BEFOREHAND = -0.5 * np.log(_SHARES / _USUAL) ** 2
@@ -79,7 +79,10 @@ def _weighed(odds: Array, off: Array, sigma: Array, before: Array, used: Array, 
 
 @kernel
 def _explain(odds: Array, off: float, told: float, sigma: float, before: float, used: float) -> None:
-    """Add to `odds` (n,) how each share explains that a scan that knows `told` [1/m^2] moved the robot by `off`."""
+    """Add to `odds` (n,) how each share explains that a scan that knows `told` [1/m^2] moved the robot by `off`.
+
+    A motion may be rough in one direction only: a wheel that slips errs along the way.
+    """
     held = 1.0 / (used * used)
     if told <= _TOLD * held:
         return

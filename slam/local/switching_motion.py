@@ -273,14 +273,13 @@ class SwitchingMotion:
         """Return that the odometry is believed: precise as it mostly is, and rough as its error model."""
         assert self._extrapolator is not None
         prediction, sound = self._extrapolator.predict(odometry), self.soundness.probability
-        pose, precise = prediction.pose, self.precision.shares * prediction.sigma
+        precise = self.precision.shares * prediction.sigma
         rough = np.maximum(precise, prediction.sigma)
-        if np.array_equal(precise, rough):
-            return [self._hypothesis(odometry, sound, pose, rough, True)]
-        return [
-            self._hypothesis(odometry, (1.0 - ROUGH) * sound, pose, precise, True),
-            self._hypothesis(odometry, ROUGH * sound, pose, rough, True),
-        ]
+        each = [(sound, rough)]
+        if not np.array_equal(precise, rough):
+            each = [((1.0 - ROUGH) * sound, precise), (ROUGH * sound, rough)]
+        pose, left = prediction.pose, self._doubt
+        return [_hypothesis(odometry, odds, Prediction(pose, np.hypot(sigma, left)), True) for odds, sigma in each]
 
     def _caught_up(self, told: Array) -> list[MotionHypothesis]:
         """Return that odometry which was late, or frozen, tells by now where the robot went meanwhile; else nothing."""
@@ -298,13 +297,8 @@ class SwitchingMotion:
         """Return that the odometry is at a guessed place, of standard deviations `extra` (2,) [m, rad]."""
         assert self._extrapolator is not None
         prediction = self._extrapolator.predict(odometry)
-        return self._hypothesis(odometry, probability, prediction.pose, np.hypot(prediction.sigma, extra), sound)
-
-    def _hypothesis(
-        self, odometry: Array, probability: float, pose: Array, sigma: Array, sound: bool
-    ) -> MotionHypothesis:
-        prediction = Prediction(pose, np.hypot(sigma, self._doubt))
-        return MotionHypothesis(odometry, prediction, -math.log(probability), sound)
+        sigma = np.hypot(np.hypot(prediction.sigma, extra), self._doubt)
+        return _hypothesis(odometry, probability, Prediction(prediction.pose, sigma), sound)
 
     def take(
         self,
@@ -374,6 +368,10 @@ class SwitchingMotion:
             went = np.array([math.hypot(step[0], step[1]), abs(step[2])])
             self._usual.learn(went)
         self._matched, self._matched_odometry, self._matched_s, self._unmatched = pose, self.odometry, self._time_s, 0
+
+
+def _hypothesis(odometry: Array, probability: float, prediction: Prediction, sound: bool) -> MotionHypothesis:
+    return MotionHypothesis(odometry, prediction, -math.log(probability), sound)
 
 
 def stands(motion: Array) -> bool:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from tagalong.slam.geometry import between, compose
 from tagalong.slam.graph.engine import Cartographer
+from tagalong.slam.local.local_slam import LocalSlam, LocalSlamConfig
 from tagalong.slam.local.odometry_precision import OdometryPrecision
 from tagalong.slam.local.switching_motion import SwitchingMotion
 from tagalong.slam.scan_to_grid.extrapolator import ExtrapolatorConfig, Prediction
@@ -116,6 +117,63 @@ def test_a_place_found_far_from_where_it_was_expected_teaches_nothing_and_is_as_
 
 
 TURNS = np.array([0.0, 0.0, 0.0022])  # 1 degree in 8 scans
+
+
+def taught(offs, heading=0.0, curvature=1e6):
+    """Return the precision that matches teach which are off by `offs` (n,) [m] along x and y, at a `heading`."""
+    precision = OdometryPrecision()
+    model = Prediction(np.array([0.0, 0.0, heading]), SIGMA)
+    for x in offs:
+        pose = np.array([x, x, (heading + np.pi) % (2.0 * np.pi) - np.pi])
+        precision.learn(model, NOTHING, model, GridMatch(pose, curvature * np.eye(3), 0.6, False))
+    return precision.shares
+
+
+def test_some_motions_are_as_rough_as_the_model_and_some_matches_wrong_without_the_odometry_being_rough():
+    rng = np.random.default_rng(2)
+    offs = rng.normal(0.0, 0.25 * SIGMA[0], 400)
+    offs[::5] = rng.normal(0.0, SIGMA[0], 80)
+    assert taught(offs)[0] < 0.35
+    offs[::40] = 1.0
+    assert taught(offs)[0] < 0.45
+    assert 2.0 < taught(rng.normal(0.0, 3.0 * SIGMA[0], 400))[0] < 4.0
+
+
+def test_headings_beside_half_a_turn_are_near_each_other():
+    np.testing.assert_allclose(taught(np.zeros(50), heading=np.pi + 1e-6), taught(np.zeros(50)), rtol=1e-3)
+
+
+def test_a_scan_that_tells_nothing_at_all_is_no_evidence():
+    np.testing.assert_allclose(taught([0.5, 0.2], curvature=0.0), USUAL)
+
+
+def test_what_happened_over_several_scans_is_no_error_of_one_motion():
+    motion, curvature = SwitchingMotion(ExtrapolatorConfig()), 1e6 * np.eye(3)
+    for k in range(3):
+        hypotheses, pose = motion.predict(np.array([0.1 * k, 0.0, 0.0]), 0.1 * k), np.array([0.13 * k, 0.0, 0.0])
+        match = None if k == 1 else GridMatch(pose, curvature, 0.6, False)
+        shares = motion.precision.shares
+        motion.take(hypotheses, hypotheses[0], pose, -9.0 if match else None, match)
+    np.testing.assert_array_equal(motion.precision.shares, shares)
+
+
+def test_scans_that_are_drawn_where_they_were_matched_leave_nothing_open():
+    local, rng = LocalSlam(LocalSlamConfig()), np.random.default_rng(5)
+    poses = np.outer(np.arange(0.0, 0.5, 0.06), np.array([1.0, 0.0, 0.0]))
+    drawn, left = [], []
+    for pose in poses:
+        scan = cast(ROOM, pose, rng, bearings=BEARINGS)
+        drawn.append(local.update(pose, scan).insertion is not None)
+        left.append(local._motion._doubt)
+    assert any(drawn)
+    assert not all(drawn)
+    np.testing.assert_array_equal(np.array(left)[drawn], 0.0)
+    assert np.all(np.array(left)[~np.array(drawn)] > 0.0)
+    local._motion._doubt = left[1]
+    assert local._insert(poses[-1], scan, scan.points_robot, poses[-1] + 1.0, None)
+    assert local._motion._doubt is left[1]  # it was not matched
+
+
 BEARINGS = np.deg2rad(np.arange(-90.0, 91.0, 6.0))
 ROOM = np.array([[-4.0, -3.0, 5.0, -3.0], [5.0, -3.0, 5.0, 4.0], [5.0, 4.0, -4.0, 4.0], [-4.0, 4.0, -4.0, -3.0],
                  [1.0, 1.5, 2.2, 1.5], [2.2, 1.5, 2.2, 2.5], [-2.0, -1.0, -1.2, -1.8]])  # fmt: skip
