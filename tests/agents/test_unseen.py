@@ -120,15 +120,17 @@ def test_who_maps_on_needs_a_map_and_is_told_so():
         make_follower("mapper", FollowInterface())
 
 
-def test_it_brings_more_of_the_building_home_than_pid_does():
+def test_over_some_tours_it_brings_more_of_the_building_home_than_pid_does():
+    """A single tour may go either way: by less than a thousandth, or by three per cent."""
     env = gym.make("tagalong/Office-v0", slam="cartographer", beams=361, split="train")
-    shares = {}
-    for who in ("pid", "mapper"):
-        follower = make_follower(who, env.unwrapped.interface)
-        observation, _ = env.reset(seed=3)
-        for _ in range(250):
-            observation, _, over, cut, _ = env.step(follower.act(observation))
-            if over or cut:
-                break
-        shares[who] = float(np.isfinite(env.unwrapped.own_map().map.probability).sum())
-    assert shares["mapper"] > shares["pid"]
+    seen = {"pid": 0, "mapper": 0}
+    for seed in range(3):
+        for who in seen:
+            follower = make_follower(who, env.unwrapped.interface)
+            observation, _ = env.reset(seed=seed)
+            for _ in range(250):
+                observation, _, over, cut, _ = env.step(follower.act(observation))
+                if over or cut:
+                    break
+            seen[who] += int(np.isfinite(env.unwrapped.own_map().map.probability).sum())
+    assert seen["mapper"] > 1.002 * seen["pid"]
