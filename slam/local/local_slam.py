@@ -195,7 +195,7 @@ class LocalSlam:
         for k, due in enumerate(held.scans):
             at, bridge = self._motion.bridge(odometry, steps[k:])
             yield Due(at, due.scan, bridge)
-        self._motion.widen(between(held.scans[0].odometry, odometry))
+        self._motion.leave_open(self._motion.config.sigma(between(held.scans[0].odometry, odometry)))
 
     def update(self, odometry: Array, scan: LaserScan) -> LocalResult:
         """Take one scan and the odometry pose T_odom_robot (3,) at that time: predict, match, insert."""
@@ -272,7 +272,7 @@ class LocalSlam:
         if len(points) < self._config.matcher.min_points or not self._motion_filter.passes(pose):
             return None
         if match:
-            self._motion.drawn()
+            self._motion.leave_open(np.zeros(2))
         since = between(odometry if self._inserted_at is None else self._inserted_at, odometry)
         motion = Prediction(since, self._config.extrapolator.sigma(since))
         drift = self._calibration.drift(self._motion.driven - self._driven)

@@ -171,9 +171,9 @@ class SwitchingMotion:
         evenly = compose(self.odometry, ways[0][1].pose)
         return evenly if self._offset is None else compose(inverse(self._offset), evenly), ways
 
-    def widen(self, way: Array) -> None:
-        """Let the next scan be predicted as roughly as after a `way` (3,) that the odometry told at once."""
-        self._doubt = self.config.sigma(way)
+    def leave_open(self, sigma: Array) -> None:
+        """Let the last pose be known to `sigma` (2,) [m, rad], standard deviations; 0: its scan was drawn there."""
+        self._doubt = sigma
 
     def predict(self, odometry: Array, time_s: float, bridge: Bridge | None = None) -> list[MotionHypothesis]:
         """Return hypotheses about the motion to the odometry pose T_odom_robot (3,) at `time_s` [s]: a fault last.
@@ -338,19 +338,9 @@ class SwitchingMotion:
             self.soundness.agree()
         jumped = match is not None and match.retried
         self.jumped = jumped or (self.jumped and self.soundness.probability < _TRUSTED)
-        left = np.zeros(2)
-        if match is not None and not jumped:
-            left = chosen.prediction.sigma_after(match.curvature)
-            if chosen.sound and not self._unmatched and not self._bridges:
-                model = self._extrapolator.predict(chosen.odometry)
-                self.precision.learn(model, self._doubt, chosen.prediction, match)
+        self._learn(chosen, None if jumped else match)
         self._extrapolator.correct(odometry, pose)
-        self._doubt = left
-        self._learn(pose)
-
-    def drawn(self) -> None:
-        """Note that the last scan was drawn where it was matched."""
-        self._doubt = np.zeros(2)
+        self._remember_match(pose)
 
     def _remember(self, chosen: MotionHypothesis, told: bool) -> None:
         """Keep what was believed before a fault until a scan has `told` whether odometry that moves has caught up."""
@@ -360,7 +350,18 @@ class SwitchingMotion:
         elif told and self._moved > 0.0:
             self._before = None
 
-    def _learn(self, pose: Array) -> None:
+    def _learn(self, chosen: MotionHypothesis, match: GridMatch | None) -> None:
+        """Learn how precise the odometry is from the match of `chosen`; None: none where it was expected."""
+        assert self._extrapolator is not None
+        left = np.zeros(2)
+        if match is not None:
+            left = chosen.prediction.sigma_after(match.curvature)
+            if chosen.sound and not self._unmatched and not self._bridges:
+                model = self._extrapolator.predict(chosen.odometry)
+                self.precision.learn(model, self._doubt, chosen.prediction, match)
+        self._doubt = left
+
+    def _remember_match(self, pose: Array) -> None:
         """Remember how far the robot goes between two scans; `pose` (3,) is that of the last match."""
         assert self.odometry is not None
         if self._matched is not None and self._unmatched == 0:

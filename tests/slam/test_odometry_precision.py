@@ -98,7 +98,7 @@ def test_a_match_is_uncertain_until_its_scan_is_drawn():
         motion.take(hypotheses, hypotheses[0], pose, -9.0, GridMatch(pose, curvature, 0.6, False))
         left = hypotheses[0].prediction.sigma_after(curvature)
     assert np.all(sigmas[3] > sigmas[1])
-    motion.drawn()
+    motion.leave_open(np.zeros(2))
     model = motion.precision.shares * ExtrapolatorConfig().sigma(steps[1])
     np.testing.assert_allclose(motion.predict(0.25 * np.array([1.0, 0.0, 0.0]), 0.5)[0].prediction.sigma, model)
 
