@@ -1,6 +1,6 @@
 """One scan on one particle's map: where it lies best around a guess, and what the map says against it there."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,7 @@ _NEAR_WORTH = np.uint8(204)  # beside an occupied place; less than on it, so tha
 _UNKNOWN_WORTH = np.uint8(128)  # between occupied and free; maxima are to lie where the map knows something
 _MOST_UNKNOWN = 0.5  # share of the points
 _ROUGH = 4.0  # a pose of the coarse search may be worth so much less than what it is refined to
+_INDEPENDENT = 0.5  # share of the points that tell of a lie independently of each other: see docs/methods/gmapping.md
 _MAXIMA, _SEPARATION = 3, Separation(linear=0.4, angular=0.2)
 
 
@@ -39,6 +40,9 @@ class Candidate:
         against: Share of the points that lie where the map has seen free space.
         unknown: Share of the points that lie where it has seen nothing.
         loss: Mean robust loss of the points after the last step, 0 .. 1; 1 of a pose that no step has led to.
+        explained: As `value`, with points that count in proportion to their number.
+        left: Log of the share of the poses thought possible beforehand that the scan leaves, by the determinants of the
+            covariances.
     """
 
     pose: Array
@@ -47,6 +51,14 @@ class Candidate:
     against: float
     unknown: float
     loss: float = 1.0
+    explained: float = 0.0
+    left: float = 0.0
+
+    @property
+    def evidence(self) -> float:
+        """Log-likelihood of the scan whatever the pose, by Laplace's approximation (MacKay 1992): where many poses are
+        possible, one of them will fit by chance, the sooner the less the scan sees."""
+        return self.explained + self.left
 
 
 class MapAlignment:
@@ -106,8 +118,9 @@ class MapAlignment:
         )  # fmt: skip
         return self.refined(self._to_metres(pose), expected, covariance)
 
-    def around(self, centre: Array, reach: Array, enough: float) -> list[Candidate]:
-        """Return the refined best poses within `reach` (2,) [m, rad] of `centre` (3,) that may be worth `enough`.
+    def around(self, centre: Array, reach: Array, enough: float, least: float) -> list[Candidate]:
+        """Return the refined best poses within `reach` (2,) [m, rad] of `centre` (3,) whose evidence may be `enough`,
+        and whose value `least`.
 
         The map knows most of what the scan sees there: a place where it knows nothing explains any scan.
         """
@@ -118,9 +131,9 @@ class MapAlignment:
         window = SearchWindow(linear=float(reach[0]), angular=float(reach[1]), angular_step=config.window_turn)
         grid = self._scores(centre, float(reach[0]) + float(np.hypot(*points.T).max()))
         pyramid = build_pyramid(grid, top_level=_TOP_LEVEL, margin=window.reach(grid.resolution) + (1 << _TOP_LEVEL))
-        least = max(0.0, 1.0 + (enough - _ROUGH) / self._worth)
+        missed = min(-enough / (_INDEPENDENT * len(self._points)), -least / self._worth) + _ROUGH / self._worth
         found = branch_and_bound(
-            pyramid, points, centre, window, min_score=least, maxima=_MAXIMA, separation=_SEPARATION
+            pyramid, points, centre, window, min_score=max(0.0, 1.0 - missed), maxima=_MAXIMA, separation=_SEPARATION
         )
         covariance = _covariance(reach)
         settled = (self._settled(np.array(each.pose), centre, covariance) for each in found.maxima)
@@ -135,7 +148,8 @@ class MapAlignment:
         """Return the better one of a pose of a search and what it is refined to."""
         step = np.array([_SEARCH_CELL, _SEARCH_CELL, self._config.window_turn]) * self._scale
         kept = self._judged(*self._in_cells(start, expected, covariance), np.diag(step**2))
-        return max(kept, self.refined(start, expected, covariance), key=_value)
+        refined = self.refined(start, expected, covariance)
+        return max(replace(kept, left=min(kept.left, refined.left)), refined, key=_value)
 
     def _scores(self, centre: Array, radius: float) -> ScoreGrid:
         """Return what a point is worth at each place within `radius` [m] of `centre`."""
@@ -163,8 +177,16 @@ class MapAlignment:
             pose, prior, information, points, config.weight, config.unseen, self._directory, maps.counts, maps.near
         )
         spoken = (against - config.unseen * unknown) / n
+        left = 0.5 * float(np.linalg.slogdet(covariance)[1] + np.linalg.slogdet(information)[1])
         return Candidate(
-            self._to_metres(pose), covariance / self._scale[:, None] / self._scale, value, spoken, unknown / n, loss
+            self._to_metres(pose),
+            covariance / self._scale[:, None] / self._scale,
+            value,
+            spoken,
+            unknown / n,
+            loss,
+            explained=value + (self._worth / n - _INDEPENDENT) * against,
+            left=left,
         )
 
     def _in_cells(self, pose: Array, prior: Array, covariance: Array) -> tuple[Array, Array, NDArray[np.floating]]:

@@ -65,7 +65,6 @@ class TrackingConfig:
 
     Attributes:
         lie: Minus the log of the probability that the odometry lies about an increment: once in 3000.
-        strange: Minus the log of the probability that a scan is strange, so that it says nothing: once in 8000.
         lost: A scan leaves it open where the robot is if more than this share of its points contradicts the map, or if
             it was found without the odometry and its log-likelihood is below minus `misfit`.
         misfit: See `lost`. With 0.75 for 3, GMapping was not sure of 55 for 5 of the 1,988 scans of the CSAIL log.
@@ -79,7 +78,6 @@ class TrackingConfig:
     """
 
     lie: float = 8.0
-    strange: float = 17.0
     lost: Share = 0.4
     misfit: float = 3.0
     spread: float = 1.0

@@ -36,9 +36,9 @@ class Tracker:
     """Aligns each scan with a map from where the odometry has the robot; where that fails, looks all around.
 
     That the odometry lies about an increment is a hypothesis with a small probability; the robot may then be anywhere
-    within reach of where it was. So is that the scan itself is strange, as in a crowd, and says nothing about either.
-    The three are weighed by how well they explain the scan. The search without odometry costs as much as many matches,
-    and is made only where it could win.
+    within reach of where it was. The two are weighed by the evidence of the scan for each: a robot that may be anywhere
+    will find a place that a few beams fit, by chance. Where nothing explains the scan, as in a crowd, it says nothing
+    about the odometry. The search costs as much as many matches, and is made only where it could win.
 
     Args:
         config: Parameters.
@@ -119,18 +119,16 @@ class Tracker:
         if -best.value > self._matcher.config.suspicion:
             best = max(best, aligned.sampled(said, covariance, self._samples), key=lambda candidate: candidate.value)
         far = _sizes(between(last, said)) / (0.5 * reach)
-        unlikely = 0.5 * float(far @ far)
-        honest = max(best.value, -config.strange) - min(unlikely, config.lie)
-        if -honest <= config.lie:
+        unlikely = min(0.5 * float(far @ far), config.lie)
+        if unlikely - best.value <= config.lie:
             return best, True
-        reach = np.minimum(reach, _MOST_REACH)
-        enough = honest + config.lie
-        if unlikely < config.lie:  # unless the robot cannot have moved so, what explains the scan badly is no evidence
-            enough = max(enough, -config.lie)
-        others = aligned.around(last, reach, enough)
+        reach, enough = np.minimum(reach, _MOST_REACH), best.evidence - unlikely + config.lie
+        # unless the robot cannot have moved so, what explains the scan badly is no evidence
+        good = -config.lie if unlikely < config.lie else -np.inf
+        others = aligned.around(last, reach, enough, good)
         others.append(aligned.steady(last, compose(last, self._motion), reach))
-        other = max(others, key=lambda candidate: candidate.value)
-        believed = other.value <= enough
+        other = max((other for other in others if other.value > good), key=_evidence, default=best)
+        believed = other.evidence <= enough
         return best if believed else other, believed
 
     def _learn(self, motion: Array, increment: Array, deviations: Array, longer: float) -> None:
@@ -163,3 +161,7 @@ def _sizes(motion: Array) -> Array:
     """Return way [m] and turn [rad] of a motion (3,)."""
     x, y, heading = motion.tolist()
     return np.array((np.hypot(x, y), abs(wrap_one(heading))))
+
+
+def _evidence(candidate: Candidate) -> float:
+    return candidate.evidence

@@ -163,6 +163,108 @@ def test_a_sudden_turn_is_believed_where_the_scan_tells_nothing_about_it():
     np.testing.assert_allclose(tracked.motion, [0.0, 0.0, 0.8], atol=1e-6)
 
 
+def watched(scans, increments):
+    """What a tracker makes of `scans`, in the robot frame, after the first has been written into the map."""
+    workers = Workers(1)
+    model, matcher = MotionModel(0.1, 0.2, 0.1, 0.2), ParticleScanMatcher(MatcherConfig(), workers)
+    tracker, maps = Tracker(TrackingConfig(), matcher, model, 0.0), TileMaps(1, 0.05, 0.1, workers)
+    maps.write(np.zeros((1, 3)), scans[0], np.ones(len(scans[0]), dtype=bool))
+    for k in range(30):  # it has moved like that before
+        tracker.track(maps, 0, np.zeros(3), scans[0], np.zeros(3), 0.1 * k)
+        tracker._reach = np.array([1.5, 1.5])
+    return tracker.track(maps, 0, np.zeros(3), scans[1], increments, 3.0)
+
+
+def wall(n, distance, seed):
+    """(n, 2) points on a wall across the way of the robot, 0.8 m wide and `distance` away."""
+    across = np.linspace(-0.4, 0.4, n)
+    return np.stack((np.random.default_rng(seed).normal(distance, 0.01, n), across), axis=1)
+
+
+def corner(n, seed):
+    """(n, 2) points on three walls, which only one pose explains."""
+    side, noise = np.linspace(-2.0, 2.0, n // 3), np.random.default_rng(seed).normal(0.0, 0.01, n // 3)
+    walls = ((side + 2.0, 2.0 + noise), (4.0 + noise, side), (side + 2.0, -2.5 + noise))
+    return np.concatenate([np.stack(each, axis=1) for each in walls])
+
+
+def test_a_few_beams_that_fit_elsewhere_do_not_make_the_odometry_a_liar():
+    tracked = watched((wall(40, 2.0, 0), wall(40, 2.0, 1)), np.array([0.0, 0.0, 0.9]))  # a wall like the one before
+    assert tracked.believed
+    np.testing.assert_allclose(tracked.motion, [0.0, 0.0, 0.9], atol=0.05)
+
+
+def test_a_scan_that_one_pose_alone_explains_does():
+    tracked = watched((corner(120, 0), corner(120, 1)), np.array([0.8, 0.3, 0.9]))
+    assert not tracked.believed
+    np.testing.assert_allclose(tracked.motion, np.zeros(3), atol=0.03)
+
+
+def candidate(value, explained, left):
+    return Candidate(np.zeros(3), 1e-4 * np.eye(3), value, 0.0, 0.0, 0.1, explained, left)
+
+
+@pytest.mark.parametrize(
+    ("way", "others", "chosen"),
+    [
+        (0.1, [(-1.0, -2.0, -12.0)], 0),
+        (0.1, [(-1.0, -2.0, -21.0)], None),  # 9 better, but for the poses that had been possible
+        (0.1, [(-0.5, -2.0, -19.0), (-1.0, -2.0, -12.0)], 1),  # by the evidence, not by the best pose
+        (0.1, [(-9.0, -2.0, -12.0)], None),  # it explains the scan badly
+        (5.0, [(-9.0, -2.0, -12.0)], 0),  # but the odometry's way is impossible
+        (5.0, [(-1.0, -2.0, -26.0)], 0),  # for which 8 are added
+        (5.0, [(-1.0, -2.0, -35.0)], None),
+    ],
+)
+def test_the_odometry_is_disbelieved_by_evidence_that_it_lies(monkeypatch, way, others, chosen):
+    workers = Workers(1)
+    matcher = ParticleScanMatcher(MatcherConfig(), workers)
+    tracker = Tracker(TrackingConfig(lie=8.0), matcher, MotionModel(0.1, 0.2, 0.1, 0.2), 0.0)
+    best, found = candidate(-12.0, -25.0, -4.0), [candidate(*other) for other in others]
+    for name, told in (("refined", best), ("sampled", best), ("around", found), ("steady", candidate(-30, -99, 0))):
+        monkeypatch.setattr(
+            alignment.MapAlignment, name, lambda *_, told=told, **__: told if told is not found else [*told]
+        )
+    aligned = alignment.MapAlignment(TileMaps(1, 0.05, 0.1, workers), 0, np.ones((9, 2)), matcher, TrackingConfig())
+    said, reach = np.array([way, 0.0, 0.0]), np.array([1.0, 1.0])
+    got, believed = tracker._found(aligned, np.zeros(3), said, 0.01 * np.eye(3), reach)
+    assert believed is (chosen is None)
+    assert got is (best if chosen is None else found[chosen])
+
+
+@pytest.mark.parametrize("points", [corner(24, 0), corner(240, 0)])
+def test_evidence_counts_each_point_half_and_the_share_of_poses_that_the_scan_leaves(points):
+    workers = Workers(1)
+    matcher, maps = ParticleScanMatcher(MatcherConfig(weight=30.0), workers), TileMaps(1, 0.05, 0.1, workers)
+    maps.write(np.zeros((1, 3)), points, np.ones(len(points), dtype=bool))
+    prior, aside = np.diag([0.3, 0.3, 0.2]) ** 2, np.array([0.3, 0.3, 0.0])
+    aligned = alignment.MapAlignment(maps, 0, points, matcher, TrackingConfig())
+    found = aligned.refined(aside, aside, 1e-9 * np.eye(3))  # held where it fits badly
+    n = len(matcher.thinned(points, 0.05))
+    assert found.value == pytest.approx(-min(30, n) * (found.against + 0.4 * found.unknown), abs=1e-3)
+    assert found.explained == pytest.approx(-0.5 * n * (found.against + 0.4 * found.unknown), abs=1e-3)
+    found = aligned.refined(np.zeros(3), np.zeros(3), prior)
+    share = np.sqrt(np.linalg.det(found.covariance) / np.linalg.det(prior))
+    assert found.left == pytest.approx(np.log(share))
+    assert found.evidence == pytest.approx(found.explained + np.log(share))
+    assert share < 1e-2
+
+
+def test_a_pose_of_the_search_is_no_likelier_than_the_one_that_it_is_refined_to():
+    workers, points = Workers(1), corner(120, 0)
+    matcher, maps = ParticleScanMatcher(MatcherConfig(), workers), TileMaps(1, 0.05, 0.1, workers)
+    maps.write(np.zeros((1, 3)), points, np.ones(len(points), dtype=bool))
+    aligned = alignment.MapAlignment(maps, 0, points, matcher, TrackingConfig())
+    reach = np.array([1.0, 0.5])
+    covariance = np.diag(0.25 * np.array([1.0, 1.0, 0.5]) ** 2)
+    refined = aligned.refined(np.zeros(3), np.zeros(3), covariance)
+    for found in aligned.around(np.zeros(3), reach, -np.inf, -10.0)[:1]:
+        assert found.left <= refined.left + 0.5
+        np.testing.assert_allclose(found.pose, np.zeros(3), atol=0.05)
+    aside = np.array([0.04, 0.04, 0.02])  # the search steps over the best pose, and may find it all the same
+    assert aligned.around(aside, reach, -np.inf, refined.value)
+
+
 def test_the_best_of_samples_is_chosen_by_as_many_points_as_there_are(monkeypatch):
     workers, told = Workers(1), []
     monkeypatch.setattr(alignment, "search_samples", lambda *arguments: told.append(arguments[4]))
