@@ -41,8 +41,8 @@ class Candidate:
         unknown: Share of the points that lie where it has seen nothing.
         loss: Mean robust loss of the points after the last step, 0 .. 1; 1 of a pose that no step has led to.
         explained: As `value`, with points that count in proportion to their number.
-        left: Log of the share of the poses thought possible beforehand that the scan leaves, by the determinants of the
-            covariances.
+        occam: Log of the Occam factor: the share of the poses thought possible beforehand that the scan leaves, by the
+            determinants of the covariances.
     """
 
     pose: Array
@@ -52,13 +52,13 @@ class Candidate:
     unknown: float
     loss: float = 1.0
     explained: float = 0.0
-    left: float = 0.0
+    occam: float = 0.0
 
     @property
     def evidence(self) -> float:
         """Log-likelihood of the scan whatever the pose, by Laplace's approximation (MacKay 1992): where many poses are
         possible, one of them will fit by chance, the sooner the less the scan sees."""
-        return self.explained + self.left
+        return self.explained + self.occam
 
 
 class MapAlignment:
@@ -149,7 +149,7 @@ class MapAlignment:
         step = np.array([_SEARCH_CELL, _SEARCH_CELL, self._config.window_turn]) * self._scale
         kept = self._judged(*self._in_cells(start, expected, covariance), np.diag(step**2))
         refined = self.refined(start, expected, covariance)
-        return max(replace(kept, left=min(kept.left, refined.left)), refined, key=_value)
+        return max(replace(kept, occam=min(kept.occam, refined.occam)), refined, key=_value)
 
     def _scores(self, centre: Array, radius: float) -> ScoreGrid:
         """Return what a point is worth at each place within `radius` [m] of `centre`."""
@@ -177,7 +177,7 @@ class MapAlignment:
             pose, prior, information, points, config.weight, config.unseen, self._directory, maps.counts, maps.near
         )
         spoken = (against - config.unseen * unknown) / n
-        left = 0.5 * float(np.linalg.slogdet(covariance)[1] + np.linalg.slogdet(information)[1])
+        occam = 0.5 * float(np.linalg.slogdet(covariance)[1] + np.linalg.slogdet(information)[1])
         return Candidate(
             self._to_metres(pose),
             covariance / self._scale[:, None] / self._scale,
@@ -186,7 +186,7 @@ class MapAlignment:
             unknown / n,
             loss,
             explained=value + (self._worth / n - _INDEPENDENT) * against,
-            left=left,
+            occam=occam,
         )
 
     def _in_cells(self, pose: Array, prior: Array, covariance: Array) -> tuple[Array, Array, NDArray[np.floating]]:

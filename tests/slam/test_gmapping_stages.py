@@ -200,8 +200,8 @@ def test_a_scan_that_one_pose_alone_explains_does():
     np.testing.assert_allclose(tracked.motion, np.zeros(3), atol=0.03)
 
 
-def candidate(value, explained, left):
-    return Candidate(np.zeros(3), 1e-4 * np.eye(3), value, 0.0, 0.0, 0.1, explained, left)
+def candidate(value, explained, occam):
+    return Candidate(np.zeros(3), 1e-4 * np.eye(3), value, 0.0, 0.0, 0.1, explained, occam)
 
 
 @pytest.mark.parametrize(
@@ -245,7 +245,7 @@ def test_evidence_counts_each_point_half_and_the_share_of_poses_that_the_scan_le
     assert found.explained == pytest.approx(-0.5 * n * (found.against + 0.4 * found.unknown), abs=1e-3)
     found = aligned.refined(np.zeros(3), np.zeros(3), prior)
     share = np.sqrt(np.linalg.det(found.covariance) / np.linalg.det(prior))
-    assert found.left == pytest.approx(np.log(share))
+    assert found.occam == pytest.approx(np.log(share))
     assert found.evidence == pytest.approx(found.explained + np.log(share))
     assert share < 1e-2
 
@@ -259,7 +259,7 @@ def test_a_pose_of_the_search_is_no_likelier_than_the_one_that_it_is_refined_to(
     covariance = np.diag(0.25 * np.array([1.0, 1.0, 0.5]) ** 2)
     refined = aligned.refined(np.zeros(3), np.zeros(3), covariance)
     for found in aligned.around(np.zeros(3), reach, -np.inf, -10.0)[:1]:
-        assert found.left <= refined.left + 0.5
+        assert found.occam <= refined.occam + 0.5
         np.testing.assert_allclose(found.pose, np.zeros(3), atol=0.05)
     aside = np.array([0.04, 0.04, 0.02])  # the search steps over the best pose, and may find it all the same
     assert aligned.around(aside, reach, -np.inf, refined.value)
