@@ -50,7 +50,7 @@ def inverse(T_a_b: ArrayLike) -> Array:
     """Return T_b_a. Shape (..., 3)."""
     pose = _array(T_a_b)
     if pose.ndim == 1:
-        return np.array(_inverted(*pose.tolist()))
+        return np.array(inverted(*pose.tolist()))
     cos, sin = np.cos(pose[..., 2]), np.sin(pose[..., 2])
     return np.stack(
         (
@@ -66,7 +66,7 @@ def between(T_w_a: ArrayLike, T_w_b: ArrayLike) -> Array:
     """Return T_a_b, the pose of b seen from a, from both poses in a common frame. Shapes (..., 3), broadcast."""
     first, second = _array(T_w_a), _array(T_w_b)
     if first.ndim == 1 and second.ndim == 1:
-        return np.array(composed(*_inverted(*first.tolist()), *second.tolist()))
+        return np.array(composed(*inverted(*first.tolist()), *second.tolist()))
     return compose(inverse(first), second)
 
 
@@ -82,7 +82,8 @@ def composed(x: float, y: float, theta: float, u: float, v: float, phi: float) -
     return x + cos * u - sin * v, y + sin * u + cos * v, wrap_one(theta + phi)
 
 
-def _inverted(x: float, y: float, theta: float) -> tuple[float, float, float]:
+def inverted(x: float, y: float, theta: float) -> tuple[float, float, float]:
+    """Return the pose that `inverse` returns for (x, y, theta)."""
     cos, sin = math.cos(theta), math.sin(theta)
     return -cos * x - sin * y, sin * x - cos * y, wrap_one(-theta)
 
@@ -90,14 +91,19 @@ def _inverted(x: float, y: float, theta: float) -> tuple[float, float, float]:
 def part_of(motion: ArrayLike, share: float) -> Array:
     """Return (3,) the first `share` of a `motion` (3,) at constant velocities, in [0, 1]: along an arc."""
     x, y, turn = _array(motion).tolist()
+    return np.array(arc_part(x, y, turn, share))
+
+
+def arc_part(x: float, y: float, turn: float, share: float) -> tuple[float, float, float]:
+    """Return the motion that `part_of` returns for (x, y, turn)."""
     part = share * turn
     if abs(turn) < _STRAIGHT:
-        return np.array((share * x, share * y, part))
+        return share * x, share * y, part
     # A turn by t about the centre c leads from 0 to c - R(t) c.
     half = 0.5 / math.tan(0.5 * turn)
     cx, cy = 0.5 * x - half * y, half * x + 0.5 * y
     cos, sin = math.cos(part), math.sin(part)
-    return np.array((cx - cos * cx + sin * cy, cy - sin * cx - cos * cy, part))
+    return cx - cos * cx + sin * cy, cy - sin * cx - cos * cy, part
 
 
 def first_of_way(steps: ArrayLike, goal: ArrayLike) -> Array:

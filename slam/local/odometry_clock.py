@@ -11,11 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry import between, compose, inverse, part_of, turning
+from ..geometry import arc_part, between, composed, inverted, turning
 from ..scan_to_grid.extrapolator import ExtrapolatorConfig
 from .switching_motion import stands
 
 Array = NDArray[np.float64]
+Pose = tuple[float, float, float]
+"""x, y [m] and heading [rad]: learning takes twenty of them a scan, and an array costs more than the sums of a pose."""
 
 _SPREAD = 0.1  # [s] standard deviation of what clocks are offset by
 _SUREST = 0.01  # [s] never is it known better: it may change
@@ -29,21 +31,21 @@ class _Told:
     """What the odometry told with a scan.
 
     Attributes:
-        odometry: (3,) T_odom_robot.
-        motion: (3,) what led there ...
+        odometry: T_odom_robot.
+        motion: What led there ...
         elapsed: ... and how long that took [s]; 0: it is not known.
     """
 
-    odometry: Array
-    motion: Array
+    odometry: Pose
+    motion: Pose
     elapsed: float
 
-    def later_by(self, late_s: float) -> Array:
-        """Return T_odom_robot (3,) so much later [s], or earlier, at the velocity of that motion, as long at most."""
+    def later_by(self, late_s: float) -> Pose:
+        """Return T_odom_robot so much later [s], or earlier, at the velocity of that motion, as long at most."""
         if not self.elapsed or late_s == 0.0:
             return self.odometry
-        way = part_of(self.motion, min(abs(late_s) / self.elapsed, 1.0))
-        return compose(self.odometry, way if late_s > 0.0 else inverse(way))
+        way = arc_part(*self.motion, min(abs(late_s) / self.elapsed, 1.0))
+        return composed(*self.odometry, *(way if late_s > 0.0 else inverted(*way)))
 
 
 class OdometryClock:
@@ -70,13 +72,13 @@ class OdometryClock:
         if self._last is None or not stands(between(self._last.odometry, odometry)):  # else it tells nothing new
             self._last = self._told(odometry, time_s)
             self._recent.append((time_s, odometry))
-        return self._last.later_by(self.late_s)
+        return np.array(self._last.later_by(self.late_s))
 
     def _told(self, odometry: Array, time_s: float) -> _Told:
         for at_s, pose in reversed(self._recent):
             if time_s - at_s >= _SPAN:
-                return _Told(odometry, between(pose, odometry), time_s - at_s)
-        return _Told(odometry, np.zeros(3), 0.0)
+                return _Told(_pose(odometry), _pose(between(pose, odometry)), time_s - at_s)
+        return _Told(_pose(odometry), (0.0, 0.0, 0.0), 0.0)
 
     def learn(self, step: Array, information: Array) -> None:
         """Learn from two scans that were matched, the last and the one before.
@@ -88,7 +90,8 @@ class OdometryClock:
         if not (self._last and self._last.elapsed and self._before and self._before.elapsed):
             return
         told, less, more = (self._step(self.late_s + probe) for probe in (0.0, -_PROBE, _PROBE))
-        by_second = between(less, more) / (2.0 * _PROBE)
+        by_second = np.array(composed(*inverted(*less), *more)) / (2.0 * _PROBE)
+        told = np.array(told)
         error, turn = between(told, step), turning(step.item(2))
         linear, angular = np.square(self._config.sigma(told)).tolist()
         seen = turn.T @ information @ turn
@@ -98,8 +101,13 @@ class OdometryClock:
         self.late_s += float(by_second @ weights @ error) / information_now
         self._information = information_now
 
-    def _step(self, late_s: float) -> Array:
-        """Return the last step (3,) of odometry that is so late [s]."""
+    def _step(self, late_s: float) -> Pose:
+        """Return the last step of odometry that is so late [s]."""
         assert self._last is not None
         assert self._before is not None
-        return between(self._before.later_by(late_s), self._last.later_by(late_s))
+        return composed(*inverted(*self._before.later_by(late_s)), *self._last.later_by(late_s))
+
+
+def _pose(pose: Array) -> Pose:
+    x, y, heading = pose.tolist()
+    return x, y, heading

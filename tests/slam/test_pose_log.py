@@ -31,6 +31,7 @@ def test_whatever_is_done_to_a_log_it_holds_what_a_list_would(calls):
     np.testing.assert_array_equal(log.array(), poses)
     chosen = np.arange(len(poses))[::-7]
     np.testing.assert_array_equal(log.take(chosen), poses[chosen])
+    assert [log.place(k) for k in chosen.tolist()] == [(x, y) for x, y, _ in poses[chosen].tolist()]
     np.testing.assert_array_equal(PoseLog.of(poses).array(), poses)
     if len(poses):
         np.testing.assert_array_equal(log[-1], poses[-1])

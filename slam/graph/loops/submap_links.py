@@ -40,11 +40,11 @@ class SubmapLinks:
             if submap in reached:
                 continue
             reached.add(submap)
-            x, y, _ = poses[at].tolist()
+            x, y = poses.place(at)
             for other, shared in self._links[submap].items():
                 if other not in reached:
-                    there = poses[shared]
-                    longer = way + hypot(there[0] - x, there[1] - y)
+                    there_x, there_y = poses.place(shared)
+                    longer = way + hypot(there_x - x, there_y - y)
                     if longer <= reach:
                         heappush(waiting, (longer, other, shared))
         return reached
