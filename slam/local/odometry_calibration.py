@@ -19,7 +19,8 @@ Array = NDArray[np.float64]
 _USUAL = np.array([1.0, 1.0, 0.0])  # [of the way, of a turn, rad/m] an odometry that is calibrated ...
 _SPREAD = np.array([0.1, 0.1, 0.05])  # ... and how far odometries are from that, standard deviations
 _STRETCH = 5.0  # [m]
-_UNKNOWN = np.square(_SPREAD[[0, 2]] * _STRETCH)  # [m^2, rad^2] as if one stretch of before had told so
+_UNKNOWN = np.square(_SPREAD[[0, 2]] * _STRETCH)  # [m^2, rad^2] so far is a stretch of any odometry off, squared; ...
+_WORTH = 0.1  # ... stretches: odometries differ by a factor of ten, so one of its own soon tells more of a robot's
 _MEMORY = 100.0  # way after which what was learned counts for 1/e: tyres lose air, floors change [m]
 _FREEDOM = 4.0  # of the t distribution of a stretch's errors: wheels slip, and matches fail, now and then
 
@@ -35,7 +36,7 @@ class OdometryCalibration:
     def __init__(self) -> None:
         self.factors: Array = _USUAL
         self._information = np.diag(_SPREAD**-2.0)
-        self._squared, self._learned = _UNKNOWN, 1.0  # sum of what stretches were off by, squared, and of how many
+        self._squared, self._learned = _WORTH * _UNKNOWN, _WORTH  # of stretches: what they were off by, squared; number
         self._told: Array | None = None  # odometry as the robot tells it ...
         self._odometry = np.zeros(3)  # ... and calibrated
         self._step = np.zeros(3)  # told since the last scan
@@ -86,7 +87,7 @@ class OdometryCalibration:
         goes off evenly leads aside by its mean, as a random walk's, by a share 1 / sqrt(3) of the way.
         """
         stretches = way / _STRETCH
-        errors = np.sqrt(self._squared / self._learned * (stretches + stretches**2 / self._learned))
+        errors = np.sqrt(self._squared / self._learned * (stretches + stretches**2 / max(self._learned, 1.0)))
         turn = math.hypot(errors[1], self.factors[2] * way)
         return np.array([math.hypot(errors[0], min(turn, 1.0) * way / math.sqrt(3.0)), turn])
 
@@ -111,8 +112,8 @@ class OdometryCalibration:
         kept = math.exp(-self._way / _MEMORY)
         prior = (1.0 - kept) * np.diag(_SPREAD**-2.0)
         self._information = kept * self._information + prior
-        self._squared = kept * self._squared + (1.0 - kept) * _UNKNOWN
-        self._learned = kept * self._learned + 1.0 - kept
+        self._squared = kept * self._squared + (1.0 - kept) * _WORTH * _UNKNOWN
+        self._learned = kept * self._learned + (1.0 - kept) * _WORTH
         before = self.factors
         self.factors = before + np.linalg.solve(self._information, prior @ (_USUAL - before))
         return self.factors - before

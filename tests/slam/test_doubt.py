@@ -42,8 +42,12 @@ def test_where_scans_fit_the_map_the_doubt_is_settled(mapped):
     assert doubt.settled
     assert doubt.possible
     assert not doubt.refuted
-    doubt.elsewhere = np.zeros(3)
-    assert not doubt.settled  # found in another place, too
+    doubt.elsewhere = np.zeros(3)  # found in another place, too: two places that look alike
+    assert doubt.settled
+    briefly = weighed(mapped, (-2.0, -1.0, 0.1), (-2.0, -1.0, 0.1), scans=6)
+    assert briefly.settled
+    briefly.elsewhere = np.zeros(3)
+    assert not briefly.settled
 
 
 def test_local_slam_may_have_drifted_a_little(mapped):
@@ -82,6 +86,18 @@ def test_in_another_building_where_local_slam_has_the_robot_is_impossible_and_no
     assert doubt.elsewhere is None
 
 
+def test_scans_without_returns_follow_a_robot_nowhere(mapped):
+    blind = cast(ROOM, np.zeros(3), np.random.default_rng(0), reach=0.5)
+    doubt = weighed(mapped, (-2.0, -1.0, 0.1), (2.0, -2.0, 1.9))
+    followed = doubt._followed_scans
+    assert followed > 3
+    for k in range(12, 30):
+        step = np.array([0.1 * k, 0.0, 0.0])
+        doubt.weigh(step, blind, step, np.array([-2.0, -1.0, 0.1]))
+    assert doubt._followed_scans == followed
+    assert not doubt.found
+
+
 def test_without_a_map_nothing_can_be_said():
     doubt = Doubt(None, lambda: None, [], (1.0, 0.5))
     doubt.weigh(np.zeros(3), cast(ROOM, np.zeros(3), np.random.default_rng(0)), np.zeros(3), np.zeros(3))
@@ -115,6 +131,12 @@ def test_a_robot_whose_turn_its_odometry_does_not_tell_is_not_found_there(mapped
     for k in range(40):
         step = np.array([0.1 * k, 0.0, 0.0])
         doubt.weigh(step, cast(ROOM, compose(true, step), rng), step, np.array([-2.0, -1.0, 2.5]))
+    assert doubt.found
+    doubt._misfits.extend([3.0, *[doubt._misfits[-1]] * 3])  # one of ten fits nowhere there
+    assert doubt.found
+    doubt._misfits.extend([*[3.0] * 4, *[doubt._misfits[-1]] * 3])
+    assert not doubt.found  # half of them do, and the last again
+    doubt._misfits.extend([doubt._misfits[-1]] * 10)
     assert doubt.found
     turned = compose(step, np.array([0.15, 0.0, 1.2]))  # as local SLAM sees by the scans
     doubt.weigh(

@@ -85,6 +85,6 @@ def test_odometry_that_told_nothing_true_costs_no_more_than_its_odds():
     slack = Slack(0.1, 0.02)
     near, far, farther = (slack.cost(np.array([x, 0.0, 0.0])) for x in (0.0, 3.0, 30.0))
     assert near == pytest.approx(0.0)
-    assert far == pytest.approx(-np.log(0.001))
+    assert far == pytest.approx(-np.log(1e-6))
     assert farther == pytest.approx(far)
     assert Slack().cost(np.array([3.0, 0.0, 1.0])) == 0.0

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 SIGMAS = 3.0  # standard deviations within which something is looked for
-_FAULTY = 0.001  # share of ways without a scan to tell of them of which odometry told nothing true: as of all steps
+_FAULTY = 1e-6  # share of ways without a scan to tell of them of which odometry told nothing true; equal rooms are many
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,5 +1,6 @@
 """A doubt where the robot is: local SLAM's opinion against the map of before, by all scans since the doubt began."""
 
+from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
@@ -76,7 +77,8 @@ class Doubt:
         self._lost, self._against = lost, 0.0  # by how much another place is likelier, as a logarithm
         self._misfit = self._weight = 0.0  # mean over what was weighed
         self._unweighed, self._fitting = np.inf, 0  # way since a scan was weighed; scans in a row that fit
-        self._followed, self._followed_scans = 0.0, 0  # how long it was followed elsewhere [m]
+        self._followed, self._followed_scans = 0.0, 0  # how long it was followed elsewhere [m], in scans with returns
+        self._misfits = deque[float](maxlen=_PROBATION[1])  # of the last of those scans
         self._judged: list[_Judged | None] = []  # None: too few returns
         self.travelled, self.scans = 0.0, 0
         self.vouched, self._possible = False, 0  # scans in a row that the map does not contradict
@@ -184,18 +186,15 @@ class Doubt:
         if found is not None and not self._lost:
             here, beside = bool(near(pose[None], found, _AGREE)[0]), bool(near(pose[None], found, self._closable)[0])
         self.vouched |= here
-        away = found is not None and self.refuted and not (here or beside)
-        self._followed = self._followed + way if away else 0.0
-        self._followed_scans = self._followed_scans + 1 if away else 0
+        if found is None or not self.refuted or here or beside:
+            self._followed, self._followed_scans, self.elsewhere = 0.0, 0, None
+            self._misfits.clear()
+            return
+        self._followed += way
+        if (sight := self._sight(odometry, scan)) is not None:
+            self._followed_scans += 1
+            self._misfits.append(float(self._fit.judge(sight, self._refined(sight, found))[0][0]))
         self.elsewhere = found if self._followed_scans >= _CONFIRMED else None
-
-    def _fits(self, pose: Array) -> bool:
-        """Whether the last scan fits the map at `pose` (3,): odometry that stands still leads no search on."""
-        last = self._judged[-1] if self._judged else None
-        if last is None:
-            return self._lost
-        most = self._level + self._config.hypotheses.excess
-        return bool(self._fit.judge(last.sight, self._refined(last.sight, pose))[0][0] < most)
 
     @property
     def refuted(self) -> bool:
@@ -205,8 +204,9 @@ class Doubt:
 
     @property
     def settled(self) -> bool:
-        """Whether the map says that the robot is where local SLAM has it, and it was not found elsewhere."""
-        return not self._lost and self._fitting >= _VOUCHED and self.elsewhere is None
+        """Whether the map says that the robot is where local SLAM has it: for long, where it was found elsewhere, too,
+        for then two places look alike."""
+        return not self._lost and self._fitting >= (_VOUCHED if self.elsewhere is None else _PROBATION[1])
 
     @property
     def impossible(self) -> bool:
@@ -227,6 +227,7 @@ class Doubt:
 
     @property
     def found(self) -> bool:
-        """Whether the robot is `elsewhere` beyond doubt."""
-        fits = self.elsewhere is not None and self._fits(self.elsewhere)
-        return fits and self.followed and self._followed >= _PROBATION[0]
+        """Whether the robot is `elsewhere` beyond doubt: what it saw there fits on the whole, and at last."""
+        if not self.followed or self._followed < _PROBATION[0]:
+            return False
+        return max(np.mean(self._misfits), self._misfits[-1]) < self._level + self._config.hypotheses.excess

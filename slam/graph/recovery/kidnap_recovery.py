@@ -92,7 +92,8 @@ class KidnapRecovery:
 
     def _concluded(self, doubt: Doubt, result: LocalResult) -> LocalResult:
         """End the doubt where there is reason to; return the result that counts."""
-        if doubt.found and doubt.changed < doubt.scans:
+        carried = not doubt.settled and doubt.found and doubt.changed < doubt.scans
+        if carried:
             result = self._found(doubt, result)
         elif doubt.settled or doubt.found or (not doubt.impossible and doubt.travelled >= _GIVE_UP):
             self._forget()
