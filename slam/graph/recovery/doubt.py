@@ -230,4 +230,4 @@ class Doubt:
         """Whether the robot is `elsewhere` beyond doubt: what it saw there fits on the whole, and at last."""
         if not self.followed or self._followed < _PROBATION[0]:
             return False
-        return max(np.mean(self._misfits), self._misfits[-1]) < self._level + self._config.hypotheses.excess
+        return max(float(np.mean(self._misfits)), self._misfits[-1]) < self._level + self._config.hypotheses.excess
