@@ -1,8 +1,11 @@
 """A doubt where the robot is: refuted only by what the map knows, settled only by what it knows."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from tagalong.slam.geometry import compose
+from tagalong.slam.graph.engine import Cartographer
 from tagalong.slam.graph.recovery.doubt import Doubt
 from tagalong.slam.grid import GridConfig, render_map
 from tagalong.slam.localization.place_map import PlaceMap
@@ -146,3 +149,16 @@ def test_a_robot_whose_turn_its_odometry_does_not_tell_is_not_found_there(mapped
         np.array([-2.0, -1.0, 2.5]),
     )
     assert not doubt.found
+
+
+def test_a_settled_doubt_ends_whatever_other_place_was_found(monkeypatch):
+    recovery, result = Cartographer()._recovery, object()
+    monkeypatch.setattr(recovery, "_found", lambda doubt, result: None)
+    doubt = SimpleNamespace(settled=True, found=True, changed=0, scans=20, impossible=False, travelled=3.0)
+    recovery._doubt = doubt
+    assert recovery._concluded(doubt, result) is result
+    assert recovery._doubt is None
+    doubt.settled = False
+    recovery._doubt = doubt
+    assert recovery._concluded(doubt, result) is None
+    assert recovery._doubt is doubt
