@@ -56,7 +56,7 @@ class PoseLog:
         return self._blocks[block][place].copy()
 
     def place(self, index: int) -> tuple[float, float]:
-        """Return x and y [m] of the pose with an index of 0 or more, at a quarter of the cost of the whole pose."""
+        """Return x and y [m] of the pose with an index of 0 or more, at two fifths of the cost of the whole pose."""
         block, row = divmod(index, BLOCK)
         poses = self._blocks[block]
         return poses.item(row, 0), poses.item(row, 1)

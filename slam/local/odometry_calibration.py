@@ -19,8 +19,8 @@ Array = NDArray[np.float64]
 _USUAL = np.array([1.0, 1.0, 0.0])  # [of the way, of a turn, rad/m] an odometry that is calibrated ...
 _SPREAD = np.array([0.1, 0.1, 0.05])  # ... and how far odometries are from that, standard deviations
 _STRETCH = 5.0  # [m]
-_UNKNOWN = np.square(_SPREAD[[0, 2]] * _STRETCH)  # [m^2, rad^2] so far is a stretch of any odometry off, squared; ...
-_WORTH = 0.1  # ... stretches: odometries differ by a factor of ten, so one of its own soon tells more of a robot's
+_UNKNOWN = np.square(_SPREAD[[0, 2]] * _STRETCH)  # [m^2, rad^2] mean squared error of a stretch by any odometry ...
+_WORTH = 0.1  # ... which counts as so many stretches of the robot's own: odometries differ by a factor of ten
 _MEMORY = 100.0  # way after which what was learned counts for 1/e: tyres lose air, floors change [m]
 _FREEDOM = 4.0  # of the t distribution of a stretch's errors: wheels slip, and matches fail, now and then
 

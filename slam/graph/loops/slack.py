@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 SIGMAS = 3.0  # standard deviations within which something is looked for
-_FAULTY = 1e-6  # share of ways without a scan to tell of them of which odometry told nothing true; equal rooms are many
+# With one in a thousand, pieces were laid into the next equal room: see docs/methods/graph-slam.md.
+_FAULTY = 1e-6  # share of ways without a scan to tell of them of which odometry told nothing true
 
 
 @dataclass(frozen=True, slots=True)
