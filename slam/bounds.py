@@ -66,7 +66,9 @@ Share = Annotated[float, Within(0.0, 1.0)]
 """A share or a probability."""
 Angle = Annotated[float, Within(0.0, 2.0 * math.pi)]
 """An angle up to a turn [rad]."""
-Step = Annotated[float, Within(1e-3, 2.0 * math.pi)]
+FINEST_STEP = 1e-3
+"""The least step between headings that are tried [rad]."""
+Step = Annotated[float, Within(FINEST_STEP, 2.0 * math.pi)]
 """A step between headings that are tried [rad]: a turn has 6283 of the smallest."""
 Rounds = Annotated[int, Within(0, 1000)]
 """How often something is repeated that takes a while."""

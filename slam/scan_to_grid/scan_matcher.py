@@ -7,7 +7,7 @@ from typing import Annotated, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bounds import Angle, Cell, Rounds, Within, check_numbers
+from ..bounds import FINEST_STEP, Angle, Cell, Rounds, Within, check_numbers
 from ..errors import InputError
 from ..geometry import transform_points, wrap_one
 from ..view_kernel import kernel
@@ -187,7 +187,7 @@ class GridScanMatcher:
             Some of them may be of the same place.
         """
         thinned = points[:: max(1, len(points) // self._config.search_points)]
-        step = submap.resolution / max(far_radius(points), 1.0)
+        step = heading_step(submap.resolution, points)
         place = submap.field, submap.corner, submap.resolution
         linear, angular = anywhere.sigma.tolist()
         least = self._config.explained * self._config.beside * self._typical_score
@@ -263,6 +263,14 @@ class GridScanMatcher:
                 "`max_angular` is too large, or the cells are too small"
             )
         return reach, angles, step
+
+
+def heading_step(resolution: float, points: Array) -> float:
+    """Return the step between headings that are searched [rad]: one that moves far `points` (N, 2) by a cell [m].
+
+    It is no finer than searches take: 50 m away and beyond that is more than a cell, and the least squares come after.
+    """
+    return max(resolution / max(far_radius(points), 1.0), FINEST_STEP)
 
 
 @kernel

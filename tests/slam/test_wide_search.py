@@ -1,6 +1,10 @@
 """A scan sought all around is found at the places where it fits, the best first."""
 
+from types import SimpleNamespace
+
 import numpy as np
+from tagalong.slam.geometry import transform_points
+from tagalong.slam.scan_to_grid.extrapolator import Prediction
 from tagalong.slam.scan_to_grid.scan_matcher import GridMatch, GridScanMatcher, GridScanMatcherConfig
 from tagalong.slam.scan_to_grid.wide_search import search_widely
 
@@ -47,3 +51,13 @@ def test_a_scan_that_fits_a_tenth_better_elsewhere_does_not_outweigh_odometry_th
     many = matcher.independent(10.0 * np.random.default_rng(0).random((180, 2)))
     gain = matcher.cost(usual, many) - matcher.cost(better, many)
     assert 0.0 < gain < -np.log(0.001)  # the probability that sound odometry fails with a scan
+
+
+def test_walls_sixty_metres_away_are_sought_too():
+    field = np.zeros((200, 200), np.float32)
+    far = np.array([60.0, -5.0])
+    points = corner_of_walls(field, 100, 60) + far
+    walls = SimpleNamespace(field=field, corner=far, resolution=SIDE)
+    around = Prediction(np.array([0.2, -0.1, 0.01]), np.array([0.5, 0.02]))
+    (match, *_) = GridScanMatcher(GridScanMatcherConfig()).search(walls, points, around)
+    np.testing.assert_allclose(transform_points(match.pose, points), points, atol=0.1)

@@ -18,7 +18,7 @@ from ...local.submap import Submap
 from ...recent import Recent
 from ...scan_to_grid.match_kernels import information_in_node, match_nodes
 from ...scan_to_grid.refine_kernels import refine_pose
-from ...scan_to_grid.scan_matcher import DOUBT, far_radius
+from ...scan_to_grid.scan_matcher import DOUBT, heading_step
 from ...search.branch_and_bound import SearchWindow, Separation, branch_and_bound
 from ...search.score_pyramid import ScoreGrid, ScorePyramid, build_pyramid
 from .blur_kernels import blurred_scores
@@ -199,7 +199,7 @@ class ConstraintBuilder:
         """
         config = self._config
         thinned = points[:: max(1, len(points) // config.search_points)]
-        step = 1.5 * submap.config.resolution / max(far_radius(points), 1.0)
+        step = 1.5 * heading_step(submap.config.resolution, points)
         linear = min(config.search_linear + SIGMAS * slack.linear, _FARTHEST)
         angular = min(config.search_angular + SIGMAS * slack.angular, math.pi)
         window = SearchWindow(linear=linear, angular=angular, angular_step=step)
