@@ -136,7 +136,8 @@ class SwitchingMotion:
         motion._extrapolator = OdometryExtrapolator(self.config, odometry)
         motion._extrapolator.correct(odometry, pose)
         motion.faults, motion.driven = self.faults, self.driven
-        motion.precision = self.precision
+        motion.precision, motion.soundness = self.precision, copy.copy(self.soundness)
+        motion.soundness.probability = 1.0
         return motion
 
     def stands_still(self, odometry: Array) -> bool:
